@@ -1,0 +1,45 @@
+"""The bus: one place where events are published and any number of faces listen."""
+
+import logging
+import threading
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from edgevox.core.events import Event
+
+log = logging.getLogger(__name__)
+
+E = TypeVar("E")
+Handler = Callable[[Any], None]
+
+
+class Bus:
+    """Delivers each event to its type's subscribers, in order, on the publisher's thread.
+
+    Handlers must be quick and must not publish in answer while holding a lock of their own. One
+    that raises is logged and the others still hear the event: a broken face must not silence the
+    robot.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._handlers: dict[type, tuple[Handler, ...]] = {}
+
+    def subscribe(self, kind: type[E], handler: Callable[[E], None]) -> Callable[[], None]:
+        """Call `handler` for every event of exactly this type. Returns a way to unsubscribe."""
+        with self._lock:
+            self._handlers[kind] = (*self._handlers.get(kind, ()), handler)
+        return lambda: self._unsubscribe(kind, handler)
+
+    def publish(self, event: Event) -> None:
+        """Hand an event to everybody who listens for it."""
+        for handler in self._handlers.get(type(event), ()):
+            try:
+                handler(event)
+            except Exception:
+                log.exception("a subscriber failed on %s", type(event).__name__)
+
+    def _unsubscribe(self, kind: type, handler: Handler) -> None:
+        with self._lock:
+            left = tuple(h for h in self._handlers.get(kind, ()) if h is not handler)
+            self._handlers[kind] = left

@@ -1,0 +1,86 @@
+"""Cancellation that reaches everything that works for one turn or one goal."""
+
+import threading
+from collections.abc import Callable
+
+
+class Cancelled(Exception):
+    """Raised by work that stopped because its token was cancelled. Not an error."""
+
+
+class CancelToken:
+    """A one-way switch that many threads may look at and one of them may turn.
+
+    Work that can be stopped polls `cancelled`, sleeps with `wait`, or registers a callback.
+    A child is cancelled with its parent, never the other way round.
+    """
+
+    def __init__(self) -> None:
+        self._event = threading.Event()
+        self._lock = threading.Lock()
+        self._callbacks: dict[int, Callable[[], None]] = {}
+        self._next_key = 0
+        self._reason = ""
+        self._detach: Callable[[], None] = lambda: None
+
+    @property
+    def cancelled(self) -> bool:
+        return self._event.is_set()
+
+    @property
+    def reason(self) -> str:
+        """Why it was cancelled; empty while it is not."""
+        return self._reason
+
+    def cancel(self, reason: str = "cancelled") -> bool:
+        """Turn the switch. True for the call that turned it, False for every later one.
+
+        Callbacks run on the calling thread, once.
+        """
+        with self._lock:
+            if self._event.is_set():
+                return False
+            self._reason = reason
+            self._event.set()
+            callbacks = list(self._callbacks.values())
+            self._callbacks.clear()
+        for callback in callbacks:
+            callback()
+        return True
+
+    def wait(self, timeout_s: float | None = None) -> bool:
+        """Sleep until cancelled or until the timeout; True if cancelled."""
+        return self._event.wait(timeout_s)
+
+    def check(self) -> None:
+        """Raise `Cancelled` if the switch is turned."""
+        if self._event.is_set():
+            raise Cancelled(self._reason)
+
+    def on_cancel(self, callback: Callable[[], None]) -> Callable[[], None]:
+        """Run `callback` when cancelled, at once if it is. Returns a way to forget it."""
+        with self._lock:
+            if not self._event.is_set():
+                key = self._next_key
+                self._next_key += 1
+                self._callbacks[key] = callback
+                return lambda: self._forget(key)
+        callback()
+        return lambda: None
+
+    def child(self) -> "CancelToken":
+        """A token that is cancelled with this one. Call `detach` on it when its work is done."""
+        token = CancelToken()
+        token._detach = self.on_cancel(lambda: token._follow(self))
+        return token
+
+    def detach(self) -> None:
+        """Stop listening to the parent; a token without one has nothing to do."""
+        self._detach()
+
+    def _follow(self, parent: "CancelToken") -> None:
+        self.cancel(parent.reason)
+
+    def _forget(self, key: int) -> None:
+        with self._lock:
+            self._callbacks.pop(key, None)

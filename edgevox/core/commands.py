@@ -1,0 +1,72 @@
+"""What somebody asks of EdgeVox: a person, a ROS 2 node, a script."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True)
+class TextInput:
+    """Words for the agent, as if spoken and understood."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Speak:
+    """Say this text aloud as it is."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Interrupt:
+    """Stop talking, stop thinking, stop moving."""
+
+    reason: str = "interrupted"
+
+
+@dataclass(frozen=True, slots=True)
+class SetLanguage:
+    """Change the language; an ISO 639-1 code."""
+
+    code: str
+
+
+@dataclass(frozen=True, slots=True)
+class SetVoice:
+    """Change the text-to-speech voice."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class SetMuted:
+    """Stop or start hearing."""
+
+    muted: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Reset:
+    """Forget the conversation and stop what it started."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunSkill:
+    """Run one skill, by name and with keyword arguments, without any language understanding."""
+
+    name: str
+    arguments: Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Query:
+    """Ask for information; answered on the bus."""
+
+    name: str
+
+
+Command = (
+    TextInput | Speak | Interrupt | SetLanguage | SetVoice | SetMuted | Reset | RunSkill | Query
+)

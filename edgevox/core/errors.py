@@ -1,0 +1,28 @@
+"""The root of every error that EdgeVox raises on purpose."""
+
+
+class EdgeVoxError(Exception):
+    """Something was wrong; the message says what, with which value, and what would be right."""
+
+
+class InvalidValue(EdgeVoxError):
+    """A named field holds a value that cannot be honoured.
+
+    The message reads ``field: got value, expected expectation``; the parts stay available so that a
+    face (a ROS 2 parameter result, the terminal) can say them its own way.
+    """
+
+    def __init__(self, field: str, value: object, expected: str) -> None:
+        self.field = field
+        self.value = value
+        self.expected = expected
+        super().__init__(f"{field}: got {shorten(value)}, expected {expected}")
+
+
+def shorten(value: object, limit: int = 80) -> str:
+    """``repr`` of a value, cut in the middle so that a message stays one readable line."""
+    text = repr(value)
+    if len(text) <= limit:
+        return text
+    keep = (limit - 1) // 2
+    return f"{text[:keep]}…{text[-keep:]}"

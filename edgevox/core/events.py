@@ -1,0 +1,133 @@
+"""What happened. All that EdgeVox shows, on ROS 2 or a terminal, is one of these on the bus."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any
+
+
+class State(StrEnum):
+    """What the conversation is doing, as the `state` topic says it."""
+
+    LISTENING = "listening"
+    TRANSCRIBING = "transcribing"
+    THINKING = "thinking"
+    SPEAKING = "speaking"
+    INTERRUPTED = "interrupted"
+
+
+class AgentEventKind(StrEnum):
+    """What kinds of deed `agent_event` reports."""
+
+    TOOL_CALL = "tool_call"
+    SKILL_GOAL = "skill_goal"
+    SKILL_CANCELLED = "skill_cancelled"
+    HANDOFF = "handoff"
+    SAFETY_PREEMPT = "safety_preempt"
+
+
+@dataclass(frozen=True, slots=True)
+class Transcribed:
+    """What the person said or typed, as text. `turn` is 0 for words that start no turn."""
+
+    text: str
+    turn: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class TokenGenerated:
+    """One piece of an answer, as soon as it exists."""
+
+    text: str
+    turn: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class SentenceReady:
+    """One sentence of an answer, whole, as it goes to text-to-speech."""
+
+    text: str
+    turn: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Responded:
+    """The full text of one answer; `cut` if it was interrupted before its end."""
+
+    text: str
+    turn: int = 0
+    cut: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class StateChanged:
+    """The conversation went into another state."""
+
+    state: State
+    turn: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class AudioLevel:
+    """Loudness of the microphone, root mean square, 0 to 1."""
+
+    level: float
+
+
+@dataclass(frozen=True, slots=True)
+class WakeWordHeard:
+    """The wake word was heard, e.g. ``hey jarvis``."""
+
+    phrase: str
+
+
+@dataclass(frozen=True, slots=True)
+class TurnMeasured:
+    """Seconds that the stages of one turn took; 0 for a stage it did not need.
+
+    `ttfs` is the time to the first sign of an answer that a person could notice.
+    """
+
+    stt: float
+    llm: float
+    tts: float
+    ttfs: float
+    total: float
+    turn: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class AgentEvent:
+    """A deed of the agent. `data` is JSON-ready and never holds the key ``kind``."""
+
+    kind: AgentEventKind
+    data: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class RobotState:
+    """A snapshot of the body, JSON-ready: pose, velocity, goal, battery where it has one."""
+
+    data: Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class TurnEnded:
+    """A turn is over: nothing more will be said for it, though its goals may still run."""
+
+    turn: int
+
+
+Event = (
+    Transcribed
+    | TokenGenerated
+    | SentenceReady
+    | Responded
+    | StateChanged
+    | AudioLevel
+    | WakeWordHeard
+    | TurnMeasured
+    | AgentEvent
+    | RobotState
+    | TurnEnded
+)

@@ -1,0 +1,120 @@
+"""The settings: one model, validated once, with the field's name in every error.
+
+They come from, each overruling the one before: the defaults below, a TOML file, ``EDGEVOX_*``
+variables, command line flags, and, on a running node, ROS 2 parameters.
+"""
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, Field, ValidationError
+from pydantic_settings import (
+    BaseSettings,
+    PydanticBaseSettingsSource,
+    SettingsConfigDict,
+    TomlConfigSettingsSource,
+)
+
+from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.languages import LANGUAGES
+
+ENV_PREFIX = "EDGEVOX_"
+_NAMESPACE = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+|/")
+
+
+def _known_language(code: str) -> str:
+    if code not in LANGUAGES:
+        raise ValueError("one of " + ", ".join(LANGUAGES))
+    return code
+
+
+def _valid_namespace(namespace: str) -> str:
+    absolute = namespace if namespace.startswith("/") else f"/{namespace}"
+    if not _NAMESPACE.fullmatch(absolute) or "__" in absolute:
+        raise ValueError(
+            "a ROS 2 namespace such as /robot1: letters, digits and single underscores"
+        )
+    return absolute
+
+
+class Settings(BaseSettings):
+    """Everything that can be set. A field's description is its help text everywhere."""
+
+    model_config = SettingsConfigDict(
+        env_prefix=ENV_PREFIX, extra="forbid", frozen=True, validate_default=True
+    )
+
+    language: Annotated[str, AfterValidator(_known_language)] = Field(
+        "en", description="language to hear and speak, ISO 639-1 code"
+    )
+    text_mode: bool = Field(False, description="type instead of speaking; no sound is used")
+    simple_ui: bool = Field(False, description="plain lines instead of a full-screen interface")
+    render: bool = Field(True, description="show the robot in a window where there is a display")
+    ros2: bool = Field(False, description="be a ROS 2 node")
+    ros2_namespace: Annotated[str, AfterValidator(_valid_namespace)] = Field(
+        "/edgevox", description="namespace of the ROS 2 node"
+    )
+    ros2_state_hz: float = Field(
+        10.0, ge=0.1, le=100.0, description="how often robot_state is published, in hertz"
+    )
+    world: Path | None = Field(
+        None, description="world file of a 2D robot, in IR-SIM's YAML format"
+    )
+    llm: str = Field(
+        "qwen2.5-coder-0.5b-instruct",
+        description="language model: an id of edgevox-models, a GGUF file, or none",
+    )
+    llm_backend: Literal["auto", "xllamacpp", "llama-cpp-python"] = Field(
+        "auto", description="library that runs the language model"
+    )
+    llm_threads: int = Field(
+        0, ge=0, le=256, description="threads of the language model; 0 chooses by the machine"
+    )
+    llm_context: int = Field(
+        4096, ge=1024, le=131072, description="context window of the language model, in tokens"
+    )
+    log_level: Literal["debug", "info", "warning", "error"] = Field(
+        "warning", description="least severe log lines to show"
+    )
+
+    @classmethod
+    def settings_customise_sources(
+        cls,
+        settings_cls: type[BaseSettings],
+        init_settings: PydanticBaseSettingsSource,
+        env_settings: PydanticBaseSettingsSource,
+        dotenv_settings: PydanticBaseSettingsSource,  # noqa: ARG003
+        file_secret_settings: PydanticBaseSettingsSource,  # noqa: ARG003
+    ) -> tuple[PydanticBaseSettingsSource, ...]:
+        """Flags, then the environment, then the TOML file that `load_settings` names."""
+        return init_settings, env_settings, TomlConfigSettingsSource(settings_cls)
+
+
+def load_settings(flags: Mapping[str, Any], config: Path | None = None) -> Settings:
+    """Settings from all sources. `flags` holds only what the command line gave.
+
+    Raises `InvalidValue` naming the field, its value, and what was expected.
+    """
+    if config is not None and not config.is_file():
+        raise InvalidValue("config", str(config), "a TOML file that exists")
+
+    class FromFile(Settings):
+        model_config = SettingsConfigDict(toml_file=config)
+
+    try:
+        return FromFile(**flags)
+    except ValidationError as error:
+        raise _explain(error) from None
+    except ValueError as error:
+        raise EdgeVoxError(f"config: {config} is not valid TOML: {error}") from None
+
+
+def _explain(error: ValidationError) -> InvalidValue:
+    first = error.errors(include_url=False)[0]
+    name = ".".join(str(part) for part in first["loc"]) or "settings"
+    if first["type"] == "extra_forbidden":
+        return InvalidValue(name, first["input"], "one of " + ", ".join(Settings.model_fields))
+    message = first["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
+    return InvalidValue(name, first["input"], message)

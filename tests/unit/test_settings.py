@@ -1,0 +1,73 @@
+import pytest
+
+from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.settings import load_settings
+
+
+@pytest.fixture
+def config(tmp_path):
+    path = tmp_path / "edgevox.toml"
+
+    def write(text):
+        path.write_text(text)
+        return path
+
+    return write
+
+
+def test_each_source_overrules_the_one_before(config, monkeypatch):
+    path = config('language = "fr"\nros2_state_hz = 5\nllm_threads = 3')
+    monkeypatch.setenv("EDGEVOX_ROS2_STATE_HZ", "20")
+    monkeypatch.setenv("EDGEVOX_LLM_THREADS", "4")
+    settings = load_settings({"llm_threads": "5"}, path)
+    assert settings.language == "fr"
+    assert settings.ros2_state_hz == 20
+    assert settings.llm_threads == 5
+    assert settings.ros2_namespace == "/edgevox"
+
+
+@pytest.mark.parametrize(
+    ("flags", "message"),
+    [
+        ({"ros2_state_hz": "fast"}, "ros2_state_hz: got 'fast', expected a valid number"),
+        (
+            {"ros2_state_hz": "1000"},
+            "ros2_state_hz: got '1000', expected less than or equal to 100",
+        ),
+        ({"language": "xx"}, "language: got 'xx', expected one of en, es"),
+        (
+            {"ros2_namespace": "my robot"},
+            "ros2_namespace: got 'my robot', expected a ROS 2 namespace",
+        ),
+        ({"log_level": "loud"}, "log_level: got 'loud', expected 'debug', 'info'"),
+    ],
+)
+def test_a_wrong_value_is_refused_by_field_value_and_expectation(flags, message):
+    with pytest.raises(InvalidValue) as refused:
+        load_settings(flags)
+    assert str(refused.value).startswith(message)
+
+
+def test_a_wrong_environment_variable_names_its_field(monkeypatch):
+    monkeypatch.setenv("EDGEVOX_LLM_CONTEXT", "12")
+    with pytest.raises(InvalidValue, match="llm_context: got '12', expected greater than or equal"):
+        load_settings({})
+
+
+def test_a_misspelled_key_in_the_file_is_refused_with_the_names_that_exist(config):
+    with pytest.raises(InvalidValue, match="langauge: got 'fr', expected one of language, "):
+        load_settings({}, config('langauge = "fr"'))
+
+
+def test_a_file_that_is_not_toml_is_refused(config):
+    with pytest.raises(EdgeVoxError, match="is not valid TOML"):
+        load_settings({}, config("language ="))
+
+
+def test_a_missing_file_is_refused(tmp_path):
+    with pytest.raises(InvalidValue, match="config: .*expected a TOML file that exists"):
+        load_settings({}, tmp_path / "absent.toml")
+
+
+def test_a_namespace_without_a_slash_is_made_absolute():
+    assert load_settings({"ros2_namespace": "robot1"}).ros2_namespace == "/robot1"
