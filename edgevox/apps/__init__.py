@@ -1,0 +1,1 @@
+"""Composition roots: each program puts its parts together here, by hand. Nothing imports apps."""

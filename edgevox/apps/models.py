@@ -1,0 +1,113 @@
+"""`edgevox-models`: which models there are, and getting them onto this machine."""
+
+import argparse
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from edgevox.core.errors import EdgeVoxError
+from edgevox.models import Store, UnknownModel, fetch
+from edgevox.models.fetch import OFFLINE_VARIABLE
+from edgevox.models.manifest import Manifest
+from edgevox.models.progress import megabytes, shown_on
+from edgevox.models.store import ROOT_VARIABLE
+
+OK, FAILED, USAGE = 0, 1, 2
+
+
+def main(argv: Sequence[str] | None = None, manifest: Manifest | None = None) -> int:
+    """Run one command; 0 if all is well, 1 if something failed, 2 for a wrong command line."""
+    options = _parser().parse_args(argv)
+    store = Store(options.dir and Path(options.dir).absolute(), manifest)
+    run: Callable[[argparse.Namespace, Store], int] = options.run
+    try:
+        return run(options, store)
+    except UnknownModel as error:
+        return _say(error, USAGE)
+    except (EdgeVoxError, OSError) as error:
+        return _say(error, FAILED)
+    except KeyboardInterrupt:
+        return _say("stopped; the same command goes on from here", FAILED)
+
+
+def list_models(_: argparse.Namespace, store: Store) -> int:
+    """Print each model with its sets, its size, and whether it is here."""
+    for model in store.manifest.models.values():
+        sets = [name for name, members in store.manifest.sets.items() if model.id in members]
+        state = "missing" if store.missing(model) else "here"
+        print(f"{model.id:<30} {','.join(sets):<8} {megabytes(model.size):>8}  {state}")
+        print(f"    {model.title}; {model.publisher}; {model.licence}")
+    print(f"in {store.root}")
+    return OK
+
+
+def fetch_models(options: argparse.Namespace, store: Store) -> int:
+    """Fetch sets and models that are not here yet."""
+    with shown_on(sys.stderr) as progress:
+        fetch(options.names, store=store, progress=progress, offline=options.offline or None)
+    return OK
+
+
+def verify_models(options: argparse.Namespace, store: Store) -> int:
+    """Hash every byte again; without names, of the models that are here."""
+    chosen = store.manifest.select(options.names or store.manifest.models)
+    result = OK
+    for model in chosen:
+        if not options.names and not store.folder(model).is_dir():
+            continue
+        wrong = store.verify(model)
+        result = FAILED if wrong else result
+        said = ", ".join(f"{file.name} is missing or damaged" for file in wrong) or "right"
+        print(f"{model.id}: {said}")
+    return result
+
+
+def print_path(options: argparse.Namespace, store: Store) -> int:
+    """Print where a model is."""
+    if options.name in store.manifest.sets:
+        raise UnknownModel(options.name, store.manifest.models)
+    print(store.locate(options.name))
+    return OK
+
+
+def print_licences(_: argparse.Namespace, store: Store) -> int:
+    """Print whose each model is and what its licence forbids."""
+    for model in store.manifest.models.values():
+        licence = store.manifest.licences[model.licence]
+        print(f"{model.id}\n    {model.publisher}\n    {licence.name}, {licence.url}")
+        if not licence.commercial_use:
+            print("    Not for commercial use.")
+        if model.caution:
+            print(f"    {model.caution}")
+    return OK
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser("edgevox-models", description=__doc__)
+    parser.add_argument("--dir", help=f"folder of the models, instead of ${ROOT_VARIABLE}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    def command(name: str, run: Callable[..., int]) -> argparse.ArgumentParser:
+        sub = commands.add_parser(name, help=run.__doc__, description=run.__doc__)
+        sub.set_defaults(run=run)
+        return sub
+
+    command("list", list_models)
+    fetching = command("fetch", fetch_models)
+    fetching.add_argument("names", nargs="*", default=["small"], metavar="SET|ID")
+    fetching.add_argument(
+        "--offline", action="store_true", help=f"do not use the network, as {OFFLINE_VARIABLE}=1"
+    )
+    command("verify", verify_models).add_argument("names", nargs="*", metavar="SET|ID")
+    command("path", print_path).add_argument("name", metavar="ID")
+    command("licences", print_licences)
+    return parser
+
+
+def _say(error: object, status: int) -> int:
+    print(f"edgevox-models: {error}", file=sys.stderr)
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,19 @@
+"""Which weights, whose, from where; fetched with progress, verified, found again.
+
+Imports core only. `locate` is what the rest of the house needs; `edgevox-models` is its terminal.
+"""
+
+from edgevox.models.errors import FetchFailed, ModelMissing, StoreNotWritable
+from edgevox.models.fetch import fetch
+from edgevox.models.manifest import UnknownModel
+from edgevox.models.store import Store, locate
+
+__all__ = [
+    "FetchFailed",
+    "ModelMissing",
+    "Store",
+    "StoreNotWritable",
+    "UnknownModel",
+    "fetch",
+    "locate",
+]

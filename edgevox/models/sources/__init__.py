@@ -1,0 +1,23 @@
+"""Places that models can be had from; one module a kind of place."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Protocol, TypeVar
+
+from edgevox.models.manifest import ModelFile
+from edgevox.models.progress import Progress
+
+SpecT_contra = TypeVar("SpecT_contra", contravariant=True)
+
+
+class Provider(Protocol[SpecT_contra]):
+    """Fetches files from one kind of place."""
+
+    def provide(
+        self, spec: SpecT_contra, files: Sequence[ModelFile], bench: Path, progress: Progress
+    ) -> Iterator[tuple[ModelFile, Path]]:
+        """Yield each file with where it lies now: below `bench`, on the same file system.
+
+        Nothing is said of its bytes; the caller checks them. Counts in `progress` are relative to
+        the files asked for. Raises `SourceFailed`.
+        """

