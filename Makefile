@@ -1,0 +1,106 @@
+# EdgeVox. `make help` says what can be done; everything happens in .venv and in the user's cache.
+
+SHELL := /bin/bash
+.SHELLFLAGS := -euo pipefail -c
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+
+PYTHON ?= python3
+AGENT ?= robot-apartment
+ARGS ?=
+TEST_MODELS ?= small quality smoke
+
+VENV := .venv
+BIN := $(VENV)/bin
+DONE := $(VENV)/done
+INSTALL := $(BIN)/python -m pip install -qq --disable-pip-version-check --no-input
+MSGS := $(shell find edgevox_msgs tf2_msgs -type f)
+# ROS 2's wheels exist for x86-64; elsewhere the agent runs without them, or in the container.
+ROS2 := $(filter x86_64,$(shell uname -m))
+
+# A sourced ROS 2, or another virtual environment, must not leak into this one.
+unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
+unexport ROS_DISTRO ROS_PYTHON_VERSION ROS_VERSION VIRTUAL_ENV _ROS_WHEELS_BOOTSTRAP_COMPLETE
+export RMW_IMPLEMENTATION := rmw_fastrtps_cpp
+
+.PHONY: help
+help: ## List what can be made.
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' Makefile
+	@echo "Variables: PYTHON=python3.12 (before the first run), AGENT=..., ARGS='...'"
+
+.PHONY: run
+run: $(DONE)/$(if $(ROS2),msgs,run) ## Start the agent with a prompt, on ROS 2; the first time, install all it needs.
+	@$(BIN)/edgevox-models fetch small
+	@exec $(BIN)/edgevox-agent $(AGENT) --text-mode $(if $(ROS2),--ros2) $(ARGS)
+
+.PHONY: test
+test: $(DONE)/dev $(DONE)/msgs $(DONE)/llama-cpp ## Run all tests; ARGS goes to pytest.
+	@$(BIN)/edgevox-models fetch $(TEST_MODELS)
+	@$(BIN)/python -m pytest $(ARGS)
+
+.PHONY: lint
+lint: $(DONE)/dev ## Check style, types, layers and locks.
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/python scripts/lock.py check
+
+.PHONY: format
+format: $(DONE)/dev ## Rewrite the code as the linters want it.
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+.PHONY: bench
+bench: $(DONE)/dev $(DONE)/msgs ## Measure latency, speed and memory on this machine.
+	@$(BIN)/edgevox-models fetch small
+	@$(BIN)/python benchmarks/latency.py $(ARGS)
+
+.PHONY: models
+models: $(DONE)/run ## Fetch models; ARGS names sets and models, `small` if empty.
+	@$(BIN)/edgevox-models fetch $(ARGS)
+
+.PHONY: msgs
+msgs: $(DONE)/msgs ## Build the ROS 2 interfaces into .venv.
+
+.PHONY: lock
+lock: $(DONE)/dev ## Resolve requirements/*.lock anew.
+	$(BIN)/python scripts/lock.py compile
+
+.PHONY: clean
+clean: ## Remove .venv and caches of this folder; models stay in the user's cache.
+	rm -rf $(VENV) build dist .*_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+$(DONE)/tools: requirements/tools.lock
+	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON) not found: sudo apt install python3" >&2; exit 1; }
+	@$(PYTHON) scripts/check_machine.py
+	@echo "Creating $(VENV) with $$($(PYTHON) --version)"
+	@$(PYTHON) -m venv $(VENV)
+	@$(INSTALL) --require-hashes -r requirements/tools.lock
+	@mkdir -p $(DONE) && touch $@
+
+$(DONE)/run: $(DONE)/tools requirements/run.lock pyproject.toml
+	@echo "Installing the locked packages, ROS 2 Jazzy among them"
+	@$(INSTALL) --require-hashes -r requirements/run.lock
+	@$(INSTALL) --no-deps --no-build-isolation --editable .
+	@touch $@
+
+$(DONE)/dev: $(DONE)/run requirements/dev.lock
+	@echo "Installing the tools for tests and checks"
+	@$(INSTALL) --require-hashes -r requirements/dev.lock
+	@touch $@
+
+$(DONE)/build: $(DONE)/run requirements/build.lock
+	@echo "Installing what builds ROS 2 interfaces"
+	@$(INSTALL) --require-hashes -r requirements/build.lock
+	@touch $@
+
+$(DONE)/msgs: $(DONE)/build scripts/build_msgs.py $(MSGS)
+	@echo "Building edgevox_msgs and tf2_msgs"
+	@$(BIN)/python scripts/build_msgs.py
+	@touch $@
+
+$(DONE)/llama-cpp: $(DONE)/dev $(DONE)/build requirements/llama-cpp.lock scripts/build_llama_cpp.py
+	@$(BIN)/python scripts/build_llama_cpp.py
+	@touch $@
