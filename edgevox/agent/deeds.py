@@ -1,0 +1,114 @@
+"""Calls become deeds: checked, acknowledged, run, and reported when they end."""
+
+import threading
+from collections.abc import Callable, Sequence
+
+from edgevox.agent.goals import Goal, GoalRunner, Status
+from edgevox.agent.skills import Call, SkillSet
+from edgevox.agent.turn import Turn
+from edgevox.core.bus import Bus
+from edgevox.core.errors import InvalidValue
+from edgevox.core.events import AgentEvent, AgentEventKind
+
+MAX_CALLS = 8
+"""How many calls one utterance may hold."""
+
+
+class Deeds:
+    """Runs calls: those that move beside the conversation, the others on the spot.
+
+    `stop` and `perform` exclude each other, so no motion starts for a turn that was stopped.
+    """
+
+    def __init__(
+        self, bus: Bus, halt: Callable[[str], bool], announce: Callable[[str], None]
+    ) -> None:
+        self._bus = bus
+        self._halt = halt
+        self._announce = announce
+        self._gate = threading.Lock()
+        self._runner = GoalRunner(on_end=self._ended)
+
+    def start(self) -> None:
+        self._runner.start()
+
+    def close(self) -> None:
+        self._runner.close()
+
+    @property
+    def busy(self) -> bool:
+        return self._runner.busy
+
+    def wait_idle(self, timeout_s: float | None = None) -> bool:
+        return self._runner.wait_idle(timeout_s)
+
+    def stop(self, reason: str, turn: Turn | None) -> bool:
+        """Cancel the turn, its goals, and all motion of the body. True if there was any of it."""
+        with self._gate:
+            cut = turn is not None and turn.token.cancel(reason)
+            ran = self._runner.cancel(reason)
+        moved = self._halt(reason)
+        return cut or ran or moved
+
+    def perform(self, calls: Sequence[Call], skills: SkillSet, turn: Turn, source: str) -> None:
+        """Check all calls, then acknowledge and run them in order; if one is wrong, none runs."""
+        try:
+            goals = self._goals(calls, skills, turn)
+        except InvalidValue as error:
+            turn.say(f"I cannot do that: {error}.")
+            return
+        for goal in goals:
+            data = {"skill": goal.skill.name, "arguments": goal.arguments, "source": source}
+            self._bus.publish(AgentEvent(AgentEventKind.TOOL_CALL, {**data, "turn": turn.number}))
+        if any(goal.skill.moves for goal in goals):
+            self._run_beside(goals, turn)
+        else:
+            self._run_now(goals, turn)
+
+    def _goals(self, calls: Sequence[Call], skills: SkillSet, turn: Turn) -> list[Goal]:
+        if len(calls) > MAX_CALLS:
+            raise InvalidValue("calls", len(calls), f"at most {MAX_CALLS} in one sentence")
+        checked = [(skills[c.skill], skills[c.skill].validate(c.arguments)) for c in calls]
+        return [Goal(skill, args, turn=turn.number, bus=self._bus) for skill, args in checked]
+
+    def _run_beside(self, goals: Sequence[Goal], turn: Turn) -> None:
+        with self._gate:
+            if turn.token.cancelled:
+                return
+            self._runner.submit(goals)
+        moving = [goal for goal in goals if goal.skill.moves and goal.skill.says]
+        turn.say(_join([_speak(goal.skill.says, goal.arguments) for goal in moving]))
+
+    def _run_now(self, goals: Sequence[Goal], turn: Turn) -> None:
+        for goal in goals:
+            goal.accept()
+            goal.run()
+            turn.say(_report(goal))
+
+    def _ended(self, goal: Goal) -> None:
+        text = _report(goal)
+        if text:
+            self._announce(text)
+
+
+def _report(goal: Goal) -> str:
+    """What to say of a goal's end; nothing for one that somebody cancelled."""
+    if goal.status is Status.SUCCEEDED:
+        return _speak(goal.skill.done, {**goal.arguments, **goal.result})
+    if goal.status is Status.FAILED:
+        return f"I could not do that: {goal.error.rstrip('.')}."
+    return ""
+
+
+def _speak(template: str, values: dict[str, object]) -> str:
+    spoken = {
+        key: value.replace("_", " ") if isinstance(value, str) else value
+        for key, value in values.items()
+    }
+    return template.format(**spoken) if template else ""
+
+
+def _join(sentences: Sequence[str]) -> str:
+    """Several acknowledgements as one: "Going to the kitchen. Then: going to the bedroom."."""
+    first, *rest = [sentence for sentence in sentences if sentence] or ["All right."]
+    return " ".join([first, *(f"Then: {one[0].lower()}{one[1:]}" for one in rest)])

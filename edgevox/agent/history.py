@@ -1,0 +1,50 @@
+"""What was said, kept within the model's context window."""
+
+from collections.abc import Callable, Sequence
+
+from edgevox.agent.llm.base import Message
+
+CUT_MARK = " [interrupted]"
+"""Ends an answer in the history that the person did not hear to its end."""
+
+_OVERHEAD_TOKENS = 8
+"""What a chat template adds to each message, rounded up."""
+
+
+def size_tokens(count_tokens: Callable[[str], int], messages: Sequence[Message]) -> int:
+    """How much of a context window these messages take, with what a chat template adds."""
+    return sum(count_tokens(message.content) + _OVERHEAD_TOKENS for message in messages)
+
+
+class History:
+    """Exchanges, oldest first. The oldest half is forgotten when they outgrow `budget_tokens`.
+
+    Half at once, not one by one: a model keeps what it computed for the part of a chat that did not
+    change, and every forgotten exchange changes the chat from its start.
+    """
+
+    def __init__(self, count_tokens: Callable[[str], int], budget_tokens: int) -> None:
+        self._count = count_tokens
+        self._budget = budget_tokens
+        self._exchanges: list[tuple[Message, Message]] = []
+        self._sizes: list[int] = []
+
+    def add(self, said: str, answered: str, *, cut: bool = False) -> None:
+        """Remember one exchange."""
+        exchange = (
+            Message("user", said),
+            Message("assistant", answered + CUT_MARK if cut else answered),
+        )
+        self._exchanges.append(exchange)
+        self._sizes.append(size_tokens(self._count, exchange))
+        while self._exchanges and sum(self._sizes) > self._budget:
+            half = (len(self._exchanges) + 1) // 2
+            del self._exchanges[:half]
+            del self._sizes[:half]
+
+    def clear(self) -> None:
+        self._exchanges.clear()
+        self._sizes.clear()
+
+    def messages(self) -> Sequence[Message]:
+        return [message for exchange in self._exchanges for message in exchange]

@@ -1,0 +1,69 @@
+"""One way to get a language model, whichever engine is installed."""
+
+import importlib.util
+from pathlib import Path
+from typing import Literal
+
+from edgevox.agent.llm import gguf
+from edgevox.agent.llm.base import CONTEXT_TOKENS, LanguageModel, ModelFailed
+from edgevox.agent.llm.llama_cpp_model import LlamaCppModel
+from edgevox.agent.llm.xllamacpp_model import XllamacppModel
+
+Backend = Literal["auto", "xllamacpp", "llama-cpp-python"]
+
+_ENGINES: dict[str, tuple[str, type[XllamacppModel] | type[LlamaCppModel]]] = {
+    "xllamacpp": ("xllamacpp", XllamacppModel),
+    "llama-cpp-python": ("llama_cpp", LlamaCppModel),
+}
+"""Name of each backend to the module it needs and the class that drives it, best first."""
+
+_WORKING_MEMORY = 200_000_000
+"""Bytes beside the weights: the cache of the context and the buffers of the engine."""
+
+
+def load_model(
+    path: Path,
+    backend: Backend = "auto",
+    *,
+    context_tokens: int = CONTEXT_TOKENS,
+    threads: int | None = None,
+) -> LanguageModel:
+    """A loaded model; `threads` None means as many as suit this machine. Raises `ModelFailed`."""
+    chosen = _choose(backend)
+    _check_memory(path, gguf.check(path))
+    engine = _ENGINES[chosen][1]
+    return engine(path, context_tokens=context_tokens, threads=threads)
+
+
+def _choose(backend: Backend) -> str:
+    candidates = tuple(_ENGINES) if backend == "auto" else (backend,)
+    for name in candidates:
+        if name not in _ENGINES:
+            raise ModelFailed(f"backend: got {name!r}, expected auto, {', '.join(_ENGINES)}")
+        if importlib.util.find_spec(_ENGINES[name][0]) is not None:
+            return name
+    raise ModelFailed(
+        f"no engine for language models ({' or '.join(candidates)}) is installed: "
+        "pip install 'edgevox[llm]' for xllamacpp, 'edgevox[llama-cpp]' for llama-cpp-python"
+    )
+
+
+def _check_memory(path: Path, size: int) -> None:
+    """Refuse what cannot fit: the kernel would otherwise kill the robot's process halfway."""
+    needed, free = size + _WORKING_MEMORY, _available_bytes()
+    if free is not None and needed > free:
+        raise ModelFailed(
+            f"{path}: out of memory, needs about {needed >> 20} MiB and {free >> 20} MiB are free"
+        )
+
+
+def _available_bytes() -> int | None:
+    """What the kernel says it can give without swapping; None where it does not say."""
+    try:
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+    except OSError:
+        return None
+    for line in lines:
+        if line.startswith("MemAvailable:"):
+            return int(line.split()[1]) * 1024
+    return None

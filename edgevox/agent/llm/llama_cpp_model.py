@@ -1,0 +1,184 @@
+"""A language model run by llama-cpp-python, for machines whose users compile it themselves."""
+
+import codecs
+import ctypes
+import importlib
+import itertools
+import logging
+import threading
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from edgevox.agent.llm import tuning
+from edgevox.agent.llm.base import CONTEXT_TOKENS, Message, ModelFailed
+from edgevox.core.cancel import CancelToken
+
+log = logging.getLogger(__name__)
+
+_ERROR_LEVEL = 4
+
+
+class LlamaCppModel:
+    """Implements `LanguageModel`; decodes on the thread that iterates.
+
+    While it loads, llama-cpp-python points the process's stdout and stderr at nothing.
+    """
+
+    def __init__(
+        self, path: Path, *, context_tokens: int = CONTEXT_TOKENS, threads: int | None = None
+    ) -> None:
+        tuning.spin_briefly()
+        self.name = path.stem
+        self.context_tokens = context_tokens
+        self._lock = threading.Lock()
+        self._closed = threading.Event()
+        self._engine = _engine()
+        count = threads or tuning.default_threads()
+        try:
+            self._llama: Any = self._engine.Llama(
+                str(path),
+                n_ctx=context_tokens,
+                n_batch=tuning.BATCH_TOKENS,
+                n_ubatch=tuning.BATCH_TOKENS,
+                n_threads=count,
+                n_threads_batch=count,
+                verbose=False,
+            )
+        except (ValueError, RuntimeError, OSError) as error:
+            raise ModelFailed(f"{path}: llama-cpp-python could not load it: {error}") from None
+        self._vocabulary = self._engine.llama_model_get_vocab(self._llama.model)
+        self._format = _chat_format(self._llama)
+
+    def generate(
+        self,
+        messages: Sequence[Message],
+        *,
+        grammar: str | None,
+        max_tokens: int,
+        token: CancelToken,
+    ) -> Iterator[str]:
+        """See `LanguageModel.generate`."""
+        with self._lock:
+            self._refuse_if_closed()
+            rules = None if grammar is None else self._grammar(grammar)
+            prompt = self._prompt(messages)
+            if not self._read(prompt, token):
+                return
+            yield from self._decode(prompt, rules, max_tokens, token)
+
+    def prime(self, messages: Sequence[Message], token: CancelToken) -> None:
+        """See `LanguageModel.prime`."""
+        for _ in self.generate(messages, grammar=None, max_tokens=1, token=token):
+            pass
+
+    def count_tokens(self, text: str) -> int:
+        """How many tokens this text takes."""
+        self._refuse_if_closed()
+        return len(self._llama.tokenize(text.encode(), add_bos=False, special=False))
+
+    def close(self) -> None:
+        """See `LanguageModel.close`; waits for the batch or the token that is being computed."""
+        self._closed.set()
+        with self._lock:
+            self._llama.close()
+
+    def _prompt(self, messages: Sequence[Message]) -> list[int]:
+        chat = [{"role": m.role, "content": m.content} for m in messages]
+        text = self._format(messages=chat).prompt
+        prompt: list[int] = self._llama.tokenize(text.encode(), add_bos=False, special=True)
+        if len(prompt) >= self.context_tokens:
+            raise ModelFailed(
+                f"the chat takes {len(prompt)} tokens, which exceeds the context of "
+                f"{self.context_tokens}"
+            )
+        return prompt
+
+    def _read(self, prompt: Sequence[int], token: CancelToken) -> bool:
+        """Bring the engine's state to the end of the prompt; False if cancelled on the way.
+
+        What the state already shares with the prompt is kept. The last token is always read again,
+        because the next one is sampled from what it gives.
+        """
+        state = self._llama.input_ids[: self._llama.n_tokens]
+        same = sum(1 for _ in itertools.takewhile(_equal, zip(state, prompt, strict=False)))
+        self._llama.n_tokens = min(same, len(prompt) - 1)
+        for start in range(self._llama.n_tokens, len(prompt), tuning.BATCH_TOKENS):
+            if self._unwanted(token):
+                return False
+            self._llama.eval(prompt[start : start + tuning.BATCH_TOKENS])
+        return True
+
+    def _decode(
+        self, prompt: list[int], rules: Any, max_tokens: int, token: CancelToken
+    ) -> Iterator[str]:
+        text = codecs.getincrementaldecoder("utf-8")("replace")
+        room = min(max_tokens, self.context_tokens - len(prompt))
+        decoded = self._llama.generate(prompt, temp=0.0, top_k=1, grammar=rules)
+        for one in itertools.islice(decoded, room):
+            if self._unwanted(token) or self._engine.llama_vocab_is_eog(self._vocabulary, one):
+                break
+            piece = text.decode(self._llama.detokenize([one]))
+            if piece:
+                yield piece
+            if self._unwanted(token):
+                break
+
+    def _unwanted(self, token: CancelToken) -> bool:
+        if token.cancelled:
+            return True
+        self._refuse_if_closed()
+        return False
+
+    def _grammar(self, grammar: str) -> Any:
+        """The engine's object, after a trial: it crashes on a grammar that does not parse."""
+        trial = self._engine.llama_sampler_init_grammar(self._vocabulary, grammar.encode(), b"root")
+        if not trial:
+            raise ModelFailed("the model refused: failed to parse grammar")
+        self._engine.llama_sampler_free(trial)
+        return self._engine.LlamaGrammar.from_string(grammar)
+
+    def _refuse_if_closed(self) -> None:
+        if self._closed.is_set():
+            raise ModelFailed(f"{self.name} is closed")
+
+
+def _equal(pair: tuple[int, int]) -> bool:
+    return pair[0] == pair[1]
+
+
+def _engine() -> Any:
+    try:
+        llama_cpp = importlib.import_module("llama_cpp")
+    except (ImportError, RuntimeError) as error:
+        raise ModelFailed(
+            f"llama-cpp-python cannot be imported ({error}): install edgevox[llama-cpp]"
+        ) from None
+    global _native_log  # noqa: PLW0603 (C keeps its address for as long as the process lives)
+    if _native_log is None:
+        _native_log = llama_cpp.llama_log_callback(_hear_native_log)
+        llama_cpp.llama_log_set(_native_log, ctypes.c_void_p(0))
+    return llama_cpp
+
+
+_native_log: Any = None
+
+
+def _hear_native_log(level: int, text: bytes, _user_data: object) -> None:
+    """The engine's own log: errors are ours too, the rest is chatter."""
+    line = text.decode("utf-8", "replace").rstrip()
+    if line:
+        log.log(logging.ERROR if level == _ERROR_LEVEL else logging.DEBUG, "%s", line)
+
+
+def _chat_format(llama: Any) -> Any:
+    """What turns messages into the prompt that this model was trained on."""
+    template = llama.metadata.get("tokenizer.chat_template")
+    if template is None:
+        raise ModelFailed(f"{llama.model_path}: has no chat template; take an instruct model")
+    end, begin = (
+        llama.detokenize([one], special=True).decode() if one >= 0 else ""
+        for one in (llama.token_eos(), llama.token_bos())
+    )
+    formats = importlib.import_module("llama_cpp.llama_chat_format")
+    return formats.Jinja2ChatFormatter(template=template, eos_token=end, bos_token=begin)

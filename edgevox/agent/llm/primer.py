@@ -1,0 +1,39 @@
+"""Reads a chat's opening into a model while the robot is already of use."""
+
+import logging
+import threading
+from collections.abc import Sequence
+
+from edgevox.agent.llm.base import LanguageModel, Message, ModelFailed
+from edgevox.core.cancel import CancelToken
+
+log = logging.getLogger(__name__)
+
+
+class Primer:
+    """Primes a model on a thread of its own.
+
+    Plain commands never need the model, so nobody has to wait for this; a sentence for the model
+    that comes meanwhile waits for the rest of it, and is sooner answered for it.
+    """
+
+    def __init__(self, model: LanguageModel, messages: Sequence[Message]) -> None:
+        self._model = model
+        self._messages = messages
+        self._token = CancelToken()
+        self._thread = threading.Thread(target=self._prime, name="edgevox-primer")
+
+    def start(self) -> None:
+        self._thread.start()
+
+    def close(self) -> None:
+        """Stop reading and wait for the thread."""
+        self._token.cancel("shutting down")
+        if self._thread.is_alive():
+            self._thread.join()
+
+    def _prime(self) -> None:
+        try:
+            self._model.prime(self._messages, self._token)
+        except ModelFailed as error:
+            log.error("the language model could not be primed: %s", error)  # noqa: TRY400

@@ -1,0 +1,187 @@
+"""A language model run by xllamacpp: llama.cpp's server inside this process, no compiler needed."""
+
+import importlib
+import logging
+import secrets
+import tempfile
+import threading
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from pathlib import Path
+from queue import SimpleQueue
+from typing import Any
+
+from edgevox.agent.llm import tuning
+from edgevox.agent.llm.base import CONTEXT_TOKENS, Message, ModelFailed
+from edgevox.agent.llm.socket_client import post
+from edgevox.core.cancel import CancelToken
+
+log = logging.getLogger(__name__)
+
+_KEPT_PROMPTS_MIB = 64
+"""Room for the prompts of other agents, so that a hand-off and back reads none of them again."""
+
+
+class XllamacppModel:
+    """Implements `LanguageModel`.
+
+    The engine insists on serving HTTP too. It is given a Unix socket in a folder that only this
+    user may enter, and a random key; nothing listens on the network. The socket counts tokens,
+    which the engine offers no other way.
+    """
+
+    def __init__(
+        self, path: Path, *, context_tokens: int = CONTEXT_TOKENS, threads: int | None = None
+    ) -> None:
+        tuning.spin_briefly()
+        self.name = path.stem
+        self.context_tokens = context_tokens
+        self._closed = threading.Event()
+        self._key = secrets.token_urlsafe(32)
+        self._folder = tempfile.TemporaryDirectory(prefix="edgevox-llm-")
+        self._socket = Path(self._folder.name) / "llm.sock"  # the suffix makes it one
+        self._worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="xllamacpp")
+        try:
+            self._server: Any = _serve(path, context_tokens, threads, self._socket, self._key)
+        except RuntimeError as error:
+            self.close()
+            raise ModelFailed(f"{path}: xllamacpp could not load it: {error}") from None
+        # An engine that is destroyed before its loop runs never ends; one that answered has it.
+        self._server.handle_completions({"prompt": " ", "max_tokens": 1})
+
+    def generate(
+        self,
+        messages: Sequence[Message],
+        *,
+        grammar: str | None,
+        max_tokens: int,
+        token: CancelToken,
+    ) -> Iterator[str]:
+        """See `LanguageModel.generate`."""
+        request = _request(messages, grammar, max_tokens)
+        answer = _Answer(token, self._closed)
+        try:
+            work = self._worker.submit(self._run, request, answer)
+        except RuntimeError:
+            raise ModelFailed(f"{self.name} is closed") from None
+        work.add_done_callback(answer.end)
+        try:
+            yield from answer.pieces()
+        finally:
+            answer.abandon()
+        if self._closed.is_set() and not token.cancelled:
+            raise ModelFailed(f"{self.name} was closed while it answered")
+
+    def prime(self, messages: Sequence[Message], token: CancelToken) -> None:
+        """See `LanguageModel.prime`."""
+        for _ in self.generate(messages, grammar=None, max_tokens=1, token=token):
+            pass
+
+    def count_tokens(self, text: str) -> int:
+        """How many tokens this text takes."""
+        if self._closed.is_set():
+            raise ModelFailed(f"{self.name} is closed")
+        reply = post(self._socket, "/tokenize", {"content": text}, self._key)
+        return len(reply["tokens"])
+
+    def close(self) -> None:
+        """See `LanguageModel.close`; waits for the batch or the token that is being computed."""
+        self._closed.set()
+        self._worker.shutdown(wait=True)
+        self._server = None
+        self._folder.cleanup()
+
+    def _run(self, request: dict[str, Any], answer: "_Answer") -> None:
+        if not answer.unwanted:
+            self._server.handle_chat_completions(request, answer.hear)
+
+
+class _Answer:
+    """One answer on its way from the engine's thread to whoever iterates over it.
+
+    What waits in between is bounded by the `max_tokens` of the request.
+    """
+
+    def __init__(self, token: CancelToken, closed: threading.Event) -> None:
+        self._token = token
+        self._closed = closed
+        self._abandoned = threading.Event()
+        self._queue: SimpleQueue[str | Exception | None] = SimpleQueue()
+
+    @property
+    def unwanted(self) -> bool:
+        return self._token.cancelled or self._closed.is_set() or self._abandoned.is_set()
+
+    def hear(self, chunk: dict[str, Any]) -> bool:
+        """Take one chunk from the engine; True tells it to stop."""
+        if "error" in chunk:
+            self._queue.put(ModelFailed(f"the model refused: {chunk['error']['message']}"))
+        for choice in chunk.get("choices", ()):
+            piece = choice["delta"].get("content")
+            if piece:
+                self._queue.put(piece)
+        return self.unwanted
+
+    def end(self, work: "Future[None]") -> None:
+        """The engine is done with it, one way or the other."""
+        error = None if work.cancelled() else work.exception()
+        if error is not None:
+            log.error("xllamacpp failed", exc_info=error)
+            self._queue.put(ModelFailed(f"the engine failed: {error}"))
+        self._queue.put(None)
+
+    def pieces(self) -> Iterator[str]:
+        """Blocks for each piece; ends when the engine does, or when nobody wants more."""
+        forget = self._token.on_cancel(lambda: self._queue.put(None))
+        try:
+            while (item := self._queue.get()) is not None:
+                if self._token.cancelled:
+                    return
+                if isinstance(item, Exception):
+                    raise item
+                yield item
+        finally:
+            forget()
+
+    def abandon(self) -> None:
+        """Nobody listens any more."""
+        self._abandoned.set()
+
+
+def _serve(path: Path, context_tokens: int, threads: int | None, socket: Path, key: str) -> Any:
+    try:
+        xllamacpp = importlib.import_module("xllamacpp")
+    except ImportError as error:
+        raise ModelFailed(f"xllamacpp cannot be imported ({error}): install edgevox[llm]") from None
+    count = threads or tuning.default_threads()
+    wanted = xllamacpp.CommonParams()
+    wanted.model.path = str(path)
+    wanted.n_ctx = context_tokens
+    wanted.n_parallel = 1
+    wanted.n_batch = wanted.n_ubatch = tuning.BATCH_TOKENS
+    wanted.cpuparams.n_threads = wanted.cpuparams_batch.n_threads = count
+    wanted.cache_ram_mib = _KEPT_PROMPTS_MIB
+    wanted.n_ctx_checkpoints = 0
+    wanted.fit_params = False
+    wanted.verbosity = -1
+    wanted.hostnames = [str(socket)]
+    wanted.api_keys = [key]
+    wanted.n_threads_http = 1
+    wanted.ui = wanted.endpoint_slots = wanted.endpoint_props = False
+    return xllamacpp.Server(wanted)
+
+
+def _request(messages: Sequence[Message], grammar: str | None, max_tokens: int) -> dict[str, Any]:
+    request: dict[str, Any] = {
+        "messages": [{"role": m.role, "content": m.content} for m in messages],
+        "max_tokens": max_tokens,
+        "stream": True,
+        # With progress the engine reports each batch of the prompt, so that it can be told to stop.
+        "return_progress": True,
+        "temperature": 0.0,
+        "top_k": 1,
+        "cache_prompt": True,
+    }
+    if grammar is not None:
+        request["grammar"] = grammar
+    return request

@@ -1,0 +1,144 @@
+"""Decides what an utterance means: calls of skills by templates or by a model, or words."""
+
+import logging
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from edgevox.agent.agents import Agent, by_name
+from edgevox.agent.history import History, size_tokens
+from edgevox.agent.intents import Recogniser, Refused, Understood
+from edgevox.agent.llm.base import LanguageModel, Message, ModelFailed
+from edgevox.agent.skills import Call
+from edgevox.agent.toolcalls import HANDOFF, Protocol
+from edgevox.agent.turn import Turn
+from edgevox.core.bus import Bus
+from edgevox.core.clock import Clock
+from edgevox.core.events import AgentEvent, AgentEventKind
+
+log = logging.getLogger(__name__)
+
+MAX_HANDOFFS = 3
+"""How often one utterance may be handed on, so that two agents cannot play ball with it."""
+
+ANSWER_TOKENS = 160
+"""The longest answer or sequence of calls that a model may generate."""
+
+
+@dataclass(frozen=True, slots=True)
+class Meaning:
+    """What to do about an utterance, and who found it out: ``template`` or ``model``."""
+
+    agent: Agent
+    calls: tuple[Call, ...]
+    source: str
+
+
+class Mind:
+    """Holds the agents, what each understands, and what was said. Used from one thread."""
+
+    def __init__(
+        self,
+        agents: Sequence[Agent],
+        bus: Bus,
+        clock: Clock,
+        model: LanguageModel | None = None,
+        language: str = "en",
+    ) -> None:
+        self._agents = by_name(agents)
+        self._bus = bus
+        self._clock = clock
+        self._model = model
+        self._recognisers = {a.name: Recogniser(a.skills, language) for a in agents}
+        self._protocols = {
+            a.name: Protocol(a.instructions, a.skills, a.handoffs, language) for a in agents
+        }
+        self.active = agents[0]
+        self._history = History(self._count_tokens, self._history_budget())
+
+    def chat(self, text: str = "") -> list[Message]:
+        """The messages that the model would see for this utterance."""
+        opening = self._protocols[self.active.name].opening
+        said = [Message("user", text)] if text else []
+        return [*opening, *self._history.messages(), *said]
+
+    def understand(self, text: str, turn: Turn) -> Meaning | None:
+        """The calls that an utterance asks for; None if it was answered in words, into `turn`."""
+        for agent in self._active_first():
+            found = self._recognisers[agent.name].recognise(text)
+            if isinstance(found, Understood):
+                self._hand_over(agent, turn)
+                return Meaning(agent, found.calls, "template")
+            if isinstance(found, Refused):
+                turn.say(found.reason)
+                return None
+        if self._model is None:
+            turn.say(f"I did not understand that. {self._abilities()}")
+            return None
+        return self._ask_model(self._model, text, turn)
+
+    def remember(self, said: str, turn: Turn, meaning: Meaning | None) -> None:
+        """Keep an exchange for the next ones."""
+        protocol = self._protocols[self.active.name]
+        answer = protocol.render_calls(meaning.calls) if meaning else protocol.render(turn.text)
+        self._history.add(said, answer, cut=turn.token.cancelled)
+
+    def forget(self) -> None:
+        """Forget what was said; the first agent listens again."""
+        self._history.clear()
+        self.active = next(iter(self._agents.values()))
+
+    def _ask_model(self, model: LanguageModel, text: str, turn: Turn) -> Meaning | None:
+        for _ in range(MAX_HANDOFFS + 1):
+            calls = self._generate(model, text, turn)
+            handoffs = [call for call in calls if call.skill == HANDOFF]
+            if not handoffs:
+                return Meaning(self.active, tuple(calls), "model") if calls else None
+            self._hand_over(self._agents[str(handoffs[0].arguments["agent"])], turn)
+        turn.say("I do not know who of us should do that.")
+        return None
+
+    def _generate(self, model: LanguageModel, text: str, turn: Turn) -> Sequence[Call]:
+        protocol = self._protocols[self.active.name]
+        parser = protocol.parser()
+        started_s = self._clock.now()
+        try:
+            for piece in model.generate(
+                self.chat(protocol.prepare(text)),
+                grammar=protocol.grammar,
+                max_tokens=ANSWER_TOKENS,
+                token=turn.token,
+            ):
+                turn.stream(parser.feed(piece))
+        except ModelFailed as error:
+            log.error("the language model failed: %s", error)  # noqa: TRY400 - its message says all
+            turn.say("I cannot think right now: my language model failed.")
+            return ()
+        finally:
+            turn.thought(self._clock.now() - started_s)
+        turn.flush()
+        return () if turn.token.cancelled else parser.finish()
+
+    def _hand_over(self, agent: Agent, turn: Turn) -> None:
+        if agent is self.active:
+            return
+        data = {"from": self.active.name, "to": agent.name, "turn": turn.number}
+        self._bus.publish(AgentEvent(AgentEventKind.HANDOFF, data))
+        self.active = agent
+
+    def _active_first(self) -> Sequence[Agent]:
+        return [self.active, *(a for a in self._agents.values() if a is not self.active)]
+
+    def _abilities(self) -> str:
+        deeds = [
+            s.description.rstrip(".") for a in self._agents.values() for s in a.skills.values()
+        ]
+        return f"I can: {'; '.join(f'{d[:1].lower()}{d[1:]}' for d in deeds)}." if deeds else ""
+
+    def _count_tokens(self, text: str) -> int:
+        return self._model.count_tokens(text) if self._model else 0
+
+    def _history_budget(self) -> int:
+        if self._model is None:
+            return 0
+        longest = max(size_tokens(self._count_tokens, p.opening) for p in self._protocols.values())
+        return max(0, self._model.context_tokens - longest - 4 * ANSWER_TOKENS)

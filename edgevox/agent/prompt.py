@@ -1,0 +1,130 @@
+"""What a model reads before the first utterance: its role, its skills, and examples.
+
+The wording, the words of the format, the order and the number of the examples were chosen by trial
+with the smallest model; `benchmarks/understanding.py` tells what a change does.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import zip_longest
+from typing import Any
+
+from edgevox.agent.grammar import DO, END, HANDOFF, SAY, is_optional, literal
+from edgevox.agent.skills import Call, Skill, SkillSet
+
+EXAMPLES_PER_SKILL = 3
+"""More where an argument is one of more words, so that each of them is seen."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """An example: a sentence, and the calls or the words that answer it."""
+
+    sentence: str
+    calls: tuple[Call, ...] = ()
+    says: str = ""
+
+
+_SMALL_TALK = (
+    Shown("hi there", says="Hello! What can I do for you?"),
+    Shown("you did a great job", says="Thank you, I am glad to help."),
+    Shown("who made you?", says="I am a robot that runs EdgeVox."),
+    Shown("are you happy today?", says="Yes, I feel good, thank you."),
+    Shown("how can you help me?", says="Ask me for one of the things that I can do."),
+)
+_REFUSED = (
+    Shown("cook some pasta", says="Sorry, I cannot cook."),
+    Shown("what is the news today?", says="Sorry, I do not know the news."),
+    Shown("close the door", says="Sorry, I cannot close doors."),
+    Shown("blorp fizzle zump", says="Sorry, I did not understand that."),
+    Shown("wash the dishes", says="Sorry, I cannot wash dishes."),
+    Shown("bring me my shoes", says="Sorry, I cannot carry things."),
+    Shown("sing a song for us", says="Sorry, I cannot sing."),
+    Shown("uh", says="Sorry, I did not understand that."),
+    Shown("make it warmer in here", says="Sorry, I cannot heat the room."),
+    Shown("send a letter to John", says="Sorry, I cannot send letters."),
+)
+_JOINTS = (", then ", " and ", ", after that ", " and then ")
+
+
+def system_prompt(instructions: str, skills: SkillSet, handoffs: Sequence[str] = ()) -> str:
+    """The role, the calls there are, and how to answer."""
+    lines = [instructions, "", "You can only make these calls:"]
+    lines += [f"{_signature(one)}: {one.description}" for one in skills.values()]
+    if handoffs:
+        who = " or ".join(literal(name) for name in handoffs)
+        lines.append(f"{HANDOFF}(agent={who}): Hand over to a colleague who can do it.")
+    lines += [
+        "",
+        (
+            f'Answer a command with "{DO}", the calls, each with a ";" after it, and "{END}". '
+            f'Answer everything else with "{SAY}" and one short sentence: greetings, questions '
+            "about other things, words without sense, and commands that none of the calls fulfils. "
+            "Never do what nobody asked for."
+        ),
+    ]
+    return "\n".join(lines)
+
+
+def examples(skills: SkillSet, handoffs: Sequence[str] = ()) -> Sequence[Shown]:
+    """Examples of every skill, of two calls in one sentence, of small talk and of what is refused.
+
+    They alternate, so that no kind of answer is what the last ones were, and end in words: small
+    models repeat what they saw last, and a wrong word costs less than a wrong drive.
+    """
+    singles = _singles(skills)
+    handed = [
+        Shown(f"let me talk to the {name}", (Call(HANDOFF, {"agent": name}),)) for name in handoffs
+    ]
+    calls = _interleave([*singles, *handed], _pairs(singles, len(skills)))
+    return _interleave(calls, _interleave(_REFUSED, _SMALL_TALK))
+
+
+def _singles(skills: SkillSet) -> list[Shown]:
+    """One example of each skill, then a second one of each, and so on."""
+    given = [
+        [Shown(e.sentence, (Call(name, dict(e.arguments)),)) for e in one.examples[: _enough(one)]]
+        for name, one in skills.items()
+    ]
+    return [one for each in zip_longest(*given) for one in each if one is not None]
+
+
+def _enough(one: Skill) -> int:
+    kinds = one.schema.get("properties", {}).values()
+    return max([EXAMPLES_PER_SKILL, *(len(kind.get("enum", ())) for kind in kinds)])
+
+
+def _pairs(singles: Sequence[Shown], skills: int) -> list[Shown]:
+    """Two sentences in one: of different skills in either order, and of the same one twice."""
+    count = len(singles)
+    places = ((0, skills - 2), (skills - 2, skills - 1), (skills, 2 * skills), (-1, 1))
+    chosen = [(singles[i % count], singles[j % count]) for i, j in places if count > 1]
+    return [
+        Shown(first.sentence.rstrip(".?!") + joint + second.sentence, first.calls + second.calls)
+        for joint, (first, second) in zip(_JOINTS, chosen, strict=False)
+        if first is not second
+    ]
+
+
+def _interleave(many: Sequence[Shown], few: Sequence[Shown]) -> list[Shown]:
+    """Both in their order, evenly mixed, the last of the second at the end."""
+    placed = [((index + 0.5) / len(many), one) for index, one in enumerate(many)]
+    placed += [((index + 1) / len(few), one) for index, one in enumerate(few)]
+    return [one for _, one in sorted(placed, key=lambda pair: pair[0])]
+
+
+def _signature(one: Skill) -> str:
+    """The call as Python would declare it."""
+    arguments = ", ".join(
+        f"{name}={_kind(kind)}" + (" or nothing" if is_optional(one, name) else "")
+        for name, kind in one.schema.get("properties", {}).items()
+    )
+    return f"{one.name}({arguments})"
+
+
+def _kind(kind: Mapping[str, Any]) -> str:
+    if "enum" in kind:
+        return " or ".join(literal(value) for value in kind["enum"])
+    if "const" in kind:
+        return literal(kind["const"])
+    return str(kind.get("type", "value"))

@@ -1,0 +1,215 @@
+"""Skills: typed Python functions that a sentence, a model or a ROS 2 action can call.
+
+A function's name, docstring and signature give its schema, its validation and (with the templates
+beside it) the sentences that call it:
+
+    @skill(templates=["[please] (go|drive) to [the] {room}"], says="Going to the {room}.")
+    def navigate_to(goal: GoalHandle, room: Annotated[str, OneOf(rooms)]) -> dict[str, object]:
+        \"\"\"Drive to a room.\"\"\"
+
+The first parameter is the goal that the call becomes; the others are the skill's arguments.
+"""
+
+import inspect
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol, get_type_hints
+
+from pydantic import BaseModel, ConfigDict, ValidationError, create_model
+from pydantic_core import core_schema
+
+from edgevox.core.cancel import CancelToken
+from edgevox.core.errors import EdgeVoxError, InvalidValue
+
+Result = Mapping[str, Any]
+
+
+class SkillFailed(EdgeVoxError):
+    """A skill could not do what was asked. The message is a reason that a person may hear."""
+
+
+class UnknownSkill(InvalidValue):
+    """A call names a skill that this agent does not have."""
+
+    def __init__(self, name: str, known: Iterable[str]) -> None:
+        super().__init__("skill", name, "one of " + ", ".join(known))
+
+
+class GoalHandle(Protocol):
+    """What a running skill sees of its goal."""
+
+    @property
+    def token(self) -> CancelToken:
+        """Cancelled when somebody wants this goal to end."""
+
+    def report(self, **feedback: Any) -> None:
+        """Say how far it is, as JSON-ready values (``progress`` is 0 to 1)."""
+
+
+@dataclass(frozen=True, slots=True)
+class OneOf:
+    """Annotates a string argument that takes one of some words, known only when the robot is.
+
+    `aliases` are other things people say for a word ("fridge": "kitchen"). Matching ignores case,
+    underscores against spaces, and a leading article.
+    """
+
+    words: tuple[str, ...]
+    aliases: Mapping[str, str] = field(default_factory=dict)
+
+    def spoken(self) -> dict[str, str]:
+        """Everything that may be said for a word, in lower case and with spaces, to that word."""
+        return {_plain(said): word for said, word in self.aliases.items()} | {
+            _plain(word): word for word in self.words
+        }
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        known = self.spoken()
+
+        def pick(value: Any) -> Any:
+            return known.get(_plain(value), value) if isinstance(value, str) else value
+
+        return core_schema.no_info_before_validator_function(
+            pick, core_schema.literal_schema(list(self.words))
+        )
+
+
+def _plain(word: str) -> str:
+    text = word.casefold().replace("_", " ").strip()
+    return " ".join(text.removeprefix("the ").split())
+
+
+@dataclass(frozen=True, slots=True)
+class Example:
+    """A sentence that no template catches, and its call: what a small model learns from."""
+
+    sentence: str
+    arguments: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Skill:
+    """One thing a robot can do.
+
+    `moves`: it uses the body, so it runs beside the conversation and pre-empts whatever moves; a
+    skill that does not is answered on the spot. `says` acknowledges the call, `done` reports
+    success; both are formatted with the arguments, `done` also with the result's keys.
+    """
+
+    name: str
+    description: str
+    function: Callable[..., Result | None]
+    arguments_model: type[BaseModel]
+    templates: tuple[str, ...] = ()
+    examples: tuple[Example, ...] = ()
+    says: str = ""
+    done: str = ""
+    moves: bool = True
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        """JSON schema of the arguments object."""
+        return self.arguments_model.model_json_schema()
+
+    def validate(self, arguments: Mapping[str, Any]) -> dict[str, Any]:
+        """Checked and converted arguments. Raises `InvalidValue` naming the first wrong one."""
+        try:
+            checked = self.arguments_model.model_validate(dict(arguments))
+        except ValidationError as error:
+            raise _invalid_argument(self.name, error) from None
+        return {name: getattr(checked, name) for name in type(checked).model_fields}
+
+
+def skill(
+    *,
+    templates: Sequence[str] = (),
+    examples: Sequence[Example] = (),
+    says: str = "",
+    done: str = "",
+    moves: bool = True,
+) -> Callable[[Callable[..., Result | None]], Skill]:
+    """Turn a function into a `Skill`; see the module's docstring."""
+
+    def decorate(function: Callable[..., Result | None]) -> Skill:
+        return Skill(
+            name=function.__name__,
+            description=(inspect.getdoc(function) or "").partition("\n")[0],
+            function=function,
+            arguments_model=_arguments_model(function),
+            templates=tuple(templates),
+            examples=tuple(examples),
+            says=says,
+            done=done,
+            moves=moves,
+        )
+
+    return decorate
+
+
+class SkillSet(Mapping[str, Skill]):
+    """Skills by name, in the order they were given."""
+
+    def __init__(self, skills: Iterable[Skill]) -> None:
+        self._skills: dict[str, Skill] = {}
+        for one in skills:
+            if one.name in self._skills:
+                raise InvalidValue("skill", one.name, "a name that is given only once")
+            self._skills[one.name] = one
+
+    def __getitem__(self, name: str) -> Skill:
+        try:
+            return self._skills[name]
+        except KeyError:
+            raise UnknownSkill(name, self._skills) from None
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._skills
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._skills)
+
+    def __len__(self) -> int:
+        return len(self._skills)
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A skill's name with arguments that are not yet checked."""
+
+    skill: str
+    arguments: Mapping[str, Any] = field(default_factory=dict)
+
+
+def _arguments_model(function: Callable[..., Any]) -> type[BaseModel]:
+    hints = get_type_hints(function, include_extras=True)
+    parameters = list(inspect.signature(function).parameters.values())[1:]
+    fields: dict[str, Any] = {
+        p.name: (hints[p.name], ... if p.default is p.empty else p.default) for p in parameters
+    }
+    config = ConfigDict(extra="forbid", strict=False, allow_inf_nan=False)
+    return create_model(f"{function.__name__}_arguments", __config__=config, **fields)
+
+
+def _invalid_argument(name: str, error: ValidationError) -> InvalidValue:
+    first = error.errors(include_url=False)[0]
+    path = ".".join(str(part) for part in first["loc"]) or "arguments"
+    expected = {
+        "missing": "a value",
+        "extra_forbidden": "no such argument",
+    }.get(first["type"], first["msg"].removeprefix("Input should be "))
+    value = None if first["type"] == "missing" else first["input"]
+    return InvalidValue(f"{name}.{path}", value, expected)
+
+
+__all__ = [
+    "Call",
+    "Example",
+    "GoalHandle",
+    "OneOf",
+    "Result",
+    "Skill",
+    "SkillFailed",
+    "SkillSet",
+    "UnknownSkill",
+    "skill",
+]

@@ -1,0 +1,111 @@
+"""The language that the agent and its model share: words or calls, never a mixture of both."""
+
+import ast
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from edgevox.agent.grammar import DO, END, HANDOFF, JOINT, SAY, grammar, literal
+from edgevox.agent.llm.base import Message
+from edgevox.agent.numbers import digits
+from edgevox.agent.prompt import examples, system_prompt
+from edgevox.agent.skills import Call, SkillSet
+
+_CONTROL = re.compile(r"[\x00-\x1f\x7f]+")
+
+
+class Parser:
+    """Reads a model's output as it is generated. Feed all of it, then `finish`."""
+
+    def __init__(self) -> None:
+        self._text = ""
+        self._said = 0
+
+    def feed(self, piece: str) -> str:
+        """The words of this piece that a person may hear; empty for calls."""
+        self._text += _CONTROL.sub(" ", piece)
+        if not self._text.startswith(SAY):
+            return ""
+        new = self._text[len(SAY) + self._said :]
+        self._said += len(new)
+        return new
+
+    def finish(self) -> Sequence[Call]:
+        """The calls that were made.
+
+        None at all if their list was cut short: half of it is not what was asked.
+        """
+        if not self._text.startswith(DO):
+            return ()
+        try:
+            *calls, end = _parts(self._text[len(DO) :])
+            return tuple(_call(part) for part in calls) if end.strip() == END else ()
+        except (SyntaxError, ValueError):
+            return ()
+
+
+@dataclass(frozen=True)
+class Protocol:
+    """How one agent and its model understand each other.
+
+    `opening` are the messages that every chat begins with: the instructions, the skills and
+    examples. `grammar` is what a model's output must obey, for `Parser` to read.
+    """
+
+    instructions: str
+    skills: SkillSet
+    handoffs: tuple[str, ...] = ()
+    language: str = "en"
+    grammar: str = field(init=False)
+    opening: tuple[Message, ...] = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "grammar", grammar(self.skills, self.handoffs))
+        system = Message("system", system_prompt(self.instructions, self.skills, self.handoffs))
+        shown: list[Message] = []
+        for example in examples(self.skills, self.handoffs):
+            answer = (
+                self.render_calls(example.calls) if example.calls else self.render(example.says)
+            )
+            shown += [Message("user", self.prepare(example.sentence)), Message("assistant", answer)]
+        object.__setattr__(self, "opening", (system, *shown))
+
+    def parser(self) -> Parser:
+        """A parser for one answer."""
+        return Parser()
+
+    def prepare(self, text: str) -> str:
+        """An utterance as the model sees it: number words are digits, in metres."""
+        return digits(" ".join(text.split()), self.language)
+
+    def render(self, text: str) -> str:
+        """An answer in words, as the model would have written it."""
+        return SAY + _CONTROL.sub(" ", text)
+
+    def render_calls(self, calls: Sequence[Call]) -> str:
+        """Calls, as the model would have written them."""
+        written = (f"{call.skill}({_arguments(call.arguments)})" for call in calls)
+        return DO + JOINT.join((*written, END))
+
+
+def _arguments(arguments: Mapping[str, object]) -> str:
+    return ", ".join(f"{name}={literal(value)}" for name, value in arguments.items())
+
+
+def _parts(text: str) -> list[str]:
+    """The calls between joints; a joint inside a quoted string is part of the string."""
+    outside = re.split(r'("[^"]*")', text)
+    marked = [part if index % 2 else part.replace(";", "\n") for index, part in enumerate(outside)]
+    return "".join(marked).split("\n")
+
+
+def _call(text: str) -> Call:
+    """Raises `SyntaxError` or `ValueError` for anything but a call with literal arguments."""
+    tree = ast.parse(text.strip(), mode="eval").body
+    if not isinstance(tree, ast.Call) or not isinstance(tree.func, ast.Name) or tree.args:
+        raise ValueError(text)
+    arguments = {one.arg: ast.literal_eval(one.value) for one in tree.keywords if one.arg}
+    return Call(tree.func.id, arguments)
+
+
+__all__ = ["HANDOFF", "Parser", "Protocol"]

@@ -1,0 +1,141 @@
+"""What a body can do, as small protocols. The ROS 2 adapter offers exactly those that a body has.
+
+Units and frames: metres, radians, seconds; REP 103 axes (x forward, y left, z up, counter-clockwise
+positive); poses in the ``map`` frame. All methods may be called from any thread.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from edgevox.agent.skills import Skill
+from edgevox.core.cancel import CancelToken
+
+
+@dataclass(frozen=True, slots=True)
+class Pose2D:
+    """Position (m) and heading (rad, -pi to pi) in the map frame."""
+
+    x_m: float
+    y_m: float
+    yaw_rad: float
+
+
+@dataclass(frozen=True, slots=True)
+class Twist2D:
+    """Forward speed (m/s) and turn rate (rad/s, counter-clockwise) in the body's own frame."""
+
+    linear_m_s: float
+    angular_rad_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class LidarScan:
+    """One sweep: `ranges_m` of shape (n,), from `angle_min_rad` in steps of `angle_increment_rad`.
+
+    A beam that hits nothing within `range_max_m` is infinite. `time_s` is the body's time.
+    """
+
+    time_s: float
+    angle_min_rad: float
+    angle_increment_rad: float
+    range_min_m: float
+    range_max_m: float
+    ranges_m: NDArray[np.float32]
+
+
+Report = Callable[..., None]
+"""Feedback of a running goal, as keyword arguments; `GoalHandle.report` is one."""
+
+
+class Body(Protocol):
+    """Whatever moves."""
+
+    name: str
+
+    @property
+    def skills(self) -> tuple[Skill, ...]:
+        """What it can be asked to do."""
+
+    @property
+    def time_s(self) -> float:
+        """The body's own time."""
+
+    def state(self) -> Mapping[str, Any]:
+        """A JSON-ready snapshot: what the `robot_state` topic carries."""
+
+    def halt(self, reason: str) -> bool:
+        """Stop all motion now, whoever asked for it. True if anything was moving or driving."""
+
+    def reset(self) -> None:
+        """Back to how the world was at the start."""
+
+    def start(self) -> None: ...
+
+    def close(self) -> None: ...
+
+
+@runtime_checkable
+class HasPose(Protocol):
+    """Knows where it is and how it moves."""
+
+    def pose(self) -> Pose2D: ...
+
+    def velocity(self) -> Twist2D: ...
+
+
+@runtime_checkable
+class TakesVelocity(Protocol):
+    """Follows a stream of velocities; halts when the stream stops for 0.5 s."""
+
+    max_linear_m_s: float
+    max_angular_rad_s: float
+
+    def set_velocity(self, twist: Twist2D) -> None:
+        """Clamp to the limits and follow. Raises `InvalidValue` if not finite. Ends a drive."""
+
+
+@runtime_checkable
+class DrivesTo(Protocol):
+    """Plans and drives to a point by itself."""
+
+    def drive_to(self, x_m: float, y_m: float, *, token: CancelToken, report: Report) -> None:
+        """Block until there. Raises `SkillFailed` with a reason, `Cancelled` if the token is."""
+
+
+@runtime_checkable
+class HasPlaces(Protocol):
+    """Knows places by name."""
+
+    @property
+    def places(self) -> Mapping[str, tuple[float, float]]:
+        """Name to (x, y), metres, map frame."""
+
+    def place_at(self, x_m: float, y_m: float) -> str | None:
+        """The place that this point is in."""
+
+
+@runtime_checkable
+class HasLidar(Protocol):
+    """Measures distances all around."""
+
+    def scan(self) -> LidarScan: ...
+
+
+@runtime_checkable
+class HasBattery(Protocol):
+    """Runs on a charge that gets less."""
+
+    def battery(self) -> float:
+        """Charge left, 0 to 1."""
+
+
+@runtime_checkable
+class HasMap(Protocol):
+    """Can show its surroundings without a display."""
+
+    def draw_map(self, columns: int) -> str:
+        """The world and the robot as text, this many columns wide."""

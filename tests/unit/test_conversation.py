@@ -1,0 +1,344 @@
+import threading
+from typing import Annotated
+
+import pytest
+
+from edgevox.agent.agents import Agent
+from edgevox.agent.conversation import MAX_WAITING, Conversation
+from edgevox.agent.grammar import SAY
+from edgevox.agent.skills import OneOf, SkillFailed, SkillSet, skill
+from edgevox.core.bus import Bus
+from edgevox.core.cancel import Cancelled
+from edgevox.core.commands import Interrupt, Reset, RunSkill, Speak, TextInput
+from edgevox.core.events import (
+    AgentEvent,
+    Responded,
+    StateChanged,
+    TokenGenerated,
+    Transcribed,
+    TurnMeasured,
+)
+
+ROOMS = OneOf(("kitchen", "bedroom"))
+
+
+class Body:
+    """A body that drives until it is halted or told that it arrived."""
+
+    def __init__(self):
+        self.moving = False
+        self.started = threading.Event()
+        self.arrived = threading.Event()
+
+    def halt(self, reason):
+        moved, self.moving = self.moving, False
+        return moved
+
+    def skills(self):
+        @skill(
+            templates=["go to [the] {room}"],
+            says="Going to the {room}.",
+            done="I am in the {room}.",
+        )
+        def navigate_to(goal, room: Annotated[str, ROOMS]):
+            """Drive to a room."""
+            self.moving = True
+            self.started.set()
+            forget = goal.token.on_cancel(self.arrived.set)
+            self.arrived.wait(10)
+            forget()
+            if goal.token.cancelled:
+                raise Cancelled(goal.token.reason)
+            self.moving = False
+
+        @skill(templates=["open the door"], says="Opening the door.")
+        def open_door(goal):
+            """Open the door."""
+            raise SkillFailed("the door is locked")
+
+        @skill(templates=["where are you"], done="I am at {x:.1f}.", moves=False)
+        def get_pose(goal):
+            """Say where the robot is."""
+            return {"x": 1.25}
+
+        return SkillSet([navigate_to, open_door, get_pose])
+
+
+class StoryTeller:
+    """A model that tells an endless story, one token whenever the test allows it."""
+
+    name, context_tokens = "story teller", 4096
+
+    def __init__(self):
+        self.allowed = threading.Semaphore(0)
+        self.begun = threading.Event()
+
+    def generate(self, messages, *, grammar, max_tokens, token):
+        self.begun.set()
+        yield SAY
+        forget = token.on_cancel(self.allowed.release)
+        while self.allowed.acquire(timeout=10) and not token.cancelled:
+            yield "Once upon a time. "
+        forget()
+
+    def prime(self, messages, token):
+        """Nothing to read."""
+
+    def count_tokens(self, text):
+        return len(text.split())
+
+    def close(self):
+        """Nothing to free."""
+
+
+class Stage:
+    """A conversation with everything it said and did."""
+
+    def __init__(self, model=None, agents=None):
+        self.bus, self.body, self.events = Bus(), Body(), []
+        for kind in (
+            AgentEvent,
+            Responded,
+            StateChanged,
+            TokenGenerated,
+            Transcribed,
+            TurnMeasured,
+        ):
+            self.bus.subscribe(kind, self.events.append)
+        self.conversation = Conversation(
+            agents or [Agent("robot", "Be brief.", self.body.skills())],
+            self.bus,
+            halt=self.body.halt,
+            model=model,
+        )
+        self.conversation.start()
+
+    def say(self, text):
+        self.conversation.submit(TextInput(text))
+
+    def settle(self):
+        assert self.conversation.wait_idle(10)
+
+    def texts(self, kind=Responded):
+        return [e.text for e in self.events if isinstance(e, kind)]
+
+    def states(self):
+        return [str(e.state) for e in self.events if isinstance(e, StateChanged)]
+
+    def deeds(self):
+        return [
+            (str(e.kind), e.data.get("status")) for e in self.events if isinstance(e, AgentEvent)
+        ]
+
+
+@pytest.fixture
+def open_stage():
+    stages = []
+
+    def make(**parts):
+        stages.append(Stage(**parts))
+        return stages[-1]
+
+    yield make
+    for stage in stages:
+        stage.conversation.close()
+    names = {thread.name for thread in threading.enumerate()}
+    assert not names & {"edgevox-conversation", "edgevox-goals"}
+
+
+@pytest.fixture
+def stage(open_stage):
+    return open_stage()
+
+
+def test_a_command_is_acknowledged_at_once_and_reported_when_done(stage):
+    stage.say("go to the kitchen")
+    assert stage.body.started.wait(5)
+    stage.body.arrived.set()
+    stage.settle()
+    assert stage.texts() == ["Going to the kitchen.", "I am in the kitchen."]
+    assert stage.deeds() == [
+        ("tool_call", None),
+        ("skill_goal", "accepted"),
+        ("skill_goal", "running"),
+        ("skill_goal", "succeeded"),
+    ]
+    assert stage.states() == [
+        "listening",
+        "thinking",
+        "speaking",
+        "listening",
+        "speaking",
+        "listening",
+    ]
+
+
+def test_the_robot_answers_a_question_while_it_drives(stage):
+    stage.say("go to the kitchen")
+    assert stage.body.started.wait(5)
+    stage.say("where are you")
+    answered = threading.Event()
+    stage.bus.subscribe(Responded, lambda e: answered.set() if "1.2" in e.text else None)
+    assert answered.wait(5)
+    assert stage.body.moving
+    stage.body.arrived.set()
+    stage.settle()
+
+
+def test_a_failed_skill_is_said_with_its_reason(stage):
+    stage.say("open the door")
+    stage.settle()
+    assert stage.texts()[-1] == "I could not do that: the door is locked."
+
+
+@pytest.mark.parametrize("word", ["stop", "Halt!", "no, freeze"])
+def test_a_stop_word_halts_the_body_and_says_so(stage, word):
+    stage.say("go to the kitchen")
+    assert stage.body.started.wait(5)
+    stage.say(word)
+    assert not stage.body.moving
+    stage.settle()
+    assert stage.texts()[-1] == "Stopped."
+    assert ("safety_preempt", None) in stage.deeds()
+    assert ("skill_cancelled", "cancelled") in stage.deeds()
+    assert "interrupted" in stage.states()
+    assert stage.states()[-1] == "listening"
+
+
+def test_stop_does_not_wait_for_a_busy_model(open_stage):
+    model = StoryTeller()
+    stage = open_stage(model=model)
+    stage.say("go to the kitchen")
+    assert stage.body.started.wait(5)
+    stage.say("tell me a story")
+    assert model.begun.wait(5)
+    stage.say("stop")
+    assert not stage.body.moving
+    stage.settle()
+    assert stage.texts()[-1] == "Stopped."
+
+
+def test_an_interrupted_answer_is_marked_as_cut_and_the_next_turn_is_clean(open_stage):
+    model = StoryTeller()
+    stage = open_stage(model=model)
+    heard = threading.Event()
+    stage.bus.subscribe(TokenGenerated, lambda e: heard.set())
+    stage.say("tell me a story")
+    model.allowed.release(3)
+    assert heard.wait(5)
+    stage.conversation.submit(Interrupt())
+    stage.settle()
+    assert all(e.cut for e in stage.events if isinstance(e, Responded))
+    assert stage.states()[-2:] == ["interrupted", "listening"]
+    stage.say("where are you")
+    stage.settle()
+    assert stage.texts()[-1] == "I am at 1.2."
+    assert not [e for e in stage.events if isinstance(e, Responded)][-1].cut
+
+
+def test_what_waited_before_a_stop_is_forgotten(open_stage):
+    model = StoryTeller()
+    stage = open_stage(model=model)
+    stage.say("tell me a story")
+    assert model.begun.wait(5)
+    stage.say("go to the kitchen")
+    stage.say("stop")
+    stage.settle()
+    assert not stage.body.started.is_set()
+
+
+def test_a_stop_with_nothing_to_stop_is_answered(stage):
+    stage.say("stop")
+    stage.settle()
+    assert stage.texts() == ["I am standing still."]
+    assert "interrupted" not in stage.states()
+
+
+def test_ten_interrupts_in_a_row_change_nothing_when_idle(stage):
+    for _ in range(10):
+        stage.conversation.submit(Interrupt())
+    stage.settle()
+    assert stage.states() == ["listening"]
+    stage.say("where are you")
+    stage.settle()
+    assert stage.texts() == ["I am at 1.2."]
+
+
+@pytest.mark.parametrize(
+    ("text", "answer"),
+    [
+        ("", "I did not hear anything."),
+        (" \x00\ufffd\n ", "I did not hear anything."),
+        ("a" * 100_000, "That is too long: 100000 characters, and I take 2000."),
+        ("go to the garage", "I do not know the room 'garage'. I know kitchen and bedroom."),
+        ("go to", "I did not hear which room. I know kitchen and bedroom."),
+    ],
+)
+def test_bad_input_has_its_clear_answer(stage, text, answer):
+    stage.say(text)
+    stage.settle()
+    assert stage.texts() == [answer]
+
+
+def test_without_a_model_an_unknown_sentence_is_answered_with_what_the_robot_can_do(stage):
+    stage.say("sing a song")
+    stage.settle()
+    assert stage.texts()[0].startswith("I did not understand that. I can: drive to a room;")
+
+
+def test_reset_stops_the_robot_and_forgets(stage):
+    stage.say("go to the kitchen")
+    assert stage.body.started.wait(5)
+    stage.conversation.submit(Reset())
+    assert not stage.body.moving
+    stage.settle()
+    assert [m.role for m in stage.conversation.mind.chat()][-1:] != ["user"]
+
+
+def test_a_skill_can_be_run_without_language(stage):
+    stage.conversation.submit(RunSkill("navigate_to", {"room": "moon"}))
+    stage.settle()
+    assert stage.texts() == [
+        "I cannot do that: navigate_to.room: got 'moon', expected 'kitchen' or 'bedroom'."
+    ]
+
+
+def test_speak_says_the_text_as_it_is(stage):
+    stage.conversation.submit(Speak("The shop closes in ten minutes."))
+    stage.settle()
+    assert stage.texts() == ["The shop closes in ten minutes."]
+
+
+def test_a_plain_command_of_another_agent_is_handed_over(open_stage):
+    body_skills = Body().skills()
+    talker = Agent("talker", "Talk.", SkillSet(()), handoffs=("driver",))
+    stage = open_stage(agents=[talker, Agent("driver", "Drive.", body_skills)])
+    stage.say("where are you")
+    stage.settle()
+    assert ("handoff", None) in stage.deeds()
+    assert stage.conversation.mind.active.name == "driver"
+    stage.conversation.submit(Reset())
+    stage.settle()
+    assert stage.conversation.mind.active.name == "talker"
+
+
+def test_a_turn_is_measured(stage):
+    stage.say("where are you")
+    stage.settle()
+    (measured,) = [e for e in stage.events if isinstance(e, TurnMeasured)]
+    assert 0 < measured.ttfs <= measured.total
+
+
+def test_a_flood_is_bounded_and_the_next_command_works(open_stage):
+    model = StoryTeller()
+    stage = open_stage(model=model)
+    stage.say("tell me a story")
+    assert model.begun.wait(5)
+    for _ in range(1000):
+        stage.say("where are you")
+    assert stage.conversation.refused == 1000 - MAX_WAITING
+    stage.conversation.submit(Interrupt())
+    stage.settle()
+    stage.say("where are you")
+    stage.settle()
+    assert stage.texts()[-1] == "I am at 1.2."
