@@ -1,0 +1,119 @@
+"""One drive to a point: plans, follows, plans again when something is in the way, ends once."""
+
+import math
+import threading
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from edgevox.agent.skills import SkillFailed
+from edgevox.robots.capabilities import Pose2D, Twist2D
+from edgevox.robots.follower import Follower
+from edgevox.robots.physics import Motion
+from edgevox.robots.planner import Planner
+from edgevox.robots.shapes import Point
+from edgevox.robots.world_model import RobotSpec
+
+PATIENCE_S = 2.0
+"""How long the robot may stand still on its way before it plans again."""
+TRIES = 3
+"""How often it plans again from one place before it says that it is stuck."""
+_LOOK_EVERY_S = 0.5
+_SHIFTED_M = 0.03
+_PROGRESS_M = 0.1
+_STOPPED_M_S = 0.02
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """How far a drive is: its goal, 0 to 1, and what is left of the way."""
+
+    goal: Point
+    progress: float
+    distance_m: float
+
+
+class Drive:
+    """Lives from the request to its end, for whatever reason. Not thread-safe, but for `done`."""
+
+    def __init__(
+        self,
+        goal: Point,
+        planner: Planner,
+        limits: RobotSpec,
+        *,
+        time_s: float,
+        pose: Pose2D,
+        movable: Sequence[Pose2D],
+    ) -> None:
+        """Raises `SkillFailed` with the reason if no way leads there."""
+        self.goal = goal
+        self.done = threading.Event()
+        self.error: BaseException | None = None
+        self._planner, self._limits = planner, limits
+        self._follow(pose, movable)
+        self._whole_m = max(self._follower.length_m, 1e-6)
+        self._last_try_s = time_s + 60.0 + 4.0 * self._whole_m / limits.max_linear_m_s
+        self._place, self._since_s, self._tries_left = pose, time_s, TRIES
+        self._look_at_s = time_s + _LOOK_EVERY_S
+
+    def steer(self, time_s: float, motion: Motion, movable: Sequence[Pose2D]) -> Twist2D:
+        """The velocity to ask for now; ends the drive on arrival or when it is stuck."""
+        if time_s >= self._look_at_s:
+            self._look_at_s = time_s + _LOOK_EVERY_S
+            self._look(time_s, motion.pose, movable)
+        if self.done.is_set():
+            return Twist2D(0.0, 0.0)
+        twist = self._follower.steer(motion.pose)
+        if self._follower.arrived and abs(motion.twist.linear_m_s) < _STOPPED_M_S:
+            self.end(None)
+        return twist
+
+    def progress(self) -> Progress:
+        """How far it is."""
+        left = 0.0 if self._follower.arrived else self._follower.remaining_m
+        part = 1.0 if self._follower.arrived else 1.0 - left / self._whole_m
+        return Progress(self.goal, min(max(part, 0.0), 1.0), left)
+
+    def way(self) -> tuple[Point, ...]:
+        """The path that is still to come."""
+        return self._follower.ahead()
+
+    def end(self, error: BaseException | None) -> None:
+        """It is over: reached, or not because of `error`. Only the first end counts."""
+        if not self.done.is_set():
+            self.error = error
+            self.done.set()
+
+    def _follow(self, pose: Pose2D, movable: Sequence[Pose2D]) -> None:
+        path = self._planner.plan((pose.x_m, pose.y_m), self.goal, movable)
+        self._follower = Follower(path, self._limits)
+        self._planned_with = tuple(movable)
+
+    def _look(self, time_s: float, pose: Pose2D, movable: Sequence[Pose2D]) -> None:
+        """Plan again if furniture was pushed or the robot does not get on; give up in time."""
+        if self._moved(pose):
+            self._place, self._since_s, self._tries_left = pose, time_s, TRIES
+        stalled = time_s - self._since_s >= PATIENCE_S
+        if (stalled and self._tries_left == 0) or time_s > self._last_try_s:
+            self.end(SkillFailed("I am stuck and cannot get there."))
+            return
+        if stalled:
+            self._tries_left -= 1
+            self._since_s = time_s
+        if stalled or self._shifted(movable):
+            try:
+                self._follow(pose, movable)
+            except SkillFailed as refusal:
+                self.end(refusal)
+
+    def _moved(self, pose: Pose2D) -> bool:
+        turned = abs(math.remainder(pose.yaw_rad - self._place.yaw_rad, math.tau))
+        return _apart(pose, self._place) > _PROGRESS_M or turned > 1.0
+
+    def _shifted(self, movable: Sequence[Pose2D]) -> bool:
+        pairs = zip(movable, self._planned_with, strict=True)
+        return any(_apart(now, then) > _SHIFTED_M for now, then in pairs)
+
+
+def _apart(one: Pose2D, other: Pose2D) -> float:
+    return math.hypot(one.x_m - other.x_m, one.y_m - other.y_m)

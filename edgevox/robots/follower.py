@@ -1,0 +1,121 @@
+"""Follows a path by pure pursuit: steers along the arc to a point a little ahead on the path."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import accumulate, pairwise
+
+from edgevox.robots.capabilities import Pose2D, Twist2D
+from edgevox.robots.shapes import Point
+from edgevox.robots.world_model import RobotSpec
+
+LOOKAHEAD_M = 0.35
+ARRIVED_M = 0.06
+_TURN_FROM_RAD = 0.7
+_TURN_UNTIL_RAD = 0.15
+_CREEP_M_S = 0.06
+_TURN_GAIN = 4.0
+
+
+@dataclass(frozen=True, slots=True)
+class _Side:
+    """One straight piece of a path and where on the path it begins."""
+
+    a: Point
+    b: Point
+    begin_m: float
+
+    @property
+    def length_m(self) -> float:
+        return math.dist(self.a, self.b)
+
+    @property
+    def end_m(self) -> float:
+        return self.begin_m + self.length_m
+
+    def at(self, along_m: float) -> Point:
+        """The point this far along the path."""
+        part = min(max((along_m - self.begin_m) / self.length_m, 0.0), 1.0)
+        return (
+            self.a[0] + part * (self.b[0] - self.a[0]),
+            self.a[1] + part * (self.b[1] - self.a[1]),
+        )
+
+    def nearest(self, point: Point) -> float:
+        """How far along the path the point of this side is that is nearest to another."""
+        ax, ay = point[0] - self.a[0], point[1] - self.a[1]
+        dot = ax * (self.b[0] - self.a[0]) + ay * (self.b[1] - self.a[1])
+        return self.begin_m + min(max(dot / self.length_m, 0.0), self.length_m)
+
+
+class Follower:
+    """Drives one robot along one path; asked for a velocity at every control step."""
+
+    def __init__(self, path: Sequence[Point], limits: RobotSpec) -> None:
+        self._limits = limits
+        pairs = [(a, b) for a, b in pairwise(path) if a != b]
+        begins = accumulate((math.dist(a, b) for a, b in pairs), initial=0.0)
+        self._sides = [_Side(a, b, begin) for (a, b), begin in zip(pairs, begins, strict=False)]
+        self.goal = path[-1]
+        self.length_m = self._sides[-1].end_m if self._sides else 0.0
+        self._passed_m = 0.0
+        self._turning = True
+        self.arrived = not self._sides
+
+    @property
+    def remaining_m(self) -> float:
+        """What is left of the path."""
+        return self.length_m - self._passed_m
+
+    def ahead(self) -> tuple[Point, ...]:
+        """What is left of the path, from where the robot was last on it."""
+        later = [side.b for side in self._sides if side.end_m > self._passed_m]
+        return (self._at(self._passed_m), *later)
+
+    def steer(self, pose: Pose2D) -> Twist2D:
+        """The velocity to ask for now. Zero once arrived, and it stays arrived."""
+        here = (pose.x_m, pose.y_m)
+        self._passed_m = max(self._passed_m, self._project(here))
+        left = math.dist(here, self.goal)
+        if self.arrived or (self.remaining_m < LOOKAHEAD_M and left < ARRIVED_M):
+            self.arrived = True
+            return Twist2D(0.0, 0.0)
+        target = self._at(self._passed_m + LOOKAHEAD_M)
+        off = _heading_error(pose, target)
+        self._turning = abs(off) > (_TURN_UNTIL_RAD if self._turning else _TURN_FROM_RAD)
+        if self._turning:
+            return Twist2D(0.0, self._turn_rate(_TURN_GAIN * off))
+        curvature = 2.0 * math.sin(off) / max(math.dist(here, target), ARRIVED_M)
+        speed = self._speed(max(left, self.remaining_m), curvature)
+        return Twist2D(speed, self._turn_rate(speed * curvature))
+
+    def _speed(self, left_m: float, curvature: float) -> float:
+        """As fast as the limits, the way that is left to stop on, and the bend allow."""
+        limits = self._limits
+        stopping = math.sqrt(max(limits.max_linear_m_s2 * (left_m - ARRIVED_M / 2), 0.0))
+        turning = 0.7 * limits.max_angular_rad_s / max(abs(curvature), 1e-6)
+        return min(limits.max_linear_m_s, max(min(stopping, turning), _CREEP_M_S))
+
+    def _turn_rate(self, wanted: float) -> float:
+        most = self._limits.max_angular_rad_s
+        return min(max(wanted, -most), most)
+
+    def _at(self, along_m: float) -> Point:
+        side = next((s for s in self._sides if along_m <= s.end_m), None)
+        return side.at(along_m) if side else self.goal
+
+    def _project(self, here: Point) -> float:
+        """Where on the path the robot is; looks only a little ahead, so that no loop is cut."""
+        near = [
+            along
+            for side in self._sides
+            if side.end_m >= self._passed_m and side.begin_m <= self._passed_m + LOOKAHEAD_M
+            for along in [side.nearest(here)]
+            if along <= self._passed_m + 2 * LOOKAHEAD_M
+        ]
+        return min(near, key=lambda s: math.dist(here, self._at(s)), default=self._passed_m)
+
+
+def _heading_error(pose: Pose2D, target: Point) -> float:
+    bearing = math.atan2(target[1] - pose.y_m, target[0] - pose.x_m)
+    return math.remainder(bearing - pose.yaw_rad, math.tau)

@@ -1,0 +1,174 @@
+"""The 2D world in pymunk: a driven robot, solid walls, furniture that slides when pushed.
+
+Wheels and friction are joints with a limited force, as pymunk asks for in a view from above: one
+joint pulls the robot to the velocity of a kinematic body that follows the command, one pulls each
+movable thing to rest. So contacts win over the command and nothing sinks into a wall.
+Not safe to use from two threads at a time.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import pymunk
+
+from edgevox.robots.capabilities import Pose2D, Twist2D
+from edgevox.robots.shapes import Circle, Line, Polygon, Shape, edges, is_convex, place, reach
+from edgevox.robots.world_model import Thing, World
+
+STEP_S = 0.02
+"""Physical time of one step."""
+BRAKE_M_S2 = 12.0
+"""How hard the robot can brake; a halt from 0.8 m/s takes 0.07 s."""
+_SUBSTEPS = 2
+_ITERATIONS = 15
+_GRAVITY_M_S2 = 9.81
+_LINE_RADIUS_M = 0.005
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """Where the robot is, how it moves, and the names of what it touches."""
+
+    pose: Pose2D
+    twist: Twist2D
+    touching: frozenset[str]
+
+    @property
+    def finite(self) -> bool:
+        """Whether every number is one."""
+        return all(
+            map(
+                math.isfinite,
+                (
+                    self.pose.x_m,
+                    self.pose.y_m,
+                    self.pose.yaw_rad,
+                    self.twist.linear_m_s,
+                    self.twist.angular_rad_s,
+                ),
+            )
+        )
+
+
+class Physics:
+    """One world, stepped by hand."""
+
+    def __init__(
+        self, world: World, robot: Pose2D | None = None, movable: Sequence[Pose2D] | None = None
+    ) -> None:
+        self._space = pymunk.Space()
+        self._space.iterations = _ITERATIONS
+        self._names: dict[pymunk.Shape, str] = {}
+        for thing in world.fixed:
+            self._add_fixed(thing)
+        for x1, y1, x2, y2 in world.border:
+            self._add_solid(
+                pymunk.Segment(self._space.static_body, (x1, y1), (x2, y2), 0.0), "edge"
+            )
+        places = movable or [thing.pose for thing in world.movable]
+        self._movable = [
+            self._add_movable(thing, pose)
+            for thing, pose in zip(world.movable, places, strict=True)
+        ]
+        self._robot = self._add_robot(world, robot or world.robot.start)
+        self._wheels = self._add_wheels(world)
+
+    def step(self, command: Twist2D) -> Motion:
+        """Let `STEP_S` pass while the wheels follow the command; returns what came of it."""
+        for _ in range(_SUBSTEPS):
+            heading = self._robot.rotation_vector
+            self._wheels.position = self._robot.position
+            self._wheels.velocity = heading * command.linear_m_s
+            self._wheels.angular_velocity = command.angular_rad_s
+            self._space.step(STEP_S / _SUBSTEPS)
+        return self.motion()
+
+    def motion(self) -> Motion:
+        """The robot now."""
+        velocity = self._robot.velocity.dot(self._robot.rotation_vector)
+        twist = Twist2D(float(velocity), float(self._robot.angular_velocity))
+        return Motion(_pose(self._robot), twist, self._touching())
+
+    def movable_poses(self) -> tuple[Pose2D, ...]:
+        """Where the movable things are, in the world's order."""
+        return tuple(_pose(body) for body in self._movable)
+
+    def _touching(self) -> frozenset[str]:
+        names: set[str] = set()
+
+        def note(arbiter: pymunk.Arbiter) -> None:
+            names.update(self._names[s] for s in arbiter.shapes if s in self._names)
+
+        self._robot.each_arbiter(note)
+        return frozenset(names)
+
+    def _add_fixed(self, thing: Thing) -> None:
+        for part in thing.parts:
+            for shape in _solid(self._space.static_body, place(part, thing.pose)):
+                self._add_solid(shape, thing.name)
+
+    def _add_solid(self, shape: pymunk.Shape, name: str) -> None:
+        shape.friction = 0.3
+        self._names[shape] = name
+        self._space.add(shape)
+
+    def _add_movable(self, thing: Thing, pose: Pose2D) -> pymunk.Body:
+        body = pymunk.Body()
+        body.position = (pose.x_m, pose.y_m)
+        body.angle = pose.yaw_rad
+        self._space.add(body)
+        for part in thing.parts:
+            for shape in _solid(body, part):
+                shape.mass = thing.mass_kg / len(thing.parts)
+                self._add_solid(shape, thing.name)
+        grip_n = thing.friction * thing.mass_kg * _GRAVITY_M_S2
+        slide = pymunk.PivotJoint(self._space.static_body, body, (0, 0), body.center_of_gravity)
+        turn = pymunk.GearJoint(self._space.static_body, body, 0.0, 1.0)
+        self._add_joints(slide, grip_n, turn, grip_n * reach(thing.parts) * 2 / 3)
+        return body
+
+    def _add_robot(self, world: World, pose: Pose2D) -> pymunk.Body:
+        spec = world.robot
+        body = pymunk.Body(spec.mass_kg, pymunk.moment_for_circle(spec.mass_kg, 0.0, spec.radius_m))
+        body.position = (pose.x_m, pose.y_m)
+        body.angle = pose.yaw_rad
+        disc = pymunk.Circle(body, spec.radius_m)
+        disc.friction = 0.1
+        self._space.add(body, disc)
+        return body
+
+    def _add_wheels(self, world: World) -> pymunk.Body:
+        wheels = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+        self._space.add(wheels)
+        force_n = world.robot.mass_kg * BRAKE_M_S2 * 1.25
+        drive = pymunk.PivotJoint(wheels, self._robot, (0, 0), (0, 0))
+        turn = pymunk.GearJoint(wheels, self._robot, 0.0, 1.0)
+        self._add_joints(drive, force_n, turn, force_n * world.robot.radius_m * 3)
+        return wheels
+
+    def _add_joints(
+        self, slide: pymunk.Constraint, force_n: float, turn: pymunk.Constraint, torque_nm: float
+    ) -> None:
+        slide.max_force, turn.max_force = force_n, torque_nm
+        for joint in (slide, turn):
+            joint.max_bias = 0.0
+            self._space.add(joint)
+
+
+def _solid(body: pymunk.Body, shape: Shape) -> list[pymunk.Shape]:
+    match shape:
+        case Circle(center, radius_m):
+            return [pymunk.Circle(body, radius_m, center)]
+        case Polygon(vertices) if is_convex(shape):
+            return [pymunk.Poly(body, vertices)]
+        case Polygon() | Line():
+            return [
+                pymunk.Segment(body, (x1, y1), (x2, y2), _LINE_RADIUS_M)
+                for x1, y1, x2, y2 in edges(shape)
+            ]
+
+
+def _pose(body: pymunk.Body) -> Pose2D:
+    x, y = body.position
+    return Pose2D(float(x), float(y), math.remainder(body.angle, math.tau))

@@ -1,0 +1,145 @@
+"""The thread that lets a simulated world's time pass, in real time or as fast as it can."""
+
+import logging
+import threading
+from collections.abc import Callable
+
+from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.errors import InvalidValue
+
+log = logging.getLogger(__name__)
+
+MOST_LAG_S = 0.25
+"""A thread that was stalled catches up this much; what is older is dropped, not run after."""
+_LOG_EVERY_S = 10.0
+_PAUSE_AFTER_FAILURE_S = 0.05
+_FACTOR_OVER_S = 1.0
+
+
+class Pacer:
+    """Says when the next step is due, so that `speed` seconds of the world pass each second."""
+
+    def __init__(self, period_s: float, now_s: float) -> None:
+        self._period_s = period_s
+        self._due_s = now_s
+        self.dropped_s = 0.0
+
+    def wait_s(self, now_s: float) -> float:
+        """Seconds until the next step is due; 0 or less means now."""
+        late = now_s - self._due_s
+        if late > MOST_LAG_S:
+            self.dropped_s += late - MOST_LAG_S
+            self._due_s = now_s - MOST_LAG_S
+        return self._due_s - now_s
+
+    def stepped(self) -> None:
+        """A step was taken."""
+        self._due_s += self._period_s
+
+
+class Stepper:
+    """Calls `step` again and again on a thread of its own.
+
+    `step` lets `period_s` of the world's time pass and returns whether it has more to do. With a
+    `speed` it is called at that multiple of real time, busy or not. With None it is called without
+    a pause while it is busy; when it is not, the world stands still until `wake`.
+    A step that raises is logged and counted, and the next one comes.
+    """
+
+    def __init__(
+        self,
+        step: Callable[[], bool],
+        *,
+        period_s: float,
+        speed: float | None = 1.0,
+        clock: Clock | None = None,
+        sleep: Callable[[float], None] | None = None,
+        name: str = "world",
+    ) -> None:
+        if speed is not None and not 0.0 < speed <= 1000.0:
+            raise InvalidValue("speed", speed, "a number above 0 and up to 1000, or None")
+        self._step = step
+        self._period_s = period_s
+        self._speed = speed
+        self._clock = clock or SystemClock()
+        self._sleep = sleep or self._wait_for_close
+        self._closing = threading.Event()
+        self._woken = threading.Event()
+        self._thread = threading.Thread(target=self._run, name=name)
+        self._factor = 0.0
+        self._next_log_s = 0.0
+        self.failures = 0
+
+    @property
+    def running(self) -> bool:
+        """Whether steps are being taken."""
+        return self._thread.is_alive() and not self._closing.is_set()
+
+    @property
+    def real_time_factor(self) -> float:
+        """World seconds per second, over the last second or so; 0 until that is known."""
+        return self._factor
+
+    def start(self) -> None:
+        self._thread.start()
+
+    def wake(self) -> None:
+        """There is something to do."""
+        self._woken.set()
+
+    def close(self) -> None:
+        """Take no more steps and wait for the thread to end."""
+        self._closing.set()
+        self._woken.set()
+        if self._thread.is_alive():
+            self._thread.join()
+
+    def _run(self) -> None:
+        now = self._clock.now()
+        pacer = None if self._speed is None else Pacer(self._period_s / self._speed, now)
+        meter = _Meter(now)
+        while not self._closing.is_set():
+            if pacer is not None and (wait_s := pacer.wait_s(self._clock.now())) > 0.0:
+                self._sleep(wait_s)
+                continue
+            self._woken.clear()
+            more = self._try_step()
+            self._factor = meter.factor(self._clock.now(), self._period_s)
+            if pacer is not None:
+                pacer.stepped()
+            elif more:
+                self._sleep(0.0)
+            else:
+                self._woken.wait()
+
+    def _try_step(self) -> bool:
+        try:
+            return self._step()
+        except Exception:
+            self.failures += 1
+            now = self._clock.now()
+            if now >= self._next_log_s:
+                self._next_log_s = now + _LOG_EVERY_S
+                log.exception("a step of the world failed (%d so far)", self.failures)
+            self._sleep(_PAUSE_AFTER_FAILURE_S)
+            return True
+
+    def _wait_for_close(self, seconds: float) -> None:
+        self._closing.wait(seconds)
+
+
+class _Meter:
+    """World seconds per second."""
+
+    def __init__(self, now_s: float) -> None:
+        self._since_s = now_s
+        self._steps = 0
+        self._factor = 0.0
+
+    def factor(self, now_s: float, period_s: float) -> float:
+        self._steps += 1
+        passed = now_s - self._since_s
+        if passed >= _FACTOR_OVER_S:
+            self._factor = self._steps * period_s / passed
+            self._since_s, self._steps = now_s, 0
+        return self._factor

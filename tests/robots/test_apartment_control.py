@@ -1,0 +1,233 @@
+"""Who may steer, and how everything stops."""
+
+import json
+import logging
+import math
+import threading
+
+import pytest
+
+from edgevox.agent.skills import SkillFailed
+from edgevox.core.cancel import Cancelled, CancelToken
+from edgevox.core.errors import InvalidValue
+from edgevox.robots.apartment import ApartmentRobot
+from edgevox.robots.capabilities import Pose2D, Twist2D
+from edgevox.robots.physics import Motion
+
+BRAKE_TIME_S = 0.1
+
+
+def stands(robot: ApartmentRobot) -> bool:
+    twist = robot.velocity()
+    return abs(twist.linear_m_s) < 0.01 and abs(twist.angular_rad_s) < 0.01
+
+
+def test_a_cancelled_drive_stops_at_once(slow_robot, driving) -> None:
+    going = driving(slow_robot, *slow_robot.places["bedroom"])
+    slow_robot.advance(3.0)
+    assert not stands(slow_robot)
+
+    going.token.cancel("never mind")
+    slow_robot.advance(BRAKE_TIME_S)
+
+    assert stands(slow_robot)
+    assert str(going.end()) == "never mind"
+    assert slow_robot.state()["goal"] is None
+
+
+def test_a_token_that_is_cancelled_already_starts_nothing(robot, driving) -> None:
+    going = driving(robot, 3.0, 3.0)
+    going.end()
+    token = going.token
+    token.cancel()
+
+    with pytest.raises(Cancelled):
+        robot.drive_to(1.5, 4.0, token=token, report=lambda **f: None)
+
+
+@pytest.mark.parametrize(
+    ("act", "reason"),
+    [
+        (lambda robot: robot.halt("the stop word"), "the stop word"),
+        (lambda robot: robot.set_velocity(Twist2D(0.0, 0.0)), "somebody else steers"),
+        (lambda robot: robot.reset(), "the world was reset"),
+        (lambda robot: robot.close(), "the robot was switched off"),
+    ],
+)
+def test_what_ends_a_drive_is_its_reason(slow_robot, driving, act, reason) -> None:
+    going = driving(slow_robot, *slow_robot.places["bedroom"])
+
+    act(slow_robot)
+
+    error = going.end()
+    assert isinstance(error, Cancelled)
+    assert str(error) == reason
+
+
+def test_a_new_drive_ends_the_one_before(slow_robot, driving) -> None:
+    first = driving(slow_robot, *slow_robot.places["bedroom"])
+    second = driving(slow_robot, 4.3, 1.5)
+
+    assert isinstance(first.end(), Cancelled)
+    assert second.end() is None
+    assert slow_robot.pose().y_m == pytest.approx(1.5, abs=0.15)
+
+
+def test_halt_stops_a_stream_of_velocities_and_says_whether_it_did(slow_robot) -> None:
+    slow_robot.set_velocity(Twist2D(0.8, 0.0))
+    slow_robot.advance(0.4)
+
+    assert slow_robot.halt("enough")
+    slow_robot.advance(BRAKE_TIME_S)
+
+    assert stands(slow_robot)
+    assert not slow_robot.halt("again")
+
+
+def test_a_stream_that_falls_silent_halts_the_robot_after_half_a_second(in_hall) -> None:
+    robot = in_hall()
+
+    robot.set_velocity(Twist2D(0.6, 0.0))
+    robot.advance(2.0)
+
+    speeding_up_m = 0.6**2 / (2 * 1.5)
+    assert stands(robot)
+    assert robot.pose().x_m - 1.0 == pytest.approx(speeding_up_m + 0.1 * 0.6, abs=0.04)
+
+
+def test_a_velocity_is_followed_and_kept_within_the_limits(in_hall) -> None:
+    robot = in_hall()
+    for _ in range(15):
+        robot.set_velocity(Twist2D(100.0, -100.0))
+        robot.advance(0.1)
+    twist = robot.velocity()
+
+    assert twist.linear_m_s == pytest.approx(0.8, abs=0.05)
+    assert twist.angular_rad_s == pytest.approx(-2.0, abs=0.05)
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("field", ["linear_m_s", "angular_rad_s"])
+def test_a_velocity_that_is_no_number_is_refused_and_harms_nothing(robot, field, bad) -> None:
+    twist = Twist2D(**{"linear_m_s": 0.1, "angular_rad_s": 0.1, field: bad})
+
+    with pytest.raises(InvalidValue, match=field):
+        robot.set_velocity(twist)
+
+    robot.advance(0.1)
+    assert stands(robot)
+    assert math.isfinite(robot.pose().x_m)
+
+
+def test_a_motion_that_becomes_no_number_is_logged_and_the_world_goes_on(robot, caplog) -> None:
+    real = robot._physics.step
+    broken = threading.Event()
+
+    def step(command: Twist2D) -> Motion:
+        if broken.is_set():
+            return real(command)
+        broken.set()
+        return Motion(Pose2D(math.nan, 0.0, 0.0), Twist2D(0.0, 0.0), frozenset())
+
+    with caplog.at_level(logging.ERROR):
+        robot._physics.step = step
+        robot.advance(0.1)
+        robot.drive_to(3.4, 2.9, token=CancelToken(), report=lambda **f: None)
+
+    assert "became" in caplog.text
+    assert robot.state()["room"] == "living_room"
+
+
+def test_the_state_is_json_and_says_where_it_goes(slow_robot, driving) -> None:
+    going = driving(slow_robot, *slow_robot.places["bedroom"])
+    slow_robot.advance(2.0)
+
+    state = json.loads(json.dumps(slow_robot.state(), allow_nan=False))
+
+    assert list(state) == [
+        "name",
+        "time",
+        "pose",
+        "velocity",
+        "room",
+        "battery",
+        "goal",
+        "touching",
+        "collisions",
+    ]
+    assert state["goal"].keys() == {"x", "y", "progress", "distance"}
+    assert 0 < state["goal"]["progress"] < 1
+    slow_robot.halt("the test is over")
+    going.end()
+
+
+def test_the_map_shows_the_rooms_the_way_and_the_robot(slow_robot, driving) -> None:
+    going = driving(slow_robot, *slow_robot.places["bedroom"])
+    drawn = slow_robot.draw_map(60)
+    slow_robot.halt("the test is over")
+    going.end()
+
+    lines = drawn.splitlines()
+    assert len(lines) == 30
+    assert max(map(len, lines)) <= 60
+    for name in ("kitchen", "living room", "bedroom", "office"):
+        assert name in drawn
+    assert sum(drawn.count(arrow) for arrow in "→↗↑↖←↙↓↘") == 1
+    assert "·" in drawn
+    assert drawn.count("◎") == 1
+
+
+def test_a_scan_sees_the_walls_of_the_hall(in_hall) -> None:
+    robot = in_hall()
+
+    scan = robot.scan()
+
+    assert float(scan.ranges_m[180]) == pytest.approx(7.0, abs=1e-3)
+    assert float(scan.ranges_m[270]) == pytest.approx(2.0, abs=1e-3)
+
+
+def test_real_time_passes_in_real_time() -> None:
+    with ApartmentRobot(speed=1.0) as robot:
+        began = threading.Event()
+        began.wait(0.3)
+        passed_s = robot.time_s
+
+    assert 0.1 < passed_s < 0.6
+
+
+def test_after_close_no_thread_is_left_and_closing_twice_is_fine() -> None:
+    before = set(threading.enumerate())
+    robot = ApartmentRobot()
+    robot.start()
+    assert set(threading.enumerate()) - before
+
+    robot.close()
+    robot.close()
+
+    assert set(threading.enumerate()) == before
+
+
+def test_many_threads_may_ask_and_steer_at_once(slow_robot) -> None:
+    errors: list[BaseException] = []
+
+    def ask() -> None:
+        try:
+            for i in range(30):
+                slow_robot.state()
+                slow_robot.scan()
+                slow_robot.set_velocity(Twist2D(0.3, 0.1 * (i % 3)))
+                if i % 10 == 0:
+                    slow_robot.drive_to(3.0, 3.0, token=CancelToken(), report=lambda **f: None)
+        except (Cancelled, SkillFailed):
+            pass
+        except BaseException as error:  # noqa: BLE001 - the test looks at it
+            errors.append(error)
+
+    threads = [threading.Thread(target=ask) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(20)
+
+    assert not any(thread.is_alive() for thread in threads)
+    assert errors == []

@@ -1,0 +1,110 @@
+"""The world's time keeps pace with the clock, survives failures, and ends when told."""
+
+import logging
+import threading
+
+import pytest
+
+from edgevox.core.errors import InvalidValue
+from edgevox.robots.stepper import MOST_LAG_S, Pacer, Stepper
+
+
+class FakeTime:
+    """A clock that only sleeping moves, and that stops the test's thread after some seconds."""
+
+    def __init__(self, until_s: float) -> None:
+        self.time_s = 100.0
+        self.until_s = self.time_s + until_s
+        self.over = threading.Event()
+        self.sleeps: list[float] = []
+
+    def now(self) -> float:
+        return self.time_s
+
+    def sleep(self, seconds: float) -> None:
+        if self.time_s >= self.until_s:
+            self.over.set()
+            threading.Event().wait(0.001)
+            return
+        self.sleeps.append(seconds)
+        self.time_s += seconds
+
+
+def run(step, *, speed: float | None, until_s: float) -> tuple[Stepper, FakeTime]:
+    time = FakeTime(until_s)
+    stepper = Stepper(step, period_s=0.02, speed=speed, clock=time, sleep=time.sleep)
+    stepper.start()
+    assert time.over.wait(5)
+    stepper.close()
+    return stepper, time
+
+
+@pytest.mark.parametrize(("speed", "steps"), [(1.0, 100), (5.0, 500), (0.5, 50)])
+def test_as_many_steps_are_taken_as_the_speed_asks_for(speed: float, steps: int) -> None:
+    taken = []
+
+    stepper, time = run(lambda: bool(taken.append(1)), speed=speed, until_s=2.0)
+
+    assert len(taken) == pytest.approx(steps, abs=2)
+    assert stepper.real_time_factor == pytest.approx(speed, rel=0.05)
+    assert min(time.sleeps) > 0, "it never spins"
+
+
+def test_after_a_stall_it_catches_up_a_little_and_drops_the_rest() -> None:
+    pacer = Pacer(0.02, now_s=0.0)
+
+    steps = 0
+    while pacer.wait_s(10.0) <= 0:
+        pacer.stepped()
+        steps += 1
+
+    assert steps == pytest.approx(MOST_LAG_S / 0.02, abs=1)
+    assert pacer.dropped_s == pytest.approx(10.0 - MOST_LAG_S)
+
+
+def test_a_step_that_fails_is_logged_once_in_a_while_and_the_next_one_comes(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    taken = []
+
+    def step() -> bool:
+        taken.append(1)
+        if len(taken) in (3, 4):
+            raise ValueError("no such luck")
+        return True
+
+    with caplog.at_level(logging.ERROR):
+        stepper, _ = run(step, speed=1.0, until_s=1.0)
+
+    assert stepper.failures == 2
+    assert len(taken) > 10
+    assert caplog.text.count("a step of the world failed") == 1
+
+
+def test_as_fast_as_it_can_it_stands_still_until_there_is_something_to_do() -> None:
+    taken = threading.Semaphore(0)
+
+    def step() -> bool:
+        taken.release()
+        return False
+
+    stepper = Stepper(step, period_s=0.02, speed=None)
+    stepper.start()
+    try:
+        assert taken.acquire(timeout=5)
+        assert not taken.acquire(timeout=0.05)
+        stepper.wake()
+        assert taken.acquire(timeout=5)
+    finally:
+        stepper.close()
+    assert not stepper.running
+
+
+@pytest.mark.parametrize("speed", [0.0, -1.0, float("nan"), 1e9])
+def test_a_speed_that_makes_no_sense_is_refused(speed: float) -> None:
+    with pytest.raises(InvalidValue, match="speed"):
+        Stepper(lambda: False, period_s=0.02, speed=speed)
+
+
+def test_a_stepper_that_never_started_can_be_closed() -> None:
+    Stepper(lambda: False, period_s=0.02).close()

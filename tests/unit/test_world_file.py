@@ -1,0 +1,276 @@
+"""A world file is IR-SIM's own format; what is wrong in it is said by name."""
+
+import math
+
+import pytest
+import yaml
+
+from edgevox.core.errors import InvalidValue
+from edgevox.robots.shapes import Circle, Line, Polygon
+from edgevox.robots.world import LARGEST_FILE_BYTES, apartment_file, load_world, parse_world
+
+ROBOT = "robot: {kinematics: {name: diff}, shape: {name: circle, radius: 0.2}, state: [1, 1, 0]}\n"
+
+
+def refused(text: str) -> InvalidValue:
+    with pytest.raises(InvalidValue) as caught:
+        parse_world(text, "home.yaml")
+    return caught.value
+
+
+def test_the_apartment_has_four_rooms_and_things_that_can_and_cannot_be_pushed() -> None:
+    world = load_world()
+
+    assert {room.spoken for room in world.rooms} == {"kitchen", "bedroom", "living room", "office"}
+    assert (world.width_m, world.height_m) == (10, 10)
+    assert {t.spoken for t in world.movable} >= {"chair", "box", "armchair"}
+    assert {t.spoken for t in world.fixed} >= {"wall", "sofa", "kitchen counter"}
+    assert world.robot.lidar.beams == 360
+    assert all(world.room_at(*room.goal) is room for room in world.rooms)
+
+
+def test_an_irsim_world_with_a_group_circles_boxes_and_lines_loads() -> None:
+    world = parse_world(
+        """
+world: {height: 50, width: 40, step_time: 0.1, sample_time: 0.1, offset: [-5, 5],
+        collision_mode: stop, control_mode: auto}
+robot:
+  - kinematics: {name: 'diff'}
+    shape: {name: 'rectangle', length: 0.6, width: 0.8}
+    state: [1, 8, 1.57]
+    goal: [30, 40, 0]
+    behavior: {name: 'dash'}
+    vel_max: [2, 1.5]
+    acce: [3, .inf]
+    plot: {show_trail: true}
+    sensors:
+      - {type: 'lidar2d', range_min: 0, range_max: 7, angle_range: 3.14, number: 100, noise: false}
+obstacle:
+  - number: 4
+    distribution: {name: 'manual'}
+    state: [[4, 18], [31, 38, 1], [10, 20], [14, 25], [99, 99]]
+    shape:
+      - {name: 'circle', radius: 0.4}
+      - {name: 'circle', radius: 0.1}
+    kinematics: {name: 'omni'}
+    color: 'k'
+  - shape: {name: 'linestring', vertices: [[5, 25], [4, 20], [1, 26]]}
+    state: [0, 0, 0]
+  - shape: {name: 'polygon', vertices: [[20, 20], [22, 20], [22, 23], [20, 20]]}
+  - {shape: {name: rectangle, length: 1, width: 2}, state: [8, 30, 1], unobstructed: true}
+""",
+        "big.yaml",
+    )
+
+    circles = world.things[:4]
+    assert [c.parts[0].radius_m for c in circles if isinstance(c.parts[0], Circle)] == [
+        0.4,
+        0.1,
+        0.1,
+        0.1,
+    ]
+    assert (circles[1].pose.x_m, circles[1].pose.yaw_rad) == (31, 1)
+    assert circles[0].movable, "what drives by itself in IR-SIM can be pushed here"
+    assert isinstance(world.things[4].parts[0], Line)
+    polygon = world.things[5].parts[0]
+    assert isinstance(polygon, Polygon)
+    assert len(polygon.vertices) == 3
+    assert len(world.things) == 6, "what nothing touches is not there"
+    assert world.robot.radius_m == pytest.approx(0.5)
+    assert (world.robot.max_linear_m_s, world.robot.max_angular_rad_s) == (2, 1.5)
+    assert (world.robot.max_linear_m_s2, world.robot.max_angular_rad_s2) == (3, 6)
+    assert (world.x_min_m, world.y_max_m) == (-5, 55)
+
+
+def test_an_irsim_world_with_several_robots_on_a_circle_drives_the_first() -> None:
+    world = parse_world(
+        """
+world: {height: 10, width: 10}
+robot:
+  number: 5
+  distribution: {name: circle, radius: 4.0, center: [5, 5]}
+  kinematics: {name: diff}
+  shape: [{name: circle, radius: 0.2}]
+  behavior: {name: rvo, vxmax: 1.0}
+  color: [red, green, blue]
+gui: {}
+""",
+        "ring.yaml",
+    )
+
+    assert (world.robot.start.x_m, world.robot.start.y_m) == (9, 5)
+    assert [t.movable for t in world.things] == [True] * 4
+
+
+def test_a_random_irsim_world_is_the_same_every_time_and_keeps_its_distances() -> None:
+    text = ROBOT + (
+        "obstacle: {number: 6, distribution: {name: random, range_low: [3, 3, -3], "
+        "range_high: [9, 9, 3], min_distance: 1.5}, shape: {name: circle, radius: 0.2}}"
+    )
+
+    first, second = parse_world(text, "a.yaml"), parse_world(text, "a.yaml")
+
+    assert first.things == second.things
+    spots = [(t.pose.x_m, t.pose.y_m) for t in first.things]
+    assert min(math.dist(a, b) for a in spots for b in spots if a != b) >= 1.5
+
+
+def test_a_compound_shape_has_its_parts_where_their_poses_say() -> None:
+    world = parse_world(
+        ROBOT + "obstacle: [{shape: {name: compound, parts: ["
+        "{name: circle, radius: 0.1, pose: [2, 0, 0]}, {name: rectangle, length: 1, width: 1}]},"
+        " state: [5, 5, 0], mass: 3}]",
+        "c.yaml",
+    )
+
+    assert world.movable[0].parts[0] == Circle((2.0, 0.0), 0.1)
+
+
+def test_a_file_that_is_shared_with_another_simulator_has_its_world_under_irsim() -> None:
+    body = yaml.safe_load(ROBOT)
+
+    world = parse_world(yaml.safe_dump({"irsim": body, "gazebo": {}}), "shared.yaml")
+
+    assert world.robot.radius_m == 0.2
+
+
+@pytest.mark.parametrize(
+    ("text", "field", "expected"),
+    [
+        ("obstacel: []\n" + ROBOT, "home.yaml.obstacel", "did you mean 'obstacle'?"),
+        ("world: {hight: 5}\n" + ROBOT, "home.yaml.world.hight", "did you mean 'height'?"),
+        ("world: {width: ten}\n" + ROBOT, "home.yaml.world.width", "a number"),
+        ("world: {width: .nan}\n" + ROBOT, "home.yaml.world.width", "a finite number"),
+        ("world: {width: 1.0e+9}\n" + ROBOT, "home.yaml.world.width", "a number from 1 to 500"),
+        ("world: [1]\n" + ROBOT, "home.yaml.world", "a mapping of keys to values"),
+        ("world: {offset: 3}\n" + ROBOT, "home.yaml.world.offset", "two numbers [x, y]"),
+        ("world: {obstacle_map: cave.png}\n" + ROBOT, "home.yaml.world.obstacle_map", "no map"),
+        ("world: {}", "home.yaml.robot", "at least one robot"),
+        ("robot: {kinematics: {name: acker}}", "home.yaml.robot.kinematics.name", "'diff'"),
+        ("robot: {sate: [1, 1, 0]}", "home.yaml.robot.sate", "did you mean 'state'?"),
+        (ROBOT + "obstacle: 7", "home.yaml.obstacle", "a list of mappings"),
+        (
+            ROBOT + "obstacle: [{shape: {name: circel}}]",
+            "home.yaml.obstacle[0].shape.name",
+            "one of circle, rectangle",
+        ),
+        (
+            ROBOT + "obstacle: [{shape: {name: circle, radios: 1}}]",
+            "home.yaml.obstacle[0].shape.radios",
+            "did you mean 'radius'?",
+        ),
+        (
+            ROBOT + "obstacle: [{shape: {name: circle, radius: 0}}]",
+            "home.yaml.obstacle[0].shape.radius",
+            "a number above 0",
+        ),
+        (
+            ROBOT + "obstacle: [{shape: {name: polygon, vertices: [[0, 0], [1, 1]]}}]",
+            "home.yaml.obstacle[0].shape.vertices",
+            "a list of 3 to 1000",
+        ),
+        (
+            ROBOT + "obstacle: [{shape: {name: polygon, vertices: [[0, 0], [1, 1], [2, 2]]}}]",
+            "home.yaml.obstacle[0].shape.vertices",
+            "an area above 0",
+        ),
+        (
+            ROBOT + "obstacle: [{shape: {name: circle}, state: [1, x, 0]}]",
+            "home.yaml.obstacle[0].state[1]",
+            "a number",
+        ),
+        (
+            ROBOT + "obstacle: [{number: 100000, shape: {name: circle}}]",
+            "home.yaml.obstacle[0].number",
+            "a whole number from 0 to 1000",
+        ),
+        (
+            ROBOT + "obstacle: [{distribution: {name: uniform}}]",
+            "home.yaml.obstacle[0].distribution.name",
+            "one of manual, circle, random",
+        ),
+        (
+            ROBOT
+            + "obstacle: [{name: sofa, state: [1.5, 1, 0], shape: {name: circle, radius: 1}}]",
+            "home.yaml.robot.state",
+            "a free place; a sofa stands there",
+        ),
+        (ROBOT.replace("[1, 1, 0]", "[11, 1, 0]"), "home.yaml.robot.state", "inside the world"),
+        (
+            ROBOT + "custom: {edgevox: {room: {}}}",
+            "home.yaml.custom.edgevox.room",
+            "did you mean 'rooms'?",
+        ),
+        (
+            ROBOT + "custom: {edgevox: {rooms: {den: {outline: [[0, 0], [1, 0]]}}}}",
+            "home.yaml.custom.edgevox.rooms.den.outline",
+            "a list of 3",
+        ),
+        (
+            ROBOT + "custom: {edgevox: {rooms: {den: {outline: [[0, 0], [1, 0], [1, 1]],"
+            " goal: [5, 5]}}}}",
+            "home.yaml.custom.edgevox.rooms.den.goal",
+            "a point inside the outline",
+        ),
+        (
+            ROBOT + "custom: {edgevox: {rooms: {3: {}}}}",
+            "home.yaml.custom.edgevox.rooms.3",
+            "a name of letters",
+        ),
+        (
+            ROBOT + "custom: {edgevox: {battery: {capacity: 3}}}",
+            "home.yaml.custom.edgevox.battery.capacity",
+            "did you mean 'capacity_wh'?",
+        ),
+        ("robot: [", "home.yaml", "valid YAML"),
+        ("- 1", "home.yaml", "a mapping"),
+        ("", "home.yaml", "a mapping"),
+        ("!!python/object/apply:os.system ['true']", "home.yaml", "valid YAML"),
+        ("[" * 2000, "home.yaml", "valid YAML"),
+        ("a: &a [*a]", "home.yaml", "valid YAML"),
+    ],
+)
+def test_what_is_wrong_in_a_world_file_is_named_with_what_would_be_right(
+    text: str, field: str, expected: str
+) -> None:
+    error = refused(text)
+
+    assert error.field == field
+    assert expected in error.expected
+
+
+def test_aliases_that_multiply_are_refused_in_no_time() -> None:
+    lines = ["a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]"]
+    lines += [f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 10)}]" for i in range(1, 12)]
+
+    assert "aliases" in refused("\n".join(lines)).expected
+
+
+def test_unknown_keys_that_resemble_nothing_are_ignored_as_in_irsim(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    parse_world("world: {zzz: 1}\n" + ROBOT, "home.yaml")
+
+    assert "home.yaml.world.zzz is not known" in caplog.text
+
+
+def test_a_file_that_is_absent_too_large_or_no_text_is_refused(tmp_path) -> None:
+    large, binary = tmp_path / "large.yaml", tmp_path / "binary.yaml"
+    large.write_bytes(b"#" * (LARGEST_FILE_BYTES + 1))
+    binary.write_bytes(b"\xff\xfe\x00")
+
+    for path, expected in (
+        (tmp_path / "none.yaml", "No such file"),
+        (tmp_path, "a file that can be read"),
+        (large, "at most 1000000 bytes"),
+        (binary, "UTF-8"),
+    ):
+        with pytest.raises(InvalidValue, match=expected):
+            load_world(path)
+
+
+def test_the_apartment_says_nothing_that_irsim_refuses() -> None:
+    data = yaml.safe_load(apartment_file().read_text("utf-8"))
+
+    assert set(data) == {"world", "robot", "obstacle", "custom"}
+    assert "name" not in data["world"], "IR-SIM takes it from the file and fails on a second one"
