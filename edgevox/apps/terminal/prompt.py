@@ -1,0 +1,78 @@
+"""The interactive prompt: Ctrl-C once interrupts, twice leaves."""
+
+from prompt_toolkit import PromptSession
+from prompt_toolkit.application import get_app_or_none
+from prompt_toolkit.formatted_text import AnyFormattedText
+from prompt_toolkit.patch_stdout import patch_stdout
+from prompt_toolkit.styles import Style
+
+from edgevox.apps.ending import Ending
+from edgevox.apps.terminal.commands import Desk, Leave, run_command
+from edgevox.apps.terminal.view import View
+from edgevox.core.bus import Bus
+from edgevox.core.clock import Clock
+from edgevox.core.commands import Interrupt, TextInput
+
+SECOND_CTRL_C_S = 2.0
+"""A second Ctrl-C within this time leaves."""
+
+_STYLE = Style.from_dict({"bottom-toolbar": "noreverse fg:ansicyan", "prompt": "bold"})
+
+
+class Prompt:
+    """A prompt_toolkit session on the calling thread."""
+
+    def __init__(self, bus: Bus, desk: Desk, clock: Clock) -> None:
+        self._desk = desk
+        self._clock = clock
+        self._interrupted_s = float("-inf")
+        self._session: PromptSession[str] = PromptSession(
+            "> ", bottom_toolbar=self._toolbar, style=_STYLE
+        )
+        self._view = View(bus, print, self._session.app.invalidate)
+
+    def run(self, ending: Ending) -> None:
+        """Read lines until the person leaves, or a signal says so."""
+        ending.gently = self._leave
+        try:
+            with patch_stdout(raw=True):
+                while self._step():
+                    pass
+        finally:
+            ending.gently = None
+            self._view.close()
+
+    def _step(self) -> bool:
+        try:
+            line = self._session.prompt().strip()
+            if line.startswith("/"):
+                print(run_command(line, self._desk))
+            elif line:
+                self._view.expect(line)
+                self._desk.conversation.submit(TextInput(line))
+        except KeyboardInterrupt:
+            return self._interrupt()
+        except (EOFError, Leave):
+            return False
+        return True
+
+    def _interrupt(self) -> bool:
+        now_s = self._clock.now()
+        if now_s - self._interrupted_s < SECOND_CTRL_C_S:
+            return False
+        self._interrupted_s = now_s
+        self._desk.conversation.submit(Interrupt("Ctrl-C"))
+        print("  [Ctrl-C once more to leave]")
+        return True
+
+    def _leave(self) -> bool:
+        app = self._session.app
+        if app.loop is None or not app.is_running:
+            return False
+        app.loop.call_soon_threadsafe(lambda: app.exit(exception=EOFError()))
+        return True
+
+    def _toolbar(self) -> AnyFormattedText:
+        app = get_app_or_none()
+        width = app.output.get_size().columns if app else 80
+        return self._view.status[: width - 1]

@@ -1,0 +1,104 @@
+"""Shows the bus on a terminal: answers as they come, and the running skill's progress."""
+
+import threading
+from collections import Counter
+from collections.abc import Callable
+from typing import Any
+
+from edgevox.core.bus import Bus
+from edgevox.core.events import (
+    AgentEvent,
+    AgentEventKind,
+    Responded,
+    SentenceReady,
+    TokenGenerated,
+    Transcribed,
+)
+from edgevox.core.text import clean
+
+BAR_WIDTH = 20
+
+
+class View:
+    """Turns events into lines and one status line.
+
+    `write` gets whole lines. `status` is what is being generated or done at this moment; `changed`
+    is called whenever it may have changed.
+    """
+
+    def __init__(
+        self, bus: Bus, write: Callable[[str], None], changed: Callable[[], None] = lambda: None
+    ) -> None:
+        self._write = write
+        self._changed = changed
+        self._lock = threading.Lock()
+        self._typed: Counter[str] = Counter()
+        self._partial = ""
+        self._progress = ""
+        self._forget = [
+            bus.subscribe(Transcribed, self._on_transcribed),
+            bus.subscribe(TokenGenerated, self._on_token),
+            bus.subscribe(SentenceReady, self._on_sentence),
+            bus.subscribe(Responded, self._on_response),
+            bus.subscribe(AgentEvent, self._on_agent_event),
+        ]
+
+    def close(self) -> None:
+        """Show nothing more."""
+        for forget in self._forget:
+            forget()
+
+    @property
+    def status(self) -> str:
+        """One line: the answer as far as it is generated, or the running skill's progress."""
+        with self._lock:
+            return self._partial.strip() or self._progress
+
+    def expect(self, text: str) -> None:
+        """Do not show this text again: it was typed here and stands on the screen already."""
+        with self._lock:
+            self._typed[clean(text)] += 1
+
+    def _on_transcribed(self, event: Transcribed) -> None:
+        with self._lock:
+            if self._typed[event.text]:
+                self._typed[event.text] -= 1
+                return
+        self._write(f"> {event.text}")
+
+    def _on_token(self, event: TokenGenerated) -> None:
+        with self._lock:
+            self._partial += event.text
+        self._changed()
+
+    def _on_sentence(self, event: SentenceReady) -> None:
+        with self._lock:
+            self._partial = ""
+        self._write(f"  {event.text}")
+        self._changed()
+
+    def _on_response(self, event: Responded) -> None:
+        with self._lock:
+            self._partial = ""
+        if event.cut:
+            self._write("  [interrupted]")
+        self._changed()
+
+    def _on_agent_event(self, event: AgentEvent) -> None:
+        if event.kind is AgentEventKind.HANDOFF:
+            self._write(f"  [{event.data['from']} hands over to {event.data['to']}]")
+        elif event.kind in (AgentEventKind.SKILL_GOAL, AgentEventKind.SKILL_CANCELLED):
+            with self._lock:
+                self._progress = _progress(event.data)
+        self._changed()
+
+
+def _progress(data: Any) -> str:
+    if data["status"] != "running":
+        return ""
+    call = " ".join([data["skill"], *(f"{k}={v}" for k, v in data["arguments"].items())])
+    done = data.get("feedback", {}).get("progress")
+    if done is None:
+        return call
+    filled = round(done * BAR_WIDTH)
+    return f"{call}  {'█' * filled}{'░' * (BAR_WIDTH - filled)} {done:4.0%}"

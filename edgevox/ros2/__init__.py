@@ -1,0 +1,8 @@
+"""EdgeVox on the wire: the contract as a table, the bridge that serves it, the null twin.
+
+The only package that imports rclpy. Imports core, agent.skills and robots of edgevox.
+"""
+
+from edgevox.ros2.open import Bridge, NullBridge, open_bridge, split_ros_args
+
+__all__ = ["Bridge", "NullBridge", "open_bridge", "split_ros_args"]

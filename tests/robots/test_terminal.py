@@ -1,0 +1,181 @@
+"""The program as a person meets it: at a prompt, through a pipe, and with nobody there."""
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pexpect
+import pytest
+
+AGENT = str(Path(sys.executable).with_name("edgevox-agent"))
+COMMAND = [AGENT, "robot-apartment", "--text-mode", "--llm=none"]
+
+
+def run_script(text: str | bytes, *flags: str) -> subprocess.CompletedProcess:
+    data = text.encode() if isinstance(text, str) else text
+    return subprocess.run([*COMMAND, *flags], input=data, capture_output=True, timeout=60)
+
+
+def test_a_script_is_done_line_by_line_and_ends_the_program():
+    done = run_script("go to the kitchen\nwhere are you\n")
+    lines = [line.strip() for line in done.stdout.decode().splitlines()]
+    assert done.returncode == 0
+    assert lines[1:5] == [
+        "> go to the kitchen",
+        "Going to the kitchen.",
+        "I am in the kitchen.",
+        "> where are you",
+    ]
+    assert lines[5].startswith("I am in the kitchen, at x 6.")
+    assert done.stderr == b""
+
+
+def test_bytes_that_are_no_text_and_very_long_lines_are_answered():
+    done = run_script(b"\xff\xfe\n" + b"a" * 100_000 + b"\nwhere are you\n")
+    answer = done.stdout.decode()
+    assert done.returncode == 0
+    assert "I did not hear anything." in answer
+    assert "That is too long: 100000 characters, and I take 2000." in answer
+    assert "I am in the living room" in answer
+
+
+@pytest.mark.parametrize(
+    ("line", "answer"),
+    [
+        ("/map", "kitchen"),
+        ("/help", "/reset"),
+        ("/state", '"battery": '),
+        ("/skills", "navigate_to(room)"),
+        ("/dance", "/dance: no such command; expected one of /help, /map"),
+    ],
+)
+def test_a_slash_command_is_answered(line, answer):
+    assert answer in run_script(f"{line}\n").stdout.decode()
+
+
+def test_quit_ends_a_script_early():
+    done = run_script("/quit\nwhere are you\n")
+    assert done.returncode == 0
+    assert "I am in" not in done.stdout.decode()
+
+
+@pytest.mark.parametrize("stdin", ["null", "closed", "empty pipe"])
+def test_with_nobody_there_it_runs_until_sigterm(stdin):
+    source = subprocess.DEVNULL if stdin == "null" else subprocess.PIPE
+    agent = subprocess.Popen(
+        [*COMMAND] if stdin != "closed" else ["sh", "-c", 'exec "$@" <&-', "sh", *COMMAND],
+        stdin=source,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+    )
+    if agent.stdin:
+        agent.stdin.close()
+    ready = agent.stdout.readline()
+    assert b"is ready" in ready
+    with pytest.raises(subprocess.TimeoutExpired):
+        agent.wait(1)
+    agent.send_signal(signal.SIGTERM)
+    assert agent.wait(2) == 0
+    assert agent.stdout.read() == b""
+    agent.stdout.close()
+
+
+def test_a_reader_that_leaves_does_not_stop_the_robot():
+    agent = subprocess.Popen([*COMMAND], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    assert b"is ready" in agent.stdout.readline()
+    agent.stdout.close()
+    agent.stdin.write(b"where are you\nwhere are you\n")
+    agent.stdin.close()
+    assert agent.wait(20) == 0
+
+
+@pytest.mark.parametrize(
+    ("flags", "message"),
+    [
+        (["--world", "nowhere.yaml"], "nowhere.yaml"),
+        (["--language=xx"], "language: got 'xx', expected one of en"),
+        (["--no-text-mode"], "text_mode: got False, expected --text-mode"),
+        (["--config", "nowhere.toml"], "config: got 'nowhere.toml', expected a TOML file"),
+    ],
+)
+def test_a_wrong_setting_ends_it_with_the_fields_name_and_exit_code_2(flags, message):
+    refused = run_script("", *flags)
+    assert refused.returncode == 2
+    assert message in refused.stderr.decode()
+    assert "Traceback" not in refused.stderr.decode()
+
+
+def test_a_typo_in_a_world_file_ends_it_with_the_fields_name(tmp_path):
+    world = tmp_path / "world.yaml"
+    world.write_text("world: {heigth: 10, width: 10}\nrobot: {kinematics: {name: diff}}\n")
+    refused = run_script("", "--world", str(world))
+    assert refused.returncode == 2
+    assert "heigth" in refused.stderr.decode()
+    assert "height" in refused.stderr.decode()
+
+
+def test_a_model_that_is_not_there_ends_it_with_the_command_that_fetches_it(tmp_path, monkeypatch):
+    monkeypatch.setenv("EDGEVOX_MODELS_DIR", str(tmp_path))
+    refused = subprocess.run(
+        [AGENT, "robot-apartment", "--text-mode"], stdin=subprocess.DEVNULL, capture_output=True,
+        timeout=60,
+    )  # fmt: skip
+    assert refused.returncode == 1
+    assert "edgevox-models fetch" in refused.stderr.decode()
+
+
+def see(terminal, text, timeout_s=15):
+    """Wait until the text is on the screen, answering where the cursor is as a terminal does."""
+    while terminal.expect_exact(["\x1b[6n", text], timeout=timeout_s) == 0:
+        terminal.send("\x1b[10;1R")
+
+
+@pytest.fixture
+def prompt():
+    terminal = pexpect.spawn(
+        COMMAND[0],
+        COMMAND[1:],
+        dimensions=(24, 80),
+        encoding="utf-8",
+        env={**os.environ, "TERM": "xterm"},
+    )
+    see(terminal, "is ready", timeout_s=30)
+    see(terminal, ">")
+    yield terminal
+    terminal.close(force=True)
+
+
+def test_the_prompt_shows_answers_and_the_skills_progress(prompt):
+    prompt.send("go to the kitchen\r")
+    see(prompt, "Going to the kitchen.")
+    see(prompt, "navigate_to room=kitchen")
+    see(prompt, "█")
+    see(prompt, "I am in the kitchen.", timeout_s=40)
+
+
+def test_ctrl_c_once_interrupts_and_twice_leaves(prompt):
+    prompt.send("go to the bedroom\r")
+    see(prompt, "Going to the bedroom.")
+    prompt.send("\x03")
+    see(prompt, "Ctrl-C once more to leave")
+    prompt.send("\x03")
+    prompt.expect(pexpect.EOF, timeout=10)
+    prompt.wait()
+    assert prompt.exitstatus == 0
+
+
+def test_ctrl_d_leaves(prompt):
+    prompt.send("\x04")
+    prompt.expect(pexpect.EOF, timeout=10)
+    prompt.wait()
+    assert prompt.exitstatus == 0
+
+
+def test_sigterm_at_the_prompt_leaves_the_terminal_as_it_was(prompt):
+    prompt.kill(signal.SIGTERM)
+    prompt.expect(pexpect.EOF, timeout=10)
+    prompt.wait()
+    assert prompt.exitstatus == 0
+    assert "Traceback" not in prompt.before

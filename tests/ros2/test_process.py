@@ -1,0 +1,107 @@
+"""The agent as a process: how it starts, what it refuses, how it ends."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from conftest import AGENT, READY, Agent
+from peer import STATE
+
+SHARED_MEMORY = "/dev/shm/fastrtps"  # noqa: S108 - where the middleware puts it
+
+
+def shared_memory_of(process):
+    """The middleware's shared memory that this process has open, its peers' included."""
+    maps = Path(f"/proc/{process.pid}/maps").read_text()
+    return {line.split()[-1] for line in maps.splitlines() if SHARED_MEMORY in line}
+
+
+def test_it_lives_without_a_terminal_and_leaves_within_two_seconds_of_sigterm(agent, peer):
+    one = agent()
+    robot = peer()
+    robot.listen("robot_state", STATE).wait_for(lambda m: True)
+    segments = shared_memory_of(one.process)
+    assert segments
+    begun = time.monotonic()
+    assert one.terminate() == 0
+    assert time.monotonic() - begun < 2
+    robot.close()
+    assert not [name for name in segments if os.path.exists(name)]
+    assert "Traceback" not in one.output
+
+
+def test_it_leaves_while_the_robot_drives(agent, peer):
+    one = agent()
+    robot = peer()
+    state = robot.listen("robot_state", STATE)
+    robot.send("text_input", "go to the bedroom")
+    state.wait_for(lambda m: json.loads(m)["velocity"]["linear"] > 0.05, timeout_s=20)
+    assert one.terminate() == 0
+    assert "Traceback" not in one.output
+
+
+def test_two_robots_in_two_namespaces_do_not_hear_each_other(agent, peer):
+    agent("--ros2-namespace", "/robot1")
+    agent("--ros2-namespace", "/robot2")
+    one, two = peer("/robot1"), peer("/robot2")
+    heard_one, heard_two = one.listen("response"), two.listen("response")
+    one.send("text_input", "where are you")
+    heard_one.wait_for(lambda m: m.startswith("I am in"))
+    two.send("text_input", "what is your battery")
+    heard_two.wait_for(lambda m: "%" in m or "percent" in m)
+    assert len(heard_one.messages) == 1
+
+
+def test_a_bad_namespace_ends_the_process_with_its_reason(domain):
+    bad = subprocess.run(
+        [AGENT, "robot-apartment", "--text-mode", "--ros2-namespace", "my robot"],
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert bad.returncode == 2
+    assert "ros2_namespace: got 'my robot', expected a ROS 2 namespace" in bad.stderr
+
+
+def test_a_middleware_that_is_not_there_ends_the_process_with_its_reason(domain, monkeypatch):
+    monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_nowhere_cpp")
+    one = Agent("robot-apartment", "--text-mode", "--ros2", "--llm", "none", domain=domain)
+    assert one.process.wait(60) != 0
+    one.terminate()
+    assert READY not in one.output
+    assert "rmw_nowhere_cpp" in one.output
+
+
+def test_without_rclpy_one_line_says_so_and_the_agent_works():
+    program = (
+        "import sys; sys.modules['rclpy'] = None\n"
+        "from edgevox.apps.agent import main; sys.exit(main())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program, "robot-apartment", "--text-mode", "--ros2", "--llm=none"],
+        input="where are you\n",
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.returncode == 0
+    assert "ROS 2: off, since rclpy cannot be imported" in done.stdout
+    assert "I am in the" in done.stdout
+
+
+def test_ros_args_are_ros_2s_own(agent, peer):
+    one = agent("--ros-args", "--log-level", "debug")
+    assert "ROS 2: /edgevox/edgevox" in one.output
+
+
+@pytest.mark.parametrize("flag", ["--ros2-state-hz=fast", "--ros2-state-hz=0"])
+def test_a_rate_that_cannot_be_is_refused(flag):
+    bad = subprocess.run(
+        [AGENT, "robot-apartment", "--text-mode", flag], capture_output=True, text=True, timeout=60
+    )
+    assert bad.returncode == 2
+    assert "ros2_state_hz: got " in bad.stderr

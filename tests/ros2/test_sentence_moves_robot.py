@@ -1,0 +1,136 @@
+"""The vertical slice, between two processes: a string on a topic moves the robot."""
+
+import json
+
+import pytest
+from peer import SENSOR, STATE
+
+
+@pytest.fixture
+def robot(agent, peer):
+    agent()
+    return peer()
+
+
+def in_room(room):
+    return lambda message: json.loads(message)["room"] == room
+
+
+def moving(message):
+    return json.loads(message)["velocity"]["linear"] > 0.05
+
+
+def standing(message):
+    velocity = json.loads(message)["velocity"]
+    return abs(velocity["linear"]) < 0.01 and abs(velocity["angular"]) < 0.01
+
+
+def test_go_to_kitchen_drives_the_robot_there_for_everybody_to_see(robot):
+    agent_event = robot.listen("agent_event")
+    robot_state = robot.listen("robot_state", STATE)
+    response = robot.listen("response")
+    sentence = robot.listen("bot_sentence")
+    state = robot.listen("state", STATE)
+    metrics = robot.listen("metrics")
+    transcription = robot.listen("transcription")
+    state.wait_for(lambda m: m == "listening")
+
+    robot.send("text_input", "go to kitchen")
+
+    transcription.wait_for(lambda m: m == "go to kitchen")
+    agent_event.wait_for(lambda m: json.loads(m)["kind"] == "tool_call")
+    response.wait_for(lambda m: m == "Going to the kitchen.")
+    sentence.wait_for(lambda m: m == "Going to the kitchen.")
+    measured = json.loads(metrics.wait_for(lambda m: True))
+    assert set(measured) == {"stt", "llm", "tts", "ttfs", "total"}
+    robot_state.wait_for(in_room("kitchen"), timeout_s=60)
+    response.wait_for(lambda m: m == "I am in the kitchen.", timeout_s=30)
+    said = ["listening", "thinking", "speaking", "listening", "speaking", "listening"]
+    state.wait_for(lambda m: True, since=len(said) - 1)
+    assert state.messages == said
+    assert response.messages == ["Going to the kitchen.", "I am in the kitchen."]
+    goals = [json.loads(m) for m in agent_event.messages]
+    statuses = [g["status"] for g in goals if g["kind"] == "skill_goal"]
+    assert statuses[0] == "accepted"
+    assert statuses[-1] == "succeeded"
+    assert {g["skill"] for g in goals} == {"navigate_to"}
+
+    late_state = robot.listen("state", STATE)
+    late_robot_state = robot.listen("robot_state", STATE)
+    assert late_state.wait_for(lambda m: True) == "listening"
+    assert json.loads(late_robot_state.wait_for(lambda m: True))["room"] == "kitchen"
+
+
+def test_stop_halts_the_driving_robot(robot):
+    robot_state = robot.listen("robot_state", STATE)
+    agent_event = robot.listen("agent_event")
+    response = robot.listen("response")
+    robot.send("text_input", "go to the bedroom")
+    robot_state.wait_for(moving, timeout_s=20)
+    robot.send("text_input", "stop")
+    preempt = agent_event.wait_for(lambda m: json.loads(m)["kind"] == "safety_preempt")
+    assert json.loads(preempt)["word"] == "stop"
+    agent_event.wait_for(lambda m: json.loads(m)["kind"] == "skill_cancelled")
+    response.wait_for(lambda m: m == "Stopped.")
+    robot_state.wait_for(standing, since=len(robot_state.messages))
+
+
+def test_interrupt_stops_the_robot_and_leaves_it_listening(robot):
+    robot_state = robot.listen("robot_state", STATE)
+    state = robot.listen("state", STATE)
+    robot.send("text_input", "go to the bedroom")
+    robot_state.wait_for(moving, timeout_s=20)
+    heard = len(state.messages)
+    for _ in range(10):
+        robot.send("interrupt", "now")
+    state.wait_for(lambda m: m == "interrupted", since=heard)
+    robot_state.wait_for(standing, since=len(robot_state.messages))
+    state.wait_for(lambda m: m == "listening", since=state.messages.index("interrupted", heard))
+
+
+@pytest.mark.parametrize(
+    ("text", "answer"),
+    [
+        ("", "I did not hear anything."),
+        ("go to the moon", "I do not know the room 'moon'."),
+        ("go to", "I did not hear which room."),
+        ("a" * 100_000, "That is too long: 100000 characters"),
+        ("drive to x 50 y 50", "I could not do that: "),
+    ],
+)
+def test_bad_input_is_answered_and_the_process_goes_on(robot, text, answer):
+    response = robot.listen("response")
+    robot.send("text_input", text)
+    response.wait_for(lambda m: m.startswith(answer))
+    robot.send("text_input", "where are you")
+    response.wait_for(lambda m: m.startswith("I am in the"))
+
+
+def test_text_that_is_not_utf_8_is_answered_and_the_process_goes_on(robot):
+    response = robot.listen("response")
+    words = b"go to \xff\xfe\x00"
+    cdr = b"\x00\x01\x00\x00" + len(words).to_bytes(4, "little") + words
+    robot.send("text_input", cdr)
+    response.wait_for(lambda m: m.startswith("I did not hear which room."))
+    robot.send("text_input", "where are you")
+    response.wait_for(lambda m: m.startswith("I am in the"))
+
+
+def test_an_unknown_command_is_refused_and_reset_stops_the_robot(agent, peer):
+    process = agent()
+    robot = peer()
+    robot_state = robot.listen("robot_state", STATE)
+    robot.send("command", "self_destruct")
+    process.wait_for_line("command: got 'self_destruct', expected one of reset")
+    robot.send("text_input", "go to the bedroom")
+    robot_state.wait_for(moving, timeout_s=20)
+    robot.send("command", "reset")
+    robot_state.wait_for(standing, since=len(robot_state.messages), timeout_s=10)
+
+
+def test_a_subscriber_of_tokens_is_served_best_effort(robot):
+    robot.listen("bot_token", SENSOR)
+    (token,) = robot.node.get_publishers_info_by_topic("/edgevox/bot_token")
+    assert token.qos_profile.reliability.name == "BEST_EFFORT"
+    (state,) = robot.node.get_publishers_info_by_topic("/edgevox/state")
+    assert state.qos_profile.durability.name == "TRANSIENT_LOCAL"
