@@ -1,5 +1,8 @@
 """A GBNF grammar in which a model either answers in words or makes valid calls, and nothing else.
 
+Calls are written as in Python: with the same examples as JSON the smallest model got 38 of 53
+commands right instead of 47, from a prompt that was a quarter longer.
+
 What a grammar cannot say (that a number is at most 4.2) stays to `Skill.validate`; names of skills
 and arguments, types, words to choose from, signs and counts of digits cannot go wrong.
 """
