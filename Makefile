@@ -52,9 +52,10 @@ format: $(DONE)/dev ## Rewrite the code as the linters want it.
 	$(BIN)/ruff format .
 
 .PHONY: bench
-bench: $(DONE)/dev $(DONE)/msgs ## Measure latency, speed and memory on this machine.
-	@$(BIN)/edgevox-models fetch small
-	@$(BIN)/python benchmarks/latency.py $(ARGS)
+bench: $(DONE)/dev $(DONE)/msgs $(DONE)/llama-cpp ## Measure latency, memory, speed and understanding.
+	@$(BIN)/edgevox-models fetch $(TEST_MODELS)
+	@$(BIN)/python benchmarks/latency.py
+	@$(BIN)/python benchmarks/understanding.py
 
 .PHONY: models
 models: $(DONE)/run ## Fetch models; ARGS names sets and models, `small` if empty.

@@ -33,6 +33,9 @@ ROOT = Path(__file__).parents[1]
 COMMANDS = ROOT / "tests" / "models" / "commands.yaml"
 MODELS = ("qwen2.5-coder-0.5b-instruct", "qwen2.5-coder-1.5b-instruct", "smollm2-135m-instruct")
 
+LISTED_FROM = 0.5
+"""Of a model that gets less than this right, the misses are not worth listing."""
+
 
 @dataclass(frozen=True, slots=True)
 class Command:
@@ -169,6 +172,9 @@ def _speed(outcomes: Sequence[Outcome]) -> str:
 def _misses(columns: Mapping[str, Sequence[Outcome]]) -> str:
     lines = []
     for name, outcomes in columns.items():
+        if share_right(outcomes) < LISTED_FROM:
+            lines += [f"\n{name}: most of it."]
+            continue
         lines += [f"\n{name}:\n"]
         for one in outcomes:
             if not one.right:
