@@ -4,11 +4,13 @@ import itertools
 import logging
 import threading
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.deeds import Deeds
+from edgevox.agent.goals import Goal
 from edgevox.agent.llm.base import LanguageModel
 from edgevox.agent.mind import Mind
 from edgevox.agent.safety import SafetyWords
@@ -50,7 +52,14 @@ class _Settle:
     """Say that the conversation listens again, after a stop that cut no turn."""
 
 
-_Item = TextInput | Speak | RunSkill | _Announce | _Forget | _Settle
+@dataclass(frozen=True, slots=True)
+class _Language:
+    """Understand another language, between turns."""
+
+    code: str
+
+
+_Item = TextInput | Speak | RunSkill | _Announce | _Forget | _Settle | _Language
 ConversationCommand = TextInput | Speak | Interrupt | Reset | RunSkill
 
 
@@ -121,6 +130,27 @@ class Conversation:
                 self._safety_stop(word)
             case _:
                 self._put(command)
+
+    def set_language(self, code: str) -> None:
+        """Hear stop words of this language at once, and the rest from the next sentence on."""
+        self._safety = SafetyWords(code)
+        self._put(_Language(code))
+
+    def check_goal(self, name: str, arguments: Mapping[str, Any]) -> None:
+        """Raise what `start_goal` would raise; nothing happens."""
+        self._deeds.check(Call(name, arguments), self._skills)
+
+    def start_goal(
+        self, name: str, arguments: Mapping[str, Any], goal_id: str | None = None
+    ) -> Goal:
+        """Run one skill for a program, without a turn: it is seen on the bus and never spoken of.
+
+        Whatever moves pre-empts whatever moves, asked for in words or not, and stop words end it.
+        A skill that moves nothing pre-empts nothing. Does not block; may be called from any
+        thread. Raises `InvalidValue` (`UnknownSkill` for the name) or `SkillFailed` (too many
+        wait), and then nothing has happened.
+        """
+        return self._deeds.begin(Call(name, arguments), self._skills, goal_id)
 
     def wait_idle(self, timeout_s: float | None = None) -> bool:
         """Block until nothing is said, thought or done any more; False after the timeout.
@@ -197,6 +227,8 @@ class Conversation:
                 turn.say(text)
             case _Forget():
                 self.mind.forget()
+            case _Language(code=code):
+                self.mind.set_language(code)
             case _Settle():
                 pass
 

@@ -3,8 +3,9 @@
 import threading
 from collections.abc import Callable, Sequence
 
+from edgevox.agent.asides import MAX_ASIDES, Asides
 from edgevox.agent.goals import Goal, GoalRunner, Status
-from edgevox.agent.skills import Call, SkillSet
+from edgevox.agent.skills import Call, SkillFailed, SkillSet
 from edgevox.agent.turn import Turn
 from edgevox.core.bus import Bus
 from edgevox.core.errors import InvalidValue
@@ -28,27 +29,53 @@ class Deeds:
         self._announce = announce
         self._gate = threading.Lock()
         self._runner = GoalRunner(on_end=self._ended)
+        self._asides = Asides()
 
     def start(self) -> None:
         self._runner.start()
+        self._asides.start()
 
     def close(self) -> None:
         self._runner.close()
+        self._asides.close()
 
     @property
     def busy(self) -> bool:
-        return self._runner.busy
+        return self._runner.busy or self._asides.busy
 
     def wait_idle(self, timeout_s: float | None = None) -> bool:
-        return self._runner.wait_idle(timeout_s)
+        return self._runner.wait_idle(timeout_s) and self._asides.wait_idle(timeout_s)
 
     def stop(self, reason: str, turn: Turn | None) -> bool:
         """Cancel the turn, its goals, and all motion of the body. True if there was any of it."""
         with self._gate:
             cut = turn is not None and turn.token.cancel(reason)
             ran = self._runner.cancel(reason)
+            aside = self._asides.cancel(reason)
         moved = self._halt(reason)
-        return cut or ran or moved
+        return cut or ran or aside or moved
+
+    def check(self, call: Call, skills: SkillSet) -> None:
+        """Raise where `begin` would; nothing happens."""
+        skills[call.skill].validate(call.arguments)
+        if not skills[call.skill].moves and self._asides.full:
+            raise SkillFailed(f"{call.skill}: {MAX_ASIDES} goals wait already.")
+
+    def begin(self, call: Call, skills: SkillSet, goal_id: str | None) -> Goal:
+        """Run one call without a turn, and so without a word said about it.
+
+        One that moves pre-empts what moves; another waits for nothing but its like.
+        """
+        self.check(call, skills)
+        arguments = skills[call.skill].validate(call.arguments)
+        goal = Goal(skills[call.skill], arguments, turn=0, bus=self._bus, goal_id=goal_id)
+        self._tell(goal, "action")
+        with self._gate:
+            if goal.skill.moves:
+                self._runner.submit([goal])
+            else:
+                self._asides.submit(goal)
+        return goal
 
     def perform(self, calls: Sequence[Call], skills: SkillSet, turn: Turn, source: str) -> None:
         """Check all calls, then acknowledge and run them in order; if one is wrong, none runs."""
@@ -58,8 +85,7 @@ class Deeds:
             turn.say(f"I cannot do that: {error}.")
             return
         for goal in goals:
-            data = {"skill": goal.skill.name, "arguments": goal.arguments, "source": source}
-            self._bus.publish(AgentEvent(AgentEventKind.TOOL_CALL, {**data, "turn": turn.number}))
+            self._tell(goal, source)
         if any(goal.skill.moves for goal in goals):
             self._run_beside(goals, turn)
         else:
@@ -85,8 +111,12 @@ class Deeds:
             goal.run()
             turn.say(_report(goal))
 
+    def _tell(self, goal: Goal, source: str) -> None:
+        data = {"skill": goal.skill.name, "arguments": goal.arguments, "source": source}
+        self._bus.publish(AgentEvent(AgentEventKind.TOOL_CALL, {**data, "turn": goal.turn}))
+
     def _ended(self, goal: Goal) -> None:
-        text = _report(goal)
+        text = _report(goal) if goal.turn else ""
         if text:
             self._announce(text)
 

@@ -32,11 +32,20 @@ ENDS = frozenset({Status.SUCCEEDED, Status.FAILED, Status.CANCELLED})
 class Goal:
     """One call of one skill: what was asked, how far it is, how it ended.
 
-    It is the `GoalHandle` that the skill's function sees. Only its runner changes it.
+    It is the `GoalHandle` that the skill's function sees. Only its runner changes it. `turn` is 0
+    for a goal that nobody asked for in words.
     """
 
-    def __init__(self, skill: Skill, arguments: Mapping[str, Any], *, turn: int, bus: Bus) -> None:
-        self.id = uuid.uuid4().hex
+    def __init__(
+        self,
+        skill: Skill,
+        arguments: Mapping[str, Any],
+        *,
+        turn: int,
+        bus: Bus,
+        goal_id: str | None = None,
+    ) -> None:
+        self.id = goal_id or uuid.uuid4().hex
         self.skill = skill
         self.arguments = dict(arguments)
         self.turn = turn
@@ -148,9 +157,12 @@ class GoalRunner:
         for goal in plan:
             goal.accept()
         with self._wake:
-            superseded, self._next = self._next, list(plan)
+            closed = self._closed
+            superseded, self._next = self._next, [] if closed else list(plan)
             running = list(self._current)
             self._wake.notify_all()
+        if closed:
+            _drop(plan, "shutting down")
         reason = f"pre-empted by {plan[0].skill.name}" if plan else "pre-empted"
         _cancel(running, reason)
         _drop(superseded, reason)

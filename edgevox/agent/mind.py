@@ -48,12 +48,17 @@ class Mind:
         self._bus = bus
         self._clock = clock
         self._model = model
-        self._recognisers = {a.name: Recogniser(a.skills, language) for a in agents}
-        self._protocols = {
-            a.name: Protocol(a.instructions, a.skills, a.handoffs, language) for a in agents
-        }
+        self.set_language(language)
         self.active = agents[0]
         self._history = History(self._count_tokens, self._history_budget())
+
+    def set_language(self, code: str) -> None:
+        """Understand and answer in this language from now on."""
+        agents = self._agents.values()
+        self._recognisers = {a.name: Recogniser(a.skills, code) for a in agents}
+        self._protocols = {
+            a.name: Protocol(a.instructions, a.skills, a.handoffs, code) for a in agents
+        }
 
     def chat(self, text: str = "") -> list[Message]:
         """The messages that the model would see for this utterance."""

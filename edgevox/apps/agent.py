@@ -13,14 +13,19 @@ from edgevox.agent.llm.base import LanguageModel
 from edgevox.agent.llm.primer import Primer
 from edgevox.apps.ending import Ending, Terminated
 from edgevox.apps.flags import add_flags, given_flags
+from edgevox.apps.queries import available_voices, build_queries
 from edgevox.apps.robots import ROBOTS, build_agents, build_body
+from edgevox.apps.switchboard import Switchboard
 from edgevox.apps.terminal import run_terminal
 from edgevox.apps.terminal.commands import Desk
 from edgevox.core.bus import Bus
+from edgevox.core.controls import Controls
 from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.events import ControlChanged
 from edgevox.core.settings import Settings, load_settings
+from edgevox.models import locate
 from edgevox.robots.capabilities import Body
-from edgevox.ros2 import Bridge, open_bridge, split_ros_args
+from edgevox.ros2 import Bridge, Wiring, open_bridge, split_ros_args
 
 USAGE_ERROR = 2
 
@@ -55,23 +60,30 @@ def _run(settings: Settings, body: Body, ros_args: Sequence[str]) -> None:
     bus = Bus()
     agents = build_agents(body)
     with ExitStack() as stack:
-        model = _open_model(settings)
+        model_path = _model_path(settings)
+        model = _open_model(settings, model_path) if model_path else None
         if model:
             stack.callback(model.close)
+        controls = Controls(
+            bus,
+            language=settings.language,
+            voice=settings.voice,
+            muted=settings.muted,
+            voices=available_voices,
+        )
         conversation = Conversation(
             agents, bus, halt=body.halt, model=model, language=settings.language
         )
+        bus.subscribe(ControlChanged, lambda change: _follow(conversation, change))
+        queries = build_queries(controls, model_path)
+        switchboard = Switchboard(conversation, controls, queries, bus)
         with Ending() as ending:
             _start(stack, body)
             if settings.ros2:
-                bridge = open_bridge(
-                    bus,
-                    conversation.submit,
-                    namespace=settings.ros2_namespace,
-                    ros_args=ros_args,
-                    robot_state=body.state,
-                    state_hz=settings.ros2_state_hz,
+                wiring = Wiring(
+                    settings, bus, switchboard.submit, controls, queries, body, conversation
                 )
+                bridge = open_bridge(wiring, ros_args)
                 _start(stack, bridge)
                 print(f"ROS 2: {bridge.where}", flush=True)
             if model:
@@ -86,15 +98,21 @@ def _start(stack: ExitStack, part: Body | Conversation | Bridge | Primer) -> Non
     part.start()
 
 
-def _open_model(settings: Settings) -> LanguageModel | None:
+def _follow(conversation: Conversation, change: ControlChanged) -> None:
+    if change.name == "language":
+        conversation.set_language(str(change.value))
+
+
+def _model_path(settings: Settings) -> Path | None:
     if settings.llm == "none":
         return None
-    from edgevox.agent.llm.factory import load_model
-    from edgevox.models import locate
-
     path = Path(settings.llm)
-    if path.suffix != ".gguf":
-        path = locate(settings.llm)
+    return path if path.suffix == ".gguf" else locate(settings.llm)
+
+
+def _open_model(settings: Settings, path: Path) -> LanguageModel:
+    from edgevox.agent.llm.factory import load_model
+
     print(f"loading {path.name} ...", flush=True)
     return load_model(
         path,

@@ -40,5 +40,5 @@ class Ending:
             raise Terminated
 
     def _ignore(self) -> None:
-        for one in _SIGNALS:
+        for one in (*_SIGNALS, signal.SIGINT):  # `ros2 launch` and people repeat their Ctrl-C
             signal.signal(one, signal.SIG_IGN)

@@ -24,7 +24,7 @@ def given_flags(arguments: argparse.Namespace) -> dict[str, Any]:
 
 
 def _add(parser: argparse.ArgumentParser, name: str, info: FieldInfo) -> None:
-    flag = "--" + name.replace("_", "-")
+    flag = "--" + _flag_name(name, info)
     help_text = f"{info.description} ({ENV_PREFIX}{name.upper()})"
     if info.annotation is bool:
         parser.add_argument(
@@ -43,6 +43,12 @@ def _add(parser: argparse.ArgumentParser, name: str, info: FieldInfo) -> None:
         metavar=_metavar(name, info),
         help=(help_text + default).replace("%", "%%"),
     )
+
+
+def _flag_name(name: str, info: FieldInfo) -> str:
+    """After the field, unless the field names another in its ``json_schema_extra``."""
+    extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
+    return str(extra.get("flag", name)).replace("_", "-")
 
 
 def _metavar(name: str, info: FieldInfo) -> str:

@@ -20,8 +20,20 @@ def _apartment(settings: Settings) -> Body:
     return ApartmentRobot(load_world(settings.world))
 
 
+def _external(settings: Settings) -> Body:
+    from edgevox.ros2.external import build_external
+
+    return build_external(
+        settings.external_namespace,
+        settings.locations,
+        max_linear_m_s=settings.max_linear,
+        max_angular_rad_s=settings.max_angular,
+    )
+
+
 ROBOTS: Mapping[str, tuple[str, Callable[[Settings], Body]]] = {
     "robot-apartment": ("a mobile robot in a simulated four-room apartment", _apartment),
+    "robot-external": ("any ROS 2 robot, over its odom, cmd_vel and goal_pose", _external),
 }
 """What each robot is, and how to build it."""
 

@@ -112,6 +112,22 @@ class RobotState:
 
 
 @dataclass(frozen=True, slots=True)
+class ControlChanged:
+    """A setting that can change while it runs has a new value: `language`, `voice` or `muted`."""
+
+    name: str
+    value: str | bool
+
+
+@dataclass(frozen=True, slots=True)
+class Answered:
+    """The answer to a `Query`: JSON-ready, without the key ``query``."""
+
+    query: str
+    data: Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
 class TurnEnded:
     """A turn is over: nothing more will be said for it, though its goals may still run."""
 
@@ -129,5 +145,7 @@ Event = (
     | TurnMeasured
     | AgentEvent
     | RobotState
+    | ControlChanged
+    | Answered
     | TurnEnded
 )

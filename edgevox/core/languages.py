@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 @dataclass(frozen=True, slots=True)
 class Language:
-    """One language: its ISO 639-1 code, its English name, and the words that stop a robot.
+    """One language: its ISO 639-1 code, its English name, its voices, the words that stop a robot.
 
     `stop_alone` are words that stop it only when nothing else is said. `spaced` is False for
     scripts that write words without spaces between them. `negations` are the words before a stop
@@ -22,6 +22,7 @@ class Language:
     stop_alone: tuple[str, ...] = ()
     negations: tuple[str, ...] = ()
     spaced: bool = True
+    voices: tuple[str, ...] = ()
 
 
 def _read() -> Mapping[str, Language]:
@@ -35,6 +36,7 @@ def _read() -> Mapping[str, Language]:
                 stop_alone=tuple(entry.get("stop_alone", ())),
                 negations=tuple(entry.get("negations", ())),
                 spaced=entry.get("spaced", True),
+                voices=tuple(entry.get("voices", ())),
             )
             for code, entry in tomllib.loads(text).items()
         }

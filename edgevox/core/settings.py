@@ -23,6 +23,8 @@ from edgevox.core.languages import LANGUAGES
 ENV_PREFIX = "EDGEVOX_"
 _NAMESPACE = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+|/")
 
+_PREFIX = re.compile(r"[A-Za-z][A-Za-z0-9_/]*")
+
 
 def _known_language(code: str) -> str:
     if code not in LANGUAGES:
@@ -39,6 +41,12 @@ def _valid_namespace(namespace: str) -> str:
     return absolute
 
 
+def _valid_prefix(prefix: str) -> str:
+    if prefix and not _PREFIX.fullmatch(prefix):
+        raise ValueError("a prefix such as robot1/: letters, digits, underscores, slashes")
+    return prefix
+
+
 class Settings(BaseSettings):
     """Everything that can be set. A field's description is its help text everywhere."""
 
@@ -49,6 +57,8 @@ class Settings(BaseSettings):
     language: Annotated[str, AfterValidator(_known_language)] = Field(
         "en", description="language to hear and speak, ISO 639-1 code"
     )
+    voice: str = Field("", description="text-to-speech voice; empty chooses by the language")
+    muted: bool = Field(False, description="start with the microphone muted")
     text_mode: bool = Field(False, description="type instead of speaking; no sound is used")
     simple_ui: bool = Field(False, description="plain lines instead of a full-screen interface")
     render: bool = Field(True, description="show the robot in a window where there is a display")
@@ -59,8 +69,28 @@ class Settings(BaseSettings):
     ros2_state_hz: float = Field(
         10.0, ge=0.1, le=100.0, description="how often robot_state is published, in hertz"
     )
+    odom_frame: Literal["", "odom"] = Field(
+        "", description="empty: map -> base_link on /tf; odom: map -> odom -> base_link, for Nav2"
+    )
+    frame_prefix: Annotated[str, AfterValidator(_valid_prefix)] = Field(
+        "", description="put before the robot's frames on /tf, so that robots can share a domain"
+    )
     world: Path | None = Field(
         None, description="world file of a 2D robot, in IR-SIM's YAML format"
+    )
+    external_namespace: Annotated[str, AfterValidator(_valid_namespace)] = Field(
+        "/",
+        description="robot-external: namespace of the robot's topics, such as /robot1",
+        json_schema_extra={"flag": "namespace"},
+    )
+    locations: Path | None = Field(
+        None, description="robot-external: YAML file of the places that it knows by name"
+    )
+    max_linear: float = Field(
+        0.3, gt=0.0, le=10.0, description="robot-external: fastest it is steered, in m/s"
+    )
+    max_angular: float = Field(
+        0.8, gt=0.0, le=10.0, description="robot-external: fastest it is turned, in rad/s"
     )
     llm: str = Field(
         "qwen2.5-coder-0.5b-instruct",

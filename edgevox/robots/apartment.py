@@ -217,6 +217,7 @@ class ApartmentRobot:
         self._movable = self._physics.movable_poses()
         self._trail = deque([(spec.start.x_m, spec.start.y_m)], maxlen=5000)
         self._collisions = 0
+        self._resting = False
 
     def _begin(self, goal: Point) -> Drive:
         with self._changed:
@@ -266,6 +267,8 @@ class ApartmentRobot:
             return going_on or self._ticks < self._wanted_ticks
 
     def _move(self) -> None:
+        if self._resting and not self._pilot.busy:
+            return  # a world in which nothing moves costs nothing but its time
         before = self._motion
         command = self._pilot.command(self.time_s, before, self._movable)
         motion = self._physics.step(command)
@@ -274,6 +277,7 @@ class ApartmentRobot:
             self._motion = self._physics.motion()
             raise ArithmeticError(f"the robot's motion became {motion}; it was put back")
         self._motion = motion
+        self._resting = not self._pilot.busy and self._physics.still
         self._collisions += len(motion.touching - before.touching)
         here = (motion.pose.x_m, motion.pose.y_m)
         if math.dist(here, self._trail[-1]) >= TRAIL_STEP_M:

@@ -6,7 +6,7 @@ positive); poses in the ``map`` frame. All methods may be called from any thread
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,19 @@ class Pose2D:
 
 
 @dataclass(frozen=True, slots=True)
+class Pose3D:
+    """Position (m) and orientation (unit quaternion); the identity by default."""
+
+    x_m: float = 0.0
+    y_m: float = 0.0
+    z_m: float = 0.0
+    qx: float = 0.0
+    qy: float = 0.0
+    qz: float = 0.0
+    qw: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
 class Twist2D:
     """Forward speed (m/s) and turn rate (rad/s, counter-clockwise) in the body's own frame."""
 
@@ -36,7 +49,8 @@ class Twist2D:
 class LidarScan:
     """One sweep: `ranges_m` of shape (n,), from `angle_min_rad` in steps of `angle_increment_rad`.
 
-    A beam that hits nothing within `range_max_m` is infinite. `time_s` is the body's time.
+    A beam that hits nothing within `range_max_m` is infinite. `time_s` is the body's time. Angles
+    are those of the lidar's own frame, which sits at `mount` on the body and does not move there.
     """
 
     time_s: float
@@ -45,6 +59,30 @@ class LidarScan:
     range_min_m: float
     range_max_m: float
     ranges_m: NDArray[np.float32]
+    mount: Pose2D = Pose2D(0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class CameraSpec:
+    """A pinhole camera with square pixels and no distortion, looking along its own x axis.
+
+    `mount` is where it sits in `parent` and does not change: on the body, on the end effector, or
+    standing in the room.
+    """
+
+    width_px: int
+    height_px: int
+    vertical_fov_rad: float
+    mount: Pose3D = Pose3D()
+    parent: Literal["body", "end_effector", "map"] = "body"
+
+
+@dataclass(frozen=True, slots=True)
+class CameraImage:
+    """One picture: `pixels` of shape (height, width, 3), RGB, taken at the body's time `time_s`."""
+
+    time_s: float
+    pixels: NDArray[np.uint8]
 
 
 Report = Callable[..., None]
@@ -123,6 +161,26 @@ class HasLidar(Protocol):
     """Measures distances all around."""
 
     def scan(self) -> LidarScan: ...
+
+
+@runtime_checkable
+class HasEndEffector(Protocol):
+    """Has a hand whose place it knows."""
+
+    def end_effector(self) -> Pose3D:
+        """The hand in the map frame."""
+
+
+@runtime_checkable
+class HasCamera(Protocol):
+    """Sees."""
+
+    @property
+    def camera_spec(self) -> CameraSpec:
+        """What the camera is and where it sits; it stays so."""
+
+    def camera(self) -> CameraImage:
+        """Take a picture. May take long (rendering), so call it from one thread of your own."""
 
 
 @runtime_checkable

@@ -4,10 +4,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import accumulate, pairwise
+from typing import Protocol
 
 from edgevox.robots.capabilities import Pose2D, Twist2D
 from edgevox.robots.shapes import Point
-from edgevox.robots.world_model import RobotSpec
 
 LOOKAHEAD_M = 0.35
 ARRIVED_M = 0.06
@@ -15,6 +15,19 @@ _TURN_FROM_RAD = 0.7
 _TURN_UNTIL_RAD = 0.15
 _CREEP_M_S = 0.06
 _TURN_GAIN = 4.0
+
+
+class Limits(Protocol):
+    """How fast a robot may drive, turn and brake."""
+
+    @property
+    def max_linear_m_s(self) -> float: ...
+
+    @property
+    def max_angular_rad_s(self) -> float: ...
+
+    @property
+    def max_linear_m_s2(self) -> float: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +64,7 @@ class _Side:
 class Follower:
     """Drives one robot along one path; asked for a velocity at every control step."""
 
-    def __init__(self, path: Sequence[Point], limits: RobotSpec) -> None:
+    def __init__(self, path: Sequence[Point], limits: Limits) -> None:
         self._limits = limits
         pairs = [(a, b) for a, b in pairwise(path) if a != b]
         begins = accumulate((math.dist(a, b) for a, b in pairs), initial=0.0)

@@ -61,6 +61,7 @@ class Lidar:
             range_min_m=self._spec.range_min_m,
             range_max_m=self._spec.range_max_m,
             ranges_m=far.astype(np.float32),
+            mount=self._spec.mount,
         )
 
 

@@ -1,59 +1,101 @@
 """The skills of any body that knows where it is and can drive somewhere by itself."""
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Annotated, Protocol
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Protocol, runtime_checkable
 
 from pydantic import Field
 
 from edgevox.agent.skills import Example, GoalHandle, OneOf, Result, Skill, skill
+from edgevox.core.cancel import CancelToken
 from edgevox.robots import navigation_words as words
-from edgevox.robots.capabilities import Body, DrivesTo, HasBattery, HasPlaces, HasPose
+from edgevox.robots.capabilities import Body, DrivesTo, HasBattery, HasPlaces, HasPose, Report
 
 
 class NavigableBody(Body, HasPose, HasPlaces, DrivesTo, Protocol):
     """What these skills need."""
 
 
+@runtime_checkable
+class DrivesToPlaces(Protocol):
+    """Knows more of a place than its point, such as which way to look there."""
+
+    def drive_to_place(self, place: str, *, token: CancelToken, report: Report) -> None:
+        """As `drive_to`."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlaceWord:
+    """What this body's places are called, and the preposition of being there."""
+
+    noun: str
+    being: str
+
+
+ROOM = PlaceWord("room", "in")
+LOCATION = PlaceWord("location", "at")
+
+
 def navigation_skills(
     body: NavigableBody,
     hints: Mapping[str, Sequence[str]] | None = None,
     aliases: Mapping[str, str] | None = None,
+    word: PlaceWord = ROOM,
 ) -> tuple[Skill, ...]:
     """`navigate_to` (if there are places), `navigate_xy`, `stop`, `get_pose`, `battery` (if any).
 
     `hints` are sentences, by place, of people who want to be there: what a model learns from.
-    `aliases` are other things that people say for a place, to that place.
+    `aliases` are other things that people say for a place, to that place. `word` is `ROOM` or
+    `LOCATION`, and the name of `navigate_to`'s argument.
     """
-    skills = [_navigate_xy(body), _stop(body), _get_pose(body)]
+    skills = [_navigate_xy(body, word), _stop(body), _get_pose(body, word)]
     if body.places:
-        skills.insert(0, _navigate_to(body, hints or {}, aliases or {}))
+        skills.insert(0, _navigate_to(body, hints or {}, aliases or {}, word))
     if isinstance(body, HasBattery):
         skills.append(_battery(body))
     return tuple(skills)
 
 
 def _navigate_to(
-    body: NavigableBody, hints: Mapping[str, Sequence[str]], aliases: Mapping[str, str]
+    body: NavigableBody,
+    hints: Mapping[str, Sequence[str]],
+    aliases: Mapping[str, str],
+    word: PlaceWord,
 ) -> Skill:
     places = tuple(body.places)
+    known = OneOf(places, aliases)
 
-    @skill(
-        templates=words.TO_ROOM,
-        examples=_room_examples(places, hints),
-        says="Going to the {room}.",
-        done="I am in the {room}.",
-    )
-    def navigate_to(goal: GoalHandle, room: Annotated[str, OneOf(places, aliases)]) -> Result:
+    def navigate_to_room(goal: GoalHandle, room: Annotated[str, known]) -> Result:
         """Drive to a room of the map."""
-        x_m, y_m = body.places[room]
+        return _go(body, goal, room, word)
+
+    def navigate_to_location(goal: GoalHandle, location: Annotated[str, known]) -> Result:
+        """Drive to a known location of the map."""
+        return _go(body, goal, location, word)
+
+    navigate_to: Callable[..., Result] = navigate_to_room if word is ROOM else navigate_to_location
+    navigate_to.__name__ = "navigate_to"
+    slot = f"{{{word.noun}}}"
+    decorate = skill(
+        templates=[template.replace("{room}", slot) for template in words.TO_ROOM],
+        examples=_place_examples(places, hints, word),
+        says=f"Going to the {slot}.",
+        done=f"I am {word.being} the {slot}.",
+    )
+    return decorate(navigate_to)
+
+
+def _go(body: NavigableBody, goal: GoalHandle, place: str, word: PlaceWord) -> Result:
+    if isinstance(body, DrivesToPlaces):
+        body.drive_to_place(place, token=goal.token, report=goal.report)
+    else:
+        x_m, y_m = body.places[place]
         body.drive_to(x_m, y_m, token=goal.token, report=goal.report)
-        return {**_where(body), "room": room.replace("_", " ")}
-
-    return navigate_to
+    return {**_where(body, word), word.noun: place.replace("_", " ")}
 
 
-def _navigate_xy(body: NavigableBody) -> Skill:
+def _navigate_xy(body: NavigableBody, word: PlaceWord) -> Skill:
     @skill(
         templates=words.TO_POINT,
         examples=words.TO_POINT_EXAMPLES,
@@ -67,7 +109,7 @@ def _navigate_xy(body: NavigableBody) -> Skill:
     ) -> Result:
         """Drive to a point of the map, given by its coordinates in metres."""
         body.drive_to(x, y, token=goal.token, report=goal.report)
-        return _where(body)
+        return _where(body, word)
 
     return navigate_xy
 
@@ -86,7 +128,7 @@ def _stop(body: NavigableBody) -> Skill:
     return stop
 
 
-def _get_pose(body: NavigableBody) -> Skill:
+def _get_pose(body: NavigableBody, word: PlaceWord) -> Skill:
     @skill(
         templates=words.WHERE,
         examples=words.WHERE_EXAMPLES,
@@ -96,7 +138,7 @@ def _get_pose(body: NavigableBody) -> Skill:
     def get_pose(goal: GoalHandle) -> Result:
         """Say where the robot is: its room and its coordinates."""
         goal.token.check()
-        return _where(body)
+        return _where(body, word)
 
     return get_pose
 
@@ -117,8 +159,8 @@ def _battery(body: HasBattery) -> Skill:
     return battery
 
 
-def _room_examples(
-    places: Sequence[str], hints: Mapping[str, Sequence[str]]
+def _place_examples(
+    places: Sequence[str], hints: Mapping[str, Sequence[str]], word: PlaceWord
 ) -> tuple[Example, ...]:
     """One hint of each place in turn, six at most; without hints, sentences that name the place."""
     told = [
@@ -130,17 +172,18 @@ def _room_examples(
     named = [
         (place, f"someone should look after the {place.replace('_', ' ')}") for place in places
     ]
-    return tuple(Example(sentence, {"room": place}) for place, sentence in (told or named)[:6])
+    return tuple(Example(sentence, {word.noun: place}) for place, sentence in (told or named)[:6])
 
 
-def _where(body: NavigableBody) -> dict[str, object]:
+def _where(body: NavigableBody, word: PlaceWord) -> dict[str, object]:
     pose = body.pose()
-    room = body.place_at(pose.x_m, pose.y_m)
+    place = body.place_at(pose.x_m, pose.y_m)
+    name = place.replace("_", " ") if place else None
     point = f"at x {pose.x_m:.1f}, y {pose.y_m:.1f}"
     return {
         "x": round(pose.x_m, 3),
         "y": round(pose.y_m, 3),
         "yaw_deg": round(math.degrees(pose.yaw_rad), 1),
-        "room": room.replace("_", " ") if room else None,
-        "where": f"in the {room.replace('_', ' ')}, {point}" if room else point,
+        word.noun: name,
+        "where": f"{word.being} the {name}, {point}" if name else point,
     }

@@ -18,6 +18,7 @@ from edgevox.robots.world_model import Thing, World
 
 STEP_S = 0.02
 """Physical time of one step."""
+_STILL_M_S = 1e-4  # and rad/s
 BRAKE_M_S2 = 12.0
 """How hard the robot can brake; a halt from 0.8 m/s takes 0.07 s."""
 _SUBSTEPS = 2
@@ -89,6 +90,14 @@ class Physics:
         velocity = self._robot.velocity.dot(self._robot.rotation_vector)
         twist = Twist2D(float(velocity), float(self._robot.angular_velocity))
         return Motion(_pose(self._robot), twist, self._touching())
+
+    @property
+    def still(self) -> bool:
+        """Whether nothing moves, the robot and the things that can be pushed."""
+        return all(
+            body.velocity.length < _STILL_M_S and abs(body.angular_velocity) < _STILL_M_S
+            for body in (self._robot, *self._movable)
+        )
 
     def movable_poses(self) -> tuple[Pose2D, ...]:
         """Where the movable things are, in the world's order."""

@@ -18,10 +18,8 @@ from collections.abc import Iterator
 from importlib import resources
 from itertools import islice
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import yaml
 
 from edgevox.core.errors import InvalidValue
 from edgevox.robots.capabilities import Pose2D
@@ -30,8 +28,8 @@ from edgevox.robots.world_fields import Fields, as_point, words
 from edgevox.robots.world_model import RobotSpec, Thing, World
 from edgevox.robots.world_objects import members, read_robot, read_thing
 from edgevox.robots.world_rooms import read_battery, read_rooms
+from edgevox.robots.yaml_file import parse_yaml, read_text
 
-LARGEST_FILE_BYTES = 1_000_000
 MOST_THINGS = 2000
 _MARGIN_M = 0.5
 _TOP_KEYS = ("world", "robot", "obstacle", "gui", "custom")
@@ -53,12 +51,12 @@ def load_world(path: Path | None = None) -> World:
     Raises `InvalidValue` naming the file, the field, its value and what was expected.
     """
     file = path or apartment_file()
-    return parse_world(_text(file), file.name)
+    return parse_world(read_text(file, "world"), file.name)
 
 
 def parse_world(text: str, name: str) -> World:
     """The world that this YAML text describes; `name` is the file's name in messages."""
-    top = Fields(name, _yaml(text, name))
+    top = Fields(name, parse_yaml(text, name))
     if isinstance(top.get("irsim"), dict):
         top = top.sub("irsim")
     top.check_keys(_TOP_KEYS)
@@ -87,41 +85,6 @@ def parse_world(text: str, name: str) -> World:
     )
     _check_start(world, top.path("robot"))
     return world
-
-
-def _text(file: Path) -> str:
-    try:
-        with file.open("rb") as stream:
-            data = stream.read(LARGEST_FILE_BYTES + 1)
-    except OSError as error:
-        raise InvalidValue(
-            "world", str(file), f"a file that can be read ({error.strerror})"
-        ) from None
-    if len(data) > LARGEST_FILE_BYTES:
-        raise InvalidValue("world", str(file), f"at most {LARGEST_FILE_BYTES} bytes")
-    try:
-        return data.decode("utf-8")
-    except UnicodeDecodeError:
-        raise InvalidValue("world", str(file), "a text in UTF-8") from None
-
-
-def _yaml(text: str, name: str) -> Any:
-    try:
-        data = yaml.safe_load(text)
-        if _weight(data, {}) > LARGEST_FILE_BYTES:
-            raise InvalidValue(name, text[:200], "aliases that do not multiply")
-    except (yaml.YAMLError, RecursionError, ValueError) as error:
-        reason = " ".join(str(error).split())
-        raise InvalidValue(name, text[:200], f"valid YAML ({reason[:300]})") from None
-    return data
-
-
-def _weight(node: Any, known: dict[int, int]) -> int:
-    """How many values there are with every alias written out; aliases can make a bomb of a file."""
-    if id(node) not in known:
-        inner = node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
-        known[id(node)] = 1 + sum(_weight(one, known) for one in inner)
-    return known[id(node)]
 
 
 def _extent(settings: Fields) -> tuple[float, float, float, float]:

@@ -1,18 +1,30 @@
-"""The contract as data: which event goes out on which topic, which topic comes in as which command.
+"""The contract as data: all that EdgeVox promises on the wire, once.
 
-Names are relative to the node's namespace. Every row here is a ``std_msgs/msg/String``.
+Topics are relative to the node's namespace unless they begin with a slash. The bridge serves these
+rows, `scripts/reference.py` writes the reference page from them, the conformance test checks them.
 """
 
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from enum import Enum
 from typing import Any
 
-from edgevox.core.commands import Interrupt, Reset, TextInput
+from edgevox.core.commands import (
+    Interrupt,
+    Query,
+    Reset,
+    RunSkill,
+    SetLanguage,
+    SetMuted,
+    SetVoice,
+    Speak,
+    TextInput,
+)
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import (
     AgentEvent,
+    Answered,
+    AudioLevel,
     Responded,
     RobotState,
     SentenceReady,
@@ -20,13 +32,21 @@ from edgevox.core.events import (
     TokenGenerated,
     Transcribed,
     TurnMeasured,
+    WakeWordHeard,
 )
+from edgevox.ros2.json_text import write
 
-Incoming = TextInput | Interrupt | Reset
+Incoming = (
+    TextInput | Speak | Interrupt | Reset | RunSkill | SetLanguage | SetVoice | SetMuted | Query
+)
 """The commands that come in over ROS 2."""
+
+Queries = Mapping[str, Callable[[], Mapping[str, Any]]]
+"""What answers each query, by its name."""
 
 NODE_NAME = "edgevox"
 DEFAULT_NAMESPACE = "/edgevox"
+STRING = "std_msgs/msg/String"
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,13 +68,14 @@ class Qos(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Published:
-    """A topic that carries one kind of event, written as a string by `encode`."""
+    """A topic that carries one kind of event; `encode` gives the message's ``data``."""
 
     topic: str
     qos: Qos
     event: type
-    encode: Callable[[Any], str]
+    encode: Callable[[Any], str | float]
     about: str
+    type: str = STRING
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,35 +86,85 @@ class Subscribed:
     qos: Qos
     decode: Callable[[str], Incoming]
     about: str
+    type: str = STRING
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A parameter of the node. `constraints` is what its descriptor says a value must be."""
+
+    name: str
+    default: str | bool
+    about: str
+    constraints: str
+    read_only: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Interop:
+    """A standard topic that a body with a capability has; `rate_hz` 0 is for what comes in."""
+
+    topic: str
+    type: str
+    direction: str
+    about: str
+    needs: str
+    rate_hz: float = 0.0
 
 
 def _text(event: Transcribed | Responded | TokenGenerated | SentenceReady) -> str:
     return event.text
 
 
-def _json(data: Mapping[str, Any]) -> str:
-    return json.dumps(data, ensure_ascii=False, allow_nan=False, default=str)
-
-
 def _state(event: StateChanged) -> str:
     return str(event.state)
+
+
+def _level(event: AudioLevel) -> float:
+    return event.level
 
 
 def _metrics(event: TurnMeasured) -> str:
     seconds = asdict(event)
     del seconds["turn"]
-    return _json({name: round(value, 4) for name, value in seconds.items()})
+    return write({name: round(value, 4) for name, value in seconds.items()})
 
 
 def _agent_event(event: AgentEvent) -> str:
-    return _json({"kind": str(event.kind), **event.data})
+    return write({"kind": str(event.kind), **event.data})
 
 
 def _robot_state(event: RobotState) -> str:
-    return _json(event.data)
+    return write(event.data)
 
 
-COMMANDS: Mapping[str, Incoming] = {"reset": Reset()}
+def _wake_word(event: WakeWordHeard) -> str:
+    return event.phrase
+
+
+def _info(event: Answered) -> str:
+    return answer_json(event.query, event.data)
+
+
+def answer_json(query: str, data: Mapping[str, Any]) -> str:
+    """An answer as `info` and the services give it."""
+    return write({"query": query, **data})
+
+
+QUERIES: Mapping[str, tuple[str, ...]] = {
+    "list_voices": ("language", "current_voice", "voices"),
+    "list_languages": ("current", "languages"),
+    "hardware_info": ("cuda", "metal", "gpu_name", "vram_total_gb", "vram_used_mb", "ram_gb"),
+    "model_info": ("language", "voice", "stt", "llm", "tts"),
+}
+"""What can be asked, on `command` or as a Trigger service, and the keys of the answer."""
+
+COMMANDS: Mapping[str, Incoming] = {
+    "reset": Reset(),
+    "mute": SetMuted(True),
+    "unmute": SetMuted(False),
+    **{name: Query(name) for name in QUERIES},
+}
 """What the `command` topic understands."""
 
 
@@ -108,15 +179,77 @@ PUBLISHED: tuple[Published, ...] = (
     Published("transcription", Qos.RELIABLE, Transcribed, _text, "the user's words as text"),
     Published("response", Qos.RELIABLE, Responded, _text, "the bot's full answer"),
     Published("state", Qos.STATE, StateChanged, _state, "what the conversation is doing"),
+    Published(
+        "audio_level",
+        Qos.SENSOR,
+        AudioLevel,
+        _level,
+        "loudness of the microphone, 0 to 1",
+        "std_msgs/msg/Float32",
+    ),
     Published("metrics", Qos.RELIABLE, TurnMeasured, _metrics, "seconds of each stage, as JSON"),
     Published("robot_state", Qos.STATE, RobotState, _robot_state, "the body's state, as JSON"),
     Published("agent_event", Qos.RELIABLE, AgentEvent, _agent_event, "a deed, as JSON"),
     Published("bot_token", Qos.SENSOR, TokenGenerated, _text, "one token as it is generated"),
     Published("bot_sentence", Qos.RELIABLE, SentenceReady, _text, "one sentence as it is spoken"),
+    Published("wakeword", Qos.RELIABLE, WakeWordHeard, _wake_word, "the wake word that was heard"),
+    Published("info", Qos.RELIABLE, Answered, _info, "the answer to a query, as JSON"),
 )
 
 SUBSCRIBED: tuple[Subscribed, ...] = (
+    Subscribed("tts_request", Qos.RELIABLE, Speak, "text to say aloud as it is"),
     Subscribed("text_input", Qos.RELIABLE, TextInput, "text for the agent, as if typed"),
     Subscribed("interrupt", Qos.RELIABLE, lambda _: Interrupt(), "any message stops everything"),
+    Subscribed("set_language", Qos.RELIABLE, SetLanguage, "ISO 639-1 code of the language"),
+    Subscribed("set_voice", Qos.RELIABLE, SetVoice, "name of the text-to-speech voice"),
     Subscribed("command", Qos.RELIABLE, _command, "one of " + ", ".join(COMMANDS)),
 )
+
+PARAMETERS: tuple[Parameter, ...] = (
+    Parameter("language", "en", "language, ISO 639-1 code", "a code of list_languages"),
+    Parameter(
+        "voice", "", "TTS voice name", "empty for the language's best, or a name of list_voices"
+    ),
+    Parameter("muted", False, "microphone muted", "true or false"),
+    Parameter(
+        "odom_frame",
+        "",
+        "empty: map -> base_link on /tf; odom: map -> odom -> base_link",
+        "empty or odom; set at start",
+        read_only=True,
+    ),
+    Parameter(
+        "frame_prefix",
+        "",
+        "put before the robot's frames on /tf",
+        "letters, digits, underscores and slashes; set at start",
+        read_only=True,
+    ),
+)
+
+INTEROP: tuple[Interop, ...] = (
+    Interop("/tf", "tf2_msgs/msg/TFMessage", "out", "map -> base_link or ee_link", "a pose", 30.0),
+    Interop(
+        "/tf_static",
+        "tf2_msgs/msg/TFMessage",
+        "out",
+        "where its sensors are",
+        "a lidar or a camera",
+    ),
+    Interop("pose", "geometry_msgs/msg/PoseStamped", "out", "the same pose as TF", "a pose", 30.0),
+    Interop(
+        "odom", "nav_msgs/msg/Odometry", "out", "pose and velocity", "a pose and a velocity", 30.0
+    ),
+    Interop("scan", "sensor_msgs/msg/LaserScan", "out", "one sweep of the lidar", "a lidar", 10.0),
+    Interop("image_raw", "sensor_msgs/msg/Image", "out", "rgb8", "a camera", 5.0),
+    Interop(
+        "camera_info", "sensor_msgs/msg/CameraInfo", "out", "the camera's model", "a camera", 5.0
+    ),
+    Interop(
+        "cmd_vel", "geometry_msgs/msg/Twist", "in", "a stream; halts 0.5 s after its end", "wheels"
+    ),
+    Interop("goal_pose", "geometry_msgs/msg/PoseStamped", "in", "where to go", "a drive"),
+)
+
+ACTION = ("execute_skill", "edgevox_msgs/action/ExecuteSkill")
+"""Its name and type."""

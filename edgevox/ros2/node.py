@@ -24,18 +24,20 @@ class RosNode:
     Raises `RosBridgeFailed` where the context or the node cannot be made.
     """
 
-    def __init__(self, namespace: str, ros_args: Sequence[str] = ()) -> None:
+    def __init__(
+        self, namespace: str, ros_args: Sequence[str] = (), *, name: str = NODE_NAME
+    ) -> None:
         self._context = Context()
         try:
             self._context.init(list(ros_args) or None)
             self.node = Node(
-                NODE_NAME, namespace=namespace, context=self._context, enable_logger_service=True
+                name, namespace=namespace, context=self._context, enable_logger_service=True
             )
-            self._executor = SingleThreadedExecutor(context=self._context)
+            self.executor = SingleThreadedExecutor(context=self._context)
         except Exception as error:
             self._context.try_shutdown()
             raise RosBridgeFailed(f"ROS 2 could not be started: {error}") from error
-        self._executor.add_node(self.node)
+        self.executor.add_node(self.node)
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._spin, name="edgevox-ros2")
 
@@ -45,7 +47,7 @@ class RosNode:
     def close(self) -> None:
         """Leave the graph: the thread joined, shared memory freed."""
         self._closing.set()
-        self._executor.shutdown()
+        self.executor.shutdown()
         if self._thread.is_alive():
             self._thread.join()
         self.node.destroy_node()
@@ -60,7 +62,7 @@ class RosNode:
         """Run callbacks until the end; one that fails is logged and must not end the others."""
         while not self._closing.is_set():
             try:
-                self._executor.spin()
+                self.executor.spin()
             except ExternalShutdownException:
                 return
             except Exception:

@@ -1,10 +1,10 @@
 """Opens the bridge, or its null twin where there is no ROS 2."""
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Protocol
+from collections.abc import Sequence
+from typing import Protocol
 
-from edgevox.core.bus import Bus
-from edgevox.ros2.contract import Incoming
+from edgevox.core.errors import EdgeVoxError
+from edgevox.ros2.wiring import Wiring
 
 
 class Bridge(Protocol):
@@ -31,34 +31,22 @@ class NullBridge:
         """There is nothing to close."""
 
 
-def open_bridge(
-    bus: Bus,
-    submit: Callable[[Incoming], None],
-    *,
-    namespace: str,
-    ros_args: Sequence[str] = (),
-    robot_state: Callable[[], Mapping[str, Any]] | None = None,
-    state_hz: float = 10.0,
-) -> Bridge:
+def open_bridge(wiring: Wiring, ros_args: Sequence[str] = ()) -> Bridge:
     """A bridge on real ROS 2, or a `NullBridge` where rclpy cannot be imported.
 
-    Raises `RosBridgeFailed` where rclpy is here but does not work: no robot is silent in secret.
+    Raises `EdgeVoxError` where rclpy is here but does not work: no robot is silent in secret.
     """
     try:
         from edgevox.ros2.bridge import RosBridge
     except ModuleNotFoundError as error:
-        if (error.name or "").partition(".")[0] != "rclpy":
-            raise
-        return NullBridge()
-
-    return RosBridge(
-        bus,
-        submit,
-        namespace=namespace,
-        ros_args=ros_args,
-        robot_state=robot_state,
-        state_hz=state_hz,
-    )
+        missing = (error.name or "").partition(".")[0]
+        if missing == "rclpy":
+            return NullBridge()
+        raise EdgeVoxError(
+            f"ROS 2 is here, but {missing} is not: got no module, expected it from an installed"
+            " ROS 2 Jazzy or from make msgs"
+        ) from error
+    return RosBridge(wiring, ros_args)
 
 
 def split_ros_args(argv: Sequence[str]) -> tuple[list[str], list[str]]:

@@ -1,55 +1,61 @@
 """The topics of `contract`: events go out, and what comes in becomes commands."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
-from std_msgs.msg import String
+from std_msgs.msg import Float32, String
 
-from edgevox.core.bus import Bus
 from edgevox.core.errors import InvalidValue
-from edgevox.core.events import RobotState
-from edgevox.ros2.contract import PUBLISHED, SUBSCRIBED, Incoming, Published, Qos, Subscribed
+from edgevox.core.events import AgentEvent, RobotState
+from edgevox.ros2.contract import PUBLISHED, STRING, SUBSCRIBED, Published, Qos, Subscribed
+from edgevox.ros2.ticker import Ticker
+from edgevox.ros2.wiring import Wiring
+
+_TYPES: dict[str, Any] = {STRING: String, "std_msgs/msg/Float32": Float32}
 
 
 class Topics:
     """Serves the rows of `PUBLISHED` and `SUBSCRIBED` on a node.
 
-    `robot_state`, if given, is asked for the body's state `state_hz` times a second.
+    The body, if there is one, is asked for its state as often as the settings say.
     """
 
-    def __init__(
-        self,
-        node: Node,
-        bus: Bus,
-        submit: Callable[[Incoming], None],
-        robot_state: Callable[[], Mapping[str, Any]] | None = None,
-        state_hz: float = 10.0,
-    ) -> None:
+    def __init__(self, node: Node, wiring: Wiring) -> None:
         self._node = node
-        self._bus = bus
-        self._submit = submit
+        self._bus = wiring.bus
+        self._submit = wiring.submit
         self._forget: list[Callable[[], None]] = []
+        body = wiring.body
         for published in PUBLISHED:
-            if published.event is not RobotState or robot_state:
+            if body or published.event not in (RobotState, AgentEvent):
                 self._publish(published)
         for subscribed in SUBSCRIBED:
             self._subscribe(subscribed)
-        if robot_state:
-            node.create_timer(1.0 / state_hz, lambda: bus.publish(RobotState(robot_state())))
+        self._ticker: Ticker | None = None
+        if body:
+            self._ticker = Ticker(
+                lambda: self._bus.publish(RobotState(body.state())),
+                1.0 / wiring.settings.ros2_state_hz,
+                "edgevox-robot-state",
+            )
+            self._ticker.start()
 
     def close(self) -> None:
         """Publish nothing more."""
+        if self._ticker:
+            self._ticker.close()
         for forget in self._forget:
             forget()
 
     def _publish(self, row: Published) -> None:
-        publisher = self._node.create_publisher(String, row.topic, profile(row.qos))
+        kind = _TYPES[row.type]
+        publisher = self._node.create_publisher(kind, row.topic, profile(row.qos))
         self._forget.append(
             self._bus.subscribe(
-                row.event, lambda event: publisher.publish(String(data=row.encode(event)))
+                row.event, lambda event: publisher.publish(kind(data=row.encode(event)))
             )
         )
 

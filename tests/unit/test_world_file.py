@@ -7,7 +7,8 @@ import yaml
 
 from edgevox.core.errors import InvalidValue
 from edgevox.robots.shapes import Circle, Line, Polygon
-from edgevox.robots.world import LARGEST_FILE_BYTES, apartment_file, load_world, parse_world
+from edgevox.robots.world import apartment_file, load_world, parse_world
+from edgevox.robots.yaml_file import LARGEST_FILE_BYTES
 
 ROBOT = "robot: {kinematics: {name: diff}, shape: {name: circle, radius: 0.2}, state: [1, 1, 0]}\n"
 

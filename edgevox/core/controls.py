@@ -1,0 +1,73 @@
+"""The settings that can change while EdgeVox runs: one place, whoever changes them."""
+
+import threading
+from collections.abc import Callable, Mapping, Sequence
+
+from edgevox.core.bus import Bus
+from edgevox.core.errors import InvalidValue
+from edgevox.core.events import ControlChanged
+from edgevox.core.languages import LANGUAGES
+
+Value = str | bool
+Voices = Callable[[str], Sequence[str]]
+"""The voices that this machine really has for a language, by its code."""
+
+
+class Controls:
+    """Language, voice and muted. All or nothing of a change is made, and told on the bus.
+
+    An empty voice means the best one that the language has here. A change of language drops a voice
+    of another language.
+    """
+
+    def __init__(
+        self, bus: Bus, *, language: str, voice: str = "", muted: bool = False, voices: Voices
+    ) -> None:
+        self._bus = bus
+        self._voices = voices
+        self._lock = threading.RLock()
+        self._values: dict[str, Value] = {"language": language, "voice": "", "muted": muted}
+        self._values = self.check({"voice": voice})
+
+    @property
+    def language(self) -> str:
+        return str(self._values["language"])
+
+    @property
+    def voice(self) -> str:
+        """The voice that was chosen; empty for the language's best."""
+        return str(self._values["voice"])
+
+    @property
+    def muted(self) -> bool:
+        return bool(self._values["muted"])
+
+    @property
+    def voices(self) -> tuple[str, ...]:
+        """What this machine has for the language."""
+        return tuple(self._voices(self.language))
+
+    def check(self, wanted: Mapping[str, Value]) -> dict[str, Value]:
+        """All values as they would be. Raises `InvalidValue` if one cannot be honoured."""
+        values = {**self._values, **wanted}
+        language, voice = str(values["language"]), str(values["voice"])
+        if language not in LANGUAGES:
+            raise InvalidValue("language", language, "one of " + ", ".join(LANGUAGES))
+        if not isinstance(values["muted"], bool):
+            raise InvalidValue("muted", values["muted"], "true or false")
+        known = self._voices(language)
+        if voice and voice not in known:
+            if "voice" in wanted:
+                here = ", ".join(known) or "nothing: no voice of this language is on this machine"
+                raise InvalidValue("voice", voice, f"for the language {language} one of {here}")
+            values["voice"] = ""
+        return values
+
+    def change(self, wanted: Mapping[str, Value]) -> None:
+        """Make a change. Raises `InvalidValue`, and then nothing has changed."""
+        with self._lock:
+            values = self.check(wanted)
+            changed = {n: v for n, v in values.items() if v != self._values[n]}
+            self._values = values
+            for name, value in changed.items():
+                self._bus.publish(ControlChanged(name, value))

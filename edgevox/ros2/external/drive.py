@@ -1,0 +1,99 @@
+"""One drive to a target: watched from its start to its end, for whatever reason it ends."""
+
+import math
+import threading
+from dataclasses import dataclass
+from typing import Any
+
+from edgevox.agent.skills import SkillFailed
+from edgevox.robots.capabilities import Pose2D
+from edgevox.ros2.external.drivers import Driver
+from edgevox.ros2.external.settings import Patience
+from edgevox.ros2.external.target import Fix, Target
+
+_NEARER_M = 0.1
+_MOVED_M, _TURNED_RAD = 0.1, 0.35
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """How far a drive is: 0 to 1, and the metres that are left."""
+
+    progress: float
+    left_m: float
+
+
+class Drive:
+    """Not thread-safe, but for `done`; the body locks."""
+
+    def __init__(self, target: Target, driver: Driver, fix: Fix, now_s: float) -> None:
+        self.target = target
+        self.driver = driver
+        self.done = threading.Event()
+        self.error: BaseException | None = None
+        self._whole_m = max(target.distance_m(fix.pose), 1e-6)
+        self._left_m = self._whole_m
+        self._watch = Watch(driver.patience, fix.pose, self._whole_m, now_s)
+
+    def tick(self, now_s: float, fix: Fix) -> None:
+        """Go on; ends on arrival, on a failure of the driver, or when patience is over."""
+        try:
+            arrived = self.driver.tick(now_s, fix)
+            self._left_m = self.driver.left_m(fix)
+            if not arrived:
+                self._watch.look(now_s, fix.pose, self._left_m, waiting=self.driver.waiting)
+        except SkillFailed as failure:
+            self.end(failure)
+            return
+        if arrived:
+            self._left_m = 0.0
+            self.end(None)
+
+    def progress(self) -> Progress:
+        """How far it is."""
+        part = 1.0 - self._left_m / self._whole_m
+        return Progress(min(max(part, 0.0), 1.0), self._left_m)
+
+    def describe(self) -> dict[str, Any]:
+        """The goal, JSON-ready, for `robot_state`."""
+        progress = self.progress()
+        return {
+            "x": round(self.target.x_m, 3),
+            "y": round(self.target.y_m, 3),
+            "progress": round(progress.progress, 3),
+            "distance": round(progress.left_m, 3),
+            "by": self.driver.name,
+        }
+
+    def end(self, error: BaseException | None) -> None:
+        """It is over: reached, or not because of `error`. Only the first end counts."""
+        if not self.done.is_set():
+            self.error = error
+            self.done.set()
+
+
+class Watch:
+    """Notices that a robot does not get on."""
+
+    def __init__(self, patience: Patience, pose: Pose2D, left_m: float, now_s: float) -> None:
+        self._patience = patience
+        self._place, self._moved_s = pose, now_s
+        self._nearest_m, self._nearer_s = left_m, now_s
+
+    def look(self, now_s: float, pose: Pose2D, left_m: float, *, waiting: bool = False) -> None:
+        """Raises `SkillFailed` when patience is over. A robot that `waiting` may stand."""
+        if waiting or _moved(pose, self._place):
+            self._place, self._moved_s = pose, now_s
+        if waiting or left_m < self._nearest_m - _NEARER_M:
+            self._nearest_m, self._nearer_s = min(left_m, self._nearest_m), now_s
+        if now_s - self._moved_s > self._patience.unmoved_s:
+            raise SkillFailed(
+                f"I am not getting closer: the robot does not move, with {left_m:.1f} metres left."
+            )
+        if now_s - self._nearer_s > self._patience.no_nearer_s:
+            raise SkillFailed(f"I am not getting closer, with {left_m:.1f} metres left.")
+
+
+def _moved(one: Pose2D, other: Pose2D) -> bool:
+    turned = abs(math.remainder(one.yaw_rad - other.yaw_rad, math.tau))
+    return math.hypot(one.x_m - other.x_m, one.y_m - other.y_m) > _MOVED_M or turned > _TURNED_RAD

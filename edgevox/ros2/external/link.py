@@ -1,0 +1,93 @@
+"""The node that a robot is driven from, with all that it hears and says."""
+
+import logging
+import threading
+from collections.abc import Callable
+
+from edgevox.core.cancel import CancelToken
+from edgevox.core.clock import Clock
+from edgevox.ros2.external.drivers import Driver, GoalTopic, Wheels
+from edgevox.ros2.external.nav2 import LOST_S, Nav2Cancel, nav2_action
+from edgevox.ros2.external.pilot import Pilot
+from edgevox.ros2.external.senses import Senses
+from edgevox.ros2.external.settings import ExternalSettings
+from edgevox.ros2.external.sightings import SILENT_S
+from edgevox.ros2.external.steering import OwnSteering
+from edgevox.ros2.node import RosNode
+
+log = logging.getLogger(__name__)
+
+NODE_NAME = "edgevox_external"
+TICK_S = 0.05
+_LOOK_AGAIN_S = 0.05
+
+
+class Link:
+    """Joins the graph in the robot's namespace, with a context and a thread of its own.
+
+    `lock` guards the pilot; the tick holds it, and never blocks under it.
+    """
+
+    def __init__(
+        self, namespace: str, settings: ExternalSettings, clock: Clock, lock: threading.Lock
+    ) -> None:
+        self._settings, self._clock, self._lock = settings, clock, lock
+        self._ros = RosNode(namespace, name=NODE_NAME)
+        node = self._ros.node
+        self.senses = Senses(node, clock)
+        wheels = Wheels(node)
+        self._cancel = Nav2Cancel(node, clock)
+        goals = GoalTopic(node, self._cancel.cancel_all, settings.goal_patience)
+        nav2 = nav2_action(node, self._cancel.cancel_all, settings.goal_patience)
+        self._takers: list[Driver] = [nav2, goals] if nav2 else [goals]
+        self._steering = OwnSteering(
+            wheels.turn, self.senses.scan, settings.steering, settings.steering_patience
+        )
+        self.pilot = Pilot(self.senses, wheels, goals, settings.obey_s)
+        self._silent = False
+        node.create_timer(TICK_S, self._tick)
+
+    def start(self) -> None:
+        self._ros.start()
+        self._discovered_s = self._clock.now() + self._settings.discovery_s
+
+    def close(self) -> None:
+        self._ros.close()
+
+    def choose(self, token: CancelToken) -> Driver:
+        """How to drive now: by what takes goals, and only where nothing does, by steering.
+
+        What the graph shows counts. Just after the start, when the robot may not be discovered
+        yet, this waits until it is, or until that has taken long enough. Raises `Cancelled`.
+        """
+        self._wait(token, lambda: not self._cancel.pending, self._clock.now() + LOST_S)
+        self._wait(
+            token,
+            lambda: self._takers[0].available() and self.senses.fix() is not None,
+            self._discovered_s,
+        )
+        return next((one for one in self._takers if one.available()), self._steering)
+
+    def _wait(self, token: CancelToken, condition: Callable[[], bool], until_s: float) -> None:
+        token.check()
+        while not condition() and self._clock.now() < until_s:
+            token.wait(_LOOK_AGAIN_S)
+            token.check()
+
+    def _tick(self) -> None:
+        with self._lock:
+            try:
+                self.pilot.tick(self._clock.now())
+            except Exception as error:
+                self.pilot.stand(error, self._clock.now())
+                raise
+        self._notice_silence()
+
+    def _notice_silence(self) -> None:
+        heard = self.senses.sightings.newest() is not None
+        silent = heard and self.senses.sightings.fresh() is None
+        if silent and not self._silent:
+            log.warning("nothing on %s for %g s", self.senses.odom_topic, SILENT_S)
+        elif self._silent and not silent:
+            log.warning("%s is heard again", self.senses.odom_topic)
+        self._silent = silent

@@ -1,0 +1,252 @@
+"""`robot-external`: any robot that speaks a few ROS 2 topics, driven over them."""
+
+import logging
+import math
+import threading
+from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Any
+
+from edgevox.agent.skills import GoalHandle, Result, Skill, SkillFailed
+from edgevox.core.cancel import Cancelled, CancelToken
+from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.errors import InvalidValue
+from edgevox.robots.capabilities import LidarScan, Pose2D, Report, Twist2D
+from edgevox.robots.navigation import LOCATION, navigation_skills
+from edgevox.ros2.external.drive import Drive
+from edgevox.ros2.external.link import Link
+from edgevox.ros2.external.locations import Location
+from edgevox.ros2.external.pilot import Hold
+from edgevox.ros2.external.settings import ExternalSettings
+from edgevox.ros2.external.target import Fix, Target
+from edgevox.ros2.stamps import NS_PER_S
+
+log = logging.getLogger(__name__)
+
+REPORT_EVERY_S = 0.2
+AT_LOCATION_M = 1.0
+"""A robot this near to a location is at it."""
+_CLOSING_S = 1.0
+
+
+class ExternalRobot:
+    """A body that lives in other processes: it is heard on topics and driven over them.
+
+    Its poses, goals and locations are in the map frame where /tf has one, else in that of its
+    odometry. A drive is a goal of Nav2's action or a `goal_pose` where anything there takes one,
+    and is steered by `cmd_vel` where nothing does; that is decided once, when it starts. Every
+    method may be called from any thread; only `drive_to`, the skill `stop` and `close` block.
+    """
+
+    name = "robot-external"
+
+    def __init__(
+        self,
+        namespace: str = "/",
+        locations: Mapping[str, Location] | None = None,
+        settings: ExternalSettings | None = None,
+        *,
+        clock: Clock | None = None,
+    ) -> None:
+        self._namespace = namespace
+        self._locations = dict(locations or {})
+        self._settings = settings or ExternalSettings()
+        self._clock = clock or SystemClock()
+        self._lock = threading.Lock()
+        self._link: Link | None = None
+        self._stops = 0
+        self._places = MappingProxyType(
+            {name: (one.x_m, one.y_m) for name, one in self._locations.items()}
+        )
+        aliases = {said: name for name, one in self._locations.items() for said in one.aliases}
+        self._skills = tuple(
+            replace(one, function=self._stop_and_see) if one.name == "stop" else one
+            for one in navigation_skills(self, aliases=aliases, word=LOCATION)
+        )
+
+    @property
+    def skills(self) -> tuple[Skill, ...]:
+        return self._skills
+
+    @property
+    def time_s(self) -> float:
+        """The robot's own time: the stamp of its newest odometry, 0 before the first."""
+        seen = self._link.senses.sightings.newest() if self._link else None
+        return seen.stamp_ns / NS_PER_S if seen else 0.0
+
+    @property
+    def places(self) -> Mapping[str, tuple[float, float]]:
+        return self._places
+
+    def place_at(self, x_m: float, y_m: float) -> str | None:
+        """The nearest location, if it is near."""
+        near = {name: math.dist((x_m, y_m), point) for name, point in self._places.items()}
+        nearest = min(near, key=lambda name: near[name], default=None)
+        return nearest if nearest and near[nearest] <= AT_LOCATION_M else None
+
+    def start(self) -> None:
+        """Join the graph. Raises `RosBridgeFailed` where that cannot be done."""
+        self._link = Link(self._namespace, self._settings, self._clock, self._lock)
+        self._link.start()
+
+    def close(self) -> None:
+        """Stop the robot, as far as it obeys within a second, and leave the graph."""
+        link = self._link
+        if link is None:
+            return
+        with self._lock:
+            moved, hold = self._stand(link, "EdgeVox was switched off")
+        if moved:
+            hold.done.wait(_CLOSING_S)
+        self._link = None
+        link.close()
+
+    def halt(self, reason: str) -> bool:
+        """Zero velocity leaves before this returns, and is held until the robot stands."""
+        link = self._link
+        if link is None:
+            return False
+        with self._lock:
+            moved, _ = self._stand(link, reason)
+        return moved
+
+    def reset(self) -> None:
+        """A real robot cannot be put back; it stops."""
+        self.halt("reset")
+
+    def pose(self) -> Pose2D:
+        """Where it is. Raises `SkillFailed` while its odometry is silent."""
+        return self._fix().pose
+
+    def velocity(self) -> Twist2D:
+        return self._fix().twist
+
+    def latest_scan(self) -> LidarScan | None:
+        """The newest scan of the last second, if the robot has a lidar."""
+        return self._link.senses.scan() if self._link else None
+
+    def state(self) -> Mapping[str, Any]:
+        """As every body's; `pose` and `velocity` are None while the odometry is silent."""
+        link = self._link
+        seen = link.senses.sightings.newest() if link else None
+        fix = link.senses.fix() if link else None
+        with self._lock:
+            drive = link.pilot.drive if link else None
+            goal = drive.describe() if drive else None
+        return {
+            "name": self.name,
+            "time": round(self.time_s, 3),
+            **_describe(fix),
+            "location": self.place_at(fix.pose.x_m, fix.pose.y_m) if fix else None,
+            "goal": goal,
+            "odom_age": round(link.senses.sightings.age_s(seen), 3) if link and seen else None,
+            "lidar": bool(link and link.senses.scan()),
+        }
+
+    def drive_to(
+        self,
+        x_m: float,
+        y_m: float,
+        *,
+        token: CancelToken,
+        report: Report,
+        yaw_rad: float | None = None,
+    ) -> None:
+        """Block until there, looking along `yaw_rad` if given. See `DrivesTo` for what it raises.
+
+        A halt or another drive ends it.
+        """
+        target = Target(_finite("x", x_m), _finite("y", y_m), yaw_rad)
+        link = self._switched_on()
+        stops = self._stops
+        driver = link.choose(token)
+        with self._lock:
+            if self._stops != stops:
+                raise Cancelled("it was stopped before it began")
+            token.check()
+            fix = self._fix()
+            drive = Drive(target, driver, fix, self._clock.now())
+            link.pilot.follow(drive, fix)
+        link.senses.say_frame_once(fix)
+        log.info("driving to x %.2f, y %.2f by %s", x_m, y_m, driver.name)
+        forget = token.on_cancel(lambda: self._end(drive, token))
+        try:
+            while not drive.done.wait(REPORT_EVERY_S):
+                self._report(drive, report)
+        finally:
+            forget()
+        self._report(drive, report)
+        if drive.error is not None:
+            raise drive.error
+
+    def drive_to_place(self, place: str, *, token: CancelToken, report: Report) -> None:
+        """Drive to a location, and look along its yaw."""
+        there = self._locations[place]
+        self.drive_to(there.x_m, there.y_m, token=token, report=report, yaw_rad=there.yaw_rad)
+
+    def _stop_and_see(self, goal: GoalHandle) -> Result:
+        """The skill `stop`: ends when the robot stands, and fails when it does not obey."""
+        goal.token.check()
+        link = self._switched_on()
+        with self._lock:
+            moved, hold = self._stand(link, "stop was asked")
+        if moved:
+            hold.done.wait(self._settings.obey_s + 1.0)
+        if hold.problem:
+            raise SkillFailed(hold.problem)
+        return {"was_moving": moved}
+
+    def _stand(self, link: Link, reason: str) -> tuple[bool, Hold]:
+        """Whether the robot moved or drove, and the hold that it is under now."""
+        moved = link.pilot.drive is not None or not link.senses.sightings.still()
+        self._stops += 1
+        return moved, link.pilot.stand(Cancelled(reason), self._clock.now())
+
+    def _switched_on(self) -> Link:
+        if self._link is None:
+            raise SkillFailed("I am switched off.")
+        return self._link
+
+    def _fix(self) -> Fix:
+        link = self._switched_on()
+        fix = link.senses.fix()
+        if fix is not None:
+            return fix
+        topic = link.senses.odom_topic
+        if link.senses.sightings.newest() is None:
+            raise SkillFailed(f"I have not heard from the robot's odometry on {topic} yet.")
+        raise SkillFailed(f"I do not know where I am: I do not hear the robot on {topic} any more.")
+
+    def _end(self, drive: Drive, token: CancelToken) -> None:
+        with self._lock:
+            if self._link and self._link.pilot.drive is drive:
+                self._link.pilot.stand(Cancelled(token.reason), self._clock.now())
+
+    def _report(self, drive: Drive, report: Report) -> None:
+        link = self._link
+        fix = link.senses.fix() if link else None
+        with self._lock:
+            progress = drive.progress()
+        where = {"x": round(fix.pose.x_m, 3), "y": round(fix.pose.y_m, 3)} if fix else {}
+        report(progress=round(progress.progress, 3), distance_m=round(progress.left_m, 3), **where)
+
+
+def _describe(fix: Fix | None) -> dict[str, Any]:
+    if fix is None:
+        return {"frame": None, "pose": None, "velocity": None}
+    pose, twist = fix.pose, fix.twist
+    return {
+        "frame": fix.frame,
+        "pose": {"x": round(pose.x_m, 4), "y": round(pose.y_m, 4), "yaw": round(pose.yaw_rad, 4)},
+        "velocity": {
+            "linear": round(twist.linear_m_s, 4),
+            "angular": round(twist.angular_rad_s, 4),
+        },
+    }
+
+
+def _finite(field: str, value: float) -> float:
+    if not math.isfinite(value):
+        raise InvalidValue(field, value, "a finite number")
+    return float(value)

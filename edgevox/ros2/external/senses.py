@@ -1,0 +1,171 @@
+"""What is heard from the robot: odometry, scans, pictures and transforms, the newest of each."""
+
+import logging
+import math
+
+import numpy as np
+from geometry_msgs.msg import Quaternion, Vector3
+from nav_msgs.msg import Odometry
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
+from sensor_msgs.msg import Image, LaserScan
+
+from edgevox.core.clock import Clock
+from edgevox.robots.capabilities import LidarScan, Pose2D, Twist2D
+from edgevox.ros2.external.frames import Frames, Matrix, flatten, matrix, plain
+from edgevox.ros2.external.sightings import SILENT_S, Sighting, Sightings
+from edgevox.ros2.external.target import Fix
+from edgevox.ros2.stamps import NS_PER_S, to_ns
+from tf2_msgs.msg import TFMessage
+
+log = logging.getLogger(__name__)
+
+_ANY_TF = 100
+
+
+class Senses:
+    """Subscribes on a node in the robot's namespace. Callbacks only store; all is thread-safe.
+
+    Everything is heard best effort and volatile, which publishers of any quality can serve; only
+    /tf_static is asked for what was said before.
+    """
+
+    def __init__(self, node: Node, clock: Clock) -> None:
+        self._clock = clock
+        self.sightings = Sightings(clock)
+        self._frames = Frames()
+        self._prefix = node.get_namespace().strip("/")
+        self._scan: tuple[float, LaserScan] | None = None
+        self._picture: bytes | None = None
+        self._said: set[str] = set()
+        node.create_subscription(Odometry, "odom", self._hear_odometry, _lossy(5))
+        node.create_subscription(LaserScan, "scan", self._hear_scan, _lossy(1))
+        # Pictures stay as bytes until somebody wants one: decoding each would cost a core.
+        node.create_subscription(Image, "camera/image_raw", self._hear_picture, _lossy(1), raw=True)
+        for name in {node.resolve_topic_name(one) for one in ("/tf", "tf")}:
+            node.create_subscription(TFMessage, name, self._hear_transforms, _lossy(_ANY_TF))
+            node.create_subscription(
+                TFMessage, f"{name}_static", self._hear_transforms, _latched(_ANY_TF)
+            )
+        self.odom_topic = node.resolve_topic_name("odom")
+
+    def fix(self) -> Fix | None:
+        """Where the robot is now; None while its odometry is silent.
+
+        In the map, where transforms join the odometry's frame to one; otherwise the odometry's
+        frame is taken for the map.
+        """
+        seen = self.sightings.fresh()
+        if seen is None:
+            return None
+        odom = self._named(seen.frame)
+        frame = self._frames.map_above(odom)
+        to_map = self._frames.lookup(frame, odom) if frame else None
+        if frame is None or to_map is None:
+            return Fix(seen.pose, seen.twist, seen.frame, seen.stamp_ns)
+        pose = flatten(to_map @ _matrix_of(seen.pose))
+        return Fix(pose, seen.twist, frame, seen.stamp_ns)
+
+    def say_frame_once(self, fix: Fix) -> None:
+        """Log, the first time only, that there is no map."""
+        seen = self.sightings.newest()
+        if seen and self._frames.map_above(self._named(seen.frame)) is None:
+            self._once(f"no transform joins {fix.frame!r} to a map: it is taken for the map")
+
+    def scan(self) -> LidarScan | None:
+        """The newest scan, None if there is none of the last second."""
+        heard = self._scan
+        if heard is None or self._clock.now() - heard[0] > SILENT_S:
+            return None
+        message = heard[1]
+        return LidarScan(
+            time_s=to_ns(message.header.stamp) / NS_PER_S,
+            angle_min_rad=message.angle_min,
+            angle_increment_rad=message.angle_increment,
+            range_min_m=message.range_min,
+            range_max_m=message.range_max,
+            ranges_m=np.asarray(message.ranges, dtype=np.float32),
+            mount=self._mount(message.header.frame_id),
+        )
+
+    def picture(self) -> Image | None:
+        """The newest picture of the camera, as it came."""
+        return None if self._picture is None else deserialize_message(self._picture, Image)
+
+    def _mount(self, frame: str) -> Pose2D:
+        """Where the lidar sits on the body; at its middle, looking ahead, if no transform says."""
+        seen = self.sightings.newest()
+        if seen is None:
+            return Pose2D(0.0, 0.0, 0.0)
+        transform = self._frames.lookup(self._named(seen.child_frame), self._named(frame))
+        if transform is None:
+            return Pose2D(0.0, 0.0, 0.0)
+        return flatten(transform)
+
+    def _named(self, frame: str) -> str:
+        """The frame's name on /tf, where several robots put their namespaces before theirs."""
+        prefixed = f"{self._prefix}/{plain(frame)}"
+        return prefixed if self._frames.knows(prefixed) else plain(frame)
+
+    def _hear_odometry(self, message: Odometry) -> None:
+        at, speed = message.pose.pose, message.twist.twist
+        sighting = Sighting(
+            pose=flatten(_matrix(at.position, at.orientation)),
+            twist=Twist2D(
+                math.copysign(math.hypot(speed.linear.x, speed.linear.y), speed.linear.x),
+                speed.angular.z,
+            ),
+            frame=message.header.frame_id or "odom",
+            child_frame=message.child_frame_id or "base_link",
+            stamp_ns=to_ns(message.header.stamp),
+            heard_s=self._clock.now(),
+        )
+        if not self.sightings.add(sighting):
+            self._once(f"{self.odom_topic} says what is no position; such messages are ignored")
+
+    def _hear_scan(self, message: LaserScan) -> None:
+        self._scan = (self._clock.now(), message)
+
+    def _hear_picture(self, data: bytes) -> None:
+        self._picture = data
+
+    def _hear_transforms(self, message: TFMessage) -> None:
+        for one in message.transforms:
+            transform = _matrix(one.transform.translation, one.transform.rotation)
+            if not self._frames.put(one.header.frame_id, one.child_frame_id, transform):
+                self._once(f"a transform of {one.child_frame_id!r} cannot be and is ignored")
+
+    def _once(self, text: str) -> None:
+        if text not in self._said and len(self._said) < _ANY_TF:
+            self._said.add(text)
+            log.warning(text)
+
+
+def _lossy(depth: int) -> QoSProfile:
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=depth,
+        reliability=ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.VOLATILE,
+    )
+
+
+def _latched(depth: int) -> QoSProfile:
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=depth,
+        reliability=ReliabilityPolicy.RELIABLE,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL,
+    )
+
+
+def _matrix(position: Vector3, rotation: Quaternion) -> Matrix:
+    return matrix(
+        (position.x, position.y, position.z), (rotation.x, rotation.y, rotation.z, rotation.w)
+    )
+
+
+def _matrix_of(pose: Pose2D) -> Matrix:
+    half = pose.yaw_rad / 2
+    return matrix((pose.x_m, pose.y_m, 0.0), (0.0, 0.0, math.sin(half), math.cos(half)))

@@ -1,0 +1,95 @@
+"""What was heard of a robot's odometry: where it is, whether it is silent, whether it stands."""
+
+import math
+import threading
+from collections import deque
+from dataclasses import dataclass
+
+from edgevox.core.clock import Clock
+from edgevox.robots.capabilities import Pose2D, Twist2D
+
+SILENT_S = 1.0
+"""Odometry that is older than this is no position."""
+STANDING_FOR_S = 0.3
+"""So long a robot must be seen not to move before it is said to stand."""
+_STILL_M_S, _STILL_RAD_S = 0.02, 0.05
+_SHIFT_M, _SHIFT_RAD = 0.01, 0.02
+_KEPT = 64
+
+
+@dataclass(frozen=True, slots=True)
+class Sighting:
+    """One message of odometry. `heard_s` is by our clock, `stamp_ns` by the robot's."""
+
+    pose: Pose2D
+    twist: Twist2D
+    frame: str
+    child_frame: str
+    stamp_ns: int
+    heard_s: float
+
+    @property
+    def still(self) -> bool:
+        """Whether it says that the robot does not move."""
+        twist = self.twist
+        return abs(twist.linear_m_s) < _STILL_M_S and abs(twist.angular_rad_s) < _STILL_RAD_S
+
+
+class Sightings:
+    """The last ones. Thread-safe."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._heard: deque[Sighting] = deque(maxlen=_KEPT)
+
+    def add(self, sighting: Sighting) -> bool:
+        """Take one in; False, and forgotten, if it is not finite."""
+        pose, twist = sighting.pose, sighting.twist
+        numbers = (pose.x_m, pose.y_m, pose.yaw_rad, twist.linear_m_s, twist.angular_rad_s)
+        if not all(math.isfinite(number) for number in numbers):
+            return False
+        with self._lock:
+            self._heard.append(sighting)
+        return True
+
+    def newest(self) -> Sighting | None:
+        """The last one, however old."""
+        with self._lock:
+            return self._heard[-1] if self._heard else None
+
+    def fresh(self) -> Sighting | None:
+        """The last one, unless odometry is silent."""
+        newest = self.newest()
+        return newest if newest and self.age_s(newest) <= SILENT_S else None
+
+    def age_s(self, sighting: Sighting) -> float:
+        """How long ago it was heard."""
+        return self._clock.now() - sighting.heard_s
+
+    def still(self) -> bool:
+        """Whether the robot is not seen to move; a silent one is not seen."""
+        seen = self.fresh()
+        return seen is None or seen.still
+
+    def stands(self, since_s: float) -> bool:
+        """Whether the robot was seen to stand at the end of what was heard since then.
+
+        Looks at the pose too, for robots that do not fill in their velocity.
+        """
+        with self._lock:
+            recent = [one for one in self._heard if one.heard_s >= since_s]
+        if not recent or self.age_s(recent[-1]) > SILENT_S:
+            return False
+        last = recent[-1]
+        first = last
+        for one in reversed(recent):
+            if not (one.still and _together(one.pose, last.pose)):
+                break
+            first = one
+        return last.heard_s - first.heard_s >= STANDING_FOR_S
+
+
+def _together(one: Pose2D, other: Pose2D) -> bool:
+    turned = abs(math.remainder(one.yaw_rad - other.yaw_rad, math.tau))
+    return math.hypot(one.x_m - other.x_m, one.y_m - other.y_m) < _SHIFT_M and turned < _SHIFT_RAD

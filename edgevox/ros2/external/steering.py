@@ -1,0 +1,103 @@
+"""Steers a robot by velocities, for robots that take no goals: straight there, around nothing."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from edgevox.agent.skills import SkillFailed
+from edgevox.robots.capabilities import LidarScan, Twist2D
+from edgevox.robots.follower import Follower
+from edgevox.ros2.external.drivers import STILL
+from edgevox.ros2.external.settings import Patience, SteeringLimits
+from edgevox.ros2.external.target import Fix, Target
+
+_FACING_RAD = 0.05
+_TURN_GAIN = 1.5
+_STOPPED_M_S, _STOPPED_RAD_S = 0.02, 0.05
+
+
+class OwnSteering:
+    """Turns towards the target, drives there in a straight line, turns as asked, and stands.
+
+    It plans no way. If scans arrive, it waits for what stands in its way, and gives up in time.
+    """
+
+    name = "cmd_vel"
+
+    def __init__(
+        self,
+        turn: Callable[[Twist2D], None],
+        scan: Callable[[], LidarScan | None],
+        limits: SteeringLimits,
+        patience: Patience,
+    ) -> None:
+        self.patience = patience
+        self._turn, self._scan, self._limits = turn, scan, limits
+        self._target = Target(0.0, 0.0)
+        self._follower = Follower([(0.0, 0.0)], limits)
+        self._waiting_since_s: float | None = None
+
+    @property
+    def waiting(self) -> bool:
+        """Whether it stands for something in its way."""
+        return self._waiting_since_s is not None
+
+    def available(self) -> bool:
+        return True
+
+    def begin(self, target: Target, fix: Fix) -> None:
+        here = (fix.pose.x_m, fix.pose.y_m)
+        self._target = target
+        self._follower = Follower([here, (target.x_m, target.y_m)], self._limits)
+        self._waiting_since_s = None
+
+    def tick(self, now_s: float, fix: Fix) -> bool:
+        wanted = self._follower.steer(fix.pose)
+        if self._follower.arrived:
+            wanted = self._face(fix)
+        self._turn(self._heed(now_s, wanted, self._target.distance_m(fix.pose)))
+        stopped = (
+            abs(fix.twist.linear_m_s) < _STOPPED_M_S
+            and abs(fix.twist.angular_rad_s) < _STOPPED_RAD_S
+        )
+        return self._follower.arrived and wanted == STILL and stopped
+
+    def left_m(self, fix: Fix) -> float:
+        return self._target.distance_m(fix.pose)
+
+    def cancel(self, fix: Fix | None) -> None:  # noqa: ARG002 - the body holds zero
+        self._waiting_since_s = None
+
+    def _face(self, fix: Fix) -> Twist2D:
+        left = self._target.turn_rad(fix.pose)
+        if abs(left) < _FACING_RAD:
+            return STILL
+        most = self._limits.max_angular_rad_s
+        return Twist2D(0.0, min(max(_TURN_GAIN * left, -most), most))
+
+    def _heed(self, now_s: float, wanted: Twist2D, left_m: float) -> Twist2D:
+        """Zero while something is in the way of a robot that wants to go forward."""
+        limits = self._limits
+        # What stands behind the target is in nobody's way.
+        reach_m = min(limits.stop_ahead_m, left_m + limits.half_width_m)
+        if wanted.linear_m_s <= 0 or not blocked(self._scan(), reach_m, limits.half_width_m):
+            self._waiting_since_s = None
+            return wanted
+        if self._waiting_since_s is None:
+            self._waiting_since_s = now_s
+        elif now_s - self._waiting_since_s > limits.wait_s:
+            raise SkillFailed("Something is in my way.")
+        return STILL
+
+
+def blocked(scan: LidarScan | None, reach_m: float, half_width_m: float) -> bool:
+    """Whether a scan shows anything in the strip before the robot, this far from its middle."""
+    if scan is None:
+        return False
+    ranges = scan.ranges_m
+    angles = scan.angle_min_rad + scan.angle_increment_rad * np.arange(len(ranges))
+    valid = np.isfinite(ranges) & (ranges >= scan.range_min_m) & (ranges <= scan.range_max_m)
+    ranges, angles = ranges[valid], angles[valid] + scan.mount.yaw_rad
+    ahead = scan.mount.x_m + ranges * np.cos(angles)
+    aside = scan.mount.y_m + ranges * np.sin(angles)
+    return bool(np.any((ahead > 0) & (ahead < reach_m) & (np.abs(aside) < half_width_m)))

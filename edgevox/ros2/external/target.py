@@ -1,0 +1,44 @@
+"""Where a drive goes to, and how far that is."""
+
+import math
+from dataclasses import dataclass
+
+from edgevox.robots.capabilities import Pose2D, Twist2D
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A point (m) and, if it matters, a heading (rad), in the map frame."""
+
+    x_m: float
+    y_m: float
+    yaw_rad: float | None = None
+
+    def distance_m(self, pose: Pose2D) -> float:
+        """How far away it is, as the crow flies."""
+        return math.hypot(self.x_m - pose.x_m, self.y_m - pose.y_m)
+
+    def bearing_rad(self, pose: Pose2D) -> float:
+        """The way to it from there; the pose's own heading if it is there."""
+        if self.distance_m(pose) < 1e-6:
+            return pose.yaw_rad
+        return math.atan2(self.y_m - pose.y_m, self.x_m - pose.x_m)
+
+    def turn_rad(self, pose: Pose2D) -> float:
+        """How much to turn for the heading asked for, counter-clockwise; 0 if none is."""
+        if self.yaw_rad is None:
+            return 0.0
+        return math.remainder(self.yaw_rad - pose.yaw_rad, math.tau)
+
+
+@dataclass(frozen=True, slots=True)
+class Fix:
+    """Where the robot is and how it moves, in `frame`: the map, or odometry taken for it.
+
+    `stamp_ns` is the robot's own time.
+    """
+
+    pose: Pose2D
+    twist: Twist2D
+    frame: str
+    stamp_ns: int

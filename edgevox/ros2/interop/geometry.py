@@ -1,0 +1,67 @@
+"""Rigid transforms in 3D, as far as frames need them."""
+
+import math
+
+from edgevox.robots.capabilities import Pose2D, Pose3D
+
+IDENTITY = Pose3D()
+
+
+def lift(pose: Pose2D) -> Pose3D:
+    """A pose on the floor as one in space."""
+    half = pose.yaw_rad / 2
+    return Pose3D(pose.x_m, pose.y_m, 0.0, 0.0, 0.0, math.sin(half), math.cos(half))
+
+
+def compose(parent: Pose3D, child: Pose3D) -> Pose3D:
+    """A pose given in a frame, seen from where that frame's own pose is given."""
+    x, y, z = _rotate(parent, child.x_m, child.y_m, child.z_m)
+    ax, ay, az, aw = parent.qx, parent.qy, parent.qz, parent.qw
+    bx, by, bz, bw = child.qx, child.qy, child.qz, child.qw
+    return Pose3D(
+        parent.x_m + x,
+        parent.y_m + y,
+        parent.z_m + z,
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+        aw * bw - ax * bx - ay * by - az * bz,
+    )
+
+
+def inverse(pose: Pose3D) -> Pose3D:
+    """The parent seen from the child."""
+    back = Pose3D(0.0, 0.0, 0.0, -pose.qx, -pose.qy, -pose.qz, pose.qw)
+    x, y, z = _rotate(back, -pose.x_m, -pose.y_m, -pose.z_m)
+    return Pose3D(x, y, z, back.qx, back.qy, back.qz, back.qw)
+
+
+def distance(one: Pose3D, other: Pose3D) -> float:
+    """Metres between two origins."""
+    return math.dist((one.x_m, one.y_m, one.z_m), (other.x_m, other.y_m, other.z_m))
+
+
+def angle(one: Pose3D, other: Pose3D) -> float:
+    """Radians that turn one orientation into the other, 0 to pi."""
+    dot = one.qx * other.qx + one.qy * other.qy + one.qz * other.qz + one.qw * other.qw
+    return 2 * math.acos(min(abs(dot), 1.0))
+
+
+def unit(pose: Pose3D) -> Pose3D:
+    """With a quaternion of length 1; of length 0 counts as no rotation."""
+    length = math.hypot(pose.qx, pose.qy, pose.qz, pose.qw)
+    if length < 1e-9:
+        return Pose3D(pose.x_m, pose.y_m, pose.z_m)
+    q = (pose.qx / length, pose.qy / length, pose.qz / length, pose.qw / length)
+    return Pose3D(pose.x_m, pose.y_m, pose.z_m, *q)
+
+
+def _rotate(pose: Pose3D, x: float, y: float, z: float) -> tuple[float, float, float]:
+    tx = 2 * (pose.qy * z - pose.qz * y)
+    ty = 2 * (pose.qz * x - pose.qx * z)
+    tz = 2 * (pose.qx * y - pose.qy * x)
+    return (
+        x + pose.qw * tx + pose.qy * tz - pose.qz * ty,
+        y + pose.qw * ty + pose.qz * tx - pose.qx * tz,
+        z + pose.qw * tz + pose.qx * ty - pose.qy * tx,
+    )

@@ -1,0 +1,82 @@
+"""Goals come in on `goal_pose` and become skills, as if somebody had asked for them."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import astuple
+from typing import Any
+
+from geometry_msgs.msg import PoseStamped
+from rclpy.node import Node
+
+from edgevox.core.errors import InvalidValue
+from edgevox.robots.capabilities import Body, HasEndEffector, HasPose, Pose3D
+from edgevox.ros2.interop.geometry import compose, unit
+from edgevox.ros2.interop.messages import pose_of
+from edgevox.ros2.interop.profiles import GOAL
+from edgevox.ros2.interop.whereabouts import Whereabouts
+from edgevox.ros2.stamps import to_ns
+
+RunSkill = Callable[[str, Mapping[str, Any]], None]
+"""Asks for a skill, by name and with arguments, without waiting. May raise `InvalidValue`."""
+
+DRIVE, REACH = "navigate_xy", "move_to"
+"""The skills that a goal becomes: on the floor for what drives, in space for what has a hand."""
+_LOG_EVERY_S = 1.0
+
+
+def goal_skill(body: Body) -> str | None:
+    """The skill that takes this body to a point, if it has one."""
+    names = {skill.name for skill in body.skills}
+    if isinstance(body, HasPose) and DRIVE in names:
+        return DRIVE
+    return REACH if isinstance(body, HasEndEffector) and REACH in names else None
+
+
+class GoalInput:
+    """Turns goals into points on the map and asks for the skill.
+
+    A goal may be given in `map` or in a frame of this robot, with or without its prefix, and then
+    means where that frame was at the goal's stamp (0 is now). Its orientation is not used, and on
+    the floor neither is its height. `refused` counts those in another frame, without one, of a time
+    that is not remembered, or with numbers that are not finite; each is logged with its reason.
+    """
+
+    def __init__(
+        self, node: Node, skill: str, whereabouts: Whereabouts, run_skill: RunSkill
+    ) -> None:
+        self._skill, self._whereabouts, self._run_skill = skill, whereabouts, run_skill
+        self._log = node.get_logger()
+        self.refused = 0
+        self._open = True
+        node.create_subscription(PoseStamped, "goal_pose", self._take, GOAL)
+
+    def close(self) -> None:
+        """Take no more."""
+        self._open = False
+
+    def _take(self, message: PoseStamped) -> None:
+        if not self._open:
+            return
+        try:
+            self._run_skill(self._skill, self._arguments(message))
+        except InvalidValue as error:
+            self.refused += 1
+            self._log.warning(
+                f"goal_pose refused: {error} ({self.refused} so far)",
+                throttle_duration_sec=_LOG_EVERY_S,
+            )
+
+    def _arguments(self, message: PoseStamped) -> dict[str, float]:
+        goal = self._on_map(message)
+        point = {"x": goal.x_m, "y": goal.y_m}
+        return {**point, "z": goal.z_m} if self._skill == REACH else point
+
+    def _on_map(self, message: PoseStamped) -> Pose3D:
+        pose = pose_of(message.pose)
+        if not all(map(math.isfinite, astuple(pose))):
+            raise InvalidValue("pose", astuple(pose), "finite numbers")
+        frame = message.header.frame_id
+        if not frame:
+            raise InvalidValue("frame_id", frame, "the name of a frame, such as map")
+        above = self._whereabouts.on_map(frame, to_ns(message.header.stamp))
+        return compose(above, unit(pose))

@@ -1,0 +1,148 @@
+"""Puts together what one body offers to ROS 2."""
+
+from rclpy.node import Node
+
+from edgevox.core.errors import EdgeVoxError
+from edgevox.robots.capabilities import (
+    Body,
+    HasCamera,
+    HasEndEffector,
+    HasLidar,
+    HasPose,
+    TakesVelocity,
+)
+from edgevox.ros2.interop.broadcast import Link, broadcast_fixed
+from edgevox.ros2.interop.camera import Camera
+from edgevox.ros2.interop.clock import ClockPublisher
+from edgevox.ros2.interop.frames import Frames
+from edgevox.ros2.interop.goal import GoalInput, RunSkill, goal_skill
+from edgevox.ros2.interop.motion import Motion
+from edgevox.ros2.interop.scanner import Scanner
+from edgevox.ros2.interop.velocity import VelocityInput
+from edgevox.ros2.interop.whereabouts import Whereabouts
+from edgevox.ros2.stamps import Stamps
+from edgevox.ros2.ticker import Ticker
+
+TF_HZ = 30.0
+SCAN_HZ = 10.0
+IMAGE_HZ = 5.0
+CLOCK_HZ = 100.0
+_LOG_EVERY_S = 10.0
+_TICKS_PER_SCAN = round(TF_HZ / SCAN_HZ)
+
+
+class Interop:
+    """Offers on a node exactly what a body's capabilities allow, until `close`.
+
+    `run_skill` asks for a skill and must not block. `odom_frame` and `frame_prefix` are explained
+    in `frames`, `publish_clock` in `stamps`. Raises `InvalidValue` for a frame that cannot be.
+    `failed_ticks` counts the moments at which the body could not say where it is.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        body: Body,
+        run_skill: RunSkill,
+        *,
+        odom_frame: str = "",
+        frame_prefix: str = "",
+        publish_clock: bool = False,
+    ) -> None:
+        self._node, self._body = node, body
+        self._frames = Frames(odom_frame, frame_prefix)
+        self._stamps = Stamps(node.get_clock(), lambda: body.time_s, own_clock=publish_clock)
+        self._whereabouts = Whereabouts(self._frames)
+        self._ticks = 0
+        self.failed_ticks = 0
+        self._clock = ClockPublisher(node, lambda: body.time_s) if publish_clock else None
+        self._motion = self._offer_motion()
+        self._scanner = self._offer_scans()
+        self._camera = self._offer_pictures()
+        self._velocity = VelocityInput(node, body) if isinstance(body, TakesVelocity) else None
+        self._goal = self._take_goals(run_skill)
+        self._place_sensors()
+        self._tickers = self._rates()
+        for ticker in self._tickers:
+            ticker.start()
+        if self._camera:
+            self._camera.start()
+
+    def close(self) -> None:
+        """Nothing more in or out; call it before the node and the body are closed."""
+        for ticker in self._tickers:
+            ticker.close()
+        for part in (self._velocity, self._goal, self._camera):
+            if part:
+                part.close()
+
+    @property
+    def refused_velocities(self) -> int:
+        """How many `cmd_vel` messages held a number that is not finite."""
+        return self._velocity.refused if self._velocity else 0
+
+    @property
+    def clamped_velocities(self) -> int:
+        """How many `cmd_vel` messages asked for more than the body's limits."""
+        return self._velocity.clamped if self._velocity else 0
+
+    @property
+    def refused_goals(self) -> int:
+        """How many `goal_pose` messages could not be understood."""
+        return self._goal.refused if self._goal else 0
+
+    @property
+    def failed_images(self) -> int:
+        """How many pictures could not be taken."""
+        return self._camera.failures if self._camera else 0
+
+    def _tick(self) -> None:
+        """One ticker serves both rates, so a scan and its transform have one stamp, or nearly."""
+        self._ticks += 1
+        try:
+            if self._motion:
+                self._motion.tick()
+            if self._scanner and self._ticks % _TICKS_PER_SCAN == 0:
+                self._scanner.tick()
+        except EdgeVoxError as error:  # such as a sensor that is silent
+            self.failed_ticks += 1
+            self._node.get_logger().warning(
+                f"{self._body.name} cannot be observed: {error}",
+                throttle_duration_sec=_LOG_EVERY_S,
+            )
+
+    def _rates(self) -> list[Ticker]:
+        tickers = []
+        if self._motion or self._scanner:
+            tickers.append(Ticker(self._tick, 1.0 / TF_HZ, "edgevox-interop"))
+        if self._clock:
+            tickers.append(Ticker(self._clock.tick, 1.0 / CLOCK_HZ, "edgevox-clock"))
+        return tickers
+
+    def _offer_motion(self) -> Motion | None:
+        if not isinstance(self._body, HasPose | HasEndEffector):
+            return None
+        return Motion(self._node, self._body, self._frames, self._stamps, self._whereabouts)
+
+    def _offer_scans(self) -> Scanner | None:
+        if not isinstance(self._body, HasLidar):
+            return None
+        return Scanner(self._node, self._body, self._frames, self._stamps, 1.0 / SCAN_HZ)
+
+    def _offer_pictures(self) -> Camera | None:
+        if not isinstance(self._body, HasCamera):
+            return None
+        return Camera(self._node, self._body, self._frames, self._stamps, 1.0 / IMAGE_HZ)
+
+    def _take_goals(self, run_skill: RunSkill) -> GoalInput | None:
+        skill = goal_skill(self._body)
+        return GoalInput(self._node, skill, self._whereabouts, run_skill) if skill else None
+
+    def _place_sensors(self) -> None:
+        links: list[Link] = []
+        for sensor in (self._scanner, self._camera):
+            if sensor:
+                links += sensor.links()
+        self._whereabouts.fix(links)
+        if links:
+            broadcast_fixed(self._node, links)

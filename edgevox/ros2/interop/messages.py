@@ -1,0 +1,38 @@
+"""Poses as ROS writes them."""
+
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import Point, Pose, Quaternion, Transform, TransformStamped, Vector3
+from std_msgs.msg import Header
+
+from edgevox.robots.capabilities import Pose3D
+
+
+def header(frame: str, stamp: Time) -> Header:
+    """A header."""
+    return Header(frame_id=frame, stamp=stamp)
+
+
+def pose_msg(pose: Pose3D) -> Pose:
+    """A pose."""
+    return Pose(position=Point(x=pose.x_m, y=pose.y_m, z=pose.z_m), orientation=_turn(pose))
+
+
+def transform_msg(parent: str, child: str, pose: Pose3D, stamp: Time) -> TransformStamped:
+    """Where the child is in the parent."""
+    return TransformStamped(
+        header=header(parent, stamp),
+        child_frame_id=child,
+        transform=Transform(
+            translation=Vector3(x=pose.x_m, y=pose.y_m, z=pose.z_m), rotation=_turn(pose)
+        ),
+    )
+
+
+def pose_of(message: Pose) -> Pose3D:
+    """A message as a pose; its quaternion as it is."""
+    p, q = message.position, message.orientation
+    return Pose3D(p.x, p.y, p.z, q.x, q.y, q.z, q.w)
+
+
+def _turn(pose: Pose3D) -> Quaternion:
+    return Quaternion(x=pose.qx, y=pose.qy, z=pose.qz, w=pose.qw)

@@ -1,0 +1,63 @@
+"""Velocities come in on `cmd_vel`.
+
+Any message takes over, as with twist_mux, also one that says zero: it ends a drive, whose goal ends
+as cancelled. To stop is the last thing that may be ignored, and whoever sends zeros all the time,
+like a joystick without a dead man's switch, holds the robot: let him send only while he steers. The
+body halts 0.5 s after the last message.
+"""
+
+import math
+
+from geometry_msgs.msg import Twist
+from rclpy.node import Node
+
+from edgevox.core.errors import InvalidValue
+from edgevox.robots.capabilities import TakesVelocity, Twist2D
+from edgevox.ros2.interop.profiles import VELOCITY
+
+_LOG_EVERY_S = 5.0
+
+
+class VelocityInput:
+    """Hands velocities to the body: `linear.x` and `angular.z`, the two it can follow.
+
+    `refused` counts messages that held a NaN or an infinity: none of their numbers is used, and the
+    body's watchdog runs on. `clamped` counts those beyond the body's limits.
+    """
+
+    def __init__(self, node: Node, body: TakesVelocity) -> None:
+        self._body = body
+        self._log = node.get_logger()
+        self.refused = 0
+        self.clamped = 0
+        self._open = True
+        node.create_subscription(Twist, "cmd_vel", self._take, VELOCITY)
+
+    def close(self) -> None:
+        """Take no more."""
+        self._open = False
+
+    def _take(self, message: Twist) -> None:
+        if not self._open:
+            return
+        one, two = message.linear, message.angular
+        if not all(map(math.isfinite, (one.x, one.y, one.z, two.x, two.y, two.z))):
+            self._refuse(InvalidValue("cmd_vel", _brief(message), "finite numbers"))
+            return
+        too_fast = abs(one.x) > self._body.max_linear_m_s
+        self.clamped += too_fast or abs(two.z) > self._body.max_angular_rad_s
+        try:
+            self._body.set_velocity(Twist2D(one.x, two.z))
+        except InvalidValue as error:
+            self._refuse(error)
+
+    def _refuse(self, reason: InvalidValue) -> None:
+        self.refused += 1
+        self._log.warning(
+            f"{reason} ({self.refused} refused so far)", throttle_duration_sec=_LOG_EVERY_S
+        )
+
+
+def _brief(message: Twist) -> tuple[float, ...]:
+    one, two = message.linear, message.angular
+    return (one.x, one.y, one.z, two.x, two.y, two.z)

@@ -1,0 +1,212 @@
+"""The action `execute_skill`: one skill, run for a program, with feedback, a result and cancel."""
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.action.server import (
+    ActionServer,
+    CancelResponse,
+    GoalEvent,
+    GoalResponse,
+    ServerGoalHandle,
+)
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rclpy.task import Future
+
+from edgevox.core.bus import Bus
+from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.errors import EdgeVoxError, shorten
+from edgevox.core.events import AgentEvent, AgentEventKind
+from edgevox.ros2.client_watch import ClientWatch
+from edgevox.ros2.json_text import write
+from edgevox.ros2.skill_requests import RunningGoal, StartsGoals, mirror, read_arguments
+
+NAME = "execute_skill"
+FEEDBACK_EVERY_S = 0.05
+"""Reports of progress that follow each other faster are left out; changes of status never are."""
+REQUESTS = QoSProfile(depth=100)
+"""ROS 2's own 10 would lose the eleventh request of a burst, and its client would wait for ever."""
+CLOSING_S = 1.0
+"""How long `close` waits for what the executor still has to do."""
+_ENDS = frozenset({"succeeded", "failed", "cancelled"})
+
+
+class _Run:
+    """An accepted goal: its handle on the wire, what runs for it, and how it will have ended."""
+
+    def __init__(self, handle: ServerGoalHandle) -> None:
+        self.handle = handle
+        self.goal: RunningGoal | None = None
+        self.ended = Future()
+        self.status = ""
+        self.told_s = 0.0
+
+
+class SkillAction:
+    """Serves `execute_skill` on a node whose executor runs in one thread.
+
+    No callback blocks. A goal has the same id here and in `agent_event`, in hexadecimal. It ends as
+    canceled when its client, a newer goal, a sentence that moves the robot, a stop word, an
+    interrupt or the end of its client ends it; as aborted when the skill fails.
+    """
+
+    def __init__(
+        self, node: Node, bus: Bus, goals: StartsGoals, kind: Any, clock: Clock | None = None
+    ) -> None:
+        self._node = node
+        self._bus = bus
+        self._goals = goals
+        self._kind = kind
+        self._clock = clock or SystemClock()
+        self._runs: dict[str, _Run] = {}
+        self._idle = threading.Event()
+        self._idle.set()
+        self._server = ActionServer(
+            node,
+            kind,
+            NAME,
+            execute_callback=self._execute,
+            goal_callback=self._judge,
+            handle_accepted_callback=self._accept,
+            cancel_callback=self._cancel,
+            goal_service_qos_profile=REQUESTS,
+            cancel_service_qos_profile=REQUESTS,
+            result_service_qos_profile=REQUESTS,
+        )
+        self._watch = ClientWatch(node, f"{NAME}/_action/get_result", self._client_gone)
+        self._forget = bus.subscribe(AgentEvent, self._hear)
+
+    def close(self) -> None:
+        """Give the ends of goals a moment to leave, then take no more."""
+        self._idle.wait(CLOSING_S)
+        self._forget()
+        self._there(lambda: None)  # the executor sends the last results in this round of its tasks
+        # Destroyed by another thread, it would fail a wait of the executor that begins just then.
+        self._there(self._destroy)
+
+    def _destroy(self) -> None:
+        self._watch.end()
+        self._server.destroy()
+
+    def _there(self, work: Callable[[], None]) -> None:
+        """Do it on the executor's thread, and wait for it unless that thread is gone."""
+        done = threading.Event()
+        if self._node.executor:
+            self._node.executor.create_task(work).add_done_callback(lambda _: done.set())
+            done.wait(CLOSING_S)
+
+    def _judge(self, request: Any) -> GoalResponse:
+        try:
+            self._goals.check_goal(request.skill_name, read_arguments(request.arguments_json))
+        except EdgeVoxError as error:
+            self._node.get_logger().warning(f"{NAME}: goal rejected: {error}")
+            data = {
+                "goal_id": None,
+                "skill": request.skill_name[:80],
+                "arguments_json": shorten(request.arguments_json),
+                "status": "rejected",
+                "error": str(error),
+                "turn": 0,
+            }
+            self._bus.publish(AgentEvent(AgentEventKind.SKILL_GOAL, data))
+            return GoalResponse.REJECT
+        return GoalResponse.ACCEPT
+
+    def _accept(self, handle: ServerGoalHandle) -> None:
+        goal_id = _key(handle)
+        run = self._runs[goal_id] = _Run(handle)  # before it starts: none of its events is missed
+        self._idle.clear()
+        handle.execute()
+        self._watch.begin()
+        try:
+            arguments = read_arguments(handle.request.arguments_json)
+            run.goal = self._goals.start_goal(handle.request.skill_name, arguments, goal_id)
+        except EdgeVoxError as error:
+            self._end(run, {"status": "failed", "error": str(error)})
+
+    def _cancel(self, handle: ServerGoalHandle) -> CancelResponse:
+        run = self._runs.get(_key(handle))
+        if run is None or run.goal is None:
+            return CancelResponse.REJECT
+        run.goal.token.cancel("its client asked for it")
+        return CancelResponse.ACCEPT
+
+    def _client_gone(self) -> None:
+        for run in list(self._runs.values()):
+            if run.goal:
+                run.goal.token.cancel("its client is gone")
+
+    async def _execute(self, handle: ServerGoalHandle) -> Any:
+        """Wait for the goal's end without holding up the executor, and say how it ended."""
+        goal_id = _key(handle)
+        end = await self._runs[goal_id].ended
+        match end["status"]:
+            case "succeeded":
+                handle.succeed()
+            case "cancelled":
+                _end_as_canceled(handle)
+            case _:
+                handle.abort()
+        del self._runs[goal_id]
+        if not self._runs:
+            self._watch.end()
+            self._idle.set()
+        return self._kind.Result(
+            ok=end["status"] == "succeeded",
+            result_json=write(end.get("result", {})),
+            error=str(end.get("error") or end.get("reason") or ""),
+        )
+
+    def _hear(self, event: AgentEvent) -> None:
+        """Take an event of the bus, on whatever thread it happens."""
+        run = self._runs.get(event.data.get("goal_id") or "")
+        if run is None:
+            return
+        try:
+            self._tell(run, event)
+        finally:
+            if event.data["status"] in _ENDS:
+                self._end(run, dict(event.data))
+
+    def _tell(self, run: _Run, event: AgentEvent) -> None:
+        now_s, status = self._clock.now(), event.data["status"]
+        if status == run.status and now_s - run.told_s < FEEDBACK_EVERY_S:
+            return
+        run.status, run.told_s = status, now_s
+        feedback = mirror(str(event.kind), event.data)
+        run.handle.publish_feedback(self._kind.Feedback(feedback_json=feedback))
+
+    def _end(self, run: _Run, end: dict[str, Any]) -> None:
+        run.ended.set_result(end)
+        if self._node.executor:
+            self._node.executor.wake()  # a future that is set on another thread wakes nobody
+
+
+def open_skill_action(node: Node, bus: Bus, goals: StartsGoals) -> SkillAction | None:
+    """The action, or None and a line in the log where its interface is not built."""
+    try:
+        # Where it is not built, the folder of its sources may answer to its name, without this.
+        from edgevox_msgs.action import ExecuteSkill
+    except ImportError as error:
+        missing = (error.name or "").startswith("edgevox_msgs")
+        reason = "edgevox_msgs is not built; make msgs" if missing else str(error)
+        node.get_logger().warning(f"{NAME} is off: {reason}")
+        return None
+    return SkillAction(node, bus, goals, ExecuteSkill)
+
+
+def _key(handle: ServerGoalHandle) -> str:
+    return bytes(handle.goal_id.uuid).hex()
+
+
+def _end_as_canceled(handle: ServerGoalHandle) -> None:
+    """End it as canceled, also where the client did not ask for it.
+
+    The state machine of actions knows no way from EXECUTING to CANCELED but through CANCELING, and
+    rclpy takes that step only for a cancel request; there is no public method for it.
+    """
+    if not handle.is_cancel_requested:
+        handle._update_state(GoalEvent.CANCEL_GOAL)  # noqa: SLF001
+    handle.canceled()

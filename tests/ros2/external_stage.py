@@ -1,0 +1,112 @@
+"""A robot in a process of its own, a body that drives it, and goals for that body."""
+
+import contextlib
+import os
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from geometry_msgs.msg import Twist
+from peer import Peer, wait_until
+
+from edgevox.core.cancel import CancelToken
+from edgevox.ros2.external.robot import ExternalRobot
+
+WHEELS = Path(__file__).with_name("wheeled_robot.py")
+
+
+@contextlib.contextmanager
+def wheels(*arguments: str, domain: int, namespace: str = "/"):
+    """The robot's process."""
+    environment = {
+        **os.environ,
+        "ROS_DOMAIN_ID": str(domain),
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+    }
+    process = subprocess.Popen(
+        [sys.executable, str(WHEELS), "--namespace", namespace, *arguments], env=environment
+    )
+    try:
+        yield process
+    finally:
+        process.terminate()
+        process.wait(10)
+
+
+class Velocities:
+    """What was asked on a robot's cmd_vel, as (linear, angular)."""
+
+    def __init__(self, peer: Peer, topic: str) -> None:
+        self.heard: list[tuple[float, float]] = []
+        self.times: list[float] = []
+        peer.node.create_subscription(Twist, topic, self._hear, 100)
+
+    def _hear(self, message: Twist) -> None:
+        self.times.append(time.monotonic())
+        self.heard.append((message.linear.x, message.angular.z))
+
+    @property
+    def moving(self) -> list[tuple[float, float]]:
+        return [one for one in self.heard if one != (0.0, 0.0)]
+
+
+class Drive:
+    """A `drive_to` on a thread of its own."""
+
+    def __init__(self, run: Callable[[CancelToken, Callable[..., None]], None]) -> None:
+        self.token = CancelToken()
+        self.reports: list[dict[str, object]] = []
+        self._pool = ThreadPoolExecutor(1)
+        self._future = self._pool.submit(run, self.token, self._report)
+
+    def _report(self, **feedback: object) -> None:
+        self.reports.append(feedback)
+
+    def result(self, timeout_s: float = 60.0) -> None:
+        """Wait for its end; raises what it raised."""
+        try:
+            self._future.result(timeout_s)
+        finally:
+            self._pool.shutdown(wait=False)
+
+
+def drive(robot: ExternalRobot, x_m: float, y_m: float) -> Drive:
+    return Drive(lambda token, report: robot.drive_to(x_m, y_m, token=token, report=report))
+
+
+def drive_to_place(robot: ExternalRobot, place: str) -> Drive:
+    return Drive(lambda token, report: robot.drive_to_place(place, token=token, report=report))
+
+
+def heard(robot: ExternalRobot) -> None:
+    wait_until(lambda: robot.state()["pose"] is not None, "odometry")
+
+
+def moving(robot: ExternalRobot, timeout_s: float = 20.0) -> None:
+    wait_until(lambda: speed(robot) > 0.05, "motion", timeout_s)
+
+
+def standing(robot: ExternalRobot, timeout_s: float = 10.0) -> None:
+    wait_until(lambda: speed(robot) < 0.01, "stillness", timeout_s)
+
+
+def speed(robot: ExternalRobot) -> float:
+    velocity = robot.state()["velocity"]
+    return abs(velocity["linear"]) + abs(velocity["angular"]) if velocity else 0.0
+
+
+class Goal:
+    """A goal handle for calling a skill."""
+
+    def __init__(self) -> None:
+        self.token = CancelToken()
+        self.reports: list[dict[str, object]] = []
+        self.reported = threading.Event()
+
+    def report(self, **feedback: object) -> None:
+        self.reports.append(feedback)
+        self.reported.set()

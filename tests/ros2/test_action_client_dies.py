@@ -1,0 +1,54 @@
+"""A client that dies leaves the robot safe: its goal is cancelled."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from action_stage import Stage
+
+CLIENT = str(Path(__file__).with_name("action_client.py"))
+# Fast DDS gives up a participant that was killed after 20 s; the server waits another 2 s.
+GIVEN_UP_S = 60.0
+
+
+@pytest.fixture
+def stage(domain, monkeypatch):
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+    stage = Stage()
+    yield stage
+    stage.close()
+
+
+@pytest.fixture
+def doomed(stage):
+    """A client in a process of its own, whose goal was accepted."""
+    process = subprocess.Popen(
+        [sys.executable, CLIENT, "/edgevox/execute_skill", "navigate_to", '{"room": "kitchen"}'],
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout.readline() == "accepted\n"
+    yield process
+    process.kill()
+    process.wait(10)
+    process.stdout.close()
+
+
+def test_a_client_killed_in_the_middle_ends_its_goal(stage, doomed):
+    stage.driving()
+    doomed.kill()
+    assert stage.conversation.wait_idle(GIVEN_UP_S)
+    assert stage.deeds[-1]["reason"] == "its client is gone"
+
+
+def test_what_was_asked_for_in_words_outlives_a_client(stage, doomed):
+    stage.driving()
+    stage.say("go to the bedroom")
+    stage.driving()
+    doomed.terminate()
+    doomed.wait(10)
+    assert not stage.conversation.wait_idle(5)
+    stage.body.arrived.set()
+    assert stage.conversation.wait_idle(10)
+    assert stage.said[-1] == "I am there."

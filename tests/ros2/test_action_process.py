@@ -1,0 +1,94 @@
+"""The action of a real agent: with its robot, without its interface, and when a side dies."""
+
+import json
+import subprocess
+import sys
+
+from action_stage import Client
+from peer import RELIABLE, STATE
+
+
+def moving(message):
+    return json.loads(message)["velocity"]["linear"] > 0.05
+
+
+def standing(message):
+    velocity = json.loads(message)["velocity"]
+    return abs(velocity["linear"]) < 0.01 and abs(velocity["angular"]) < 0.01
+
+
+def test_a_goal_drives_the_robot_to_its_room(agent, peer):
+    agent()
+    robot = peer()
+    client = Client(robot)
+    response = robot.listen("response")
+    goal = client.send("navigate_to", room="kitchen")
+    end, result = client.end_of(goal)
+    assert (end, json.loads(result.result_json)["room"]) == ("succeeded", "kitchen")
+    assert any(f.get("progress", 0) > 0 for f in client.feedback)
+    robot.send("text_input", "where are you")
+    response.wait_for(lambda m: m.startswith("I am in the kitchen"))
+    assert "I am in the kitchen." not in response.messages  # its client knows; nobody else asked
+
+
+def test_a_goal_of_a_remapped_action_is_not_taken_for_one_without_a_client(agent, peer):
+    parts = ("send_goal", "get_result", "cancel_goal", "feedback", "status")
+    rules = [f"execute_skill/_action/{part}:=do/_action/{part}" for part in parts]
+    agent("--ros-args", *(flag for rule in rules for flag in ("-r", rule)))
+    client = Client(peer(), "/edgevox/do")
+    goal = client.send("navigate_to", room="kitchen")
+    assert client.end_of(goal)[0] == "succeeded"
+
+
+def test_cancel_and_stop_leave_the_robot_standing(agent, peer):
+    agent()
+    robot = peer()
+    client = Client(robot)
+    state = robot.listen("robot_state", STATE)
+    for end_it in (client.cancel, lambda goal: robot.send("text_input", "stop")):
+        goal = client.send("navigate_to", room="bedroom")
+        state.wait_for(moving, timeout_s=20, since=len(state.messages))
+        end_it(goal)
+        assert client.end_of(goal)[0] == "canceled"
+        state.wait_for(standing, since=len(state.messages))
+
+
+def test_a_rejected_goal_is_in_the_log_and_in_agent_event(agent, peer):
+    one = agent()
+    robot = peer()
+    event = robot.listen("agent_event", RELIABLE)
+    assert not Client(robot).send("navigate_to", room="moon").accepted
+    told = json.loads(event.wait_for(lambda m: json.loads(m).get("status") == "rejected"))
+    assert told["error"].startswith("navigate_to.room: got 'moon'")
+    one.wait_for_line("execute_skill: goal rejected: navigate_to.room: got 'moon'", timeout_s=10)
+
+
+def test_the_end_of_the_agent_ends_a_goal_as_canceled_for_its_client(agent, peer):
+    one = agent()
+    robot = peer()
+    client = Client(robot)
+    state = robot.listen("robot_state", STATE)
+    goal = client.send("navigate_to", room="bedroom")
+    state.wait_for(moving, timeout_s=20)
+    (answer,) = client.ask_ends_of([goal])
+    assert one.terminate() == 0
+    assert client.answer(answer)[0] == "canceled"
+    assert "Traceback" not in one.output
+
+
+def test_without_edgevox_msgs_one_line_says_so_and_the_agent_works():
+    program = (
+        "import sys; sys.modules['edgevox_msgs'] = None\n"
+        "from edgevox.apps.agent import main; sys.exit(main())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program, "robot-apartment", "--text-mode", "--ros2", "--llm=none"],
+        input="where are you\n",
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.returncode == 0
+    said = done.stdout + done.stderr
+    assert said.count("execute_skill is off: edgevox_msgs is not built; make msgs") == 1
+    assert "I am in the" in done.stdout

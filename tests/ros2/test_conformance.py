@@ -1,0 +1,144 @@
+"""Every row of the contract, as a process sees it that knows nothing but the contract."""
+
+import importlib
+import json
+import threading
+import time
+from pathlib import Path
+
+import pytest
+import yaml
+from conftest import READY, Agent
+from peer import RELIABLE, STATE, Peer, wait_until
+from rclpy.action.graph import get_action_names_and_types
+from rclpy.qos import qos_profile_sensor_data
+
+CONTRACT = yaml.safe_load((Path(__file__).parent / "contract.yaml").read_text(encoding="utf-8"))
+NOT_HERE = {"image_raw"}
+"""What the robot of the apartment does not have: a camera."""
+SILENT = {"audio_level", "wakeword", "bot_token"}
+"""What has no source without a microphone and without a language model."""
+RATES = {"robot_state": 10.0, "/tf": 30.0, "pose": 30.0, "odom": 30.0, "scan": 10.0}
+MEASURED_S = 5.0
+
+
+@pytest.fixture(scope="module")
+def live(domain):
+    """A peer of an agent; both stay for the whole module."""
+    agent = Agent("robot-apartment", "--text-mode", "--ros2", "--llm=none", domain=domain)
+    agent.wait_for_line(READY)
+    peer = Peer(domain)
+    name = (CONTRACT["node"], CONTRACT["default_namespace"])
+    wait_until(lambda: name in peer.node.get_node_names_and_namespaces(), "the node's name")
+    yield peer
+    peer.close()
+    agent.terminate()
+
+
+def full(name):
+    return name if name.startswith("/") else f"/edgevox/{name}"
+
+
+def message_class(kind):
+    package, _, name = kind.split("/")
+    return getattr(importlib.import_module(f"{package}.msg"), name)
+
+
+@pytest.mark.parametrize("topic", CONTRACT["published"])
+def test_a_published_topic_has_its_type_and_quality_of_service(live, topic):
+    row = CONTRACT["published"][topic]
+    wait_until(lambda: live.node.count_publishers(full(topic)) == 1, topic)
+    (endpoint,) = live.node.get_publishers_info_by_topic(full(topic))
+    check(endpoint, row["type"], CONTRACT["qos"][row["qos"]])
+
+
+@pytest.mark.parametrize("topic", CONTRACT["subscribed"])
+def test_a_subscribed_topic_has_its_type_and_quality_of_service(live, topic):
+    row = CONTRACT["subscribed"][topic]
+    wait_until(lambda: live.node.count_subscribers(full(topic)) == 1, topic)
+    (endpoint,) = live.node.get_subscriptions_info_by_topic(full(topic))
+    check(endpoint, row["type"], CONTRACT["qos"][row["qos"]])
+
+
+def check(endpoint, kind, qos):
+    assert endpoint.topic_type == kind
+    assert endpoint.node_name == CONTRACT["node"]
+    assert endpoint.node_namespace == CONTRACT["default_namespace"]
+    assert endpoint.qos_profile.reliability.name.lower() == qos["reliability"]
+    assert endpoint.qos_profile.durability.name.lower() == qos["durability"]
+
+
+@pytest.mark.parametrize("topic", sorted(set(CONTRACT["robot_interop"]) - NOT_HERE))
+def test_a_topic_of_the_robot_has_its_type_and_direction(live, topic):
+    row = CONTRACT["robot_interop"][topic]
+    out = row["dir"] == "out"
+    count = live.node.count_publishers if out else live.node.count_subscribers
+    wait_until(lambda: count(full(topic)) == 1, topic)
+    find = (
+        live.node.get_publishers_info_by_topic if out else live.node.get_subscriptions_info_by_topic
+    )
+    assert [endpoint.topic_type for endpoint in find(full(topic))] == [row["type"]]
+
+
+@pytest.mark.parametrize("topic", sorted(NOT_HERE))
+def test_what_a_body_cannot_do_is_not_advertised(live, topic):
+    assert live.node.count_publishers(full(topic)) == 0
+
+
+@pytest.mark.parametrize("query", CONTRACT["queries"])
+def test_a_query_is_answered_with_its_keys(live, query):
+    info = live.listen("info")
+    live.send("command", query)
+    answer = json.loads(info.wait_for(lambda m: json.loads(m)["query"] == query))
+    assert set(answer) == {"query", *CONTRACT["queries"][query]}
+
+
+def test_the_action_is_there_with_its_type(live):
+    ((name, row),) = CONTRACT["actions"].items()
+    wait_until(lambda: (full(name), [row["type"]]) in get_action_names_and_types(live.node), name)
+
+
+def test_a_message_comes_through_on_every_topic_that_has_a_source(live):
+    heard = {
+        topic: live.listen(topic, STATE if row["qos"] == "state" else RELIABLE)
+        for topic, row in CONTRACT["published"].items()
+        if topic not in SILENT
+    }
+    live.send("text_input", "where are you")
+    live.send("command", "model_info")
+    for topic, messages in heard.items():
+        text = messages.wait_for(lambda _: True)
+        if CONTRACT["published"][topic].get("json"):
+            assert isinstance(json.loads(text), dict)
+
+
+def test_the_keys_of_metrics_are_seconds(live):
+    metrics = live.listen("metrics")
+    live.send("text_input", "where are you")
+    measured = json.loads(metrics.wait_for(lambda _: True))
+    assert list(measured) == CONTRACT["published"]["metrics"]["json"]
+    assert all(0 <= seconds < 60 for seconds in measured.values())
+
+
+def test_text_is_said_as_it_is(live):
+    sentence = live.listen("bot_sentence")
+    live.send("tts_request", "The shop closes in ten minutes.")
+    assert sentence.wait_for(lambda _: True) == "The shop closes in ten minutes."
+
+
+@pytest.mark.parametrize("topic", RATES)
+def test_a_rate_holds_within_five_percent(live, topic):
+    (endpoint,) = live.node.get_publishers_info_by_topic(full(topic))
+    times, enough = [], threading.Event()
+
+    def hear(_):
+        times.append(time.monotonic())
+        if times[-1] - times[0] >= MEASURED_S:
+            enough.set()
+
+    kind = message_class(endpoint.topic_type)
+    subscription = live.node.create_subscription(kind, full(topic), hear, qos_profile_sensor_data)
+    assert enough.wait(MEASURED_S + 15)
+    live.node.destroy_subscription(subscription)
+    rate_hz = (len(times) - 1) / (times[-1] - times[0])
+    assert rate_hz == pytest.approx(RATES[topic], rel=0.05)

@@ -1,0 +1,96 @@
+"""`edgevox-agent robot-external`: sentences drive a robot in another process."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+from conftest import AGENT
+from external_stage import Velocities, wheels
+from peer import STATE
+
+LOCATIONS = "desk: {x: 0.8, y: 0.0, aliases: [table]}\ndock: {x: -1.0, y: 0.0}\n"
+
+
+@pytest.fixture
+def locations(tmp_path):
+    file = tmp_path / "locations.yaml"
+    file.write_text(LOCATIONS)
+    return file
+
+
+def test_a_sentence_drives_a_robot_that_only_speaks_ros_2(agent, peer, domain, locations):
+    with wheels(domain=domain, namespace="/robot1"):
+        agent(
+            "--namespace=/robot1", f"--locations={locations}", "--max-linear=0.6",
+            robot="robot-external",
+        )  # fmt: skip
+        robot = peer()
+        asked = Velocities(robot, "/robot1/cmd_vel")
+        state = robot.listen("robot_state", STATE)
+        response = robot.listen("response")
+        state.wait_for(lambda m: json.loads(m)["pose"] is not None)
+        topics = {name for name, _ in robot.node.get_topic_names_and_types()}
+        assert topics.isdisjoint(f"/edgevox/{one}" for one in ("cmd_vel", "goal_pose", "odom"))
+        assert robot.node.count_publishers("/tf") == 0
+
+        robot.send("text_input", "go to the table")
+        response.wait_for(lambda m: m == "Going to the desk.")
+        response.wait_for(lambda m: m == "I am at the desk.", timeout_s=30)
+        robot.send("text_input", "where are you")
+        response.wait_for(lambda m: m.startswith("I am at the desk, at x 0."))
+        robot.send("text_input", "go to the moon")
+        response.wait_for(lambda m: m.startswith("I do not know the location 'moon'."))
+
+        robot.send("text_input", "go to the dock")
+        state.wait_for(lambda m: json.loads(m)["goal"], since=len(state.messages))
+        robot.send("text_input", "stop")
+        response.wait_for(lambda m: m == "Stopped.")
+        state.wait_for(lambda m: json.loads(m)["goal"] is None, since=len(state.messages))
+        assert max(linear for linear, _ in asked.moving) <= 0.6
+
+
+def test_without_a_robot_the_agent_says_that_it_hears_none(agent, peer):
+    agent("--namespace", "/nobody", robot="robot-external")
+    robot = peer()
+    response = robot.listen("response")
+    robot.send("text_input", "go to x 1 y 2")
+    unheard = "I have not heard from the robot's odometry on /nobody/odom yet"
+    response.wait_for(lambda m: unheard in m)
+    robot.send("text_input", "where are you")
+    response.wait_for(lambda m: unheard in m, since=len(response.messages))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--namespace", "my robot"], "external_namespace: got 'my robot', expected a ROS 2 name"),
+        (["--locations", "nowhere.yaml"], "locations: got 'nowhere.yaml', expected a file"),
+        (["--max-linear", "0"], "max_linear: got '0', expected greater than 0"),
+    ],
+)
+def test_what_cannot_be_is_refused_with_its_field(arguments, said):
+    bad = subprocess.run(
+        [AGENT, "robot-external", "--text-mode", "--llm=none", *arguments],
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert bad.returncode == 2
+    assert said in bad.stderr
+
+
+def test_without_rclpy_it_says_what_it_needs():
+    program = (
+        "import sys; sys.modules['rclpy'] = None\n"
+        "from edgevox.apps.agent import main; sys.exit(main())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program, "robot-external", "--text-mode", "--llm=none"],
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.returncode == 2
+    assert "robot-external needs ROS 2, and rclpy" in done.stderr
+    assert "Traceback" not in done.stderr

@@ -1,0 +1,296 @@
+"""A robot that knows only standard topics is driven there, between two processes."""
+
+import contextlib
+import math
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+from external_stage import (
+    Goal,
+    Velocities,
+    drive,
+    drive_to_place,
+    heard,
+    moving,
+    standing,
+    wheels,
+)
+from peer import wait_until
+from rclpy.action import ActionClient, ActionServer, CancelResponse
+
+from edgevox.agent.skills import SkillFailed
+from edgevox.core.cancel import Cancelled
+from edgevox.ros2.external.locations import Location
+from edgevox.ros2.external.robot import ExternalRobot
+from edgevox.ros2.external.settings import ExternalSettings, Patience, SteeringLimits
+from edgevox_msgs.action import ExecuteSkill
+
+LOCATIONS = {"dock": Location(0.0, 0.0, math.pi), "desk": Location(1.0, 0.6, math.pi / 2)}
+QUICK = ExternalSettings(
+    steering=SteeringLimits(max_linear_m_s=0.6, max_angular_rad_s=1.5, wait_s=1.0),
+    steering_patience=Patience(unmoved_s=2.0, no_nearer_s=10.0),
+    goal_patience=Patience(unmoved_s=3.0, no_nearer_s=20.0),
+    obey_s=2.5,
+)
+
+
+@pytest.fixture
+def stage(domain, monkeypatch):
+    """Starts a robot and a body for it; ends both."""
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+    with contextlib.ExitStack() as stack:
+
+        def start(*arguments: str, namespace: str = "/robot1", wait: bool = True) -> ExternalRobot:
+            stack.enter_context(wheels(*arguments, domain=domain, namespace=namespace))
+            robot = ExternalRobot(namespace, LOCATIONS, QUICK)
+            stack.callback(robot.close)
+            robot.start()
+            if wait:
+                heard(robot)
+            return robot
+
+        yield start
+
+
+def distance(robot: ExternalRobot, x_m: float, y_m: float) -> float:
+    pose = robot.pose()
+    return math.hypot(pose.x_m - x_m, pose.y_m - y_m)
+
+
+def test_a_robot_that_takes_no_goals_is_steered_to_a_location_and_looks_as_it_says(stage, peer):
+    robot = stage("--reliability", "best_effort")
+    asked = Velocities(peer(), "/robot1/cmd_vel")
+
+    drive_to_desk = drive_to_place(robot, "desk")
+    moving(robot)
+    assert robot.state()["goal"]["by"] == "cmd_vel"
+    drive_to_desk.result()
+
+    assert distance(robot, 1.0, 0.6) < 0.12
+    assert robot.pose().yaw_rad == pytest.approx(math.pi / 2, abs=0.12)
+    assert robot.state()["location"] == "desk"
+    assert robot.state()["goal"] is None
+    assert drive_to_desk.reports[-1]["progress"] == 1.0
+    assert max(abs(linear) for linear, _ in asked.moving) <= 0.6
+    assert max(abs(angular) for _, angular in asked.moving) <= 1.5
+
+
+def test_a_robot_that_takes_goals_gets_one_and_is_never_steered(stage, peer):
+    robot = stage("--takes-goals", "--reliability", "reliable")
+    asked = Velocities(peer(), "/robot1/cmd_vel")
+    wait_until(lambda: peer().node.count_publishers("/robot1/cmd_vel") > 0, "cmd_vel")
+
+    going = drive_to_place(robot, "desk")
+    moving(robot)
+    assert robot.state()["goal"]["by"] == "goal_pose"
+    going.result()
+
+    assert distance(robot, 1.0, 0.6) < 0.36
+    assert asked.heard == []
+
+
+def test_stop_recalls_the_goal_and_holds_zero_until_the_robot_stands(stage, peer):
+    robot = stage("--takes-goals")
+    asked = Velocities(peer(), "/robot1/cmd_vel")
+    going = drive(robot, 5.0, 0.0)
+    moving(robot)
+
+    stopped = {one.name: one for one in robot.skills}["stop"].function(Goal())
+
+    assert stopped == {"was_moving": True}
+    with pytest.raises(Cancelled):
+        going.result(5)
+    standing(robot, 1.0)
+    assert asked.moving == []
+    assert len(asked.heard) >= 15
+    where = robot.pose()
+    wait_until(lambda: robot.time_s > 0, "time")
+    drive_back = drive(robot, where.x_m, where.y_m)
+    drive_back.result()
+    assert distance(robot, where.x_m, where.y_m) < 0.36
+
+
+def test_a_halt_does_not_block_and_stands_a_steered_robot(stage):
+    robot = stage()
+    going = drive(robot, 5.0, 0.0)
+    moving(robot)
+    assert robot.halt("a test") is True
+    with pytest.raises(Cancelled, match="a test"):
+        going.result(1.0)
+    standing(robot, 3.0)
+    assert robot.pose().x_m < 4.0
+
+
+def test_a_cancelled_token_ends_the_drive_and_stands_the_robot(stage):
+    robot = stage()
+    going = drive(robot, 5.0, 0.0)
+    moving(robot)
+    going.token.cancel("changed my mind")
+    with pytest.raises(Cancelled, match="changed my mind"):
+        going.result(1.0)
+    standing(robot, 3.0)
+
+
+def test_a_new_goal_ends_the_one_before(stage):
+    robot = stage()
+    first = drive(robot, 5.0, 0.0)
+    moving(robot)
+    second = drive(robot, 0.0, 0.5)
+    with pytest.raises(Cancelled, match="a new goal came"):
+        first.result(10)
+    second.result()
+    assert distance(robot, 0.0, 0.5) < 0.12
+
+
+def test_a_robot_that_does_not_obey_is_said_not_to(stage, peer, caplog):
+    robot = stage()
+    control = peer("/robot1")
+    control.send("do", "runaway")
+    moving(robot)
+    with pytest.raises(SkillFailed, match="asked the robot to stop, but it still moves"):
+        {one.name: one for one in robot.skills}["stop"].function(Goal())
+    assert "it still moves" in caplog.text
+
+
+def test_a_robot_that_is_stuck_fails_its_goal_with_a_reason(stage, peer):
+    robot = stage()
+    peer("/robot1").send("do", "stuck")
+    going = drive(robot, 2.0, 0.0)
+    with pytest.raises(SkillFailed, match="I am not getting closer"):
+        going.result()
+
+
+def test_a_robot_that_takes_goals_but_does_not_go_fails_with_a_reason(stage, peer):
+    robot = stage("--takes-goals")
+    peer("/robot1").send("do", "stuck")
+    with pytest.raises(SkillFailed, match="I am not getting closer"):
+        drive(robot, 2.0, 0.0).result()
+
+
+def test_silent_odometry_stops_the_robot_and_is_said(stage, peer, caplog):
+    robot = stage()
+    control = peer("/robot1")
+    asked = Velocities(control, "/robot1/cmd_vel")
+    going = drive(robot, 5.0, 0.0)
+    moving(robot)
+    control.send("do", "silent")
+    with pytest.raises(SkillFailed, match="I do not hear the robot on /robot1/odom any more"):
+        going.result(10)
+    wait_until(lambda: asked.heard[-3:] == [(0.0, 0.0)] * 3, "zero velocity")
+    wait_until(lambda: "nothing on /robot1/odom for 1 s" in caplog.text, "the log line")
+    with pytest.raises(SkillFailed, match="I do not know where I am"):
+        robot.pose()
+    state = robot.state()
+    assert state["pose"] is None
+    assert state["odom_age"] > 1.0
+    control.send("do", "heard")
+    heard(robot)
+    standing(robot)
+
+
+def test_something_in_the_way_is_waited_for_and_then_given_up(stage, peer):
+    robot = stage("--scan")
+    control = peer("/robot1")
+    wait_until(lambda: robot.latest_scan() is not None, "a scan")
+    control.send("do", "wall 0.4")
+    wait_until(lambda: robot.latest_scan().ranges_m.min() < 1, "the wall")
+    with pytest.raises(SkillFailed, match="Something is in my way"):
+        drive(robot, 3.0, 0.0).result()
+    assert robot.pose().x_m < 0.2
+    control.send("do", "wall")
+    wait_until(lambda: math.isinf(robot.latest_scan().ranges_m.min()), "a free way")
+    drive(robot, 0.5, 0.0).result()
+
+
+def test_goals_are_compared_in_the_map_where_transforms_join_it_to_odometry(stage):
+    robot = stage("--map-to-odom", "3,-2,1.2", "--start", "1,1,0", "--frame-prefix", "robot1/")
+    wait_until(lambda: robot.state()["frame"] == "map", "the transform")
+    pose = robot.pose()
+    assert (pose.x_m, pose.y_m) == pytest.approx((1.0, 1.0), abs=0.01)
+    assert pose.yaw_rad == pytest.approx(0.0, abs=0.01)
+    drive(robot, 1.5, 1.3).result()
+    assert distance(robot, 1.5, 1.3) < 0.12
+
+
+def test_goals_are_sent_in_the_map_where_there_is_one(stage):
+    robot = stage("--map-to-odom", "3,-2,1.2", "--start", "1,1,0", "--takes-goals")
+    wait_until(lambda: robot.state()["frame"] == "map", "the transform")
+    drive(robot, 1.5, 1.3).result()
+    assert distance(robot, 1.5, 1.3) < 0.36
+
+
+def test_odometry_is_taken_for_the_map_where_no_transform_says_better(stage, caplog):
+    robot = stage()
+    drive(robot, 0.3, 0.0).result()
+    drive(robot, 0.0, 0.0).result()
+    said = [r for r in caplog.records if "is taken for the map" in r.message]
+    assert len(said) == 1
+
+
+def test_a_drive_is_refused_while_nothing_was_heard(domain, monkeypatch):
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+    robot = ExternalRobot("/nobody", LOCATIONS, ExternalSettings(discovery_s=0.5))
+    robot.start()
+    try:
+        with pytest.raises(
+            SkillFailed, match="I have not heard from the robot's odometry on /nobody/odom yet"
+        ):
+            drive(robot, 1.0, 0.0).result()
+        assert robot.state()["pose"] is None
+        assert robot.state()["odom_age"] is None
+    finally:
+        robot.close()
+
+
+def test_robots_in_other_namespaces_are_left_alone(stage, peer):
+    one = stage(namespace="/robot1")
+    two = stage("--takes-goals", namespace="/robot2")
+    for_two = Velocities(peer(), "/robot2/cmd_vel")
+    drive(one, 0.5, 0.0).result()
+    assert distance(one, 0.5, 0.0) < 0.12
+    assert distance(two, 0.0, 0.0) < 0.01
+    assert for_two.heard == []
+
+
+def test_closing_leaves_the_robot_standing(stage, peer):
+    robot = stage()
+    asked = Velocities(peer(), "/robot1/cmd_vel")
+    going = drive(robot, 5.0, 0.0)
+    moving(robot)
+    robot.close()
+    with pytest.raises(Cancelled):
+        going.result(2)
+    wait_until(lambda: asked.heard[-1] == (0.0, 0.0), "zero velocity")
+
+
+def test_a_halt_cancels_the_goals_of_an_action_that_somebody_else_sent(stage, peer):
+    robot = stage()
+    nav2 = peer("/robot1")
+    cancelled = threading.Event()
+
+    def run(goal):
+        """Runs until it is cancelled, beside the executor's thread."""
+        wait_until(lambda: goal.is_cancel_requested, "cancel", 20)
+        goal.canceled()
+        cancelled.set()
+        return ExecuteSkill.Result()
+
+    # Cancelling is the same for every type of action; Nav2's own is not needed for it.
+    with ThreadPoolExecutor(1) as pool:
+        server = ActionServer(
+            nav2.node,
+            ExecuteSkill,
+            "/robot1/navigate_to_pose",
+            lambda _: ExecuteSkill.Result(),
+            handle_accepted_callback=lambda goal: pool.submit(run, goal),
+            cancel_callback=lambda _: CancelResponse.ACCEPT,
+        )
+        client = ActionClient(nav2.node, ExecuteSkill, "/robot1/navigate_to_pose")
+        assert client.wait_for_server(15)
+        answer = client.send_goal_async(ExecuteSkill.Goal(skill_name="drive"))
+        wait_until(lambda: answer.done() and answer.result().accepted, "the goal")
+        robot.halt("somebody said stop")
+        assert cancelled.wait(10)
+        client.destroy()
+        server.destroy()

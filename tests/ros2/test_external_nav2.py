@@ -1,0 +1,213 @@
+"""Where Nav2's action is served, drives are its goals, with feedback, results and cancel.
+
+The action is Nav2's, field for field and built here; its server is a stand-in that passes goals on
+to a robot that takes them on goal_pose.
+"""
+
+import ctypes
+import importlib.util
+import math
+import os
+import subprocess
+import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+from external_stage import Velocities, drive, heard, moving, standing, wheels
+from geometry_msgs.msg import PoseStamped
+from peer import wait_until
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+
+from edgevox.agent.skills import SkillFailed
+from edgevox.core.cancel import Cancelled
+from edgevox.ros2.external.robot import ExternalRobot
+
+HERE = Path(__file__).parent
+BUILD_S = 300.0
+PATIENCE_S = 30.0
+
+
+def build(prefix: Path, place: Path) -> None:
+    """Build the stand-in for nav2_msgs, as scripts/build_msgs.py builds edgevox_msgs."""
+    spec = importlib.util.spec_from_file_location(
+        "build_msgs", HERE.parents[1] / "scripts" / "build_msgs.py"
+    )
+    build_msgs = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(build_msgs)
+    definitions = (
+        f"-DCMAKE_INSTALL_PREFIX={prefix}",
+        f"-DCMAKE_INSTALL_RPATH={prefix / 'lib'}",
+        f"-DPython3_EXECUTABLE={sys.executable}",
+        "-DBUILD_TESTING=OFF",
+        "-Wno-dev",
+        "-Wno-deprecated",
+    )
+    for command in (
+        ["cmake", "-S", HERE / "nav2_msgs", "-B", place, "-G", "Ninja", *definitions],
+        ["cmake", "--build", place, "--target", "install"],
+    ):
+        done = subprocess.run(
+            command,
+            env=build_msgs.environment(),
+            capture_output=True,
+            text=True,
+            timeout=BUILD_S,
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.fixture(scope="module")
+def action(tmp_path_factory):
+    """Nav2's action, importable by this process for as long as the module's tests run."""
+    prefix = tmp_path_factory.mktemp("nav2")
+    build(prefix, tmp_path_factory.mktemp("build"))
+    for library in (prefix / "lib").glob("*.so"):
+        ctypes.CDLL(str(library))  # the path of a running process's libraries is fixed
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("AMENT_PREFIX_PATH", f"{prefix}:{os.environ.get('AMENT_PREFIX_PATH', '')}")
+        (packages,) = prefix.glob("lib/python3*/site-packages")
+        patch.syspath_prepend(str(packages))
+        from nav2_msgs.action import NavigateToPose
+
+        yield NavigateToPose
+    for name in [name for name in sys.modules if name.partition(".")[0] == "nav2_msgs"]:
+        del sys.modules[name]
+
+
+class StandIn:
+    """Serves the action: passes a goal on and tells how far it is, until the robot is there."""
+
+    def __init__(self, node, action, pool) -> None:
+        self.ends: list[str] = []
+        self.mode = "serve"
+        self._newest = None
+        self._action, self._pool = action, pool
+        self._goals = node.create_publisher(PoseStamped, "/robot1/goal_pose", 1)
+        self.robot: ExternalRobot | None = None
+        self._server = ActionServer(
+            node,
+            action,
+            "/robot1/navigate_to_pose",
+            self._end,
+            handle_accepted_callback=self._accept,
+            goal_callback=lambda _: getattr(
+                GoalResponse, "REJECT" if self.mode == "reject" else "ACCEPT"
+            ),
+            cancel_callback=lambda _: CancelResponse.ACCEPT,
+        )
+
+    @property
+    def heard(self) -> bool:
+        return self._goals.get_subscription_count() > 0
+
+    def close(self) -> None:
+        self._server.destroy()
+
+    def _accept(self, goal) -> None:
+        """Drive beside the executor's thread, and have the goal ended on it, as Nav2 does."""
+        self._newest = goal
+        self._pool.submit(self._drive, goal)
+
+    def _drive(self, goal) -> None:
+        end = self._run(goal)
+        goal.execute(lambda goal: self._end(goal, end))
+
+    def _end(self, goal, end: str):
+        getattr(goal, end)()
+        self.ends.append(end)
+        return self._action.Result()
+
+    def _run(self, goal) -> str:
+        target = goal.request.pose
+        self._goals.publish(target)
+        pause = threading.Event()
+        for _ in range(round(PATIENCE_S / 0.1)):
+            pose, at = self.robot.pose(), target.pose.position
+            left_m = math.hypot(pose.x_m - at.x, pose.y_m - at.y)
+            if goal.is_cancel_requested:
+                return "canceled"
+            if self.mode == "abort" or goal is not self._newest:
+                return "abort"
+            if left_m < 0.1:
+                return "succeed"
+            goal.publish_feedback(self._action.Feedback(distance_remaining=left_m))
+            pause.wait(0.1)
+        return "abort"
+
+
+@pytest.fixture
+def stage(action, domain, monkeypatch, peer):
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+    nav2 = peer("/robot1")
+    with (
+        wheels("--takes-goals", domain=domain, namespace="/robot1"),
+        ThreadPoolExecutor() as pool,
+    ):
+        server = StandIn(nav2.node, action, pool)
+        server.robot = robot = ExternalRobot("/robot1")
+        robot.start()
+        try:
+            heard(robot)
+            wait_until(lambda: server.heard, "the robot that takes goals")
+            yield robot, server, Velocities(nav2, "/robot1/cmd_vel")
+        finally:
+            server.mode = "abort"
+            robot.close()
+            server.close()
+
+
+def test_a_drive_is_a_goal_of_the_action_and_never_steered(stage):
+    robot, server, asked = stage
+    going = drive(robot, 1.0, 0.5)
+    moving(robot)
+    assert robot.state()["goal"]["by"] == "navigate_to_pose"
+    going.result()
+    assert server.ends == ["succeed"]
+    assert asked.heard == []
+    assert 0 < going.reports[-2]["progress"] < 1
+    assert going.reports[-1]["progress"] == 1
+
+
+def test_a_cancel_reaches_the_server_and_the_robot_stands(stage):
+    robot, server, asked = stage
+    going = drive(robot, 5.0, 0.0)
+    moving(robot)
+    going.token.cancel("changed my mind")
+    with pytest.raises(Cancelled, match="changed my mind"):
+        going.result(1.0)
+    wait_until(lambda: server.ends == ["canceled"], "the cancel")
+    standing(robot)
+    assert asked.moving == []
+
+
+def test_a_new_goal_pre_empts_the_one_before_and_is_reached(stage):
+    robot, server, _ = stage
+    first = drive(robot, 5.0, 0.0)
+    moving(robot)
+    second = drive(robot, 0.5, 0.5)
+    with pytest.raises(Cancelled, match="a new goal came"):
+        first.result(10)
+    second.result()
+    assert server.ends == ["abort", "succeed"]
+
+
+def test_a_goal_right_after_a_cancel_is_not_cancelled_with_it(stage):
+    robot, server, _ = stage
+    first = drive(robot, 5.0, 0.0)
+    moving(robot)
+    first.token.cancel("something better came")
+    drive(robot, 0.5, 0.5).result()
+    assert server.ends == ["canceled", "succeed"]
+
+
+@pytest.mark.parametrize(
+    ("mode", "reason"),
+    [("reject", "Nav2 does not accept this goal"), ("abort", "Nav2 gave up on the way")],
+)
+def test_a_goal_that_nav2_does_not_reach_fails_with_its_reason(stage, mode, reason):
+    robot, server, _ = stage
+    server.mode = mode
+    with pytest.raises(SkillFailed, match=reason):
+        drive(robot, 2.0, 0.0).result()

@@ -1,0 +1,138 @@
+"""The robot's standard topics, with the agent in a process of its own."""
+
+import json
+import subprocess
+
+import pytest
+from conftest import AGENT
+from geometry_msgs.msg import PoseStamped, Twist
+from interop_rig import Stream, hear, tell, twist
+from peer import SENSOR, STATE, wait_until
+from sensor_msgs.msg import LaserScan
+
+from tf2_msgs.msg import TFMessage
+
+STORY = "why is the sky blue and why do people like to look at it"
+
+
+def goal(frame, x, y):
+    message = PoseStamped()
+    message.header.frame_id = frame
+    message.pose.position.x, message.pose.position.y = x, y
+    return message
+
+
+def is_kind(kind, status):
+    return lambda m: json.loads(m)["kind"] == kind and json.loads(m).get("status") == status
+
+
+def standing(message):
+    velocity = json.loads(message)["velocity"]
+    return abs(velocity["linear"]) < 0.01 and abs(velocity["angular"]) < 0.01
+
+
+def test_rates_hold_while_a_model_generates(agent, peer):
+    agent("--llm", "smollm2-135m-instruct")
+    one = peer()
+    tokens = one.listen("bot_token", SENSOR)
+    tf = hear(one, TFMessage, "/tf")
+    pose = hear(one, PoseStamped, "/edgevox/pose")
+    scan = hear(one, LaserScan, "/edgevox/scan", SENSOR)
+    questions = Stream(lambda text: one.send("text_input", text), STORY, hertz=5.0)
+    tokens.wait_for(lambda m: True, timeout_s=60)
+    begun = len(tf.messages), len(pose.messages), len(scan.messages)
+    tf.wait_for_seconds(5.0)
+    questions.end()
+    for rate, number, one_topic in zip((30, 30, 10), begun, (tf, pose, scan), strict=True):
+        times = one_topic.times[number:]
+        assert (len(times) - 1) / (times[-1] - times[0]) == pytest.approx(rate, rel=0.05)
+    begun_s, ended_s = tf.times[begun[0]], tf.times[-1]
+    busy = {int(time_s - begun_s) for time_s in tokens.times if begun_s <= time_s < ended_s}
+    assert busy >= {0, 1, 2, 3, 4}, "the model must have been generating all the time"
+
+
+def test_a_velocity_takes_over_from_a_sentence_and_the_goal_ends_as_cancelled(agent, peer):
+    agent()
+    one = peer()
+    agent_event = one.listen("agent_event")
+    robot_state = one.listen("robot_state", STATE)
+    steer = tell(one, Twist, "/edgevox/cmd_vel")
+    one.send("text_input", "go to the bedroom")
+    robot_state.wait_for(lambda m: json.loads(m)["velocity"]["linear"] > 0.05, timeout_s=20)
+    stream = Stream(steer, twist(0.0, 0.4))
+    cancelled = agent_event.wait_for(is_kind("skill_cancelled", "cancelled"))
+    assert json.loads(cancelled)["reason"] == "somebody else steers"
+    robot_state.wait_for(lambda m: json.loads(m)["velocity"]["angular"] > 0.35)
+    stream.end()
+    robot_state.wait_for(standing, since=len(robot_state.messages))
+
+
+def test_a_goal_pose_is_a_goal_like_any_other(agent, peer):
+    agent()
+    one = peer()
+    agent_event = one.listen("agent_event")
+    response = one.listen("response")
+    say = tell(one, PoseStamped, "/edgevox/goal_pose")
+    here = hear(one, PoseStamped, "/edgevox/pose").wait_for(lambda m: True).pose.position
+    say(goal("base_link", 0.4, 0.0))
+    agent_event.wait_for(is_kind("skill_goal", "succeeded"), timeout_s=30)
+    arrived = hear(one, PoseStamped, "/edgevox/pose").wait_for(lambda m: True).pose.position
+    away = ((arrived.x - here.x) ** 2 + (arrived.y - here.y) ** 2) ** 0.5
+    assert away == pytest.approx(0.4, abs=0.15)
+    say(goal("map", 50.0, 50.0))
+    failed = agent_event.wait_for(is_kind("skill_goal", "failed"))
+    assert json.loads(failed)["skill"] == "navigate_xy"
+    response.wait_for(lambda m: m.startswith("I could not do that"))
+
+
+def test_a_goal_in_an_unknown_frame_is_refused_in_a_line_that_says_why(agent, peer):
+    process = agent()
+    one = peer()
+    agent_event = one.listen("agent_event")
+    tell(one, PoseStamped, "/edgevox/goal_pose")(goal("moon", 1.0, 1.0))
+    process.wait_for_line("goal_pose refused: frame_id: got 'moon', expected one of map, base_link")
+    assert not agent_event.messages
+
+
+def test_two_robots_on_one_domain_do_not_collide_on_tf(agent, peer):
+    for name in ("robot1", "robot2"):
+        parameters = f"--ros-args -p odom_frame:=odom -p frame_prefix:={name}/".split()
+        agent("--ros2-namespace", f"/{name}", *parameters)
+    tf = hear(peer(), TFMessage, "/tf")
+    parents: dict[str, set[str]] = {}
+
+    def complete():
+        for message in list(tf.messages):
+            for link in message.transforms:
+                parents.setdefault(link.child_frame_id, set()).add(link.header.frame_id)
+        return len(parents) == 4
+
+    wait_until(complete, "both robots")
+    assert parents == {
+        "robot1/odom": {"map"},
+        "robot2/odom": {"map"},
+        "robot1/base_link": {"robot1/odom"},
+        "robot2/base_link": {"robot2/odom"},
+    }
+
+
+@pytest.mark.parametrize("parameter", ["frame_prefix:=/robot1", "odom_frame:=base_link"])
+def test_a_frame_that_cannot_be_ends_the_process_with_its_reason(domain, parameter):
+    bad = subprocess.run(
+        [
+            AGENT,
+            "robot-apartment",
+            "--text-mode",
+            "--ros2",
+            "--llm=none",
+            "--ros-args",
+            "-p",
+            parameter,
+        ],
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert bad.returncode == 1
+    assert f"{parameter.partition(':')[0]}: got" in bad.stderr

@@ -1,0 +1,183 @@
+"""A simulated robot on two wheels, as a process: plain rclpy, nothing of edgevox imported.
+
+    python wheeled_robot.py --namespace /robot1 --takes-goals
+
+It listens to cmd_vel with a watchdog of its own and publishes odom 20 times a second. With
+--takes-goals it drives to what comes on goal_pose by itself. A string on ``do`` changes it while it
+runs: silent, heard, stuck, free, runaway, obedient, or wall with the metres to it.
+"""
+
+import argparse
+import contextlib
+import math
+
+import rclpy
+from geometry_msgs.msg import PoseStamped, TransformStamped, Twist
+from nav_msgs.msg import Odometry
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import String
+
+from tf2_msgs.msg import TFMessage
+
+STEP_S = 0.05
+WATCHDOG_S = 0.5
+MAX_LINEAR_M_S2, MAX_ANGULAR_RAD_S2 = 1.5, 6.0
+FAST = 0.6
+BEAMS = 181
+
+
+class WheeledRobot(Node):
+    def __init__(self, options: argparse.Namespace) -> None:
+        super().__init__("wheels", namespace=options.namespace)
+        self.options = options
+        self.x, self.y, self.yaw = options.start
+        self.linear = self.angular = 0.0
+        self.asked, self.asked_at = (0.0, 0.0), -1.0
+        self.goal: tuple[float, float, float] | None = None
+        self.now = 0.0
+        self.silent = self.stuck = self.runaway = False
+        self.wall: float | None = None
+        reliability = getattr(ReliabilityPolicy, options.reliability.upper())
+        quality = QoSProfile(depth=5, reliability=reliability)
+        self.odom = self.create_publisher(Odometry, "odom", quality)
+        self.scan = self.create_publisher(LaserScan, "scan", quality) if options.scan else None
+        self.create_subscription(Twist, "cmd_vel", self.take, 10)
+        self.create_subscription(String, "do", self.change, 10)
+        if options.takes_goals:
+            self.create_subscription(PoseStamped, "goal_pose", self.head_for, 10)
+        if options.map_to_odom:
+            self.say_transform()
+        self.create_timer(STEP_S, self.step)
+
+    def take(self, message: Twist) -> None:
+        self.asked, self.asked_at = (message.linear.x, message.angular.z), self.now
+
+    def change(self, message: String) -> None:
+        word, _, number = message.data.partition(" ")
+        self.silent = {"silent": True, "heard": False}.get(word, self.silent)
+        self.stuck = {"stuck": True, "free": False}.get(word, self.stuck)
+        self.runaway = {"runaway": True, "obedient": False}.get(word, self.runaway)
+        if word == "wall":
+            self.wall = float(number) if number else None
+
+    def head_for(self, message: PoseStamped) -> None:
+        at, rotation = message.pose.position, message.pose.orientation
+        pose = (at.x, at.y, 2 * math.atan2(rotation.z, rotation.w))
+        in_map = message.header.frame_id.endswith("map")
+        self.goal = pose if in_map else compose(self.options.map_to_odom, pose)
+
+    def step(self) -> None:
+        self.now += STEP_S
+        linear, angular = self.wanted()
+        self.linear += clamp(linear - self.linear, MAX_LINEAR_M_S2 * STEP_S)
+        self.angular += clamp(angular - self.angular, MAX_ANGULAR_RAD_S2 * STEP_S)
+        if self.stuck:
+            self.linear = self.angular = 0.0
+        self.yaw = math.remainder(self.yaw + self.angular * STEP_S, math.tau)
+        self.x += self.linear * math.cos(self.yaw) * STEP_S
+        self.y += self.linear * math.sin(self.yaw) * STEP_S
+        if not self.silent:
+            self.say_odometry()
+        if self.scan:
+            self.say_scan()
+
+    def wanted(self) -> tuple[float, float]:
+        if self.runaway:
+            return 0.3, 0.0
+        if self.now - self.asked_at < WATCHDOG_S:
+            return self.asked
+        return self.towards_goal() if self.goal else (0.0, 0.0)
+
+    def towards_goal(self) -> tuple[float, float]:
+        x, y, yaw = self.goal
+        left = math.hypot(x - self.x, y - self.y)
+        if left < 0.05:
+            off = math.remainder(yaw - self.yaw, math.tau)
+            if abs(off) < 0.05:
+                self.goal = None
+            return 0.0, clamp(2 * off, 1.0)
+        off = math.remainder(math.atan2(y - self.y, x - self.x) - self.yaw, math.tau)
+        return (min(FAST, left) if abs(off) < 0.3 else 0.0), clamp(2 * off, 1.0)
+
+    def say_odometry(self) -> None:
+        prefix = self.options.frame_prefix
+        message = Odometry()
+        message.header.stamp = self.get_clock().now().to_msg()
+        message.header.frame_id = f"{prefix}odom"
+        message.child_frame_id = f"{prefix}base_link"
+        x, y, yaw = compose(invert(self.options.map_to_odom), (self.x, self.y, self.yaw))
+        message.pose.pose.position.x, message.pose.pose.position.y = x, y
+        message.pose.pose.orientation.z = math.sin(yaw / 2)
+        message.pose.pose.orientation.w = math.cos(yaw / 2)
+        message.twist.twist.linear.x = self.linear
+        message.twist.twist.angular.z = self.angular
+        self.odom.publish(message)
+
+    def say_scan(self) -> None:
+        message = LaserScan()
+        message.header.stamp = self.get_clock().now().to_msg()
+        message.header.frame_id = f"{self.options.frame_prefix}laser"
+        message.angle_min, message.angle_max = -math.pi / 2, math.pi / 2
+        message.angle_increment = math.pi / (BEAMS - 1)
+        message.range_min, message.range_max = 0.05, 10.0
+        far = [math.inf] * BEAMS
+        if self.wall is not None:
+            for beam in range(BEAMS // 2 - 15, BEAMS // 2 + 16):
+                far[beam] = self.wall
+        message.ranges = far
+        self.scan.publish(message)
+
+    def say_transform(self) -> None:
+        x, y, yaw = self.options.map_to_odom
+        message = TransformStamped()
+        message.header.frame_id = "map"
+        message.child_frame_id = f"{self.options.frame_prefix}odom"
+        message.transform.translation.x, message.transform.translation.y = x, y
+        message.transform.rotation.z = math.sin(yaw / 2)
+        message.transform.rotation.w = math.cos(yaw / 2)
+        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self.transforms = self.create_publisher(TFMessage, "/tf_static", latched)
+        self.transforms.publish(TFMessage(transforms=[message]))
+
+
+def compose(one, other):
+    x, y, yaw = one or (0.0, 0.0, 0.0)
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    ox, oy, oyaw = other
+    return x + cos * ox - sin * oy, y + sin * ox + cos * oy, math.remainder(yaw + oyaw, math.tau)
+
+
+def invert(one):
+    x, y, yaw = one or (0.0, 0.0, 0.0)
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    return -(cos * x + sin * y), sin * x - cos * y, -yaw
+
+
+def clamp(value: float, most: float) -> float:
+    return min(max(value, -most), most)
+
+
+def pose(text: str) -> tuple[float, ...]:
+    return tuple(float(part) for part in text.split(","))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--namespace", default="/")
+    parser.add_argument("--frame-prefix", default="")
+    parser.add_argument("--start", type=pose, default=(0.0, 0.0, 0.0))
+    parser.add_argument("--map-to-odom", type=pose, default=None)
+    parser.add_argument("--reliability", choices=("reliable", "best_effort"), default="best_effort")
+    parser.add_argument("--takes-goals", action="store_true")
+    parser.add_argument("--scan", action="store_true")
+    options = parser.parse_args()
+    rclpy.init()
+    with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
+        rclpy.spin(WheeledRobot(options))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,57 @@
+import pytest
+
+from edgevox.core.bus import Bus
+from edgevox.core.controls import Controls
+from edgevox.core.errors import InvalidValue
+from edgevox.core.events import ControlChanged
+
+VOICES = {"en": ["joe", "af_bella"], "fr": ["ff_siwis"]}
+
+
+@pytest.fixture
+def stage():
+    bus, heard = Bus(), []
+    bus.subscribe(ControlChanged, lambda e: heard.append((e.name, e.value)))
+    controls = Controls(bus, language="en", voices=lambda code: VOICES.get(code, []))
+    return controls, heard
+
+
+def test_a_change_is_told_once(stage):
+    controls, heard = stage
+    controls.change({"voice": "af_bella"})
+    controls.change({"voice": "af_bella"})
+    assert controls.voice == "af_bella"
+    assert heard == [("voice", "af_bella")]
+
+
+def test_another_language_drops_the_voice_of_the_old_one(stage):
+    controls, heard = stage
+    controls.change({"voice": "af_bella"})
+    controls.change({"language": "fr"})
+    assert (controls.language, controls.voice) == ("fr", "")
+    assert heard[1:] == [("language", "fr"), ("voice", "")]
+
+
+@pytest.mark.parametrize(
+    ("wanted", "message"),
+    [
+        ({"language": "xx"}, "language: got 'xx', expected one of en, es"),
+        ({"voice": "ff_siwis"}, "voice: got 'ff_siwis', expected for the language en one of joe"),
+        ({"language": "de", "voice": "joe"}, "no voice of this language is on this machine"),
+        ({"muted": "yes"}, "muted: got 'yes', expected true or false"),
+        ({"muted": True, "language": "xx"}, "language: got 'xx'"),
+    ],
+)
+def test_what_cannot_be_honoured_is_refused_and_nothing_changes(stage, wanted, message):
+    controls, heard = stage
+    with pytest.raises(InvalidValue) as refused:
+        controls.change(wanted)
+    assert message in str(refused.value)
+    assert (controls.language, controls.voice, controls.muted) == ("en", "", False)
+    assert heard == []
+
+
+def test_language_and_voice_change_together(stage):
+    controls, _ = stage
+    controls.change({"language": "fr", "voice": "ff_siwis"})
+    assert (controls.language, controls.voice) == ("fr", "ff_siwis")

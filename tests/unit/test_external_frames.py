@@ -1,0 +1,118 @@
+"""Transforms chain up to the map, by the names that robots give their frames."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from edgevox.ros2.external.frames import Frames, flatten, matrix
+
+UNTURNED = (0.0, 0.0, 0.0, 1.0)
+numbers = st.floats(-100, 100)
+angles = st.floats(-math.pi, math.pi)
+
+
+def turned(yaw_rad: float) -> tuple[float, float, float, float]:
+    return (0.0, 0.0, math.sin(yaw_rad / 2), math.cos(yaw_rad / 2))
+
+
+def moved(x_m: float, y_m: float, yaw_rad: float = 0.0):
+    return matrix((x_m, y_m, 0.0), turned(yaw_rad))
+
+
+def test_a_chain_is_followed_to_the_map() -> None:
+    frames = Frames()
+    frames.put("map", "odom", moved(3, -2, math.pi / 2))
+    frames.put("odom", "base_link", moved(1, 0))
+
+    pose = flatten(frames.lookup("map", "base_link"))
+
+    assert (pose.x_m, pose.y_m) == pytest.approx((3, -1))
+    assert pose.yaw_rad == pytest.approx(math.pi / 2)
+
+
+def test_frames_that_hang_beside_each_other_are_joined_by_what_they_hang_from() -> None:
+    frames = Frames()
+    frames.put("base_footprint", "base_link", moved(0.1, 0))
+    frames.put("base_footprint", "laser", moved(0.3, 0.2))
+
+    pose = flatten(frames.lookup("base_link", "laser"))
+
+    assert (pose.x_m, pose.y_m) == pytest.approx((0.2, 0.2))
+
+
+@pytest.mark.parametrize(
+    ("links", "start", "found"),
+    [
+        ([("map", "odom")], "odom", "map"),
+        ([("/map", "/odom")], "odom", "map"),
+        ([("robot1/map", "robot1/odom")], "robot1/odom", "robot1/map"),
+        ([("map", "robot1/odom")], "robot1/odom", "map"),
+        ([("earth", "map"), ("map", "odom")], "odom", "map"),
+        ([("odom", "base_link")], "base_link", None),
+        ([("odom", "map")], "odom", None),
+        ([], "map", "map"),
+    ],
+)
+def test_the_map_is_found_above_the_odometry(links, start, found) -> None:
+    frames = Frames()
+    for parent, child in links:
+        frames.put(parent, child, moved(1, 1))
+
+    assert frames.map_above(start) == found
+
+
+def test_frames_that_nothing_joins_have_no_transform() -> None:
+    frames = Frames()
+    frames.put("map", "odom", moved(1, 1))
+
+    assert frames.lookup("map", "base_link") is None
+    assert frames.lookup("elsewhere", "odom") is None
+
+
+def test_a_loop_of_transforms_ends() -> None:
+    frames = Frames()
+    frames.put("a", "b", moved(1, 0))
+    frames.put("b", "a", moved(1, 0))
+
+    assert frames.map_above("a") is None
+    assert frames.lookup("map", "a") is None
+
+
+@pytest.mark.parametrize(
+    ("parent", "child", "transform"),
+    [
+        ("map", "map", moved(1, 1)),
+        ("", "odom", moved(1, 1)),
+        ("map", "odom", moved(math.nan, 1)),
+        ("map", "odom", moved(math.inf, 1)),
+        ("map", "odom", matrix((0, 0, 0), (0, 0, 0, 0))),
+    ],
+)
+def test_what_cannot_be_a_transform_is_not_taken(parent, child, transform) -> None:
+    frames = Frames()
+
+    assert not frames.put(parent, child, transform)
+    assert frames.lookup("map", "odom") is None
+
+
+def test_the_newest_transform_counts() -> None:
+    frames = Frames()
+    frames.put("map", "odom", moved(1, 1))
+    frames.put("map", "odom", moved(2, 2))
+
+    assert flatten(frames.lookup("map", "odom")).x_m == pytest.approx(2)
+
+
+@given(numbers, numbers, angles, numbers, numbers, angles)
+def test_there_and_back_is_nowhere(x1, y1, yaw1, x2, y2, yaw2) -> None:
+    frames = Frames()
+    frames.put("map", "odom", moved(x1, y1, yaw1))
+    frames.put("odom", "base_link", moved(x2, y2, yaw2))
+
+    there = frames.lookup("map", "base_link")
+    back = frames.lookup("base_link", "map")
+
+    assert np.allclose(there @ back, np.eye(4), atol=1e-6)

@@ -1,0 +1,152 @@
+"""What an action needs of the conversation: goals from outside the language."""
+
+import threading
+
+import pytest
+
+from edgevox.agent.agents import Agent
+from edgevox.agent.asides import MAX_ASIDES
+from edgevox.agent.conversation import Conversation
+from edgevox.agent.goals import Status
+from edgevox.agent.skills import SkillFailed, SkillSet, UnknownSkill, skill
+from edgevox.core.bus import Bus
+from edgevox.core.cancel import Cancelled
+from edgevox.core.commands import Interrupt, RunSkill
+from edgevox.core.errors import InvalidValue
+from edgevox.core.events import AgentEvent, Responded
+
+
+class Stage:
+    """A conversation whose skills wait until the test lets them end."""
+
+    def __init__(self):
+        self.bus, self.events, self.said = Bus(), [], []
+        self.bus.subscribe(AgentEvent, self.events.append)
+        self.bus.subscribe(Responded, lambda e: self.said.append(e.text))
+        self.began, self.go_on = threading.Semaphore(0), threading.Event()
+        self.conversation = Conversation(
+            [Agent("robot", "", self._skills())], self.bus, halt=lambda reason: False
+        )
+        self.conversation.start()
+
+    def _skills(self):
+        def work(goal):
+            self.began.release()
+            forget = goal.token.on_cancel(self.go_on.set)
+            assert self.go_on.wait(10)
+            forget()
+            if goal.token.cancelled:
+                self.go_on.clear()
+                raise Cancelled(goal.token.reason)
+            return {}
+
+        @skill(says="Driving.", done="Arrived.")
+        def drive(goal, metres: int = 1):
+            """Drive."""
+            return work(goal)
+
+        @skill(moves=False, done="Seen.")
+        def look(goal):
+            """Look."""
+            return work(goal)
+
+        return SkillSet([drive, look])
+
+
+@pytest.fixture
+def stage():
+    stage = Stage()
+    yield stage
+    stage.conversation.close()
+    names = {thread.name for thread in threading.enumerate()}
+    assert not names & {"edgevox-conversation", "edgevox-goals", "edgevox-asides"}
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments", "error"),
+    [
+        ("fly", {}, UnknownSkill),
+        ("drive", {"metres": "far"}, InvalidValue),
+        ("drive", {"speed": 1}, InvalidValue),
+    ],
+)
+def test_a_goal_that_cannot_be_changes_nothing(stage, name, arguments, error):
+    running = stage.conversation.start_goal("drive", {})
+    assert stage.began.acquire(timeout=5)
+    seen = len(stage.events)
+    for refuse in (stage.conversation.check_goal, stage.conversation.start_goal):
+        with pytest.raises(error):
+            refuse(name, arguments)
+    assert len(stage.events) == seen
+    assert running.status is Status.RUNNING
+    stage.go_on.set()
+    assert running.wait(5)
+
+
+def test_a_goal_keeps_the_id_that_it_was_given_and_is_never_spoken_of(stage):
+    stage.go_on.set()
+    goal = stage.conversation.start_goal("drive", {"metres": 2}, "abc")
+    assert stage.conversation.wait_idle(10)
+    assert goal.status is Status.SUCCEEDED
+    call, *lives = [event.data for event in stage.events]
+    assert (call["source"], call["arguments"], call["turn"]) == ("action", {"metres": 2}, 0)
+    assert {data["goal_id"] for data in lives} == {"abc"}
+    assert stage.said == []
+
+
+def test_it_preempts_and_is_preempted(stage):
+    stage.conversation.submit(RunSkill("drive", {}))
+    assert stage.began.acquire(timeout=5)
+    mine = stage.conversation.start_goal("drive", {})
+    assert stage.began.acquire(timeout=5)
+    stage.conversation.submit(RunSkill("drive", {}))
+    assert mine.wait(5)
+    assert mine.status is Status.CANCELLED
+    assert stage.began.acquire(timeout=5)
+    stage.go_on.set()
+    assert stage.conversation.wait_idle(10)
+    ends = [e.data["status"] for e in stage.events if e.data.get("status") == "cancelled"]
+    assert len(ends) == 2
+    assert stage.said[-1] == "Arrived."
+
+
+def test_what_moves_nothing_runs_beside_and_in_order(stage):
+    drive = stage.conversation.start_goal("drive", {})
+    first = stage.conversation.start_goal("look", {})
+    second = stage.conversation.start_goal("look", {})
+    assert stage.began.acquire(timeout=5)
+    assert stage.began.acquire(timeout=5)
+    assert (drive.status, first.status) == (Status.RUNNING, Status.RUNNING)
+    assert second.status is Status.ACCEPTED
+    stage.go_on.set()
+    assert all(goal.wait(5) for goal in (drive, first, second))
+    assert second.status is Status.SUCCEEDED
+
+
+def test_an_interrupt_ends_what_runs_and_waits_beside(stage):
+    first = stage.conversation.start_goal("look", {})
+    assert stage.began.acquire(timeout=5)
+    second = stage.conversation.start_goal("look", {})
+    stage.conversation.submit(Interrupt())
+    assert first.wait(5)
+    assert second.wait(5)
+    assert {first.status, second.status} == {Status.CANCELLED}
+
+
+def test_too_many_that_wait_are_refused(stage):
+    stage.conversation.start_goal("look", {})
+    assert stage.began.acquire(timeout=5)
+    waiting = [stage.conversation.start_goal("look", {}) for _ in range(MAX_ASIDES)]
+    with pytest.raises(SkillFailed, match="look: 64 goals wait already"):
+        stage.conversation.start_goal("look", {})
+    stage.conversation.check_goal("drive", {})
+    stage.go_on.set()
+    assert all(goal.wait(5) for goal in waiting)
+
+
+def test_after_the_end_a_goal_ends_at_once(stage):
+    stage.conversation.close()
+    for name in ("drive", "look"):
+        goal = stage.conversation.start_goal(name, {})
+        assert goal.wait(0)
+        assert (goal.status, goal.error) == (Status.CANCELLED, "shutting down")

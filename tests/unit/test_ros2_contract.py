@@ -1,0 +1,124 @@
+"""The table in code promises exactly what the contract's YAML file promises."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from edgevox.core.commands import Interrupt, Query, Reset, SetMuted, Speak, TextInput
+from edgevox.core.errors import InvalidValue
+from edgevox.core.events import AgentEvent, AgentEventKind, Answered, State, TurnMeasured
+from edgevox.ros2 import contract, split_ros_args
+
+PROMISED = yaml.safe_load(
+    (Path(__file__).parents[1] / "ros2" / "contract.yaml").read_text(encoding="utf-8")
+)
+
+
+def qos_words(spec):
+    return {
+        "reliability": "reliable" if spec.reliable else "best_effort",
+        "durability": "transient_local" if spec.transient_local else "volatile",
+        "depth": spec.depth,
+    }
+
+
+def test_the_qualities_of_service_are_the_contracts():
+    assert {one.name.lower(): qos_words(one.value) for one in contract.Qos} == PROMISED["qos"]
+
+
+@pytest.mark.parametrize("side", ["published", "subscribed"])
+def test_the_topics_are_the_contracts(side):
+    rows = contract.PUBLISHED if side == "published" else contract.SUBSCRIBED
+    assert {row.topic: (row.type, row.qos.name.lower()) for row in rows} == {
+        topic: (row["type"], row["qos"]) for topic, row in PROMISED[side].items()
+    }
+
+
+def test_the_parameters_of_the_contract_are_there_with_their_defaults():
+    ours = {row.name: row.default for row in contract.PARAMETERS}
+    for name, row in PROMISED["parameters"].items():
+        assert ours[name] == row["default"]
+
+
+def test_the_commands_and_queries_are_the_contracts():
+    assert set(contract.COMMANDS) == set(PROMISED["subscribed"]["command"]["values"])
+    assert {name: list(keys) for name, keys in contract.QUERIES.items()} == PROMISED["queries"]
+
+
+def test_the_states_and_kinds_of_events_are_the_contracts():
+    assert [str(state) for state in State] == PROMISED["published"]["state"]["values"]
+    kinds = [str(kind) for kind in AgentEventKind]
+    assert kinds == PROMISED["published"]["agent_event"]["kinds"]
+
+
+def test_the_robots_topics_are_the_contracts():
+    ours = {row.topic: (row.type, row.direction, row.rate_hz) for row in contract.INTEROP}
+    for topic, row in PROMISED["robot_interop"].items():
+        assert ours[topic] == (row["type"], row["dir"], row.get("rate_hz", 0.0))
+
+
+def test_the_action_and_the_names_are_the_contracts():
+    (action,) = PROMISED["actions"].items()
+    assert (action[0], action[1]["type"]) == contract.ACTION
+    assert PROMISED["node"] == contract.NODE_NAME
+    assert PROMISED["default_namespace"] == contract.DEFAULT_NAMESPACE
+
+
+@pytest.mark.parametrize(
+    ("topic", "text", "command"),
+    [
+        ("text_input", "hello", TextInput("hello")),
+        ("tts_request", "hello", Speak("hello")),
+        ("interrupt", "anything", Interrupt()),
+        ("command", " reset\n", Reset()),
+        ("command", "mute", SetMuted(True)),
+        ("command", "list_voices", Query("list_voices")),
+    ],
+)
+def test_a_string_becomes_its_command(topic, text, command):
+    (row,) = [row for row in contract.SUBSCRIBED if row.topic == topic]
+    assert row.decode(text) == command
+
+
+def test_an_unknown_command_is_refused_with_those_that_exist():
+    (row,) = [row for row in contract.SUBSCRIBED if row.topic == "command"]
+    with pytest.raises(InvalidValue, match="command: got 'dance', expected one of reset, mute"):
+        row.decode("dance")
+
+
+@pytest.mark.parametrize(
+    ("event", "text"),
+    [
+        (AgentEvent(AgentEventKind.TOOL_CALL, {"a": 1}), '{"kind": "tool_call", "a": 1}'),
+        (Answered("list_voices", {"voices": []}), '{"query": "list_voices", "voices": []}'),
+        (
+            TurnMeasured(0.0, 0.12345678, 0.0, 0.2, 0.3, turn=4),
+            '{"stt": 0.0, "llm": 0.1235, "tts": 0.0, "ttfs": 0.2, "total": 0.3}',
+        ),
+    ],
+)
+def test_an_event_becomes_its_json(event, text):
+    (row,) = [row for row in contract.PUBLISHED if row.event is type(event)]
+    assert row.encode(event) == text
+
+
+@pytest.mark.parametrize(
+    ("argv", "own", "ros"),
+    [
+        (["a", "--ros2"], ["a", "--ros2"], []),
+        (["a", "--ros-args", "-r", "__ns:=/x"], ["a"], ["--ros-args", "-r", "__ns:=/x"]),
+        (
+            ["--ros-args", "-p", "muted:=true", "--", "a", "--ros2"],
+            ["a", "--ros2"],
+            ["--ros-args", "-p", "muted:=true", "--"],
+        ),
+        (
+            ["a", "--ros-args", "-p", "x:=1", "--", "b", "--ros-args", "-r", "y:=z"],
+            ["a", "b"],
+            ["--ros-args", "-p", "x:=1", "--", "--ros-args", "-r", "y:=z"],
+        ),
+    ],
+)
+def test_ros_arguments_are_told_from_our_own(argv, own, ros):
+    assert split_ros_args(argv) == (own, ros)

@@ -1,0 +1,127 @@
+"""Rigid transforms, odometry and memory of poses."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from edgevox.core.errors import InvalidValue
+from edgevox.robots.capabilities import CameraSpec, Pose2D, Pose3D
+from edgevox.ros2.interop.camera import camera_info
+from edgevox.ros2.interop.frames import Frames
+from edgevox.ros2.interop.geometry import (
+    IDENTITY,
+    angle,
+    compose,
+    distance,
+    inverse,
+    lift,
+    unit,
+)
+from edgevox.ros2.interop.odometry import Odometer
+from edgevox.ros2.interop.whereabouts import Whereabouts
+
+near = st.floats(-100, 100)
+part = st.floats(-1, 1)
+poses = st.builds(Pose3D, near, near, near, part, part, part, part).map(unit)
+floor = st.builds(Pose2D, near, near, st.floats(-math.pi, math.pi)).map(lift)
+
+
+def same(one, other):
+    return distance(one, other) < 1e-6 and angle(one, other) < 1e-5
+
+
+@given(poses)
+def test_there_and_back_is_nowhere(pose):
+    assert same(compose(pose, inverse(pose)), IDENTITY)
+    assert same(compose(inverse(pose), pose), IDENTITY)
+
+
+@given(poses, poses, poses)
+def test_it_does_not_matter_which_two_are_put_together_first(one, two, three):
+    assert same(compose(compose(one, two), three), compose(one, compose(two, three)))
+
+
+def test_a_quarter_turn_left_makes_ahead_left():
+    seen = compose(lift(Pose2D(1.0, 2.0, math.pi / 2)), Pose3D(3.0))
+    assert (seen.x_m, seen.y_m) == (pytest.approx(1.0), pytest.approx(5.0))
+
+
+def test_the_optical_frame_has_its_z_ahead_and_its_y_down():
+    optical = Pose3D(0, 0, 0, -0.5, 0.5, -0.5, 0.5)
+    ahead, down = compose(optical, Pose3D(0, 0, 1)), compose(optical, Pose3D(0, 1, 0))
+    assert (ahead.x_m, ahead.y_m, ahead.z_m) == (1, 0, 0)
+    assert (down.x_m, down.y_m, down.z_m) == (0, 0, -1)
+
+
+@given(st.lists(floor, min_size=1, max_size=30))
+def test_the_chain_is_always_the_pose_and_odom_starts_at_the_robot(way):
+    odometer = Odometer(1.0, 2.0)
+    for number, pose in enumerate(way):
+        in_odom = odometer.move(number / 30, pose)
+        if number == 0:
+            assert same(in_odom, IDENTITY)
+        assert same(compose(odometer.map_to_odom, in_odom), pose)
+
+
+@given(floor, floor)
+def test_odom_does_not_jump_when_the_robot_is_put_elsewhere(start, elsewhere):
+    odometer = Odometer(1.0, 2.0)
+    before = odometer.move(0.0, start)
+    after = odometer.move(1 / 30, elsewhere)
+    assert distance(before, after) < 0.2
+    assert angle(before, after) < 0.4
+
+
+def test_map_to_odom_stands_still_while_the_robot_drives():
+    odometer = Odometer(1.0, 2.0)
+    odometer.move(0.0, IDENTITY)
+    for number in range(1, 100):
+        odometer.move(number / 30, Pose3D(number / 30))
+    assert odometer.map_to_odom == IDENTITY
+
+
+@pytest.mark.parametrize(
+    ("odom", "prefix"),
+    [("map", ""), ("base_link", ""), ("/odom", ""), ("my odom", ""), ("", "/robot1"), ("", "a b/")],
+)
+def test_a_frame_that_cannot_be_is_refused(odom, prefix):
+    with pytest.raises(InvalidValue, match="odom_frame|frame_prefix"):
+        Frames(odom, prefix)
+
+
+def test_a_pose_of_the_past_is_the_nearest_that_is_remembered():
+    frames = Frames()
+    memory = Whereabouts(frames)
+    for number in range(400):
+        memory.note(number * 1000, {frames.base: Pose3D(float(number))})
+    assert memory.on_map("base_link", 0).x_m == 399
+    assert memory.on_map("base_link", 250_400).x_m == 250
+    assert memory.on_map("base_link", 400_000).x_m == 399
+    with pytest.raises(InvalidValue, match="stamp"):
+        memory.on_map("base_link", 99_000)
+    with pytest.raises(InvalidValue, match="stamp"):
+        memory.on_map("base_link", 10_000_000_000)
+
+
+def test_before_anything_is_known_only_the_map_is():
+    memory = Whereabouts(Frames())
+    assert memory.on_map("map", 5) == IDENTITY
+    with pytest.raises(InvalidValue, match="one of map"):
+        memory.on_map("base_link", 5)
+
+
+def test_time_that_is_set_back_forgets_what_is_later():
+    memory = Whereabouts(Frames())
+    memory.note(5000, {"base_link": Pose3D(5.0)})
+    memory.note(1000, {"base_link": Pose3D(1.0)})
+    assert memory.on_map("base_link", 1000).x_m == 1.0
+    assert memory.on_map("base_link", 5000).x_m == 1.0
+
+
+def test_the_camera_sees_its_field_of_view():
+    info = camera_info(CameraSpec(640, 480, math.radians(90)))
+    assert info.k[4] == pytest.approx(240)
+    assert (info.k[2], info.k[5]) == (319.5, 239.5)
+    assert list(info.p[:3]) == list(info.k[:3])
