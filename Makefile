@@ -15,6 +15,7 @@ BIN := $(VENV)/bin
 DONE := $(VENV)/done
 INSTALL := $(BIN)/python -m pip install -qq --disable-pip-version-check --no-input
 MSGS := $(shell find edgevox_msgs tf2_msgs -type f)
+REGISTERED := $(wildcard ament/package.xml ament/*/* launch/*.launch.py)
 # ROS 2's wheels exist for x86-64; elsewhere the agent runs without them, or in the container.
 ROS2 := $(filter x86_64,$(shell uname -m))
 
@@ -45,6 +46,7 @@ lint: $(DONE)/dev ## Check style, types, layers and locks.
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python scripts/lock.py check
+	$(BIN)/python scripts/reference.py check
 
 .PHONY: format
 format: $(DONE)/dev ## Rewrite the code as the linters want it.
@@ -81,7 +83,7 @@ $(DONE)/tools: requirements/tools.lock
 	@$(INSTALL) --require-hashes -r requirements/tools.lock
 	@mkdir -p $(DONE) && touch $@
 
-$(DONE)/run: $(DONE)/tools requirements/run.lock pyproject.toml
+$(DONE)/run: $(DONE)/tools requirements/run.lock pyproject.toml $(REGISTERED)
 	@echo "Installing the locked packages, ROS 2 Jazzy among them"
 	@$(INSTALL) --require-hashes -r requirements/run.lock
 	@$(INSTALL) --no-deps --no-build-isolation --editable .

@@ -1,0 +1,38 @@
+"""Make the robot say something: ``python3 make_it_speak.py "Dinner is ready."``."""
+
+import argparse
+import sys
+import time
+
+import rclpy
+from rclpy.duration import Duration
+from std_msgs.msg import String
+
+PATIENCE_S = 10.0
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("text", help="what to say")
+    parser.add_argument("--namespace", default="/edgevox", help="where the robot's topics are")
+    arguments = parser.parse_args()
+
+    rclpy.init()
+    try:
+        node = rclpy.create_node("make_it_speak", namespace=arguments.namespace)
+        publisher = node.create_publisher(String, "tts_request", 10)
+        deadline = time.monotonic() + PATIENCE_S
+        while publisher.get_subscription_count() == 0:
+            if time.monotonic() > deadline:
+                print(f"Nobody listens on {publisher.topic_name}.", file=sys.stderr)
+                return 1
+            time.sleep(0.05)
+        publisher.publish(String(data=arguments.text))
+        publisher.wait_for_all_acked(Duration(seconds=PATIENCE_S))
+    finally:
+        rclpy.try_shutdown()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,32 @@
+"""Do something the moment the robot hears its wake word, until Ctrl-C.
+
+Here a line is printed; a robot would turn its head or switch on a light.
+"""
+
+import argparse
+import contextlib
+
+import rclpy
+from rclpy.executors import ExternalShutdownException
+from std_msgs.msg import String
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--namespace", default="/edgevox", help="where the robot's topics are")
+    arguments = parser.parse_args()
+
+    rclpy.init()
+    with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
+        node = rclpy.create_node("react_to_wakeword", namespace=arguments.namespace)
+        node.create_subscription(String, "wakeword", react, 10)
+        rclpy.spin(node)
+    rclpy.try_shutdown()
+
+
+def react(phrase: String) -> None:
+    print(f"Somebody said '{phrase.data}': I am all ears.", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,38 @@
+"""Show answers piece by piece, as the model generates them, until Ctrl-C.
+
+Tokens come best effort: a display that misses one shows the rest. `response` has the whole answer.
+"""
+
+import argparse
+import contextlib
+
+import rclpy
+from rclpy.executors import ExternalShutdownException
+from rclpy.qos import qos_profile_sensor_data
+from std_msgs.msg import String
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--namespace", default="/edgevox", help="where the robot's topics are")
+    arguments = parser.parse_args()
+
+    rclpy.init()
+    with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
+        node = rclpy.create_node("show_tokens", namespace=arguments.namespace)
+        node.create_subscription(String, "bot_token", show, qos_profile_sensor_data)
+        node.create_subscription(String, "response", end_line, 10)
+        rclpy.spin(node)
+    rclpy.try_shutdown()
+
+
+def show(token: String) -> None:
+    print(token.data, end="", flush=True)
+
+
+def end_line(_: String) -> None:
+    print(flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,169 @@
+"""The generated parts of docs/ros2.md: `write` renews them, `check` only looks.
+
+They come from `edgevox.ros2.contract` and the launch files, and stand between
+``<!-- generated: NAME -->`` and ``<!-- end -->``; all else on the page is written by hand.
+"""
+
+import ast
+import re
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+
+from edgevox.ros2 import contract
+from edgevox.ros2.contract import Qos
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGE = ROOT / "docs" / "ros2.md"
+LAUNCH = ROOT / "launch"
+BLOCK = re.compile(r"(<!-- generated: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
+
+
+def table(heads: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
+    """A Markdown table."""
+    heads = tuple(heads)
+    lines = [heads, ("---",) * len(heads), *rows]
+    cells = ((str(cell).replace("|", "\\|") for cell in line) for line in lines)
+    return "".join(f"| {' | '.join(line)} |\n" for line in cells)
+
+
+def qos() -> str:
+    """What the names of the qualities of service stand for."""
+    rows = (
+        (
+            f"`{one.name.lower()}`",
+            "reliable" if one.value.reliable else "best effort",
+            "transient local" if one.value.transient_local else "volatile",
+            one.value.depth,
+        )
+        for one in Qos
+    )
+    return table(("QoS", "reliability", "durability", "depth"), rows)
+
+
+def published() -> str:
+    """What the node says."""
+    return _topics(contract.PUBLISHED)
+
+
+def subscribed() -> str:
+    """What the node listens to."""
+    return _topics(contract.SUBSCRIBED)
+
+
+def parameters() -> str:
+    """What can be set."""
+    rows = (
+        (
+            f"`{one.name}`",
+            type(one.default).__name__.replace("str", "string"),
+            f"`{str(one.default).lower()}`" if one.default != "" else "empty",
+            one.about,
+            one.constraints,
+        )
+        for one in contract.PARAMETERS
+    )
+    return table(("parameter", "type", "default", "what", "constraints"), rows)
+
+
+def queries() -> str:
+    """What can be asked."""
+    rows = (
+        (f"`{name}`", ", ".join(f"`{key}`" for key in keys))
+        for name, keys in contract.QUERIES.items()
+    )
+    return table(("query", "keys of the answer"), rows)
+
+
+def interop() -> str:
+    """The standard topics of a body."""
+    rows = (
+        (
+            f"`{one.topic}`",
+            one.direction,
+            f"`{one.type}`",
+            f"{one.rate_hz:g} Hz" if one.rate_hz else "",
+            one.about,
+            one.needs,
+        )
+        for one in contract.INTEROP
+    )
+    return table(("topic", "direction", "type", "rate", "what", "for a body with"), rows)
+
+
+def action() -> str:
+    """The one action."""
+    name, kind = contract.ACTION
+    return table(("action", "type"), [(f"`{name}`", f"`{kind}`")])
+
+
+def launch() -> str:
+    """The launch files."""
+    files = sorted(LAUNCH.glob("*.launch.py"))
+    rows = ((f"`{file.name}`", ast.get_docstring(ast.parse(file.read_text()))) for file in files)
+    return table(("launch file", "what"), ((name, _first_line(about)) for name, about in rows))
+
+
+def launch_arguments() -> str:
+    """What all launch files take."""
+    for node in ast.parse((LAUNCH / "edgevox.launch.py").read_text()).body:
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "ARGUMENTS":
+            arguments = ast.literal_eval(node.value)
+    rows = ((f"`{name}`", about) for name, about in arguments.items())
+    return table(("argument", "what"), rows)
+
+
+def _topics(rows: Iterable[contract.Published | contract.Subscribed]) -> str:
+    cells = (
+        (f"`{row.topic}`", f"`{row.type}`", f"`{row.qos.name.lower()}`", row.about) for row in rows
+    )
+    return table(("topic", "type", "QoS", "what"), cells)
+
+
+def _first_line(docstring: str | None) -> str:
+    return (docstring or "").partition("\n")[0]
+
+
+PARTS = {
+    part.__name__: part
+    for part in (
+        qos,
+        published,
+        subscribed,
+        parameters,
+        queries,
+        interop,
+        action,
+        launch,
+        launch_arguments,
+    )
+}
+
+
+def renewed(page: str) -> str:
+    """The page with each generated part as it should be."""
+    return BLOCK.sub(lambda found: found[1] + PARTS[found[2]]() + found[3], page)
+
+
+def main(arguments: list[str]) -> int:
+    """Run `write` or `check`; 2 for anything else."""
+    page = PAGE.read_text()
+    missing = PARTS.keys() - {name for _, name, _ in BLOCK.findall(page)}
+    if missing:
+        sys.stderr.write(f"{PAGE.name}: no part generated: {', '.join(sorted(missing))}\n")
+        return 1
+    match arguments:
+        case ["write"]:
+            PAGE.write_text(renewed(page))
+            return 0
+        case ["check"]:
+            if renewed(page) != page:
+                sys.stderr.write(f"{PAGE.name}: not current; run scripts/reference.py write\n")
+                return 1
+            return 0
+    sys.stderr.write("usage: reference.py write|check\n")
+    return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,110 @@
+import argparse
+import os
+import sys
+from pathlib import Path
+
+import pytest
+from launch_stand_in import LAUNCH, LaunchDescription, Node, load
+
+from edgevox.apps.flags import add_flags, given_flags
+from edgevox.apps.robots import ROBOTS
+from edgevox.core.settings import Settings
+
+FILES = sorted(LAUNCH.glob("*.launch.py"))
+CONTRACT = {"namespace", "language"}
+
+
+@pytest.fixture(params=FILES, ids=lambda file: file.name)
+def description(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch):
+    return load(request.param, monkeypatch)["generate_launch_description"]()
+
+
+def started(description: LaunchDescription, **given: str) -> Node:
+    (node,) = description.nodes(**given)
+    return node
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
+def test_importing_a_launch_file_does_nothing(
+    file: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    before = dict(os.environ)
+    known = {name for name in sys.modules if name.startswith(("rclpy", "edgevox"))}
+
+    load(file, monkeypatch)
+
+    assert dict(os.environ) == before
+    assert {name for name in sys.modules if name.startswith(("rclpy", "edgevox"))} == known
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_launch_file_runs_an_executable_of_the_package(description: LaunchDescription) -> None:
+    node = started(description)
+    assert (node.package, node.executable) == ("edgevox", "edgevox-agent")
+    assert node.output == "screen"
+
+
+def test_every_argument_is_described(description: LaunchDescription) -> None:
+    assert set(description.arguments) >= CONTRACT
+    assert all(argument.description for argument in description.arguments.values())
+
+
+def test_every_argument_reaches_the_process(description: LaunchDescription) -> None:
+    plain = started(description).command
+    for name in description.arguments.keys() - {"robot"}:
+        command = started(description, **{name: "/given"}).command
+        changed = [word for word in command if word not in plain]
+        assert any("/given" in word for word in changed), name
+
+
+def test_any_robot_can_be_started_and_a_robots_own_launch_file_starts_that_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for file in FILES:
+        description = load(file, monkeypatch)["generate_launch_description"]()
+        robot = started(description, robot="another").arguments[0]
+        own = "robot-" + file.name.removesuffix(".launch.py").removeprefix("edgevox").strip("_")
+        assert robot == ("another" if own == "robot-" else own)
+
+
+def test_without_arguments_the_process_keeps_its_own_defaults(
+    description: LaunchDescription,
+) -> None:
+    robot = started(description).arguments[0]
+    assert robot in ROBOTS
+    assert started(description).command == [
+        "edgevox-agent",
+        robot,
+        "--text-mode",
+        "--ros2",
+        "--ros-args",
+    ]
+
+
+def test_namespace_and_parameters_are_handed_on_as_ros_2_does(
+    description: LaunchDescription,
+) -> None:
+    given = {"namespace": "/robot1", "params_file": "/etc/robot1.yaml"}
+    command = " ".join(started(description, **given).command)
+    assert "--ros-args -r __ns:=/robot1" in command
+    assert "--params-file /etc/robot1.yaml" in command
+
+
+def test_the_process_takes_every_setting_and_describes_it_in_the_same_words(
+    description: LaunchDescription,
+) -> None:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("robot")
+    add_flags(parser)
+    for name in description.arguments.keys() - {"robot", "namespace", "params_file", "config"}:
+        node = started(description, **{name: "x"})
+        (field,) = (
+            f for f, value in given_flags(parser.parse_args(node.arguments)).items() if value == "x"
+        )
+        about = Settings.model_fields[field].description
+        assert description.arguments[name].description == about
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
+def test_no_launch_file_touches_the_domain(file: Path) -> None:
+    assert "ROS_DOMAIN_ID" not in file.read_text()
