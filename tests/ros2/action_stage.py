@@ -152,7 +152,10 @@ class Client:
         return len(done(self._there(handle.cancel_goal_async)).goals_canceling)
 
     def destroy(self):
-        self._client.destroy()
+        """Leave the graph; a client that is only forgotten is still counted there."""
+        if self._client:
+            self._client.destroy()
+            self._client = None
 
     def _there(self, work):
         return done(self._executor.create_task(work))

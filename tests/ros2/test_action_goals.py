@@ -22,7 +22,9 @@ def stage(domain, monkeypatch):
 
 @pytest.fixture
 def client(stage, peer):
-    return Client(peer())
+    one = Client(peer())
+    yield one
+    one.destroy()
 
 
 def test_a_goal_succeeds_with_its_result_as_json_that_every_parser_reads(stage, client):
