@@ -47,6 +47,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         parser.exit(USAGE_ERROR, f"{parser.prog}: {error}\n")
     try:
         _run(settings, body, ros)
+    except InvalidValue as error:
+        parser.exit(USAGE_ERROR, f"{parser.prog}: {error}\n")
     except EdgeVoxError as error:
         print(f"{parser.prog}: {error}", file=sys.stderr)
         return 1
@@ -60,10 +62,6 @@ def _run(settings: Settings, body: Body, ros_args: Sequence[str]) -> None:
     bus = Bus()
     agents = build_agents(body)
     with ExitStack() as stack:
-        model_path = _model_path(settings)
-        model = _open_model(settings, model_path) if model_path else None
-        if model:
-            stack.callback(model.close)
         controls = Controls(
             bus,
             language=settings.language,
@@ -71,6 +69,10 @@ def _run(settings: Settings, body: Body, ros_args: Sequence[str]) -> None:
             muted=settings.muted,
             voices=available_voices,
         )
+        model_path = _model_path(settings)
+        model = _open_model(settings, model_path) if model_path else None
+        if model:
+            stack.callback(model.close)
         conversation = Conversation(
             agents, bus, halt=body.halt, model=model, language=settings.language
         )

@@ -35,7 +35,7 @@ def _add(parser: argparse.ArgumentParser, name: str, info: FieldInfo) -> None:
             help=help_text,
         )
         return
-    default = "" if info.default is None else f" [default: {info.default}]"
+    default = "" if info.default in (None, "") else f" [default: {info.default}]"
     parser.add_argument(
         flag,
         dest=name,
@@ -53,7 +53,7 @@ def _flag_name(name: str, info: FieldInfo) -> str:
 
 def _metavar(name: str, info: FieldInfo) -> str:
     if get_origin(info.annotation) is Literal:
-        return "|".join(get_args(info.annotation))
+        return "|".join(word or "''" for word in get_args(info.annotation))
     if isinstance(info.annotation, UnionType) and Path in get_args(info.annotation):
         return "FILE"
     return name.rpartition("_")[2].upper()

@@ -96,6 +96,7 @@ def test_a_reader_that_leaves_does_not_stop_the_robot():
     [
         (["--world", "nowhere.yaml"], "nowhere.yaml"),
         (["--language=xx"], "language: got 'xx', expected one of en"),
+        (["--voice=nobody"], "voice: got 'nobody', expected for the language en"),
         (["--no-text-mode"], "text_mode: got False, expected --text-mode"),
         (["--config", "nowhere.toml"], "config: got 'nowhere.toml', expected a TOML file"),
     ],
