@@ -91,6 +91,15 @@ def interop() -> str:
     return table(("topic", "direction", "type", "rate", "what", "for a body with"), rows)
 
 
+def external() -> str:
+    """The topics of a robot that is driven from outside."""
+    rows = (
+        (f"`{one.topic}`", one.direction, f"`{one.type}`", one.about, one.needs)
+        for one in contract.EXTERNAL
+    )
+    return table(("topic", "direction", "type", "what", "when"), rows)
+
+
 def action() -> str:
     """The one action."""
     name, kind = contract.ACTION
@@ -133,6 +142,7 @@ PARTS = {
         parameters,
         queries,
         interop,
+        external,
         action,
         launch,
         launch_arguments,

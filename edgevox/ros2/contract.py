@@ -251,5 +251,14 @@ INTEROP: tuple[Interop, ...] = (
     Interop("goal_pose", "geometry_msgs/msg/PoseStamped", "in", "where to go", "a drive"),
 )
 
+EXTERNAL: tuple[Interop, ...] = (
+    Interop("odom", "nav_msgs/msg/Odometry", "in", "where it is; silence is said", "always"),
+    Interop("scan", "sensor_msgs/msg/LaserScan", "in", "what is ahead makes it wait", "optional"),
+    Interop("camera/image_raw", "sensor_msgs/msg/Image", "in", "what it sees", "optional"),
+    Interop("cmd_vel", "geometry_msgs/msg/Twist", "out", "where it is steered to", "no goal_pose"),
+    Interop("goal_pose", "geometry_msgs/msg/PoseStamped", "out", "where to go", "a subscriber"),
+)
+"""The topics of a robot that `robot-external` drives, in that robot's namespace."""
+
 ACTION = ("execute_skill", "edgevox_msgs/action/ExecuteSkill")
 """Its name and type."""

@@ -58,6 +58,12 @@ def test_the_robots_topics_are_the_contracts():
         assert ours[topic] == (row["type"], row["dir"], row.get("rate_hz", 0.0))
 
 
+def test_the_topics_of_an_external_robot_are_the_contracts():
+    assert {row.topic: (row.type, row.direction) for row in contract.EXTERNAL} == {
+        topic: (row["type"], row["dir"]) for topic, row in PROMISED["external_robot"].items()
+    }
+
+
 def test_the_action_and_the_names_are_the_contracts():
     (action,) = PROMISED["actions"].items()
     assert (action[0], action[1]["type"]) == contract.ACTION
