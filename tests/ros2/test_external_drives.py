@@ -267,10 +267,11 @@ def test_closing_leaves_the_robot_standing(stage, peer):
 def test_a_halt_cancels_the_goals_of_an_action_that_somebody_else_sent(stage, peer):
     robot = stage()
     nav2 = peer("/robot1")
-    cancelled = threading.Event()
+    accepted, cancelled = threading.Event(), threading.Event()
 
     def run(goal):
         """Runs until it is cancelled, beside the executor's thread."""
+        accepted.set()
         wait_until(lambda: goal.is_cancel_requested, "cancel", 20)
         goal.canceled()
         cancelled.set()
@@ -288,8 +289,10 @@ def test_a_halt_cancels_the_goals_of_an_action_that_somebody_else_sent(stage, pe
         )
         client = ActionClient(nav2.node, ExecuteSkill, "/robot1/navigate_to_pose")
         assert client.wait_for_server(15)
-        answer = client.send_goal_async(ExecuteSkill.Goal(skill_name="drive"))
-        wait_until(lambda: answer.done() and answer.result().accepted, "the goal")
+        wait_until(robot._link._cancel._client.service_is_ready, "the action, to the robot")
+        # The server is asked, not the client: answers get lost while both discover each other.
+        client.send_goal_async(ExecuteSkill.Goal(skill_name="drive"))
+        assert accepted.wait(15)
         robot.halt("somebody said stop")
         assert cancelled.wait(10)
         client.destroy()

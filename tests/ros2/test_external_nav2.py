@@ -25,6 +25,7 @@ from edgevox.core.cancel import Cancelled
 from edgevox.ros2.external.robot import ExternalRobot
 
 HERE = Path(__file__).parent
+SOURCES = HERE / "interfaces" / "nav2_msgs"
 BUILD_S = 300.0
 PATIENCE_S = 30.0
 
@@ -45,7 +46,7 @@ def build(prefix: Path, place: Path) -> None:
         "-Wno-deprecated",
     )
     for command in (
-        ["cmake", "-S", HERE / "nav2_msgs", "-B", place, "-G", "Ninja", *definitions],
+        ["cmake", "-S", SOURCES, "-B", place, "-G", "Ninja", *definitions],
         ["cmake", "--build", place, "--target", "install"],
     ):
         done = subprocess.run(
