@@ -57,6 +57,7 @@ format: $(DONE)/dev ## Rewrite the code as the linters want it.
 bench: $(DONE)/dev $(DONE)/msgs $(DONE)/llama-cpp ## Measure latency, memory, speed and understanding.
 	@$(BIN)/edgevox-models fetch $(TEST_MODELS)
 	@$(BIN)/python benchmarks/latency.py
+	@$(BIN)/python benchmarks/ros2.py
 	@$(BIN)/python benchmarks/understanding.py
 
 .PHONY: models
