@@ -6,7 +6,6 @@ would. Run it with ``make bench``; it prints the table and writes `latency.md` b
 
 import json
 import os
-import platform
 import random
 import statistics
 import sys
@@ -19,6 +18,7 @@ sys.path.insert(0, str(HERE.parent / "tests" / "ros2"))
 
 import sim  # noqa: E402
 from conftest import Agent  # noqa: E402
+from machine import machine  # noqa: E402
 from peer import RELIABLE, SENSOR, STATE, Heard, Peer  # noqa: E402
 
 PLAIN = ("where are you", "go to the kitchen", "go to the bedroom", "what is your battery level")
@@ -137,19 +137,6 @@ def measure() -> dict[str, dict[str, float]]:
 
 def _ms(seconds: list[float]) -> dict[str, float]:
     return {"median": 1000 * statistics.median(seconds), "largest": 1000 * max(seconds)}
-
-
-def machine() -> str:
-    """The machine's name: processor, cores, memory."""
-    info = Path("/proc/cpuinfo").read_text()
-    model = next(
-        (x.split(":")[1].strip() for x in info.splitlines() if x.startswith("model name")), "?"
-    )
-    memory_gb = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
-    return (
-        f"{model}, {os.cpu_count()} cores, {memory_gb:.0f} GB, {platform.system()} "
-        f"{platform.machine()}, Python {platform.python_version()}"
-    )
 
 
 def table(rows: dict[str, dict[str, float]]) -> str:

@@ -16,7 +16,8 @@ from typing import Any
 
 import latency
 from conftest import Agent
-from latency import HERE, Bench, machine  # puts the helpers of tests/ros2 on the path, too
+from latency import HERE, Bench  # puts the helpers of tests/ros2 on the path, too
+from machine import machine
 from peer import wait_until
 from rclpy.context import Context
 from rclpy.node import Node

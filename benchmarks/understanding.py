@@ -7,7 +7,6 @@ templates, all others through each model. Writes a table in Markdown.
 """
 
 import argparse
-import platform
 import statistics
 import time
 from collections.abc import Iterable, Mapping, Sequence
@@ -16,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+from machine import machine
 
 from edgevox.agent.intents import Recogniser, Understood
 from edgevox.agent.llm.base import LanguageModel, Message, ModelFailed
@@ -214,17 +214,11 @@ def main() -> None:
         "Written by `benchmarks/understanding.py`. A command is right when exactly the right calls "
         'come out with the right arguments, or none where none is due. "held out" was never '
         "looked at while the prompt was being worded.\n\n"
-        f"{_machine()}\n\n{_table(columns)}\n\n## What went wrong\n{_misses(columns)}\n",
+        f"Measured on {machine()}.\n\n{_table(columns)}\n\n"
+        f"## What went wrong\n{_misses(columns)}\n",
         encoding="utf-8",
     )
     print(_table(columns))
-
-
-def _machine() -> str:
-    info = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
-    names = {line.partition(":")[2].strip() for line in info if line.startswith("model name")}
-    cores = sum(line.startswith("processor") for line in info)
-    return f"Machine: {', '.join(names) or platform.machine()}, {cores} cores."
 
 
 if __name__ == "__main__":
