@@ -5,28 +5,37 @@ import logging
 import threading
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.deeds import Deeds
 from edgevox.agent.goals import Goal
+from edgevox.agent.items import Announce, Forget, Item, Language, Settle
 from edgevox.agent.llm.base import LanguageModel
 from edgevox.agent.mind import Mind
 from edgevox.agent.safety import SafetyWords
 from edgevox.agent.skills import Call, SkillSet
-from edgevox.agent.turn import Turn
+from edgevox.agent.states import StateMachine
+from edgevox.agent.turn import Asked, Turn
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
-from edgevox.core.commands import Interrupt, Reset, RunSkill, Speak, TextInput
+from edgevox.core.commands import (
+    Heard,
+    Interrupt,
+    Reset,
+    RunSkill,
+    Speak,
+    TextInput,
+    Transcribing,
+)
 from edgevox.core.events import (
     AgentEvent,
     AgentEventKind,
     State,
-    StateChanged,
     Transcribed,
     TurnEnded,
 )
+from edgevox.core.speech import Mouth
 from edgevox.core.text import MAX_CHARACTERS, clean
 
 log = logging.getLogger(__name__)
@@ -35,32 +44,7 @@ MAX_WAITING = 64
 """How many utterances may wait. One more is refused, counted and logged; a stop never is."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Announce:
-    """Something to say that nobody asked for now: a goal ended, the robot stopped."""
-
-    text: str
-
-
-@dataclass(frozen=True, slots=True)
-class _Forget:
-    """Forget what was said, between turns."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Settle:
-    """Say that the conversation listens again, after a stop that cut no turn."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Language:
-    """Understand another language, between turns."""
-
-    code: str
-
-
-_Item = TextInput | Speak | RunSkill | _Announce | _Forget | _Settle | _Language
-ConversationCommand = TextInput | Speak | Interrupt | Reset | RunSkill
+ConversationCommand = TextInput | Transcribing | Heard | Speak | Interrupt | Reset | RunSkill
 
 
 class Conversation:
@@ -68,7 +52,7 @@ class Conversation:
 
     Stop words, `Interrupt` and `Reset` act on the calling thread, at once: they cancel the turn
     that runs, forget the utterances that wait, cancel the goals and halt the body. `halt` is the
-    body's.
+    body's. Without a `mouth` an answer is only written.
     """
 
     def __init__(
@@ -78,6 +62,7 @@ class Conversation:
         *,
         halt: Callable[[str], bool],
         model: LanguageModel | None = None,
+        mouth: Mouth | None = None,
         language: str = "en",
         clock: Clock | None = None,
     ) -> None:
@@ -85,24 +70,24 @@ class Conversation:
         self._clock = clock or SystemClock()
         every_skill = {name: s for agent in agents for name, s in agent.skills.items()}
         self._skills = SkillSet(every_skill.values())
-        self._deeds = Deeds(bus, halt, announce=lambda text: self._put(_Announce(text)))
+        self._deeds = Deeds(bus, halt, announce=lambda text: self._put(Announce(text)))
         self.mind = Mind(agents, bus, self._clock, model, language)
         self._safety = SafetyWords(language)
         self._numbers = itertools.count(1)
-        self._items: deque[_Item] = deque()
+        self._items: deque[Item] = deque()
         self._ready = threading.Condition()
         self._turn: Turn | None = None
         self._busy = False
         self._closed = False
-        self._state: State | None = None
-        self._state_gate = threading.RLock()
+        self._mouth = mouth
+        self._states = StateMachine(bus)
         self.refused = 0
         self._thread = threading.Thread(target=self._work, name="edgevox-conversation")
 
     def start(self) -> None:
         """Begin to listen."""
         self._deeds.start()
-        self._set_state(State.LISTENING)
+        self._states.start()
         self._thread.start()
 
     def close(self) -> None:
@@ -119,22 +104,29 @@ class Conversation:
     def submit(self, command: ConversationCommand) -> None:
         """Take a command."""
         match command:
+            case Interrupt(reason=reason, motion=False):
+                self._hush(reason)
             case Interrupt(reason=reason):
                 self._stop(reason)
-                self._put(_Settle())
+                self._put(Settle())
             case Reset():
                 self._stop("reset")
-                self._put(_Forget())
-            case TextInput(text=text) if word := self._safety.find(text):
-                self._bus.publish(Transcribed(clean(text)))
-                self._safety_stop(word)
+                self._put(Forget())
+            case Transcribing():
+                self._states.transcribing()
+            case TextInput(text=text):
+                self._take(command, text)
+            case Heard(text=text):
+                self._states.transcribed(words=bool(text))
+                if text:
+                    self._take(command, text)
             case _:
                 self._put(command)
 
     def set_language(self, code: str) -> None:
         """Hear stop words of this language at once, and the rest from the next sentence on."""
         self._safety = SafetyWords(code)
-        self._put(_Language(code))
+        self._put(Language(code))
 
     def check_goal(self, name: str, arguments: Mapping[str, Any]) -> None:
         """Raise what `start_goal` would raise; nothing happens."""
@@ -169,11 +161,17 @@ class Conversation:
             if not self._deeds.wait_idle(left_s):
                 return False
 
-    def _put(self, item: _Item) -> None:
+    def _take(self, words: TextInput | Heard, text: str) -> None:
+        if word := self._safety.find(text):
+            self._bus.publish(Transcribed(clean(text)))
+            self._safety_stop(word)
+        else:
+            self._put(words)
+
+    def _put(self, item: Item) -> None:
         with self._ready:
-            full = (
-                isinstance(item, TextInput | Speak | RunSkill) and len(self._items) >= MAX_WAITING
-            )
+            asked = isinstance(item, TextInput | Heard | Speak | RunSkill)
+            full = asked and len(self._items) >= MAX_WAITING
             if not full and not self._closed:
                 self._items.append(item)
                 self._ready.notify_all()
@@ -182,20 +180,28 @@ class Conversation:
             if self.refused.bit_count() == 1:  # 1, 2, 4, 8, ...: a flood leaves a few lines
                 log.warning("%d utterances refused: %d are waiting", self.refused, MAX_WAITING)
 
+    def _hush(self, reason: str) -> None:
+        """Cut what is being said, and nothing else: somebody wants to be heard."""
+        with self._ready:
+            turn = self._turn
+        with self._states.gate:
+            if turn is not None and self._deeds.hush(reason, turn):
+                self._states.enter(State.INTERRUPTED, turn)
+
     def _safety_stop(self, word: str) -> None:
         stopped = self._stop(f"heard {word!r}")
         data = {"word": word, "stopped": stopped}
         self._bus.publish(AgentEvent(AgentEventKind.SAFETY_PREEMPT, data))
-        self._put(_Announce("Stopped." if stopped else "I am standing still."))
+        self._put(Announce("Stopped." if stopped else "I am standing still."))
 
     def _stop(self, reason: str) -> bool:
         with self._ready:
             self._items.clear()
             turn = self._turn
-        with self._state_gate:
+        with self._states.gate:
             stopped = self._deeds.stop(reason, turn)
             if stopped:
-                self._set_state(State.INTERRUPTED, turn)
+                self._states.enter(State.INTERRUPTED, turn)
         return stopped
 
     def _work(self) -> None:
@@ -206,30 +212,30 @@ class Conversation:
                     return
                 item = self._items.popleft()
                 self._busy = True
-                turn = self._turn = self._new_turn()
+                turn = self._turn = self._new_turn(item)
             try:
                 self._handle(item, turn)
             except Exception:
                 log.exception("a turn failed")
                 turn.say("Something went wrong inside me. Please try again.")
             finally:
-                self._end(turn, measured=isinstance(item, TextInput))
+                self._end(turn, measured=isinstance(item, TextInput | Heard))
 
-    def _handle(self, item: _Item, turn: Turn) -> None:
+    def _handle(self, item: Item, turn: Turn) -> None:
         match item:
-            case TextInput(text=text):
+            case TextInput(text=text) | Heard(text=text):
                 self._converse(text, turn)
             case Speak(text=text):
                 turn.say(clean(text)[:MAX_CHARACTERS])
             case RunSkill(name=name, arguments=arguments):
                 self._deeds.perform([Call(name, arguments)], self._skills, turn, "command")
-            case _Announce(text=text):
+            case Announce(text=text):
                 turn.say(text)
-            case _Forget():
+            case Forget():
                 self.mind.forget()
-            case _Language(code=code):
+            case Language(code=code):
                 self.mind.set_language(code)
-            case _Settle():
+            case Settle():
                 pass
 
     def _converse(self, raw: str, turn: Turn) -> None:
@@ -240,18 +246,21 @@ class Conversation:
         elif len(raw) > MAX_CHARACTERS:
             turn.say(f"That is too long: {len(raw)} characters, and I take {MAX_CHARACTERS}.")
         else:
-            self._set_state(State.THINKING, turn)
+            self._states.enter(State.THINKING, turn)
             meaning = self.mind.understand(text, turn)
             if meaning and not turn.token.cancelled:
                 self._deeds.perform(meaning.calls, meaning.agent.skills, turn, meaning.source)
+            turn.settle()
             self.mind.remember(text, turn, meaning)
 
-    def _new_turn(self) -> Turn:
+    def _new_turn(self, item: Item) -> Turn:
         turn = Turn(
             next(self._numbers),
             self._bus,
             self._clock,
-            on_speech=lambda: self._set_state(State.SPEAKING, turn),
+            on_speech=lambda: self._states.enter(State.SPEAKING, turn),
+            mouth=self._mouth,
+            asked=Asked(item.ended_s, item.stt_s) if isinstance(item, Heard) else None,
         )
         return turn
 
@@ -259,17 +268,8 @@ class Conversation:
         turn.finish(measured=measured)
         with self._ready:
             self._turn = None
-        self._set_state(State.LISTENING)
+        self._states.rest()
         self._bus.publish(TurnEnded(turn.number))
         with self._ready:
             self._busy = False
             self._ready.notify_all()
-
-    def _set_state(self, state: State, turn: Turn | None = None) -> None:
-        """Publish a change of state, in the order in which they happen; a cut turn has no say."""
-        with self._state_gate:
-            late = turn is not None and turn.token.cancelled and state is not State.INTERRUPTED
-            if late or state is self._state:
-                return
-            self._state = state
-            self._bus.publish(StateChanged(state, turn.number if turn else 0))

@@ -55,6 +55,11 @@ class Deeds:
         moved = self._halt(reason)
         return cut or ran or aside or moved
 
+    def hush(self, reason: str, turn: Turn) -> bool:
+        """Cancel the turn, and leave what moves. True if it was not cancelled yet."""
+        with self._gate:
+            return turn.token.cancel(reason)
+
     def check(self, call: Call, skills: SkillSet) -> None:
         """Raise where `begin` would; nothing happens."""
         skills[call.skill].validate(call.arguments)

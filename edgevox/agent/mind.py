@@ -85,7 +85,7 @@ class Mind:
         """Keep an exchange for the next ones."""
         protocol = self._protocols[self.active.name]
         answer = protocol.render_calls(meaning.calls) if meaning else protocol.render(turn.text)
-        self._history.add(said, answer, cut=turn.token.cancelled)
+        self._history.add(said, answer, cut=turn.cut)
 
     def forget(self) -> None:
         """Forget what was said; the first agent listens again."""

@@ -1,6 +1,7 @@
 """One exchange: what it is cancelled by, how long its stages took, and what is answered in it."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from sentence_stream import SentenceBoundaryDetector
 
@@ -8,30 +9,63 @@ from edgevox.core.bus import Bus
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.events import Responded, SentenceReady, TokenGenerated, TurnMeasured
+from edgevox.core.speech import Mouth, Spoken, Utterance
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """When a person ended what they said or typed, and how long it took to be understood.
+
+    `at_s` is the clock's time, None for the moment in which the turn began.
+    """
+
+    at_s: float | None = None
+    stt_s: float = 0.0
 
 
 class Turn:
-    """Owns a `CancelToken` and a stopwatch, and speaks the turn's answer onto the bus.
+    """Owns a `CancelToken` and a stopwatch, and speaks the turn's answer.
 
-    `on_speech` is called before the first sentence. Nothing is said once the token is cancelled.
+    Sentences go onto the bus and, if there is one, to the mouth. `on_speech` is called when the
+    first of them can be noticed: heard, or read where there is no mouth. Nothing is said once the
+    token is cancelled.
     """
 
-    def __init__(self, number: int, bus: Bus, clock: Clock, on_speech: Callable[[], None]) -> None:
+    def __init__(
+        self,
+        number: int,
+        bus: Bus,
+        clock: Clock,
+        on_speech: Callable[[], object],
+        *,
+        mouth: Mouth | None = None,
+        asked: Asked | None = None,
+    ) -> None:
         self.number = number
         self.token = CancelToken()
         self._bus = bus
         self._clock = clock
         self._on_speech = on_speech
+        self._mouth = mouth
+        self._utterance: Utterance | None = None
         self._sentences = SentenceBoundaryDetector()
         self._said: list[str] = []
-        self._started_s = clock.now()
+        self._spoken: Spoken | None = None
+        asked = asked or Asked()
+        self._asked_s = clock.now() if asked.at_s is None else asked.at_s
+        self._stt_s = asked.stt_s
         self._first_s: float | None = None
         self._model_s = 0.0
 
     @property
     def text(self) -> str:
-        """What has been said so far, in whole sentences."""
-        return " ".join(self._said)
+        """What has been said: once it is `settled`, only what could really be heard."""
+        return " ".join(self._said) if self._spoken is None else self._spoken.text
+
+    @property
+    def cut(self) -> bool:
+        """Whether it was ended before all was said."""
+        return self.token.cancelled or (self._spoken is not None and self._spoken.cut)
 
     def stream(self, piece: str) -> None:
         """Say a piece of an answer as a model generates it."""
@@ -57,27 +91,50 @@ class Turn:
         """Count time that a model worked for this turn."""
         self._model_s += seconds
 
-    def finish(self, *, measured: bool) -> None:
-        """Publish the full answer, if there was any, and what the turn took if `measured`."""
+    def settle(self) -> None:
+        """Everything has been given to say: wait until it is said, or cut."""
+        if self._spoken is not None:
+            return
         if not self.token.cancelled:
             self.flush()
+        if self._utterance is None:
+            return
+        self._spoken = self._utterance.finish()
+        if self._spoken.first_audible_s is not None:
+            self._first_s = self._spoken.first_audible_s
+
+    def finish(self, *, measured: bool) -> None:
+        """Publish the full answer, if there was any, and what the turn took if `measured`."""
+        self.settle()
         if self._said:
-            self._bus.publish(Responded(self.text, self.number, cut=self.token.cancelled))
+            self._bus.publish(Responded(self.text, self.number, cut=self.cut))
         if not measured:
             return
-        total = self._clock.now() - self._started_s
-        first = total if self._first_s is None else self._first_s
+        total = self._clock.now() - self._asked_s
         self._bus.publish(
             TurnMeasured(
-                stt=0.0, llm=self._model_s, tts=0.0, ttfs=first, total=total, turn=self.number
+                stt=self._stt_s,
+                llm=self._model_s,
+                tts=self._spoken.synthesis_s if self._spoken else 0.0,
+                ttfs=total if self._first_s is None else self._first_s - self._asked_s,
+                total=total,
+                turn=self.number,
             )
         )
 
     def _say(self, sentence: str) -> None:
         if self.token.cancelled:
             return
-        if self._first_s is None:
-            self._first_s = self._clock.now() - self._started_s
-            self._on_speech()
+        if not self._said:
+            self._begin()
         self._said.append(sentence)
         self._bus.publish(SentenceReady(sentence, self.number))
+        if self._utterance is not None:
+            self._utterance.say(sentence)
+
+    def _begin(self) -> None:
+        if self._mouth is not None:
+            self._utterance = self._mouth.begin(self.token, self._on_speech)
+            return
+        self._first_s = self._clock.now()
+        self._on_speech()

@@ -13,6 +13,23 @@ class TextInput:
 
 
 @dataclass(frozen=True, slots=True)
+class Transcribing:
+    """Somebody spoke and is being understood: words follow, as `Heard`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """Words that somebody spoke; empty if there were none in what was heard.
+
+    `ended_s` is the clock's time of the last voiced sample, `stt_s` how long the words took.
+    """
+
+    text: str
+    ended_s: float
+    stt_s: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
 class Speak:
     """Say this text aloud as it is."""
 
@@ -21,9 +38,13 @@ class Speak:
 
 @dataclass(frozen=True, slots=True)
 class Interrupt:
-    """Stop talking, stop thinking, stop moving."""
+    """Stop talking, stop thinking, and stop moving unless `motion` is False.
+
+    Who speaks over the robot wants to be heard; that alone does not stop a drive.
+    """
 
     reason: str = "interrupted"
+    motion: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,5 +89,15 @@ class Query:
 
 
 Command = (
-    TextInput | Speak | Interrupt | SetLanguage | SetVoice | SetMuted | Reset | RunSkill | Query
+    TextInput
+    | Transcribing
+    | Heard
+    | Speak
+    | Interrupt
+    | SetLanguage
+    | SetVoice
+    | SetMuted
+    | Reset
+    | RunSkill
+    | Query
 )

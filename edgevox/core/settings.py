@@ -78,6 +78,15 @@ class Settings(BaseSettings):
     world: Path | None = Field(
         None, description="world file of a 2D robot, in IR-SIM's YAML format"
     )
+    model_source: Literal["unitree_g1", "unitree_h1"] = Field(
+        "unitree_g1", description="robot-humanoid: which robot it is"
+    )
+    mjcf: Path | None = Field(
+        None, description="robot-humanoid: a robot of your own, as an MJCF file"
+    )
+    seed: int = Field(
+        0, ge=0, lt=1 << 32, description="what is random in a simulated world comes from this"
+    )
     external_namespace: Annotated[str, AfterValidator(_valid_namespace)] = Field(
         "/",
         description="robot-external: namespace of the robot's topics, such as /robot1",
@@ -91,6 +100,15 @@ class Settings(BaseSettings):
     )
     max_angular: float = Field(
         0.8, gt=0.0, le=10.0, description="robot-external: fastest it is turned, in rad/s"
+    )
+    audio_in: str = Field(
+        "", description="microphone: a device's name, a WAV file or folder, ros2, or none"
+    )
+    audio_out: str = Field(
+        "", description="loudspeaker: a device's name, a WAV file, ros2, or none"
+    )
+    wakeword: str = Field(
+        "", description="listen only after this wake word, such as 'hey jarvis'; empty: always"
     )
     llm: str = Field(
         "qwen2.5-coder-0.5b-instruct",

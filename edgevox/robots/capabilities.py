@@ -184,6 +184,22 @@ class HasCamera(Protocol):
 
 
 @runtime_checkable
+class HasPicture(Protocol):
+    """Can show itself in its surroundings, for people."""
+
+    def picture(self) -> NDArray[np.uint8]:
+        """The scene as it is now, shape (height, width, 3), RGB."""
+
+
+@runtime_checkable
+class Advances(Protocol):
+    """Its time need not be real time: it can be made to pass."""
+
+    def advance(self, seconds: float) -> None:
+        """Block until this much of the body's time has passed, or it is closed."""
+
+
+@runtime_checkable
 class HasBattery(Protocol):
     """Runs on a charge that gets less."""
 

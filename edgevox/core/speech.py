@@ -1,0 +1,42 @@
+"""Speaking aloud, as the conversation sees it: what goes to the mouth, and what became of it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+from edgevox.core.cancel import CancelToken
+
+
+@dataclass(frozen=True, slots=True)
+class Spoken:
+    """What became of an utterance.
+
+    `text` is what was audible: whole sentences, and of the one that was cut the words up to the
+    cut. `first_audible_s` is the clock's time of the first sample, None if nothing was played.
+    `synthesis_s` is how long the synthesiser worked for all of it.
+    """
+
+    text: str
+    cut: bool = False
+    first_audible_s: float | None = None
+    synthesis_s: float = 0.0
+
+
+class Utterance(Protocol):
+    """One answer on its way to the loudspeaker."""
+
+    def say(self, sentence: str) -> None:
+        """One more sentence; does not block."""
+
+    def finish(self) -> Spoken:
+        """There are no more: block until all is audible, or the token is cancelled."""
+
+
+class Mouth(Protocol):
+    """Speaks one utterance at a time."""
+
+    def begin(self, token: CancelToken, on_audible: Callable[[], object]) -> Utterance:
+        """A new utterance. A cancelled token silences it within 0.1 s; nothing more of it is said.
+
+        `on_audible` is called once, on the mouth's thread, when its first sample is played.
+        """

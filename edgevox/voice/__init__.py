@@ -1,0 +1,5 @@
+"""Sound to words, words to sound: sources, voice activity, wake word, speech to text; sentences to
+speech, sinks. The only package that touches sound cards.
+
+Imports core, nothing else of edgevox. Each engine is imported in its own module only.
+"""

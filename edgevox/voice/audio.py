@@ -1,0 +1,75 @@
+"""Sound as it goes through EdgeVox: mono, 16 bit; 16 kHz in frames of 32 ms on the way in."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from edgevox.core.cancel import CancelToken
+from edgevox.core.errors import EdgeVoxError
+
+RATE_HZ = 16_000
+"""The rate of everything that is heard."""
+FRAME_SAMPLES = 512
+FRAME_S = FRAME_SAMPLES / RATE_HZ
+
+Samples = NDArray[np.int16]
+"""Mono sound, shape (n,)."""
+
+
+class EndOfSound(EdgeVoxError):
+    """A source has no more: the file is over."""
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """`FRAME_SAMPLES` samples at `RATE_HZ`; `end_s` is the clock's time of the last one."""
+
+    samples: Samples
+    end_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """A piece of speech as a synthesiser makes it."""
+
+    samples: Samples
+    rate_hz: int
+
+
+class AudioSource(Protocol):
+    """A microphone, or what stands for one."""
+
+    name: str
+
+    def start(self) -> None:
+        """Begin to capture. A device that is not there is said and tried again, not raised."""
+
+    def read(self, timeout_s: float) -> Frame | None:
+        """The next frame; None if none came in time. Raises `EndOfSound`."""
+
+    def close(self) -> None: ...
+
+
+class AudioSink(Protocol):
+    """A loudspeaker, or what stands for one. Used from one thread, but for `stop` and `audible`."""
+
+    name: str
+
+    def play(self, chunk: Chunk, token: CancelToken) -> float:
+        """Play after what is playing; blocks while more than 0.1 s is still to be played.
+
+        The clock's time at which its first sample is audible. Returns early if cancelled.
+        """
+
+    def drain(self, token: CancelToken) -> None:
+        """Block until all is played or the token is cancelled."""
+
+    def stop(self) -> float:
+        """Silence within 0.1 s, whatever was still to be played; seconds that were not played."""
+
+    def audible(self) -> float:
+        """How loud it plays at this moment: root mean square, 0 (silent) to 1."""
+
+    def close(self) -> None: ...

@@ -1,0 +1,217 @@
+"""A conversation with a mouth that plays as far as the test lets it."""
+
+import threading
+
+from edgevox.agent.agents import Agent
+from edgevox.agent.conversation import Conversation
+from edgevox.agent.grammar import SAY
+from edgevox.agent.history import CUT_MARK
+from edgevox.agent.skills import SkillSet, skill
+from edgevox.core.bus import Bus
+from edgevox.core.cancel import Cancelled
+from edgevox.core.commands import Heard, Interrupt, Speak, TextInput, Transcribing
+from edgevox.core.events import (
+    Responded,
+    SentenceReady,
+    State,
+    StateChanged,
+    Transcribed,
+    TurnMeasured,
+)
+from edgevox.core.speech import Spoken
+
+
+class Saying:
+    """One utterance; it lasts until the test says that all is played, or it is cut."""
+
+    def __init__(self, token, on_audible, played, clock):
+        self.token, self.sentences, self._on_audible = token, [], on_audible
+        self._played, self._clock = played, clock
+
+    def say(self, sentence):
+        self.sentences.append(sentence)
+        if len(self.sentences) == 1:
+            self._on_audible()
+
+    def finish(self):
+        forget = self.token.on_cancel(self._played.set)
+        assert self._played.wait(10)
+        forget()
+        if self.token.cancelled:
+            return Spoken("Once upon", cut=True, first_audible_s=self._clock.now())
+        return Spoken(
+            " ".join(self.sentences), first_audible_s=self._clock.now() + 0.25, synthesis_s=0.125
+        )
+
+
+class Mouth:
+    def __init__(self, clock):
+        self.utterances, self.played, self._clock = [], threading.Event(), clock
+
+    def begin(self, token, on_audible):
+        self.utterances.append(Saying(token, on_audible, self.played, self._clock))
+        return self.utterances[-1]
+
+
+class StoodClock:
+    """Time that passes when the test wants it to."""
+
+    def __init__(self):
+        self.time_s = 100.0
+
+    def now(self):
+        return self.time_s
+
+
+class Story:
+    """A model that tells a story of two sentences."""
+
+    name, context_tokens = "story", 4096
+
+    def __init__(self):
+        self.seen = []
+
+    def generate(self, messages, *, grammar, max_tokens, token):
+        self.seen.append(messages)
+        yield from (SAY, "Once upon a time. ", "There was a robot.")
+
+    def prime(self, messages, token):
+        """Nothing to read."""
+
+    def count_tokens(self, text):
+        return len(text.split())
+
+    def close(self):
+        """Nothing to free."""
+
+
+class Stage:
+    def __init__(self):
+        self.bus, self.clock, self.model = Bus(), StoodClock(), Story()
+        self.mouth = Mouth(self.clock)
+        self.events, self.spoken, self.driving = [], threading.Event(), threading.Event()
+        for kind in (Responded, StateChanged, Transcribed, TurnMeasured, SentenceReady):
+            self.bus.subscribe(kind, self.events.append)
+        self.bus.subscribe(StateChanged, self._note)
+        self.goal_token = None
+
+        @skill(templates=["drive on"], says="Driving on.")
+        def drive_on(goal):
+            """Drive until told otherwise."""
+            self.goal_token = goal.token
+            self.driving.set()
+            goal.token.wait(10)
+            raise Cancelled(goal.token.reason)
+
+        self.conversation = Conversation(
+            [Agent("robot", "Be brief.", SkillSet([drive_on]))],
+            self.bus,
+            halt=lambda _: False,
+            model=self.model,
+            mouth=self.mouth,
+            clock=self.clock,
+        )
+        self.conversation.start()
+
+    def _note(self, event):
+        if event.state is State.SPEAKING:
+            self.spoken.set()
+
+    def of(self, kind):
+        return [event for event in self.events if isinstance(event, kind)]
+
+    @property
+    def states(self):
+        return [event.state for event in self.of(StateChanged)]
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.mouth.played.set()
+        self.conversation.close()
+
+
+def test_it_speaks_until_the_mouth_has_played_all():
+    with Stage() as stage:
+        stage.conversation.submit(Speak("Hello there."))
+        assert stage.spoken.wait(10)
+        assert not stage.of(Responded)
+        stage.mouth.played.set()
+        assert stage.conversation.wait_idle(10)
+        assert stage.of(Responded) == [Responded("Hello there.", 1)]
+        assert stage.states == [State.LISTENING, State.SPEAKING, State.LISTENING]
+
+
+def test_heard_words_go_from_transcribing_to_thinking_to_speaking():
+    with Stage() as stage:
+        stage.mouth.played.set()
+        stage.conversation.submit(Transcribing())
+        stage.conversation.submit(Heard("tell me a story", ended_s=99.0, stt_s=0.4))
+        assert stage.conversation.wait_idle(10)
+        assert stage.states == [
+            State.LISTENING,
+            State.TRANSCRIBING,
+            State.THINKING,
+            State.SPEAKING,
+            State.LISTENING,
+        ]
+        assert [event.text for event in stage.of(Transcribed)] == ["tell me a story"]
+
+
+def test_a_turn_is_measured_from_the_end_of_the_speech_to_the_first_audible_sample():
+    with Stage() as stage:
+        stage.mouth.played.set()
+        stage.conversation.submit(Heard("tell me a story", ended_s=99.0, stt_s=0.4))
+        assert stage.conversation.wait_idle(10)
+        (measured,) = stage.of(TurnMeasured)
+        assert (measured.stt, measured.tts) == (0.4, 0.125)
+        assert measured.ttfs == 1.25
+        assert measured.total == 1.0
+
+
+def test_silence_that_was_taken_for_speech_is_not_answered():
+    with Stage() as stage:
+        stage.conversation.submit(Transcribing())
+        stage.conversation.submit(Heard("", ended_s=99.0))
+        assert stage.conversation.wait_idle(10)
+        assert stage.states == [State.LISTENING, State.TRANSCRIBING, State.LISTENING]
+        assert not stage.of(Transcribed)
+        assert not stage.mouth.utterances
+
+
+def test_history_holds_what_was_heard_with_a_mark_that_it_was_cut():
+    with Stage() as stage:
+        stage.conversation.submit(TextInput("tell me a story"))
+        assert stage.spoken.wait(10)
+        stage.conversation.submit(Interrupt("spoken over", motion=False))
+        assert stage.conversation.wait_idle(10)
+        assert stage.of(Responded) == [Responded("Once upon", 1, cut=True)]
+        assert State.INTERRUPTED in stage.states
+        stage.mouth.played.set()
+        stage.conversation.submit(TextInput("and then?"))
+        assert stage.conversation.wait_idle(10)
+        told = [m.content for m in stage.model.seen[-1] if m.role == "assistant"]
+        assert told[-1].endswith(f"Once upon{CUT_MARK}")
+
+
+def test_speaking_over_the_robot_cuts_its_words_but_not_its_drive():
+    with Stage() as stage:
+        stage.conversation.submit(TextInput("drive on"))
+        assert stage.driving.wait(10)
+        assert stage.spoken.wait(10)
+        stage.conversation.submit(Interrupt("spoken over", motion=False))
+        assert stage.mouth.utterances[0].token.cancelled
+        assert not stage.goal_token.cancelled
+        stage.conversation.submit(Heard("stop", ended_s=99.0))
+        assert stage.goal_token.cancelled
+
+
+def test_an_interrupt_cuts_words_and_drive():
+    with Stage() as stage:
+        stage.conversation.submit(TextInput("drive on"))
+        assert stage.driving.wait(10)
+        assert stage.spoken.wait(10)
+        stage.conversation.submit(Interrupt())
+        assert stage.mouth.utterances[0].token.cancelled
+        assert stage.goal_token.cancelled
