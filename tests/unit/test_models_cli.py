@@ -27,8 +27,30 @@ def test_list_says_what_is_here(root: Path, capsys: pytest.CaptureFixture[str]) 
     assert run(root, "list") == 0
 
     lines = capsys.readouterr().out.splitlines()
-    assert next(line for line in lines if line.startswith("voice")).endswith("here")
-    assert next(line for line in lines if line.startswith("mind")).endswith("missing")
+    assert lines[0] == "both: 0.0 MB, 1 of 2 here"
+    assert next(line for line in lines if line.startswith("  voice")).endswith("here     MIT")
+    assert next(line for line in lines if line.startswith("  mind")).endswith("missing  MIT")
+
+
+def test_list_says_what_a_licence_forbids_and_tells_a_model_once(
+    root: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["--dir", str(root), "list"]) == 0
+
+    lines = capsys.readouterr().out.splitlines()
+    wake_words = next(line for line in lines if line.startswith("  wake-words"))
+    assert wake_words.endswith("CC-BY-NC-SA-4.0, not for commercial use")
+    assert "  franka-panda (see above)" in lines
+    told = [line for line in lines if line.startswith("  franka-panda ")]
+    assert len(told) == 2
+
+
+def test_list_tells_models_of_no_set_too(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    alone = MANIFEST.model_copy(update={"sets": {"voices": ("voice",)}})
+
+    assert main(["--dir", str(root), "list"], alone) == 0
+
+    assert "in no set: 0.0 MB, 0 of 1 here\n  mind " in capsys.readouterr().out
 
 
 def test_path_prints_the_entry_file(root: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -5,9 +5,8 @@ import threading
 from pathlib import Path
 
 import pytest
+from models_places import CLOSED
 from models_wheelhouse import (
-    MIND,
-    MIND_WHEELS,
     VOICE,
     VOICE_WHEEL,
     Wheelhouse,
@@ -16,20 +15,21 @@ from models_wheelhouse import (
     model,
     store,
     voice,
+    wheelhouse,
 )
 
 from edgevox.models import FetchFailed, StoreNotWritable, UnknownModel, fetch
+from edgevox.models.fetch import network
+from edgevox.models.places import HubSource
 from edgevox.models.progress import Silent
+from edgevox.models.sources.hub import Hub
+
+HUB = {"kind": "hub", "repo": "us/voices"}
 
 
 @pytest.fixture
 def wheels(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Wheelhouse:
-    house = Wheelhouse(tmp_path / "wheels")
-    monkeypatch.setenv("PIP_CONFIG_FILE", "/dev/null")
-    monkeypatch.setenv("PIP_NO_INDEX", "1")
-    monkeypatch.setenv("PIP_FIND_LINKS", str(house.folder))
-    monkeypatch.delenv("EDGEVOX_OFFLINE", raising=False)
-    return house
+    return wheelhouse(tmp_path / "wheels", monkeypatch)
 
 
 class Notes(Silent):
@@ -37,11 +37,7 @@ class Notes(Silent):
 
     def __init__(self) -> None:
         self.texts: list[str] = []
-        self.counts: list[int] = []
         self.noted = threading.Event()
-
-    def at(self, done: int) -> None:
-        self.counts.append(done)
 
     def note(self, text: str) -> None:
         self.texts.append(text)
@@ -75,30 +71,56 @@ def test_the_licence_and_whose_it_is_lie_beside_the_model(
     assert "Permission is hereby granted" in notice
 
 
-def test_a_split_file_is_joined_in_order(wheels: Wheelhouse, tmp_path: Path) -> None:
-    wheels.add_mind(1, 2, 3)
-    watched = Notes()
-
-    (path,) = fetch(["mind"], store=store(tmp_path, mind()), progress=watched)
-
-    assert path.read_bytes() == MIND
-    assert watched.counts == sorted(watched.counts)
-    assert not (path.parent / ".partial").exists()
-
-
-def test_an_interrupted_fetch_goes_on_with_the_next_part(
+def test_one_model_that_cannot_be_had_does_not_keep_the_others_away(
     wheels: Wheelhouse, tmp_path: Path
 ) -> None:
-    here = store(tmp_path, mind())
-    wheels.add_mind(1, 2)
-    with pytest.raises(FetchFailed, match="tiny-mind-3"):
-        fetch(["mind"], store=here)
-    wheels.empty()
-    wheels.add_mind(3)
+    wheels.add_mind(1, 2, 3)
+    here = store(tmp_path, voice(), mind())
 
-    (path,) = fetch(["mind"], store=here)
+    with pytest.raises(FetchFailed, match="model voice could not be fetched"):
+        fetch(["both"], store=here)
 
-    assert path.read_bytes() == MIND
+    assert not here.missing(mind())
+
+
+def test_all_models_that_cannot_be_had_are_told(wheels: Wheelhouse, tmp_path: Path) -> None:
+    with pytest.raises(FetchFailed) as failure:
+        fetch(["both"], store=store(tmp_path, voice(), mind()))
+
+    assert "model voice could not" in str(failure.value)
+    assert "model mind could not" in str(failure.value)
+
+
+def test_a_failure_names_every_source_that_was_tried_in_order(
+    wheels: Wheelhouse, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("npm_config_registry", CLOSED)
+    nowhere = (tmp_path / "gone.git").as_uri()
+    sources = [
+        HUB,
+        VOICE_WHEEL,
+        {"kind": "npm", "package": "tiny-voice", "version": "1.0.0"},
+        {"kind": "git", "url": nowhere, "commit": "0" * 40, "folder": "voice"},
+    ]
+
+    with pytest.raises(FetchFailed) as failure:
+        fetch(
+            ["voice"],
+            store=store(tmp_path, voice(*sources)),
+            providers={**network(), HubSource: Hub(CLOSED)},
+        )
+
+    tried = [line[4:] for line in str(failure.value).splitlines() if line.startswith("  - ")]
+    assert [line.split()[0] for line in tried] == ["hub", "Python", "npm", "git"]
+
+
+def test_of_many_missing_files_the_first_are_named(wheels: Wheelhouse, tmp_path: Path) -> None:
+    many = [entry(f"assets/{n}.obj", b"x") for n in range(70)]
+
+    with pytest.raises(FetchFailed) as failure:
+        fetch(["robot"], store=store(tmp_path, model("robot", many, VOICE_WHEEL)))
+
+    assert "and 65 more" in str(failure.value)
 
 
 def test_what_is_here_is_not_fetched_again(wheels: Wheelhouse, tmp_path: Path) -> None:
@@ -134,19 +156,6 @@ def test_other_bytes_than_the_manifests_are_never_installed(
 
     assert "other bytes" in str(failure.value)
     assert not (here.root / "voice" / "voice.onnx").exists()
-
-
-def test_a_joined_file_of_wrong_bytes_is_not_built_upon(wheels: Wheelhouse, tmp_path: Path) -> None:
-    here = store(tmp_path, mind())
-    wheels.add_mind(1, 2)
-    wheels.add("tiny-mind-3", "2.0", {"tm_3/part03.bin": b"x" * 700})
-    with pytest.raises(FetchFailed, match="other bytes"):
-        fetch(["mind"], store=here)
-    wheels.add_mind(1, 2, 3)
-
-    (path,) = fetch(["mind"], store=here)
-
-    assert path.read_bytes() == MIND
 
 
 def test_a_truncated_wheel_is_a_failed_source(wheels: Wheelhouse, tmp_path: Path) -> None:
@@ -188,6 +197,16 @@ def test_a_failure_says_what_was_tried_and_how_to_help_by_hand(
     assert "Python index tiny-voice==1.0" in message
     assert str(here.root / "voice" / "voice.onnx") in message
     assert entry("voice.onnx", VOICE)["sha256"] in message
+
+
+def test_a_model_of_which_nothing_came_leaves_no_folder(wheels: Wheelhouse, tmp_path: Path) -> None:
+    here = store(tmp_path, voice())
+    nowhere = {HubSource: Hub(CLOSED)}
+
+    with pytest.raises(FetchFailed):
+        fetch(["voice"], store=store(tmp_path, voice(HUB)), providers=nowhere)
+
+    assert not here.folder(voice()).exists()
 
 
 def test_offline_nothing_is_tried(
@@ -238,8 +257,3 @@ def test_a_second_process_waits_for_the_first(wheels: Wheelhouse, tmp_path: Path
 def test_an_unknown_name_is_answered_with_the_nearest(tmp_path: Path) -> None:
     with pytest.raises(UnknownModel, match="did you mean voice"):
         fetch(["vioce"], store=store(tmp_path, voice(), mind()))
-
-
-def test_parts_need_a_member_name_each() -> None:
-    with pytest.raises(ValueError, match="member goes with parts"):
-        model("mind", [entry("mind.gguf", MIND)], {**MIND_WHEELS, "member": ""})

@@ -1,16 +1,20 @@
 """The hub's own client against a hub on this machine."""
 
+import os
+import subprocess
 import sys
 from collections.abc import Iterator
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from http.server import BaseHTTPRequestHandler
 from pathlib import Path
-from threading import Thread
+from typing import ClassVar
 
 import pytest
-from models_wheelhouse import CONFIG, VOICE, voice
+from models_places import CLOSED, serving
+from models_wheelhouse import CONFIG, VOICE, store, voice
 
+from edgevox.models import FetchFailed, Store, fetch
 from edgevox.models.errors import SourceFailed
-from edgevox.models.manifest import HubSource
+from edgevox.models.places import HubSource
 from edgevox.models.progress import Silent
 from edgevox.models.sources.hub import Hub
 
@@ -19,7 +23,6 @@ FILES = {
     "/us/voices/resolve/v1/en/voice.onnx": VOICE,
     "/us/voices/resolve/v1/en/voice.json": CONFIG,
 }
-CLOSED = "http://127.0.0.1:9"
 
 
 class Counts(Silent):
@@ -31,15 +34,21 @@ class Counts(Silent):
 
 
 class HubHandler(BaseHTTPRequestHandler):
+    """Speaks as much of the hub's protocol as its client asks for."""
+
+    files: ClassVar[dict[str, bytes]] = FILES
+    stops_after: ClassVar[int | None] = None
+    """Bytes of a file after which the connection is cut; None sends all of it."""
+
     def do_HEAD(self) -> None:
         self._answer()
 
     def do_GET(self) -> None:
         data = self._answer()
-        self.wfile.write(data)
+        self.wfile.write(data[: self.stops_after])
 
     def _answer(self) -> bytes:
-        data = FILES.get(self.path)
+        data = self.files.get(self.path)
         self.send_response(200 if data else 404)
         if not data:
             self.send_header("X-Error-Code", "EntryNotFound")
@@ -52,14 +61,14 @@ class HubHandler(BaseHTTPRequestHandler):
     def log_message(self, *_: object) -> None: ...
 
 
+def hub_with(files: dict[str, bytes], stops_after: int | None = None) -> type[HubHandler]:
+    return type("Hub", (HubHandler,), {"files": files, "stops_after": stops_after})
+
+
 @pytest.fixture
 def endpoint() -> Iterator[str]:
-    with ThreadingHTTPServer(("127.0.0.1", 0), HubHandler) as server:
-        thread = Thread(target=server.serve_forever, name="hub")
-        thread.start()
-        yield f"http://127.0.0.1:{server.server_port}"
-        server.shutdown()
-        thread.join()
+    with serving(HubHandler) as address:
+        yield address
 
 
 def test_files_come_from_the_pinned_revision_of_the_repository(
@@ -97,3 +106,76 @@ def test_without_the_client_the_hub_is_passed_over_with_a_hint(
 
     with pytest.raises(SourceFailed, match=r"edgevox\[models\]"):
         list(Hub().provide(SPEC, voice().files, tmp_path, Silent()))
+
+
+def fetch_from(hub: type[HubHandler], here: Store) -> Path:
+    with serving(hub) as address:
+        (path,) = fetch(["voice"], store=here, offline=False, providers={HubSource: Hub(address)})
+    return path
+
+
+@pytest.fixture
+def here(tmp_path: Path) -> Store:
+    return store(tmp_path, voice(SPEC.model_dump()))
+
+
+def test_a_model_comes_whole_from_the_hub(here: Store) -> None:
+    path = fetch_from(HubHandler, here)
+
+    assert path.read_bytes() == VOICE
+    assert not (path.parent / ".partial").exists()
+
+
+@pytest.mark.parametrize(
+    "wrong", [VOICE.swapcase(), VOICE[:-9], VOICE + b"more"], ids=["other", "shorter", "longer"]
+)
+def test_other_bytes_from_the_hub_are_never_installed(here: Store, wrong: bytes) -> None:
+    files = {path: wrong if data is VOICE else data for path, data in FILES.items()}
+
+    with pytest.raises(FetchFailed, match=r"voice\.onnx has other bytes"):
+        fetch_from(hub_with(files), here)
+
+    assert not (here.root / "voice" / "voice.onnx").exists()
+
+
+def test_a_connection_that_breaks_leaves_nothing_half_and_the_next_fetch_goes_on(
+    here: Store,
+) -> None:
+    with pytest.raises(FetchFailed, match="hub us/voices at v1: "):
+        fetch_from(hub_with(FILES, stops_after=100), here)
+    assert not (here.root / "voice" / "voice.onnx").exists()
+
+    assert fetch_from(HubHandler, here).read_bytes() == VOICE
+
+
+def test_what_came_before_the_hub_died_is_not_asked_for_again(here: Store) -> None:
+    first, second = FILES
+    with pytest.raises(FetchFailed, match="404"):
+        fetch_from(hub_with({first: FILES[first]}), here)
+
+    fetch_from(hub_with({second: FILES[second]}), here)
+
+    assert not here.missing(voice())
+
+
+def test_a_dead_hub_is_named_with_its_repository(here: Store) -> None:
+    with pytest.raises(FetchFailed, match="hub us/voices at v1: the hub cannot be reached"):
+        fetch(["voice"], store=here, offline=False, providers={HubSource: Hub(CLOSED)})
+
+
+def test_the_environment_says_where_the_hub_is(endpoint: str, tmp_path: Path) -> None:
+    program = (
+        "import sys; sys.path.insert(0, sys.argv[1])\n"
+        "from pathlib import Path; from models_wheelhouse import store, voice\n"
+        "from edgevox.models import fetch; from test_models_hub import SPEC\n"
+        "fetch(['voice'], store=store(Path(sys.argv[2]), voice(SPEC.model_dump())))"
+    )
+    environment = {**os.environ, "HF_ENDPOINT": endpoint, "EDGEVOX_OFFLINE": ""}
+
+    subprocess.run(
+        [sys.executable, "-c", program, str(Path(__file__).parent), str(tmp_path)],
+        env=environment,
+        check=True,
+    )
+
+    assert (tmp_path / "models" / "voice" / "voice.onnx").read_bytes() == VOICE

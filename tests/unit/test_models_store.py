@@ -3,10 +3,10 @@ import os
 from pathlib import Path
 
 import pytest
-from models_wheelhouse import CONFIG, VOICE, mind, store, voice
+from models_wheelhouse import CONFIG, VOICE, VOICE_WHEEL, entry, mind, model, store, voice
 
 from edgevox.models import ModelMissing, Store, UnknownModel
-from edgevox.models.manifest import builtin_manifest
+from edgevox.models.manifest import Manifest, ModelFile, builtin_manifest
 from edgevox.models.store import default_root
 
 
@@ -112,3 +112,54 @@ def test_the_default_folder_follows_the_environment(
     environment: dict[str, str], expected: str
 ) -> None:
     assert default_root(environment) == Path(expected).expanduser()
+
+
+ROBOT = model("robot", [entry("arm.xml", b"<x/>"), entry("assets/a.obj", b"v 0")], VOICE_WHEEL)
+
+
+def test_files_in_folders_are_found_and_stamped(tmp_path: Path) -> None:
+    place = store(tmp_path, ROBOT)
+    (place.root / "robot" / "assets").mkdir(parents=True)
+    (place.root / "robot" / "arm.xml").write_bytes(b"<x/>")
+    assert [file.name for file in place.missing(ROBOT)] == ["assets/a.obj"]
+
+    (place.root / "robot" / "assets" / "a.obj").write_bytes(b"v 0")
+
+    assert place.locate("robot") == place.root / "robot" / "arm.xml"
+    assert "assets/a.obj" in (place.root / "robot" / ".verified.json").read_text()
+
+
+def test_a_file_is_put_into_its_folder(tmp_path: Path) -> None:
+    place = store(tmp_path, ROBOT)
+    (tmp_path / "fetched").write_bytes(b"v 0")
+
+    place.adopt(ROBOT, ROBOT.files[1], tmp_path / "fetched")
+
+    assert (place.root / "robot" / "assets" / "a.obj").read_bytes() == b"v 0"
+
+
+def test_a_licence_that_a_model_brings_along_is_the_one_in_its_notice(tmp_path: Path) -> None:
+    own = {"files": (*ROBOT.files, ModelFile(**entry("LICENSE", b"Ask us."))), "licence": "MIT"}
+    robot = ROBOT.model_copy(update={**own, "licence_file": "LICENSE"})
+    place = store(tmp_path, robot)
+    (place.root / "robot").mkdir(parents=True)
+    (place.root / "robot" / "LICENSE").write_bytes(b"Ask us.")
+
+    place.finish(robot)
+
+    notice = (place.root / "robot" / "LICENCE.txt").read_text()
+    assert notice.endswith("Ask us.")
+    assert "Permission is hereby granted" not in notice
+
+
+def test_all_licences_of_a_model_are_in_its_notice(tmp_path: Path) -> None:
+    robot = ROBOT.model_copy(update={"further_licences": ("Apache-2.0",)})
+    described = builtin_manifest().licences
+    place = Store(tmp_path, Manifest(licences=described, sets={}, models={"robot": robot}))
+    (tmp_path / "robot").mkdir()
+
+    place.finish(robot)
+
+    notice = (tmp_path / "robot" / "LICENCE.txt").read_text()
+    assert "Permission is hereby granted" in notice
+    assert "Apache License" in notice

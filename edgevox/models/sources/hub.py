@@ -7,8 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from edgevox.models.errors import SourceFailed
-from edgevox.models.manifest import HubSource, ModelFile
+from edgevox.models.manifest import ModelFile
+from edgevox.models.places import HubSource
 from edgevox.models.progress import Progress
+from edgevox.models.sources.bench import place_for
 
 CONNECT_TIMEOUT_S = 5.0
 
@@ -67,7 +69,7 @@ class Hub:
             )
         except (client.errors.HfHubHTTPError, _library("httpx").HTTPError, OSError) as error:
             raise SourceFailed(_first_line(error.__cause__ or error)) from None
-        path = bench / file.name
+        path = place_for(file, bench)
         shutil.move(got, path)
         return path
 

