@@ -6,8 +6,9 @@ import time
 from collections.abc import Callable
 
 from edgevox.robots.capabilities import Twist2D
+from edgevox.robots.engine import STEP_S
 from edgevox.robots.lidar import Lidar
-from edgevox.robots.physics import STEP_S, Physics
+from edgevox.robots.physics import PymunkEngine
 from edgevox.robots.planner import Planner
 from edgevox.robots.text_map import draw
 from edgevox.robots.world import load_world
@@ -36,7 +37,7 @@ def seconds(work: Callable[[], object], times: int, rounds: int = 5) -> float:
 def measure() -> dict[str, float]:
     """The figures by the names in `UNITS`."""
     world = load_world()
-    physics, lidar, planner = Physics(world), Lidar(world), Planner(world)
+    physics, lidar, planner = PymunkEngine(world), Lidar(world), Planner(world)
     pose, movable = world.robot.start, physics.movable_poses()
     goals = {room.name: room.goal for room in world.rooms}
     step = seconds(lambda: physics.step(Twist2D(0.5, 1.0)), 2000)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.robots.capabilities import Pose2D, Twist2D
+from edgevox.robots.engine import Motion
 from edgevox.robots.follower import Follower
-from edgevox.robots.physics import Motion
 from edgevox.robots.planner import Planner
 from edgevox.robots.shapes import Point
 from edgevox.robots.world_model import RobotSpec

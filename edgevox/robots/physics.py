@@ -8,56 +8,35 @@ Not safe to use from two threads at a time.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import pymunk
 
-from edgevox.robots.capabilities import Pose2D, Twist2D
+from edgevox.robots.capabilities import LidarScan, Pose2D, Twist2D
+from edgevox.robots.engine import BRAKE_M_S2, STEP_S, STILL_M_S, Motion
+from edgevox.robots.lidar import Lidar
 from edgevox.robots.shapes import Circle, Line, Polygon, Shape, edges, is_convex, place, reach
 from edgevox.robots.world_model import Thing, World
 
-STEP_S = 0.02
-"""Physical time of one step."""
-_STILL_M_S = 1e-4  # and rad/s
-BRAKE_M_S2 = 12.0
-"""How hard the robot can brake; a halt from 0.8 m/s takes 0.07 s."""
 _SUBSTEPS = 2
 _ITERATIONS = 15
 _GRAVITY_M_S2 = 9.81
 _LINE_RADIUS_M = 0.005
 
 
-@dataclass(frozen=True, slots=True)
-class Motion:
-    """Where the robot is, how it moves, and the names of what it touches."""
+class PymunkEngine:
+    """An `Engine` in pymunk; the lidar is our own."""
 
-    pose: Pose2D
-    twist: Twist2D
-    touching: frozenset[str]
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._lidar = Lidar(world)
+        self._build(world.robot.start, [thing.pose for thing in world.movable])
 
-    @property
-    def finite(self) -> bool:
-        """Whether every number is one."""
-        return all(
-            map(
-                math.isfinite,
-                (
-                    self.pose.x_m,
-                    self.pose.y_m,
-                    self.pose.yaw_rad,
-                    self.twist.linear_m_s,
-                    self.twist.angular_rad_s,
-                ),
-            )
-        )
+    def put(self, robot: Pose2D, movable: Sequence[Pose2D]) -> None:
+        """Build the space anew, so that nothing of before is left in it, however it broke."""
+        self._build(robot, movable)
 
-
-class Physics:
-    """One world, stepped by hand."""
-
-    def __init__(
-        self, world: World, robot: Pose2D | None = None, movable: Sequence[Pose2D] | None = None
-    ) -> None:
+    def _build(self, robot: Pose2D, movable: Sequence[Pose2D]) -> None:
+        world = self._world
         self._space = pymunk.Space()
         self._space.iterations = _ITERATIONS
         self._names: dict[pymunk.Shape, str] = {}
@@ -67,16 +46,14 @@ class Physics:
             self._add_solid(
                 pymunk.Segment(self._space.static_body, (x1, y1), (x2, y2), 0.0), "edge"
             )
-        places = movable or [thing.pose for thing in world.movable]
         self._movable = [
             self._add_movable(thing, pose)
-            for thing, pose in zip(world.movable, places, strict=True)
+            for thing, pose in zip(world.movable, movable, strict=True)
         ]
-        self._robot = self._add_robot(world, robot or world.robot.start)
+        self._robot = self._add_robot(world, robot)
         self._wheels = self._add_wheels(world)
 
     def step(self, command: Twist2D) -> Motion:
-        """Let `STEP_S` pass while the wheels follow the command; returns what came of it."""
         for _ in range(_SUBSTEPS):
             heading = self._robot.rotation_vector
             self._wheels.position = self._robot.position
@@ -86,22 +63,22 @@ class Physics:
         return self.motion()
 
     def motion(self) -> Motion:
-        """The robot now."""
         velocity = self._robot.velocity.dot(self._robot.rotation_vector)
         twist = Twist2D(float(velocity), float(self._robot.angular_velocity))
         return Motion(_pose(self._robot), twist, self._touching())
 
     @property
     def still(self) -> bool:
-        """Whether nothing moves, the robot and the things that can be pushed."""
         return all(
-            body.velocity.length < _STILL_M_S and abs(body.angular_velocity) < _STILL_M_S
+            body.velocity.length < STILL_M_S and abs(body.angular_velocity) < STILL_M_S
             for body in (self._robot, *self._movable)
         )
 
     def movable_poses(self) -> tuple[Pose2D, ...]:
-        """Where the movable things are, in the world's order."""
         return tuple(_pose(body) for body in self._movable)
+
+    def scan(self, time_s: float) -> LidarScan:
+        return self._lidar.scan(time_s, _pose(self._robot), self.movable_poses())
 
     def _touching(self) -> frozenset[str]:
         names: set[str] = set()

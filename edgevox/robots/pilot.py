@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from edgevox.core.cancel import Cancelled
 from edgevox.robots.capabilities import Pose2D, Twist2D
 from edgevox.robots.drive import Drive
-from edgevox.robots.physics import STEP_S, Motion
+from edgevox.robots.engine import STEP_S, Motion
 from edgevox.robots.world_model import RobotSpec
 
 WATCHDOG_S = 0.5

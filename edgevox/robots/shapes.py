@@ -127,6 +127,16 @@ def is_convex(polygon: Polygon) -> bool:
     return bool((turns >= -1e-9).all() or (turns <= 1e-9).all())
 
 
+def crosses_itself(polygon: Polygon) -> bool:
+    """Whether two sides cross."""
+    sides = edges(polygon)
+    start, along = sides[:, :2], sides[:, 2:] - sides[:, :2]
+    offset = start[None, :, :] - start[:, None, :]
+    left = along[:, :1] * offset[:, :, 1] - along[:, 1:] * offset[:, :, 0]
+    parted = left * np.roll(left, -1, axis=1) < 0.0  # [i, j]: j's ends, on both sides of line i
+    return bool((parted & parted.T).any())
+
+
 def _to_segment(edge: Floats, points: Floats) -> Floats:
     start, side = edge[:2], edge[2:] - edge[:2]
     length_squared = float(side @ side)

@@ -3,7 +3,7 @@
 from typing import Any
 
 from edgevox.robots.drive import Progress
-from edgevox.robots.physics import Motion
+from edgevox.robots.engine import Motion
 
 
 def describe_motion(motion: Motion) -> dict[str, Any]:

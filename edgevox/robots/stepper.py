@@ -42,7 +42,9 @@ class Stepper:
 
     `step` lets `period_s` of the world's time pass and returns whether it has more to do. With a
     `speed` it is called at that multiple of real time, busy or not. With None it is called without
-    a pause while it is busy; when it is not, the world stands still until `wake`.
+    a pause while it is busy; when it is not, the world stands still until `wake` or `advance`.
+    With 0 time passes only as far as `advance` asks, busy or not: whoever does so holds the world
+    in his hand, and what he does between two calls takes no time in it.
     A step that raises is logged and counted, and the next one comes.
     """
 
@@ -56,8 +58,8 @@ class Stepper:
         sleep: Callable[[float], None] | None = None,
         name: str = "world",
     ) -> None:
-        if speed is not None and not 0.0 < speed <= 1000.0:
-            raise InvalidValue("speed", speed, "a number above 0 and up to 1000, or None")
+        if speed is not None and not 0.0 <= speed <= 1000.0:
+            raise InvalidValue("speed", speed, "a number from 0 to 1000, or None")
         self._step = step
         self._period_s = period_s
         self._speed = speed
@@ -65,6 +67,9 @@ class Stepper:
         self._sleep = sleep or self._wait_for_close
         self._closing = threading.Event()
         self._woken = threading.Event()
+        self._stepped = threading.Condition()
+        self._steps = 0
+        self._wanted_steps = 0
         self._thread = threading.Thread(target=self._run, name=name)
         self._factor = 0.0
         self._next_log_s = 0.0
@@ -87,30 +92,54 @@ class Stepper:
         """There is something to do."""
         self._woken.set()
 
+    def advance(self, seconds: float) -> None:
+        """Block until this much of the world's time has passed, or no more steps are taken."""
+        with self._stepped:
+            until = self._steps + max(1, round(seconds / self._period_s))
+            self._wanted_steps = max(self._wanted_steps, until)
+            self._woken.set()
+            self._stepped.wait_for(lambda: self._steps >= until or not self.running)
+
     def close(self) -> None:
         """Take no more steps and wait for the thread to end."""
         self._closing.set()
         self._woken.set()
+        with self._stepped:
+            self._stepped.notify_all()
         if self._thread.is_alive():
             self._thread.join()
 
     def _run(self) -> None:
         now = self._clock.now()
-        pacer = None if self._speed is None else Pacer(self._period_s / self._speed, now)
+        pacer = Pacer(self._period_s / self._speed, now) if self._speed else None
         meter = _Meter(now)
         while not self._closing.is_set():
             if pacer is not None and (wait_s := pacer.wait_s(self._clock.now())) > 0.0:
                 self._sleep(wait_s)
                 continue
             self._woken.clear()
+            if self._speed == 0.0 and not self._asked_for:
+                self._woken.wait()
+                continue
             more = self._try_step()
+            self._count()
             self._factor = meter.factor(self._clock.now(), self._period_s)
             if pacer is not None:
                 pacer.stepped()
-            elif more:
+            elif more or self._asked_for:
                 self._sleep(0.0)
             else:
                 self._woken.wait()
+
+    @property
+    def _asked_for(self) -> bool:
+        """Whether `advance` waits for more steps."""
+        return self._steps < self._wanted_steps
+
+    def _count(self) -> None:
+        with self._stepped:
+            self._steps += 1
+            self._stepped.notify_all()
 
     def _try_step(self) -> bool:
         try:

@@ -45,16 +45,17 @@ def apartment_file() -> Path:
     return Path(str(resources.files("edgevox.robots").joinpath("worlds/apartment.yaml")))
 
 
-def load_world(path: Path | None = None) -> World:
+def load_world(path: Path | None = None, *, seed: int = 0) -> World:
     """Read and check a world file, the apartment without one.
 
+    What the file leaves to chance, such as `distribution: {name: random}`, comes from `seed`.
     Raises `InvalidValue` naming the file, the field, its value and what was expected.
     """
     file = path or apartment_file()
-    return parse_world(read_text(file, "world"), file.name)
+    return parse_world(read_text(file, "world"), file.name, seed=seed)
 
 
-def parse_world(text: str, name: str) -> World:
+def parse_world(text: str, name: str, *, seed: int = 0) -> World:
     """The world that this YAML text describes; `name` is the file's name in messages."""
     top = Fields(name, parse_yaml(text, name))
     if isinstance(top.get("irsim"), dict):
@@ -71,7 +72,8 @@ def parse_world(text: str, name: str) -> World:
     ours = custom.sub("edgevox")
     ours.check_keys(["rooms", "battery"])
     x, y, width, height = _extent(settings)
-    robot, things = _objects(top, (x, y, width, height))
+    dice = random.Random(seed)  # noqa: S311 - the same file and seed are the same world
+    robot, things = _objects(top, (x, y, width, height), dice)
     world = World(
         name=name.partition(".")[0],
         x_min_m=x,
@@ -96,10 +98,9 @@ def _extent(settings: Fields) -> tuple[float, float, float, float]:
 
 
 def _objects(
-    top: Fields, extent: tuple[float, float, float, float]
+    top: Fields, extent: tuple[float, float, float, float], dice: random.Random
 ) -> tuple[RobotSpec, tuple[Thing, ...]]:
     x, y, width, height = extent
-    dice = random.Random(0)  # noqa: S311 - the same file is the same world, every time
     area = (
         Pose2D(x + _MARGIN_M, y + _MARGIN_M, -math.pi),
         Pose2D(x + width - _MARGIN_M, y + height - _MARGIN_M, math.pi),

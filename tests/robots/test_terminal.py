@@ -48,11 +48,43 @@ def test_bytes_that_are_no_text_and_very_long_lines_are_answered():
         ("/help", "/reset"),
         ("/state", '"battery": '),
         ("/skills", "navigate_to(room)"),
+        ("/stop it", "/stop: got 'it', expected nothing after it"),
+        ("/picture /nowhere/at/all.png", "snapshot: got '/nowhere/at/all.png', expected a file in"),
         ("/dance", "/dance: no such command; expected one of /help, /map"),
     ],
 )
 def test_a_slash_command_is_answered(line, answer):
     assert answer in run_script(f"{line}\n").stdout.decode()
+
+
+def test_a_picture_is_written_where_the_person_says(tmp_path):
+    file = tmp_path / "my robot.png"
+    assert f"written to {file}" in run_script(f"/picture {file}\n").stdout.decode()
+    assert file.read_bytes().startswith(b"\x89PNG")
+
+
+def test_restart_puts_the_world_back_and_the_robot_stands_at_the_start():
+    done = run_script("where are you\ngo to x 4.3 and y 2\n/restart\nwhere are you\n")
+    answers = [line.strip() for line in done.stdout.decode().splitlines() if " at x " in line]
+    assert len(answers) == 3
+    assert answers[0] == answers[-1] != answers[1]
+
+
+def test_where_there_is_a_display_the_robot_is_shown_unless_it_is_not_wanted(monkeypatch):
+    monkeypatch.setenv("DISPLAY", ":no.such.display")
+    for flags, shown in (((), True), (("--no-render",), False)):
+        agent = subprocess.Popen(
+            [*COMMAND, *flags],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        )
+        assert b"is ready" in agent.stdout.readline()
+        if shown:
+            assert b"no window" in agent.stderr.readline()
+        _, errors = agent.communicate(b"/quit\n", timeout=20)
+        assert agent.returncode == 0
+        assert b"window" not in errors
 
 
 def test_quit_ends_a_script_early():

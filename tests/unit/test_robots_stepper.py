@@ -100,10 +100,53 @@ def test_as_fast_as_it_can_it_stands_still_until_there_is_something_to_do() -> N
     assert not stepper.running
 
 
-@pytest.mark.parametrize("speed", [0.0, -1.0, float("nan"), 1e9])
+@pytest.mark.parametrize("speed", [-1.0, float("nan"), 1e9])
 def test_a_speed_that_makes_no_sense_is_refused(speed: float) -> None:
     with pytest.raises(InvalidValue, match="speed"):
         Stepper(lambda: False, period_s=0.02, speed=speed)
+
+
+@pytest.mark.parametrize("speed", [None, 0.0])
+def test_as_much_time_passes_as_somebody_asks_for(speed: float | None) -> None:
+    taken = []
+    stepper = Stepper(lambda: bool(taken.append(1)), period_s=0.02, speed=speed)
+    stepper.start()
+    try:
+        before = len(taken)
+        stepper.advance(2.0)
+        assert 100 <= len(taken) - before <= 101
+    finally:
+        stepper.close()
+
+
+def test_a_world_held_in_the_hand_stands_still_while_it_is_busy() -> None:
+    taken = []
+
+    def step() -> bool:
+        taken.append(1)
+        return True  # always busy
+
+    stepper = Stepper(step, period_s=0.02, speed=0.0)
+    stepper.start()
+    try:
+        for _ in range(50):
+            stepper.wake()
+        stepper.advance(0.1)
+        assert len(taken) == 5
+    finally:
+        stepper.close()
+
+
+def test_whoever_waits_for_time_to_pass_is_let_go_at_the_end() -> None:
+    stepping = threading.Event()
+    stepper = Stepper(lambda: stepping.set() or True, period_s=0.02, speed=0.001)
+    stepper.start()
+    waiter = threading.Thread(target=stepper.advance, args=(1000.0,))
+    waiter.start()
+    assert stepping.wait(5)
+    stepper.close()
+    waiter.join(5)
+    assert not waiter.is_alive()
 
 
 def test_a_stepper_that_never_started_can_be_closed() -> None:

@@ -5,19 +5,29 @@ import logging
 import math
 import threading
 
+import numpy as np
 import pytest
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.errors import InvalidValue
-from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.capabilities import Pose2D, Twist2D
-from edgevox.robots.physics import Motion
+from edgevox.robots.engine import Motion
+from edgevox.robots.planar import PlanarRobot
+from edgevox.robots.world import parse_world
 
 BRAKE_TIME_S = 0.1
+BLUE = (37, 99, 235)
+NEARSIGHTED = """
+world: {width: 8, height: 4}
+robot:
+  kinematics: {name: diff}
+  state: [1, 2, 0]
+  sensors: [{name: lidar2d, number: 91, angle_range: 6.2832, range_max: 3}]
+"""
 
 
-def stands(robot: ApartmentRobot) -> bool:
+def stands(robot: PlanarRobot) -> bool:
     twist = robot.velocity()
     return abs(twist.linear_m_s) < 0.01 and abs(twist.angular_rad_s) < 0.01
 
@@ -120,7 +130,7 @@ def test_a_velocity_that_is_no_number_is_refused_and_harms_nothing(robot, field,
 
 
 def test_a_motion_that_becomes_no_number_is_logged_and_the_world_goes_on(robot, caplog) -> None:
-    real = robot._physics.step
+    real = robot._engine.step
     broken = threading.Event()
 
     def step(command: Twist2D) -> Motion:
@@ -130,7 +140,7 @@ def test_a_motion_that_becomes_no_number_is_logged_and_the_world_goes_on(robot, 
         return Motion(Pose2D(math.nan, 0.0, 0.0), Twist2D(0.0, 0.0), frozenset())
 
     with caplog.at_level(logging.ERROR):
-        robot._physics.step = step
+        robot._engine.step = step
         robot.advance(0.1)
         robot.drive_to(3.4, 2.9, token=CancelToken(), report=lambda **f: None)
 
@@ -181,13 +191,38 @@ def test_a_scan_sees_the_walls_of_the_hall(in_hall) -> None:
     robot = in_hall()
 
     scan = robot.scan()
+    to_angle = {0.0: 7.0, math.pi / 2: 2.0, -math.pi / 2: 2.0, -math.pi: 1.0}
 
-    assert float(scan.ranges_m[180]) == pytest.approx(7.0, abs=1e-3)
-    assert float(scan.ranges_m[270]) == pytest.approx(2.0, abs=1e-3)
+    assert len(scan.ranges_m) == 360
+    for angle_rad, wall_m in to_angle.items():
+        beam = round((angle_rad - scan.angle_min_rad) / scan.angle_increment_rad)
+        assert float(scan.ranges_m[beam]) == pytest.approx(wall_m, abs=2e-3)
 
 
-def test_real_time_passes_in_real_time() -> None:
-    with ApartmentRobot(speed=1.0) as robot:
+def test_a_beam_that_meets_nothing_within_its_reach_is_infinite(make) -> None:
+    robot = make(parse_world(NEARSIGHTED, "hall.yaml"))
+
+    ranges = robot.scan().ranges_m
+
+    assert np.isinf(ranges[45])
+    assert ranges.min() == pytest.approx(1.0, abs=1e-3)
+
+
+def test_a_picture_shows_where_the_robot_is(slow_robot) -> None:
+    before = slow_robot.picture()
+    for _ in range(10):
+        slow_robot.set_velocity(Twist2D(0.8, 0.0))
+        slow_robot.advance(0.1)
+    after = slow_robot.picture()
+
+    assert before.shape == after.shape == (800, 800, 3)
+    assert before.dtype == np.uint8
+    rows = [np.argwhere((image == BLUE).all(axis=2))[:, 0].mean() for image in (before, after)]
+    assert 30 < rows[0] - rows[1] < 80, "it drove up, 75 pixels a metre"
+
+
+def test_real_time_passes_in_real_time(make) -> None:
+    with make(speed=1.0) as robot:
         began = threading.Event()
         began.wait(0.3)
         passed_s = robot.time_s
@@ -195,9 +230,9 @@ def test_real_time_passes_in_real_time() -> None:
     assert 0.1 < passed_s < 0.6
 
 
-def test_after_close_no_thread_is_left_and_closing_twice_is_fine() -> None:
+def test_after_close_no_thread_is_left_and_closing_twice_is_fine(make) -> None:
     before = set(threading.enumerate())
-    robot = ApartmentRobot()
+    robot = make()
     robot.start()
     assert set(threading.enumerate()) - before
 

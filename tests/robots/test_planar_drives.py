@@ -2,54 +2,60 @@
 
 import itertools
 import math
+from dataclasses import astuple
 
 import pytest
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.errors import InvalidValue
-from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.capabilities import (
     Body,
     DrivesTo,
     HasBattery,
     HasLidar,
     HasMap,
+    HasPicture,
     HasPlaces,
     HasPose,
+    Pose2D,
     TakesVelocity,
     Twist2D,
 )
-from edgevox.robots.physics import Motion
+from edgevox.robots.engine import Motion
+from edgevox.robots.planar import PlanarRobot
 
 ROOMS = ("kitchen", "bedroom", "living_room", "office")
 
 
-def drive(robot: ApartmentRobot, x_m: float, y_m: float) -> list[dict[str, float]]:
+def drive(robot: PlanarRobot, x_m: float, y_m: float) -> list[dict[str, float]]:
     reports: list[dict[str, float]] = []
     robot.drive_to(x_m, y_m, token=CancelToken(), report=lambda **f: reports.append(f))
     return reports
 
 
-def test_it_is_a_body_with_everything_it_claims(robot: ApartmentRobot) -> None:
+def test_it_is_a_body_with_everything_it_claims(robot: PlanarRobot) -> None:
     body: Body = robot
-    kinds = (DrivesTo, HasBattery, HasLidar, HasMap, HasPlaces, HasPose, TakesVelocity)
+    kinds = (DrivesTo, HasBattery, HasLidar, HasMap, HasPicture, HasPlaces, HasPose, TakesVelocity)
 
     assert all(isinstance(body, kind) for kind in kinds)
 
 
-@pytest.mark.parametrize(("start", "end"), list(itertools.permutations(ROOMS, 2)))
-def test_every_room_is_reached_from_every_other_without_a_touch(robot, start, end) -> None:
-    drive(robot, *robot.places[start])
-    reports = drive(robot, *robot.places[end])
+def test_every_room_is_reached_from_every_other_without_a_touch(robot) -> None:
+    tour = ["kitchen", "bedroom", "kitchen", "living_room", "kitchen", "office", "bedroom"]
+    tour += ["living_room", "bedroom", "office", "living_room", "office", "kitchen"]
+    assert set(itertools.pairwise(tour)) == set(itertools.permutations(ROOMS, 2))
 
-    pose, twist, state = robot.pose(), robot.velocity(), robot.state()
-    assert math.dist((pose.x_m, pose.y_m), robot.places[end]) < 0.15
-    assert abs(twist.linear_m_s) < 0.03
-    assert state["room"] == end
-    assert state["collisions"] == 0
-    assert state["goal"] is None
-    assert reports[-1]["progress"] == 1.0
+    for room in tour:
+        reports = drive(robot, *robot.places[room])
+
+        pose, twist, state = robot.pose(), robot.velocity(), robot.state()
+        assert math.dist((pose.x_m, pose.y_m), robot.places[room]) < 0.15
+        assert abs(twist.linear_m_s) < 0.03
+        assert state["room"] == room
+        assert state["collisions"] == 0, f"on the way to the {room}"
+        assert state["goal"] is None
+        assert reports[-1]["progress"] == 1.0
 
 
 def test_it_drives_no_faster_and_speeds_up_no_harder_than_its_limits(in_hall, driving) -> None:
@@ -84,7 +90,7 @@ def test_a_goal_that_cannot_be_is_refused_and_nothing_moves(robot, x_m, y_m, wor
         drive(robot, x_m, y_m)
 
     robot.advance(0.5)
-    assert robot.pose() == before
+    assert astuple(robot.pose()) == pytest.approx(astuple(before))
 
 
 @pytest.mark.parametrize("x_m", [math.nan, math.inf])
@@ -121,8 +127,8 @@ def test_furniture_pushed_into_the_way_is_driven_around(in_hall, driving) -> Non
         speed=20.0,
     )
     going = driving(robot, 7.0, 2.0)
-    with robot._changed:
-        robot._physics._movable[0].position = (4.0, 2.0)
+    with robot._lock:
+        robot._engine.put(robot._run.motion.pose, [Pose2D(4.0, 2.0, 0.0)])
 
     assert going.end() is None
     assert max(abs(y - 2.0) for _, y in robot.trail()) > 0.25
@@ -132,9 +138,9 @@ def test_furniture_pushed_into_the_way_is_driven_around(in_hall, driving) -> Non
 def test_a_robot_that_cannot_move_says_that_it_is_stuck(in_hall, driving) -> None:
     robot = in_hall("", speed=50.0)
     going = driving(robot, 7.0, 2.0)
-    with robot._changed:
-        stands = Motion(robot._motion.pose, Twist2D(0.0, 0.0), frozenset())
-        robot._physics.step = lambda command: stands
+    with robot._lock:
+        stands = Motion(robot._run.motion.pose, Twist2D(0.0, 0.0), frozenset())
+        robot._engine.step = lambda command: stands
 
     error = going.end()
 
@@ -218,7 +224,7 @@ def test_reset_puts_everything_back_but_time(robot) -> None:
 
     robot.reset()
 
-    assert robot.pose() == start
+    assert astuple(robot.pose()) == pytest.approx(astuple(start))
     assert robot.state()["collisions"] == 0
     assert robot.trail() == ((start.x_m, start.y_m),)
     assert robot.time_s >= time_s

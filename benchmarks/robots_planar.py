@@ -1,0 +1,150 @@
+"""What the 2D bodies add to the simulators under them.
+
+The whole body (planner, pilot, battery, locks, its thread) drives to two rooms. Right after each of
+its steps a second world in the bare simulator makes the same step, so that both meet the same
+machine, whatever else runs on it. Time is that of the processor.
+"""
+
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from edgevox.core.cancel import CancelToken
+from edgevox.robots.capabilities import LidarScan, Pose2D, Twist2D
+from edgevox.robots.engine import STEP_S, Engine, Motion
+from edgevox.robots.irsim_engine import IrsimEngine, make_environment
+from edgevox.robots.physics import PymunkEngine
+from edgevox.robots.planar import PlanarRobot
+from edgevox.robots.world import load_world
+from edgevox.robots.world_model import World
+
+TOUR = ("kitchen", "living_room")
+SCAN_EVERY_STEPS = 5
+ROUNDS = 3
+
+Step = Callable[[Twist2D], None]
+Scan = Callable[[], object]
+
+
+class Beside:
+    """An engine that lets a bare simulator do each step, and its scan at 10 Hz, once more."""
+
+    def __init__(self, engine: Engine, bare: tuple[Step, Scan], *, lidar: bool) -> None:
+        self._engine, self._lidar = engine, lidar
+        self._step, self._scan = bare
+        self.steps = 0
+        self.bare_s = 0.0
+
+    def step(self, command: Twist2D) -> Motion:
+        self.steps += 1
+        scans = self._lidar and self.steps % SCAN_EVERY_STEPS == 0
+        motion = self._engine.step(command)
+        if scans:
+            self._engine.scan(0.0)
+        began_s = time.thread_time()
+        self._step(command)
+        if scans:
+            self._scan()
+        self.bare_s += time.thread_time() - began_s
+        return motion
+
+    def motion(self) -> Motion:
+        return self._engine.motion()
+
+    @property
+    def still(self) -> bool:
+        return self._engine.still
+
+    def movable_poses(self) -> tuple[Pose2D, ...]:
+        return self._engine.movable_poses()
+
+    def scan(self, time_s: float) -> LidarScan:
+        return self._engine.scan(time_s)
+
+    def put(self, robot: Pose2D, movable: Sequence[Pose2D]) -> None:
+        self._engine.put(robot, movable)
+
+
+def bare_irsim(world: World) -> tuple[Step, Scan]:
+    """IR-SIM's `env.step`, without the rays that it would cast at every step, and its lidar."""
+    env = make_environment(world)
+    lidar = env.robot.lidar
+    env.robot.sensors.clear()
+    return (
+        lambda command: env.step([command.linear_m_s, command.angular_rad_s]),
+        lambda: lidar.step(env.robot.state[:3]),
+    )
+
+
+def bare_pymunk(world: World) -> tuple[Step, Scan]:
+    """The `Space.step` of pymunk; it has no lidar, so that one is ours."""
+    engine = PymunkEngine(world)
+    space, robot, wheels = engine._space, engine._robot, engine._wheels  # noqa: SLF001 - the bare parts
+
+    def step(command: Twist2D) -> None:
+        for _ in range(2):
+            wheels.position = robot.position
+            wheels.velocity = robot.rotation_vector * command.linear_m_s
+            wheels.angular_velocity = command.angular_rad_s
+            space.step(STEP_S / 2)
+
+    return step, lambda: engine.scan(0.0)
+
+
+def drive(engine: Beside, world: World) -> tuple[float, float]:
+    """Seconds that a step took the whole body, and the bare simulator."""
+    with PlanarRobot("robot", world, engine, speed=None) as robot:
+        began_s = time.process_time()
+        for room in TOUR:
+            robot.drive_to(*robot.places[room], token=CancelToken(), report=lambda **_: None)
+        both_s = time.process_time() - began_s
+    return (both_s - engine.bare_s) / engine.steps, engine.bare_s / engine.steps
+
+
+def measure() -> list[dict[str, Any]]:
+    """Rows of `body`, `what`, `real_time_factor`, of the best of some rounds.
+
+    Those of the bodies also say which part they add to the simulator's own time, `added`, and how
+    much that is for a step of 20 ms, `added_us`.
+    """
+    rows: list[dict[str, Any]] = []
+    world = load_world()
+    for body, make, make_bare, simulator in (
+        ("robot-apartment", PymunkEngine, bare_pymunk, "pymunk"),
+        ("robot-irsim", IrsimEngine, bare_irsim, "IR-SIM"),
+    ):
+        for lidar, also in ((False, ""), (True, ", lidar at 10 Hz")):
+            whole_s, bare_s = min(
+                drive(Beside(make(world), make_bare(world), lidar=lidar), world)
+                for _ in range(ROUNDS)
+            )
+            rows.append(
+                {
+                    "body": body,
+                    "what": f"{simulator} alone{also}",
+                    "real_time_factor": STEP_S / bare_s,
+                }
+            )
+            rows.append(
+                {
+                    "body": body,
+                    "what": f"the whole body{also}",
+                    "real_time_factor": STEP_S / whole_s,
+                    "added": whole_s / bare_s - 1,
+                    "added_us": (whole_s - bare_s) * 1e6,
+                }
+            )
+    return rows
+
+
+def main() -> None:
+    """Measure and print."""
+    for row in measure():
+        told = f"  {row['body']:16} {row['what']:32} {row['real_time_factor']:8.1f} x real time"
+        if "added" in row:
+            told += f", {100 * row['added']:+.1f} %, {row['added_us']:+.0f} us a step"
+        print(told)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,265 @@
+"""A robot on two wheels in a flat world: what both 2D bodies are, whatever simulates them."""
+
+import math
+import threading
+from collections.abc import Mapping
+from functools import cached_property
+from types import MappingProxyType, TracebackType
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from edgevox.agent.skills import Skill, SkillFailed
+from edgevox.core.cancel import Cancelled, CancelToken
+from edgevox.core.clock import Clock
+from edgevox.core.errors import InvalidValue
+from edgevox.robots.capabilities import LidarScan, Pose2D, Report, Twist2D
+from edgevox.robots.drive import Drive
+from edgevox.robots.engine import STEP_S, Engine
+from edgevox.robots.navigation import navigation_skills
+from edgevox.robots.planar_run import PlanarRun
+from edgevox.robots.planner import Planner
+from edgevox.robots.shapes import Point
+from edgevox.robots.snapshot import describe_goal, describe_motion
+from edgevox.robots.stepper import Stepper
+from edgevox.robots.text_map import draw
+from edgevox.robots.world_model import World
+
+if TYPE_CHECKING:
+    from edgevox.robots.picture import Painter
+
+REPORT_EVERY_S = 0.2
+_PICTURE_PX = 800
+_TRAIL_SHOWN = 400  # points of 0.05 m
+
+
+class PlanarRobot:
+    """A body with a pose, a lidar, a battery, rooms, and the sense to drive somewhere by itself.
+
+    `speed` is how many seconds pass in its world each second, 1 for real time. With None, for
+    tests, they pass as fast as they can while it drives or comes to rest; otherwise, also while
+    somebody sends velocities, only as far as `advance` asks. With 0 that is always so.
+    Every method may be called from any thread. A cancelled or halted robot is asked for zero
+    velocity before the call returns and stands within 0.1 s of its own time.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        world: World,
+        engine: Engine,
+        *,
+        speed: float | None = 1.0,
+        clock: Clock | None = None,
+    ) -> None:
+        self.name = name
+        self.world = world
+        self.max_linear_m_s = world.robot.max_linear_m_s
+        self.max_angular_rad_s = world.robot.max_angular_rad_s
+        self._lock = threading.Lock()
+        self._planner = Planner(world)
+        self._places = MappingProxyType({room.name: room.goal for room in world.rooms})
+        self._ticks = 0
+        self._engine = engine
+        self._run = PlanarRun(world, engine)
+        hints = {room.name: room.hints for room in world.rooms}
+        aliases = {said: room.name for room in world.rooms for said in room.aliases}
+        self._skills = navigation_skills(self, hints, aliases)
+        self._stepper = Stepper(
+            self._step, period_s=STEP_S, speed=speed, clock=clock, name=f"{name} world"
+        )
+
+    def __enter__(self) -> Self:
+        self.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    @property
+    def skills(self) -> tuple[Skill, ...]:
+        return self._skills
+
+    @property
+    def time_s(self) -> float:
+        return self._ticks * STEP_S
+
+    @property
+    def places(self) -> Mapping[str, tuple[float, float]]:
+        return self._places
+
+    @property
+    def real_time_factor(self) -> float:
+        """Seconds that pass in the world each second."""
+        return self._stepper.real_time_factor
+
+    def start(self) -> None:
+        self._stepper.start()
+
+    def close(self) -> None:
+        """Stop moving and join the thread. A drive that runs ends as cancelled."""
+        self.halt("the robot was switched off")
+        self._stepper.close()
+
+    def reset(self) -> None:
+        """Everything back where it started, with a full battery; time goes on."""
+        with self._lock:
+            self._run.pilot.stand(Cancelled("the world was reset"))
+            self._run = PlanarRun(self.world, self._engine)
+
+    def pose(self) -> Pose2D:
+        with self._lock:
+            return self._run.motion.pose
+
+    def velocity(self) -> Twist2D:
+        with self._lock:
+            return self._run.motion.twist
+
+    def battery(self) -> float:
+        with self._lock:
+            return self._run.battery.charge
+
+    def trail(self) -> tuple[Point, ...]:
+        """Where the robot has been since the start or a reset, at most the last 5000 points."""
+        with self._lock:
+            return tuple(self._run.trail)
+
+    def movable_poses(self) -> tuple[Pose2D, ...]:
+        """Where the things that can be pushed are, in the world's order."""
+        with self._lock:
+            return self._engine.movable_poses()
+
+    def scan(self) -> LidarScan:
+        with self._lock:
+            return self._engine.scan(self.time_s)
+
+    def place_at(self, x_m: float, y_m: float) -> str | None:
+        room = self.world.room_at(x_m, y_m)
+        return room.name if room else None
+
+    def set_velocity(self, twist: Twist2D) -> None:
+        checked = Twist2D(
+            _finite("linear_m_s", twist.linear_m_s), _finite("angular_rad_s", twist.angular_rad_s)
+        )
+        with self._lock:
+            self._run.pilot.take(checked, self.time_s)
+        self._stepper.wake()
+
+    def halt(self, reason: str) -> bool:
+        with self._lock:
+            moved = self._run.pilot.busy or self._run.moving
+            self._run.pilot.stand(Cancelled(reason))
+        self._stepper.wake()
+        return moved
+
+    def drive_to(self, x_m: float, y_m: float, *, token: CancelToken, report: Report) -> None:
+        """Block until there. Raises `SkillFailed` with a reason, `Cancelled` if it was ended.
+
+        A halt, a velocity or another drive ends it. One that is refused disturbs nothing.
+        """
+        goal = (_finite("x", x_m), _finite("y", y_m))
+        token.check()
+        drive = self._begin(goal)
+        forget = token.on_cancel(lambda: self._end(drive, Cancelled(token.reason)))
+        try:
+            while not drive.done.wait(REPORT_EVERY_S):
+                self._report(drive, report)
+        finally:
+            forget()
+        self._report(drive, report)
+        if drive.error is not None:
+            raise drive.error
+
+    def state(self) -> Mapping[str, Any]:
+        with self._lock:
+            time_s, motion, drive = self.time_s, self._run.motion, self._run.pilot.drive
+            charge, collisions = self._run.battery.charge, self._run.collisions
+            progress = drive.progress() if drive else None
+        room = self.place_at(motion.pose.x_m, motion.pose.y_m)
+        return {
+            "name": self.name,
+            "time": round(time_s, 3),
+            **describe_motion(motion),
+            "room": room,
+            "battery": round(charge, 4),
+            "goal": describe_goal(progress),
+            "touching": sorted(motion.touching),
+            "collisions": collisions,
+        }
+
+    def draw_map(self, columns: int) -> str:
+        with self._lock:
+            pose, movable = self._run.motion.pose, self._engine.movable_poses()
+            drive = self._run.pilot.drive
+            way = drive.way() if drive else ()
+        return draw(self.world, pose, movable, way, columns)
+
+    def picture(self) -> NDArray[np.uint8]:
+        """The world from above, 800 pixels wide, with its last way and what its lidar sees."""
+        with self._lock:
+            pose, movable = self._run.motion.pose, self._engine.movable_poses()
+            scan, trail = self._engine.scan(self.time_s), tuple(self._run.trail)
+        trail = trail[-_TRAIL_SHOWN:]
+        return np.asarray(self._painter.paint(pose, movable, trail=trail, scan=scan))
+
+    @cached_property
+    def _painter(self) -> "Painter":
+        from edgevox.robots.picture import Painter  # Pillow, which only pictures need
+
+        return Painter(self.world, _PICTURE_PX, smoothing=2)
+
+    def advance(self, seconds: float) -> None:
+        """Block until this much of the world's time has passed."""
+        self._stepper.advance(seconds)
+
+    def _begin(self, goal: Point) -> Drive:
+        with self._lock:
+            if not self._stepper.running:
+                raise SkillFailed("I am switched off.")
+            if self._run.battery.empty:
+                raise SkillFailed("My battery is empty.")
+            drive = Drive(
+                goal,
+                self._planner,
+                self.world.robot,
+                time_s=self.time_s,
+                pose=self._run.motion.pose,
+                movable=self._engine.movable_poses(),
+            )
+            self._run.pilot.follow(drive)
+        self._stepper.wake()
+        return drive
+
+    def _end(self, drive: Drive, reason: BaseException) -> None:
+        with self._lock:
+            if self._run.pilot.drive is drive:
+                self._run.pilot.stand(reason)
+
+    def _report(self, drive: Drive, report: Report) -> None:
+        with self._lock:
+            progress, pose = drive.progress(), self._run.motion.pose
+        report(
+            progress=round(progress.progress, 3),
+            distance_m=round(progress.distance_m, 3),
+            x=round(pose.x_m, 3),
+            y=round(pose.y_m, 3),
+        )
+
+    def _step(self) -> bool:
+        """One step of the world, on the stepper's thread. True if more is to come."""
+        with self._lock:
+            self._ticks += 1
+            self._run.step(self.time_s)
+            return (self._run.pilot.busy or self._run.moving) and not self._run.pilot.steered
+
+
+def _finite(field: str, value: float) -> float:
+    if not math.isfinite(value):
+        raise InvalidValue(field, value, "a finite number")
+    return float(value)

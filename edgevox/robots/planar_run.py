@@ -1,0 +1,70 @@
+"""What happens to a 2D robot from one reset to the next, step by step."""
+
+import math
+from collections import deque
+
+from edgevox.agent.skills import SkillFailed
+from edgevox.robots.battery import Battery
+from edgevox.robots.capabilities import Pose2D
+from edgevox.robots.engine import STEP_S, Engine, Motion
+from edgevox.robots.pilot import Pilot
+from edgevox.robots.shapes import Point
+from edgevox.robots.world_model import World
+
+MOST_TRAIL_POINTS = 5000
+TRAIL_STEP_M = 0.05
+_MOVING_M_S = 1e-3  # and rad/s
+_LOOK_EVERY_STEPS = 5
+
+
+class PlanarRun:
+    """The engine, who steers it, the charge that is left, the way it took. The robot locks."""
+
+    def __init__(self, world: World, engine: Engine) -> None:
+        """Put the world of `engine` back where it began."""
+        start = world.robot.start
+        self.engine = engine
+        engine.put(start, [thing.pose for thing in world.movable])
+        self.pilot = Pilot(world.robot)
+        self.battery = Battery(world.battery, world.battery.dock or (start.x_m, start.y_m))
+        self.motion: Motion = engine.motion()
+        self.collisions = 0
+        self.trail: deque[Point] = deque([(start.x_m, start.y_m)], maxlen=MOST_TRAIL_POINTS)
+        self._movable: tuple[Pose2D, ...] = engine.movable_poses()
+        self._steps = 0
+        self._resting = False
+
+    @property
+    def moving(self) -> bool:
+        """Whether the robot is not at rest."""
+        twist = self.motion.twist
+        return abs(twist.linear_m_s) > _MOVING_M_S or abs(twist.angular_rad_s) > _MOVING_M_S
+
+    def step(self, time_s: float) -> None:
+        """Let `engine.STEP_S` pass; `time_s` is the world's time.
+
+        Raises `ArithmeticError` after a motion that is no number: the robot was put back.
+        """
+        self._steps += 1
+        if self.battery.empty and self.pilot.busy:
+            self.pilot.stand(SkillFailed("My battery is empty."))
+        if self._steps % _LOOK_EVERY_STEPS == 0 and not self._resting:
+            self._movable = self.engine.movable_poses()
+        self._move(time_s)
+        self.battery.step(STEP_S, self.motion.pose, self.motion.twist)
+
+    def _move(self, time_s: float) -> None:
+        if self._resting and not self.pilot.busy:
+            return  # a world in which nothing moves costs nothing but its time
+        before = self.motion
+        motion = self.engine.step(self.pilot.command(time_s, before, self._movable))
+        if not motion.finite:
+            self.engine.put(before.pose, self._movable)
+            self.motion = self.engine.motion()
+            raise ArithmeticError(f"the robot's motion became {motion}; it was put back")
+        self.motion = motion
+        self._resting = not self.pilot.busy and self.engine.still
+        self.collisions += len(motion.touching - before.touching)
+        here = (motion.pose.x_m, motion.pose.y_m)
+        if math.dist(here, self.trail[-1]) >= TRAIL_STEP_M:
+            self.trail.append(here)
