@@ -1,0 +1,173 @@
+"""What a skill asks of the legs: to walk, to turn, to stand. Ends once, for whatever reason."""
+
+import math
+import threading
+from dataclasses import dataclass
+
+from edgevox.agent.skills import SkillFailed
+from edgevox.robots.capabilities import Pose2D
+from edgevox.robots.humanoid.policy import STAND, WalkingCommand
+from edgevox.robots.humanoid.walker import Limits
+
+PATIENCE_S = 6.0
+"""How long it may not get any nearer before it gives up."""
+CORRECTIONS = 3
+"""How often it makes another few steps when it stands too far from where it should."""
+EASE_M_S2, EASE_RAD_S2 = 0.3, 0.5
+"""How it slows down before the end of a walk or a turn."""
+_GAIN = 1.2
+_NEARER = 0.02
+_LEARN = 0.7
+"""How much of what it was off by it aims further the next time: it coasts much as before."""
+_MOST_ASIDE_M = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """How far it is: 0 to 1, and the metres or degrees that are left, with their sign."""
+
+    part: float
+    left: float
+    unit: str
+
+
+class Manoeuvre:
+    """Walks `distance_m` straight on (back if negative), turns `angle_rad` to the left, or stands.
+
+    Closed on the robot's pose: it slows down before the end, comes to a stand, looks how far off
+    it is, and corrects that with a few more steps. Not thread-safe, but for `done`.
+    """
+
+    def __init__(
+        self,
+        start: Pose2D,
+        limits: Limits,
+        period_s: float,
+        *,
+        distance_m: float = 0.0,
+        angle_rad: float = 0.0,
+    ) -> None:
+        self.done = threading.Event()
+        self.error: BaseException | None = None
+        self._start, self._limits, self._period_s = start, limits, period_s
+        self._distance_m, self._angle_rad = distance_m, angle_rad
+        self._yaw, self._turned = start.yaw_rad, 0.0
+        self._look(start)
+        self._settling = not (distance_m or angle_rad)
+        self._settled_s = 0.0
+        self._corrections = 0
+        self._lead_m = self._lead_rad = 0.0
+        self._best, self._since_best_s = math.inf, 0.0
+
+    @property
+    def moves(self) -> bool:
+        """Whether it walks or turns; a stand does not."""
+        return bool(self._distance_m or self._angle_rad)
+
+    @property
+    def heading_rad(self) -> float:
+        """Where it looks in the end, if it is exact."""
+        return self._start.yaw_rad + self._angle_rad
+
+    def steer(self, pose: Pose2D) -> WalkingCommand:
+        """The velocity to ask for in the next period; ends it when it is there or gives up."""
+        self._look(pose)
+        if self._settling:
+            self._settle()
+            return STAND
+        if self._is_near():
+            self._settling, self._settled_s = True, 0.0
+            return STAND
+        self._lose_patience()
+        return STAND if self.done.is_set() else self._walk()
+
+    def progress(self) -> Progress:
+        """How far it is."""
+        if not self.moves:
+            part = 1.0 if self.done.is_set() else 0.0
+            return Progress(part, 0.0, "s")
+        if self._distance_m:
+            part = 1.0 - abs(self._ahead_m) / abs(self._distance_m)
+            return Progress(min(max(part, 0.0), 1.0), self._ahead_m, "m")
+        part = 1.0 - abs(self._turn_rad) / abs(self._angle_rad)
+        return Progress(min(max(part, 0.0), 1.0), math.degrees(self._turn_rad), "deg")
+
+    def end(self, error: BaseException | None) -> None:
+        """It is over: done, or not because of `error`. Only the first end counts."""
+        if not self.done.is_set():
+            self.error = error
+            self.done.set()
+
+    def _look(self, pose: Pose2D) -> None:
+        """What is left: metres along and across the way that it began on, radians to the left."""
+        self._turned += math.remainder(pose.yaw_rad - self._yaw, math.tau)
+        self._yaw = pose.yaw_rad
+        cos, sin = math.cos(self._start.yaw_rad), math.sin(self._start.yaw_rad)
+        x, y = pose.x_m - self._start.x_m, pose.y_m - self._start.y_m
+        self._ahead_m = self._distance_m - (cos * x + sin * y)
+        self._aside_m = sin * x - cos * y
+        self._turn_rad = self._angle_rad - self._turned
+
+    def _is_near(self) -> bool:
+        straight = abs(self._turn_rad + self._lead_rad) < self._limits.near_rad
+        if not self._distance_m:
+            return straight
+        there = abs(self._ahead_m + self._lead_m) < self._near_m()
+        return there and (straight or not self._corrections)
+
+    def _near_m(self) -> float:
+        """From a walk it coasts further than from the few steps of a correction."""
+        return self._limits.near_m if self._corrections else self._limits.coast_m
+
+    def _settle(self) -> None:
+        self._settled_s += self._period_s
+        if self._settled_s < self._limits.settle_s:
+            return
+        if not self.moves or self._is_exact() or self._corrections == CORRECTIONS:
+            self.end(None)
+            return
+        self._corrections += 1
+        self._lead_m += _LEARN * self._ahead_m
+        self._lead_rad += _LEARN * self._turn_rad
+        self._settling, self._best = False, math.inf
+
+    def _is_exact(self) -> bool:
+        limits = self._limits
+        there = not self._distance_m or abs(self._ahead_m) < limits.exact_m
+        return there and abs(self._turn_rad) < limits.exact_rad
+
+    def _lose_patience(self) -> None:
+        self._since_best_s += self._period_s
+        left = abs(self._ahead_m if self._distance_m else self._turn_rad)
+        if left < self._best - _NEARER:
+            self._best, self._since_best_s = left, 0.0
+        if self._since_best_s > PATIENCE_S:
+            self.end(SkillFailed("I cannot get any further."))
+
+    def _walk(self) -> WalkingCommand:
+        """Along the way, back onto it from aside, and straight ahead; a turn stays on the spot."""
+        limits = self._limits
+        left_m, left_rad = self._ahead_m + self._lead_m, self._turn_rad + self._lead_rad
+        along = (
+            self._eased(left_m, limits.forward_m_s, limits.slowest_m_s, EASE_M_S2)
+            if self._distance_m
+            else _within(_GAIN * left_m, _MOST_ASIDE_M)
+        )
+        across = _within(_GAIN * self._aside_m, _MOST_ASIDE_M)
+        turn = (
+            self._eased(left_rad, limits.turn_rad_s, limits.slowest_rad_s, EASE_RAD_S2)
+            if self._angle_rad
+            else _within(_GAIN * left_rad, limits.turn_rad_s)
+        )
+        off = self._yaw - self._start.yaw_rad
+        cos, sin = math.cos(off), math.sin(off)
+        return WalkingCommand(cos * along + sin * across, cos * across - sin * along, turn)
+
+    def _eased(self, left: float, most: float, slowest: float, ease: float) -> float:
+        """A speed towards what is left: as fast as it may, slower before the end, never past it."""
+        speed = min(math.sqrt(2 * ease * abs(left)), most)
+        return math.copysign(min(max(speed, slowest), abs(left) / self._period_s), left)
+
+
+def _within(value: float, most: float) -> float:
+    return min(max(value, -most), most)

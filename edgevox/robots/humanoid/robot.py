@@ -1,0 +1,263 @@
+"""`robot-humanoid`: a robot on two legs, in real time or as fast as it can."""
+
+import math
+import threading
+from collections.abc import Mapping
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from edgevox.agent.skills import Skill, SkillFailed
+from edgevox.core.cancel import Cancelled, CancelToken
+from edgevox.core.clock import Clock
+from edgevox.core.errors import InvalidValue
+from edgevox.robots.capabilities import CameraImage, CameraSpec, Pose2D, Report, Twist2D
+from edgevox.robots.humanoid.environment import MujocoHumanoidEnvironment
+from edgevox.robots.humanoid.eyes import Eyes
+from edgevox.robots.humanoid.manoeuvre import Manoeuvre
+from edgevox.robots.humanoid.pilot import Pilot
+from edgevox.robots.humanoid.skills import walking_skills
+from edgevox.robots.humanoid.state import describe
+from edgevox.robots.stepper import Stepper
+
+REPORT_EVERY_S = 0.2
+FALLEN = "I have fallen. Tell me to stand up."
+
+
+class HumanoidRobot:
+    """A body with a pose, a head camera, and legs that a sentence or a stream of velocities moves.
+
+    The body owns `environment` from now on. `speed` is how many seconds pass in its world each
+    second, 1 for real time. With None, for tests, they pass as fast as they can while it carries
+    out a manoeuvre or comes to a stand; otherwise, also while somebody sends velocities, only as
+    far as `advance` asks. With 0 that is always so. Every method may be called from any thread.
+
+    A cancelled or halted robot is asked for zero velocity before the call returns. In physics it
+    cannot stop a step in mid-air: it sets that foot down and stands within about 1.5 s of its own
+    time, on its feet. Moved outright, its base stops at once and its feet come together.
+    """
+
+    name = "robot-humanoid"
+
+    def __init__(
+        self,
+        environment: MujocoHumanoidEnvironment,
+        *,
+        speed: float | None = 1.0,
+        clock: Clock | None = None,
+    ) -> None:
+        self._environment = environment
+        self._period_s = environment.period_s
+        self.max_linear_m_s = environment.limits.forward_m_s
+        self.max_angular_rad_s = environment.limits.turn_rad_s
+        self._changed = threading.Condition(threading.Lock())
+        self._pilot = Pilot(environment.limits, self._period_s)
+        self._eyes = Eyes(environment, name=self.name)
+        self._always = speed is not None
+        self._ticks = 0
+        self._wanted_ticks = 0
+        self._skills = walking_skills(self)
+        self._stepper = Stepper(
+            self._step, period_s=self._period_s, speed=speed, clock=clock, name=f"{self.name} world"
+        )
+
+    def __enter__(self) -> "HumanoidRobot":
+        self.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    @property
+    def skills(self) -> tuple[Skill, ...]:
+        return self._skills
+
+    @property
+    def time_s(self) -> float:
+        return self._ticks * self._period_s
+
+    @property
+    def real_time_factor(self) -> float:
+        """Seconds that pass in the world each second."""
+        return self._stepper.real_time_factor
+
+    @property
+    def camera_spec(self) -> CameraSpec:
+        """In the head, held level above the point between the feet as if on a gimbal."""
+        return self._eyes.camera_spec
+
+    def start(self) -> None:
+        self._stepper.start()
+
+    def close(self) -> None:
+        """Stop walking, join the threads. A manoeuvre that runs ends as cancelled."""
+        self.halt("the robot was switched off")
+        self._stepper.close()
+        self._eyes.close()
+
+    def reset(self) -> None:
+        """Back upright where it started; time goes on."""
+        with self._changed:
+            self._pilot.stand(Cancelled("the world was reset"))
+            self._pilot = Pilot(self._environment.limits, self._period_s)
+            self._environment.reset()
+
+    def pose(self) -> Pose2D:
+        with self._changed:
+            return self._environment.pose
+
+    def velocity(self) -> Twist2D:
+        with self._changed:
+            return self._environment.velocity
+
+    def camera(self) -> CameraImage:
+        with self._changed:
+            moment = self._eyes.look(self.time_s)
+        return self._eyes.head(moment)
+
+    def picture(self) -> NDArray[np.uint8]:
+        with self._changed:
+            moment, pose = self._eyes.look(self.time_s), self._environment.pose
+        return self._eyes.beside(moment, pose)
+
+    def set_velocity(self, twist: Twist2D) -> None:
+        """As `TakesVelocity` has it. A robot that lies on the floor stays there."""
+        checked = Twist2D(
+            _finite("linear_m_s", twist.linear_m_s), _finite("angular_rad_s", twist.angular_rad_s)
+        )
+        with self._changed:
+            self._pilot.take(checked, self.time_s)
+        self._stepper.wake()
+
+    def halt(self, reason: str) -> bool:
+        with self._changed:
+            moved = self._pilot.busy
+            self._pilot.stand(Cancelled(reason))
+        self._stepper.wake()
+        return moved
+
+    def walk(self, distance_m: float, *, token: CancelToken, report: Report) -> None:
+        """Block until it stands that many metres ahead, or back if negative.
+
+        Raises `SkillFailed` with a reason (it fell, it cannot get further), `Cancelled` if it was
+        ended: by its token, a halt, a velocity or another manoeuvre.
+        """
+        self._perform(token, report, distance_m=_finite("distance", distance_m))
+
+    def turn(self, angle_rad: float, *, token: CancelToken, report: Report) -> None:
+        """As `walk`, until it stands turned to the left by `angle_rad`, right if negative."""
+        self._perform(token, report, angle_rad=_finite("angle", angle_rad))
+
+    def stand(self, *, token: CancelToken, report: Report) -> bool:
+        """Block until it stands still. One that has fallen is put upright where it lies: True."""
+        token.check()
+        with self._changed:
+            got_up = self._environment.fallen
+            if got_up:
+                self._environment.stand_up()
+        self._perform(token, report)
+        return got_up
+
+    def state(self) -> Mapping[str, Any]:
+        with self._changed:
+            return {
+                "name": self.name,
+                "time": round(self.time_s, 3),
+                **describe(self._environment, self._pilot),
+            }
+
+    def advance(self, seconds: float) -> None:
+        """Block until this much of the world's time has passed."""
+        with self._changed:
+            until = self._ticks + max(1, round(seconds / self._period_s))
+            self._wanted_ticks = max(self._wanted_ticks, until)
+        self._stepper.advance(seconds)
+        with self._changed:
+            self._changed.wait_for(lambda: self._ticks >= until or not self._stepper.running)
+
+    def _perform(
+        self,
+        token: CancelToken,
+        report: Report,
+        *,
+        distance_m: float = 0.0,
+        angle_rad: float = 0.0,
+    ) -> None:
+        token.check()
+        manoeuvre = self._begin(distance_m, angle_rad)
+        forget = token.on_cancel(lambda: self._end(manoeuvre, Cancelled(token.reason)))
+        try:
+            while not manoeuvre.done.wait(REPORT_EVERY_S):
+                self._report(manoeuvre, report)
+        finally:
+            forget()
+        self._report(manoeuvre, report)
+        if manoeuvre.error is not None:
+            raise manoeuvre.error
+
+    def _begin(self, distance_m: float, angle_rad: float) -> Manoeuvre:
+        with self._changed:
+            if not self._stepper.running:
+                raise SkillFailed("I am switched off.")
+            if self._environment.fallen:
+                raise SkillFailed(FALLEN)
+            manoeuvre = Manoeuvre(
+                self._pilot.aligned(self._environment.pose),
+                self._environment.limits,
+                self._period_s,
+                distance_m=distance_m,
+                angle_rad=angle_rad,
+            )
+            self._pilot.follow(manoeuvre)
+        self._stepper.wake()
+        return manoeuvre
+
+    def _end(self, manoeuvre: Manoeuvre, reason: BaseException) -> None:
+        with self._changed:
+            if self._pilot.manoeuvre is manoeuvre:
+                self._pilot.stand(reason)
+
+    def _report(self, manoeuvre: Manoeuvre, report: Report) -> None:
+        with self._changed:
+            progress, pose = manoeuvre.progress(), self._environment.pose
+        report(
+            progress=round(progress.part, 3),
+            left=round(progress.left, 3),
+            unit=progress.unit,
+            x=round(pose.x_m, 3),
+            y=round(pose.y_m, 3),
+            yaw_deg=round(math.degrees(pose.yaw_rad), 1),
+        )
+
+    def _step(self) -> bool:
+        """One period of the world, on the stepper's thread. True if more is to come."""
+        with self._changed:
+            if self._always or self._due():
+                self._pass_period()
+            self._changed.notify_all()
+            return self._due()
+
+    def _due(self) -> bool:
+        """Whether time shall pass, if it does not pass by itself."""
+        driven = self._pilot.busy and not self._pilot.steered
+        return driven or self._ticks < self._wanted_ticks
+
+    def _pass_period(self) -> None:
+        self._ticks += 1
+        environment, pilot = self._environment, self._pilot
+        environment.step(pilot.command(self.time_s, environment.pose))
+        if environment.fallen and pilot.busy:
+            pilot.stand(SkillFailed(FALLEN))
+
+
+def _finite(field: str, value: float) -> float:
+    if not math.isfinite(value):
+        raise InvalidValue(field, value, "a finite number")
+    return float(value)

@@ -1,0 +1,182 @@
+"""The skills of a body that walks: some metres straight on, some degrees round, standing."""
+
+import math
+from typing import Annotated, Protocol
+
+from pydantic import Field
+
+from edgevox.agent.skills import GoalHandle, Result, Skill, skill
+from edgevox.core.cancel import CancelToken
+from edgevox.robots.capabilities import Body, HasPose, Report
+from edgevox.robots.humanoid import words
+
+LEAST_M, MOST_M = 0.05, 20.0
+LEAST_DEG, MOST_DEG = 1.0, 720.0
+
+Distance = Annotated[float, Field(ge=LEAST_M, le=MOST_M, description="metres")]
+Degrees = Annotated[float, Field(ge=LEAST_DEG, le=MOST_DEG, description="degrees")]
+
+
+class WalkingBody(Body, HasPose, Protocol):
+    """What these skills need."""
+
+    def walk(self, distance_m: float, *, token: CancelToken, report: Report) -> None:
+        """Block until it stands that far ahead, or back if negative. Raises `SkillFailed`."""
+
+    def turn(self, angle_rad: float, *, token: CancelToken, report: Report) -> None:
+        """Block until it stands turned by that to the left. Raises `SkillFailed`."""
+
+    def stand(self, *, token: CancelToken, report: Report) -> bool:
+        """Block until it stands; True if it lay on the floor and was put upright."""
+
+
+def walking_skills(body: WalkingBody) -> tuple[Skill, ...]:
+    """`walk_forward`, `walk_backward`, `turn_left`, `turn_right`, `turn_around`, and the rest."""
+    return (
+        _walk_forward(body),
+        _walk_backward(body),
+        _turn_left(body),
+        _turn_right(body),
+        _turn_around(body),
+        _stand(body),
+        _stop(body),
+        _get_pose(body),
+    )
+
+
+def _walk_forward(body: WalkingBody) -> Skill:
+    @skill(
+        templates=words.FORWARD,
+        examples=words.FORWARD_EXAMPLES,
+        says="Walking {distance:g} metres forward.",
+        done="I have walked {walked:.1f} metres forward.",
+    )
+    def walk_forward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
+        """Walk straight ahead for a distance in metres."""
+        return _walk(body, goal, distance)
+
+    return walk_forward
+
+
+def _walk_backward(body: WalkingBody) -> Skill:
+    @skill(
+        templates=words.BACKWARD,
+        examples=words.BACKWARD_EXAMPLES,
+        says="Walking {distance:g} metres back.",
+        done="I have walked {walked:.1f} metres back.",
+    )
+    def walk_backward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
+        """Walk straight back for a distance in metres."""
+        return _walk(body, goal, -distance)
+
+    return walk_backward
+
+
+def _turn_left(body: WalkingBody) -> Skill:
+    @skill(
+        templates=words.LEFT,
+        examples=words.LEFT_EXAMPLES,
+        says="Turning left by {degrees:g} degrees.",
+        done="I have turned left by {turned:.0f} degrees.",
+    )
+    def turn_left(goal: GoalHandle, degrees: Degrees = 90.0) -> Result:
+        """Turn to the left on the spot, by an angle in degrees."""
+        return _turn(body, goal, degrees)
+
+    return turn_left
+
+
+def _turn_right(body: WalkingBody) -> Skill:
+    @skill(
+        templates=words.RIGHT,
+        examples=words.RIGHT_EXAMPLES,
+        says="Turning right by {degrees:g} degrees.",
+        done="I have turned right by {turned:.0f} degrees.",
+    )
+    def turn_right(goal: GoalHandle, degrees: Degrees = 90.0) -> Result:
+        """Turn to the right on the spot, by an angle in degrees."""
+        return _turn(body, goal, -degrees)
+
+    return turn_right
+
+
+def _turn_around(body: WalkingBody) -> Skill:
+    @skill(
+        templates=words.AROUND,
+        examples=words.AROUND_EXAMPLES,
+        says="Turning around.",
+        done="I have turned around.",
+    )
+    def turn_around(goal: GoalHandle) -> Result:
+        """Turn around, to look the other way."""
+        return _turn(body, goal, 180.0)
+
+    return turn_around
+
+
+def _stand(body: WalkingBody) -> Skill:
+    @skill(
+        templates=words.STAND,
+        examples=words.STAND_EXAMPLES,
+        says="Standing.",
+        done="{outcome}",
+    )
+    def stand(goal: GoalHandle) -> Result:
+        """Stand still; after a fall, get up again."""
+        got_up = body.stand(token=goal.token, report=goal.report)
+        outcome = "I am up again: the simulator put me on my feet." if got_up else "I am standing."
+        return {**_where(body), "got_up": got_up, "outcome": outcome}
+
+    return stand
+
+
+def _stop(body: WalkingBody) -> Skill:
+    @skill(templates=words.STOP, examples=words.STOP_EXAMPLES, says="Stopping.")
+    def stop(goal: GoalHandle) -> Result:
+        """Stop walking at once."""
+        goal.token.check()
+        return {"was_moving": body.halt("stop was asked")}
+
+    return stop
+
+
+def _get_pose(body: WalkingBody) -> Skill:
+    @skill(
+        templates=words.WHERE,
+        examples=words.WHERE_EXAMPLES,
+        done="I am {where}.",
+        moves=False,
+    )
+    def get_pose(goal: GoalHandle) -> Result:
+        """Say where the robot is, which way it looks, and whether it has fallen."""
+        goal.token.check()
+        fallen = bool(body.state()["fallen"])
+        where = _where(body)
+        point = f"at x {where['x']:.1f}, y {where['y']:.1f}, looking {where['yaw_deg']:.0f} degrees"
+        return {**where, "fallen": fallen, "where": f"on the floor {point}" if fallen else point}
+
+    return get_pose
+
+
+def _walk(body: WalkingBody, goal: GoalHandle, distance_m: float) -> Result:
+    before = body.pose()
+    body.walk(distance_m, token=goal.token, report=goal.report)
+    after = body.pose()
+    walked = math.hypot(after.x_m - before.x_m, after.y_m - before.y_m)
+    return {**_where(body), "walked": round(walked, 3)}
+
+
+def _turn(body: WalkingBody, goal: GoalHandle, degrees: float) -> Result:
+    before = body.pose()
+    body.turn(math.radians(degrees), token=goal.token, report=goal.report)
+    off = math.remainder(body.pose().yaw_rad - before.yaw_rad - math.radians(degrees), math.tau)
+    return {**_where(body), "turned": round(abs(degrees + math.degrees(off)), 1)}
+
+
+def _where(body: HasPose) -> dict[str, float]:
+    pose = body.pose()
+    return {
+        "x": round(pose.x_m, 3),
+        "y": round(pose.y_m, 3),
+        "yaw_deg": round(math.degrees(pose.yaw_rad), 1),
+    }

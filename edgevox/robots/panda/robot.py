@@ -1,0 +1,238 @@
+"""`robot-panda`: a body with an arm, a hand and a camera in the room, simulated with MuJoCo."""
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from edgevox.agent.skills import Skill, SkillFailed
+from edgevox.core.cancel import Cancelled, CancelToken
+from edgevox.core.clock import Clock
+from edgevox.core.errors import InvalidValue
+from edgevox.robots.capabilities import CameraImage, CameraSpec, Pose3D, Report
+from edgevox.robots.mujoco.renderer import Renderer
+from edgevox.robots.panda import tasks
+from edgevox.robots.panda import things as seen
+from edgevox.robots.panda.reach import InTheWay, OutOfReach, spoken
+from edgevox.robots.panda.scene import CAMERA, SHOW, TCP
+from edgevox.robots.panda.skills import manipulation_skills
+from edgevox.robots.panda.workcell import Workcell
+
+CAMERA_PX = (320, 240)
+PICTURE_PX = (640, 480)
+
+
+class PandaRobot:
+    """A Franka Panda at a table with three cubes and two bins. The map frame is the arm's base.
+
+    `model_path` is the robot's MJCF. `seed` puts the cubes at their standard places (0) or at
+    random ones that are the same for the same seed. `speed` is how many seconds pass in its world
+    each second, 1 for real time; with None, for tests, they pass as fast as they can while the arm
+    moves, otherwise only as far as `advance` asks.
+    Every method may be called from any thread. The skills block until they are done; a cancelled
+    or halted arm stands within 0.1 s of its own time and keeps hold of what it holds.
+    """
+
+    name = "robot-panda"
+
+    def __init__(
+        self,
+        model_path: Path,
+        *,
+        seed: int = 0,
+        speed: float | None = 1.0,
+        clock: Clock | None = None,
+    ) -> None:
+        self._cell = Workcell(model_path, seed=seed, speed=speed, clock=clock, name=self.name)
+        self._engine = self._cell.engine
+        self._renderer = Renderer(self._engine.model, *PICTURE_PX, name=self.name)
+        self._camera_spec = CAMERA.spec(*CAMERA_PX)
+        self._skills = manipulation_skills(self)
+
+    def __enter__(self) -> "PandaRobot":
+        self.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    @property
+    def skills(self) -> tuple[Skill, ...]:
+        return self._skills
+
+    @property
+    def time_s(self) -> float:
+        return self._engine.time_s
+
+    @property
+    def real_time_factor(self) -> float:
+        """Seconds that pass in the world each second."""
+        return self._engine.real_time_factor
+
+    @property
+    def divergences(self) -> int:
+        """How often the physics broke and was put back."""
+        return self._engine.divergences
+
+    def start(self) -> None:
+        self._engine.start(self._cell)
+
+    def close(self) -> None:
+        """Stop, and join all threads. What runs ends as cancelled."""
+        self.halt("the robot was switched off")
+        self._engine.close()
+        self._renderer.close()
+
+    def halt(self, reason: str) -> bool:
+        return self._cell.end(Cancelled(reason))
+
+    def reset(self) -> None:
+        """Arm and cubes back where they started; time goes on."""
+        self._cell.reset()
+
+    def advance(self, seconds: float) -> None:
+        """Block until this much of the world's time has passed."""
+        self._engine.advance(seconds)
+
+    def end_effector(self) -> Pose3D:
+        quaternion = np.zeros(4)
+        with self._engine.lock:
+            site = self._engine.data.site(TCP)
+            x, y, z = (float(value) for value in site.xpos)
+            mujoco.mju_mat2Quat(quaternion, site.xmat)
+        qw, qx, qy, qz = (float(value) for value in quaternion)
+        return Pose3D(x, y, z, qx, qy, qz, qw)
+
+    @property
+    def camera_spec(self) -> CameraSpec:
+        return self._camera_spec
+
+    def camera(self) -> CameraImage:
+        """From above the far side of the table. Raises `NoPicture` where there is no OpenGL."""
+        scene = self._engine.snapshot()
+        pixels = self._renderer.render(CAMERA.name, scene, size_px=CAMERA_PX)
+        return CameraImage(scene.time_s, pixels)
+
+    def picture(self) -> NDArray[np.uint8]:
+        return self._renderer.render(SHOW.name, self._engine.snapshot(), fine=True)
+
+    def state(self) -> Mapping[str, Any]:
+        with self._engine.lock:
+            time_s, hand = self.time_s, self.end_effector()
+            width_m, held = self._cell.arm.hand.width_m, self._cell.arm.hand.held
+            things, goal = self._cell.things(), self._cell.progress()
+        return {
+            "name": self.name,
+            "time": round(time_s, 3),
+            "simulation": "physics",
+            "end_effector": {
+                "x": round(hand.x_m, 4),
+                "y": round(hand.y_m, 4),
+                "z": round(hand.z_m, 4),
+            },
+            "gripper_width": round(width_m, 4),
+            "held": held,
+            "objects": {name: _point(one) for name, one in things.items()},
+            "goal": goal,
+        }
+
+    def describe_hand(self) -> dict[str, Any]:
+        """Where the hand is and what it holds, also as words."""
+        hand, held = self._cell.hand_m(), self._cell.arm.hand.held
+        x, y, z = (round(float(value), 3) + 0.0 for value in hand)
+        return {
+            "x": x,
+            "y": y,
+            "z": z,
+            "held": held,
+            "where": f"at x {x:.2f}, y {y:.2f}, z {z:.2f}",
+            "holding": f", and I hold the {spoken(held)}" if held else "",
+        }
+
+    def describe_objects(self) -> dict[str, Any]:
+        """Every object and where it is, also as words."""
+        things, held = self._cell.things(), self._cell.arm.hand.held
+        places = {name: seen.where(name, things, held) for name in things}
+        said = [f"the {spoken(name)} {tasks.being(place)}" for name, place in places.items()]
+        return {
+            "objects": {name: {**_point(things[name]), "on": places[name]} for name in things},
+            "said": f"{', '.join(said[:-1])} and {said[-1]}",
+        }
+
+    def move_to(
+        self, x_m: float, y_m: float, z_m: float, *, token: CancelToken, report: Report
+    ) -> None:
+        """Block until the hand is there. Raises `SkillFailed` with a reason, `Cancelled`."""
+        goal = np.array([_finite("x", x_m), _finite("y", y_m), _finite("z", z_m)])
+        target = {name: round(float(v), 3) for name, v in zip("xyz", goal, strict=True)}
+        with self._cell.begin("move_to", {"target": target}, 1, token, report) as errand:
+            errand.phase = "moving"
+            held, scene = self._cell.arm.hand.held, self._engine.snapshot()
+            try:
+                end = self._cell.planner.reach(scene, self._cell.arm.target, goal, held=held)
+            except (OutOfReach, InTheWay) as failure:
+                near = self._cell.planner.nearest(scene, goal, held=held)
+                raise SkillFailed(_refusal(goal, near, failure)) from failure
+            tasks.go(self._cell, errand, end)
+
+    def grasp(self, name: str, *, token: CancelToken, report: Report) -> None:
+        """Block until this cube is held. Raises `SkillFailed` with a reason, `Cancelled`."""
+        tasks.check_pick(self._cell, name)
+        motions = tasks.PICK_MOTIONS
+        with self._cell.begin("grasp", {"target": name}, motions, token, report) as errand:
+            tasks.pick(self._cell, errand, name)
+
+    def place(self, name: str | None, target: str, *, token: CancelToken, report: Report) -> str:
+        """Block until the cube (or what is held) lies there; what to say. Raises as `grasp`."""
+        held = self._cell.arm.hand.held
+        name = name or held
+        if name is None:
+            raise SkillFailed("I hold nothing.")
+        if held != name:
+            tasks.check_pick(self._cell, name)
+        tasks.spot_for(self._cell, name, target)
+        motions = tasks.PLACE_MOTIONS + (0 if held == name else tasks.PICK_MOTIONS)
+        about = {"object": name, "target": target}
+        with self._cell.begin("place", about, motions, token, report) as errand:
+            if held != name:
+                tasks.pick(self._cell, errand, name)
+            tasks.place(self._cell, errand, name, target)
+        return f"The {spoken(name)} is {tasks.being(target)}"
+
+    def release(self, *, token: CancelToken, report: Report) -> str | None:
+        """Block until the hand is open; what it held."""
+        with self._cell.begin("release", {}, 2, token, report) as errand:
+            return tasks.release(self._cell, errand)
+
+    def go_home(self, *, token: CancelToken, report: Report) -> None:
+        """Block until the arm is at home, with whatever it holds."""
+        with self._cell.begin("goto_home", {}, 2, token, report) as errand:
+            tasks.home(self._cell, errand)
+
+
+def _point(one: seen.Placed) -> dict[str, float]:
+    return {"x": round(one.x_m, 4), "y": round(one.y_m, 4), "z": round(one.z_m, 4)}
+
+
+def _refusal(goal: NDArray[np.float64], near: NDArray[np.float64], failure: SkillFailed) -> str:
+    why = "is out of my reach" if isinstance(failure, OutOfReach) else f"will not do: {failure}"
+    asked, offered = (
+        f"x {point[0]:.2f}, y {point[1]:.2f}, z {point[2]:.2f}" for point in (goal, near)
+    )
+    return f"{asked} {why.rstrip('.')}. The nearest point that I can reach is {offered}."
+
+
+def _finite(field: str, value: float) -> float:
+    if not math.isfinite(value):
+        raise InvalidValue(field, value, "a finite number")
+    return float(value)

@@ -1,0 +1,172 @@
+"""The skills of an arm that moves cubes about a table."""
+
+from typing import Annotated, Any, Protocol
+
+from pydantic import Field
+
+from edgevox.agent.skills import GoalHandle, OneOf, Result, Skill, skill
+from edgevox.core.cancel import CancelToken
+from edgevox.robots.capabilities import Body, Report
+from edgevox.robots.panda import words
+from edgevox.robots.panda.layout import BINS, CUBES, TABLE
+
+IT = "it"
+"""What stands for the thing that is held."""
+
+_THINGS = ("cube", "block", "box", "brick", "object", "one", "1")
+"""The last is how "one" arrives after numbers were written as digits."""
+_CUBE_WORDS = {f"{name.split('_')[0]} {noun}": name for name in CUBES for noun in _THINGS} | {
+    name.split("_")[0]: name for name in CUBES
+}
+_HELD_WORDS = dict.fromkeys(("that", "this", "the object", "held object", "what you hold"), IT)
+_BIN_WORDS = {
+    said: name
+    for name in BINS
+    for side in (name.split("_")[0],)
+    for said in (
+        *(f"{side} {noun}" for noun in ("box", "tray", "container", "basket", "bucket")),
+        f"bin on the {side}",
+        f"box on the {side}",
+        side,
+    )
+}
+_TABLE_WORDS = {"table top": TABLE, "tabletop": TABLE, "desk": TABLE, "its place": TABLE}
+
+
+class Manipulator(Body, Protocol):
+    """What these skills need. The motions block; they raise `SkillFailed` with a reason,
+    `Cancelled` if the token is.
+    """
+
+    def move_to(
+        self, x_m: float, y_m: float, z_m: float, *, token: CancelToken, report: Report
+    ) -> None: ...
+
+    def grasp(self, name: str, *, token: CancelToken, report: Report) -> None: ...
+
+    def place(
+        self, name: str | None, target: str, *, token: CancelToken, report: Report
+    ) -> str: ...
+
+    def release(self, *, token: CancelToken, report: Report) -> str | None: ...
+
+    def go_home(self, *, token: CancelToken, report: Report) -> None: ...
+
+    def describe_hand(self) -> dict[str, Any]: ...
+
+    def describe_objects(self) -> dict[str, Any]: ...
+
+
+def manipulation_skills(body: Manipulator) -> tuple[Skill, ...]:
+    """`move_to`, `grasp`, `place`, `release`, `goto_home`, `stop`, `get_pose`, `list_objects`."""
+    return (*_carrying(body), *_moving(body), *_telling(body))
+
+
+def _carrying(body: Manipulator) -> tuple[Skill, ...]:
+    cube = OneOf(tuple(CUBES), _CUBE_WORDS)
+    cube_or_it = OneOf((*CUBES, IT), _CUBE_WORDS | _HELD_WORDS)
+    target_word = OneOf((*BINS, *CUBES, TABLE), _BIN_WORDS | _CUBE_WORDS | _TABLE_WORDS)
+
+    @skill(
+        templates=words.GRASP,
+        examples=words.GRASP_EXAMPLES,
+        says="Picking up the {object}.",
+        done="I have the {object}.",
+    )
+    def grasp(goal: GoalHandle, object: Annotated[str, cube]) -> Result:  # noqa: A002
+        """Pick up a cube and hold it."""
+        body.grasp(object, token=goal.token, report=goal.report)
+        return body.describe_hand()
+
+    @skill(
+        templates=words.PLACE,
+        examples=words.PLACE_EXAMPLES,
+        says="Moving it to the {target}.",
+        done="{said}.",
+    )
+    def place(
+        goal: GoalHandle,
+        object: Annotated[str, cube_or_it] = IT,  # noqa: A002
+        target: Annotated[str, target_word] = TABLE,
+    ) -> Result:
+        """Put a cube, or what is held, into a bin, onto another cube, or on the table."""
+        name = None if object == IT else object
+        said = body.place(name, target, token=goal.token, report=goal.report)
+        return {**body.describe_hand(), "said": said}
+
+    @skill(
+        templates=words.RELEASE,
+        examples=words.RELEASE_EXAMPLES,
+        says="Opening my hand.",
+        done="{said}.",
+    )
+    def release(goal: GoalHandle) -> Result:
+        """Open the hand and let go of whatever it holds."""
+        held = body.release(token=goal.token, report=goal.report)
+        said = f"I let go of the {held}" if held else "My hand is open"
+        return {**body.describe_hand(), "released": held, "said": said}
+
+    return grasp, place, release
+
+
+def _moving(body: Manipulator) -> tuple[Skill, ...]:
+    @skill(
+        templates=words.MOVE,
+        examples=words.MOVE_EXAMPLES,
+        says="Moving my hand to x {x:g}, y {y:g}, z {z:g}.",
+        done="My hand is {where}.",
+    )
+    def move_to(
+        goal: GoalHandle,
+        x: Annotated[float, Field(description="metres forward of the arm's base")],
+        y: Annotated[float, Field(description="metres to the left of the arm's base")],
+        z: Annotated[float, Field(description="metres above the table")],
+    ) -> Result:
+        """Move the hand to a point, given by its coordinates in metres."""
+        body.move_to(x, y, z, token=goal.token, report=goal.report)
+        return body.describe_hand()
+
+    @skill(
+        templates=words.HOME,
+        examples=words.HOME_EXAMPLES,
+        says="Going home.",
+        done="I am at home.",
+    )
+    def goto_home(goal: GoalHandle) -> Result:
+        """Move the arm to its home position, out of the way."""
+        body.go_home(token=goal.token, report=goal.report)
+        return body.describe_hand()
+
+    @skill(templates=words.STOP, examples=words.STOP_EXAMPLES, says="Stopping.")
+    def stop(goal: GoalHandle) -> Result:
+        """Stop moving at once; what is held stays held."""
+        goal.token.check()
+        return {"was_moving": body.halt("stop was asked")}
+
+    return move_to, goto_home, stop
+
+
+def _telling(body: Manipulator) -> tuple[Skill, ...]:
+    @skill(
+        templates=words.WHERE,
+        examples=words.WHERE_EXAMPLES,
+        done="My hand is {where}{holding}.",
+        moves=False,
+    )
+    def get_pose(goal: GoalHandle) -> Result:
+        """Say where the hand is and what it holds."""
+        goal.token.check()
+        return body.describe_hand()
+
+    @skill(
+        templates=words.LIST,
+        examples=words.LIST_EXAMPLES,
+        done="I see {said}.",
+        moves=False,
+    )
+    def list_objects(goal: GoalHandle) -> Result:
+        """Say which objects there are and where each one is."""
+        goal.token.check()
+        return body.describe_objects()
+
+    return get_pose, list_objects

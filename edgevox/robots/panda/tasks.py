@@ -1,0 +1,221 @@
+"""What the arm can be asked to do, as plain sequences of motions. All block; none needs a lock."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from edgevox.agent.skills import SkillFailed
+from edgevox.robots.panda import things as seen
+from edgevox.robots.panda.collisions import Touch, touch
+from edgevox.robots.panda.errand import Errand
+from edgevox.robots.panda.hand import FINGERS, OPEN_M
+from edgevox.robots.panda.kinematics import READY, HandPose, Joints
+from edgevox.robots.panda.layout import BINS, CUBE_SIZE_M, CUBES, TABLE
+from edgevox.robots.panda.path import BRISK, CAREFUL
+from edgevox.robots.panda.planner import NOTHING, Leg, above
+from edgevox.robots.panda.reach import InTheWay, OutOfReach, spoken
+from edgevox.robots.panda.things import Placed
+from edgevox.robots.panda.workcell import Workcell
+
+PICK_MOTIONS = 6
+PLACE_MOTIONS = 7
+_TRAVEL_M = 0.24
+_ABOVE_M = 0.10
+_TRIES = 3
+_MOVED_M = 0.006
+_CLEAR_M = 0.003
+_HALF_OPEN_M = 0.068
+_SETTLE_S = 0.3
+
+
+def pick(cell: Workcell, errand: Errand, name: str) -> None:
+    """Grasp this cube and lift it. It is looked at again before the hand goes down and closes."""
+    for _ in range(_TRIES):
+        if _try_pick(cell, errand, name):
+            return
+        errand.restart()
+    raise SkillFailed(f"I could not get hold of the {spoken(name)}.")
+
+
+def place(cell: Workcell, errand: Errand, name: str, target: str) -> None:
+    """Put the held cube down there, and make sure that it stays."""
+    errand.phase = f"taking it to the {spoken(target)}"
+    touches = _around(name, target)
+    _rise(cell, errand)
+    spot = spot_for(cell, name, target)
+    hand, down = _approach(cell, errand, _hands_for(cell, name, spot), touches, target)
+    errand.phase = "putting it down"
+    cell.follow(errand, down)
+    cell.let_go()
+    cell.grip(errand, _HALF_OPEN_M)
+    errand.phase = "drawing back"
+    cell.move(errand, above(hand, hand.z_m + _ABOVE_M), CAREFUL, allowed=touches)
+    cell.rest(errand, _SETTLE_S)
+    there = seen.where(name, cell.things(), None)
+    if there != target:
+        raise SkillFailed(f"the {spoken(name)} did not stay there; it is {being(there)}.")
+
+
+def release(cell: Workcell, errand: Errand) -> str | None:
+    """Open the hand, whatever is below. What it held."""
+    errand.phase = "opening the hand"
+    held = cell.let_go()
+    cell.grip(errand, OPEN_M)
+    cell.rest(errand, _SETTLE_S)
+    return held
+
+
+def home(cell: Workcell, errand: Errand) -> None:
+    """Back to the ready position, with whatever it holds."""
+    errand.phase = "going home"
+    go(cell, errand, READY)
+
+
+def go(cell: Workcell, errand: Errand, end: Joints) -> None:
+    """To these joints: straight if that is free, else by way of a height where all is."""
+    try:
+        cell.swing(errand, end, BRISK)
+    except InTheWay:
+        _rise(cell, errand)
+        goal = cell.planner.pose_at(end)
+        if goal is not None:
+            cell.move(errand, above(goal, max(goal.z_m, _TRAVEL_M)), BRISK)
+        cell.swing(errand, end, BRISK)
+
+
+def check_pick(cell: Workcell, name: str) -> None:
+    """Raises `SkillFailed` with the reason why this cube cannot be grasped."""
+    things, held = cell.things(), cell.arm.hand.held
+    if held == name:
+        raise SkillFailed(f"I hold the {spoken(name)} already.")
+    if held is not None:
+        raise SkillFailed(f"I hold the {spoken(held)}. It has to be put down first.")
+    if seen.where(name, things, held) == seen.FLOOR:
+        raise SkillFailed(f"the {spoken(name)} fell off the table, and I cannot reach the floor.")
+    upper = seen.on_top(name, things)
+    if upper is not None:
+        raise SkillFailed(f"the {spoken(upper)} stands on the {spoken(name)}.")
+
+
+def spot_for(cell: Workcell, name: str, target: str) -> Placed:
+    """Where the middle of this cube comes to lie. Raises `SkillFailed` if there is no room."""
+    things, half = cell.things(), CUBE_SIZE_M / 2
+    if target == name:
+        raise SkillFailed(f"the {spoken(name)} cannot stand on itself.")
+    if target in CUBES:
+        return _spot_on(cell, name, target)
+    if target == TABLE:
+        spot = seen.free_table(name, things, CUBES[name].start)
+        floor_m = 0.0
+    else:
+        spot, floor_m = seen.free_spot(name, BINS[target], things), BINS[target].floor_m
+    if spot is None:
+        raise SkillFailed(f"there is no room left: {being(target)}.")
+    return Placed(*spot, floor_m + half)
+
+
+def _spot_on(cell: Workcell, name: str, target: str) -> Placed:
+    things = cell.things()
+    lower, upper = things[target], seen.on_top(target, things)
+    if seen.where(target, things, None) == seen.FLOOR:
+        raise SkillFailed(f"the {spoken(target)} fell off the table.")
+    if upper not in (None, name):
+        raise SkillFailed(f"the {spoken(target)} is occupied: the {spoken(upper)} stands on it.")
+    return replace(lower, z_m=lower.z_m + CUBE_SIZE_M)
+
+
+def being(there: str) -> str:
+    """Where something is, as said: "in the left bin"."""
+    if there in BINS:
+        return f"in the {spoken(there)}"
+    if there == seen.HAND:
+        return "in my hand"
+    return f"on the {spoken(there)}"
+
+
+def _try_pick(cell: Workcell, errand: Errand, name: str) -> bool:
+    errand.phase = f"reaching for the {spoken(name)}"
+    cell.grip(errand, OPEN_M)
+    _rise(cell, errand)
+    touches = _around(name)
+    hand, down = _approach(cell, errand, _hands_at(cell.things()[name]), touches, name)
+    if _moved(cell, name, hand):
+        return False
+    errand.phase = f"grasping the {spoken(name)}"
+    cell.follow(errand, down)
+    if not _moved(cell, name, hand):
+        cell.grip(errand, 0.0)
+    if not cell.take(name):
+        cell.grip(errand, OPEN_M)
+        cell.move(errand, above(hand, hand.z_m + _ABOVE_M), CAREFUL, allowed=touches)
+        return False
+    errand.phase = f"lifting the {spoken(name)}"
+    cell.move(errand, above(hand, hand.z_m + _ABOVE_M), CAREFUL, allowed=touches)
+    return cell.take(name)
+
+
+def _approach(
+    cell: Workcell, errand: Errand, poses: Sequence[HandPose], allowed: frozenset[Touch], to: str
+) -> tuple[HandPose, Leg]:
+    """Go above the first of these poses that can be reached from above; it, and the way down."""
+    failure = ""
+    for hand in poses:
+        try:
+            across, down = cell.plan(
+                (above(hand, hand.z_m + _ABOVE_M), BRISK, NOTHING), (hand, CAREFUL, allowed)
+            )
+        except OutOfReach:
+            failure = failure or f"the {spoken(to)} is out of my reach."
+        except InTheWay as error:
+            failure = f"I cannot get at the {spoken(to)}: {error}"
+        else:
+            cell.follow(errand, across)
+            return hand, down
+    raise SkillFailed(failure)
+
+
+def _rise(cell: Workcell, errand: Errand) -> None:
+    """Up to where nothing is in the way, if the hand is low."""
+    pose = cell.planner.pose_at(cell.arm.target)
+    if pose is not None and pose.z_m < _TRAVEL_M - 0.01:
+        cell.move(errand, above(pose, _TRAVEL_M), BRISK)
+
+
+def _hands_at(cube: Placed) -> list[HandPose]:
+    """Poses that grasp a cube that lies so."""
+    return [HandPose(cube.x_m, cube.y_m, cube.z_m, yaw) for yaw in _turns(cube.yaw_rad)]
+
+
+def _hands_for(cell: Workcell, name: str, spot: Placed) -> list[HandPose]:
+    """Poses of the hand that bring the cube in it to this spot, square with it."""
+    cube, point = cell.things()[name], cell.hand_m()
+    pose = cell.planner.pose_at(cell.arm.target)
+    hand_yaw = pose.yaw_rad if pose else 0.0
+    away = np.array([cube.x_m, cube.y_m, cube.z_m]) - point
+    hands = []
+    for yaw in _turns(spot.yaw_rad - (cube.yaw_rad - hand_yaw)):
+        cosine, sine = math.cos(yaw - hand_yaw), math.sin(yaw - hand_yaw)
+        x = spot.x_m - (cosine * away[0] - sine * away[1])
+        y = spot.y_m - (sine * away[0] + cosine * away[1])
+        hands.append(HandPose(x, y, spot.z_m + _CLEAR_M - float(away[2]), yaw))
+    return hands
+
+
+def _turns(yaw_rad: float) -> list[float]:
+    """The ways to turn the hand that look alike to a cube, the least twisted first."""
+    quarter = math.pi / 2
+    least = yaw_rad - quarter * round(yaw_rad / quarter)
+    return sorted((least, least - quarter, least + quarter), key=abs)
+
+
+def _moved(cell: Workcell, name: str, hand: HandPose) -> bool:
+    """Whether the cube is not where the hand expects it."""
+    return cell.things()[name].away_m(Placed(hand.x_m, hand.y_m, hand.z_m)) > _MOVED_M
+
+
+def _around(name: str, target: str | None = None) -> frozenset[Touch]:
+    """What may touch while this cube is grasped or put down there."""
+    pads = {touch(name, finger) for finger in FINGERS}
+    return frozenset(pads | ({touch(name, target)} if target else set()))

@@ -1,0 +1,208 @@
+"""The arm at its table as a worker sees it: look, move, grip, one errand at a time."""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from edgevox.agent.skills import SkillFailed
+from edgevox.core.cancel import Cancelled, CancelToken
+from edgevox.core.clock import Clock
+from edgevox.robots.capabilities import Report
+from edgevox.robots.mujoco.engine import Engine
+from edgevox.robots.panda import layout
+from edgevox.robots.panda.arm import Arm
+from edgevox.robots.panda.collisions import Touch
+from edgevox.robots.panda.errand import Errand
+from edgevox.robots.panda.kinematics import HandPose, Joints
+from edgevox.robots.panda.motion import Motion
+from edgevox.robots.panda.path import Pace
+from edgevox.robots.panda.planner import NOTHING, Leg, Planner
+from edgevox.robots.panda.scene import LEAD_S, TCP, build
+from edgevox.robots.panda.things import Placed, Things
+
+PERIOD_S = 0.02
+REPORT_EVERY_S = 0.2
+_THINKING_S = 2.0
+
+
+class Workcell:
+    """Owns the world and the arm in it. The motions block; they raise what ended the errand."""
+
+    def __init__(
+        self, model_path: Path, *, seed: int, speed: float | None, clock: Clock | None, name: str
+    ) -> None:
+        model = build(model_path)
+        self.engine = Engine(model, period_s=PERIOD_S, speed=speed, clock=clock, name=name)
+        self.arm = Arm(model, self.engine.data)
+        self.planner = Planner(model, model_path, period_s=PERIOD_S, lead_s=LEAD_S)
+        self.starts = layout.places(seed)
+        self.errand: Errand | None = None
+        self._build()
+
+    def control(self) -> bool:
+        """One period. Where time can be held, it does not pass while an errand is being planned."""
+        if self.engine.waits:
+            self.engine.lock.wait_for(self._knows_what_to_do, _THINKING_S)
+        return self.arm.tick()
+
+    def _knows_what_to_do(self) -> bool:
+        return self.errand is None or self.arm.motion is not None
+
+    def put_back(self) -> None:
+        self.end(SkillFailed("the physics of my world broke, and I put everything back."))
+        self._build()
+
+    def reset(self) -> None:
+        """Everything as it was at the start; time goes on."""
+        with self.engine.lock:
+            self.end(Cancelled("the world was reset"))
+            mujoco.mj_resetData(self.engine.model, self.engine.data)
+            self._build()
+
+    def end(self, error: BaseException) -> bool:
+        """End the errand and stop the arm. True if anything was going on."""
+        with self.engine.lock:
+            errand, self.errand = self.errand, None
+            if errand is not None:
+                errand.ended = error
+                self.engine.lock.notify_all()
+            moved = self.arm.freeze(error)
+        self.engine.wake()
+        return moved or errand is not None
+
+    @contextmanager
+    def begin(
+        self,
+        skill: str,
+        about: Mapping[str, Any],
+        motions: int,
+        token: CancelToken,
+        report: Report,
+    ) -> Iterator[Errand]:
+        """Run an errand; it ends whatever runs. The token, a halt or the next one ends it."""
+        token.check()
+        errand = Errand(skill, about, motions=motions, token=token, report=report)
+        with self.engine.lock:
+            if not self.engine.running:
+                raise SkillFailed("I am switched off.")
+            if self.errand is not None:
+                self.end(Cancelled(f"pre-empted by {skill}"))
+            self.errand = errand
+        forget = token.on_cancel(lambda: self._end_if(errand, Cancelled(token.reason)))
+        try:
+            yield errand
+            token.check()
+        finally:
+            forget()
+            with self.engine.lock:
+                if self.errand is errand:
+                    self.errand = None
+                self.engine.lock.notify_all()
+
+    def move(
+        self, errand: Errand, pose: HandPose, pace: Pace, allowed: frozenset[Touch] = NOTHING
+    ) -> None:
+        """The hand straight there, pointing down."""
+        (leg,) = self.plan((pose, pace, allowed))
+        self.follow(errand, leg)
+
+    def plan(self, *lines: tuple[HandPose, Pace, frozenset[Touch]]) -> list[Leg]:
+        """Straight lines from where the arm is, one after the other, in the scene of now."""
+        scene, start, held = self.engine.snapshot(), self.arm.target, self.arm.hand.held
+        legs: list[Leg] = []
+        for pose, pace, allowed in lines:
+            legs.append(self.planner.line(scene, start, pose, pace, held=held, allowed=allowed))
+            start = legs[-1].end
+        return legs
+
+    def swing(self, errand: Errand, end: Joints, pace: Pace) -> None:
+        """Every joint straight there."""
+        scene, start, held = self.engine.snapshot(), self.arm.target, self.arm.hand.held
+        self.follow(errand, self.planner.swing(scene, start, end, pace, held=held))
+
+    def follow(self, errand: Errand, leg: Leg) -> None:
+        """A motion that was planned from where the arm is now."""
+        self._run(errand, lambda: self.arm.follow(leg.rows, leg.end))
+
+    def grip(self, errand: Errand, width_m: float) -> None:
+        """Open or close the hand until it stops."""
+        self._run(errand, lambda: self.arm.grip(width_m))
+
+    def rest(self, errand: Errand, seconds: float) -> None:
+        """Let the world come to rest."""
+        self._run(errand, lambda: self.arm.rest(max(1, round(seconds / PERIOD_S))))
+
+    def take(self, name: str) -> bool:
+        """Make sure that the hand holds this cube."""
+        with self.engine.lock:
+            return self.arm.hand.take(name)
+
+    def let_go(self) -> str | None:
+        """The hand is about to open: what it held is not held any more."""
+        with self.engine.lock:
+            held, self.arm.hand.held = self.arm.hand.held, None
+            return held
+
+    def things(self) -> Things:
+        """Where the cubes are."""
+        with self.engine.lock:
+            return {name: self._placed(name) for name in layout.CUBES}
+
+    def hand_m(self) -> NDArray[np.float64]:
+        """(3,) metres: the point between the fingertips."""
+        with self.engine.lock:
+            return np.array(self.engine.data.site(TCP).xpos)
+
+    def progress(self) -> dict[str, Any] | None:
+        """What `robot_state` says of the errand, if there is one."""
+        with self.engine.lock:
+            return self.errand.describe(self._part()) if self.errand else None
+
+    def _run(self, errand: Errand, begin: Callable[[], Motion]) -> None:
+        with self.engine.lock:
+            if errand.ended is not None:
+                raise errand.ended
+            motion = begin()
+            self.engine.lock.notify_all()
+        self.engine.wake()
+        while not motion.done.wait(REPORT_EVERY_S):
+            self._report(errand, motion)
+        if motion.error is not None:
+            raise motion.error
+        errand.moved()
+        self._report(errand, None)
+
+    def _report(self, errand: Errand, motion: Motion | None) -> None:
+        progress = errand.progress(motion.progress if motion else 0.0)
+        errand.report(progress=round(progress, 3), phase=errand.phase)
+
+    def _part(self) -> float:
+        return self.arm.motion.progress if self.arm.motion else 0.0
+
+    def _end_if(self, errand: Errand, error: BaseException) -> None:
+        with self.engine.lock:
+            if self.errand is errand:
+                self.end(error)
+
+    def _placed(self, name: str) -> Placed:
+        body = self.engine.data.body(name)
+        x, y, z = (float(value) for value in body.xpos)
+        axes = body.xmat.reshape(3, 3)
+        level = axes[:, int(np.argmax(np.hypot(axes[0], axes[1])))]
+        yaw = float(np.arctan2(level[1], level[0]))
+        quarter = np.pi / 2
+        return Placed(x, y, z, yaw - quarter * round(yaw / quarter))
+
+    def _build(self) -> None:
+        model, data = self.engine.model, self.engine.data
+        self.arm.put()
+        for name, start in self.starts.items():
+            place = data.joint(name).qpos
+            place[:3] = start.x_m, start.y_m, layout.CUBE_SIZE_M / 2
+            place[3:] = np.cos(start.yaw_rad / 2), 0.0, 0.0, np.sin(start.yaw_rad / 2)
+        mujoco.mj_forward(model, data)
