@@ -1,10 +1,30 @@
 """The catalogue of languages, read from `languages.toml` beside this file."""
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib import resources
 from types import MappingProxyType
+from typing import Any
+
+STT_BACKEND = "faster-whisper"
+TTS_BACKENDS = ("piper", "kokoro", "espeak")
+KOKORO_MODELS = ("kokoro-82m", "kokoro-voices")
+"""The ids in edgevox-models of Kokoro's model and of all its voices."""
+
+
+@dataclass(frozen=True, slots=True)
+class Voice:
+    """A text-to-speech voice of a language.
+
+    `backend` is one of `TTS_BACKENDS`, `key` what that backend calls the voice (espeak-ng: the
+    language). `models` are the ids in edgevox-models of what it needs.
+    """
+
+    name: str
+    backend: str
+    key: str
+    models: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -13,7 +33,8 @@ class Language:
 
     `stop_alone` are words that stop it only when nothing else is said. `spaced` is False for
     scripts that write words without spaces between them. `negations` are the words before a stop
-    word that turn it around ("don't stop").
+    word that turn it around ("don't stop"). `stt_model` is the id in edgevox-models of what hears
+    it. `voices` are best first; the last is espeak-ng's, which needs no model.
     """
 
     code: str
@@ -22,7 +43,22 @@ class Language:
     stop_alone: tuple[str, ...] = ()
     negations: tuple[str, ...] = ()
     spaced: bool = True
-    voices: tuple[str, ...] = ()
+    stt_model: str = ""
+    voices: tuple[Voice, ...] = ()
+
+
+def _voices(code: str, entry: Mapping[str, Any]) -> Iterator[Voice]:
+    """The voices of one table, in its order of backends; an alias comes after what it names."""
+    aliases = {key: name for name, key in entry.get("aliases", {}).items()}
+    for backend in entry["tts"]:
+        if backend == "espeak":
+            yield Voice(f"espeak-{code}", backend, entry["espeak"])
+            continue
+        for key in entry[backend]:
+            models = KOKORO_MODELS if backend == "kokoro" else (f"{backend}-{key}",)
+            yield Voice(key, backend, key, models)
+            if key in aliases:
+                yield Voice(aliases[key], backend, key, models)
 
 
 def _read() -> Mapping[str, Language]:
@@ -36,7 +72,8 @@ def _read() -> Mapping[str, Language]:
                 stop_alone=tuple(entry.get("stop_alone", ())),
                 negations=tuple(entry.get("negations", ())),
                 spaced=entry.get("spaced", True),
-                voices=tuple(entry.get("voices", ())),
+                stt_model=entry["stt"],
+                voices=tuple(_voices(code, entry)),
             )
             for code, entry in tomllib.loads(text).items()
         }

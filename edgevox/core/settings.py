@@ -75,6 +75,9 @@ class Settings(BaseSettings):
     frame_prefix: Annotated[str, AfterValidator(_valid_prefix)] = Field(
         "", description="put before the robot's frames on /tf, so that robots can share a domain"
     )
+    publish_clock: bool = Field(
+        False, description="publish the robot's time on /clock, for nodes with use_sim_time"
+    )
     world: Path | None = Field(
         None, description="world file of a 2D robot, in IR-SIM's YAML format"
     )
@@ -109,6 +112,10 @@ class Settings(BaseSettings):
     )
     wakeword: str = Field(
         "", description="listen only after this wake word, such as 'hey jarvis'; empty: always"
+    )
+    echo: Literal["gate", "none"] = Field(
+        "gate",
+        description="own voice in the microphone: gate it by level; none where it is cancelled",
     )
     llm: str = Field(
         "qwen2.5-coder-0.5b-instruct",

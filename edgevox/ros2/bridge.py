@@ -1,7 +1,9 @@
 """The bridge: the node with all of its parts."""
 
-from collections.abc import Sequence
-from typing import Protocol
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
+
+from rclpy.node import Node
 
 from edgevox.core.commands import RunSkill
 from edgevox.core.errors import InvalidValue
@@ -12,6 +14,7 @@ from edgevox.ros2.node import RosBridgeFailed, RosNode
 from edgevox.ros2.parameters import Parameters, declare
 from edgevox.ros2.queries import QueryServices
 from edgevox.ros2.skill_action import open_skill_action
+from edgevox.ros2.ticker import Ticker
 from edgevox.ros2.topics import Topics
 from edgevox.ros2.wiring import Wiring
 
@@ -30,6 +33,7 @@ class RosBridge:
 
     def __init__(self, wiring: Wiring, ros_args: Sequence[str] = ()) -> None:
         self._node = RosNode(wiring.settings.ros2_namespace, ros_args)
+        self._ticker = Ticker("edgevox-ticker")
         self._parts: list[Part] = []
         try:
             self._open(wiring)
@@ -39,11 +43,13 @@ class RosBridge:
 
     def start(self) -> None:
         self._node.start()
+        self._ticker.start()
 
     def close(self) -> None:
         """No more messages in or out, and nothing left behind."""
         for part in reversed(self._parts):
             part.close()
+        self._ticker.close()
         self._node.close()
 
     @property
@@ -61,25 +67,53 @@ class RosBridge:
                 "muted": controls.muted,
                 "odom_frame": wiring.settings.odom_frame,
                 "frame_prefix": wiring.settings.frame_prefix,
+                "publish_clock": wiring.settings.publish_clock,
             },
         )
         controls.change({name: values[name] for name in ("language", "voice", "muted")})
         self._parts = [
             Parameters(node, self._node.executor, controls, bus),
-            Topics(node, wiring),
+            Topics(node, wiring, self._ticker),
             QueryServices(node, wiring.queries),
         ]
+        self._parts += _audio(node, wiring)
         if wiring.goals and (action := open_skill_action(node, bus, wiring.goals)):
             self._parts.append(action)
         if wiring.body and not isinstance(wiring.body, ExternalRobot):  # it has its own topics
-            self._parts.append(_interop(self._node, wiring, wiring.body, values))
+            interop = _interop(self._node, wiring, wiring.body, self._ticker, values)
+            self._parts.append(interop)
 
 
-def _interop(ros: RosNode, wiring: Wiring, body: Body, values: dict[str, str | bool]) -> Interop:
+def _audio(node: Node, wiring: Wiring) -> list[Part]:
+    """Microphone and loudspeaker on the wire. Their message is in edgevox_msgs."""
+    parts: list[Part] = []
+    if wiring.audio_in:
+        from edgevox.ros2.audio_in import AudioIn
+
+        parts.append(AudioIn(node, wiring.audio_in))
+    if wiring.audio_out:
+        from edgevox.ros2.audio_out import AudioOut
+
+        parts.append(AudioOut(node, wiring.audio_out))
+    return parts
+
+
+def _interop(
+    ros: RosNode, wiring: Wiring, body: Body, ticker: Ticker, values: dict[str, str | bool]
+) -> Interop:
+    def run_skill(name: str, arguments: Mapping[str, Any]) -> None:
+        """At once, as a program's goal; where nobody runs those, as a command."""
+        if wiring.goals:
+            wiring.goals.start_goal(name, arguments)
+        else:
+            wiring.submit(RunSkill(name, arguments))
+
     return Interop(
         ros.node,
         body,
-        lambda name, arguments: wiring.submit(RunSkill(name, arguments)),
+        run_skill,
+        ticker,
         odom_frame=str(values["odom_frame"]),
         frame_prefix=str(values["frame_prefix"]),
+        publish_clock=bool(values["publish_clock"]),
     )

@@ -225,6 +225,13 @@ PARAMETERS: tuple[Parameter, ...] = (
         "letters, digits, underscores and slashes; set at start",
         read_only=True,
     ),
+    Parameter(
+        "publish_clock",
+        False,
+        "publish the robot's time on /clock, for nodes with use_sim_time",
+        "true or false; set at start",
+        read_only=True,
+    ),
 )
 
 INTEROP: tuple[Interop, ...] = (
@@ -249,6 +256,14 @@ INTEROP: tuple[Interop, ...] = (
         "cmd_vel", "geometry_msgs/msg/Twist", "in", "a stream; halts 0.5 s after its end", "wheels"
     ),
     Interop("goal_pose", "geometry_msgs/msg/PoseStamped", "in", "where to go", "a drive"),
+    Interop(
+        "/clock",
+        "rosgraph_msgs/msg/Clock",
+        "out",
+        "the robot's time; stamps are that time, too",
+        "`publish_clock`",
+        100.0,
+    ),
 )
 
 EXTERNAL: tuple[Interop, ...] = (

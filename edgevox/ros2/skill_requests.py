@@ -26,7 +26,9 @@ class StartsGoals(Protocol):
     def check_goal(self, name: str, arguments: Mapping[str, Any]) -> None:
         """Raise what `start_goal` would raise; nothing happens."""
 
-    def start_goal(self, name: str, arguments: Mapping[str, Any], goal_id: str) -> RunningGoal:
+    def start_goal(
+        self, name: str, arguments: Mapping[str, Any], goal_id: str | None = None
+    ) -> RunningGoal:
         """Run a skill. Does not block; the bus tells of it under this id from now on."""
 
 

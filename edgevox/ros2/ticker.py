@@ -1,7 +1,8 @@
-"""Something to do at a rate, on a thread of its own.
+"""Things to do at rates, all on one thread.
 
 A timer of rclpy would wake the executor, which then looks at every entity of the node: about 1 ms
-of CPU each time. A thread costs a twentieth of that, and publishing from it is allowed.
+of CPU each time. A thread costs a twentieth of that, and publishing from it is allowed. What is due
+at one moment is done in one waking: to wake costs more than most of what is done then.
 """
 
 import logging
@@ -12,25 +13,51 @@ from edgevox.core.clock import Clock, SystemClock
 
 log = logging.getLogger(__name__)
 
+TOGETHER_S = 0.001
+"""What is due within this time is done at once."""
+
+
+class _Job:
+    """Something to do, and when the next time."""
+
+    def __init__(self, tick: Callable[[], None], period_s: float, due_s: float) -> None:
+        self.tick, self.period_s, self.due_s = tick, period_s, due_s
+
+    def advance(self, now_s: float) -> None:
+        """It was done for the moment at which it was due; those that were missed are skipped."""
+        missed = max(0.0, now_s - self.due_s) // self.period_s
+        self.due_s += (missed + 1) * self.period_s
+
 
 class Ticker:
-    """Calls `tick` every `period_s` of real time, from `start` to `close`.
+    """Does jobs, each every so many seconds of real time, from `start` to `close`.
 
-    The rate does not drift. A tick that comes too late is skipped, not made up for. One that raises
-    is counted in `failures`, logged, and the next one comes.
+    A rate does not drift. A tick that comes too late is skipped, not made up for. One that raises
+    is counted in `failures`, logged, and the next one comes. Jobs should be quick: one that is not
+    makes the others late.
     """
 
-    def __init__(
-        self, tick: Callable[[], None], period_s: float, name: str, clock: Clock | None = None
-    ) -> None:
-        self._tick = tick
-        self._period_s = period_s
+    def __init__(self, name: str, clock: Clock | None = None) -> None:
         self._clock = clock or SystemClock()
         self._closing = threading.Event()
+        self._ticking = threading.RLock()
+        self._jobs: tuple[_Job, ...] = ()
         self._thread = threading.Thread(target=self._work, name=name)
         self.failures = 0
 
+    def every(self, period_s: float, tick: Callable[[], None]) -> Callable[[], None]:
+        """Call `tick` every `period_s`, the first time at the start; call this before `start`.
+
+        Returns a way to end it, which waits for the tick that runs.
+        """
+        job = _Job(tick, period_s, self._clock.now())
+        self._jobs = (*self._jobs, job)
+        return lambda: self._forget(job)
+
     def start(self) -> None:
+        now_s = self._clock.now()
+        for job in self._jobs:
+            job.due_s = now_s
         self._thread.start()
 
     def close(self) -> None:
@@ -40,15 +67,28 @@ class Ticker:
             self._thread.join()
 
     def _work(self) -> None:
-        due_s = self._clock.now()
-        while not self._closing.wait(max(0.0, due_s - self._clock.now())):
-            self._try_tick()
-            missed = max(0.0, self._clock.now() - due_s) // self._period_s
-            due_s += (missed + 1) * self._period_s
+        while not self._closing.wait(self._wait_s()):
+            now_s = self._clock.now()
+            for job in self._jobs:
+                if job.due_s <= now_s + TOGETHER_S:
+                    self._try_tick(job)
+                    job.advance(self._clock.now())
 
-    def _try_tick(self) -> None:
+    def _wait_s(self) -> float | None:
+        """Until something is due; for ever if nothing ever is."""
+        if not self._jobs:
+            return None
+        return max(0.0, min(job.due_s for job in self._jobs) - self._clock.now())
+
+    def _forget(self, job: _Job) -> None:
+        with self._ticking:
+            self._jobs = tuple(one for one in self._jobs if one is not job)
+
+    def _try_tick(self, job: _Job) -> None:
         try:
-            self._tick()
+            with self._ticking:
+                if job in self._jobs:
+                    job.tick()
         except Exception:
             self.failures += 1
             if self.failures.bit_count() == 1:  # 1, 2, 4, 8, ...: no flood of lines

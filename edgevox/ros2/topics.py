@@ -20,10 +20,10 @@ _TYPES: dict[str, Any] = {STRING: String, "std_msgs/msg/Float32": Float32}
 class Topics:
     """Serves the rows of `PUBLISHED` and `SUBSCRIBED` on a node.
 
-    The body, if there is one, is asked for its state as often as the settings say.
+    The body, if there is one, is asked for its state as often as the settings say, on the ticker.
     """
 
-    def __init__(self, node: Node, wiring: Wiring) -> None:
+    def __init__(self, node: Node, wiring: Wiring, ticker: Ticker) -> None:
         self._node = node
         self._bus = wiring.bus
         self._submit = wiring.submit
@@ -34,19 +34,16 @@ class Topics:
                 self._publish(published)
         for subscribed in SUBSCRIBED:
             self._subscribe(subscribed)
-        self._ticker: Ticker | None = None
         if body:
-            self._ticker = Ticker(
-                lambda: self._bus.publish(RobotState(body.state())),
-                1.0 / wiring.settings.ros2_state_hz,
-                "edgevox-robot-state",
+            self._forget.append(
+                ticker.every(
+                    1.0 / wiring.settings.ros2_state_hz,
+                    lambda: self._bus.publish(RobotState(body.state())),
+                )
             )
-            self._ticker.start()
 
     def close(self) -> None:
         """Publish nothing more."""
-        if self._ticker:
-            self._ticker.close()
         for forget in self._forget:
             forget()
 

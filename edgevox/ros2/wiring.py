@@ -9,6 +9,8 @@ from edgevox.core.settings import Settings
 from edgevox.robots.capabilities import Body
 from edgevox.ros2.contract import Incoming, Queries
 from edgevox.ros2.skill_requests import StartsGoals
+from edgevox.voice.sinks.relay import Relay
+from edgevox.voice.sources.pushed import Pushed
 
 
 @dataclass(frozen=True)
@@ -16,7 +18,8 @@ class Wiring:
     """Events come from `bus`, commands go to `submit`, which raises `InvalidValue`.
 
     `body` and `goals` belong to an agent that has a body; without one there is neither
-    `robot_state` nor `agent_event`, no robot's topics and no action.
+    `robot_state` nor `agent_event`, no robot's topics and no action. `audio_in` is filled from a
+    topic, `audio_out` is sent to one.
     """
 
     settings: Settings
@@ -26,3 +29,5 @@ class Wiring:
     queries: Queries
     body: Body | None = None
     goals: StartsGoals | None = None
+    audio_in: Pushed | None = None
+    audio_out: Relay | None = None

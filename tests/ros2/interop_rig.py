@@ -12,6 +12,7 @@ from peer import RELIABLE, Heard, Peer, wait_until
 from edgevox.robots.apartment import ApartmentRobot
 from edgevox.ros2.interop import Interop
 from edgevox.ros2.node import RosNode
+from edgevox.ros2.ticker import Ticker
 
 HALL = """
 world: {width: 8, height: 4}
@@ -30,12 +31,17 @@ class Offered:
         self.body = body
         self.asked = Messages()
         self.ros = RosNode("/edgevox", ros_args)
-        self.interop = Interop(self.ros.node, body, lambda *asked: self.asked.add(asked), **options)
+        self.ticker = Ticker("edgevox-ticker")
+        self.interop = Interop(
+            self.ros.node, body, lambda *asked: self.asked.add(asked), self.ticker, **options
+        )
         body.start()
         self.ros.start()
+        self.ticker.start()
 
     def close(self) -> None:
         self.interop.close()
+        self.ticker.close()
         self.ros.close()
         self.body.close()
 

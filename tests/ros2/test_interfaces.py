@@ -5,6 +5,7 @@ import os
 import rclpy
 
 from edgevox_msgs.action import ExecuteSkill
+from edgevox_msgs.msg import AudioData
 from tf2_msgs.msg import TFMessage
 
 # What `ros2 topic info --verbose /tf` shows on an installed ROS 2 Jazzy.
@@ -22,6 +23,10 @@ def test_execute_skill_carries_json_both_ways_and_a_reason() -> None:
         "error": "string",
     }
     assert ExecuteSkill.Feedback.get_fields_and_field_types() == {"feedback_json": "string"}
+
+
+def test_sound_has_the_one_field_of_audio_common_msgs() -> None:
+    assert AudioData.get_fields_and_field_types() == {"data": "sequence<uint8>"}
 
 
 def test_the_transform_message_is_the_one_that_other_nodes_know() -> None:

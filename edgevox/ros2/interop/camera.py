@@ -39,7 +39,8 @@ class Camera:
         self._spec = body.camera_spec
         self._images = node.create_publisher(Image, "image_raw", SENSOR)
         self._infos = node.create_publisher(CameraInfo, "camera_info", SENSOR)
-        self._ticker = Ticker(self._tick, period_s, "edgevox-camera")
+        self._ticker = Ticker("edgevox-camera")
+        self._ticker.every(period_s, self._tick)
 
     @property
     def failures(self) -> int:

@@ -1,4 +1,4 @@
-"""Goals come in on `goal_pose` and become skills, as if somebody had asked for them."""
+"""Goals come in on `goal_pose` and become skills at once, also while a model thinks."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -8,7 +8,7 @@ from typing import Any
 from geometry_msgs.msg import PoseStamped
 from rclpy.node import Node
 
-from edgevox.core.errors import InvalidValue
+from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.robots.capabilities import Body, HasEndEffector, HasPose, Pose3D
 from edgevox.ros2.interop.geometry import compose, unit
 from edgevox.ros2.interop.messages import pose_of
@@ -17,7 +17,7 @@ from edgevox.ros2.interop.whereabouts import Whereabouts
 from edgevox.ros2.stamps import to_ns
 
 RunSkill = Callable[[str, Mapping[str, Any]], None]
-"""Asks for a skill, by name and with arguments, without waiting. May raise `InvalidValue`."""
+"""Starts a skill, by name and with arguments, without waiting. May raise `EdgeVoxError`."""
 
 DRIVE, REACH = "navigate_xy", "move_to"
 """The skills that a goal becomes: on the floor for what drives, in space for what has a hand."""
@@ -38,7 +38,8 @@ class GoalInput:
     A goal may be given in `map` or in a frame of this robot, with or without its prefix, and then
     means where that frame was at the goal's stamp (0 is now). Its orientation is not used, and on
     the floor neither is its height. `refused` counts those in another frame, without one, of a time
-    that is not remembered, or with numbers that are not finite; each is logged with its reason.
+    that is not remembered, with numbers that are not finite, or which the skill refuses; each is
+    logged with its reason.
     """
 
     def __init__(
@@ -59,7 +60,7 @@ class GoalInput:
             return
         try:
             self._run_skill(self._skill, self._arguments(message))
-        except InvalidValue as error:
+        except EdgeVoxError as error:
             self.refused += 1
             self._log.warning(
                 f"goal_pose refused: {error} ({self.refused} so far)",

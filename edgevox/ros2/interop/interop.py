@@ -1,5 +1,7 @@
 """Puts together what one body offers to ROS 2."""
 
+from collections.abc import Callable
+
 from rclpy.node import Node
 
 from edgevox.core.errors import EdgeVoxError
@@ -34,7 +36,8 @@ _TICKS_PER_SCAN = round(TF_HZ / SCAN_HZ)
 class Interop:
     """Offers on a node exactly what a body's capabilities allow, until `close`.
 
-    `run_skill` asks for a skill and must not block. `odom_frame` and `frame_prefix` are explained
+    `run_skill` asks for a skill and must not block. `ticker`, not yet started, gives the rates; the
+    camera has a thread of its own. `odom_frame` and `frame_prefix` are explained
     in `frames`, `publish_clock` in `stamps`. Raises `InvalidValue` for a frame that cannot be.
     `failed_ticks` counts the moments at which the body could not say where it is.
     """
@@ -44,6 +47,7 @@ class Interop:
         node: Node,
         body: Body,
         run_skill: RunSkill,
+        ticker: Ticker,
         *,
         odom_frame: str = "",
         frame_prefix: str = "",
@@ -62,16 +66,14 @@ class Interop:
         self._velocity = VelocityInput(node, body) if isinstance(body, TakesVelocity) else None
         self._goal = self._take_goals(run_skill)
         self._place_sensors()
-        self._tickers = self._rates()
-        for ticker in self._tickers:
-            ticker.start()
+        self._forget = self._tick_on(ticker)
         if self._camera:
             self._camera.start()
 
     def close(self) -> None:
         """Nothing more in or out; call it before the node and the body are closed."""
-        for ticker in self._tickers:
-            ticker.close()
+        for forget in self._forget:
+            forget()
         for part in (self._velocity, self._goal, self._camera):
             if part:
                 part.close()
@@ -97,7 +99,7 @@ class Interop:
         return self._camera.failures if self._camera else 0
 
     def _tick(self) -> None:
-        """One ticker serves both rates, so a scan and its transform have one stamp, or nearly."""
+        """One job serves both rates, so a scan and its transform have one stamp, or nearly."""
         self._ticks += 1
         try:
             if self._motion:
@@ -111,13 +113,14 @@ class Interop:
                 throttle_duration_sec=_LOG_EVERY_S,
             )
 
-    def _rates(self) -> list[Ticker]:
-        tickers = []
+    def _tick_on(self, ticker: Ticker) -> list[Callable[[], None]]:
+        """Ways to end it again."""
+        forget = []
         if self._motion or self._scanner:
-            tickers.append(Ticker(self._tick, 1.0 / TF_HZ, "edgevox-interop"))
+            forget.append(ticker.every(1.0 / TF_HZ, self._tick))
         if self._clock:
-            tickers.append(Ticker(self._clock.tick, 1.0 / CLOCK_HZ, "edgevox-clock"))
-        return tickers
+            forget.append(ticker.every(1.0 / CLOCK_HZ, self._clock.tick))
+        return forget
 
     def _offer_motion(self) -> Motion | None:
         if not isinstance(self._body, HasPose | HasEndEffector):

@@ -1,0 +1,56 @@
+"""A microphone on the wire: the topic `audio_in` fills a source of sound."""
+
+import logging
+
+import numpy as np
+from rclpy.node import Node
+
+from edgevox.ros2.contract import Qos
+from edgevox.ros2.topics import profile
+from edgevox.voice.audio import RATE_HZ
+from edgevox.voice.sources.pushed import Pushed
+from edgevox_msgs.msg import AudioData
+
+log = logging.getLogger(__name__)
+
+TOPIC = "audio_in"
+SAMPLE_BYTES = 2
+MAX_BYTES = SAMPLE_BYTES * RATE_HZ
+"""One second. A longer message is refused: it would be heard late."""
+
+
+class AudioIn:
+    """Subscribes on a node, in its namespace, best effort; the callback only queues.
+
+    Messages are `edgevox_msgs/msg/AudioData`: 16 kHz, mono, 16 bit little-endian. One that is
+    empty, cut within a sample or longer than a second is refused, counted and logged.
+    """
+
+    def __init__(self, node: Node, source: Pushed) -> None:
+        self._source = source
+        self.refused = 0
+        self._node = node
+        self._subscription = node.create_subscription(
+            AudioData, TOPIC, self._hear, profile(Qos.SENSOR)
+        )
+        source.name = node.resolve_topic_name(TOPIC)
+
+    def close(self) -> None:
+        """Hear nothing more."""
+        self._node.destroy_subscription(self._subscription)
+
+    def _hear(self, message: AudioData) -> None:
+        size = len(message.data)
+        if 0 < size <= MAX_BYTES and size % SAMPLE_BYTES == 0:
+            self._source.push(np.frombuffer(message.data, "<i2").astype(np.int16))
+            return
+        self.refused += 1
+        if self.refused.bit_count() == 1:  # 1, 2, 4, 8, ...: a flood leaves a few lines
+            log.warning(
+                "%s: %d messages refused; the last has %d bytes, expected 16 bit samples, "
+                "1 to %d bytes",
+                self._source.name,
+                self.refused,
+                size,
+                MAX_BYTES,
+            )

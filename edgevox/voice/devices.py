@@ -1,0 +1,115 @@
+"""The machine's sound devices, by name.
+
+PortAudio, below sounddevice, is one for the whole process and lists the devices only when it
+starts. So who opens a stream says so with `in_use`, and `look_again` starts PortAudio anew only
+while nobody does: it would pull the loudspeaker from under the mouth to find a microphone.
+"""
+
+import threading
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from edgevox.core.errors import EdgeVoxError
+
+Kind = Literal["input", "output"]
+
+_WORDS: Mapping[Kind, str] = {"input": "microphone", "output": "loudspeaker"}
+
+
+class DeviceMissing(EdgeVoxError):
+    """The sound device is not there now; it may be plugged in later."""
+
+
+@dataclass(frozen=True, slots=True)
+class Device:
+    """A sound device: PortAudio's number for it, and what it does by itself."""
+
+    index: int
+    name: str
+    channels: int
+    rate_hz: int
+
+
+class _Uses:
+    """How many streams this process has."""
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.count = 0
+
+
+_uses = _Uses()
+
+
+@contextmanager
+def in_use() -> Iterator[None]:
+    """Wrap the life of a stream, from before it is opened until it is closed."""
+    with _uses.lock:
+        _uses.count += 1
+    try:
+        yield
+    finally:
+        with _uses.lock:
+            _uses.count -= 1
+
+
+def look_again() -> None:
+    """Notice what was plugged in or out, unless a stream is in use."""
+    sounddevice = _sounddevice()
+    with _uses.lock:
+        if not _uses.count:
+            sounddevice._terminate()  # noqa: SLF001 - there is no other way
+            sounddevice._initialize()  # noqa: SLF001
+
+
+def find(name: str, kind: Kind) -> Device:
+    """The device whose name this is, or contains this; the default one for an empty name.
+
+    Raises `DeviceMissing`, which names those that are there.
+    """
+    listed: Sequence[Mapping[str, Any]] = _sounddevice().query_devices()
+    found = [_device(entry, kind) for entry in listed if entry[f"max_{kind}_channels"] > 0]
+    if not name:
+        return _default(kind, found)
+    return choose(name, kind, found)
+
+
+def choose(name: str, kind: Kind, found: Sequence[Device]) -> Device:
+    """The device with this name, else the first that has it in its name, in any case."""
+    wanted = name.casefold()
+    for device in (
+        *(d for d in found if d.name.casefold() == wanted),
+        *(d for d in found if wanted in d.name.casefold()),
+    ):
+        return device
+    here = ", ".join(repr(device.name) for device in found) or "none at all"
+    raise DeviceMissing(f"no {_WORDS[kind]} {name!r} on this machine; it has {here}")
+
+
+def _default(kind: Kind, found: Sequence[Device]) -> Device:
+    default = _sounddevice().default.device[kind]
+    for device in (*(d for d in found if d.index == default), *found):
+        return device
+    raise DeviceMissing(f"no {_WORDS[kind]} on this machine")
+
+
+def _device(entry: Mapping[str, Any], kind: Kind) -> Device:
+    return Device(
+        index=entry["index"],
+        name=entry["name"],
+        channels=entry[f"max_{kind}_channels"],
+        rate_hz=int(entry["default_samplerate"]),
+    )
+
+
+def _sounddevice() -> Any:
+    """Imported late: without PortAudio its import fails, and a robot without sound needs none."""
+    try:
+        import sounddevice
+    except ImportError:
+        raise DeviceMissing("sound needs the extra 'voice': pip install edgevox[voice]") from None
+    except OSError:
+        raise DeviceMissing("sound needs PortAudio: sudo apt install libportaudio2") from None
+    return sounddevice

@@ -1,0 +1,124 @@
+"""Where speech begins and where it ends: a state machine over frames, nothing else."""
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from edgevox.voice.audio import FRAME_S, Frame, Samples
+
+VOICED = 0.5
+"""From this probability on a frame is voiced."""
+UNVOICED = 0.35
+"""Below it a frame of speech is a pause; in between, it goes on as it was."""
+ONSET_FRAMES = 5
+"""So many voiced frames (0.16 s) begin speech: a click or a cough is shorter, "no" is longer."""
+ONSET_WINDOW = 7
+"""They must lie within so many frames."""
+PRE_ROLL_S = 0.3
+"""Heard before the first voiced frame: consonants are quiet."""
+END_S = 0.6
+"""So much silence ends an utterance: people pause for less within a sentence."""
+POST_ROLL_S = 0.2
+"""Silence that is kept at its end."""
+MAX_S = 30.0
+"""The longest utterance, as long as Whisper can hear at once; who speaks on begins a new one."""
+
+
+@dataclass(frozen=True, slots=True)
+class SpeechBegan:
+    """Somebody speaks, since `began_s` (the clock's time of the first voiced sample)."""
+
+    began_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class SpeechEnded:
+    """An utterance, from `began_s` to `ended_s`, the times of its first and last voiced sample.
+
+    `samples` has the pre-roll and the post-roll around them. `cut` if it was as long as may be.
+    """
+
+    samples: Samples
+    began_s: float
+    ended_s: float
+    cut: bool = False
+
+
+Signal = SpeechBegan | SpeechEnded
+
+
+class Endpointer:
+    """Give it every frame with its probability of voice; it gives back what happened by it."""
+
+    def __init__(self, *, end_s: float = END_S, max_s: float = MAX_S) -> None:
+        self._end_frames = round(end_s / FRAME_S)
+        self._max_frames = int(max_s / FRAME_S)
+        self._pre_frames = round(PRE_ROLL_S / FRAME_S)
+        self._post_frames = round(POST_ROLL_S / FRAME_S)
+        self.reset()
+
+    @property
+    def speaking(self) -> bool:
+        return self._speaking
+
+    def reset(self) -> None:
+        """Forget everything, an utterance that has begun too."""
+        self._speaking = False
+        self._voiced: deque[bool] = deque(maxlen=ONSET_WINDOW)
+        self._before: deque[Frame] = deque(maxlen=self._pre_frames + ONSET_WINDOW)
+        self._frames: list[Frame] = []
+        self._began_s = self._ended_s = 0.0
+        self._pause = 0
+
+    def push(self, frame: Frame, probability: float) -> Signal | None:
+        """Take the next frame."""
+        return (
+            self._during(frame, probability) if self._speaking else self._idle(frame, probability)
+        )
+
+    def finish(self) -> SpeechEnded | None:
+        """There are no more frames: the utterance that was going on, if any."""
+        return self._end(cut=True) if self._speaking and self._frames else None
+
+    def _idle(self, frame: Frame, probability: float) -> SpeechBegan | None:
+        self._voiced.append(probability >= VOICED)
+        self._before.append(frame)
+        if sum(self._voiced) < ONSET_FRAMES:
+            return None
+        first = len(self._voiced) - list(self._voiced).index(True)  # frames since the first voiced
+        self._frames = list(self._before)[-(self._pre_frames + first) :]
+        self._began_s = self._before[-first].end_s - FRAME_S
+        self._ended_s = frame.end_s
+        self._speaking, self._pause = True, 0
+        return SpeechBegan(self._began_s)
+
+    def _during(self, frame: Frame, probability: float) -> SpeechEnded | None:
+        self._frames.append(frame)
+        if probability < UNVOICED or (self._pause and probability < VOICED):
+            self._pause += 1
+        else:
+            self._pause = 0
+            self._ended_s = frame.end_s
+        if self._pause >= self._end_frames:
+            nothing = self._ended_s <= self._began_s  # only silence followed on a cut
+            ended = self._end(cut=False)
+            return None if nothing else ended
+        if len(self._frames) >= self._max_frames:
+            return self._cut(frame)
+        return None
+
+    def _cut(self, frame: Frame) -> SpeechEnded:
+        """The utterance is as long as may be; if the person speaks on, so does the next one."""
+        pause, ended = self._pause, self._end(cut=True)
+        if not pause:
+            self._speaking = True
+            self._began_s = self._ended_s = frame.end_s
+        return ended
+
+    def _end(self, *, cut: bool) -> SpeechEnded:
+        kept = self._frames[: len(self._frames) - max(0, self._pause - self._post_frames)]
+        samples = np.concatenate([frame.samples for frame in kept])
+        ended = SpeechEnded(samples, self._began_s, self._ended_s, cut)
+        self.reset()
+        return ended

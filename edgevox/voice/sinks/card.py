@@ -1,0 +1,147 @@
+"""A loudspeaker of this machine; one that is missing or pulled out is said and tried again."""
+
+import logging
+from collections.abc import Callable
+from contextlib import AbstractContextManager, ExitStack
+from typing import Protocol
+
+from edgevox.core.cancel import CancelToken
+from edgevox.core.clock import Clock, SystemClock
+from edgevox.voice.audio import Chunk
+from edgevox.voice.devices import DeviceMissing
+from edgevox.voice.sinks.card_queue import CardQueue
+from edgevox.voice.sinks.outlet import Silence
+from edgevox.voice.sinks.paced import PacedSink
+from edgevox.voice.sinks.pacing import AHEAD_S, NOTHING_S, RateChanger, Wait, real_wait
+from edgevox.voice.sinks.portaudio import Fill, open_loudspeaker
+
+log = logging.getLogger(__name__)
+
+RETRY_S = 3.0
+DEAF_S = 1.0
+"""A card that asks for no samples for this long is lost: PortAudio does not always say so."""
+_STEP_S = 0.02
+
+
+class Stream(Protocol):
+    """A card that plays."""
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def rate_hz(self) -> int: ...
+
+    @property
+    def active(self) -> bool:
+        """False once PortAudio itself has given it up."""
+
+
+Opener = Callable[[str, Fill, Callable[[int], None]], AbstractContextManager[Stream]]
+"""Opens the device of a name, tells its rate, and asks for samples until the context ends.
+
+Raises `DeviceMissing`.
+"""
+
+
+class SoundCardSink:
+    """Plays on the device whose name is, or contains, `device`; on the default if empty.
+
+    It is opened at once. While it is missing, speech takes its time in silence.
+    """
+
+    def __init__(
+        self,
+        device: str = "",
+        *,
+        opener: Opener = open_loudspeaker,
+        clock: Clock | None = None,
+        wait: Wait = real_wait,
+        retry_s: float = RETRY_S,
+    ) -> None:
+        self.name = device or "the default loudspeaker"
+        self._device = device
+        self._opener = opener
+        self._clock = clock or SystemClock()
+        self._wait = wait
+        self._retry_s = retry_s
+        self._queue = CardQueue(self._clock)
+        self._silence = PacedSink(Silence(), clock=self._clock, wait=wait)
+        self._rate = RateChanger(1)
+        self._stream: Stream | None = None
+        self._opened = ExitStack()
+        self._tried_s = float("-inf")
+        self._said = ""
+        self._keep_open()
+
+    def play(self, chunk: Chunk, token: CancelToken) -> float:
+        self._keep_open()
+        if self._stream is None:
+            return self._silence.play(chunk, token)
+        if token.cancelled:
+            return self._clock.now()
+        start_s = self._queue.add(self._rate.push(chunk))
+        self._wait_until(AHEAD_S, token)
+        return start_s
+
+    def drain(self, token: CancelToken) -> None:
+        if self._stream is None:
+            self._silence.drain(token)
+            return
+        self._queue.add(self._rate.flush())
+        self._wait_until(0.0, token)
+
+    def stop(self) -> float:
+        return self._queue.clear() + self._silence.stop()
+
+    def audible(self) -> float:
+        return self._queue.level if self._stream else 0.0
+
+    def close(self) -> None:
+        self._stream = None
+        self._opened.close()
+        self._silence.close()
+
+    def _wait_until(self, ahead_s: float, token: CancelToken) -> None:
+        while not token.cancelled and self._alive():
+            left_s = self._queue.left_s() - ahead_s
+            if left_s < NOTHING_S:
+                return
+            self._wait(token, min(left_s, _STEP_S))
+
+    def _alive(self) -> bool:
+        asked = self._clock.now() - self._queue.filled_s <= DEAF_S
+        return self._stream is not None and self._stream.active and asked
+
+    def _keep_open(self) -> None:
+        """Open the device if it is time to try, and give up one that has gone."""
+        if self._stream and not self._alive():
+            self._lose(f"{self._stream.name} plays no more")
+        if self._stream is None and self._clock.now() - self._tried_s >= self._retry_s:
+            self._tried_s = self._clock.now()
+            self._open()
+
+    def _open(self) -> None:
+        try:
+            opener = self._opener(self._device, self._queue.fill, self._queue.open)
+            self._stream = self._opened.enter_context(opener)
+        except DeviceMissing as error:
+            self._say(f"{error}; trying again every {self._retry_s:g} s", logging.WARNING)
+            return
+        self._rate = RateChanger(self._stream.rate_hz)
+        self._say(f"speaking on {self._stream.name}", logging.INFO)
+
+    def _lose(self, why: str) -> None:
+        self._stream = None
+        self._queue.clear()
+        try:
+            self._opened.close()
+        except DeviceMissing as error:
+            why = str(error)
+        self._say(f"{why}; trying again every {self._retry_s:g} s", logging.WARNING)
+
+    def _say(self, text: str, level: int) -> None:
+        """Once: the same trouble is not worth a line every few seconds."""
+        if text != self._said:
+            self._said = text
+            log.log(level, "loudspeaker: %s", text)

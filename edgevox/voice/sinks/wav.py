@@ -1,0 +1,113 @@
+"""Speech into a WAV file."""
+
+import logging
+import struct
+import threading
+from pathlib import Path
+
+from edgevox.core.cancel import CancelToken
+from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.errors import InvalidValue
+from edgevox.voice.audio import Chunk, Samples
+from edgevox.voice.sinks.pacing import RateChanger
+
+log = logging.getLogger(__name__)
+
+RATE_HZ = 24_000
+"""No voice has a higher one."""
+_HEADER_BYTES = 44
+_MOST_BYTES = 0xFFFF_FFFF - _HEADER_BYTES
+
+
+class WavFile:
+    """A WAV file that is right after every write, even if the process is killed after it.
+
+    The file starts at the clock's time of its opening; between what is written there is silence.
+    A file system that fails is logged once, and what cannot be written is dropped.
+    """
+
+    name = "file"
+    rate_hz = RATE_HZ
+    block_s = 0.02
+    lead_s = 0.0
+
+    def __init__(self, path: Path, clock: Clock | None = None) -> None:
+        """Raises `InvalidValue` if the file cannot be written."""
+        self._start_s = (clock or SystemClock()).now()
+        self._written = 0
+        self._failed = False
+        try:
+            self._file = path.open("wb", buffering=0)
+            self._file.write(_header(0))
+        except OSError as error:
+            expected = f"a WAV file that can be written ({error.strerror})"
+            raise InvalidValue("audio_out", str(path), expected) from None
+
+    def write(self, samples: Samples, start_s: float) -> None:
+        position = round((start_s - self._start_s) * self.rate_hz)
+        self._put(samples, max(self._written, position))
+
+    def append(self, samples: Samples) -> None:
+        """Sound right after what was written."""
+        self._put(samples, self._written)
+
+    def close(self) -> None:
+        self._file.close()
+
+    def _put(self, samples: Samples, position: int) -> None:
+        """The gap before `position` is a hole in the file, which reads as silence."""
+        end = 2 * (position + len(samples))
+        if self._failed or end > _MOST_BYTES or not len(samples):
+            return
+        try:
+            self._file.seek(_HEADER_BYTES + 2 * position)
+            self._file.write(samples.astype("<i2").tobytes())
+            self._file.seek(0)
+            self._file.write(_header(end))
+            self._written = position + len(samples)
+        except OSError:
+            self._failed = True
+            log.exception("no more speech goes to the WAV file")
+
+
+class UnpacedWav:
+    """A sink that writes at once whatever it is given: for whoever does not want to wait."""
+
+    name = "file"
+
+    def __init__(self, file: WavFile, clock: Clock | None = None) -> None:
+        self._file = file
+        self._clock = clock or SystemClock()
+        self._lock = threading.Lock()
+        self._rate = RateChanger(file.rate_hz)
+
+    def play(self, chunk: Chunk, token: CancelToken) -> float:
+        with self._lock:
+            if not token.cancelled:
+                self._file.append(self._rate.push(chunk))
+        return self._clock.now()
+
+    def drain(self, token: CancelToken) -> None:  # noqa: ARG002
+        with self._lock:
+            self._file.append(self._rate.flush())
+
+    def stop(self) -> float:
+        """All that was given is in the file."""
+        return 0.0
+
+    def audible(self) -> float:
+        return 0.0
+
+    def close(self) -> None:
+        with self._lock:
+            self._file.close()
+
+
+def _header(data_bytes: int) -> bytes:
+    """Of a WAV file: PCM, mono, 16 bit."""
+    return struct.pack(
+        "<4sI4s4sIHHIIHH4sI",
+        *(b"RIFF", data_bytes + _HEADER_BYTES - 8, b"WAVE"),
+        *(b"fmt ", 16, 1, 1, RATE_HZ, 2 * RATE_HZ, 2, 16),
+        *(b"data", data_bytes),
+    )

@@ -1,0 +1,66 @@
+"""A source that others fill: a callback of the sound card, a subscriber of ROS 2."""
+
+import logging
+import threading
+from collections import deque
+
+from edgevox.core.clock import Clock, SystemClock
+from edgevox.voice.audio import Frame, Samples
+from edgevox.voice.framing import Framer
+
+log = logging.getLogger(__name__)
+
+MAX_FRAMES = 64
+"""2 s of sound may wait to be read; of more, the oldest is dropped and counted."""
+
+
+class Pushed:
+    """A bounded queue of frames. `push` never blocks; one thread pushes, another reads."""
+
+    def __init__(self, name: str, clock: Clock | None = None) -> None:
+        self.name = name
+        self.dropped = 0
+        self._clock = clock or SystemClock()
+        self._framer = Framer()
+        self._frames: deque[Frame] = deque()
+        self._arrived = threading.Condition()
+        self._closed = False
+
+    def start(self) -> None:
+        """Nothing to do: whoever pushes decides when."""
+
+    def push(self, samples: Samples) -> None:
+        """Mono samples at 16 kHz whose last one is being heard now."""
+        frames = list(self._framer.push(samples, self._clock.now()))
+        with self._arrived:
+            if self._closed or not frames:
+                return
+            self._frames.extend(frames)
+            lost = max(0, len(self._frames) - MAX_FRAMES)
+            for _ in range(lost):
+                self._frames.popleft()
+            self._arrived.notify()
+        if lost:
+            self._count(lost)
+
+    def interrupted(self) -> None:
+        """What is pushed next does not follow on what was pushed last."""
+        self._framer.reset()
+
+    def read(self, timeout_s: float) -> Frame | None:
+        """The oldest frame; None if there was none in time."""
+        with self._arrived:
+            self._arrived.wait_for(lambda: self._frames or self._closed, timeout_s)
+            return self._frames.popleft() if self._frames else None
+
+    def close(self) -> None:
+        """Take nothing more and wake the reader."""
+        with self._arrived:
+            self._closed = True
+            self._frames.clear()
+            self._arrived.notify_all()
+
+    def _count(self, lost: int) -> None:
+        before, self.dropped = self.dropped, self.dropped + lost
+        if self.dropped.bit_length() > before.bit_length():  # a flood leaves a few lines
+            log.warning("%s: %d frames were dropped unheard", self.name, self.dropped)

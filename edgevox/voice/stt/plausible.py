@@ -1,0 +1,77 @@
+"""Telling words that were said from words that Whisper makes of noise.
+
+The bounds lie between what was measured on synthesised commands (with a prompt: no-speech up to
+0.33, log probability down to -0.95) and on noise, hum, bursts and buzz that passed for speech
+(no-speech from 0.43, mostly with a log probability below -0.95).
+"""
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+SURELY_NOISE = 0.6
+MAYBE_NOISE = 0.4
+MAYBE_GUESSED = -0.6
+SURELY_GUESSED = -1.25
+REPEATS = 2.6
+"""Text that compresses better than this says the same again and again."""
+SHORT_S = 3.0
+
+_OF_NOTHING = frozenset(
+    {
+        "you",
+        "thank you",
+        "thanks for watching",
+        "thank you for watching",
+        "thank you very much",
+        "please subscribe",
+        "subtitles by the amara org community",
+        "sous titres réalisés para la communauté d amara org",
+        "subtítulos realizados por la comunidad de amara org",
+        "sottotitoli creati dalla comunità amara org",
+        "legendas pela comunidade amara org",
+        "untertitel der amara org community",
+        "ご視聴ありがとうございました",
+    }
+)
+"""What Whisper learnt to write where nothing is said: the ends of films."""
+_BRACKETED = re.compile(r"[\[(*♪][^\])*♪]*[\])*♪]?")
+_NOT_WORDS = re.compile(r"[\W_]+")
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """A piece of Whisper's output with its own doubts.
+
+    `no_speech` is the probability that nothing was said, `log_probability` the tokens' mean,
+    `compression` how much shorter its text is when compressed.
+    """
+
+    text: str
+    no_speech: float
+    log_probability: float
+    compression: float
+
+
+def plausible(segment: Segment, seconds: float) -> bool:
+    """Whether this was said in a sound of so many seconds."""
+    plain = _plain(segment.text)
+    if not plain or segment.no_speech > SURELY_NOISE or segment.compression > REPEATS:
+        return False
+    if segment.log_probability < SURELY_GUESSED:
+        return False
+    doubtful = segment.no_speech > MAYBE_NOISE
+    if doubtful and segment.log_probability < MAYBE_GUESSED:
+        return False
+    return not (plain in _OF_NOTHING and (doubtful or seconds > SHORT_S or plain == "you"))
+
+
+def words_of(segments: Iterable[Segment]) -> str:
+    """Their text on one line, without remarks such as ``[music]``."""
+    text = " ".join(" ".join(s.text for s in segments).split())
+    spoken = " ".join(_BRACKETED.sub(" ", text).split())
+    return spoken if _plain(spoken) else ""
+
+
+def _plain(text: str) -> str:
+    return " ".join(_NOT_WORDS.sub(" ", _BRACKETED.sub(" ", text).casefold()).split())

@@ -1,0 +1,89 @@
+"""Kokoro: one model of 82 million parameters with 54 voices of nine languages."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from kokoro_onnx.trim import trim
+from numpy.typing import NDArray
+
+from edgevox.core.cancel import CancelToken
+from edgevox.voice.audio import Chunk
+from edgevox.voice.tts.base import SynthesisFailed, to_samples
+from edgevox.voice.tts.kokoro_phonemes import Phonemes
+from edgevox.voice.tts.session import open_session
+
+THREADS = 2
+SAMPLE_RATE_HZ = 24_000
+_MOST_TOKENS = 510
+_STYLE_SHAPE = (_MOST_TOKENS, 1, 256)
+_SENTENCE_PAUSE_S, _PHRASE_PAUSE_S = 0.25, 0.1
+_SENTENCE_ENDS = tuple(".!?。！？।…")  # noqa: RUF001
+
+
+@dataclass(frozen=True, slots=True)
+class Style:
+    """A voice: its name and, for a text of n tokens, its style in row n - 1."""
+
+    name: str
+    rows: NDArray[np.float32]
+
+
+def load_style(folder: Path, name: str) -> Style:
+    """A voice from ``voices/<name>.bin`` in the folder of all voices."""
+    values = np.fromfile(folder / "voices" / f"{name}.bin", dtype="<f4")
+    return Style(name, values.reshape(_STYLE_SHAPE))
+
+
+class KokoroModel:
+    """The loaded model, which all voices share."""
+
+    def __init__(self, path: Path, threads: int = THREADS) -> None:
+        self.path = path
+        self.phonemes = Phonemes()
+        self._session = open_session(path, threads)
+        inputs = {one.name: one.type for one in self._session.get_inputs()}
+        self._tokens = "input_ids" if "input_ids" in inputs else "tokens"
+        self._speed = np.ones(1, np.int32 if inputs["speed"] == "tensor(int32)" else np.float32)
+
+    def run(self, tokens: list[int], style: Style) -> NDArray[np.float32]:
+        """Sound from -1 to 1, shape (n,), at `SAMPLE_RATE_HZ`."""
+        inputs = {
+            self._tokens: np.array([[0, *tokens, 0]], np.int64),
+            "style": style.rows[len(tokens) - 1],
+            "speed": self._speed,
+        }
+        return np.asarray(self._session.run(None, inputs)[0], np.float32).ravel()
+
+
+class KokoroSynthesiser:
+    """One voice of Kokoro."""
+
+    sample_rate_hz = SAMPLE_RATE_HZ
+    phrase_chars = 50
+
+    def __init__(self, model: KokoroModel, style: Style) -> None:
+        self.model = model
+        self._style = style
+
+    def warm_up(self) -> None:
+        for _ in self.synthesise("1, 2.", CancelToken()):
+            pass
+
+    def synthesise(self, sentence: str, token: CancelToken) -> Iterator[Chunk]:
+        tokens = self.model.phonemes.tokens(sentence, self._style.name)
+        if not tokens:
+            raise SynthesisFailed(f"kokoro: no sounds are known for {sentence!r}")
+        for at in range(0, len(tokens), _MOST_TOKENS):
+            if token.cancelled:
+                return
+            sound, _ = trim(self.model.run(tokens[at : at + _MOST_TOKENS], self._style))
+            yield Chunk(to_samples(np.append(sound, _pause_after(sentence))), SAMPLE_RATE_HZ)
+
+
+def _pause_after(sentence: str) -> NDArray[np.float32]:
+    """The silence after what was said: what the model gives has too much, and is trimmed."""
+    whole = sentence.rstrip("\"')]» ").endswith(_SENTENCE_ENDS)
+    pause_s = _SENTENCE_PAUSE_S if whole else _PHRASE_PAUSE_S
+    return np.zeros(int(pause_s * SAMPLE_RATE_HZ), np.float32)

@@ -1,0 +1,59 @@
+"""The voices that are loaded."""
+
+from collections import OrderedDict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from edgevox.voice.tts.base import Synthesiser
+from edgevox.voice.voices import VoiceChoice
+
+if TYPE_CHECKING:
+    from edgevox.voice.tts.kokoro import KokoroModel
+
+MOST_LOADED = 4
+"""A Piper voice takes about 150 MB; who changes back and forth does not want to load it again."""
+
+
+class VoicePool:
+    """Loads voices when they are asked for and keeps those that were used last.
+
+    Used from one thread. Kokoro's voices share one model, espeak-ng's one library.
+    """
+
+    def __init__(self, most: int = MOST_LOADED) -> None:
+        self._most = most
+        self._loaded: OrderedDict[VoiceChoice, Synthesiser] = OrderedDict()
+
+    def get(self, choice: VoiceChoice) -> Synthesiser:
+        """The voice, loaded and warm. Raises what its engine raises."""
+        found = self._loaded.pop(choice, None)
+        if found is None:
+            found = self._load(choice)
+            found.warm_up()
+        self._loaded[choice] = found
+        while len(self._loaded) > self._most:
+            self._loaded.popitem(last=False)
+        return found
+
+    def _load(self, choice: VoiceChoice) -> Synthesiser:
+        match choice.backend, choice.files:
+            case "piper", (model,):
+                from edgevox.voice.tts.piper import PiperSynthesiser
+
+                return PiperSynthesiser(model)
+            case "kokoro", (model, voices):
+                from edgevox.voice.tts.kokoro import KokoroSynthesiser, load_style
+
+                return KokoroSynthesiser(self._kokoro(model), load_style(voices, choice.voice.key))
+            case _:
+                from edgevox.voice.tts.espeak import EspeakSynthesiser, open_espeak
+
+                return EspeakSynthesiser(open_espeak(), choice.voice.key)
+
+    def _kokoro(self, path: Path) -> "KokoroModel":
+        from edgevox.voice.tts.kokoro import KokoroModel, KokoroSynthesiser
+
+        for voice in self._loaded.values():
+            if isinstance(voice, KokoroSynthesiser) and voice.model.path == path:
+                return voice.model
+        return KokoroModel(path)

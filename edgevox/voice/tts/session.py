@@ -1,0 +1,20 @@
+"""ONNX models run beside a language model and a robot: few threads, and none that spins."""
+
+from pathlib import Path
+
+import onnxruntime
+
+
+def open_session(path: Path, threads: int) -> onnxruntime.InferenceSession:
+    """A model on the CPU with this many threads.
+
+    A thread that spins while it waits takes the core that somebody else's thread needs.
+    """
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = threads
+    options.inter_op_num_threads = 1
+    options.add_session_config_entry("session.intra_op.allow_spinning", "0")
+    options.log_severity_level = 3
+    return onnxruntime.InferenceSession(
+        str(path), sess_options=options, providers=["CPUExecutionProvider"]
+    )

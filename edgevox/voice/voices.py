@@ -1,0 +1,72 @@
+"""Which voice speaks: the one that was asked for, else the best one that this machine has."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from edgevox.core.errors import InvalidValue
+from edgevox.core.languages import LANGUAGES, Language, Voice
+from edgevox.voice.tts.engines import installed
+
+Find = Callable[[str], Path | None]
+"""Where a model of edgevox-models is, by its id: its entry file; None if it is not here."""
+Installed = Callable[[Voice], bool]
+"""Whether the engine of a voice is installed here."""
+
+
+@dataclass(frozen=True, slots=True)
+class VoiceChoice:
+    """A voice of a language with the files it needs (`Voice.models`), ready to be loaded."""
+
+    language: str
+    voice: Voice
+    files: tuple[Path, ...] = ()
+
+    @property
+    def name(self) -> str:
+        return self.voice.name
+
+    @property
+    def backend(self) -> str:
+        return self.voice.backend
+
+
+def available(
+    language: Language, find: Find, installed: Installed = installed
+) -> tuple[VoiceChoice, ...]:
+    """The voices of a language that can speak on this machine now, best first."""
+    return tuple(
+        VoiceChoice(language.code, voice, files)
+        for voice in language.voices
+        if installed(voice) and (files := _files(voice, find)) is not None
+    )
+
+
+def choose(
+    language: str, voice: str, find: Find, installed: Installed = installed
+) -> tuple[VoiceChoice, ...]:
+    """What to speak with: the voice of this name, or the language's best if it is empty.
+
+    After it come what to try when it fails: the best voice of every other backend, in the
+    language's order. The last is espeak-ng. Raises `InvalidValue`.
+    """
+    if language not in LANGUAGES:
+        raise InvalidValue("language", language, "one of " + ", ".join(LANGUAGES))
+    here = available(LANGUAGES[language], find, installed)
+    first = next((one for one in here if voice in ("", one.name)), None)
+    if first is None:
+        names = ", ".join(one.name for one in here) or "nothing: no speech engine is installed"
+        raise InvalidValue("voice", voice, f"for the language {language} one of {names}")
+    return (first, *_fallbacks(here, first))
+
+
+def _fallbacks(here: Sequence[VoiceChoice], first: VoiceChoice) -> list[VoiceChoice]:
+    best: dict[str, VoiceChoice] = {first.backend: first}
+    for choice in here:
+        best.setdefault(choice.backend, choice)
+    return [choice for choice in best.values() if choice is not first]
+
+
+def _files(voice: Voice, find: Find) -> tuple[Path, ...] | None:
+    found = tuple(path for model in voice.models if (path := find(model)))
+    return found if len(found) == len(voice.models) else None

@@ -1,0 +1,115 @@
+"""The wake word: openWakeWord's networks, a frame at a time.
+
+While nobody speaks the networks sleep: they cost more than ten times what the voice detector costs.
+What was heard in the two seconds before, as much as they look at, is kept and given to them as soon
+as there may be a voice, so they hear the phrase as if they had been awake. They run on for a moment
+after it.
+
+What begins almost like the phrase may wake it ("hey Java", "hey Charles" for "hey jarvis").
+"""
+
+from collections import deque
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+from pyopen_wakeword import OpenWakeWord, OpenWakeWordFeatures
+
+from edgevox.core.errors import InvalidValue
+from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Samples
+
+THRESHOLD = 0.5
+AWAKE = 0.1
+"""From this probability of a voice on, the networks are awake."""
+AWAKE_S = 1.0
+"""They stay awake for so long after the last frame that may hold a voice."""
+KEPT_S = 2.0
+"""So much of what was heard before they woke is given to them."""
+QUIET_S = 2.0
+"""One phrase is heard once, not in each window that holds it."""
+
+_CHUNK_SAMPLES = 1280  # what the networks take at once
+_NOT_PHRASES = ("embedding_model", "melspectrogram")
+
+
+class WakeDetector(Protocol):
+    """Hears one phrase."""
+
+    phrase: str
+
+    def heard(self, samples: Samples, probability: float) -> bool:
+        """Take the next frame, with its probability of voice; True once for each time it is said.
+
+        That is within 0.15 s of its end.
+        """
+
+    def reset(self) -> None:
+        """Forget what was heard: the next frame does not follow on it."""
+
+
+class WakeWord:
+    """Listens for one phrase, such as ``hey jarvis``; `folder` holds the networks.
+
+    Raises `InvalidValue` for a phrase that has none. Loading warms up, which takes 0.5 s.
+    """
+
+    def __init__(self, phrase: str, folder: Path, *, always_awake: bool = False) -> None:
+        self.phrase = " ".join(phrase.casefold().replace("_", " ").split())
+        name = self.phrase.replace(" ", "_")
+        if name not in _names(folder):
+            raise InvalidValue("wakeword", phrase, "one of " + ", ".join(phrases(folder)))
+        self._features = OpenWakeWordFeatures.from_builtin(folder)
+        self._network = OpenWakeWord.from_model(folder / f"{name}.tflite")
+        self._always_awake = always_awake
+        self._before: deque[Samples] = deque(maxlen=round(KEPT_S / FRAME_S))
+        self._chunk: list[Samples] = []
+        self._awake = self._quiet = 0  # frames left
+        self._run(np.zeros(_CHUNK_SAMPLES, np.int16))
+
+    def heard(self, samples: Samples, probability: float) -> bool:
+        self._quiet = max(0, self._quiet - 1)
+        if probability >= AWAKE or self._always_awake:
+            self._awake = round(AWAKE_S / FRAME_S)
+        if not self._awake:
+            self._before.append(samples)
+            return False
+        self._awake -= 1
+        self._chunk += [*self._before, samples]
+        self._before.clear()
+        if len(self._chunk) * FRAME_SAMPLES < _CHUNK_SAMPLES:
+            return False
+        found = self._run(np.concatenate(self._chunk)) >= THRESHOLD and not self._quiet
+        self._chunk.clear()
+        if found:
+            self._quiet = round(QUIET_S / FRAME_S)
+        return found
+
+    def reset(self) -> None:
+        self._before.clear()
+        self._chunk.clear()
+        self._awake = 0
+        self._run(np.zeros(round(KEPT_S * RATE_HZ), np.int16))
+
+    def close(self) -> None:
+        self._features.close()
+        self._network.close()
+
+    def _run(self, samples: Samples) -> float:
+        """The highest probability that the phrase ends in here."""
+        return max(
+            (
+                probability
+                for embedding in self._features.process_streaming(samples.tobytes())
+                for probability in self._network.process_streaming(embedding)
+            ),
+            default=0.0,
+        )
+
+
+def phrases(folder: Path) -> list[str]:
+    """The wake words whose networks are in this folder."""
+    return [name.replace("_", " ") for name in _names(folder)]
+
+
+def _names(folder: Path) -> list[str]:
+    return sorted(p.stem for p in folder.glob("*.tflite") if p.stem not in _NOT_PHRASES)

@@ -1,0 +1,55 @@
+"""Reading WAV files of any rate, width and number of channels."""
+
+import wave
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from edgevox.core.errors import InvalidValue
+from edgevox.voice.audio import RATE_HZ, Samples
+from edgevox.voice.resample import Resampler
+
+
+def check_wav(path: Path, field: str = "audio_in") -> None:
+    """Raise `InvalidValue` for what cannot be read as a WAV file."""
+    with _opened(path, field):
+        pass
+
+
+def read_wav(path: Path, rate_hz: int = RATE_HZ) -> Samples:
+    """All of a file, mono. Raises `InvalidValue` for what is not a WAV file of PCM."""
+    return np.concatenate([np.empty(0, np.int16), *stream_wav(path, rate_hz)])
+
+
+def stream_wav(path: Path, rate_hz: int = RATE_HZ) -> Iterator[Samples]:
+    """The same, a second at a time, so that a file of hours takes no memory."""
+    with _opened(path, "audio_in") as file:
+        channels, width, from_hz = file.getnchannels(), file.getsampwidth(), file.getframerate()
+        resampler = Resampler(from_hz, rate_hz)
+        while data := file.readframes(from_hz):
+            whole = len(data) // (channels * width) * channels * width
+            mono = _scaled(data[:whole], width).reshape(-1, channels).mean(axis=1)
+            yield resampler.push(np.clip(mono, -32768, 32767).astype(np.int16))
+        yield resampler.flush()
+
+
+def _opened(path: Path, field: str) -> wave.Wave_read:
+    try:
+        return wave.open(str(path), "rb")
+    except (wave.Error, EOFError, OSError) as error:
+        raise InvalidValue(field, str(path), f"a WAV file of PCM ({error})") from None
+
+
+def _scaled(data: bytes, width: int) -> NDArray[np.floating[Any]]:
+    """PCM of 1 (unsigned) to 4 bytes a sample, in the range of 16 bits."""
+    if width == 1:
+        return (np.frombuffer(data, np.uint8).astype(np.float64) - 128.0) * 256.0
+    if width == 3:
+        padded = np.zeros((len(data) // 3, 4), np.uint8)
+        padded[:, 1:] = np.frombuffer(data, np.uint8).reshape(-1, 3)
+        data, width = padded.tobytes(), 4
+    wide: NDArray[np.floating[Any]] = np.frombuffer(data, f"<i{width}").astype(np.float64)
+    return wide / 2.0 ** (8 * (width - 2))

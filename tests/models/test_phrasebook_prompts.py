@@ -1,0 +1,40 @@
+"""What a model reads in each language, counted by the model of the small set."""
+
+import pytest
+
+from edgevox.agent.llm.factory import load_model
+from edgevox.agent.skills import SkillSet
+from edgevox.agent.toolcalls import Protocol
+from edgevox.apps.robots import INSTRUCTIONS
+from edgevox.core.languages import LANGUAGES
+from edgevox.robots.apartment import ApartmentRobot
+
+MOST_PROMPT_TOKENS = 1700
+"""Two fifths of the context; scripts that the model's vocabulary is poor in take the most."""
+
+
+@pytest.fixture(scope="module")
+def tiny(tiny_path):
+    model = load_model(tiny_path)
+    yield model
+    model.close()
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_the_prompt_leaves_room_for_the_conversation_in_every_language(tiny, code):
+    protocol = Protocol(INSTRUCTIONS, skills(), language=code)
+
+    tokens = sum(tiny.count_tokens(message.content) + 5 for message in protocol.opening)
+
+    assert tokens <= MOST_PROMPT_TOKENS
+
+
+@pytest.mark.parametrize("code", [code for code in LANGUAGES if code != "en"])
+def test_the_prompt_names_the_language_to_answer_in(code):
+    opening = Protocol(INSTRUCTIONS, skills(), language=code).opening
+
+    assert f"Every sentence that you say is {LANGUAGES[code].name}." in opening[0].content
+
+
+def skills():
+    return SkillSet(ApartmentRobot().skills)

@@ -1,0 +1,74 @@
+"""What the voices say is understood by ears that know nothing of it."""
+
+import numpy as np
+import pytest
+from voice_engines import hear, speak, voice, words, wrong_words
+
+from edgevox.core.cancel import CancelToken
+from edgevox.core.languages import LANGUAGES
+from edgevox.voice.tts.base import SynthesisFailed
+from edgevox.voice.tts.espeak import EspeakSynthesiser, open_espeak
+from edgevox.voice.tts.espeak_command import EspeakCommand
+from edgevox.voice.tts.pool import VoicePool
+
+KITCHEN = {
+    "en": "The robot drives to the kitchen and picks up the red cup.",
+    "es": "El robot va a la cocina y abre la puerta blanca.",
+    "fr": "Le robot va dans la cuisine et prend la tasse rouge.",
+    "it": "Il robot va in cucina e prende la tazza rossa.",
+    "pt": "O robô está na cozinha e abre a porta azul.",
+}
+HELLO = {
+    "vi": "Xin chào.",
+    "ar": "مرحبا.",
+    "ru": "Привет.",
+    "hi": "नमस्ते।",
+    "zh": "你好。",
+    "ja": "こんにちは。",
+}
+
+
+@pytest.fixture(scope="module")
+def pool() -> VoicePool:
+    return VoicePool()
+
+
+@pytest.mark.parametrize("name", ["en_US-joe-medium", "espeak-en"])
+def test_an_english_voice_is_understood_word_for_word(name: str, pool: VoicePool):
+    chunks = speak(voice("en", name), KITCHEN["en"], pool)
+    assert wrong_words(words(KITCHEN["en"]), hear(chunks, "en")) <= 1
+
+
+@pytest.mark.parametrize("language", ["en", "es", "fr", "it", "pt"])
+def test_kokoro_is_understood_in_its_languages(language: str, pool: VoicePool):
+    name = next(v.name for v in LANGUAGES[language].voices if v.backend == "kokoro")
+    chunks = speak(voice(language, name), KITCHEN[language], pool)
+    assert wrong_words(words(KITCHEN[language]), hear(chunks, language)) <= 1
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_espeak_speaks_every_language(language: str, pool: VoicePool):
+    (chunk,) = speak(voice(language, f"espeak-{language}"), HELLO.get(language, "Hello."), pool)
+    assert 0.3 < len(chunk.samples) / chunk.rate_hz < 4.0
+    assert np.abs(chunk.samples.astype(int)).max() > 3000
+
+
+def test_espeak_as_a_command_says_the_same_as_the_library():
+    engine = EspeakSynthesiser(EspeakCommand("espeak-ng"), "en-us")
+    (chunk,) = engine.synthesise(KITCHEN["en"], CancelToken())
+    assert wrong_words(words(KITCHEN["en"]), hear([chunk], "en")) <= 1
+
+
+def test_espeak_refuses_a_language_that_it_does_not_have():
+    for engine in (open_espeak(), EspeakCommand("espeak-ng")):
+        with pytest.raises(SynthesisFailed):
+            engine.speak("Hello.", "xx-none", CancelToken())
+
+
+@pytest.mark.parametrize("name", ["en_US-joe-medium", "espeak-en"])
+def test_a_cancelled_token_ends_a_voice_within_one_chunk(name: str, pool: VoicePool):
+    token = CancelToken()
+    pieces = pool.get(voice("en", name)).synthesise("One. Two. Three. Four.", token)
+    next(pieces)
+    token.cancel()
+    assert list(pieces) == []

@@ -1,0 +1,52 @@
+"""A microphone node on the wire, and the source that it fills."""
+
+import numpy as np
+import pytest
+from peer import SENSOR, Peer, wait_until
+
+from edgevox.ros2.audio_in import MAX_BYTES, AudioIn
+from edgevox.voice.audio import FRAME_SAMPLES
+from edgevox.voice.sources.pushed import Pushed
+from edgevox_msgs.msg import AudioData
+
+
+@pytest.fixture
+def robot(domain):
+    """A node that listens, and the source that it fills."""
+    robot = Peer(domain)
+    source = Pushed("audio_in")
+    yield AudioIn(robot.node, source), source
+    source.close()
+    robot.close()
+
+
+@pytest.fixture
+def microphone(domain):
+    microphone = Peer(domain)
+    publisher = microphone.node.create_publisher(AudioData, "audio_in", SENSOR)
+    wait_until(lambda: publisher.get_subscription_count() > 0, "audio_in")
+    yield publisher
+    microphone.close()
+
+
+def test_what_a_microphone_node_publishes_is_heard_sample_by_sample(robot, microphone):
+    _, source = robot
+    sound = np.arange(-FRAME_SAMPLES, FRAME_SAMPLES, dtype="<i2")
+
+    for piece in np.split(sound, 4):
+        microphone.publish(AudioData(data=piece.tobytes()))
+    frames = [source.read(10.0), source.read(10.0)]
+
+    assert all(frames)
+    assert np.array_equal(np.concatenate([frame.samples for frame in frames]), sound)
+
+
+@pytest.mark.parametrize("size", [0, 3, MAX_BYTES + 2])
+def test_a_message_that_cannot_be_sound_is_refused_and_said(robot, microphone, size, caplog):
+    audio_in, source = robot
+
+    microphone.publish(AudioData(data=bytes(size)))
+    wait_until(lambda: audio_in.refused == 1, "refusal")
+
+    assert source.read(0.0) is None
+    assert f"the last has {size} bytes" in caplog.text
