@@ -8,7 +8,7 @@ SHELL := /bin/bash
 PYTHON ?= python3
 AGENT ?= robot-apartment
 ARGS ?=
-TEST_MODELS ?= small quality smoke
+TEST_MODELS ?= small quality smoke world robots
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -31,7 +31,7 @@ help: ## List what can be made.
 
 .PHONY: run
 run: $(DONE)/$(if $(ROS2),msgs,run) ## Start the agent with a prompt, on ROS 2; the first time, install all it needs.
-	@$(BIN)/edgevox-models fetch small
+	@$(BIN)/edgevox-models fetch small $(filter robot-panda robot-humanoid,$(AGENT))
 	@exec $(BIN)/edgevox-agent $(AGENT) --text-mode $(if $(ROS2),--ros2) $(ARGS)
 
 .PHONY: test

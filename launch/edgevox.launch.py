@@ -15,25 +15,48 @@ ARGUMENTS = {
     "language": "language to hear and speak, ISO 639-1 code",
     "state_hz": "how often robot_state is published, in hertz",
     "world": "world file of a 2D robot, in IR-SIM's YAML format",
+    "model_source": "robot-humanoid: which robot it is",
+    "mjcf": "robot-humanoid: a robot of your own, as an MJCF file",
+    "seed": "what is random in a simulated world comes from this",
+    "render": "show the robot in a window where there is a display",
     "external_namespace": "robot-external: namespace of the robot's topics, such as /robot1",
     "locations": "robot-external: YAML file of the places that it knows by name",
+    "audio_in": "microphone: a device's name, a WAV file or folder, ros2, or none",
+    "audio_out": "loudspeaker: a device's name, a WAV file, ros2, or none",
+    "wakeword": "listen only after this wake word, such as 'hey jarvis'; empty: always",
+    "echo": "own voice in the microphone: gate it by level; none where it is cancelled",
+    "text_mode": "type instead of speaking; no sound is used",
+    "publish_clock": "publish the robot's time on /clock, for nodes with use_sim_time",
     "llm": "language model: an id of edgevox-models, a GGUF file, or none",
     "log_level": "least severe log lines to show",
     "config": "TOML file with settings",
     "params_file": "YAML file with ROS 2 parameters",
 }
 # An empty argument is not handed on, so that EDGEVOX_* variables and `config` hold.
-DEFAULTS = {"robot": "robot-apartment"}
+DEFAULTS = {"robot": "robot-apartment", "text_mode": "true"}
 FLAGS = {
     "language": "--language",
     "state_hz": "--ros2-state-hz",
     "world": "--world",
+    "model_source": "--model-source",
+    "mjcf": "--mjcf",
+    "seed": "--seed",
     "external_namespace": "--namespace",
     "locations": "--locations",
+    "audio_in": "--audio-in",
+    "audio_out": "--audio-out",
+    "wakeword": "--wakeword",
+    "echo": "--echo",
     "llm": "--llm",
     "log_level": "--log-level",
     "config": "--config",
 }
+SWITCHES = {
+    "render": "--render",
+    "text_mode": "--text-mode",
+    "publish_clock": "--publish-clock",
+}
+TRUE, FALSE = ("true", "1", "yes", "on"), ("false", "0", "no", "off")
 
 
 def generate_launch_description() -> LaunchDescription:
@@ -50,14 +73,15 @@ def _agent(context: LaunchContext) -> list[Node]:
         return str(LaunchConfiguration(name).perform(context))
 
     flags = [(flag, value(name)) for name, flag in FLAGS.items()]
+    switches = [_switch(name, flag, value(name)) for name, flag in SWITCHES.items() if value(name)]
     return [
         Node(
             package="edgevox",
             executable="edgevox-agent",
             arguments=[
                 value("robot"),
-                "--text-mode",
                 "--ros2",
+                *switches,
                 *(f"{flag}={given}" for flag, given in flags if given),
             ],
             namespace=value("namespace") or None,
@@ -65,3 +89,11 @@ def _agent(context: LaunchContext) -> list[Node]:
             output="screen",
         )
     ]
+
+
+def _switch(name: str, flag: str, given: str) -> str:
+    if given.lower() in TRUE:
+        return flag
+    if given.lower() in FALSE:
+        return "--no-" + flag.removeprefix("--")
+    raise RuntimeError(f"{name}: got {given!r}, expected true or false")

@@ -1,20 +1,24 @@
-"""The generated parts of docs/ros2.md: `write` renews them, `check` only looks.
+"""What is generated in docs: `write` renews it, `check` only looks.
 
-They come from `edgevox.ros2.contract` and the launch files, and stand between
+The tables of ros2.md come from `edgevox.ros2.contract` and the launch files, and stand between
 ``<!-- generated: NAME -->`` and ``<!-- end -->``; all else on the page is written by hand.
+scenario.schema.json is the format of scenario files as a JSON Schema.
 """
 
 import ast
+import json
 import re
 import sys
 from collections.abc import Iterable
 from pathlib import Path
 
+from edgevox.apps.scenario import Scenario
 from edgevox.ros2 import contract
 from edgevox.ros2.contract import Qos
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "ros2.md"
+SCHEMA = ROOT / "docs" / "scenario.schema.json"
 LAUNCH = ROOT / "launch"
 BLOCK = re.compile(r"(<!-- generated: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
@@ -155,6 +159,11 @@ def renewed(page: str) -> str:
     return BLOCK.sub(lambda found: found[1] + PARTS[found[2]]() + found[3], page)
 
 
+def schema() -> str:
+    """What editors and other programs need to know of scenario files."""
+    return json.dumps(Scenario.model_json_schema(), indent=2) + "\n"
+
+
 def main(arguments: list[str]) -> int:
     """Run `write` or `check`; 2 for anything else."""
     page = PAGE.read_text()
@@ -165,12 +174,14 @@ def main(arguments: list[str]) -> int:
     match arguments:
         case ["write"]:
             PAGE.write_text(renewed(page))
+            SCHEMA.write_text(schema())
             return 0
         case ["check"]:
-            if renewed(page) != page:
-                sys.stderr.write(f"{PAGE.name}: not current; run scripts/reference.py write\n")
-                return 1
-            return 0
+            wanted = {PAGE: renewed(page), SCHEMA: schema()}
+            old = [file.name for file, text in wanted.items() if file.read_text() != text]
+            for name in old:
+                sys.stderr.write(f"{name}: not current; run scripts/reference.py write\n")
+            return 1 if old else 0
     sys.stderr.write("usage: reference.py write|check\n")
     return 2
 

@@ -11,7 +11,16 @@ from edgevox.apps.robots import ROBOTS
 from edgevox.core.settings import Settings
 
 FILES = sorted(LAUNCH.glob("*.launch.py"))
-CONTRACT = {"namespace", "language"}
+CONTRACT = {
+    "edgevox.launch.py": {"namespace", "language"},
+    "edgevox_irsim.launch.py": {"namespace"},
+    "edgevox_panda.launch.py": {"namespace", "state_hz"},
+    "edgevox_humanoid.launch.py": {"namespace", "model_source", "mjcf"},
+    "edgevox_external.launch.py": {"namespace", "external_namespace", "locations"},
+}
+SWITCHES = {name for name, field in Settings.model_fields.items() if field.annotation is bool}
+NO_FLAGS = {"robot", "namespace", "params_file", "config"}
+"""Arguments that are no setting."""
 
 
 @pytest.fixture(params=FILES, ids=lambda file: file.name)
@@ -44,14 +53,25 @@ def test_a_launch_file_runs_an_executable_of_the_package(description: LaunchDesc
     assert node.output == "screen"
 
 
+@pytest.mark.parametrize(("file", "promised"), CONTRACT.items())
+def test_a_launch_file_takes_what_the_contract_says(
+    file: str, promised: set[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    description = load(LAUNCH / file, monkeypatch)["generate_launch_description"]()
+    assert set(description.arguments) >= promised
+
+
+def test_every_launch_file_has_its_row_here() -> None:
+    assert {file.name for file in FILES} == set(CONTRACT)
+
+
 def test_every_argument_is_described(description: LaunchDescription) -> None:
-    assert set(description.arguments) >= CONTRACT
     assert all(argument.description for argument in description.arguments.values())
 
 
 def test_every_argument_reaches_the_process(description: LaunchDescription) -> None:
     plain = started(description).command
-    for name in description.arguments.keys() - {"robot"}:
+    for name in description.arguments.keys() - {"robot"} - SWITCHES:
         command = started(description, **{name: "/given"}).command
         changed = [word for word in command if word not in plain]
         assert any("/given" in word for word in changed), name
@@ -71,14 +91,33 @@ def test_without_arguments_the_process_keeps_its_own_defaults(
     description: LaunchDescription,
 ) -> None:
     robot = started(description).arguments[0]
-    assert robot in ROBOTS
     assert started(description).command == [
         "edgevox-agent",
         robot,
-        "--text-mode",
         "--ros2",
+        "--text-mode",
         "--ros-args",
     ]
+
+
+def test_a_switch_can_be_turned_on_and_off(description: LaunchDescription) -> None:
+    for name in description.arguments.keys() & SWITCHES:
+        flag = name.replace("_", "-")
+        assert f"--{flag}" in started(description, **{name: "true"}).arguments
+        assert f"--no-{flag}" in started(description, **{name: "False"}).arguments
+
+
+def test_a_switch_that_is_neither_is_refused(description: LaunchDescription) -> None:
+    with pytest.raises(RuntimeError, match="render: got 'maybe', expected true or false"):
+        started(description, render="maybe")
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
+def test_a_launch_file_starts_a_robot_that_there_is(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    description = load(file, monkeypatch)["generate_launch_description"]()
+    assert started(description).arguments[0] in ROBOTS
 
 
 def test_namespace_and_parameters_are_handed_on_as_ros_2_does(
@@ -96,10 +135,13 @@ def test_the_process_takes_every_setting_and_describes_it_in_the_same_words(
     parser = argparse.ArgumentParser()
     parser.add_argument("robot")
     add_flags(parser)
-    for name in description.arguments.keys() - {"robot", "namespace", "params_file", "config"}:
-        node = started(description, **{name: "x"})
+    for name in description.arguments.keys() - NO_FLAGS:
+        given = ("false", False) if name in SWITCHES else ("x", "x")
+        node = started(description, **{name: given[0]})
         (field,) = (
-            f for f, value in given_flags(parser.parse_args(node.arguments)).items() if value == "x"
+            f
+            for f, value in given_flags(parser.parse_args(node.arguments)).items()
+            if value == given[1]
         )
         about = Settings.model_fields[field].description
         assert description.arguments[name].description == about

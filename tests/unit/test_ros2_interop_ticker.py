@@ -15,7 +15,8 @@ def test_a_tick_that_fails_is_counted_and_the_next_one_comes(caplog):
         if len(ticks) < 5:
             raise RuntimeError("no")
 
-    ticker = Ticker(tick, 0.001, "metronome")
+    ticker = Ticker("metronome")
+    ticker.every(0.001, tick)
     ticker.start()
     assert enough.wait(10)
     ticker.close()
@@ -24,35 +25,100 @@ def test_a_tick_that_fails_is_counted_and_the_next_one_comes(caplog):
     assert len(caplog.records) == 3  # the 1st, 2nd and 4th
 
 
-class FakeClock:
-    """Reads the times that it was given; the last one stays."""
+class FakeTime:
+    """A clock that only waiting and ticking move, and that ends the ticker after some seconds."""
 
-    def __init__(self, *times_s):
-        self._times_s = list(times_s)
+    def __init__(self, until_s: float) -> None:
+        self.time_s = 10.0
+        self.until_s = self.time_s + until_s
+        self.waits = 0
 
-    def now(self):
-        return self._times_s.pop(0) if len(self._times_s) > 1 else self._times_s[0]
+    def now(self) -> float:
+        return self.time_s
+
+    def wait(self, seconds: float) -> bool:
+        self.time_s += seconds
+        self.waits += 1
+        return self.time_s > self.until_s
 
 
-class FakeEvent:
-    """Notes how long it was waited for; the third wait is the end."""
+def run(jobs, until_s):
+    """What `jobs`, a period to the seconds that its ticks take, do when."""
+    time = FakeTime(until_s)
+    ticker = Ticker("metronome", time)
+    ticker._closing = time
+    done = []
 
-    def __init__(self):
-        self.waits = []
+    def job(period_s, takes_s):
+        def tick():
+            done.append((period_s, round(time.time_s - 10.0, 3)))
+            time.time_s += takes_s.pop(0) if takes_s else 0.0
 
-    def wait(self, seconds):
-        self.waits.append(seconds)
-        return len(self.waits) == 3
+        ticker.every(period_s, tick)
+
+    for period_s, takes_s in jobs.items():
+        job(period_s, list(takes_s))
+    for one in ticker._jobs:
+        one.due_s = time.time_s
+    ticker._work()
+    return done, time
 
 
 def test_ticks_are_due_at_multiples_of_the_period_and_missed_ones_are_skipped():
-    # started at 10.0; the first tick ends at 10.4, the second, due at 11.0, only at 13.2
-    clock = FakeClock(10.0, 10.0, 10.4, 10.4, 13.2, 13.2)
-    ticker = Ticker(lambda: None, 1.0, "metronome", clock)
-    ticker._closing = waiting = FakeEvent()
-    ticker._work()
-    assert [round(one, 6) for one in waiting.waits] == [0.0, 0.6, 0.8]
+    done, _ = run({1.0: [0.4, 2.2]}, until_s=4.0)
+    assert done == [(1.0, 0.0), (1.0, 1.0), (1.0, 4.0)]
 
 
-def test_it_can_be_closed_before_it_was_started():
-    Ticker(lambda: None, 1.0, "metronome").close()
+def test_what_is_due_together_is_done_in_one_waking():
+    done, time = run({1 / 30: [], 0.1: []}, until_s=0.99)
+    assert len([one for one in done if one[0] == 0.1]) == 10
+    assert len([one for one in done if one[0] == 1 / 30]) == 30
+    assert time.waits == 31  # the last is the end
+
+
+def test_a_job_that_is_ended_is_not_done_again_and_the_others_are():
+    ticks, enough = {"one": 0, "other": 0}, threading.Event()
+    ticker = Ticker("metronome")
+
+    def other():
+        ticks["other"] += 1
+        if ticks["other"] == 3:
+            end_one()
+            ticks["at the end"] = ticks["one"]
+        if ticks["other"] == 10:
+            enough.set()
+
+    end_one = ticker.every(0.001, lambda: ticks.update(one=ticks["one"] + 1))
+    ticker.every(0.001, other)
+    ticker.start()
+    assert enough.wait(10)
+    ticker.close()
+    assert ticks["one"] == ticks["at the end"]
+
+
+def test_a_job_is_over_when_its_end_returns():
+    inside, leave, over = threading.Event(), threading.Event(), threading.Event()
+    ticker = Ticker("metronome")
+
+    def tick():
+        inside.set()
+        leave.wait(10)
+
+    end = ticker.every(0.001, tick)
+    ticker.start()
+    assert inside.wait(10)
+    ending = threading.Thread(target=lambda: (end(), over.set()))
+    ending.start()
+    assert not over.wait(0.05)
+    leave.set()
+    assert over.wait(10)
+    ending.join()
+    ticker.close()
+
+
+def test_it_can_be_closed_before_it_was_started_and_without_anything_to_do():
+    ticker = Ticker("metronome")
+    ticker.close()
+    idle = Ticker("metronome")
+    idle.start()
+    idle.close()

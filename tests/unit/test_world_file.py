@@ -112,6 +112,7 @@ def test_a_random_irsim_world_is_the_same_every_time_and_keeps_its_distances() -
     first, second = parse_world(text, "a.yaml"), parse_world(text, "a.yaml")
 
     assert first.things == second.things
+    assert first.things != parse_world(text, "a.yaml", seed=1).things
     spots = [(t.pose.x_m, t.pose.y_m) for t in first.things]
     assert min(math.dist(a, b) for a in spots for b in spots if a != b) >= 1.5
 

@@ -3,12 +3,16 @@
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 from edgevox.agent.conversation import Conversation
+from edgevox.apps.snapshot import check_picture, write_picture
 from edgevox.core.commands import Interrupt, Reset
+from edgevox.core.errors import EdgeVoxError
 from edgevox.robots.capabilities import Body, HasMap
 
 MAP_COLUMNS = 60
+NO_ROBOT = "there is no robot here"
 
 
 class Leave(Exception):
@@ -17,31 +21,46 @@ class Leave(Exception):
 
 @dataclass(frozen=True)
 class Desk:
-    """What the commands work on."""
+    """What the commands work on; `columns` is how wide a map may be."""
 
     conversation: Conversation
-    body: Body
+    body: Body | None
+    columns: int = MAP_COLUMNS
 
 
 def _help(_: Desk) -> str:
-    lines = [f"  /{name:<6} {command.about}" for name, command in COMMANDS.items()]
+    names = {f"/{name} {command.takes}": command.about for name, command in COMMANDS.items()}
+    lines = [f"  {name:<15} {about}" for name, about in names.items()]
     return "\n".join(["Type what you would say to the robot, or:", *lines])
+
+
+def _picture(desk: Desk, name: str) -> str:
+    if desk.body is None:
+        return NO_ROBOT
+    file = Path(name or f"{desk.body.name}.png").expanduser()
+    try:
+        write_picture(check_picture(desk.body, file), file)
+    except EdgeVoxError as error:
+        return str(error)
+    return f"written to {file.absolute()}"
 
 
 def _map(desk: Desk) -> str:
     if isinstance(desk.body, HasMap):
-        return desk.body.draw_map(MAP_COLUMNS)
-    return f"{desk.body.name} has no map"
+        return desk.body.draw_map(desk.columns)
+    return f"{desk.body.name} has no map" if desk.body else NO_ROBOT
 
 
 def _state(desk: Desk) -> str:
+    if desk.body is None:
+        return NO_ROBOT
     return json.dumps(desk.body.state(), indent=2, ensure_ascii=False)
 
 
 def _skills(desk: Desk) -> str:
     return "\n".join(
         f"  {s.name}({', '.join(s.arguments_model.model_fields)})  {s.description}"
-        for s in desk.body.skills
+        for s in (desk.body.skills if desk.body else ())
     )
 
 
@@ -55,32 +74,49 @@ def _reset(desk: Desk) -> str:
     return "forgotten"
 
 
+def _restart(desk: Desk) -> str:
+    if desk.body is None:
+        return NO_ROBOT
+    desk.conversation.submit(Interrupt("the world was put back"))
+    desk.body.reset()
+    return "put back"
+
+
 def _quit(_: Desk) -> str:
     raise Leave
 
 
 @dataclass(frozen=True)
 class SlashCommand:
-    """A slash command: what it does, in a sentence, and how."""
+    """A slash command: what it does, in a sentence, and how.
+
+    `takes` names what may follow it; `run` gets that text as its second argument then.
+    """
 
     about: str
-    run: Callable[[Desk], str]
+    run: Callable[..., str]
+    takes: str = ""
 
 
 COMMANDS: Mapping[str, SlashCommand] = {
     "help": SlashCommand("show this", _help),
     "map": SlashCommand("draw the world with the robot in it", _map),
+    "picture": SlashCommand("write a picture of the robot as PNG", _picture, "[FILE]"),
     "state": SlashCommand("show the robot's state", _state),
     "skills": SlashCommand("list what the robot can do", _skills),
     "stop": SlashCommand("stop talking and moving", _stop),
     "reset": SlashCommand("forget the conversation and stop", _reset),
+    "restart": SlashCommand("put the robot and its world back to the start", _restart),
     "quit": SlashCommand("leave", _quit),
 }
 
 
 def run_command(line: str, desk: Desk) -> str:
     """Run a line that begins with a slash; what it prints. Raises `Leave`."""
-    name = line[1:].strip().lower()
-    if name not in COMMANDS:
+    name, _, rest = line[1:].strip().partition(" ")
+    command = COMMANDS.get(name.lower())
+    if command is None:
         return f"/{name}: no such command; expected one of /{', /'.join(COMMANDS)}"
-    return COMMANDS[name].run(desk)
+    if rest and not command.takes:
+        return f"/{name}: got {rest.strip()!r}, expected nothing after it"
+    return command.run(desk, rest.strip()) if command.takes else command.run(desk)

@@ -6,30 +6,43 @@ import stat
 import sys
 import threading
 
+from edgevox.apps.composition import Parts
 from edgevox.apps.ending import Ending
 from edgevox.apps.terminal.commands import Desk
 from edgevox.apps.terminal.prompt import Prompt
 from edgevox.apps.terminal.script import run_script
 from edgevox.apps.terminal.view import View
-from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
+from edgevox.voice.sources.files import WavFiles
 
 
-def run_terminal(bus: Bus, desk: Desk, ending: Ending, *, plain: bool = False) -> None:
+def run_terminal(parts: Parts, ending: Ending) -> None:
     """Serve whoever is at stdin, on the main thread, until they leave.
 
-    A terminal gets a prompt (a bare line reader if `plain`). A pipe or a file is a script: it ends
-    the program when its last line is done. An empty stdin, or none, is nobody: the program runs
-    until it is told to end by a signal.
+    A terminal gets the whole screen, or a prompt if `simple_ui` is set. A pipe or a file is a
+    script: it ends the program when its last line is done. An empty stdin, or none, is nobody: the
+    program runs until its WAV files are over, if it hears those, or a signal tells it to end.
     """
-    if _is_terminal() and not plain:
-        Prompt(bus, desk, SystemClock()).run(ending)
-        return
-    if _has_input() and run_script(sys.stdin.buffer, bus, desk, _write):
-        return
-    view = View(bus, _write)
+    desk = Desk(parts.conversation, parts.body)
+    if _is_terminal():
+        if parts.settings.simple_ui:
+            Prompt(parts.bus, desk, SystemClock()).run(ending)
+            return
+        from edgevox.apps.tui import run_tui
+
+        run_tui(parts, ending)
+    elif not (_has_input() and run_script(sys.stdin.buffer, parts.bus, desk, _write)):
+        _run_alone(parts)
+
+
+def _run_alone(parts: Parts) -> None:
+    view = View(parts.bus, _write)
     try:
-        threading.Event().wait()
+        if parts.ears and parts.voice and isinstance(parts.voice.source, WavFiles):
+            parts.ears.wait_over()
+            parts.conversation.wait_idle()
+        else:
+            threading.Event().wait()
     finally:
         view.close()
 
@@ -45,7 +58,7 @@ def _has_input() -> bool:
         mode = os.fstat(sys.stdin.fileno()).st_mode
     except OSError:
         return False
-    return stat.S_ISFIFO(mode) or stat.S_ISREG(mode) or stat.S_ISSOCK(mode) or sys.stdin.isatty()
+    return stat.S_ISFIFO(mode) or stat.S_ISREG(mode) or stat.S_ISSOCK(mode)
 
 
 def _write(line: str) -> None:

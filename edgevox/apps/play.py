@@ -1,0 +1,79 @@
+"""Plays a scenario file with a whole agent and tells how it went."""
+
+import contextlib
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from edgevox.apps.composition import build_parts, start_parts
+from edgevox.apps.scenario import Scenario, Stage, load_scenario, run_scenario
+from edgevox.apps.scenario.report import heading, line, summary
+from edgevox.apps.scenario.run import Outcome
+from edgevox.apps.snapshot import check_picture, write_picture
+from edgevox.core.errors import InvalidValue
+from edgevox.core.settings import Settings
+from edgevox.robots.capabilities import Body
+
+REST_S = 30.0
+"""How much of the robot's time it may take to come to rest at the end."""
+
+
+@dataclass(frozen=True)
+class Script:
+    """A scenario and the file it is from."""
+
+    file: Path
+    scenario: Scenario
+
+    def flags(self, given: dict[str, Any]) -> dict[str, Any]:
+        """The settings to load: what was given overrules the scenario; in text, and with no model unless named."""
+        own = dict(self.scenario.settings)
+        for name in ("world", "mjcf", "locations"):
+            if name in own:
+                own[name] = str(self.file.parent / str(own[name]))
+        return {"llm": "none", "text_mode": True, **own, **given}
+
+
+def read_script(file: Path, robot: str) -> Script:
+    """Read the file. Raises `InvalidValue` for what is wrong in it, or for another robot."""
+    scenario = load_scenario(file)
+    if scenario.agent and robot not in scenario.agent:
+        raise InvalidValue(f"{file.name}: agent", robot, "one of " + ", ".join(scenario.agent))
+    return Script(file, scenario)
+
+
+def play(
+    script: Script,
+    settings: Settings,
+    body: Body,
+    *,
+    snapshot: Path | None = None,
+    ros_args: Sequence[str] = (),
+) -> bool:
+    """Play it from start to end, with the report on stdout; whether all came true."""
+    shown = check_picture(body, snapshot) if snapshot else None
+    last: list[Outcome] = []
+
+    def tell(outcome: Outcome) -> None:
+        last[:] = [outcome]
+        _write(line(outcome))
+
+    with ExitStack() as stack:
+        parts = build_parts(stack, settings, body)
+        stage = Stage(parts.bus, parts.conversation, body)
+        stack.callback(stage.close)
+        start_parts(stack, parts, ros_args)
+        _write(heading(script.scenario, script.file.name, body.name))
+        stack.callback(stage.come_to_rest, REST_S)
+        passed = run_scenario(script.scenario, stage, tell)
+        if shown and snapshot:
+            write_picture(shown, snapshot)
+    _write(summary(script.scenario, last[0] if last else None))
+    return passed
+
+
+def _write(text: str) -> None:
+    with contextlib.suppress(BrokenPipeError):  # who reads has left; the verdict is the exit code
+        print(text, flush=True)

@@ -1,0 +1,169 @@
+"""The screen, in Textual: transcript, what is being said or done, a line to type, a side panel."""
+
+import asyncio
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar
+
+from rich.text import Text
+from textual.app import App, ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, Vertical
+from textual.message import Message
+from textual.widgets import Footer, Input, RichLog, Static
+from textual.worker import Worker
+
+from edgevox.apps.terminal.commands import Desk, Leave, run_command
+from edgevox.apps.tui import panels
+from edgevox.apps.tui.feed import Feed, News
+from edgevox.core.clock import Clock
+from edgevox.core.commands import Command, Interrupt, SetMuted, TextInput
+from edgevox.core.errors import InvalidValue
+
+SECOND_CTRL_C_S = 2.0
+"""A second Ctrl-C within this time leaves."""
+
+Queries = Mapping[str, Callable[[], Mapping[str, Any]]]
+
+
+class Changed(Message):
+    """There is news."""
+
+
+class Face(App[None]):
+    """Shows a `Feed`, and takes lines and keys."""
+
+    TITLE = "EdgeVox"
+    ENABLE_COMMAND_PALETTE = False
+    CSS = f"""
+    #side {{ width: {panels.WIDTH + 4}; border-left: solid $panel; padding: 0 1; }}
+    #side Static {{ margin-bottom: 1; }}
+    #transcript {{ height: 1fr; scrollbar-size-vertical: 1; }}
+    #status {{ height: auto; max-height: 5; color: $text-muted; }}
+    #line {{ border: tall $panel; }}
+    """
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("ctrl+c", "interrupt", "Stop (twice: leave)", priority=True),
+        Binding("ctrl+t", "mute", "Mute", priority=True),
+        Binding("f1", "help", "Help", priority=True),
+        Binding("f2", "panel", "Panel", priority=True),
+        Binding("ctrl+q", "quit", "Leave", priority=True),
+    ]
+
+    def __init__(
+        self,
+        feed: Feed,
+        desk: Desk,
+        queries: Queries,
+        submit: Callable[[Command], None],
+        clock: Clock,
+    ) -> None:
+        super().__init__()
+        self._feed, self._desk, self._queries = feed, desk, queries
+        self._submit, self._clock = submit, clock
+        self._interrupted_s = float("-inf")
+        self._shown: tuple[str, str] = ("", "")
+        self._muted = False
+        self._running_loop: asyncio.AbstractEventLoop | None = None
+
+    def compose(self) -> ComposeResult:
+        """The widgets."""
+        with Horizontal():
+            with Vertical():
+                yield RichLog(id="transcript", wrap=True, markup=False, max_lines=5000, min_width=1)
+                yield Static(id="status", markup=False)
+            with Vertical(id="side"):
+                yield Static(id="state")
+                yield Static(panels.meter(0.0), id="level")
+                yield Static(id="voice", markup=False)
+                yield Static(panels.latencies(()), id="turns")
+                yield Static(id="machine")
+        yield Input(placeholder="type what you would say; /help for more", id="line")
+        yield Footer()
+
+    def on_mount(self) -> None:
+        """Listen to the feed from now on."""
+        self._running_loop = asyncio.get_running_loop()
+        self.query_one("#line").focus()
+        self._feed.changed = lambda: self.post_message(Changed())
+        self.on_changed()
+
+    def leave_soon(self) -> bool:
+        """End, from a signal handler; False if it does not run yet."""
+        if self._running_loop is None:
+            return False
+        self._running_loop.call_soon_threadsafe(self.exit)
+        return True
+
+    def on_changed(self) -> None:
+        """Draw what is new."""
+        news = self._feed.take()
+        transcript = self.query_one("#transcript", RichLog)
+        for line in news.lines:
+            transcript.write(Text(line, style="bold" if line.startswith(">") else ""))
+        self._static("status", news.status)
+        self._static("state", panels.state_text(news.state, muted=news.muted))
+        self._static("level", panels.meter(0.0 if news.muted else news.level))
+        self._static("turns", panels.latencies(news.turns))
+        self._show_voice(news)
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """A line was typed."""
+        line = event.value.strip()
+        event.input.clear()
+        if line.startswith("/"):
+            self.run_worker(lambda: self._command(line), thread=True)
+        elif line:
+            self._feed.expect(line)
+            self._feed.write(f"> {line}")
+            self._submit(TextInput(line))
+
+    def action_interrupt(self) -> None:
+        """Stop talking and moving; the second time, leave."""
+        now_s = self._clock.now()
+        if now_s - self._interrupted_s < SECOND_CTRL_C_S:
+            self.exit()
+            return
+        self._interrupted_s = now_s
+        self._submit(Interrupt("Ctrl-C"))
+
+    def action_mute(self) -> None:
+        """Stop or start hearing."""
+        self._submit(SetMuted(not self._muted))
+
+    def action_help(self) -> None:
+        """Show what can be typed."""
+        self.run_worker(lambda: self._command("/help"), thread=True)
+
+    def action_panel(self) -> None:
+        """Show or hide the side panel."""
+        side = self.query_one("#side")
+        side.display = not side.display
+
+    def _command(self, line: str) -> None:
+        """A slash command, off the event loop: it may take long."""
+        try:
+            answer = run_command(line, self._desk)
+        except Leave:
+            self.call_from_thread(self.exit)
+            return
+        except InvalidValue as error:
+            answer = str(error)
+        for one in answer.splitlines():
+            self._feed.write(one)
+
+    def _show_voice(self, news: News) -> None:
+        self._muted = news.muted
+        self._static("voice", f"language {news.language}\nvoice {news.voice or 'best'}")
+        if self._shown != (news.language, news.voice):
+            self._shown = (news.language, news.voice)
+            self._ask_machine()
+
+    def _ask_machine(self) -> Worker[None]:
+        def ask() -> None:
+            answer = panels.machine(self._queries["model_info"](), self._queries["hardware_info"]())
+            self.call_from_thread(lambda: self._static("machine", answer))
+
+        return self.run_worker(ask, thread=True, exclusive=True, group="machine")
+
+    def _static(self, name: str, content: str | Text) -> None:
+        self.query_one(f"#{name}", Static).update(content)

@@ -1,0 +1,40 @@
+"""Keeps the screen to the interface: what libraries write to stderr becomes lines of its own.
+
+A middleware or an engine in C writes to file descriptor 2 without asking; on a full screen that
+would be written over it.
+"""
+
+import os
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+
+@contextmanager
+def stderr_as_lines(write: Callable[[str], None]) -> Iterator[None]:
+    """While entered, lines that are written to stderr go to `write`, on a thread of its own.
+
+    Textual draws on ``sys.__stderr__``, which stays the terminal.
+    """
+    terminal, original = os.dup(2), sys.__stderr__
+    reading, writing = os.pipe()
+    os.dup2(writing, 2)
+    os.close(writing)
+    sys.__stderr__ = os.fdopen(os.dup(terminal), "w")  # type: ignore[misc]
+
+    def carry() -> None:
+        with os.fdopen(reading, errors="replace") as lines:
+            for line in lines:
+                write(line.rstrip())
+
+    thread = threading.Thread(target=carry, name="edgevox-stderr")
+    thread.start()
+    try:
+        yield
+    finally:
+        os.dup2(terminal, 2)  # the last way into the pipe is gone with this
+        os.close(terminal)
+        thread.join()
+        sys.__stderr__.close()
+        sys.__stderr__ = original  # type: ignore[misc]

@@ -1,0 +1,21 @@
+"""Start the agent with a mobile robot in IR-SIM."""
+
+from pathlib import Path
+
+from launch import LaunchDescription
+from launch.actions import IncludeLaunchDescription
+from launch.launch_description_sources import PythonLaunchDescriptionSource
+
+AGENT = str(Path(__file__).with_name("edgevox.launch.py"))
+
+
+def generate_launch_description() -> LaunchDescription:
+    """The agent of edgevox.launch.py, with its arguments, for this robot."""
+    robot = {"robot": "robot-irsim"}
+    return LaunchDescription(
+        [
+            IncludeLaunchDescription(
+                PythonLaunchDescriptionSource(AGENT), launch_arguments=robot.items()
+            )
+        ]
+    )

@@ -1,0 +1,71 @@
+"""The skills of all bodies, without the bodies: enough to speak of them and to be spoken to."""
+
+import random
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from hassil.expression import (
+    Alternative,
+    Expression,
+    ListReference,
+    RuleReference,
+    Sequence,
+    TextChunk,
+)
+from hassil.parse_expression import parse_sentence
+
+from edgevox.agent.phrasebook import Phrasebook
+from edgevox.agent.skills import Skill, SkillSet
+from edgevox.robots.humanoid.skills import walking_skills
+from edgevox.robots.navigation import navigation_skills
+from edgevox.robots.panda.skills import manipulation_skills
+
+
+class Nobody:
+    """Stands where a body would; nothing here moves."""
+
+    places = MappingProxyType(
+        {
+            "kitchen": (7.0, 2.0),
+            "bedroom": (3.0, 7.0),
+            "living_room": (3.0, 3.0),
+            "office": (7.0, 7),
+        }
+    )
+
+    def battery(self) -> float:
+        return 0.5
+
+
+BODIES: Mapping[str, SkillSet] = {
+    "apartment": SkillSet(navigation_skills(Nobody(), aliases={"fridge": "kitchen"})),
+    "humanoid": SkillSet(walking_skills(Nobody())),
+    "panda": SkillSet(manipulation_skills(Nobody())),
+}
+SKILLS: Mapping[str, Skill] = {
+    f"{body}.{name}": one for body, skills in BODIES.items() for name, one in skills.items()
+}
+
+
+def say_it(book: Phrasebook, one: Skill, template: str, source: random.Random) -> str:
+    """A sentence that this template stands for, by chance."""
+    heard = {
+        name: [said for word in choices.words for said in book.word(word).heard]
+        for name, choices in one.choices.items()
+    }
+
+    def write(part: Expression) -> str:
+        match part:
+            case TextChunk():
+                return part.original_text
+            case Alternative():
+                return write(source.choice(part.items))
+            case Sequence():
+                return "".join(write(item) for item in part.items)
+            case ListReference(list_name=name):
+                return source.choice(heard.get(name, ["0.5", "2", "90"]))
+            case RuleReference(rule_name=name):
+                return write(parse_sentence(book.rules[name]).expression)
+        raise TypeError(part)
+
+    return " ".join(write(parse_sentence(template).expression).split())

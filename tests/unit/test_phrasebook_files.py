@@ -1,0 +1,125 @@
+import ast
+import random
+import re
+from pathlib import Path
+
+import pytest
+from phrasebook_bodies import BODIES, SKILLS, say_it
+
+import edgevox
+from edgevox.agent.intents import Recogniser, Understood
+from edgevox.agent.phrase_file import ENGLISH, phrasebook
+from edgevox.agent.phrasebook import fields
+from edgevox.agent.safety import SafetyWords
+from edgevox.agent.spelling import key
+from edgevox.core.errors import InvalidValue
+from edgevox.core.languages import LANGUAGES
+
+OTHERS = [code for code in LANGUAGES if code != ENGLISH]
+DEEP = ("fr", "es", "it", "pt", "de")
+"""The languages that hold everything; the others may leave rare reasons to English."""
+SAMPLES = 3
+
+
+@pytest.mark.parametrize("code", OTHERS)
+def test_a_phrasebook_says_every_sentence_that_english_says_with_the_same_values(code):
+    english, book = phrasebook(ENGLISH).sentences, phrasebook(code).sentences
+
+    assert book.keys() == english.keys()
+    for name, sentence in english.items():
+        mine = {value.split("!")[0] for value in fields(book[name])}
+        assert mine <= fields(sentence), name
+        assert fields(sentence) - mine <= {"argument"}, name
+
+
+@pytest.mark.parametrize("code", OTHERS)
+def test_a_phrasebook_knows_every_skill_of_every_body(code):
+    book = phrasebook(code)
+    assert book.skills.keys() == {one.name for one in SKILLS.values()}
+    for one in SKILLS.values():
+        phrases = book.skills[one.name]
+        assert phrases.can, one.name
+        assert book.templates(one), one.name
+        assert bool(phrases.says) == bool(one.says), one.name
+        assert bool(phrases.done) == bool(one.done), one.name
+
+
+@pytest.mark.parametrize("code", OTHERS)
+def test_every_template_suits_a_skill_of_its_name(code):
+    book = phrasebook(code)
+    for name, phrases in book.skills.items():
+        suited = {t for one in SKILLS.values() if one.name == name for t in book.templates(one)}
+        assert suited == set(phrases.templates), name
+
+
+@pytest.mark.parametrize("code", OTHERS)
+def test_every_word_that_a_body_knows_can_be_said_and_means_one_thing(code):
+    book = phrasebook(code)
+    for name, one in SKILLS.items():
+        for choices in one.choices.values():
+            assert {key(word) for word in choices.words} <= book.words.keys(), name
+            said = [key(said) for word in choices.words for said in book.word(word).heard]
+            assert len(said) == len(set(said)), (name, sorted(said))
+
+
+@pytest.mark.parametrize("code", OTHERS)
+def test_what_a_template_stands_for_is_understood_and_stops_nobody(code):
+    book, safety, source = phrasebook(code), SafetyWords(code), random.Random(4)
+    for body, skills in BODIES.items():
+        recogniser = Recogniser(skills, code)
+        for name, one in skills.items():
+            for template in book.templates(one) * SAMPLES:
+                sentence = say_it(book, one, template, source)
+                if name == "stop" and safety.find(sentence):
+                    continue
+                assert safety.find(sentence) is None, sentence
+                found = recogniser.recognise(sentence)
+                assert isinstance(found, Understood), (body, name, sentence)
+                assert [call.skill for call in found.calls] == [name], (body, sentence)
+
+
+@pytest.mark.parametrize("code", OTHERS)
+def test_reasons_are_known_in_english_and_use_its_values(code):
+    english, book = phrasebook(ENGLISH).reasons, phrasebook(code).reasons
+
+    assert book.keys() <= english.keys()
+    assert code not in DEEP or book.keys() == english.keys()
+    for name, reason in book.items():
+        assert fields(reason) <= fields(english[name]), name
+
+
+def test_every_english_reason_is_one_that_a_body_gives():
+    given = "\n".join(text for text in _texts_of_bodies() if " " in text)
+    for name, reason in phrasebook(ENGLISH).reasons.items():
+        longest = max(re.split(r"\{\w+\}|\. ", reason), key=len).strip()
+        assert longest in given, name
+
+
+@pytest.mark.parametrize("code", OTHERS)
+def test_a_model_is_shown_its_language_and_only_valid_calls(code):
+    book = phrasebook(code)
+    assert book.small_talk is not phrasebook(ENGLISH).small_talk
+    assert book.declined is not phrasebook(ENGLISH).declined
+    for one in SKILLS.values():
+        for example in book.examples(one):
+            one.validate(example.arguments)
+    assert code not in DEEP or all(
+        book.examples(one) != one.examples for one in BODIES["apartment"].values()
+    )
+
+
+def test_a_language_that_nobody_knows_is_refused_by_name():
+    with pytest.raises(InvalidValue, match="klingon"):
+        phrasebook("klingon")
+
+
+def _texts_of_bodies():
+    """Every text in the code of the bodies, with `X` for each value in it."""
+    root = Path(edgevox.__file__).parent
+    for file in (*root.glob("robots/**/*.py"), *root.glob("ros2/external/*.py")):
+        for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+            if isinstance(node, ast.JoinedStr):
+                parts = (p.value if isinstance(p, ast.Constant) else "X" for p in node.values)
+                yield "".join(map(str, parts))
+            elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+                yield node.value

@@ -1,0 +1,161 @@
+import pytest
+from phrasebook_bodies import BODIES, SKILLS
+
+from edgevox.agent.agents import Agent
+from edgevox.agent.conversation import Conversation
+from edgevox.agent.phrase_file import ENGLISH, phrasebook
+from edgevox.agent.skills import SkillFailed, SkillSet, skill
+from edgevox.core.bus import Bus
+from edgevox.core.commands import TextInput
+from edgevox.core.events import Responded
+from edgevox.core.languages import LANGUAGES
+
+OTHERS = [code for code in LANGUAGES if code != ENGLISH]
+RESULTS = {
+    "room": "living room",
+    "location": "living room",
+    "where": "in the living room",
+    "x": 2.0,
+    "y": -0.25,
+    "z": 0.3,
+    "yaw_deg": 90.0,
+    "percent": 87,
+    "walked": 1.02,
+    "turned": 89.6,
+    "outcome": "I am standing.",
+    "got_up": True,
+    "fallen": False,
+    "held": "red_cube",
+    "holding": ", and I hold the red cube",
+    "released": "blue_cube",
+    "said": "done",
+    "objects": {"red_cube": {"x": 0.5, "on": "table"}, "blue_cube": {"x": 0.5, "on": "hand"}},
+}
+ARGUMENTS = {"room": "kitchen", "x": 1.5, "y": 2.0, "z": 0.25, "distance": 0.5, "degrees": 90.0}
+ARGUMENTS |= {"object": "red_cube", "target": "left_bin"}
+
+
+@pytest.mark.parametrize("code", OTHERS)
+@pytest.mark.parametrize("name", SKILLS)
+def test_what_is_said_of_a_skill_is_whole_and_not_english(code, name):
+    one, book, english = SKILLS[name], phrasebook(code), phrasebook(ENGLISH)
+    arguments = {a: ARGUMENTS[a] for a in one.arguments_model.model_fields}
+    for said, usual in (
+        (book.acknowledge(one, arguments), english.acknowledge(one, arguments)),
+        (book.report(one, arguments, RESULTS), english.report(one, arguments, RESULTS)),
+    ):
+        assert bool(said) == bool(usual)
+        assert not said or said != usual
+        assert not set("{}_<>") & set(said)
+        assert "None" not in said
+        assert "the " not in said
+
+
+@pytest.mark.parametrize(
+    ("code", "says", "done"),
+    [
+        ("fr", "Je vais au salon.", "Je suis dans le salon."),
+        ("es", "Voy al salón.", "Estoy en el salón."),
+        ("it", "Vado in soggiorno.", "Sono in soggiorno."),
+        ("pt", "Vou para a sala.", "Estou na sala."),
+        ("de", "Ich fahre ins Wohnzimmer.", "Ich bin im Wohnzimmer."),
+    ],
+)
+def test_rooms_are_spoken_of_with_the_right_little_words(code, says, done):
+    one, book = BODIES["apartment"]["navigate_to"], phrasebook(code)
+
+    assert book.acknowledge(one, {"room": "living_room"}) == says
+    assert book.report(one, {"room": "living_room"}, {"room": "living room"}) == done
+
+
+def test_a_room_that_no_phrasebook_knows_is_said_by_its_own_name():
+    one = BODIES["apartment"]["navigate_to"]
+
+    assert phrasebook("fr").acknowledge(one, {"room": "wine_cellar"}) == "Je vais vers wine cellar."
+
+
+@pytest.mark.parametrize(
+    ("room", "said"),
+    [
+        ("kitchen", "Je suis dans la cuisine, à x 2, y -0,2."),
+        (None, "Je suis à x 2, y -0,2."),
+    ],
+)
+def test_the_first_sentence_whose_values_are_known_is_said(room, said):
+    result = {"x": 2.0, "y": -0.25, "room": room, "where": "at x 2.0, y -0.2"}
+
+    assert phrasebook("fr").report(BODIES["apartment"]["get_pose"], {}, result) == said
+
+
+@pytest.mark.parametrize(
+    ("distance", "said"), [(0.5, "0,5 mètre"), (1.0, "1 mètre"), (2.5, "2,5 mètres")]
+)
+def test_numbers_are_written_and_counted_as_the_language_does(distance, said):
+    text = phrasebook("fr").acknowledge(BODIES["humanoid"]["walk_forward"], {"distance": distance})
+
+    assert text == f"J'avance de {said}."
+
+
+def test_a_skill_without_phrases_speaks_english():
+    @skill(says="Dancing for {seconds:g} seconds.")
+    def dance(goal, seconds: float):
+        """Dance."""
+
+    assert phrasebook("fr").acknowledge(dance, {"seconds": 3.0}) == "Dancing for 3 seconds."
+
+
+@pytest.mark.parametrize(
+    ("english", "french"),
+    [
+        ("I cannot get there, because no way leads there.", "aucun chemin n'y mène"),
+        (
+            "That point is outside the flat: x must be between 0 and 9.5, and y between 0 and 10.",
+            "ce point est en dehors de la carte : x doit être entre 0 et 9,5, et y entre 0 et 10",
+        ),
+        (
+            "I hold the red cube. It has to be put down first.",
+            "je tiens le cube rouge, il faut d'abord le poser",
+        ),
+        ("The moon is in the way.", "The moon is in the way"),
+    ],
+)
+def test_a_reason_is_said_in_the_language_if_it_is_a_known_one(english, french):
+    assert phrasebook("fr").failure(english) == f"Je n'ai pas pu le faire : {french}."
+
+
+def test_a_conversation_is_understood_and_answered_in_the_language_it_is_set_to():
+    bus, said = Bus(), []
+    bus.subscribe(Responded, lambda event: said.append(event.text))
+
+    @skill(templates=["where are you"], done="I am {where}.", moves=False)
+    def get_pose(goal):
+        """Say where the robot is."""
+        return {"x": 1.0, "y": 2.0, "where": "at x 1.0, y 2.0"}
+
+    @skill(templates=["battery"], done="{percent}", moves=False)
+    def battery(goal):
+        """Say how full the battery is."""
+        raise SkillFailed("I am switched off.")
+
+    agent = Agent("robot", "", SkillSet([get_pose, battery]))
+    talk = Conversation([agent], bus, halt=lambda reason: False, language="fr")
+    talk.start()
+    for code, text in (
+        ("fr", "Où es-tu ?"),
+        ("fr", "Quel est ton niveau de batterie ?"),
+        ("fr", "abracadabra"),
+        ("it", "Dove sei?"),
+        ("it", "where are you"),
+    ):
+        talk.set_language(code)
+        talk.submit(TextInput(text))
+        assert talk.wait_idle(10.0)
+    talk.close()
+
+    assert said == [
+        "Je suis à x 1, y 2.",
+        "Je n'ai pas pu le faire : je suis éteint.",
+        "Je n'ai pas compris. Je sais : dire où je suis ; dire l'état de ma batterie.",
+        "Sono a x 1, y 2.",
+        "Sono a x 1, y 2.",
+    ]
