@@ -70,7 +70,12 @@ class Conversation:
         self._clock = clock or SystemClock()
         every_skill = {name: s for agent in agents for name, s in agent.skills.items()}
         self._skills = SkillSet(every_skill.values())
-        self._deeds = Deeds(bus, halt, announce=lambda text: self._put(Announce(text)))
+        self._deeds = Deeds(
+            bus,
+            halt,
+            announce=lambda text: self._put(Announce(text)),
+            phrases=lambda: self.mind.phrases,
+        )
         self.mind = Mind(agents, bus, self._clock, model, language)
         self._safety = SafetyWords(language)
         self._numbers = itertools.count(1)
@@ -122,6 +127,10 @@ class Conversation:
                     self._take(command, text)
             case _:
                 self._put(command)
+
+    def is_stop(self, text: str) -> bool:
+        """Whether these words would stop the robot."""
+        return self._safety.find(text) is not None
 
     def set_language(self, code: str) -> None:
         """Hear stop words of this language at once, and the rest from the next sentence on."""
@@ -192,7 +201,7 @@ class Conversation:
         stopped = self._stop(f"heard {word!r}")
         data = {"word": word, "stopped": stopped}
         self._bus.publish(AgentEvent(AgentEventKind.SAFETY_PREEMPT, data))
-        self._put(Announce("Stopped." if stopped else "I am standing still."))
+        self._put(Announce(self.mind.phrases.say("stopped" if stopped else "standing")))
 
     def _stop(self, reason: str) -> bool:
         with self._ready:
@@ -217,7 +226,7 @@ class Conversation:
                 self._handle(item, turn)
             except Exception:
                 log.exception("a turn failed")
-                turn.say("Something went wrong inside me. Please try again.")
+                turn.say(self.mind.phrases.say("broken"))
             finally:
                 self._end(turn, measured=isinstance(item, TextInput | Heard))
 
@@ -242,9 +251,10 @@ class Conversation:
         text = clean(raw)
         self._bus.publish(Transcribed(text[:MAX_CHARACTERS], turn.number))
         if not text:
-            turn.say("I did not hear anything.")
+            turn.say(self.mind.phrases.say("not_heard"))
         elif len(raw) > MAX_CHARACTERS:
-            turn.say(f"That is too long: {len(raw)} characters, and I take {MAX_CHARACTERS}.")
+            length = {"length": len(raw), "limit": MAX_CHARACTERS}
+            turn.say(self.mind.phrases.say("too_long", **length))
         else:
             self._states.enter(State.THINKING, turn)
             meaning = self.mind.understand(text, turn)

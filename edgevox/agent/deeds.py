@@ -5,6 +5,8 @@ from collections.abc import Callable, Sequence
 
 from edgevox.agent.asides import MAX_ASIDES, Asides
 from edgevox.agent.goals import Goal, GoalRunner, Status
+from edgevox.agent.phrase_file import ENGLISH, phrasebook
+from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.skills import Call, SkillFailed, SkillSet
 from edgevox.agent.turn import Turn
 from edgevox.core.bus import Bus
@@ -19,14 +21,20 @@ class Deeds:
     """Runs calls: those that move beside the conversation, the others on the spot.
 
     `stop` and `perform` exclude each other, so no motion starts for a turn that was stopped.
+    `phrases` gives the language to speak at the moment.
     """
 
     def __init__(
-        self, bus: Bus, halt: Callable[[str], bool], announce: Callable[[str], None]
+        self,
+        bus: Bus,
+        halt: Callable[[str], bool],
+        announce: Callable[[str], None],
+        phrases: Callable[[], Phrasebook] = lambda: phrasebook(ENGLISH),
     ) -> None:
         self._bus = bus
         self._halt = halt
         self._announce = announce
+        self._phrases = phrases
         self._gate = threading.Lock()
         self._runner = GoalRunner(on_end=self._ended)
         self._asides = Asides()
@@ -87,7 +95,7 @@ class Deeds:
         try:
             goals = self._goals(calls, skills, turn)
         except InvalidValue as error:
-            turn.say(f"I cannot do that: {error}.")
+            turn.say(self._phrases().say("refused", reason=error))
             return
         for goal in goals:
             self._tell(goal, source)
@@ -107,43 +115,38 @@ class Deeds:
             if turn.token.cancelled:
                 return
             self._runner.submit(goals)
-        moving = [goal for goal in goals if goal.skill.moves and goal.skill.says]
-        turn.say(_join([_speak(goal.skill.says, goal.arguments) for goal in moving]))
+        phrases = self._phrases()
+        moving = [goal for goal in goals if goal.skill.moves]
+        said = [phrases.acknowledge(goal.skill, goal.arguments) for goal in moving]
+        turn.say(_join(phrases, said))
 
     def _run_now(self, goals: Sequence[Goal], turn: Turn) -> None:
         for goal in goals:
             goal.accept()
             goal.run()
-            turn.say(_report(goal))
+            turn.say(_report(self._phrases(), goal))
 
     def _tell(self, goal: Goal, source: str) -> None:
         data = {"skill": goal.skill.name, "arguments": goal.arguments, "source": source}
         self._bus.publish(AgentEvent(AgentEventKind.TOOL_CALL, {**data, "turn": goal.turn}))
 
     def _ended(self, goal: Goal) -> None:
-        text = _report(goal) if goal.turn else ""
+        text = _report(self._phrases(), goal) if goal.turn else ""
         if text:
             self._announce(text)
 
 
-def _report(goal: Goal) -> str:
+def _report(phrases: Phrasebook, goal: Goal) -> str:
     """What to say of a goal's end; nothing for one that somebody cancelled."""
     if goal.status is Status.SUCCEEDED:
-        return _speak(goal.skill.done, {**goal.arguments, **goal.result})
+        return phrases.report(goal.skill, goal.arguments, goal.result)
     if goal.status is Status.FAILED:
-        return f"I could not do that: {goal.error.rstrip('.')}."
+        return phrases.failure(goal.error)
     return ""
 
 
-def _speak(template: str, values: dict[str, object]) -> str:
-    spoken = {
-        key: value.replace("_", " ") if isinstance(value, str) else value
-        for key, value in values.items()
-    }
-    return template.format(**spoken) if template else ""
-
-
-def _join(sentences: Sequence[str]) -> str:
+def _join(phrases: Phrasebook, sentences: Sequence[str]) -> str:
     """Several acknowledgements as one: "Going to the kitchen. Then: going to the bedroom."."""
-    first, *rest = [sentence for sentence in sentences if sentence] or ["All right."]
-    return " ".join([first, *(f"Then: {one[0].lower()}{one[1:]}" for one in rest)])
+    first, *rest = [sentence for sentence in sentences if sentence] or [phrases.say("all_right")]
+    then = (phrases.say("then", next=f"{one[0].lower()}{one[1:]}") for one in rest)
+    return " ".join([first, *then])

@@ -4,30 +4,25 @@ import difflib
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, get_args
+from typing import Any
 
 from hassil import Intents, RecognizeResult, recognize_all
-from pydantic.fields import FieldInfo
 
 from edgevox.agent.numbers import digits
-from edgevox.agent.skills import Call, OneOf, Skill, SkillSet
+from edgevox.agent.phrase_file import ENGLISH, phrasebook
+from edgevox.agent.phrasebook import Hearing, Phrasebook
+from edgevox.agent.skills import Call, Skill, SkillSet
+from edgevox.agent.spelling import composed, folded, key, separated, unpunctuated
 
 MAX_CHARACTERS = 240
 """Longer utterances are not plain commands; they go to the model."""
 
-_PUNCTUATION = re.compile(r"[(){}\[\]<>|,;:=?!\"]+|\.(?!\d)")
-_JOINTS = re.compile(
-    r"\s*(?:,|;|\.(?!\d)|\b)\s*(?:and then|then|and afterwards|and|after that)\s+|[;.](?!\d)\s+",
-    re.IGNORECASE,
-)
 _NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
-_PAIR = re.compile(rf"({_NUMBER.pattern})\s*,?\s+(?={_NUMBER.pattern}(?:\s|\W*$))")
-_ARTICLES = re.compile(r"\b(?:the|a|an|my|our)\b")
+_PAIR = re.compile(rf"({_NUMBER.pattern})\s*,?\s+(?={_NUMBER.pattern}(?:[\s,]|\W*$))")
 _NOTHING = "nothingatall"
 _MAX_UNKNOWN_WORDS = 3
-_CLAUSE_WORDS = frozenset(
-    {"where", "which", "that", "who", "what", "there", "here", "it", "and", "to"}
-)
+_MAX_UNKNOWN_CHARACTERS = 8
+"""The longest unknown name where words have no spaces between them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,24 +44,48 @@ class Recogniser:
 
     An utterance may join several commands ("go to the kitchen, then tell me your battery"); all of
     its parts must match. A word that no argument knows is corrected when it is nearly one
-    ("kichen"), and refused by name otherwise: a robot never guesses where to drive.
+    ("kichen"), and refused by name otherwise: a robot never guesses where to drive. The templates
+    are those of the language's phrasebook and then the skills' own.
     """
 
-    def __init__(self, skills: SkillSet, language: str = "en") -> None:
-        self._skills = skills
+    def __init__(self, skills: SkillSet, language: str = ENGLISH) -> None:
+        answers = phrasebook(language)
+        books = [phrasebook(code) for code in dict.fromkeys((language, ENGLISH))]
         self._language = language
-        self._strict = _compile(skills, language, loose=False)
-        self._loose = _compile(skills, language, loose=True)
+        self._readers = [_Reader(skills, book, answers) for book in books]
 
     def recognise(self, text: str) -> Understood | Refused | None:
         """Calls, a refusal, or None when this is not a plain command."""
         if len(text) > MAX_CHARACTERS:
             return None
-        plain = digits(" ".join(text.split()), self._language)
+        plain = digits(" ".join(composed(text).split()), self._language)
+        refused = None
+        for reader in self._readers:
+            found = reader.read(plain)
+            if isinstance(found, Understood):
+                return found
+            refused = refused or found
+        return refused
+
+
+class _Reader:
+    """Reads one language, and says in the language of `answers` what it does not know."""
+
+    def __init__(self, skills: SkillSet, book: Phrasebook, answers: Phrasebook) -> None:
+        self._skills = skills
+        self._book = book
+        self._answers = answers
+        self._joints = _joints(book.hearing)
+        self._strict = _compile(skills, book, loose=False)
+        self._loose = _compile(skills, book, loose=True)
+
+    def read(self, text: str) -> Understood | Refused | None:
+        """What `Recogniser.recognise` returns, of a text in digits."""
+        plain = digits(text, self._book.code)
         whole = self._one(plain)
         if isinstance(whole, Call):
             return Understood((whole,))
-        parts = [part for part in _JOINTS.split(plain) if part.strip()]
+        parts = [part for part in self._joints.split(plain) if part.strip()]
         if len(parts) > 1:
             found = [self._one(part) for part in parts]
             calls = tuple(part for part in found if isinstance(part, Call))
@@ -78,7 +97,8 @@ class Recogniser:
 
     def _one(self, part: str) -> Call | Refused | None:
         """The call that this sentence is; two bare numbers side by side are read as "x and y"."""
-        sentence = " ".join(_PUNCTUATION.sub(" ", _PAIR.sub(r"\1 and ", part)).split())
+        paired = _PAIR.sub(rf"\1 {self._book.hearing.pair} ", part)
+        sentence = _written(unpunctuated(separated(paired)), self._book.hearing)
         for call in self._matches(sentence, self._strict):
             return call
         for call in self._matches(sentence, self._loose):
@@ -89,52 +109,87 @@ class Recogniser:
         return None
 
     def _matches(self, sentence: str, intents: Intents) -> Iterator[Call]:
-        for result in recognize_all(sentence, intents):
-            arguments = _arguments(self._skills[result.intent.name], result)
+        for result in recognize_all(folded(sentence), intents):
+            arguments = _arguments(self._skills[result.intent.name], result, sentence)
             if arguments is not None:
                 yield Call(result.intent.name, arguments)
 
     def _repair(self, call: Call) -> Call | Refused | None:
         """Correct near misses among the words of a loose match, or say what is wrong."""
         arguments = dict(call.arguments)
-        for name, choices in _choices(self._skills[call.skill]).items():
-            words = _ARTICLES.sub(" ", str(arguments.get(name, "")).casefold()).split()
-            if words in ([], [_NOTHING]):
-                return Refused(f"I did not hear which {name}. I know {_list(choices.words)}.")
-            if not _names_something(words):
+        for name, choices in self._skills[call.skill].choices.items():
+            said = self._without_articles(str(arguments.get(name, "")))
+            known = self._answers.listing(choices.words)
+            if said in ("", _NOTHING):
+                return Refused(self._answers.say("missing_word", argument=name, known=known))
+            if not _may_be_a_name(said, self._book.hearing):
                 return None
-            said, spoken = " ".join(words), choices.spoken()
-            near = difflib.get_close_matches(said, spoken, n=1, cutoff=0.8)
+            spoken = {key(one): word for one, word in self._book.heard(choices).items()}
+            near = difflib.get_close_matches(key(said), spoken, n=1, cutoff=0.8)
             if not near:
-                return Refused(f"I do not know the {name} {said!r}. I know {_list(choices.words)}.")
+                reason = self._answers.say("unknown_word", argument=name, said=said, known=known)
+                return Refused(reason)
             arguments[name] = spoken[near[0]]
         return Call(call.skill, arguments)
 
+    def _without_articles(self, said: str) -> str:
+        articles = {key(separated(article)) for article in self._book.hearing.articles}
+        words = [word for word in said.split() if key(word) not in articles]
+        return " ".join(words).replace("' ", "'")
 
-def _compile(skills: SkillSet, language: str, *, loose: bool) -> Intents:
+
+def _compile(skills: SkillSet, book: Phrasebook, *, loose: bool) -> Intents:
     """Intents, one per skill; `loose` lets any words stand where one of some words should."""
-    data = {
-        name: {"data": [{"sentences": list(one.templates), "lists": _lists(one, loose=loose)}]}
+    templates = {
+        name: book.templates(one) if book.fallback else one.templates
         for name, one in skills.items()
-        if one.templates and (not loose or _choices(one))
+        if not loose or one.choices
     }
-    return Intents.from_dict({"language": language, "intents": data})
+    data = {
+        name: {
+            "data": [
+                {
+                    "sentences": [_pattern(sentence) for sentence in sentences],
+                    "lists": _lists(skills[name], book, loose=loose),
+                }
+            ]
+        }
+        for name, sentences in templates.items()
+        if sentences
+    }
+    rules = {name: _pattern(rule) for name, rule in book.rules.items()}
+    return Intents.from_dict({"language": book.code, "intents": data, "expansion_rules": rules})
 
 
-def _lists(one: Skill, *, loose: bool) -> dict[str, Any]:
+def _pattern(template: str) -> str:
+    return folded(separated(composed(template)))
+
+
+def _written(text: str, hearing: Hearing) -> str:
+    """With spaces only where the language has them between words."""
+    return text if hearing.spaced else text.replace(" ", "")
+
+
+def _lists(one: Skill, book: Phrasebook, *, loose: bool) -> dict[str, Any]:
     lists: dict[str, Any] = {}
-    for name, info in one.arguments_model.model_fields.items():
-        choices = _one_of(info)
-        if choices is None or loose:
+    for name in one.arguments_model.model_fields:
+        if loose or name not in one.choices:
             lists[name] = {"wildcard": True}
         else:
-            values = [{"in": said, "out": word} for said, word in choices.spoken().items()]
+            spoken = book.heard(one.choices[name])
+            values = [
+                {"in": _written(key(said), book.hearing), "out": word}
+                for said, word in spoken.items()
+            ]
             lists[name] = {"values": values}
     return lists
 
 
-def _arguments(one: Skill, result: RecognizeResult) -> Mapping[str, Any] | None:
-    """The match's slots as arguments, or None where a number was expected and none was said."""
+def _arguments(one: Skill, result: RecognizeResult, sentence: str) -> Mapping[str, Any] | None:
+    """The match's slots as arguments, or None where a number was expected and none was said.
+
+    Words that stand for themselves are taken from the sentence with its accents.
+    """
     arguments: dict[str, Any] = {}
     for name, entity in result.entities.items():
         info = one.arguments_model.model_fields[name]
@@ -143,32 +198,31 @@ def _arguments(one: Skill, result: RecognizeResult) -> Mapping[str, Any] | None:
             if not _NUMBER.fullmatch(value):
                 return None
             arguments[name] = float(value)
+        elif entity.is_wildcard and entity.text_span:
+            arguments[name] = sentence[slice(*entity.text_span)].strip()
         else:
             arguments[name] = value
     return arguments
 
 
-def _choices(one: Skill) -> Mapping[str, OneOf]:
-    found = {name: _one_of(info) for name, info in one.arguments_model.model_fields.items()}
-    return {name: choices for name, choices in found.items() if choices is not None}
-
-
-def _one_of(info: FieldInfo) -> OneOf | None:
-    for extra in (*info.metadata, *get_args(info.annotation)):
-        if isinstance(extra, OneOf):
-            return extra
-    return None
-
-
-def _names_something(words: Sequence[str]) -> bool:
-    """Whether these words may be a name, and not a clause or a number."""
-    return (
-        len(words) <= _MAX_UNKNOWN_WORDS
-        and not _CLAUSE_WORDS.intersection(words)
-        and not any(character.isdigit() for word in words for character in word)
+def _joints(hearing: Hearing) -> re.Pattern[str]:
+    words = "|".join(re.escape(word) for word in hearing.joints) or "(?!)"
+    if not hearing.spaced:
+        return re.compile(rf"[,;!?\u3001\u3002]*\s*(?:{words})[,\u3001]?\s*|[,;!?\u3001\u3002]\s*")
+    return re.compile(
+        rf"\s*(?:,|;|\.(?!\d)|(?<!\w)|(?=,))\s*(?:{words})\s+|[;.\u061b\u0964](?!\d)\s+",
+        re.IGNORECASE,
     )
 
 
-def _list(words: Sequence[str]) -> str:
-    spoken = [word.replace("_", " ") for word in words]
-    return spoken[0] if len(spoken) == 1 else f"{', '.join(spoken[:-1])} and {spoken[-1]}"
+def _may_be_a_name(said: str, hearing: Hearing) -> bool:
+    """Whether these words may be a name, and not a clause or a number."""
+    if any(character.isdigit() for character in said):
+        return False
+    if not hearing.spaced:
+        clause = any(word in said for word in hearing.clause_words)
+        return len(said) <= _MAX_UNKNOWN_CHARACTERS and not clause
+    words: Sequence[str] = said.split()
+    return len(words) <= _MAX_UNKNOWN_WORDS and not hearing.clause_words.intersection(
+        map(key, words)
+    )

@@ -8,6 +8,7 @@ from edgevox.agent.agents import Agent, by_name
 from edgevox.agent.history import History, size_tokens
 from edgevox.agent.intents import Recogniser, Refused, Understood
 from edgevox.agent.llm.base import LanguageModel, Message, ModelFailed
+from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.skills import Call
 from edgevox.agent.toolcalls import HANDOFF, Protocol
 from edgevox.agent.turn import Turn
@@ -42,7 +43,7 @@ class Mind:
         bus: Bus,
         clock: Clock,
         model: LanguageModel | None = None,
-        language: str = "en",
+        language: str = ENGLISH,
     ) -> None:
         self._agents = by_name(agents)
         self._bus = bus
@@ -53,7 +54,8 @@ class Mind:
         self._history = History(self._count_tokens, self._history_budget())
 
     def set_language(self, code: str) -> None:
-        """Understand and answer in this language from now on."""
+        """Understand and answer in this language from now on; `phrases` are its sentences."""
+        self.phrases = phrasebook(code)
         agents = self._agents.values()
         self._recognisers = {a.name: Recogniser(a.skills, code) for a in agents}
         self._protocols = {
@@ -77,7 +79,7 @@ class Mind:
                 turn.say(found.reason)
                 return None
         if self._model is None:
-            turn.say(f"I did not understand that. {self._abilities()}")
+            turn.say(f"{self.phrases.say('not_understood')} {self._abilities()}")
             return None
         return self._ask_model(self._model, text, turn)
 
@@ -99,7 +101,7 @@ class Mind:
             if not handoffs:
                 return Meaning(self.active, tuple(calls), "model") if calls else None
             self._hand_over(self._agents[str(handoffs[0].arguments["agent"])], turn)
-        turn.say("I do not know who of us should do that.")
+        turn.say(self.phrases.say("nobody"))
         return None
 
     def _generate(self, model: LanguageModel, text: str, turn: Turn) -> Sequence[Call]:
@@ -116,7 +118,7 @@ class Mind:
                 turn.stream(parser.feed(piece))
         except ModelFailed as error:
             log.error("the language model failed: %s", error)  # noqa: TRY400 - its message says all
-            turn.say("I cannot think right now: my language model failed.")
+            turn.say(self.phrases.say("model_failed"))
             return ()
         finally:
             turn.thought(self._clock.now() - started_s)
@@ -134,10 +136,7 @@ class Mind:
         return [self.active, *(a for a in self._agents.values() if a is not self.active)]
 
     def _abilities(self) -> str:
-        deeds = [
-            s.description.rstrip(".") for a in self._agents.values() for s in a.skills.values()
-        ]
-        return f"I can: {'; '.join(f'{d[:1].lower()}{d[1:]}' for d in deeds)}." if deeds else ""
+        return self.phrases.abilities([s for a in self._agents.values() for s in a.skills.values()])
 
     def _count_tokens(self, text: str) -> int:
         return self._model.count_tokens(text) if self._model else 0

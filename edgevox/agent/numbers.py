@@ -1,39 +1,56 @@
 """Numbers as people say them, written as digits: small models get them wrong."""
 
 import re
-from collections.abc import Callable
 
 from text_to_num import alpha2digit
 
+from edgevox.agent.phrase_file import phrasebook
+from edgevox.agent.phrasebook import Numbers
+from edgevox.agent.spelling import key
+
 SPOKEN_LANGUAGES = frozenset({"en", "fr", "es", "pt", "de", "nl", "it"})
-"""Languages whose number words are understood; digits are understood in every language."""
+"""Languages whose number words the library knows; phrasebooks list the usual ones of others."""
 
 _NUMBER = r"-?\d+(?:\.\d+)?"
-_Rule = tuple[re.Pattern[str], str | Callable[[re.Match[str]], str]]
-
-
-def _metres(match: re.Match[str]) -> str:
-    return f"{float(match.group(1)) / 100:g} meters"
-
-
-_ENGLISH: tuple[_Rule, ...] = (
-    (re.compile(r"\b(?:minus|negative) (\d)"), r"-\1"),
-    (re.compile(r"\b(\d+) and (?:a|1) half\b"), r"\1.5"),
-    (re.compile(r"\b(\d+) and (?:a|1) quarter\b"), r"\1.25"),
-    (re.compile(r"\b(?:a |1 )?half (?:a |an |of a )?(?=met(?:er|re)|turn)"), "0.5 "),
-    (re.compile(r"\b(?:a |1 )?quarter (?:of a |a )?(?=met(?:er|re)|turn)"), "0.25 "),
-    (re.compile(rf"({_NUMBER}) ?(?:centimet(?:er|re)s?|cm)\b"), _metres),
-)
+_GLUED = re.compile(r"\s*(?<![^\W\d])([xyz])\s*(?=-?\d)", re.IGNORECASE)
+_DECIMAL_COMMA = re.compile(r"(?<![\d.,])(\d+),(\d+)(?![\d.,]*\d)")
 
 
 def digits(text: str, language: str = "en") -> str:
     """The same text with its number words as digits: "minus two and a half" becomes "-2.5".
 
-    English fractions and centimetres become decimals and metres.
+    Fractions become decimals with a point, centimetres become metres, and the name of an axis gets
+    off its number ("x2.5": so whisper writes coordinates).
     """
+    known = phrasebook(language).numbers
     if language in SPOKEN_LANGUAGES:
         text = str(alpha2digit(text, language, 0))
-    if language == "en":
-        for pattern, replacement in _ENGLISH:
-            text = pattern.sub(replacement, text)
-    return text
+    text = _GLUED.sub(r" \1 ", _listed_words(text, known)).strip()
+    if known.decimal_comma:
+        text = _DECIMAL_COMMA.sub(r"\1.\2", text)
+    for pattern, replacement in known.rules:
+        text = pattern.sub(replacement, text)
+    return _in_metres(text, known)
+
+
+def _listed_words(text: str, known: Numbers) -> str:
+    """Where words have no spaces between them, a number is one only before a unit."""
+    if not known.words:
+        return text
+    numbers = {key(word): number for word, number in known.words.items()}
+    words = "|".join(re.escape(word) for word in sorted(known.words, key=len, reverse=True))
+    pattern = (
+        rf"(?:{words})(?=\s*(?:{known.units}))"
+        if known.units
+        else rf"(?<!\S)(?:{words})(?=[\s.,;:!?\u060c\u0964]|$)"
+    )
+    return re.sub(pattern, lambda m: f"{numbers[key(m[0])]:g}", text, flags=re.IGNORECASE)
+
+
+def _in_metres(text: str, known: Numbers) -> str:
+    if not known.centimetres:
+        return text
+    pattern = rf"({_NUMBER})\s*(?:{known.centimetres})(?!\w)"
+    if known.units:
+        pattern = rf"({_NUMBER})\s*(?:{known.centimetres})"
+    return re.sub(pattern, lambda match: f"{float(match[1]) / 100:g} {known.metres}", text)

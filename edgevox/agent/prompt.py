@@ -10,6 +10,8 @@ from itertools import zip_longest
 from typing import Any
 
 from edgevox.agent.grammar import DO, END, HANDOFF, SAY, is_optional, literal
+from edgevox.agent.phrase_file import ENGLISH, phrasebook
+from edgevox.agent.phrasebook import Exchange, Phrasebook
 from edgevox.agent.skills import Call, Skill, SkillSet
 
 EXAMPLES_PER_SKILL = 3
@@ -25,30 +27,10 @@ class Shown:
     says: str = ""
 
 
-_SMALL_TALK = (
-    Shown("hi there", says="Hello! What can I do for you?"),
-    Shown("you did a great job", says="Thank you, I am glad to help."),
-    Shown("who made you?", says="I am a robot that runs EdgeVox."),
-    Shown("are you happy today?", says="Yes, I feel good, thank you."),
-    Shown("how can you help me?", says="Ask me for one of the things that I can do."),
-)
-_REFUSED = (
-    Shown("cook some pasta", says="Sorry, I cannot cook."),
-    Shown("what is the news today?", says="Sorry, I do not know the news."),
-    Shown("close the door", says="Sorry, I cannot close doors."),
-    Shown("blorp fizzle zump", says="Sorry, I did not understand that."),
-    Shown("wash the dishes", says="Sorry, I cannot wash dishes."),
-    Shown("bring me my shoes", says="Sorry, I cannot carry things."),
-    Shown("sing a song for us", says="Sorry, I cannot sing."),
-    Shown("uh", says="Sorry, I did not understand that."),
-    Shown("make it warmer in here", says="Sorry, I cannot heat the room."),
-    Shown("send a letter to John", says="Sorry, I cannot send letters."),
-)
-_JOINTS = (", then ", " and ", ", after that ", " and then ")
-
-
-def system_prompt(instructions: str, skills: SkillSet, handoffs: Sequence[str] = ()) -> str:
-    """The role, the calls there are, and how to answer."""
+def system_prompt(
+    instructions: str, skills: SkillSet, handoffs: Sequence[str] = (), language: str = ENGLISH
+) -> str:
+    """The role, the calls there are, and how to answer, in that language."""
     lines = [instructions, "", "You can only make these calls:"]
     lines += [f"{_signature(one)}: {one.description}" for one in skills.values()]
     if handoffs:
@@ -63,27 +45,40 @@ def system_prompt(instructions: str, skills: SkillSet, handoffs: Sequence[str] =
             "Never do what nobody asked for."
         ),
     ]
+    if language != ENGLISH:
+        name = phrasebook(language).name
+        lines.append(f"People speak {name} to you. Every sentence that you say is {name}.")
     return "\n".join(lines)
 
 
-def examples(skills: SkillSet, handoffs: Sequence[str] = ()) -> Sequence[Shown]:
+def examples(
+    skills: SkillSet, handoffs: Sequence[str] = (), language: str = ENGLISH
+) -> Sequence[Shown]:
     """Examples of every skill, of two calls in one sentence, of small talk and of what is refused.
 
     They alternate, so that no kind of answer is what the last ones were, and end in words: small
     models repeat what they saw last, and a wrong word costs less than a wrong drive.
     """
-    singles = _singles(skills)
+    book = phrasebook(language)
+    singles = _singles(skills, book)
     handed = [
         Shown(f"let me talk to the {name}", (Call(HANDOFF, {"agent": name}),)) for name in handoffs
     ]
-    calls = _interleave([*singles, *handed], _pairs(singles, len(skills)))
-    return _interleave(calls, _interleave(_REFUSED, _SMALL_TALK))
+    calls = _interleave([*singles, *handed], _pairs(singles, len(skills), book.links))
+    return _interleave(calls, _interleave(_said(book.declined), _said(book.small_talk)))
 
 
-def _singles(skills: SkillSet) -> list[Shown]:
+def _said(exchanges: Sequence[Exchange]) -> list[Shown]:
+    return [Shown(one.asked, says=one.answer) for one in exchanges]
+
+
+def _singles(skills: SkillSet, book: Phrasebook) -> list[Shown]:
     """One example of each skill, then a second one of each, and so on."""
     given = [
-        [Shown(e.sentence, (Call(name, dict(e.arguments)),)) for e in one.examples[: _enough(one)]]
+        [
+            Shown(e.sentence, (Call(name, dict(e.arguments)),))
+            for e in book.examples(one)[: _enough(one)]
+        ]
         for name, one in skills.items()
     ]
     return [one for each in zip_longest(*given) for one in each if one is not None]
@@ -94,14 +89,14 @@ def _enough(one: Skill) -> int:
     return max([EXAMPLES_PER_SKILL, *(len(kind.get("enum", ())) for kind in kinds)])
 
 
-def _pairs(singles: Sequence[Shown], skills: int) -> list[Shown]:
+def _pairs(singles: Sequence[Shown], skills: int, links: Sequence[str]) -> list[Shown]:
     """Two sentences in one: of different skills in either order, and of the same one twice."""
     count = len(singles)
     places = ((0, skills - 2), (skills - 2, skills - 1), (skills, 2 * skills), (-1, 1))
     chosen = [(singles[i % count], singles[j % count]) for i, j in places if count > 1]
     return [
-        Shown(first.sentence.rstrip(".?!") + joint + second.sentence, first.calls + second.calls)
-        for joint, (first, second) in zip(_JOINTS, chosen, strict=False)
+        Shown(first.sentence.rstrip(".?! ") + joint + second.sentence, first.calls + second.calls)
+        for joint, (first, second) in zip(links, chosen, strict=False)
         if first is not second
     ]
 

@@ -13,7 +13,7 @@ The first parameter is the goal that the call becomes; the others are the skill'
 import inspect
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol, get_type_hints
+from typing import Any, Protocol, get_args, get_type_hints
 
 from pydantic import BaseModel, ConfigDict, ValidationError, create_model
 from pydantic_core import core_schema
@@ -110,6 +110,16 @@ class Skill:
     def schema(self) -> dict[str, Any]:
         """JSON schema of the arguments object."""
         return self.arguments_model.model_json_schema()
+
+    @property
+    def choices(self) -> Mapping[str, OneOf]:
+        """The arguments that take one of some words."""
+        return {
+            name: extra
+            for name, info in self.arguments_model.model_fields.items()
+            for extra in (*info.metadata, *get_args(info.annotation))
+            if isinstance(extra, OneOf)
+        }
 
     def validate(self, arguments: Mapping[str, Any]) -> dict[str, Any]:
         """Checked and converted arguments. Raises `InvalidValue` naming the first wrong one."""

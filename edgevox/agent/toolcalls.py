@@ -61,9 +61,11 @@ class Protocol:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "grammar", grammar(self.skills, self.handoffs))
-        system = Message("system", system_prompt(self.instructions, self.skills, self.handoffs))
+        system = Message(
+            "system", system_prompt(self.instructions, self.skills, self.handoffs, self.language)
+        )
         shown: list[Message] = []
-        for example in examples(self.skills, self.handoffs):
+        for example in examples(self.skills, self.handoffs, self.language):
             answer = (
                 self.render_calls(example.calls) if example.calls else self.render(example.says)
             )

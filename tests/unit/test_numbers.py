@@ -15,6 +15,10 @@ from edgevox.agent.numbers import digits
         ("30 cm to the left", "0.3 meters to the left"),
         ("go to 2.5 and -1", "go to 2.5 and -1"),
         ("hello there", "hello there"),
+        ("Go to x2.5, y-1.", "Go to x 2.5, y -1."),
+        ("Go to X2.5y -1", "Go to X 2.5 y -1"),
+        ("1 1/2 meters", "1.5 meters"),
+        ("turn 90°", "turn 90 degrees"),
     ],
 )
 def test_spoken_numbers_become_digits_in_metres(said, written):

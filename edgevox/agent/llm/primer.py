@@ -26,6 +26,10 @@ class Primer:
     def start(self) -> None:
         self._thread.start()
 
+    def wait(self) -> None:
+        """Block until all is read."""
+        self._thread.join()
+
     def close(self) -> None:
         """Stop reading and wait for the thread."""
         self._token.cancel("shutting down")

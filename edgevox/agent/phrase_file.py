@@ -1,0 +1,116 @@
+"""Reads phrasebooks, one TOML file a language, from the folder `phrases` beside this file."""
+
+import re
+import tomllib
+from collections.abc import Mapping
+from functools import cache
+from importlib import resources
+from typing import Any
+
+from edgevox.agent.phrasebook import (
+    Exchange,
+    Hearing,
+    Numbers,
+    Phrasebook,
+    Rewriting,
+    SkillPhrases,
+    Word,
+)
+from edgevox.agent.skills import Example
+from edgevox.agent.spelling import composed, key
+from edgevox.core.errors import InvalidValue
+from edgevox.core.languages import LANGUAGES
+
+ENGLISH = "en"
+"""The language that skills and robots speak by themselves, and that all others fall back to."""
+
+_NO_WORD = {"name": "{name}"}
+
+
+@cache
+def phrasebook(code: str) -> Phrasebook:
+    """The phrasebook of a language; an empty one that falls back to English if it has none."""
+    if code not in LANGUAGES:
+        raise InvalidValue("language", code, "one of " + ", ".join(LANGUAGES))
+    file = resources.files("edgevox.agent.phrases").joinpath(f"{code}.toml")
+    data = tomllib.loads(file.read_text("utf-8")) if file.is_file() else {}
+    return _book(code, data, None if code == ENGLISH else phrasebook(ENGLISH))
+
+
+def _book(code: str, data: Mapping[str, Any], fallback: Phrasebook | None) -> Phrasebook:
+    return Phrasebook(
+        code=code,
+        name=LANGUAGES[code].name,
+        sentences=data.get("say", {}),
+        hearing=_hearing(data.get("hear", {}), spaced=LANGUAGES[code].spaced),
+        numbers=_numbers(data.get("numbers", {})),
+        rules=data.get("rules", {}),
+        words={key(name): _word(one) for name, one in data.get("words", {}).items()},
+        unknown=_word(data.get("unknown", _NO_WORD)),
+        skills={name: _skill(one) for name, one in data.get("skills", {}).items()},
+        reasons=data.get("reasons", {}),
+        small_talk=_exchanges(data, "small_talk") or (fallback.small_talk if fallback else ()),
+        declined=_exchanges(data, "declined") or (fallback.declined if fallback else ()),
+        links=tuple(data.get("links", fallback.links if fallback else ())),
+        smoothing=_rewritings(data.get("smoothing", ())),
+        fallback=fallback,
+    )
+
+
+def _hearing(data: Mapping[str, Any], *, spaced: bool) -> Hearing:
+    return Hearing(
+        joints=tuple(data.get("joints", ())),
+        articles=tuple(data.get("articles", ())),
+        clause_words=frozenset(map(key, data.get("clause_words", ()))),
+        pair=data.get("pair", "and"),
+        spaced=spaced,
+        written=data.get("written", ""),
+    )
+
+
+def _numbers(data: Mapping[str, Any]) -> Numbers:
+    return Numbers(
+        decimal_comma=data.get("decimal_comma", False),
+        rules=_rewritings(data.get("rules", ())),
+        words={composed(word): number for word, number in data.get("words", {}).items()},
+        units=data.get("units", ""),
+        centimetres=data.get("centimetres", ""),
+        metres=data.get("metres", ""),
+    )
+
+
+def _word(data: Mapping[str, Any]) -> Word:
+    name = data["name"]
+    return Word(
+        name=name,
+        to=data.get("to", name),
+        at=data.get("at", name),
+        taken=data.get("taken", name),
+        heard=tuple(data.get("heard", (name,))),
+        hints=tuple(data.get("hints", ())),
+    )
+
+
+def _skill(data: Mapping[str, Any]) -> SkillPhrases:
+    examples = [dict(one) for one in data.get("examples", ())]
+    return SkillPhrases(
+        can=data.get("can", ""),
+        templates=tuple(data.get("templates", ())),
+        says=_several(data.get("says", ())),
+        done=_several(data.get("done", ())),
+        examples=tuple(Example(one.pop("sentence"), one) for one in examples),
+    )
+
+
+def _several(data: Any) -> tuple[str, ...]:
+    return (data,) if isinstance(data, str) else tuple(data)
+
+
+def _exchanges(data: Mapping[str, Any], name: str) -> tuple[Exchange, ...]:
+    return tuple(Exchange(asked, answer) for asked, answer in data.get(name, {}).items())
+
+
+def _rewritings(data: Any) -> tuple[Rewriting, ...]:
+    return tuple(
+        (re.compile(composed(pattern), re.IGNORECASE), replacement) for pattern, replacement in data
+    )

@@ -1,0 +1,282 @@
+"""Phrasebooks: how a robot speaks and is spoken to in one language."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import zip_longest
+from string import Formatter
+from typing import Any
+
+from edgevox.agent.skills import Example, OneOf, Skill
+from edgevox.agent.spelling import key
+
+Rewriting = tuple[re.Pattern[str], str]
+"""A pattern and what it is replaced with."""
+
+MOST_HINTS = 6
+"""How many hints of words a model is shown."""
+_ONE_NAME = {"location": "room"}
+"""What phrasebooks call by another name: all places are spoken of as rooms."""
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """A word that an argument or a result may be, in the forms that sentences need.
+
+    `name` with its article, `to` and `at` with the prepositions of going and of being there,
+    `taken` as what somebody grasps. `heard` is what people say for it, `hints` are sentences of
+    people who mean it without saying it.
+    """
+
+    name: str
+    to: str
+    at: str
+    taken: str
+    heard: tuple[str, ...] = ()
+    hints: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        return self.name
+
+    def called(self, name: str) -> "Word":
+        """The same forms, of another name."""
+        forms = (self.name, self.to, self.at, self.taken)
+        named, to, at, taken = (form.replace("{name}", name) for form in forms)
+        return Word(named, to, at, taken, heard=(name,))
+
+
+@dataclass(frozen=True, slots=True)
+class SkillPhrases:
+    """One skill. Of `says` and `done` the first counts whose values are all known."""
+
+    can: str = ""
+    templates: tuple[str, ...] = ()
+    says: tuple[str, ...] = ()
+    done: tuple[str, ...] = ()
+    examples: tuple[Example, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Hearing:
+    """How sentences are put together.
+
+    `joints` are words between two commands, `articles` stand before a name, `clause_words` never
+    stand in one, `pair` is what is put between two bare numbers. `spaced` is False where words have
+    no spaces between them. `written` are commands in the spelling that templates understand: an
+    example for whoever writes down what is spoken.
+    """
+
+    joints: tuple[str, ...] = ()
+    articles: tuple[str, ...] = ()
+    clause_words: frozenset[str] = frozenset()
+    pair: str = "and"
+    spaced: bool = True
+    written: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Numbers:
+    """How numbers are said: see `edgevox.agent.numbers`."""
+
+    decimal_comma: bool = False
+    rules: tuple[Rewriting, ...] = ()
+    words: Mapping[str, float] = field(default_factory=dict)
+    units: str = ""
+    centimetres: str = ""
+    metres: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Exchange:
+    """What somebody may say that is no command, and an answer to it."""
+
+    asked: str
+    answer: str
+
+
+@dataclass(frozen=True)
+class Phrasebook:
+    """One language. What it lacks is taken from the skills and from `fallback`, the English one."""
+
+    code: str
+    name: str
+    sentences: Mapping[str, str]
+    hearing: Hearing
+    numbers: Numbers
+    rules: Mapping[str, str] = field(default_factory=dict)
+    words: Mapping[str, Word] = field(default_factory=dict)
+    unknown: Word = field(default_factory=lambda: Word("{name}", "{name}", "{name}", "{name}"))
+    skills: Mapping[str, SkillPhrases] = field(default_factory=dict)
+    reasons: Mapping[str, str] = field(default_factory=dict)
+    small_talk: tuple[Exchange, ...] = ()
+    declined: tuple[Exchange, ...] = ()
+    links: tuple[str, ...] = ()
+    smoothing: tuple[Rewriting, ...] = ()
+    fallback: "Phrasebook | None" = None
+
+    def say(self, name: str, **values: Any) -> str:
+        """One of the agent's own sentences. Raises `KeyError` for one that no language has."""
+        sentence = self.sentences.get(name)
+        if sentence is None and self.fallback:
+            return self.fallback.say(name, **values)
+        return self._smooth(self.sentences[name].format(**values))
+
+    def word(self, name: str) -> Word:
+        """A word's forms; those of an unknown one are made of its own name."""
+        return self.words.get(key(name)) or self.unknown.called(name.replace("_", " "))
+
+    def heard(self, choices: OneOf) -> dict[str, str]:
+        """Everything that may be said for these words, to the word."""
+        own = choices.spoken()
+        return {
+            said: word
+            for word in choices.words
+            if key(word) in self.words
+            for said in self.words[key(word)].heard
+        } | own
+
+    def templates(self, one: Skill) -> tuple[str, ...]:
+        """The sentences that call this skill, as hassil reads them; only those that suit it."""
+        infos = one.arguments_model.model_fields
+        arguments = {spoken_name(name): name for name in infos}
+        required = {spoken_name(name) for name, info in infos.items() if info.is_required()}
+        return tuple(
+            _renamed(template, arguments)
+            for template in self._phrases(one).templates
+            if required <= self._slots(template) <= arguments.keys()
+        )
+
+    def examples(self, one: Skill) -> Sequence[Example]:
+        """What a model learns a skill from; the skill's own for words that are unknown here."""
+        names = {spoken_name(name): name for name in one.arguments_model.model_fields}
+        own = [_renamed_example(e, names) for e in self._phrases(one).examples]
+        own += [
+            Example(hint, {name: word})
+            for name, choices in one.choices.items()
+            for word, hint in self._hints(choices)
+        ]
+        if not own:
+            return one.examples
+        covered = {value for example in own for value in example.arguments.values()}
+        words = {word for choices in one.choices.values() for word in choices.words} - covered
+        return own + [e for e in one.examples if words.intersection(e.arguments.values())]
+
+    def acknowledge(self, one: Skill, arguments: Mapping[str, Any]) -> str:
+        """What is said when this call begins; empty if nothing is."""
+        return self._speak(self._phrases(one).says, one.says, arguments)
+
+    def report(self, one: Skill, arguments: Mapping[str, Any], result: Mapping[str, Any]) -> str:
+        """What is said when this call has succeeded; empty if nothing is."""
+        return self._speak(self._phrases(one).done, one.done, {**arguments, **result})
+
+    def failure(self, reason: str) -> str:
+        """What is said when a call has failed, for a reason that its skill gave in English."""
+        return self.say("failed", reason=self.reason(reason).rstrip(". \u3002\u0964"))
+
+    def reason(self, english: str) -> str:
+        """A reason in this language, where it is one of those that are known."""
+        for name, pattern in (self.fallback or self).reason_patterns.items():
+            match = pattern.fullmatch(english.strip())
+            if match and name in self.reasons:
+                values = {name: self.word(said) for name, said in match.groupdict().items()}
+                return self._smooth(self.reasons[name].format(**values))
+        return english
+
+    def abilities(self, skills: Sequence[Skill]) -> str:
+        """What a robot with these skills can do, in one sentence; empty if it can do nothing."""
+        deeds = [self._phrases(one).can or _as_part(one.description) for one in skills]
+        return self.say("abilities", deeds="; ".join(deeds)) if deeds else ""
+
+    def listing(self, names: Sequence[str]) -> str:
+        """Some words as one: "the kitchen, the bedroom and the office"."""
+        return self._join([str(self.word(name)) for name in names])
+
+    @cached_property
+    def reason_patterns(self) -> Mapping[str, re.Pattern[str]]:
+        """The reasons as patterns, with their values as named groups."""
+        return {name: _as_pattern(text) for name, text in self.reasons.items()}
+
+    def _slots(self, template: str) -> set[str]:
+        """The slots of a template and of the rules that it names."""
+        inside = (self._slots(self.rules[name]) for name in re.findall(r"<(\w+)>", template))
+        return set(re.findall(r"\{(\w+)\}", template)).union(*inside)
+
+    def _phrases(self, one: Skill) -> SkillPhrases:
+        return self.skills.get(one.name, SkillPhrases())
+
+    def _join(self, parts: Sequence[str]) -> str:
+        if len(parts) < 2:
+            return "".join(parts)
+        first = self.say("separator").join(parts[:-1])
+        return self.say("list", first=first, last=parts[-1])
+
+    def _hints(self, choices: OneOf) -> list[tuple[str, str]]:
+        """Words with a hint of each in turn, a few of them."""
+        known = [(word, self.words[key(word)]) for word in choices.words if key(word) in self.words]
+        rounds = zip_longest(*([(word, hint) for hint in one.hints] for word, one in known))
+        return [pair for each in rounds for pair in each if pair][:MOST_HINTS]
+
+    def _speak(self, own: Sequence[str], english: str, values: Mapping[str, Any]) -> str:
+        spoken = {spoken_name(name): self._spoken(value) for name, value in values.items()}
+        known = {name for name, value in spoken.items() if value is not None}
+        for template in own:
+            if fields(template) <= known:
+                return self._smooth(template.format(**spoken))
+        return english.format(**{name: _english(value) for name, value in values.items()})
+
+    def _spoken(self, value: Any) -> Any:
+        """A value as sentences use it, or None for one that nothing is known of.
+
+        A flag that is up is there, and says nothing by itself. Things on things are a list.
+        """
+        if isinstance(value, bool):
+            return "" if value else None
+        if isinstance(value, str):
+            return self.word(value) if value else None
+        if isinstance(value, Mapping):
+            there = [(name, one["on"]) for name, one in value.items() if "on" in one]
+            return self._join([self._thing_at(name, place) for name, place in there]) or None
+        return value
+
+    def _thing_at(self, name: str, place: str) -> str:
+        return self.say("thing_at", thing=self.word(name), place=self.word(place))
+
+    def _smooth(self, text: str) -> str:
+        for pattern, replacement in self.smoothing:
+            text = pattern.sub(replacement, text)
+        return text
+
+
+def spoken_name(argument: str) -> str:
+    """How phrasebooks call an argument or a result of this name."""
+    return _ONE_NAME.get(argument, argument)
+
+
+def fields(template: str) -> set[str]:
+    """The values that a sentence needs, without their forms: "{room.to}" needs "room"."""
+    names = (name for _, name, _, _ in Formatter().parse(template) if name)
+    return {re.split(r"[.\[]", name)[0] for name in names}
+
+
+def _renamed(template: str, arguments: Mapping[str, str]) -> str:
+    return re.sub(r"\{(\w+)\}", lambda match: f"{{{arguments[match[1]]}}}", template)
+
+
+def _renamed_example(example: Example, arguments: Mapping[str, str]) -> Example:
+    return Example(example.sentence, {arguments[n]: v for n, v in example.arguments.items()})
+
+
+def _as_pattern(text: str) -> re.Pattern[str]:
+    parts = re.split(r"\{(\w+)\}", text)
+    return re.compile(
+        "".join(f"(?P<{p}>.+?)" if i % 2 else re.escape(p) for i, p in enumerate(parts))
+    )
+
+
+def _as_part(sentence: str) -> str:
+    return f"{sentence[:1].lower()}{sentence[1:]}".rstrip(".")
+
+
+def _english(value: Any) -> Any:
+    return value.replace("_", " ") if isinstance(value, str) else value
