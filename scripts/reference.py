@@ -104,6 +104,15 @@ def external() -> str:
     return table(("topic", "direction", "type", "what", "when"), rows)
 
 
+def audio() -> str:
+    """Sound on the wire."""
+    rows = (
+        (f"`{one.topic}`", one.direction, f"`{one.type}`", one.about, f"`{one.needs}`")
+        for one in contract.AUDIO
+    )
+    return table(("topic", "direction", "type", "what", "when"), rows)
+
+
 def action() -> str:
     """The one action."""
     name, kind = contract.ACTION
@@ -147,6 +156,7 @@ PARTS = {
         queries,
         interop,
         external,
+        audio,
         action,
         launch,
         launch_arguments,

@@ -20,6 +20,7 @@ from edgevox.voice.ears import Ears
 from edgevox.voice.mouth import SpeakingMouth
 from edgevox.voice.sinks.opening import open_sink
 from edgevox.voice.sinks.relay import Relay
+from edgevox.voice.sources.files import WavFiles
 from edgevox.voice.sources.opening import ROS2, open_source
 from edgevox.voice.sources.pushed import Pushed
 from edgevox.voice.speaker import Speaker
@@ -112,6 +113,7 @@ def build_ears(
         wakeword=voice.wakeword,
         is_stop=is_stop,
         echo=settings.echo,
+        lossless=isinstance(voice.source, WavFiles),
     )
 
 

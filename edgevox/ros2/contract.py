@@ -275,5 +275,23 @@ EXTERNAL: tuple[Interop, ...] = (
 )
 """The topics of a robot that `robot-external` drives, in that robot's namespace."""
 
+AUDIO: tuple[Interop, ...] = (
+    Interop(
+        "audio_in",
+        "edgevox_msgs/msg/AudioData",
+        "in",
+        "a microphone: 16 kHz mono, 16 bit little-endian, up to 1 s a message; best effort",
+        "--audio-in ros2",
+    ),
+    Interop(
+        "audio_out",
+        "edgevox_msgs/msg/AudioData",
+        "out",
+        "a loudspeaker: the same, up to 40 ms a message, 60 ms before it is due; reliable",
+        "--audio-out ros2",
+    ),
+)
+"""Sound on the wire, when the settings ask for it."""
+
 ACTION = ("execute_skill", "edgevox_msgs/action/ExecuteSkill")
 """Its name and type."""

@@ -1,0 +1,105 @@
+"""What listening costs: CPU in silence, and whether an hour of it leaves anything behind.
+
+`benchmarks/voice.py` calls these; run alone, it prints both.
+"""
+
+import gc
+import json
+import threading
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from edgevox.core.bus import Bus
+from edgevox.core.commands import Heard
+from edgevox.models import locate
+from edgevox.voice.audio import RATE_HZ, Samples
+from edgevox.voice.ears import Ears
+from edgevox.voice.sources.memory import InMemory
+from edgevox.voice.stt.base import SpeechToText
+from edgevox.voice.stt.whisper import Whisper
+from edgevox.voice.vad import SileroVad
+from edgevox.voice.wakeword import WakeWord
+
+
+@dataclass(frozen=True, slots=True)
+class Listening:
+    """What listening to so many seconds of sound took, and what it left behind."""
+
+    sound_s: float
+    cpu_s: float
+    utterances: int
+    memory_growth_kib: int
+    thread_growth: int
+    slowest_stt_s: float
+
+    @property
+    def share_of_a_core(self) -> float:
+        return self.cpu_s / self.sound_s
+
+
+def quiet_room(seconds: float) -> Samples:
+    """Noise at -70 dB of full scale."""
+    return np.random.default_rng(7).normal(0, 10, int(seconds * RATE_HZ)).astype(np.int16)
+
+
+def listen(
+    stt: SpeechToText, sound: Samples, *, times: int = 1, wakeword: WakeWord | None = None
+) -> Listening:
+    """Listen to a sound, `times` over, as fast as it goes."""
+    source, slowest, count = InMemory(sound, times=times), [0.0], [0]
+
+    def submit(command: object) -> None:
+        if isinstance(command, Heard):
+            slowest[0] = max(slowest[0], command.stt_s)
+            count[0] += 1
+
+    gc.collect()
+    threads, resident, cpu_s = threading.active_count(), _resident_kib(), time.process_time()
+    ears = Ears(
+        source,
+        SileroVad(),
+        stt,
+        submit=submit,
+        bus=Bus(),
+        language=lambda: "en",
+        muted=lambda: False,
+        audible=lambda: 0.0,
+        wakeword=wakeword,
+        lossless=True,
+    )
+    ears.start()
+    ears.wait_over()
+    ears.close()
+    gc.collect()
+    return Listening(
+        sound_s=source.heard_s,
+        cpu_s=time.process_time() - cpu_s,
+        utterances=count[0],
+        memory_growth_kib=_resident_kib() - resident,
+        thread_growth=threading.active_count() - threads,
+        slowest_stt_s=slowest[0],
+    )
+
+
+def _resident_kib() -> int:
+    lines = Path("/proc/self/status").read_text().splitlines()
+    return next(int(line.split()[1]) for line in lines if line.startswith("VmRSS"))
+
+
+def main() -> None:
+    """Print both, as JSON."""
+    stt = Whisper(lambda _: locate("whisper-tiny.en"))
+    stt.warm_up("en")
+    for phrase in ("", "hey jarvis"):
+        wakeword = WakeWord(phrase, locate("wake-words")) if phrase else None
+        silence = listen(stt, quiet_room(30.0), wakeword=wakeword)
+        print(f"silence, wake word {phrase!r}: {silence.share_of_a_core:.2%} of a core")
+    hour = listen(stt, quiet_room(60.0), times=60)
+    print(json.dumps(asdict(hour)))
+
+
+if __name__ == "__main__":
+    main()
