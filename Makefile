@@ -30,9 +30,9 @@ help: ## List what can be made.
 	@echo "Variables: PYTHON=python3.12 (before the first run), AGENT=..., ARGS='...'"
 
 .PHONY: run
-run: $(DONE)/$(if $(ROS2),msgs,run) ## Start the agent with a prompt, on ROS 2; the first time, install all it needs.
+run: $(DONE)/$(if $(ROS2),msgs,run) ## Start the agent, aloud and on ROS 2; the first time, install all it needs.
 	@$(BIN)/edgevox-models fetch small $(filter robot-panda robot-humanoid,$(AGENT))
-	@exec $(BIN)/edgevox-agent $(AGENT) --text-mode $(if $(ROS2),--ros2) $(ARGS)
+	@exec $(BIN)/edgevox-agent $(AGENT) $(if $(ROS2),--ros2) $(ARGS)
 
 .PHONY: test
 test: $(DONE)/dev $(DONE)/msgs $(DONE)/llama-cpp ## Run all tests; ARGS goes to pytest.

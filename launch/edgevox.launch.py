@@ -33,7 +33,7 @@ ARGUMENTS = {
     "params_file": "YAML file with ROS 2 parameters",
 }
 # An empty argument is not handed on, so that EDGEVOX_* variables and `config` hold.
-DEFAULTS = {"robot": "robot-apartment", "text_mode": "true"}
+DEFAULTS = {"robot": "robot-apartment"}
 FLAGS = {
     "language": "--language",
     "state_hz": "--ros2-state-hz",

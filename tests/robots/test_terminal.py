@@ -129,7 +129,10 @@ def test_a_reader_that_leaves_does_not_stop_the_robot():
         (["--world", "nowhere.yaml"], "nowhere.yaml"),
         (["--language=xx"], "language: got 'xx', expected one of en"),
         (["--voice=nobody"], "voice: got 'nobody', expected for the language en"),
-        (["--no-text-mode"], "text_mode: got False, expected --text-mode"),
+        (["--no-text-mode", "--audio-in=ros2"], "audio_in: got 'ros2', expected ros2 only"),
+        (["--no-text-mode", "--audio-out=/no/x.wav"], "audio_out: got '/no/x.wav', expected"),
+        (["--no-text-mode", "--audio-in=no.wav"], "audio_in: got 'no.wav', expected a WAV file"),
+        (["--no-text-mode", "--wakeword=hey you"], "wakeword: got 'hey you', expected one of"),
         (["--config", "nowhere.toml"], "config: got 'nowhere.toml', expected a TOML file"),
     ],
 )
@@ -169,7 +172,7 @@ def see(terminal, text, timeout_s=15):
 def prompt():
     terminal = pexpect.spawn(
         COMMAND[0],
-        COMMAND[1:],
+        [*COMMAND[1:], "--simple-ui"],
         dimensions=(24, 80),
         encoding="utf-8",
         env={**os.environ, "TERM": "xterm"},
@@ -212,3 +215,35 @@ def test_sigterm_at_the_prompt_leaves_the_terminal_as_it_was(prompt):
     prompt.wait()
     assert prompt.exitstatus == 0
     assert "Traceback" not in prompt.before
+
+
+@pytest.fixture
+def full_screen():
+    terminal = pexpect.spawn(
+        COMMAND[0],
+        COMMAND[1:],
+        dimensions=(24, 80),
+        encoding="utf-8",
+        env={**os.environ, "TERM": "xterm-256color"},
+    )
+    see(terminal, "listening", timeout_s=30)
+    yield terminal
+    terminal.close(force=True)
+
+
+def test_the_full_screen_shows_answers_and_leaves_the_terminal_as_it_was(full_screen):
+    full_screen.send("where are you\r")
+    see(full_screen, "living room")
+    full_screen.send("\x11")  # Ctrl-Q
+    see(full_screen, "\x1b[?1049l")  # the alternate screen is left
+    full_screen.expect(pexpect.EOF, timeout=10)
+    full_screen.wait()
+    assert full_screen.exitstatus == 0
+
+
+def test_sigterm_ends_the_full_screen_in_order(full_screen):
+    full_screen.kill(signal.SIGTERM)
+    see(full_screen, "\x1b[?1049l")
+    full_screen.expect(pexpect.EOF, timeout=10)
+    full_screen.wait()
+    assert full_screen.exitstatus == 0

@@ -95,7 +95,6 @@ def test_without_arguments_the_process_keeps_its_own_defaults(
         "edgevox-agent",
         robot,
         "--ros2",
-        "--text-mode",
         "--ros-args",
     ]
 
