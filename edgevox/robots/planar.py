@@ -185,6 +185,7 @@ class PlanarRobot:
         return {
             "name": self.name,
             "time": round(time_s, 3),
+            "simulation": "physics",
             **describe_motion(motion),
             "room": room,
             "battery": round(charge, 4),

@@ -38,6 +38,11 @@ class Arm:
         return bool(np.abs(self._speeds).max() < _STILL_RAD_S)
 
     @property
+    def speeds(self) -> Joints:
+        """(7,) radians per second, as they are now."""
+        return np.array(self._speeds)
+
+    @property
     def joints(self) -> Joints:
         """(7,) radians, as they are now."""
         return np.array(self._joints)

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import astuple
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -25,6 +26,7 @@ from edgevox.robots.panda.workcell import Workcell
 
 CAMERA_PX = (320, 240)
 PICTURE_PX = (640, 480)
+_POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
 
 
 class PandaRobot:
@@ -129,17 +131,17 @@ class PandaRobot:
     def state(self) -> Mapping[str, Any]:
         with self._engine.lock:
             time_s, hand = self.time_s, self.end_effector()
+            turning = self._cell.arm.speeds
             width_m, held = self._cell.arm.hand.width_m, self._cell.arm.hand.held
             things, goal = self._cell.things(), self._cell.progress()
         return {
             "name": self.name,
             "time": round(time_s, 3),
             "simulation": "physics",
-            "end_effector": {
-                "x": round(hand.x_m, 4),
-                "y": round(hand.y_m, 4),
-                "z": round(hand.z_m, 4),
+            "pose": {
+                name: round(value, 4) for name, value in zip(_POSE, astuple(hand), strict=True)
             },
+            "velocity": {"joints": [round(float(value), 4) for value in turning]},
             "gripper_width": round(width_m, 4),
             "held": held,
             "objects": {name: _point(one) for name, one in things.items()},
