@@ -95,7 +95,7 @@ class Deeds:
         try:
             goals = self._goals(calls, skills, turn)
         except InvalidValue as error:
-            turn.say(self._phrases().say("refused", reason=error))
+            turn.say(self._phrases().say("refused", reason=_in_words(error)))
             return
         for goal in goals:
             self._tell(goal, source)
@@ -134,6 +134,14 @@ class Deeds:
         text = _report(self._phrases(), goal) if goal.turn else ""
         if text:
             self._announce(text)
+
+
+def _in_words(error: InvalidValue) -> str:
+    """What is wrong, fit for being spoken: "distance 30.0; it should be at most 20"."""
+    field = error.field.rpartition(".")[2].replace("_", " ")
+    expected = error.expected.replace("less than or equal to", "at most")
+    expected = expected.replace("greater than or equal to", "at least")
+    return f"{field} {error.value}; it should be {expected}"
 
 
 def _report(phrases: Phrasebook, goal: Goal) -> str:

@@ -299,7 +299,7 @@ def test_a_skill_can_be_run_without_language(stage):
     stage.conversation.submit(RunSkill("navigate_to", {"room": "moon"}))
     stage.settle()
     assert stage.texts() == [
-        "I cannot do that: navigate_to.room: got 'moon', expected 'kitchen' or 'bedroom'."
+        "I cannot do that: room moon; it should be 'kitchen' or 'bedroom'."
     ]
 
 

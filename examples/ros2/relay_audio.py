@@ -1,0 +1,52 @@
+"""Connect the robot's microphone and speaker nodes: those of audio_common, or others like them.
+
+``python3 relay_audio.py --microphone /audio/audio --speaker /play/audio`` copies sound to
+``audio_in`` and from ``audio_out``, until Ctrl-C. Any type with a field ``uint8[] data`` will do,
+if what is in it is 16 bit little-endian, mono, at 16000 Hz, without a header.
+"""
+
+import argparse
+import contextlib
+from importlib import import_module
+
+import rclpy
+from rclpy.executors import ExternalShutdownException
+from rclpy.qos import qos_profile_sensor_data
+
+SOUND = "edgevox_msgs/msg/AudioData"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--microphone", metavar="TOPIC", help="where the microphone node publishes")
+    parser.add_argument("--speaker", metavar="TOPIC", help="where the speaker node listens")
+    parser.add_argument("--type", default="audio_common_msgs/msg/AudioData", help="of these topics")
+    parser.add_argument("--namespace", default="/edgevox", help="where the robot's topics are")
+    arguments = parser.parse_args()
+
+    rclpy.init()
+    with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
+        node = rclpy.create_node("relay_audio", namespace=arguments.namespace)
+        theirs, ours = message_type(arguments.type), message_type(SOUND)
+        if arguments.microphone:  # best effort: a lost piece of sound is not worth waiting for
+            hears, best_effort = arguments.microphone, qos_profile_sensor_data
+            relay(node, (theirs, hears), (ours, "audio_in"), best_effort)
+        if arguments.speaker:
+            relay(node, (ours, "audio_out"), (theirs, arguments.speaker), 10)
+        rclpy.spin(node)
+    rclpy.try_shutdown()
+
+
+def relay(node, source, target, qos) -> None:
+    publisher = node.create_publisher(*target, qos)
+    kind = target[0]
+    node.create_subscription(*source, lambda m: publisher.publish(kind(data=m.data)), qos)
+
+
+def message_type(name: str) -> type:
+    package, _, kind = name.partition("/msg/")
+    return getattr(import_module(f"{package}.msg"), kind)
+
+
+if __name__ == "__main__":
+    main()

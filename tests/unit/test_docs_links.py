@@ -1,0 +1,40 @@
+"""Every page's links and pictures lead somewhere."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PAGES = [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")]
+LARGEST_PICTURE_BYTES = 200_000
+
+
+def anchors(page):
+    """The headings of a page as a browser names them."""
+    headings = re.findall(r"^#+ (.+)$", page.read_text(), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", one.lower()).replace(" ", "-") for one in headings}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_every_link_of_a_page_leads_somewhere(page):
+    for link in re.findall(r"\]\(([^)\s]+)\)", page.read_text()):
+        if "://" in link:
+            continue
+        name, _, anchor = link.partition("#")
+        target = page.parent / name if name else page
+        assert target.exists(), link
+        assert not anchor or anchor in anchors(target), link
+
+
+def test_every_picture_is_shown_somewhere_and_is_small():
+    shown = {name for page in PAGES for name in re.findall(r"images/([\w.-]+)", page.read_text())}
+    for picture in (ROOT / "docs" / "images").iterdir():
+        assert picture.name in shown, picture.name
+        assert picture.stat().st_size <= LARGEST_PICTURE_BYTES, picture.name
+
+
+def test_what_ci_installs_is_what_the_readme_says_a_machine_needs():
+    needed = set(re.findall(r"^need ([\w-]+)", (ROOT / ".ci" / "run").read_text(), re.MULTILINE))
+    told = set(re.findall(r"[\w-]+", (ROOT / "README.md").read_text()))
+    assert needed - {"python3"} <= told
