@@ -57,7 +57,7 @@ def listen(
             count[0] += 1
 
     gc.collect()
-    threads, resident, cpu_s = threading.active_count(), _resident_kib(), time.process_time()
+    threads, resident, cpu_s = threading.active_count(), resident_kib(), time.process_time()
     ears = Ears(
         source,
         SileroVad(),
@@ -78,13 +78,14 @@ def listen(
         sound_s=source.heard_s,
         cpu_s=time.process_time() - cpu_s,
         utterances=count[0],
-        memory_growth_kib=_resident_kib() - resident,
+        memory_growth_kib=resident_kib() - resident,
         thread_growth=threading.active_count() - threads,
         slowest_stt_s=slowest[0],
     )
 
 
-def _resident_kib() -> int:
+def resident_kib() -> int:
+    """Memory that this process has, in KiB."""
     lines = Path("/proc/self/status").read_text().splitlines()
     return next(int(line.split()[1]) for line in lines if line.startswith("VmRSS"))
 

@@ -4,20 +4,19 @@ MuJoCo alone takes the very steps that our robot took: the same model, the same 
 targets of the servos.
 """
 
-import time
-from collections.abc import Callable
-from typing import Any
-
 import mujoco
 import numpy as np
+from stopwatch import Stopwatch
+from worlds import Row, Run, compare
 
 from edgevox.models import locate
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.humanoid import HumanoidRobot, MujocoHumanoidEnvironment, OnnxWalkingPolicy
 from edgevox.robots.humanoid.policy import Observation, Vector, WalkingPolicy
 
-WALK_S = 20.0
-ROUNDS = 3
+BODY = "robot-humanoid"
+WORLD = f"{BODY} world"
+WALK_S = 6.0
 CAMERA_S = 0.2
 _STREAM_S = 0.4
 AHEAD = Twist2D(0.5, 0.0)
@@ -47,92 +46,69 @@ class Recorder:
         return self.answers[-1]
 
 
-def drive(robot: HumanoidRobot, twist: Twist2D, camera: bool = False) -> float:
-    """Seconds that `WALK_S` of the robot's world take."""
+def drive(robot: HumanoidRobot, twist: Twist2D, camera: bool = False) -> Run:
+    """`WALK_S` of the robot's world, under a stream of velocities."""
     robot.reset()
-    begin = time.perf_counter()
     chunk = CAMERA_S if camera else _STREAM_S
-    for _ in range(round(WALK_S / chunk)):
-        robot.set_velocity(twist)
-        robot.advance(chunk)
-        if camera:
-            robot.camera()
-    return time.perf_counter() - begin
+    with Stopwatch(WORLD) as watch:
+        for _ in range(round(WALK_S / chunk)):
+            robot.set_velocity(twist)
+            robot.advance(chunk)
+            if camera:
+                robot.camera()
+    return Run(WALK_S, watch.spent)
 
 
-def plain(environment: MujocoHumanoidEnvironment, start: Vector, answers: list[Vector]) -> float:
-    """Seconds that MuJoCo alone takes for the same steps."""
+def plain(environment: MujocoHumanoidEnvironment, start: Vector, answers: list[Vector]) -> Run:
+    """MuJoCo alone, in the same steps."""
     model, data = environment.model, mujoco.MjData(environment.model)
     data.qpos[:] = start
     substeps = round(environment.period_s / model.opt.timestep)
-    begin = time.perf_counter()
-    for answer in answers:
-        data.ctrl[:] = answer
-        mujoco.mj_step(model, data, substeps)
-    return time.perf_counter() - begin
+    with Stopwatch() as watch:
+        for answer in answers:
+            data.ctrl[:] = answer
+            mujoco.mj_step(model, data, substeps)
+    return Run(len(answers) * environment.period_s, watch.spent)
 
 
-def best(work: Callable[[], float]) -> float:
-    """The least disturbed of some rounds."""
-    return min(work() for _ in range(ROUNDS))
-
-
-def measure_physics() -> list[dict[str, Any]]:
+def measure_physics() -> list[Row]:
     """The G1: all of it, our layer without what its policy thinks, MuJoCo alone."""
     policy = Recorder(OnnxWalkingPolicy(locate("g1-walking-policy")))
     environment = MujocoHumanoidEnvironment(locate("unitree-g1"), policy)
-    rows = []
-    with HumanoidRobot(environment, speed=None) as robot:
+    body = f"{BODY}, G1"
+
+    def driven(twist: Twist2D, *, replaying: bool) -> Run:
+        policy.replaying = replaying
+        return drive(robot, twist)
+
+    with HumanoidRobot(environment, speed=0.0) as robot:
         robot.reset()
         start = np.array(environment.data.qpos)
-        for what, twist in (("walking", AHEAD), ("resting", STILL)):
-            rounds = []
-            for _ in range(ROUNDS):
-                policy.replaying = False
-                thinking = drive(robot, twist)
-                policy.replaying = True
-                replayed = drive(robot, twist)
-                rounds.append((thinking, replayed, plain(environment, start, policy.answers)))
-            policy.replaying = False
-            thinking, replayed, alone = (min(column) for column in zip(*rounds, strict=True))
-            rows += [
-                row("G1", what, thinking),
-                row("G1", f"{what}, its policy's answers known before", replayed),
-                row("G1", f"{what}, MuJoCo alone", alone),
-            ]
-        rows.append(row("G1", "walking, camera at 5 Hz", best(lambda: drive(robot, AHEAD, True))))
-    return rows
+        rows = [
+            compare(
+                body,
+                what,
+                lambda twist=twist: driven(twist, replaying=False),
+                lambda: plain(environment, start, policy.answers),
+                lambda twist=twist: driven(twist, replaying=True),
+            )
+            for what, twist in (("walking", AHEAD), ("resting", STILL))
+        ]
+        policy.replaying = False
+        watched = drive(robot, AHEAD, camera=True)
+        return [*rows, Row(body, "walking, camera at 5 Hz", 1 / watched.cost)]
 
 
-def measure_kinematic() -> list[dict[str, Any]]:
+def measure_kinematic() -> list[Row]:
     """The H1, which is moved without physics."""
-    with HumanoidRobot(MujocoHumanoidEnvironment(locate("unitree-h1")), speed=None) as robot:
+    body = f"{BODY}, H1"
+    with HumanoidRobot(MujocoHumanoidEnvironment(locate("unitree-h1")), speed=0.0) as robot:
         return [
-            row("H1", "walking, moved outright", best(lambda: drive(robot, AHEAD))),
-            row("H1", "resting, moved outright", best(lambda: drive(robot, STILL))),
-            row("H1", "walking, camera at 5 Hz", best(lambda: drive(robot, AHEAD, True))),
+            Row(body, "walking, moved outright", 1 / drive(robot, AHEAD).cost),
+            Row(body, "walking, camera at 5 Hz", 1 / drive(robot, AHEAD, camera=True).cost),
         ]
 
 
-def row(kind: str, what: str, seconds: float) -> dict[str, Any]:
-    """One figure."""
-    return {
-        "body": f"robot-humanoid, {kind}",
-        "what": what,
-        "real_time_factor": round(WALK_S / seconds, 1),
-    }
-
-
-def measure() -> list[dict[str, Any]]:
-    """Rows of a body, what it does, and how many seconds of its world pass each second."""
+def measure() -> list[Row]:
+    """Both robots."""
     return measure_physics() + measure_kinematic()
-
-
-def main() -> None:
-    """Measure and print."""
-    for one in measure():
-        print(f"{one['body']:22} {one['what']:45} {one['real_time_factor']:8.1f}")
-
-
-if __name__ == "__main__":
-    main()

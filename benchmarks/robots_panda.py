@@ -1,13 +1,13 @@
 """How fast the Panda's world is, next to plain steps of the same model under the same commands."""
 
-import statistics
 import threading
-import time
 from collections.abc import Callable
 from pathlib import Path
 
 import mujoco
 import numpy as np
+from stopwatch import Stopwatch
+from worlds import Row, Run, compare
 
 from edgevox.core.cancel import CancelToken
 from edgevox.models import locate
@@ -16,10 +16,9 @@ from edgevox.robots.panda.scene import STEP_S, build
 from edgevox.robots.panda.workcell import PERIOD_S
 
 BODY = "robot-panda"
-REST_S = 20.0
-FLAT_OUT = 1000.0
+WORLD = f"{BODY} world"
+REST_S = 6.0
 CAMERA_HZ = 5.0
-ROUNDS = 5
 SUBSTEPS = round(PERIOD_S / STEP_S)
 WORK = (("red_cube", "left_bin"), ("green_cube", "right_bin"), ("blue_cube", "left_bin"))
 
@@ -36,30 +35,6 @@ def watched(robot: PandaRobot, busy: Callable[[], bool]) -> None:
     while busy():
         robot.advance(1.0 / CAMERA_HZ)
         robot.camera()
-
-
-def measure() -> list[dict[str, object]]:
-    """Rows of body, what, and real_time_factor: median of rounds that take turns."""
-    path = locate("franka-panda")
-    commands = recorded(path)
-    runs: dict[str, Callable[[], float]] = {
-        "plain mj_step, resting": lambda: plain(
-            path, np.repeat(commands[:1], REST_S / PERIOD_S, 0)
-        ),
-        "resting": lambda: resting(path),
-        "resting, camera at 5 Hz": lambda: resting_watched(path),
-        "plain mj_step, the same motor commands": lambda: plain(path, commands),
-        "picking and placing": lambda: working(path),
-        "picking and placing, camera at 5 Hz": lambda: working_watched(path),
-    }
-    factors: dict[str, list[float]] = {what: [] for what in runs}
-    for _ in range(ROUNDS):
-        for what, run in runs.items():
-            factors[what].append(run())
-    return [
-        {"body": BODY, "what": what, "real_time_factor": statistics.median(found)}
-        for what, found in factors.items()
-    ]
 
 
 def recorded(path: Path) -> np.ndarray:
@@ -80,62 +55,64 @@ def recorded(path: Path) -> np.ndarray:
     return np.array(rows)
 
 
-def plain(path: Path, commands: np.ndarray) -> float:
+def plain(path: Path, commands: np.ndarray) -> Run:
     """The engine alone, with these commands."""
-    robot = PandaRobot(path)
-    start = robot._engine.snapshot()  # noqa: SLF001
+    start = PandaRobot(path)._engine.snapshot()  # noqa: SLF001
     model = build(path)
     data = mujoco.MjData(model)
     start.show_in(model, data)
-    began = time.perf_counter()
-    for row in commands:
-        data.ctrl[:] = row
-        mujoco.mj_step(model, data, SUBSTEPS)
-    return len(commands) * PERIOD_S / (time.perf_counter() - began)
+    with Stopwatch() as watch:
+        for row in commands:
+            data.ctrl[:] = row
+            mujoco.mj_step(model, data, SUBSTEPS)
+    return Run(len(commands) * PERIOD_S, watch.spent)
 
 
-def resting(path: Path) -> float:
-    """The robot with nothing to do, as fast as its thread can."""
-    with PandaRobot(path, speed=FLAT_OUT) as robot:
-        began, since = time.perf_counter(), robot.time_s
-        time.sleep(REST_S / 40)
-        return (robot.time_s - since) / (time.perf_counter() - began)
+def resting(path: Path) -> Run:
+    """The robot with nothing to do."""
+    with PandaRobot(path, speed=0.0) as robot:
+        with Stopwatch(WORLD) as watch:
+            robot.advance(REST_S)
+        return Run(robot.time_s, watch.spent)
 
 
-def resting_watched(path: Path) -> float:
+def resting_watched(path: Path) -> Run:
     """The robot with nothing to do, under the eyes of its camera."""
     with PandaRobot(path, speed=0.0) as robot:
         robot.camera()
-        began, since = time.perf_counter(), robot.time_s
-        watched(robot, lambda: robot.time_s - since < REST_S / 4)
-        return (robot.time_s - since) / (time.perf_counter() - began)
+        with Stopwatch(WORLD) as watch:
+            watched(robot, lambda: robot.time_s < REST_S / 2)
+        return Run(robot.time_s, watch.spent)
 
 
-def working(path: Path) -> float:
+def working(path: Path) -> Run:
     """The robot at work, planning and all."""
     with PandaRobot(path, speed=None) as robot:
-        began = time.perf_counter()
-        work(robot)
-        return robot.time_s / (time.perf_counter() - began)
+        with Stopwatch(WORLD) as watch:
+            work(robot)
+        return Run(robot.time_s, watch.spent)
 
 
-def working_watched(path: Path) -> float:
+def working_watched(path: Path) -> Run:
     """The robot at work under the eyes of its camera."""
     with PandaRobot(path, speed=0.0) as robot:
         robot.camera()
         worker = threading.Thread(target=work, args=(robot,))
-        began = time.perf_counter()
-        worker.start()
-        watched(robot, worker.is_alive)
-        worker.join()
-        return robot.time_s / (time.perf_counter() - began)
+        with Stopwatch(WORLD) as watch:
+            worker.start()
+            watched(robot, worker.is_alive)
+            worker.join()
+        return Run(robot.time_s, watch.spent)
 
 
-def main() -> None:
-    """Measure and print."""
-    for row in measure():
-        print(f"  {row['what']:42} {row['real_time_factor']:8.1f}")
-
-
-if __name__ == "__main__":
-    main()
+def measure() -> list[Row]:
+    """At rest and at work, and both with the camera on."""
+    path = locate("franka-panda")
+    commands = recorded(path)
+    rest = np.repeat(commands[:1], round(REST_S / PERIOD_S), 0)
+    return [
+        compare(BODY, "resting", lambda: resting(path), lambda: plain(path, rest)),
+        Row(BODY, "resting, camera at 5 Hz", 1 / resting_watched(path).cost),
+        compare(BODY, "picking and placing", lambda: working(path), lambda: plain(path, commands)),
+        Row(BODY, "picking and placing, camera at 5 Hz", 1 / working_watched(path).cost),
+    ]

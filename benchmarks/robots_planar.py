@@ -7,7 +7,8 @@ machine, whatever else runs on it. Time is that of the processor.
 
 import time
 from collections.abc import Callable, Sequence
-from typing import Any
+
+from worlds import ROUNDS, Row
 
 from edgevox.core.cancel import CancelToken
 from edgevox.robots.capabilities import LidarScan, Pose2D, Twist2D
@@ -20,7 +21,6 @@ from edgevox.robots.world_model import World
 
 TOUR = ("kitchen", "living_room")
 SCAN_EVERY_STEPS = 5
-ROUNDS = 3
 
 Step = Callable[[Twist2D], None]
 Scan = Callable[[], object]
@@ -101,50 +101,20 @@ def drive(engine: Beside, world: World) -> tuple[float, float]:
     return (both_s - engine.bare_s) / engine.steps, engine.bare_s / engine.steps
 
 
-def measure() -> list[dict[str, Any]]:
-    """Rows of `body`, `what`, `real_time_factor`, of the best of some rounds.
-
-    Those of the bodies also say which part they add to the simulator's own time, `added`, and how
-    much that is for a step of 20 ms, `added_us`.
-    """
-    rows: list[dict[str, Any]] = []
+def measure() -> list[Row]:
+    """Both 2D bodies, without and with their lidar; planning is part of what a step takes."""
     world = load_world()
-    for body, make, make_bare, simulator in (
-        ("robot-apartment", PymunkEngine, bare_pymunk, "pymunk"),
-        ("robot-irsim", IrsimEngine, bare_irsim, "IR-SIM"),
+    rows: list[Row] = []
+    for body, make, make_bare in (
+        ("robot-apartment", PymunkEngine, bare_pymunk),
+        ("robot-irsim", IrsimEngine, bare_irsim),
     ):
-        for lidar, also in ((False, ""), (True, ", lidar at 10 Hz")):
+        for lidar, what in ((False, "driving"), (True, "driving, lidar at 10 Hz")):
             whole_s, bare_s = min(
                 drive(Beside(make(world), make_bare(world), lidar=lidar), world)
                 for _ in range(ROUNDS)
             )
             rows.append(
-                {
-                    "body": body,
-                    "what": f"{simulator} alone{also}",
-                    "real_time_factor": STEP_S / bare_s,
-                }
-            )
-            rows.append(
-                {
-                    "body": body,
-                    "what": f"the whole body{also}",
-                    "real_time_factor": STEP_S / whole_s,
-                    "added": whole_s / bare_s - 1,
-                    "added_us": (whole_s - bare_s) * 1e6,
-                }
+                Row(body, what, STEP_S / whole_s, STEP_S / bare_s, added=whole_s / bare_s - 1)
             )
     return rows
-
-
-def main() -> None:
-    """Measure and print."""
-    for row in measure():
-        told = f"  {row['body']:16} {row['what']:32} {row['real_time_factor']:8.1f} x real time"
-        if "added" in row:
-            told += f", {100 * row['added']:+.1f} %, {row['added_us']:+.0f} us a step"
-        print(told)
-
-
-if __name__ == "__main__":
-    main()

@@ -3,7 +3,8 @@
     python benchmarks/understanding.py [--models ID ...] [--backends NAME ...] [--output FILE]
 
 Runs every command of `tests/models/commands.yaml`: those that the templates promise through the
-templates, all others through each model. Writes a table in Markdown.
+templates, all others through each model; and what is said freely to the arm and to the humanoid,
+from `commands_bodies.yaml`. Writes tables in Markdown.
 """
 
 import argparse
@@ -23,14 +24,17 @@ from edgevox.agent.llm.factory import load_model
 from edgevox.agent.mind import ANSWER_TOKENS
 from edgevox.agent.skills import Call, SkillSet
 from edgevox.agent.toolcalls import Protocol
-from edgevox.apps.robots import INSTRUCTIONS
+from edgevox.apps.robots import INSTRUCTIONS, ROBOTS
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue
 from edgevox.models import ModelMissing, locate
 from edgevox.robots.apartment import ApartmentRobot
+from edgevox.robots.humanoid.skills import walking_skills
+from edgevox.robots.panda.skills import manipulation_skills
 
 ROOT = Path(__file__).parents[1]
 COMMANDS = ROOT / "tests" / "models" / "commands.yaml"
+COMMANDS_OF_BODIES = COMMANDS.with_name("commands_bodies.yaml")
 MODELS = ("qwen2.5-coder-0.5b-instruct", "qwen2.5-coder-1.5b-instruct", "smollm2-135m-instruct")
 
 LISTED_FROM = 0.5
@@ -63,9 +67,9 @@ class Outcome:
         return not self.invalid and self.calls == self.command.calls
 
 
-def read_commands() -> list[Command]:
+def read_commands(file: Path = COMMANDS) -> list[Command]:
     """The data, in its order."""
-    data = yaml.safe_load(COMMANDS.read_text(encoding="utf-8"))
+    data = yaml.safe_load(file.read_text(encoding="utf-8"))
     return [
         Command(category, one["says"], one["by"], tuple(_calls(one["calls"])))
         for category, several in data.items()
@@ -76,6 +80,19 @@ def read_commands() -> list[Command]:
 def apartment_skills() -> SkillSet:
     """What the robot of the apartment can do."""
     return SkillSet(ApartmentRobot().skills)
+
+
+class Nobody:
+    """Stands where a body would: its skills are spoken of and never run."""
+
+
+def skills_of_bodies() -> Mapping[str, SkillSet]:
+    """What the arm and the humanoid can do, by the names of their robots."""
+    nobody: Any = Nobody()
+    return {
+        "robot-panda": SkillSet(manipulation_skills(nobody)),
+        "robot-humanoid": SkillSet(walking_skills(nobody)),
+    }
 
 
 def through_templates(skills: SkillSet, commands: Iterable[Command]) -> list[Outcome]:
@@ -92,10 +109,13 @@ def through_templates(skills: SkillSet, commands: Iterable[Command]) -> list[Out
 
 
 def through_model(
-    skills: SkillSet, model: LanguageModel, commands: Iterable[Command]
+    skills: SkillSet,
+    model: LanguageModel,
+    commands: Iterable[Command],
+    instructions: str = INSTRUCTIONS,
 ) -> list[Outcome]:
     """What a model makes of these commands, each in a chat of its own."""
-    protocol = Protocol(INSTRUCTIONS, skills)
+    protocol = Protocol(instructions, skills)
     model.prime(protocol.opening, CancelToken())
     outcomes = []
     for command in commands:
@@ -113,6 +133,21 @@ def through_model(
             _judge(skills, command, parser.finish(), said, seconds=taken, pieces=pieces)
         )
     return outcomes
+
+
+def bodies_through_model(model: LanguageModel) -> list[Outcome]:
+    """What a model makes of what is said freely to the arm and to the humanoid."""
+    commands = read_commands(COMMANDS_OF_BODIES)
+    return [
+        outcome
+        for robot, skills in skills_of_bodies().items()
+        for outcome in through_model(
+            skills,
+            model,
+            [c for c in commands if c.category == robot],
+            ROBOTS[robot].instructions,
+        )
+    ]
 
 
 def share_right(outcomes: Sequence[Outcome]) -> float:
@@ -183,11 +218,16 @@ def _misses(columns: Mapping[str, Sequence[Outcome]]) -> str:
     return "\n".join(lines)
 
 
-def _measure(models: Sequence[str], backends: Sequence[str]) -> dict[str, list[Outcome]]:
+Columns = dict[str, list[Outcome]]
+
+
+def _measure(models: Sequence[str], backends: Sequence[str]) -> tuple[Columns, Columns]:
+    """In the apartment, and of the other bodies; by who understood."""
     skills, commands = apartment_skills(), read_commands()
     promised = [c for c in commands if c.by == "template"]
     others = [c for c in commands if c.by == "model"]
-    columns = {"templates": through_templates(skills, promised)}
+    columns: Columns = {"templates": through_templates(skills, promised)}
+    bodies: Columns = {}
     for identifier in models:
         for backend in backends:
             try:
@@ -197,8 +237,9 @@ def _measure(models: Sequence[str], backends: Sequence[str]) -> dict[str, list[O
                 continue
             print(f"{identifier} on {backend} ...", flush=True)
             columns[f"{identifier}, {backend}"] = through_model(skills, model, others)
+            bodies[f"{identifier}, {backend}"] = bodies_through_model(model)
             model.close()
-    return columns
+    return columns, bodies
 
 
 def main() -> None:
@@ -208,17 +249,20 @@ def main() -> None:
     arguments.add_argument("--backends", nargs="*", default=["xllamacpp", "llama-cpp-python"])
     arguments.add_argument("--output", type=Path, default=ROOT / "benchmarks" / "understanding.md")
     given = arguments.parse_args()
-    columns = _measure(given.models, given.backends)
+    columns, bodies = _measure(given.models, given.backends)
     given.output.write_text(
         "# What is understood\n\n"
         "Written by `benchmarks/understanding.py`. A command is right when exactly the right calls "
         'come out with the right arguments, or none where none is due. "held out" was never '
         "looked at while the prompt was being worded.\n\n"
         f"Measured on {machine()}.\n\n{_table(columns)}\n\n"
-        f"## What went wrong\n{_misses(columns)}\n",
+        f"## What went wrong\n{_misses(columns)}\n\n"
+        "## Other bodies\n\nFree and indirect sentences to the arm and to the humanoid, from "
+        "`tests/models/commands_bodies.yaml`, all of them held out.\n\n"
+        f"{_table(bodies)}\n{_misses(bodies)}\n",
         encoding="utf-8",
     )
-    print(_table(columns))
+    print(_table(columns), _table(bodies), sep="\n\n")
 
 
 if __name__ == "__main__":

@@ -213,3 +213,12 @@ class HasMap(Protocol):
 
     def draw_map(self, columns: int) -> str:
         """The world and the robot as text, this many columns wide."""
+
+
+@runtime_checkable
+class TellsStalls(Protocol):
+    """Knows when what it lives by has stopped working."""
+
+    @property
+    def stalled_s(self) -> float:
+        """How long its world, or what connects it to one, has stood still though it should not."""

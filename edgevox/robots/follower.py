@@ -32,19 +32,13 @@ class Limits(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class _Side:
-    """One straight piece of a path and where on the path it begins."""
+    """One straight piece of a path, how long it is, and where on the path it begins and ends."""
 
     a: Point
     b: Point
+    length_m: float
     begin_m: float
-
-    @property
-    def length_m(self) -> float:
-        return math.dist(self.a, self.b)
-
-    @property
-    def end_m(self) -> float:
-        return self.begin_m + self.length_m
+    end_m: float
 
     def at(self, along_m: float) -> Point:
         """The point this far along the path."""
@@ -66,9 +60,7 @@ class Follower:
 
     def __init__(self, path: Sequence[Point], limits: Limits) -> None:
         self._limits = limits
-        pairs = [(a, b) for a, b in pairwise(path) if a != b]
-        begins = accumulate((math.dist(a, b) for a, b in pairs), initial=0.0)
-        self._sides = [_Side(a, b, begin) for (a, b), begin in zip(pairs, begins, strict=False)]
+        self._sides = _sides(path)
         self.goal = path[-1]
         self.length_m = self._sides[-1].end_m if self._sides else 0.0
         self._passed_m = 0.0
@@ -127,6 +119,16 @@ class Follower:
             if along <= self._passed_m + 2 * LOOKAHEAD_M
         ]
         return min(near, key=lambda s: math.dist(here, self._at(s)), default=self._passed_m)
+
+
+def _sides(path: Sequence[Point]) -> list[_Side]:
+    pairs = [(a, b) for a, b in pairwise(path) if a != b]
+    lengths = [math.dist(a, b) for a, b in pairs]
+    marks = pairwise(accumulate(lengths, initial=0.0))
+    return [
+        _Side(a, b, length_m, begin_m, end_m)
+        for (a, b), length_m, (begin_m, end_m) in zip(pairs, lengths, marks, strict=True)
+    ]
 
 
 def _heading_error(pose: Pose2D, target: Point) -> float:

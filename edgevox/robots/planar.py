@@ -99,6 +99,10 @@ class PlanarRobot:
         """Seconds that pass in the world each second."""
         return self._stepper.real_time_factor
 
+    @property
+    def stalled_s(self) -> float:
+        return self._stepper.stalled_s
+
     def start(self) -> None:
         self._stepper.start()
 

@@ -1,6 +1,7 @@
 """The thread that lets a simulated world's time pass, in real time or as fast as it can."""
 
 import logging
+import math
 import threading
 from collections.abc import Callable
 
@@ -70,8 +71,11 @@ class Stepper:
         self._stepped = threading.Condition()
         self._steps = 0
         self._wanted_steps = 0
+        self._waiting: list[int] = []
+        self._next_waking = math.inf
         self._thread = threading.Thread(target=self._run, name=name)
         self._factor = 0.0
+        self._due_s: float | None = None
         self._next_log_s = 0.0
         self.failures = 0
 
@@ -85,6 +89,19 @@ class Stepper:
         """World seconds per second, over the last second or so; 0 until that is known."""
         return self._factor
 
+    @property
+    def stalled_s(self) -> float:
+        """For how long a step has been due that has not come to a good end.
+
+        0 for a world that rests by design; infinite if its thread ended though nobody closed it.
+        """
+        due_s = self._due_s
+        if self._closing.is_set() or self._thread.ident is None:
+            return 0.0
+        if not self._thread.is_alive():
+            return math.inf
+        return 0.0 if due_s is None else max(0.0, self._clock.now() - due_s)
+
     def start(self) -> None:
         self._thread.start()
 
@@ -97,8 +114,12 @@ class Stepper:
         with self._stepped:
             until = self._steps + max(1, round(seconds / self._period_s))
             self._wanted_steps = max(self._wanted_steps, until)
+            self._waiting.append(until)
+            self._next_waking = min(self._waiting)
             self._woken.set()
             self._stepped.wait_for(lambda: self._steps >= until or not self.running)
+            self._waiting.remove(until)
+            self._next_waking = min(self._waiting, default=math.inf)
 
     def close(self) -> None:
         """Take no more steps and wait for the thread to end."""
@@ -117,7 +138,8 @@ class Stepper:
             if pacer is not None and (wait_s := pacer.wait_s(self._clock.now())) > 0.0:
                 self._sleep(wait_s)
                 continue
-            self._woken.clear()
+            if self._woken.is_set():
+                self._woken.clear()
             if self._speed == 0.0 and not self._asked_for:
                 self._woken.wait()
                 continue
@@ -126,9 +148,7 @@ class Stepper:
             self._factor = meter.factor(self._clock.now(), self._period_s)
             if pacer is not None:
                 pacer.stepped()
-            elif more or self._asked_for:
-                self._sleep(0.0)
-            else:
+            elif not (more or self._asked_for):
                 self._woken.wait()
 
     @property
@@ -137,13 +157,21 @@ class Stepper:
         return self._steps < self._wanted_steps
 
     def _count(self) -> None:
-        with self._stepped:
-            self._steps += 1
-            self._stepped.notify_all()
+        """A step is over; those who waited for it are woken, and nobody else.
+
+        No lock is taken for the others: `advance` looks at the steps after it has said what it
+        waits for, this looks at who waits after it has counted, so one of them sees the other.
+        """
+        self._steps += 1
+        if self._steps >= self._next_waking:
+            with self._stepped:
+                self._stepped.notify_all()
 
     def _try_step(self) -> bool:
+        if self._due_s is None:
+            self._due_s = self._clock.now()
         try:
-            return self._step()
+            more = self._step()
         except Exception:
             self.failures += 1
             now = self._clock.now()
@@ -152,6 +180,8 @@ class Stepper:
                 log.exception("a step of the world failed (%d so far)", self.failures)
             self._sleep(_PAUSE_AFTER_FAILURE_S)
             return True
+        self._due_s = None
+        return more
 
     def _wait_for_close(self, seconds: float) -> None:
         self._closing.wait(seconds)

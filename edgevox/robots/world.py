@@ -22,13 +22,13 @@ from pathlib import Path
 import numpy as np
 
 from edgevox.core.errors import InvalidValue
+from edgevox.core.yaml_file import parse_yaml, read_text
 from edgevox.robots.capabilities import Pose2D
 from edgevox.robots.shapes import distance, place
 from edgevox.robots.world_fields import Fields, as_point, words
 from edgevox.robots.world_model import RobotSpec, Thing, World
 from edgevox.robots.world_objects import members, read_robot, read_thing
 from edgevox.robots.world_rooms import read_battery, read_rooms
-from edgevox.robots.yaml_file import parse_yaml, read_text
 
 MOST_THINGS = 2000
 _MARGIN_M = 0.5

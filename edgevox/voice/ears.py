@@ -14,7 +14,7 @@ from edgevox.core.events import WakeWordHeard
 from edgevox.voice.attention import Attention, Verdict
 from edgevox.voice.audio import FRAME_SAMPLES, RATE_HZ, AudioSource, EndOfSound, Frame
 from edgevox.voice.echo import Echo, EchoGate
-from edgevox.voice.endpoint import Endpointer, SpeechBegan, SpeechEnded
+from edgevox.voice.endpoint import Endpointer, SpeechBegan, SpeechEnded, SpeechPaused
 from edgevox.voice.meter import Meter
 from edgevox.voice.stt.base import SpeechToText
 from edgevox.voice.understanding import Job, Understanding
@@ -76,6 +76,7 @@ class Ears:
         self._last_s: float | None = None
         self._closing = threading.Event()
         self._over = threading.Event()
+        self._heard_all = False
         self.failed = 0
         self._thread = threading.Thread(target=self._listen, name="edgevox-ears")
 
@@ -84,6 +85,12 @@ class Ears:
         self._understanding.start()
         self._source.start()
         self._thread.start()
+
+    @property
+    def alive(self) -> bool:
+        """Whether its threads work, unless that is over by design or was not begun yet."""
+        over = self._closing.is_set() or self._heard_all or self._thread.ident is None
+        return (over or self._thread.is_alive()) and self._understanding.alive
 
     def close(self) -> None:
         """Stop listening; what is being understood is understood, what waits is forgotten."""
@@ -102,6 +109,7 @@ class Ears:
             while not self._closing.is_set():
                 self._hear_next()
         except EndOfSound as end:
+            self._heard_all = True
             log.info("%s", end)
         except EdgeVoxError as error:
             log.error("hearing has ended: %s", error)  # noqa: TRY400 - its message says it all
@@ -137,6 +145,9 @@ class Ears:
         match self._endpointer.push(heard, probability):
             case SpeechBegan(began_s=began_s):
                 self._interrupt_if_meant(began_s)
+            case SpeechPaused(samples=samples, ended_s=ended_s):
+                if self._wakeword is None:
+                    self._understanding.guess(Job(samples, ended_s))
             case SpeechEnded() as speech:
                 self._take(speech)
 

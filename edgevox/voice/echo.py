@@ -11,8 +11,8 @@ clock, which only a sound card of this machine could give (a ROS 2 speaker, a fi
 process cannot), and the packages that bring one are not kept (``pyaec``, ``speexdsp``,
 ``webrtc-audio-processing``), build from source with a compiler (``aec-audio-processing``) or bring
 a whole conferencing client (``livekit``). Where full duplex is wanted, let the sound server do it,
-which has both signals: PipeWire's or PulseAudio's ``module-echo-cancel`` makes a microphone that
-one names in `audio_in`, and `echo` is then ``none``.
+which has both signals: PipeWire's or PulseAudio's ``module-echo-cancel`` makes a default
+microphone of it, and `echo` is then ``none``.
 """
 
 from collections import deque

@@ -21,6 +21,9 @@ END_S = 0.6
 """So much silence ends an utterance: people pause for less within a sentence."""
 POST_ROLL_S = 0.2
 """Silence that is kept at its end."""
+EARLY_S = 0.25
+"""After so much silence the utterance may be over, and what will be given is complete already: at
+least the post-roll."""
 MAX_S = 30.0
 """The longest utterance, as long as Whisper can hear at once; who speaks on begins a new one."""
 
@@ -45,7 +48,15 @@ class SpeechEnded:
     cut: bool = False
 
 
-Signal = SpeechBegan | SpeechEnded
+@dataclass(frozen=True, slots=True)
+class SpeechPaused:
+    """Somebody fell silent; if nothing more is said, this is what `SpeechEnded` will give."""
+
+    samples: Samples
+    ended_s: float
+
+
+Signal = SpeechBegan | SpeechPaused | SpeechEnded
 
 
 class Endpointer:
@@ -56,6 +67,7 @@ class Endpointer:
         self._max_frames = int(max_s / FRAME_S)
         self._pre_frames = round(PRE_ROLL_S / FRAME_S)
         self._post_frames = round(POST_ROLL_S / FRAME_S)
+        self._early_frames = round(EARLY_S / FRAME_S)
         self.reset()
 
     @property
@@ -93,7 +105,7 @@ class Endpointer:
         self._speaking, self._pause = True, 0
         return SpeechBegan(self._began_s)
 
-    def _during(self, frame: Frame, probability: float) -> SpeechEnded | None:
+    def _during(self, frame: Frame, probability: float) -> SpeechPaused | SpeechEnded | None:
         self._frames.append(frame)
         if probability < UNVOICED or (self._pause and probability < VOICED):
             self._pause += 1
@@ -106,6 +118,8 @@ class Endpointer:
             return None if nothing else ended
         if len(self._frames) >= self._max_frames:
             return self._cut(frame)
+        if self._pause == self._early_frames and self._ended_s > self._began_s:
+            return SpeechPaused(self._kept(), self._ended_s)
         return None
 
     def _cut(self, frame: Frame) -> SpeechEnded:
@@ -117,8 +131,11 @@ class Endpointer:
         return ended
 
     def _end(self, *, cut: bool) -> SpeechEnded:
-        kept = self._frames[: len(self._frames) - max(0, self._pause - self._post_frames)]
-        samples = np.concatenate([frame.samples for frame in kept])
-        ended = SpeechEnded(samples, self._began_s, self._ended_s, cut)
+        ended = SpeechEnded(self._kept(), self._began_s, self._ended_s, cut)
         self.reset()
         return ended
+
+    def _kept(self) -> Samples:
+        """All that was heard of the utterance, but for the silence after the post-roll."""
+        kept = self._frames[: len(self._frames) - max(0, self._pause - self._post_frames)]
+        return np.concatenate([frame.samples for frame in kept])

@@ -77,6 +77,11 @@ class SpeakingMouth:
         for thread in self._threads:
             thread.start()
 
+    @property
+    def alive(self) -> bool:
+        """Whether its threads work, unless they were not started yet or were closed."""
+        return self._closed or all(one.ident is None or one.is_alive() for one in self._threads)
+
     def warm_up(self) -> None:
         """Load the present voice, and wait for it."""
         self.prepare().wait()

@@ -33,10 +33,22 @@ class Job:
     only_stop: bool = False
 
 
+@dataclass(frozen=True, slots=True)
+class _Words:
+    """What was said until `ended_s`, in a language, and how long it took to find out."""
+
+    text: str
+    ended_s: float
+    language: str
+    took_s: float
+
+
 class Understanding:
     """Submits `Transcribing` and then `Heard` for each utterance, always in turns.
 
-    One with `only_stop` submits `Heard` alone, and only if `is_stop` finds a stop word in it.
+    An utterance that may be over is understood while the silence lasts that ends it; if it was,
+    its words are there already. One with `only_stop` submits `Heard` alone, and only if `is_stop`
+    finds a stop word in it.
     """
 
     def __init__(
@@ -54,6 +66,10 @@ class Understanding:
         self._is_stop = is_stop
         self._clock = clock
         self._jobs: deque[Job] = deque()
+        self._early: Job | None = None
+        self._guessing = False
+        self._told = False
+        self._guess: _Words | None = None
         self._changed = threading.Condition()
         self._busy = self._closed = False
         self.refused = self.failed = 0
@@ -61,6 +77,11 @@ class Understanding:
 
     def start(self) -> None:
         self._thread.start()
+
+    @property
+    def alive(self) -> bool:
+        """Whether its thread works, unless it was not started yet or was closed."""
+        return self._closed or self._thread.ident is None or self._thread.is_alive()
 
     def close(self) -> None:
         """Forget what waits; wait for what is being understood."""
@@ -74,6 +95,9 @@ class Understanding:
     def take(self, job: Job, *, wait: bool = False) -> None:
         """Queue an utterance; if too many wait already, refuse it, or `wait` until they do not."""
         with self._changed:
+            if self._guessing and not self._jobs and not job.only_stop:
+                self._told = True
+                self._submit(Transcribing())
             if wait:
                 self._changed.wait_for(lambda: len(self._jobs) < MAX_WAITING or self._closed)
             full = len(self._jobs) >= MAX_WAITING
@@ -84,6 +108,13 @@ class Understanding:
             self.refused += 1
             log.warning("%d utterances were not understood: too many wait", self.refused)
 
+    def guess(self, job: Job) -> None:
+        """Find out the words of what may be a whole utterance, if nothing else is to be done."""
+        with self._changed:
+            if not self._jobs and not self._busy and not self._closed:
+                self._early = job
+                self._changed.notify_all()
+
     def wait_idle(self, timeout_s: float | None = None) -> bool:
         """Block until every utterance is understood; False after the timeout."""
         with self._changed:
@@ -92,28 +123,40 @@ class Understanding:
     def _work(self) -> None:
         while True:
             with self._changed:
-                self._busy = False
+                self._busy = self._guessing = False
                 self._changed.notify_all()
-                self._changed.wait_for(lambda: self._jobs or self._closed)
+                self._changed.wait_for(lambda: self._jobs or self._early or self._closed)
                 if self._closed:
                     return
-                job = self._jobs.popleft()
-                self._busy = True
+                early, self._early = self._early, None
+                job = self._jobs.popleft() if self._jobs else None
+                self._busy, self._guessing = job is not None, job is None
                 self._changed.notify_all()
-            self._understand(job)
+            if job:
+                self._understand(job)
+            elif early:
+                self._guess = self._words(early)
 
     def _understand(self, job: Job) -> None:
-        if not job.only_stop:
+        if not job.only_stop and not self._told:
             self._submit(Transcribing())
-        began_s = self._clock.now()
-        text = self._words(job)
-        if not job.only_stop or (text and self._is_stop(text)):
-            self._submit(Heard(text, job.ended_s, self._clock.now() - began_s))
+        self._told = False
+        guess, self._guess = self._guess, None
+        known = guess and (guess.ended_s, guess.language) == (job.ended_s, self._language())
+        words = guess if guess and known else self._words(job)
+        if not job.only_stop or (words.text and self._is_stop(words.text)):
+            self._submit(Heard(words.text, job.ended_s, words.took_s))
 
-    def _words(self, job: Job) -> str:
-        """What was said; nothing if it could not be understood, which is logged."""
+    def _words(self, job: Job) -> "_Words":
+        """What was said, and how long it took to find out."""
+        began_s, language = self._clock.now(), self._language()
+        text = self._transcribe(job, language)
+        return _Words(text, job.ended_s, language, self._clock.now() - began_s)
+
+    def _transcribe(self, job: Job, language: str) -> str:
+        """The words; none if they could not be understood, which is logged."""
         try:
-            text = self._stt.transcribe(job.samples, self._language())
+            text = self._stt.transcribe(job.samples, language)
         except EdgeVoxError as error:
             self.failed += 1
             log.error("speech to text: %s", error)  # noqa: TRY400 - its message says it all

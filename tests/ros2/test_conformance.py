@@ -15,9 +15,9 @@ from rclpy.qos import qos_profile_sensor_data
 
 CONTRACT = yaml.safe_load((Path(__file__).parent / "contract.yaml").read_text(encoding="utf-8"))
 NOT_HERE = {"image_raw"}
-"""What the robot of the apartment does not have: a camera."""
+"""What the robot of the apartment does not have: a camera. test_conformance_senses has one."""
 SILENT = {"audio_level", "wakeword", "bot_token"}
-"""What has no source without a microphone and without a language model."""
+"""What needs a microphone and a language model; their messages are in test_conformance_senses."""
 RATES = {"robot_state": 10.0, "/tf": 30.0, "pose": 30.0, "odom": 30.0, "scan": 10.0}
 MEASURED_S = 5.0
 

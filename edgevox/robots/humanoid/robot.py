@@ -52,7 +52,7 @@ class HumanoidRobot:
         self._period_s = environment.period_s
         self.max_linear_m_s = environment.limits.forward_m_s
         self.max_angular_rad_s = environment.limits.turn_rad_s
-        self._changed = threading.Condition(threading.Lock())
+        self._lock = threading.Lock()
         self._pilot = Pilot(environment.limits, self._period_s)
         self._eyes = Eyes(environment, name=self.name)
         self._always = speed is not None
@@ -89,6 +89,10 @@ class HumanoidRobot:
         return self._stepper.real_time_factor
 
     @property
+    def stalled_s(self) -> float:
+        return self._stepper.stalled_s
+
+    @property
     def camera_spec(self) -> CameraSpec:
         """In the head, held level above the point between the feet as if on a gimbal."""
         return self._eyes.camera_spec
@@ -104,26 +108,26 @@ class HumanoidRobot:
 
     def reset(self) -> None:
         """Back upright where it started; time goes on."""
-        with self._changed:
+        with self._lock:
             self._pilot.stand(Cancelled("the world was reset"))
             self._pilot = Pilot(self._environment.limits, self._period_s)
             self._environment.reset()
 
     def pose(self) -> Pose2D:
-        with self._changed:
+        with self._lock:
             return self._environment.pose
 
     def velocity(self) -> Twist2D:
-        with self._changed:
+        with self._lock:
             return self._environment.velocity
 
     def camera(self) -> CameraImage:
-        with self._changed:
+        with self._lock:
             moment = self._eyes.look(self.time_s)
         return self._eyes.head(moment)
 
     def picture(self) -> NDArray[np.uint8]:
-        with self._changed:
+        with self._lock:
             moment, pose = self._eyes.look(self.time_s), self._environment.pose
         return self._eyes.beside(moment, pose)
 
@@ -132,12 +136,12 @@ class HumanoidRobot:
         checked = Twist2D(
             _finite("linear_m_s", twist.linear_m_s), _finite("angular_rad_s", twist.angular_rad_s)
         )
-        with self._changed:
+        with self._lock:
             self._pilot.take(checked, self.time_s)
         self._stepper.wake()
 
     def halt(self, reason: str) -> bool:
-        with self._changed:
+        with self._lock:
             moved = self._pilot.busy
             self._pilot.stand(Cancelled(reason))
         self._stepper.wake()
@@ -158,7 +162,7 @@ class HumanoidRobot:
     def stand(self, *, token: CancelToken, report: Report) -> bool:
         """Block until it stands still. One that has fallen is put upright where it lies: True."""
         token.check()
-        with self._changed:
+        with self._lock:
             got_up = self._environment.fallen
             if got_up:
                 self._environment.stand_up()
@@ -166,7 +170,7 @@ class HumanoidRobot:
         return got_up
 
     def state(self) -> Mapping[str, Any]:
-        with self._changed:
+        with self._lock:
             return {
                 "name": self.name,
                 "time": round(self.time_s, 3),
@@ -175,12 +179,11 @@ class HumanoidRobot:
 
     def advance(self, seconds: float) -> None:
         """Block until this much of the world's time has passed."""
-        with self._changed:
+        with self._lock:
             until = self._ticks + max(1, round(seconds / self._period_s))
             self._wanted_ticks = max(self._wanted_ticks, until)
-        self._stepper.advance(seconds)
-        with self._changed:
-            self._changed.wait_for(lambda: self._ticks >= until or not self._stepper.running)
+        while self._stepper.running and self._ticks < until:
+            self._stepper.advance((until - self._ticks) * self._period_s)
 
     def _perform(
         self,
@@ -203,7 +206,7 @@ class HumanoidRobot:
             raise manoeuvre.error
 
     def _begin(self, distance_m: float, angle_rad: float) -> Manoeuvre:
-        with self._changed:
+        with self._lock:
             if not self._stepper.running:
                 raise SkillFailed("I am switched off.")
             if self._environment.fallen:
@@ -220,12 +223,12 @@ class HumanoidRobot:
         return manoeuvre
 
     def _end(self, manoeuvre: Manoeuvre, reason: BaseException) -> None:
-        with self._changed:
+        with self._lock:
             if self._pilot.manoeuvre is manoeuvre:
                 self._pilot.stand(reason)
 
     def _report(self, manoeuvre: Manoeuvre, report: Report) -> None:
-        with self._changed:
+        with self._lock:
             progress, pose = manoeuvre.progress(), self._environment.pose
         report(
             progress=round(progress.part, 3),
@@ -238,10 +241,9 @@ class HumanoidRobot:
 
     def _step(self) -> bool:
         """One period of the world, on the stepper's thread. True if more is to come."""
-        with self._changed:
+        with self._lock:
             if self._always or self._due():
                 self._pass_period()
-            self._changed.notify_all()
             return self._due()
 
     def _due(self) -> bool:

@@ -49,7 +49,7 @@ class Engine:
         self.lock = threading.Condition(threading.RLock())
         self.period_s = period_s
         self.divergences = 0
-        self._noticed, self._positions = self.data.warning.number, self.data.qpos
+        self._noticed, self._positions = self.data.warning.number[_BROKEN], self.data.qpos
         self._substeps = max(1, round(period_s / model.opt.timestep))
         self.waits = not speed
         self._always = speed is not None
@@ -72,6 +72,11 @@ class Engine:
     def real_time_factor(self) -> float:
         """Seconds that pass in the world each second."""
         return self._stepper.real_time_factor
+
+    @property
+    def stalled_s(self) -> float:
+        """As the stepper's."""
+        return self._stepper.stalled_s
 
     def start(self, steered: Steered) -> None:
         self._steered = steered
@@ -111,8 +116,13 @@ class Engine:
             return busy
 
     def _is_broken(self) -> bool:
-        """MuJoCo resets by itself what it notices, and counts it; what it misses is not finite."""
-        return bool(self._noticed[_BROKEN].any()) or not math.isfinite(self._positions.sum())
+        """MuJoCo resets by itself what it notices, and counts it; what it misses is not finite.
+
+        After every period, so in the way that is fastest: a sum of squares is as finite as they.
+        """
+        return any(self._noticed.tolist()) or not math.isfinite(
+            self._positions.dot(self._positions)
+        )
 
     def _recover(self) -> None:
         self.divergences += 1

@@ -82,6 +82,10 @@ class PandaRobot:
         return self._engine.real_time_factor
 
     @property
+    def stalled_s(self) -> float:
+        return self._engine.stalled_s
+
+    @property
     def divergences(self) -> int:
         """How often the physics broke and was put back."""
         return self._engine.divergences

@@ -1,6 +1,7 @@
 """What Kokoro reads: phonemes, as tokens of its vocabulary."""
 
 import logging
+import re
 import unicodedata
 from importlib import import_module
 from typing import Any
@@ -27,12 +28,15 @@ LANGUAGE_CODES = {
 _JAPANESE = str.maketrans("ɽɹ", "ɾɾ", "ˈˌᵝ\N{COMBINING DIAERESIS}\N{COMBINING DOWN TACK BELOW}")
 _DOUBLED = {"tt": "ʔt", "pp": "ʔp", "kk": "ʔk"}  # noqa: RUF001
 """How Kokoro learnt to write what espeak-ng writes otherwise."""
+_SWITCH = re.compile(r"\([a-z]{2,3}(?:-[a-z]+)?\)")
+"""What espeak-ng puts around a foreign word: ``(en)`` before and ``(fr)`` after it."""
 
 
 class Phonemes:
     """Text to tokens: read by espeak-ng, but Chinese by misaki, whose tones the model learnt."""
 
     def __init__(self) -> None:
+        logging.getLogger("phonemizer").setLevel(logging.ERROR)  # it warns of each foreign word
         self._tokenizer = Tokenizer()
         self._chinese: Any = None
 
@@ -49,7 +53,7 @@ class Phonemes:
             return self._read_chinese(text)
         if code == "ja":
             return self._read_japanese(text)
-        return str(self._tokenizer.phonemize(text, code))
+        return _SWITCH.sub("", str(self._tokenizer.phonemize(text, code)))
 
     def _read_chinese(self, text: str) -> str:
         if self._chinese is None:

@@ -1,0 +1,85 @@
+"""A whole agent that hears minute after minute of sound as fast as it can, and what it leaves.
+
+`benchmarks/voice.py` lets it hear an hour, a test five minutes.
+"""
+
+import gc
+import statistics
+import threading
+from dataclasses import dataclass
+
+import numpy as np
+from ears import quiet_room, resident_kib
+from ears_rig import loud, says_espeak
+from voice_stage import Stage
+
+from edgevox.core.commands import Speak
+from edgevox.core.events import Responded, TurnMeasured
+from edgevox.voice.audio import RATE_HZ, Samples
+
+QUESTIONS = ("where are you", "what is your battery level")
+MINUTE_S = 60.0
+WARM_MINUTES = 2
+"""Before what is loaded and cached is all there, growth is not counted."""
+LONG = (
+    "I am in the long corridor between the living room and the kitchen, right at x 6.4 and y 2.1."
+)
+"""Longer than any answer: a voice keeps as much memory as its longest phrase has taken."""
+PATIENCE_S = 60.0
+
+
+@dataclass(frozen=True, slots=True)
+class Endured:
+    """What so many minutes of sound left behind; latency is that of a turn, median of a part."""
+
+    minutes: int
+    turns: int
+    memory_growth_kib: int
+    thread_growth: int
+    first_latency_s: float
+    last_latency_s: float
+
+
+def minute() -> Samples:
+    """A minute of a quiet room in which somebody asks two questions."""
+    sound = quiet_room(MINUTE_S)
+    for number, question in enumerate(QUESTIONS):
+        spoken = loud(says_espeak(question, "en-us"), 0.08)
+        start = int((5.0 + 30.0 * number) * RATE_HZ)
+        sound[start : start + spoken.size] += spoken
+    return np.asarray(sound, np.int16)
+
+
+def endure(stage: Stage, minutes: int) -> Endured:
+    """Let it hear so many minutes after two to get warm; every question must be answered."""
+    sound = minute()
+    for _ in range(WARM_MINUTES):
+        _hear(stage, sound)
+        stage.parts.switchboard.submit(Speak(LONG))
+        assert stage.parts.conversation.wait_idle(PATIENCE_S)
+    gc.collect()
+    threads, resident = threading.active_count(), resident_kib()
+    latencies: list[float] = []
+    for _ in range(minutes):
+        latencies += _hear(stage, sound)
+    gc.collect()
+    part = max(1, len(latencies) // 4)
+    return Endured(
+        minutes,
+        len(latencies),
+        resident_kib() - resident,
+        threading.active_count() - threads,
+        statistics.median(latencies[:part]),
+        statistics.median(latencies[-part:]),
+    )
+
+
+def _hear(stage: Stage, sound: Samples) -> list[float]:
+    """How long each turn of a minute took, from its words being sought to its end."""
+    stage.events.clear()
+    half = sound.size // len(QUESTIONS)
+    for number in range(len(QUESTIONS)):
+        stage.room.play(sound[number * half : (number + 1) * half])
+        stage.wait_for(TurnMeasured, lambda _, n=number: len(stage.of(TurnMeasured)) > n)
+    assert len(stage.of(Responded)) == len(QUESTIONS), stage.of(Responded)
+    return [one.total for one in stage.of(TurnMeasured)]

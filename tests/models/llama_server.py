@@ -1,0 +1,33 @@
+"""A llama-server in a process of its own, as one that a fleet shares: python llama_server.py GGUF.
+
+Prints its address when it serves; ends with its stdin.
+"""
+
+import sys
+
+from edgevox.agent.llm import tuning
+
+
+def main(path: str) -> None:
+    tuning.spin_briefly()
+    import xllamacpp  # which reads at once what the line above says
+
+    wanted = xllamacpp.CommonParams()
+    wanted.model.path = path
+    wanted.n_ctx = 4096
+    wanted.n_parallel = 1
+    wanted.n_batch = wanted.n_ubatch = tuning.BATCH_TOKENS
+    wanted.cpuparams.n_threads = wanted.cpuparams_batch.n_threads = tuning.default_threads()
+    wanted.fit_params = False
+    wanted.verbosity = -1
+    wanted.hostnames = ["127.0.0.1"]
+    wanted.port = 0
+    wanted.ui = False
+    server = xllamacpp.Server(wanted)
+    sys.stdout.write(server.listening_address + "\n")
+    sys.stdout.flush()
+    sys.stdin.read()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

@@ -1,0 +1,20 @@
+"""Five minutes of sound, as fast as they can be heard, leave nothing behind; the benchmark takes an
+hour: `benchmarks/voice.py`.
+"""
+
+import pytest
+from voice_endurance import endure
+from voice_stage import Stage
+
+
+def test_five_minutes_of_talk_leave_no_thread_and_no_memory_and_make_it_no_slower(tmp_path):
+    with (
+        pytest.MonkeyPatch.context() as patch,
+        Stage(patch, tmp_path / "answers.wav", robot="robot-apartment") as stage,
+    ):
+        endured = endure(stage, 5)
+
+    assert endured.turns == 10
+    assert endured.thread_growth == 0
+    assert endured.memory_growth_kib < 20_000
+    assert endured.last_latency_s < 3 * endured.first_latency_s

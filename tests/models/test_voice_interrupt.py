@@ -1,0 +1,163 @@
+"""Interrupting the whole agent, in whatever state it is, with its real ears and mouth."""
+
+import threading
+
+import numpy as np
+import pytest
+from ears_rig import loud, says_espeak, silence
+from voice_engines import words
+from voice_stage import PATIENCE_S, Stage
+
+from edgevox.agent.grammar import SAY
+from edgevox.agent.history import CUT_MARK
+from edgevox.core.commands import Interrupt, TextInput
+from edgevox.core.events import AgentEvent, Responded, State, StateChanged, Transcribed
+from edgevox.voice.level import rms
+from edgevox.voice.sinks.wav import WavFile
+
+STORY = (
+    "Once upon a time there was a robot in a house with four rooms and a corridor. ",
+    "Every morning it went from one room to the next, and counted all the chairs. ",
+)
+
+
+class Teller:
+    """A model that tells a story; asked to think, it thinks until it is stopped."""
+
+    name, context_tokens = "teller", 4096
+
+    def __init__(self):
+        self.thinks, self.seen = threading.Event(), []
+
+    def generate(self, messages, *, grammar, max_tokens, token):
+        self.seen.append([message.content for message in messages])
+        yield SAY
+        if "think" in messages[-1].content:
+            self.thinks.set()
+            assert token.wait(PATIENCE_S)
+            return
+        yield from STORY
+
+    def prime(self, messages, token):
+        """Nothing to read."""
+
+    def count_tokens(self, text):
+        return len(text.split())
+
+    def close(self):
+        """Nothing to free."""
+
+
+@pytest.fixture(scope="module")
+def teller():
+    return Teller()
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory, teller):
+    with pytest.MonkeyPatch.context() as patch:
+        file = tmp_path_factory.mktemp("answers") / "answers.wav"
+        with Stage(patch, file, aloud=True, robot="robot-apartment", model=teller) as stage:
+            yield stage
+
+
+@pytest.fixture
+def stage(home):
+    home.forget()
+    return home
+
+
+def states(stage):
+    return [event.state for event in stage.of(StateChanged)]
+
+
+def rested(stage):
+    assert stage.parts.conversation.wait_idle(PATIENCE_S)
+    return states(stage)[-1] is State.LISTENING
+
+
+def test_while_it_thinks_nothing_is_said_and_the_next_turn_is_clean(stage, teller):
+    submit = stage.parts.switchboard.submit
+    submit(TextInput("please think about it"))
+    assert teller.thinks.wait(PATIENCE_S)
+
+    submit(Interrupt("enough"))
+
+    assert rested(stage)
+    assert states(stage) == [State.THINKING, State.INTERRUPTED, State.LISTENING]
+    assert stage.of(Responded) == []
+    assert not stage.answer().any()
+    submit(TextInput("where are you"))
+    assert stage.wait_for(Responded).text.startswith("I am in the")
+
+
+def played(monkeypatch, seconds):
+    """Set once so much sound went into the file."""
+    event, write, count = threading.Event(), WavFile.write, [0]
+
+    def counted(self, samples, start_s):
+        write(self, samples, start_s)
+        count[0] += samples.size
+        if count[0] >= seconds * self.rate_hz:
+            event.set()
+
+    monkeypatch.setattr(WavFile, "write", counted)
+    return event
+
+
+def test_while_it_speaks_what_is_remembered_is_what_was_heard(stage, teller, monkeypatch):
+    enough = played(monkeypatch, 2.0)
+    submit = stage.parts.switchboard.submit
+    submit(TextInput("tell me a story"))
+    assert enough.wait(PATIENCE_S)
+
+    submit(Interrupt("enough"))
+
+    cut = stage.wait_for(Responded)
+    assert cut.cut
+    assert rested(stage)
+    aloud = words(stage.parts.voice.stt.transcribe(stage.answer(), "en"))
+    assert 3 <= len(aloud) <= 12
+    assert words(STORY[0])[: len(words(cut.text))] == words(cut.text)
+    assert abs(len(words(cut.text)) - len(aloud)) <= 2
+    submit(TextInput("tell me another story"))
+    stage.wait_for(StateChanged, lambda event: event.turn > cut.turn)
+    submit(Interrupt("enough"))
+    assert rested(stage)
+    assert f"{cut.text}{CUT_MARK}" in " ".join(teller.seen[-1])
+
+
+def test_what_is_being_transcribed_when_it_is_interrupted_is_not_done(stage, monkeypatch):
+    stt, begun, go_on = stage.parts.voice.stt, threading.Event(), threading.Event()
+    transcribe = stt.transcribe
+
+    def held(samples, language):
+        begun.set()
+        assert go_on.wait(PATIENCE_S)
+        return transcribe(samples, language)
+
+    monkeypatch.setattr(stt, "transcribe", held)
+    command = loud(says_espeak("go to the kitchen", "en-us"), 0.08)
+    stage.room.play(np.concatenate([silence(0.5), command, silence(1.0)]))
+    assert begun.wait(PATIENCE_S)
+
+    stage.parts.switchboard.submit(Interrupt("enough"))
+    go_on.set()
+    stage.wait_for(StateChanged, lambda event: event.state is State.LISTENING)
+
+    assert rested(stage)
+    assert states(stage)[:2] == [State.TRANSCRIBING, State.INTERRUPTED]
+    assert stage.of(Transcribed) == []
+    assert stage.of(AgentEvent) == []
+
+
+def test_a_person_who_speaks_over_it_cuts_it_and_is_understood(stage):
+    stage.parts.switchboard.submit(TextInput("tell me a story"))
+    stage.wait_for(StateChanged, lambda event: event.state is State.SPEAKING)
+    command = loud(says_espeak("where are you", "en-us"), 0.3)
+
+    stage.room.play(np.concatenate([silence(0.2), command, silence(1.0)]))
+
+    assert stage.wait_for(Responded).cut
+    assert stage.wait_for(Responded, lambda event: not event.cut).text.startswith("I am in the")
+    assert rms(stage.answer()) > 0.0

@@ -1,0 +1,98 @@
+"""Spoken to and answered in five languages, with a switch between two turns, and heard back.
+
+Kokoro speaks the commands and, except in English, the answers; Whisper hears both.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from ears_rig import loud, silence
+from voice_engines import words, wrong_words
+from voice_stage import Stage, says
+
+from edgevox.core.commands import SetLanguage
+from edgevox.core.events import AgentEvent, AudioLevel, Responded, Transcribed
+from edgevox.voice.tts.pool import VoicePool
+
+
+class Spoken(NamedTuple):
+    voice: str
+    command: str
+    stop: str
+    answer: str
+
+
+SPOKEN = {
+    "en": Spoken("af_bella", "Go to the kitchen.", "Stop!", "Going to the kitchen."),
+    "fr": Spoken("ff_siwis", "Va dans la cuisine.", "Arrête-toi !", "Je vais à la cuisine."),
+    "es": Spoken("ef_dora", "Ve a la cocina.", "¡Detente!", "Voy a la cocina."),
+    "it": Spoken("if_sara", "Vai in cucina.", "Fermati!", "Vado in cucina."),
+    "pt": Spoken("pf_dora", "Vá para a cozinha.", "Pare!", "Vou para a cozinha."),
+}
+
+
+@pytest.fixture(scope="module")
+def pool():
+    return VoicePool()
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        file = tmp_path_factory.mktemp("answers") / "answers.wav"
+        with Stage(patch, file, robot="robot-apartment") as stage:
+            yield stage
+
+
+@pytest.fixture
+def stage(home):
+    home.forget()
+    return home
+
+
+def in_a_room(sound):
+    return np.concatenate([silence(0.5), loud(sound, 0.08), silence(1.0)])
+
+
+def tell(stage, pool, language, text):
+    stage.room.play(in_a_room(says(language, SPOKEN[language].voice, text, pool)))
+
+
+@pytest.mark.parametrize(("before", "after"), [("en", "fr"), ("es", "it"), ("pt", "en")])
+def test_it_obeys_answers_and_stops_in_a_language_and_after_a_switch_in_another(
+    stage, pool, before, after
+):
+    for language in (before, after):
+        stage.parts.switchboard.submit(SetLanguage(language))
+        stage.forget()
+        spoken = SPOKEN[language]
+
+        tell(stage, pool, language, spoken.command)
+        response = stage.wait_for(Responded).text
+        said = stage.parts.voice.stt.transcribe(in_a_room(stage.answer()), language)
+        tell(stage, pool, language, spoken.stop)
+        stage.wait_for(AgentEvent, lambda event: event.kind == "safety_preempt")
+
+        heard, ordered = [event.text for event in stage.of(Transcribed)]
+        assert wrong_words(words(spoken.command), words(heard)) <= 1
+        assert stage.calls() == [("navigate_to", {"room": "kitchen"})]
+        assert response == spoken.answer
+        assert wrong_words(words(response), words(said)) <= 1
+        assert wrong_words(words(spoken.stop), words(ordered)) == 0
+        assert stage.body.state()["goal"] is None
+
+
+def test_muted_it_hears_nothing_and_unmuted_it_hears_again(stage, pool):
+    stage.parts.switchboard.submit(SetLanguage("en"))
+    stage.parts.controls.change({"muted": True})
+    tell(stage, pool, "en", SPOKEN["en"].command)
+    levels_while_muted = stage.of(AudioLevel)
+    stage.parts.controls.change({"muted": False})
+    tell(stage, pool, "en", SPOKEN["en"].command)
+
+    stage.wait_for(Responded)
+
+    assert levels_while_muted == []
+    assert stage.of(AudioLevel)
+    assert len(stage.of(Transcribed)) == 1

@@ -1,0 +1,57 @@
+"""The program as a person starts it, with a recording for a microphone and another for what it
+says: espeak-ng speaks to it, Piper answers, Whisper listens to both.
+"""
+
+import subprocess
+import sys
+import wave
+from pathlib import Path
+
+import numpy as np
+from ears_rig import loud, noises, says_espeak, silence
+from voice_engines import hear, words, wrong_words
+
+from edgevox.voice.audio import RATE_HZ, Chunk
+from edgevox.voice.wav import read_wav
+
+AGENT = str(Path(sys.executable).with_name("edgevox-agent"))
+ASIDE_S = 4.0
+"""Enough for an answer, even on a busy machine."""
+
+
+def write_wav(path, sound):
+    with wave.open(str(path), "wb") as file:
+        file.setnchannels(1)
+        file.setsampwidth(2)
+        file.setframerate(RATE_HZ)
+        file.writeframes(sound.tobytes())
+
+
+def test_who_speaks_to_it_from_a_file_is_obeyed_and_answered_into_a_file(tmp_path):
+    said, answers = tmp_path / "said.wav", tmp_path / "answers.wav"
+    pieces = [silence(0.5)]
+    for command in ("go to the bedroom", "stop"):
+        pieces += [loud(says_espeak(command, "en-us"), 0.08), silence(ASIDE_S)]
+    sound = np.concatenate(pieces)
+    write_wav(said, sound + loud(noises(sound.size / RATE_HZ)["hiss"], 0.002))
+
+    done = subprocess.run(
+        [
+            *(AGENT, "robot-apartment", "--no-render", "--llm", "none"),
+            *("--audio-in", said, "--audio-out", answers),
+        ],
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=90,
+    )
+
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    heard = [line[2:] for line in lines if line.startswith("> ")]
+    answered = [line.strip() for line in lines if line.startswith("  ")]
+    assert [words(text) for text in heard] == [["go", "to", "the", "bedroom"], ["stop"]]
+    assert answered == ["Going to the bedroom.", "Stopped."]
+    aloud = hear([Chunk(read_wav(answers), RATE_HZ)], "en")
+    assert wrong_words(words(" ".join(answered)), aloud) <= 1
+    assert done.stderr == ""

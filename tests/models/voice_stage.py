@@ -1,0 +1,168 @@
+"""A whole agent with ears and a mouth in this process, and a room that the test fills with sound.
+
+It is put together as the program does it; only the microphone is a `Room`, and the answers go into
+a WAV file as fast as they are made, or aloud against the clock.
+"""
+
+import threading
+from collections import deque
+from contextlib import ExitStack
+from pathlib import Path
+
+import numpy as np
+from voice_engines import speak, voice
+
+from edgevox.apps import composition
+from edgevox.apps import voice as voice_app
+from edgevox.apps.robots import build_body
+from edgevox.core.clock import SystemClock
+from edgevox.core.commands import Reset
+from edgevox.core.events import (
+    AgentEvent,
+    AudioLevel,
+    Responded,
+    StateChanged,
+    Transcribed,
+    TurnEnded,
+    TurnMeasured,
+)
+from edgevox.core.settings import Settings
+from edgevox.voice.audio import FRAME_SAMPLES, RATE_HZ, EndOfSound, Frame
+from edgevox.voice.resample import resampled
+from edgevox.voice.sinks.opening import open_sink
+from edgevox.voice.tts.pool import VoicePool
+from edgevox.voice.wav import read_wav
+
+PATIENCE_S = 15.0
+SEEN = (
+    AgentEvent,
+    AudioLevel,
+    Responded,
+    StateChanged,
+    Transcribed,
+    TurnEnded,
+    TurnMeasured,
+)
+
+
+class Room:
+    """A source that hears what the test plays, as fast as it is read."""
+
+    name = "room"
+
+    def __init__(self):
+        self._frames = deque()
+        self._changed = threading.Condition()
+        self._asked = self._closed = False
+
+    def start(self):
+        pass
+
+    def play(self, sound):
+        """Sound in the room, and wait until all of it was heard."""
+        whole = sound[: sound.size // FRAME_SAMPLES * FRAME_SAMPLES]
+        with self._changed:
+            self._frames.extend(whole.reshape(-1, FRAME_SAMPLES))
+            self._asked = False
+            self._changed.notify_all()
+            assert self._changed.wait_for(lambda: self._asked, PATIENCE_S), "the ears do not listen"
+
+    def read(self, timeout_s):
+        with self._changed:
+            self._asked = not self._frames
+            self._changed.notify_all()
+            self._changed.wait_for(lambda: self._frames or self._closed, timeout_s)
+            if self._closed:
+                raise EndOfSound("room: over")
+            if not self._frames:
+                return None
+            return Frame(self._frames.popleft(), SystemClock().now())
+
+    def close(self):
+        with self._changed:
+            self._closed = True
+            self._changed.notify_all()
+
+
+class Stage:
+    """The agent, what it told, and what it said aloud."""
+
+    def __init__(self, patch, answers: Path, *, aloud: bool = False, robot="", model=None, **more):
+        self.room = Room()
+        patch.setattr(voice_app, "open_source", lambda _: self.room)
+        patch.setattr(
+            voice_app, "open_sink", lambda spec, relay: open_sink(spec, relay=relay, paced=aloud)
+        )
+        if model:
+            patch.setattr(composition, "open_model", lambda *_: model)
+        settings = Settings(audio_in="room", audio_out=str(answers), llm="none", **more)
+        self._answers, self._heard = answers, 0
+        self._stack = ExitStack()
+        self.body = build_body(robot, settings) if robot else None
+        self.parts = composition.build_parts(self._stack, settings, self.body)
+        self.events = []
+        self._told = threading.Condition()
+        for kind in SEEN:
+            self.parts.bus.subscribe(kind, self._note)
+
+    def start(self):
+        voice = self.parts.voice
+        for part in (self.body, voice.mouth, self.parts.conversation, self.parts.ears):
+            if part is not None:
+                self._stack.callback(part.close)
+                part.start()
+            if part is voice.mouth:
+                voice_app.warm_up(voice, self.parts.controls.language)
+        return self
+
+    def close(self):
+        self._stack.close()
+
+    def __enter__(self):
+        return self.start()
+
+    def __exit__(self, *_):
+        self.close()
+
+    def forget(self):
+        """Stop everything, and note down anew."""
+        self.parts.conversation.submit(Reset())
+        assert self.parts.conversation.wait_idle(PATIENCE_S)
+        self.answer()
+        self.events.clear()
+
+    def of(self, kind):
+        return [event for event in list(self.events) if isinstance(event, kind)]
+
+    def wait_for(self, kind, wanted=lambda event: True):
+        """The first event of this kind that is wanted; fails loudly if none comes."""
+
+        def found():
+            return [event for event in self.of(kind) if wanted(event)]
+
+        with self._told:
+            assert self._told.wait_for(found, PATIENCE_S), self.events[-20:]
+        return found()[0]
+
+    def calls(self):
+        """The skills that were called, with their arguments."""
+        data = [event.data for event in self.of(AgentEvent) if event.kind == "tool_call"]
+        return [(one["skill"], dict(one["arguments"])) for one in data]
+
+    def answer(self):
+        """What was said aloud since this was last asked, at 16 kHz."""
+        sound = read_wav(self._answers)
+        new = sound[self._heard :]
+        self._heard = sound.size
+        return new
+
+    def _note(self, event):
+        with self._told:
+            self.events.append(event)
+            self._told.notify_all()
+
+
+def says(language: str, name: str, text: str, pool: VoicePool):
+    """Spoken by a voice by its name, at 16 kHz."""
+    chunks = speak(voice(language, name), text, pool)
+    return np.concatenate([resampled(one.samples, one.rate_hz, RATE_HZ) for one in chunks])

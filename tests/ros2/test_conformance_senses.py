@@ -1,0 +1,142 @@
+"""The rows of the contract that need ears, eyes and a language model, each with a real source.
+
+One agent hears a recording of "hey jarvis" and a question, spoken by Piper, looks at its table, and
+is asked something that only a model can answer. It starts to hear when all is loaded; the peer is
+there before.
+"""
+
+import json
+import time
+import wave
+
+import numpy as np
+import pytest
+from bodies_rig import CONTRACT, full
+from conftest import Agent
+from interop_rig import hear
+from peer import SENSOR, Peer
+from piper import PiperVoice, SynthesisConfig
+from sensor_msgs.msg import CameraInfo, Image
+from std_msgs.msg import Float32, String
+
+from edgevox.models import locate
+
+PUBLISHED = CONTRACT["published"]
+RATE_HZ = 22050
+STEADY = SynthesisConfig(noise_scale=0.0, noise_w_scale=0.0)
+"""Each run hears the same."""
+ALL_LOADED_S = 120.0
+QUIET_S = 90
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory):
+    """A second of quiet, "hey jarvis", a question, and quiet for longer than the tests take."""
+    voice = PiperVoice.load(locate("piper-en_US-joe-medium"))
+    pause = np.zeros(RATE_HZ, np.int16)
+    parts = [pause]
+    for text in ("Hey Jarvis.", "What do you see?"):
+        parts += [c.audio_int16_array for c in voice.synthesize(text, STEADY)]
+    path = tmp_path_factory.mktemp("sound") / "asked.wav"
+    with wave.open(str(path), "wb") as file:
+        file.setnchannels(1)
+        file.setsampwidth(2)
+        file.setframerate(RATE_HZ)
+        file.writeframes(np.concatenate([*parts, *(QUIET_S * [pause])]).tobytes())
+    return path
+
+
+@pytest.fixture(scope="module")
+def heard(domain, recording):
+    """What a peer heard on each of these topics, from the first moment on."""
+    agent = Agent(
+        "robot-panda",
+        "--ros2",
+        "--no-render",
+        "--llm=smollm2-135m-instruct",
+        "--wakeword=hey jarvis",
+        f"--audio-in={recording}",
+        "--audio-out=none",
+        domain=domain,
+    )
+    try:
+        agent.wait_for_line("ROS 2:", ALL_LOADED_S)
+        peer = Peer(domain)
+        try:
+            yield asked(agent, peer)
+        finally:
+            peer.close()
+    finally:
+        agent.terminate()
+
+
+def asked(agent, peer):
+    """Listen to all, wait until the question was answered, and ask what only a model answers."""
+    heard = {
+        "audio_level": hear(peer, Float32, full("audio_level"), SENSOR),
+        "wakeword": hear(peer, String, full("wakeword")),
+        "transcription": hear(peer, String, full("transcription")),
+        "bot_sentence": hear(peer, String, full("bot_sentence")),
+        "metrics": hear(peer, String, full("metrics")),
+        "bot_token": hear(peer, String, full("bot_token"), SENSOR),
+        "image_raw": hear(peer, Image, full("image_raw"), SENSOR),
+        "camera_info": hear(peer, CameraInfo, full("camera_info"), SENSOR),
+    }
+    agent.wait_for_line("is ready", ALL_LOADED_S)
+    heard["wakeword"].wait_for(lambda _: True, timeout_s=30)
+    heard["metrics"].wait_for(lambda _: True, timeout_s=30)
+    peer.send("text_input", "you did a great job today")
+    heard["bot_token"].wait_for(lambda _: True, timeout_s=60)
+    return heard
+
+
+def test_the_level_of_the_sound_is_between_silence_and_full(heard):
+    low, high = PUBLISHED["audio_level"]["range"]
+    levels = [message.data for message in heard["audio_level"].messages]
+
+    assert len(levels) > 10
+    assert low <= min(levels) < 0.02
+    assert 0.05 < max(levels) <= high
+
+
+def test_the_wake_word_is_named_once(heard):
+    assert [message.data for message in heard["wakeword"].messages] == ["hey jarvis"]
+
+
+def test_what_was_asked_aloud_is_transcribed_and_answered(heard):
+    spoken = heard["transcription"].messages[0].data
+    answer = heard["bot_sentence"].messages[0].data
+
+    assert spoken.casefold().strip(" .?!") == "what do you see"
+    assert answer.startswith("I see the red cube")
+
+
+def test_the_times_of_a_spoken_turn_are_all_there(heard):
+    measured = json.loads(heard["metrics"].messages[0].data)
+
+    assert list(measured) == PUBLISHED["metrics"]["json"]
+    assert measured["stt"] > 0
+    assert measured["tts"] > 0
+    assert 0 < measured["ttfs"] < 30
+
+
+def test_a_model_is_heard_token_by_token(heard):
+    tokens = [message.data for message in heard["bot_token"].messages]
+
+    assert all(tokens)
+
+
+def test_pictures_come_at_their_rate_with_their_camera_while_all_that_goes_on(heard):
+    image = heard["image_raw"]
+    begun = len(image.messages)
+    started_s = time.monotonic()
+    image.wait_for(lambda _: time.monotonic() - started_s > 4.0)
+    times = image.times[begun:]
+    rate_hz = (len(times) - 1) / (times[-1] - times[0])
+    picture = image.messages[-1]
+    model = heard["camera_info"].wait_for(lambda m: m.header == picture.header)
+
+    assert picture.encoding == CONTRACT["robot_interop"]["image_raw"]["encoding"]
+    assert len(picture.data) == 3 * picture.width * picture.height
+    assert (model.width, model.height) == (picture.width, picture.height)
+    assert rate_hz == pytest.approx(CONTRACT["robot_interop"]["image_raw"]["rate_hz"], rel=0.05)

@@ -1,0 +1,160 @@
+"""A node whose executor or world is frozen says so over HTTP in ten seconds, and gets over it."""
+
+import http.client
+import json
+import os
+import socket
+import subprocess
+import sys
+import threading
+import time
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+
+from edgevox.apps.composition import build_parts, start_parts
+from edgevox.core.commands import TextInput
+from edgevox.core.events import Answered
+from edgevox.core.settings import load_settings
+from edgevox.robots.physics import PymunkEngine
+from edgevox.robots.planar import PlanarRobot
+from edgevox.robots.world import load_world
+
+HEALTH = str(Path(sys.executable).with_name("edgevox-health"))
+
+
+def free_port():
+    with socket.create_server(("127.0.0.1", 0)) as one:
+        return one.getsockname()[1]
+
+
+def live(port, path="/live"):
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=5)
+    connection.request("GET", path)
+    answer = connection.getresponse()
+    told = answer.status, json.loads(answer.read())["checks"]
+    connection.close()
+    return told
+
+
+def wait_for(port, status, timeout_s):
+    """Ask until that is the answer; when it came, and what was said."""
+    begun, pause = time.monotonic(), threading.Event()
+    while (told := live(port))[0] != status:
+        assert time.monotonic() - begun < timeout_s, told
+        pause.wait(0.1)
+    return time.monotonic() - begun, told[1]
+
+
+class Sticky(PymunkEngine):
+    """A world whose next step can be made to take as long as somebody likes."""
+
+    def __init__(self, world):
+        super().__init__(world)
+        self.free = threading.Event()
+        self.free.set()
+        self.stuck = threading.Event()
+
+    def step(self, command):
+        if not self.free.is_set():
+            self.stuck.set()
+            self.free.wait(60)
+        return super().step(command)
+
+
+@pytest.fixture
+def node(domain, monkeypatch):
+    """A whole agent in this process; its port, its parts and its world."""
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+    port = free_port()
+    flags = {"text_mode": True, "ros2": True, "llm": "none", "health_port": port}
+    world = load_world()
+    engine = Sticky(world)
+    with ExitStack() as stack:
+        body = PlanarRobot("robot-apartment", world, engine)
+        parts = build_parts(stack, load_settings(flags), body)
+        start_parts(stack, parts)
+        stack.callback(engine.free.set)
+        yield port, parts, engine
+
+
+def test_a_callback_that_blocks_the_executor_is_found_and_forgotten(node, peer):
+    port, parts, _ = node
+    assert live(port)[0] == 200
+    entered, released = threading.Event(), threading.Event()
+
+    def block(_):
+        entered.set()
+        released.wait(60)
+
+    forget = parts.bus.subscribe(Answered, block)
+    try:
+        peer().send("command", "list_languages")
+        assert entered.wait(10)
+        took_s, checks = wait_for(port, 503, 10.0)
+        assert took_s < 10.0
+        assert checks["ros2"].startswith("has not moved for")
+        assert checks["body"] == checks["conversation"] == "ok"
+    finally:
+        released.set()
+        forget()
+    wait_for(port, 200, 10.0)
+
+
+def test_a_step_of_the_world_that_blocks_is_found_and_forgotten(node):
+    port, parts, engine = node
+    engine.free.clear()
+    parts.conversation.submit(TextInput("go to the kitchen"))
+    assert engine.stuck.wait(10)
+    took_s, checks = wait_for(port, 503, 10.0)
+    assert took_s < 10.0
+    assert checks["body"].startswith("has not moved for")
+    engine.free.set()
+    wait_for(port, 200, 10.0)
+
+
+def test_a_process_says_how_it_is_to_whoever_asks(agent):
+    port = free_port()
+    agent("--health-port", str(port))
+    environment = {**os.environ, "EDGEVOX_HEALTH_PORT": str(port)}
+
+    def ask(*flags):
+        return subprocess.run(
+            [HEALTH, *flags], env=environment, capture_output=True, text=True, timeout=30
+        )
+
+    assert ask("--ready").stdout.startswith("ok: conversation ok, body ok, ros2 ok")
+    assert ask("--live").returncode == 0
+
+
+def test_without_rclpy_it_is_alive_and_never_ready():
+    port = free_port()
+    program = (
+        "import sys; sys.modules['rclpy'] = None\n"
+        "from edgevox.apps.agent import main; sys.exit(main())"
+    )
+    flags = ["robot-apartment", "--text-mode", "--ros2", "--llm=none", f"--health-port={port}"]
+    process = subprocess.Popen(
+        [sys.executable, "-c", program, *flags],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        while "is ready" not in process.stdout.readline():
+            assert process.poll() is None
+        assert live(port)[0] == 200
+        status, checks = live(port, "/ready")
+        assert (status, checks["rclpy"]) == (503, "rclpy cannot be imported")
+    finally:
+        process.terminate()
+        process.communicate(timeout=20)
+
+
+def test_a_port_that_is_taken_ends_the_agent_with_its_reason(agent):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        one = agent("--health-port", str(port), wait=False)
+        one.wait_for_line(f"health_port: got '127.0.0.1:{port}'")
+        assert one.process.wait(20) == 2

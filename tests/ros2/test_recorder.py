@@ -1,0 +1,315 @@
+"""The recorder as a process beside a robot: what it keeps, also when it is killed, and judges."""
+
+import itertools
+import json
+import os
+import re
+import resource
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections import Counter
+from pathlib import Path
+
+import pytest
+import yaml
+from mcap import records
+from mcap.exceptions import EndOfFile
+from mcap.stream_reader import StreamReader
+from peer import STATE, wait_until
+from rosbags.highlevel import AnyReader
+
+RECORDER = str(Path(sys.executable).with_name("edgevox-recorder"))
+SCENARIOS = Path(__file__).parents[2] / "scenarios"
+ROOM_FOR_EVENTS = 60.0
+
+
+class Recorder:
+    """A running edgevox-recorder and what it printed."""
+
+    def __init__(self, output, domain, *arguments, **options):
+        self.output = output
+        self.process = subprocess.Popen(
+            [RECORDER, "--output", str(output), *arguments],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            env={**os.environ, "ROS_DOMAIN_ID": str(domain)},
+            **options,
+        )
+        self.lines = []
+        self._began = threading.Event()
+        self._reader = threading.Thread(target=self._read)
+        self._reader.start()
+
+    def wait_until_it_records(self):
+        assert self._began.wait(30), self.lines
+        return self
+
+    @property
+    def folder(self):
+        (folder,) = self.output.iterdir()
+        return folder
+
+    def files(self):
+        return sorted(self.folder.glob("*.mcap"))
+
+    def end(self, number=signal.SIGTERM):
+        if self.process.poll() is None:
+            self.process.send_signal(number)
+        return self.wait()
+
+    def wait(self, timeout_s=90):
+        code = self.process.wait(timeout_s)
+        self._reader.join()
+        return code
+
+    def _read(self):
+        for line in self.process.stdout:
+            self.lines.append(line.rstrip("\n"))
+            if line.startswith("recording "):
+                self._began.set()
+        self._began.set()
+
+
+@pytest.fixture
+def recorder(domain, tmp_path):
+    started = []
+
+    def start(*arguments, **options):
+        started.append(Recorder(tmp_path / f"r{len(started)}", domain, *arguments, **options))
+        return started[-1]
+
+    yield start
+    for one in started:
+        if one.process.poll() is None:
+            one.process.kill()
+            one.wait()
+
+
+def count_in(folder):
+    """How many messages there are of each topic, read by a library that did not write them."""
+    with AnyReader([folder]) as bag:
+        found = Counter()
+        for connection, _, raw in bag.messages():
+            assert bag.deserialize(raw, connection.msgtype)
+            found[connection.topic] += 1
+        return found
+
+
+def texts_of(path):
+    """The strings in a file that may have no end, by topic."""
+    channels, found = {}, {}
+    try:
+        with path.open("rb") as stream:
+            for record in StreamReader(stream).records:
+                if isinstance(record, records.Channel):
+                    channels[record.id] = record.topic
+                elif isinstance(record, records.Message):
+                    text = record.data[8:].rstrip(b"\0").decode("utf-8", "replace")
+                    found.setdefault(channels[record.channel_id], []).append(
+                        (record.log_time, text)
+                    )
+    except EndOfFile:
+        pass
+    return found
+
+
+def both_are_heard(robot, recorder, topics):
+    """Ask until what the robot and this peer say is in the file: discovery is not at once."""
+    wanted = {robot.name(topic) for topic in (*topics, "text_input", "robot_state")}
+    asked_s = 0.0
+
+    def recorded():
+        nonlocal asked_s
+        if time.monotonic() - asked_s > 1.0:
+            asked_s = time.monotonic()
+            robot.send("text_input", "where are you")
+        return any(wanted <= set(texts_of(file)) for file in recorder.files())
+
+    wait_until(recorded, f"{wanted} in the file", 30.0)
+
+
+def arrived(message):
+    data = json.loads(message)
+    return data.get("skill") == "navigate_to" and data.get("status") == "succeeded"
+
+
+def test_a_drive_is_recorded_as_a_peer_saw_it(agent, peer, recorder):
+    agent()
+    one = recorder().wait_until_it_records()
+    robot = peer()
+    topics = ("response", "agent_event", "bot_sentence", "transcription")
+    both_are_heard(robot, one, topics)
+    heard = {topic: robot.listen(topic) for topic in topics}
+    state = robot.listen("robot_state", STATE)
+    before = len(state.messages)
+    robot.send("text_input", "go to the kitchen")
+    heard["agent_event"].wait_for(arrived, ROOM_FOR_EVENTS)
+    heard["response"].wait_for(lambda m: m == "I am in the kitchen.")
+    state.wait_for(lambda m: json.loads(m)["goal"] is None, since=len(state.messages))
+    seen = state.messages[before:-3]  # the last may still be on their way to the recorder
+    assert one.end() == 0, one.lines
+    in_file = {name: [text for _, text in rows] for name, rows in texts_of(one.files()[0]).items()}
+    for topic in topics:
+        mine = heard[topic].messages
+        assert in_file[f"/edgevox/{topic}"][-len(mine) :] == mine
+    states = in_file["/edgevox/robot_state"]
+    assert set(seen) <= set(states)
+    assert in_file["/edgevox/text_input"][-1] == "go to the kitchen"
+    counted = count_in(one.folder)
+    assert {name: len(rows) for name, rows in in_file.items()} == counted
+    assert counted["/tf"] > 30
+    assert counted["/edgevox/scan"] > 10
+    assert counted["/tf_static"] == 1
+    about = yaml.safe_load((one.folder / "metadata.yaml").read_text())
+    assert about["rosbag2_bagfile_information"]["message_count"] == counted.total()
+
+
+def test_when_it_is_killed_all_but_the_last_second_is_in_the_file(agent, peer, recorder):
+    agent()
+    one = recorder().wait_until_it_records()
+    robot = peer()
+    state = robot.listen("robot_state", STATE)
+    both_are_heard(robot, one, ())
+    robot.send("text_input", "go to the bedroom")
+    state.wait_for(lambda m: json.loads(m)["velocity"]["linear"] > 0.05, 20)
+    since = len(state.messages)
+    state.wait_for(lambda m: json.loads(m)["time"] > _time(state.messages[since - 1]) + 3, 20)
+    killed_after = _time(state.messages[-1])
+    assert one.end(signal.SIGKILL) == -signal.SIGKILL
+    (file,) = one.files()
+    times = [_time(text) for _, text in texts_of(file)["/edgevox/robot_state"]]
+    assert times[-1] >= killed_after - 1.0
+    wanted = [t for t in map(_time, state.messages[since:]) if t < times[-1]]
+    assert set(wanted) <= set(times)
+
+
+def _time(message):
+    return json.loads(message)["time"]
+
+
+def test_a_full_file_is_followed_by_another_and_nothing_is_lost_between(agent, peer, recorder):
+    agent()
+    one = recorder("--max-size", "0.03", "--topics", "scan", "robot_state", "pose", "/tf")
+    one.wait_until_it_records()
+    robot = peer()
+    robot.send("text_input", "go to the bedroom")
+    wait_until(lambda: len(one.files()) > 1, "a second file", ROOM_FOR_EVENTS)
+    assert one.end() == 0
+    counted = count_in(one.folder)
+    assert set(counted) == {"/edgevox/scan", "/edgevox/robot_state", "/edgevox/pose", "/tf"}
+    times = [
+        _time(text) for file in one.files() for _, text in texts_of(file)["/edgevox/robot_state"]
+    ]
+    assert max(after - before for before, after in itertools.pairwise(times)) < 0.35
+
+
+def test_a_disk_that_takes_no_more_is_said_and_costs_no_more_than_the_exit_code(agent, recorder):
+    agent()
+
+    def small_files():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+
+    one = recorder("--duration", "6", preexec_fn=small_files).wait_until_it_records()
+    assert one.wait() == 74
+    assert any("recording stops: " in line and "File too large" in line for line in one.lines)
+    assert one.lines[-1].startswith("edgevox-recorder: not all was recorded: ")
+    assert texts_of(one.files()[0])["/edgevox/robot_state"]
+
+
+def test_a_scenario_that_comes_true_ends_with_0_and_is_recorded(agent, recorder):
+    one = recorder("--scenario", str(SCENARIOS / "smoke.yaml"))  # it waits for the robot
+    agent()
+    assert one.wait() == 0, one.lines
+    report = "\n".join(one.lines)
+    assert re.search(r"PASSED 4 steps, \d", report)
+    assert "smoke.yaml on robot-apartment: To the kitchen" in report
+    said = [text for _, text in texts_of(one.files()[0])["/edgevox/text_input"]]
+    assert said == ["go to the kitchen"]
+
+
+EVERY_KIND = """
+never: [{state: {collisions: {above: 0}}}]
+steps:
+  - run: navigate_to
+    with: {room: bedroom}
+  - wait: 1.5
+  - expect: {state: {velocity.linear: {above: 0.2}}, event: {skill: navigate_to, status: running}}
+  - interrupt: true
+  - expect: {state: {velocity.linear: {near: 0, by: 0.02}}, event: {kind: skill_cancelled}}
+    within: 0.3
+  - drive: {linear: 0.3, seconds: 0.8}
+  - expect: {state: {velocity.linear: {above: 0.2}}}
+  - say: stop
+  - expect: {answer: Stopped, state: {velocity.linear: {near: 0, by: 0.02}}}
+    within: 0.3
+"""
+
+
+def test_all_kinds_of_steps_play_on_topics(agent, recorder, tmp_path):
+    agent()
+    file = tmp_path / "every.yaml"
+    file.write_text(EVERY_KIND)
+    one = recorder("--scenario", str(file))
+    assert one.wait() == 0, one.lines
+
+
+def test_a_scenario_that_does_not_come_true_ends_with_1_and_what_was_seen(
+    agent, recorder, tmp_path
+):
+    agent()
+    file = tmp_path / "wrong.yaml"
+    file.write_text(
+        "steps:\n"
+        "  - say: go to the bedroom\n"
+        "  - expect: {state: {room: kitchen}}\n"
+        "    within: 1\n"
+        "  - say: never said\n"
+    )
+    one = recorder("--scenario", str(file))
+    assert one.wait() == 1
+    report = "\n".join(one.lines)
+    assert "FAIL   2" in report
+    assert "expected room = 'kitchen'" in report
+    assert "FAILED at step 2 of 3" in report
+    recorded = texts_of(one.files()[0])
+    assert [text for _, text in recorded["/edgevox/text_input"]] == ["go to the bedroom"]
+    assert recorded["/edgevox/interrupt"]  # the robot was not left driving
+
+
+def test_a_skill_that_is_refused_fails_with_the_robots_own_reason(agent, recorder, tmp_path):
+    agent()
+    file = tmp_path / "moon.yaml"
+    file.write_text("steps: [{run: navigate_to, with: {room: moon}}]\n")
+    one = recorder("--scenario", str(file))
+    assert one.wait() == 1
+    assert "navigate_to.room: got 'moon'" in "\n".join(one.lines)
+
+
+def test_a_scenario_for_another_robot_or_for_none_fails_and_says_so(agent, recorder, tmp_path):
+    nobody = recorder("--scenario", str(SCENARIOS / "smoke.yaml"), "--wait", "1")
+    assert nobody.wait() == 1
+    assert "/edgevox: no publisher of state" in "\n".join(nobody.lines)
+    agent()
+    other = recorder("--scenario", str(SCENARIOS / "panda.yaml"))
+    assert other.wait() == 2
+    assert "agent: got 'robot-apartment', expected one of robot-panda" in "\n".join(other.lines)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--topics", "respons"], "topics: got 'respons'"),
+        (["--max-size", "0"], "max_size: got 0.0, expected a number of 0.01 or more"),
+        (["--namespace", "my robot"], "ros2_namespace: got 'my robot'"),
+        (["--scenario", "nowhere.yaml"], "scenario: got 'nowhere.yaml'"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_before_anything_is_recorded(recorder, arguments, said):
+    one = recorder(*arguments)
+    assert one.wait() == 2
+    assert said in "\n".join(one.lines)
+    assert not one.output.exists()
