@@ -14,6 +14,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 DONE := $(VENV)/done
 INSTALL := $(BIN)/python -m pip install -qq --disable-pip-version-check --no-input
+COMPOSE := docker compose -f docker-compose.ros2.yml
+DCLINT := $(VENV)/compose-lint/node_modules/.bin/dclint
 MSGS := $(shell find edgevox_msgs tf2_msgs -type f)
 REGISTERED := $(wildcard ament/package.xml ament/*/* launch/*.launch.py)
 # ROS 2's wheels exist for x86-64; elsewhere the agent runs without them, or in the container.
@@ -40,13 +42,15 @@ test: $(DONE)/dev $(DONE)/msgs $(DONE)/llama-cpp ## Run all tests; ARGS goes to 
 	@$(BIN)/python -m pytest $(ARGS)
 
 .PHONY: lint
-lint: $(DONE)/dev ## Check style, types, layers and locks.
+lint: $(DONE)/dev $(DONE)/compose-lint ## Check style, types, layers, locks and compose files.
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python scripts/lock.py check
 	$(BIN)/python scripts/reference.py check
+	$(BIN)/python scripts/chart.py check
+	$(DCLINT) --config compose/lint/dclintrc.yaml --max-warnings 0 docker-compose.ros2.yml compose/*.yml
 
 .PHONY: format
 format: $(DONE)/dev ## Rewrite the code as the linters want it.
@@ -54,11 +58,38 @@ format: $(DONE)/dev ## Rewrite the code as the linters want it.
 	$(BIN)/ruff format .
 
 .PHONY: bench
-bench: $(DONE)/dev $(DONE)/msgs $(DONE)/llama-cpp ## Measure latency, memory, speed and understanding.
+bench: $(DONE)/dev $(DONE)/msgs $(DONE)/llama-cpp ## Measure latency, memory, speed, understanding and the voice.
 	@$(BIN)/edgevox-models fetch $(TEST_MODELS)
 	@$(BIN)/python benchmarks/latency.py
 	@$(BIN)/python benchmarks/ros2.py
+	@$(BIN)/python benchmarks/robots.py
 	@$(BIN)/python benchmarks/understanding.py
+	@$(BIN)/python benchmarks/voice.py
+
+.PHONY: image
+image: ## Build the container's image; where no registry is reached, its base too (as root).
+	@docker/image $(ARGS)
+
+.PHONY: up
+up: ## Start a robot in a container and wait until it is ready.
+	@$(COMPOSE) up --detach --wait $(ARGS)
+
+.PHONY: down
+down: ## Stop the robot, and the fleet.
+	@$(COMPOSE) -f compose/fleet.yml --profile '*' down --remove-orphans
+
+.PHONY: shell
+shell: ## Open a shell in the robot's container.
+	@$(COMPOSE) exec edgevox-ros2 /opt/edgevox/entrypoint/entrypoint bash
+
+.PHONY: smoke
+smoke: ## See that the whole stack works: words in, robot in the kitchen, the recorder's verdict.
+	@$(COMPOSE) -p edgevox-smoke -f compose/smoke.yml up --exit-code-from recorder && code=0 || code=$$?; \
+	$(COMPOSE) -p edgevox-smoke -f compose/smoke.yml down --volumes; exit $$code
+
+.PHONY: fleet
+fleet: ## Start three robots, each on a domain of its own.
+	@$(COMPOSE) -f compose/fleet.yml up --detach --wait $(ARGS)
 
 .PHONY: models
 models: $(DONE)/run ## Fetch models; ARGS names sets and models, `small` if empty.
@@ -93,6 +124,12 @@ $(DONE)/run: $(DONE)/tools requirements/run.lock pyproject.toml $(REGISTERED)
 $(DONE)/dev: $(DONE)/run requirements/dev.lock
 	@echo "Installing the tools for tests and checks"
 	@$(INSTALL) --require-hashes -r requirements/dev.lock
+	@touch $@
+
+$(DONE)/compose-lint: $(DONE)/tools compose/lint/package-lock.json
+	@command -v npm >/dev/null || { echo "npm not found: sudo apt install npm" >&2; exit 1; }
+	@mkdir -p $(VENV)/compose-lint && cp compose/lint/package*.json $(VENV)/compose-lint
+	@npm ci --prefix $(VENV)/compose-lint --ignore-scripts --no-audit --no-fund --silent
 	@touch $@
 
 $(DONE)/build: $(DONE)/run requirements/build.lock

@@ -14,10 +14,23 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 REQUIREMENTS = ROOT / "requirements"
-NAMES = ("tools", "run", "dev", "build", "llama-cpp")  # those that others constrain come first
+NAMES = (  # those that others constrain come first
+    "tools",
+    "run",
+    "dev",
+    "build",
+    "llama-cpp",
+    "base",
+    "image",
+    "slim",
+)
+# 108 MB of readings that misaki's other Chinese, which no voice of ours speaks, would look up.
+IMAGE = ("--override=requirements/image.override", "--no-emit-package=pypinyin-dict")
 SPECIAL = {
     "dev": ("--no-emit-package=llama-cpp-python",),  # built by scripts/build_llama_cpp.py
     "llama-cpp": ("--no-deps", "--no-binary=llama-cpp-python"),
+    "image": IMAGE,
+    "slim": IMAGE,
 }
 MARK = "# Locked from sha256:"
 OPTIONS = (
@@ -38,7 +51,9 @@ def fingerprint(name: str) -> str:
     """What the lock of this name depends on, as one hash."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     declared = {key: project[key] for key in ("dependencies", "optional-dependencies")}
-    source = (REQUIREMENTS / f"{name}.in").read_text()
+    overrides = (option.partition("--override=")[2] for option in SPECIAL.get(name, ()))
+    sources = [REQUIREMENTS / f"{name}.in", *(ROOT / path for path in overrides if path)]
+    source = "".join(path.read_text() for path in sources)
     used = declared if "-e ." in source else {}
     return hashlib.sha256(f"{source}{json.dumps(used, sort_keys=True)}".encode()).hexdigest()
 

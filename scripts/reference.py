@@ -1,7 +1,8 @@
 """What is generated in docs: `write` renews it, `check` only looks.
 
-The tables of ros2.md come from `edgevox.ros2.contract` and the launch files, and stand between
-``<!-- generated: NAME -->`` and ``<!-- end -->``; all else on the page is written by hand.
+The tables of ros2.md come from `edgevox.ros2.contract` and the launch files, those of deployment.md
+from `edgevox.apps.container`. They stand between ``<!-- generated: NAME -->`` and ``<!-- end -->``;
+all else on a page is written by hand.
 scenario.schema.json is the format of scenario files as a JSON Schema.
 """
 
@@ -12,12 +13,13 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-from edgevox.apps.scenario import Scenario
+from edgevox.apps.container import ENVIRONMENT, Row
 from edgevox.ros2 import contract
 from edgevox.ros2.contract import Qos
+from edgevox.scenario import Scenario
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGE = ROOT / "docs" / "ros2.md"
+PAGES = (ROOT / "docs" / "ros2.md", ROOT / "docs" / "deployment.md")
 SCHEMA = ROOT / "docs" / "scenario.schema.json"
 LAUNCH = ROOT / "launch"
 BLOCK = re.compile(r"(<!-- generated: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
@@ -135,6 +137,21 @@ def launch_arguments() -> str:
     return table(("argument", "what"), rows)
 
 
+def environment() -> str:
+    """The variables of the container."""
+    return _variables(row for row in ENVIRONMENT.values() if row.listed)
+
+
+def more_environment() -> str:
+    """The variables of all other settings."""
+    return _variables(row for row in ENVIRONMENT.values() if not row.listed)
+
+
+def _variables(rows: Iterable[Row]) -> str:
+    cells = ((f"`{row.variable}`", row.default_text, row.sentence, row.values) for row in rows)
+    return table(("variable", "default", "what", "values"), cells)
+
+
 def _topics(rows: Iterable[contract.Published | contract.Subscribed]) -> str:
     cells = (
         (f"`{row.topic}`", f"`{row.type}`", f"`{row.qos.name.lower()}`", row.about) for row in rows
@@ -160,6 +177,8 @@ PARTS = {
         action,
         launch,
         launch_arguments,
+        environment,
+        more_environment,
     )
 }
 
@@ -176,18 +195,18 @@ def schema() -> str:
 
 def main(arguments: list[str]) -> int:
     """Run `write` or `check`; 2 for anything else."""
-    page = PAGE.read_text()
-    missing = PARTS.keys() - {name for _, name, _ in BLOCK.findall(page)}
-    if missing:
-        sys.stderr.write(f"{PAGE.name}: no part generated: {', '.join(sorted(missing))}\n")
+    pages = {page: page.read_text() for page in PAGES}
+    there = {name for text in pages.values() for _, name, _ in BLOCK.findall(text)}
+    if missing := PARTS.keys() - there:
+        sys.stderr.write(f"docs: no part generated: {', '.join(sorted(missing))}\n")
         return 1
+    wanted = {page: renewed(text) for page, text in pages.items()} | {SCHEMA: schema()}
     match arguments:
         case ["write"]:
-            PAGE.write_text(renewed(page))
-            SCHEMA.write_text(schema())
+            for file, text in wanted.items():
+                file.write_text(text)
             return 0
         case ["check"]:
-            wanted = {PAGE: renewed(page), SCHEMA: schema()}
             old = [file.name for file, text in wanted.items() if file.read_text() != text]
             for name in old:
                 sys.stderr.write(f"{name}: not current; run scripts/reference.py write\n")

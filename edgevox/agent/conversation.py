@@ -51,8 +51,8 @@ class Conversation:
     """Owns the turns. `submit` may be called from any thread and never blocks.
 
     Stop words, `Interrupt` and `Reset` act on the calling thread, at once: they cancel the turn
-    that runs, forget the utterances that wait, cancel the goals and halt the body. `halt` is the
-    body's. Without a `mouth` an answer is only written.
+    that runs, forget the utterances that wait or are being transcribed, cancel the goals and halt
+    the body. `halt` is the body's. Without a `mouth` an answer is only written.
     """
 
     def __init__(
@@ -84,6 +84,7 @@ class Conversation:
         self._turn: Turn | None = None
         self._busy = False
         self._closed = False
+        self._stopped_s = float("-inf")
         self._mouth = mouth
         self._states = StateMachine(bus)
         self.refused = 0
@@ -94,6 +95,11 @@ class Conversation:
         self._deeds.start()
         self._states.start()
         self._thread.start()
+
+    @property
+    def alive(self) -> bool:
+        """Whether its thread works, unless it was not started yet or was closed."""
+        return self._closed or self._thread.ident is None or self._thread.is_alive()
 
     def close(self) -> None:
         """Stop everything and wait for the threads."""
@@ -112,18 +118,19 @@ class Conversation:
             case Interrupt(reason=reason, motion=False):
                 self._hush(reason)
             case Interrupt(reason=reason):
-                self._stop(reason)
+                self._stop(reason, self._clock.now())
                 self._put(Settle())
             case Reset():
-                self._stop("reset")
+                self._stop("reset", self._clock.now())
                 self._put(Forget())
             case Transcribing():
                 self._states.transcribing()
             case TextInput(text=text):
                 self._take(command, text)
             case Heard(text=text):
-                self._states.transcribed(words=bool(text))
-                if text:
+                counts = self._counts(command)
+                self._states.transcribed(words=counts)
+                if counts:
                     self._take(command, text)
             case _:
                 self._put(command)
@@ -173,9 +180,14 @@ class Conversation:
     def _take(self, words: TextInput | Heard, text: str) -> None:
         if word := self._safety.find(text):
             self._bus.publish(Transcribed(clean(text)))
-            self._safety_stop(word)
+            self._safety_stop(word, words)
         else:
             self._put(words)
+
+    def _counts(self, heard: Heard) -> bool:
+        """Not without words, nor if it was said before a stop: who waits is forgotten with it."""
+        stopped = heard.ended_s < self._stopped_s and not self.is_stop(heard.text)
+        return bool(heard.text) and not stopped
 
     def _put(self, item: Item) -> None:
         with self._ready:
@@ -197,19 +209,22 @@ class Conversation:
             if turn is not None and self._deeds.hush(reason, turn):
                 self._states.enter(State.INTERRUPTED, turn)
 
-    def _safety_stop(self, word: str) -> None:
-        stopped = self._stop(f"heard {word!r}")
+    def _safety_stop(self, word: str, words: TextInput | Heard) -> None:
+        said_s = words.ended_s if isinstance(words, Heard) else self._clock.now()
+        stopped = self._stop(f"heard {word!r}", said_s)
         data = {"word": word, "stopped": stopped}
         self._bus.publish(AgentEvent(AgentEventKind.SAFETY_PREEMPT, data))
         self._put(Announce(self.mind.phrases.say("stopped" if stopped else "standing")))
 
-    def _stop(self, reason: str) -> bool:
+    def _stop(self, reason: str, when_s: float) -> bool:
+        """Whether there was anything to stop; `when_s` is when it was asked for."""
         with self._ready:
-            self._items.clear()
+            self._items = deque(one for one in self._items if isinstance(one, Language | Forget))
+            self._stopped_s = max(self._stopped_s, when_s)
             turn = self._turn
         with self._states.gate:
             stopped = self._deeds.stop(reason, turn)
-            if stopped:
+            if stopped or self._states.transcribes:
                 self._states.enter(State.INTERRUPTED, turn)
         return stopped
 

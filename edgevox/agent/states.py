@@ -47,6 +47,11 @@ class StateMachine:
         """What the conversation is doing."""
         return self._state
 
+    @property
+    def transcribes(self) -> bool:
+        """Whether words are being found out, whatever else goes on."""
+        return self._unheard > 0
+
     def start(self) -> None:
         """Say the first state."""
         self._bus.publish(StateChanged(self._state))

@@ -7,8 +7,9 @@ from pathlib import Path
 from edgevox.apps.arguments import Asked, parse_arguments
 from edgevox.apps.ending import Ending, Terminated
 from edgevox.apps.play import play, read_script
-from edgevox.apps.program import run_program, serve, set_log_level
+from edgevox.apps.program import run_program, set_log_level
 from edgevox.apps.robots import build_body
+from edgevox.apps.serving import serve
 from edgevox.apps.snapshot import take_snapshot
 from edgevox.core.settings import load_settings
 

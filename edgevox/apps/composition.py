@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Protocol
 
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.llm.base import LanguageModel
 from edgevox.agent.llm.primer import Primer
+from edgevox.apps.language_model import find_weights, open_model
 from edgevox.apps.queries import Queries, available_voices, build_queries
 from edgevox.apps.robots import build_agents
 from edgevox.apps.switchboard import Switchboard
@@ -17,8 +17,8 @@ from edgevox.core.bus import Bus
 from edgevox.core.controls import Controls
 from edgevox.core.events import ControlChanged
 from edgevox.core.settings import Settings
-from edgevox.models import locate
-from edgevox.robots.capabilities import Body
+from edgevox.ops.health import Health, lives, moves
+from edgevox.robots.capabilities import Body, TellsStalls
 from edgevox.ros2 import Wiring, open_bridge
 from edgevox.voice.ears import Ears
 
@@ -48,6 +48,7 @@ class Parts:
     model: LanguageModel | None
     voice: Voice | None
     ears: Ears | None
+    health: Health
 
     @property
     def name(self) -> str:
@@ -56,7 +57,11 @@ class Parts:
 
 
 def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Parts:
-    """Make everything; what must be closed is left to the stack. Raises `EdgeVoxError`."""
+    """Make everything; what must be closed is left to the stack. Raises `EdgeVoxError`.
+
+    Only health is served from now on: a model may take long to load.
+    """
+    health = _serve_health(stack, settings)
     bus = Bus()
     controls = Controls(
         bus,
@@ -66,8 +71,8 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Part
         voices=available_voices,
     )
     voice = None if settings.text_mode else build_voice(stack, settings, bus, controls)
-    model_path = _model_path(settings)
-    model = _open_model(settings, model_path) if model_path else None
+    model_path = find_weights(settings)
+    model = open_model(settings, model_path)
     if model:
         stack.callback(model.close)
     conversation = Conversation(
@@ -79,7 +84,12 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Part
         language=settings.language,
     )
     bus.subscribe(ControlChanged, lambda change: _follow(conversation, change))
-    queries = build_queries(controls, model_path, **(voice.infos(controls) if voice else {}))
+    queries = build_queries(
+        controls,
+        model_path,
+        endpoint=settings.llm_endpoint,
+        **(voice.infos(controls) if voice else {}),
+    )
     switchboard = Switchboard(conversation, controls, queries, bus)
     ears = (
         build_ears(
@@ -94,7 +104,17 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Part
         else None
     )
     return Parts(
-        settings, bus, body, controls, queries, conversation, switchboard, model, voice, ears
+        settings,
+        bus,
+        body,
+        controls,
+        queries,
+        conversation,
+        switchboard,
+        model,
+        voice,
+        ears,
+        health,
     )
 
 
@@ -108,10 +128,13 @@ def start_parts(stack: ExitStack, parts: Parts, ros_args: Sequence[str] = ()) ->
         start(stack, parts.body)
     if parts.voice:
         start(stack, parts.voice.mouth)
+    _watch(parts)
     if parts.settings.ros2:
         bridge = open_bridge(_wiring(parts), ros_args)
         start(stack, bridge)
         print(f"ROS 2: {bridge.where}", flush=True)
+        parts.health.watch("ros2", moves(lambda: bridge.stalled_s))
+        parts.health.require("rclpy", lambda: bridge.missing)
     primer = Primer(parts.model, parts.conversation.mind.chat()) if parts.model else None
     if primer:
         start(stack, primer)
@@ -123,6 +146,28 @@ def start_parts(stack: ExitStack, parts: Parts, ros_args: Sequence[str] = ()) ->
     start(stack, parts.conversation)  # late, so that its first state is heard on the bridge
     if parts.ears:
         start(stack, parts.ears)
+    parts.health.started()
+
+
+def _serve_health(stack: ExitStack, settings: Settings) -> Health:
+    health = Health()
+    if settings.health_port:
+        from edgevox.ops.health_server import HealthServer
+
+        start(stack, HealthServer(health, settings.health_host, settings.health_port))
+    return health
+
+
+def _watch(parts: Parts) -> None:
+    """What the process cannot do its work without."""
+    health, body, voice, ears = parts.health, parts.body, parts.voice, parts.ears
+    health.watch("conversation", lives(lambda: parts.conversation.alive))
+    if isinstance(body, TellsStalls):
+        health.watch("body", moves(lambda: body.stalled_s))
+    if voice:
+        health.watch("mouth", lives(lambda: voice.mouth.alive))
+    if ears:
+        health.watch("ears", lives(lambda: ears.alive))
 
 
 def _wiring(parts: Parts) -> Wiring:
@@ -149,22 +194,3 @@ def start(stack: ExitStack, part: Part) -> None:
 def _follow(conversation: Conversation, change: ControlChanged) -> None:
     if change.name == "language":
         conversation.set_language(str(change.value))
-
-
-def _model_path(settings: Settings) -> Path | None:
-    if settings.llm == "none":
-        return None
-    path = Path(settings.llm)
-    return path if path.suffix == ".gguf" else locate(settings.llm)
-
-
-def _open_model(settings: Settings, path: Path) -> LanguageModel:
-    from edgevox.agent.llm.factory import load_model
-
-    print(f"loading {path.name} ...", flush=True)
-    return load_model(
-        path,
-        backend=settings.llm_backend,
-        context_tokens=settings.llm_context,
-        threads=settings.llm_threads or None,
-    )

@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from edgevox.apps.composition import build_parts, start_parts
-from edgevox.apps.scenario import Scenario, Stage, load_scenario, run_scenario
-from edgevox.apps.scenario.report import heading, line, summary
-from edgevox.apps.scenario.run import Outcome
+from edgevox.apps.scenario_stage import ConversationStage
 from edgevox.apps.snapshot import check_picture, write_picture
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import Settings
 from edgevox.robots.capabilities import Body
+from edgevox.scenario import Scenario, load_scenario, run_scenario
+from edgevox.scenario.report import heading, line, summary
+from edgevox.scenario.run import Outcome
 
 REST_S = 30.0
 """How much of the robot's time it may take to come to rest at the end."""
@@ -28,7 +29,7 @@ class Script:
     scenario: Scenario
 
     def flags(self, given: dict[str, Any]) -> dict[str, Any]:
-        """The settings to load: what was given overrules the scenario; in text, and with no model unless named."""
+        """What to load: what was given overrules the scenario; in text, no model unless named."""
         own = dict(self.scenario.settings)
         for name in ("world", "mjcf", "locations"):
             if name in own:
@@ -62,7 +63,7 @@ def play(
 
     with ExitStack() as stack:
         parts = build_parts(stack, settings, body)
-        stage = Stage(parts.bus, parts.conversation, body)
+        stage = ConversationStage(parts.bus, parts.conversation, body)
         stack.callback(stage.close)
         start_parts(stack, parts, ros_args)
         _write(heading(script.scenario, script.file.name, body.name))

@@ -43,12 +43,14 @@ def build_queries(
     controls: Controls,
     llm_path: Path | None,
     *,
+    endpoint: str = "",
     stt: Info = lambda: NO_STT,
     tts: Info = lambda: NO_TTS,
 ) -> Queries:
     """All queries of this process.
 
-    `llm_path` is the language model that is loaded; `stt` and `tts` say what hears and speaks.
+    `llm_path` is the language model that is loaded, `endpoint` the server that is asked before it;
+    `stt` and `tts` say what hears and speaks.
     """
     return {
         "list_voices": lambda: {
@@ -62,7 +64,7 @@ def build_queries(
             "language": controls.language,
             "voice": controls.voice,
             "stt": stt(),
-            "llm": _llm(llm_path),
+            "llm": _llm(llm_path, endpoint),
             "tts": tts(),
         },
     }
@@ -127,5 +129,6 @@ class _Finder:
         return self._found[model_id]
 
 
-def _llm(path: Path | None) -> Mapping[str, Any]:
-    return {"model_path": str(path) if path else None, "device": "cpu" if path else None}
+def _llm(path: Path | None, endpoint: str) -> Mapping[str, Any]:
+    found = {"model_path": str(path) if path else None, "device": "cpu" if path else None}
+    return found | ({"endpoint": endpoint} if endpoint else {})

@@ -6,7 +6,8 @@ from collections.abc import Callable, Sequence
 
 from edgevox import __version__
 from edgevox.apps.flags import add_flags, given_flags
-from edgevox.apps.program import run_program, serve, set_log_level
+from edgevox.apps.program import run_program, set_log_level
+from edgevox.apps.serving import serve
 from edgevox.core.settings import Settings, load_settings
 from edgevox.ros2 import split_ros_args
 

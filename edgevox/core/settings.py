@@ -22,7 +22,7 @@ from edgevox.core.languages import LANGUAGES
 
 ENV_PREFIX = "EDGEVOX_"
 _NAMESPACE = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+|/")
-
+_ENDPOINT = re.compile(r"https?://(\[[0-9A-Fa-f:.]+\]|[A-Za-z0-9._-]+)(:[0-9]{1,5})?(/[\w./~-]*)?")
 _PREFIX = re.compile(r"[A-Za-z][A-Za-z0-9_/]*")
 
 
@@ -45,6 +45,15 @@ def _valid_prefix(prefix: str) -> str:
     if prefix and not _PREFIX.fullmatch(prefix):
         raise ValueError("a prefix such as robot1/: letters, digits, underscores, slashes")
     return prefix
+
+
+def _valid_endpoint(url: str) -> str:
+    if url and not _ENDPOINT.fullmatch(url):
+        raise ValueError(
+            "the address of a server such as http://llm.example:8080; its key stands in "
+            "llm_endpoint_key_file"
+        )
+    return url
 
 
 class Settings(BaseSettings):
@@ -130,6 +139,29 @@ class Settings(BaseSettings):
     llm_context: int = Field(
         4096, ge=1024, le=131072, description="context window of the language model, in tokens"
     )
+    llm_endpoint: Annotated[str, AfterValidator(_valid_endpoint)] = Field(
+        "",
+        description="OpenAI-compatible server to ask before the embedded language model, such as "
+        "http://llm:8080; empty: none",
+    )
+    llm_endpoint_model: str = Field(
+        "", description="model to ask the server for; empty: the first that it offers"
+    )
+    llm_endpoint_timeout: float = Field(
+        10.0, ge=0.1, le=600.0, description="longest wait for the server's next token, in seconds"
+    )
+    llm_endpoint_key_file: Path | None = Field(
+        None, description="file with the server's API key, read anew for every request"
+    )
+    llm_endpoint_grammar: Literal["auto", "llama-server", "vllm", "vllm-guided", "none"] = Field(
+        "auto", description="how the server takes a grammar; auto asks it what it is"
+    )
+    health_port: int = Field(
+        0, ge=0, le=65535, description="serve /live and /ready over HTTP on this port; 0: do not"
+    )
+    health_host: str = Field(
+        "127.0.0.1", min_length=1, description="address on which health is served"
+    )
     log_level: Literal["debug", "info", "warning", "error"] = Field(
         "warning", description="least severe log lines to show"
     )
@@ -166,10 +198,36 @@ def load_settings(flags: Mapping[str, Any], config: Path | None = None) -> Setti
         raise EdgeVoxError(f"config: {config} is not valid TOML: {error}") from None
 
 
+def check_settings(values: Mapping[str, Any]) -> Settings:
+    """Settings from these values and the defaults, and from nowhere else. Raises `InvalidValue`."""
+
+    class Alone(Settings):
+        @classmethod
+        def settings_customise_sources(
+            cls,
+            settings_cls: type[BaseSettings],  # noqa: ARG003
+            init_settings: PydanticBaseSettingsSource,
+            env_settings: PydanticBaseSettingsSource,  # noqa: ARG003
+            dotenv_settings: PydanticBaseSettingsSource,  # noqa: ARG003
+            file_secret_settings: PydanticBaseSettingsSource,  # noqa: ARG003
+        ) -> tuple[PydanticBaseSettingsSource, ...]:
+            return (init_settings,)
+
+    try:
+        return Alone(**values)
+    except ValidationError as error:
+        raise _explain(error) from None
+
+
 def _explain(error: ValidationError) -> InvalidValue:
     first = error.errors(include_url=False)[0]
     name = ".".join(str(part) for part in first["loc"]) or "settings"
     if first["type"] == "extra_forbidden":
         return InvalidValue(name, first["input"], "one of " + ", ".join(Settings.model_fields))
     message = first["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
-    return InvalidValue(name, first["input"], message)
+    return InvalidValue(name, _without_password(first["input"]), message)
+
+
+def _without_password(value: object) -> object:
+    """A value as it may be shown: what stands before the @ of an address is nobody's business."""
+    return re.sub(r"//[^/]*@", "//***@", value) if isinstance(value, str) else value

@@ -31,6 +31,8 @@ class RosBridge:
     Raises `RosBridgeFailed` where ROS 2 does not work or a parameter cannot be honoured.
     """
 
+    missing = ""
+
     def __init__(self, wiring: Wiring, ros_args: Sequence[str] = ()) -> None:
         self._node = RosNode(wiring.settings.ros2_namespace, ros_args)
         self._ticker = Ticker("edgevox-ticker")
@@ -56,6 +58,11 @@ class RosBridge:
     def where(self) -> str:
         """The node's full name, for people."""
         return self._node.name
+
+    @property
+    def stalled_s(self) -> float:
+        """For how long a callback has held up all others."""
+        return self._node.stalled_s
 
     def _open(self, wiring: Wiring) -> None:
         node, bus, controls = self._node.node, wiring.bus, wiring.controls

@@ -1,17 +1,24 @@
 """The node: its rclpy context, its name, and the thread that spins it."""
 
 import logging
+import math
 import threading
 from collections.abc import Sequence
 
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
 from edgevox.core.errors import EdgeVoxError
+from edgevox.core.heartbeat import Heartbeat
 from edgevox.ros2.contract import NODE_NAME
 
 log = logging.getLogger(__name__)
+
+BEAT_S = 1.0
+"""How often the executor gives a sign of life; each costs it about 1 ms."""
 
 
 class RosBridgeFailed(EdgeVoxError):
@@ -38,10 +45,15 @@ class RosNode:
             self._context.try_shutdown()
             raise RosBridgeFailed(f"ROS 2 could not be started: {error}") from error
         self.executor.add_node(self.node)
+        self._heartbeat = Heartbeat()
+        # Of its own clock, which goes on when that of the robot stands still.
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.node.create_timer(BEAT_S, self._heartbeat.beat, clock=steady)
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._spin, name="edgevox-ros2")
 
     def start(self) -> None:
+        self._heartbeat.beat()
         self._thread.start()
 
     def close(self) -> None:
@@ -57,6 +69,17 @@ class RosNode:
     def name(self) -> str:
         """The node's full name."""
         return str(self.node.get_fully_qualified_name())
+
+    @property
+    def stalled_s(self) -> float:
+        """For how long a callback holds up all others; infinite if the thread has ended by itself.
+
+        0 before `start` and after `close`.
+        """
+        if self._thread.ident is None or self._closing.is_set():
+            return 0.0
+        late_s = max(0.0, self._heartbeat.silent_s - BEAT_S)
+        return late_s if self._thread.is_alive() else math.inf
 
     def _spin(self) -> None:
         """Run callbacks until the end; one that fails is logged and must not end the others."""

@@ -14,6 +14,14 @@ class Bridge(Protocol):
     def where(self) -> str:
         """Where to find it, for people."""
 
+    @property
+    def stalled_s(self) -> float:
+        """For how long nothing has moved in it though it should."""
+
+    @property
+    def missing(self) -> str:
+        """Why it is not on ROS 2; empty if it is."""
+
     def start(self) -> None: ...
 
     def close(self) -> None: ...
@@ -22,7 +30,9 @@ class Bridge(Protocol):
 class NullBridge:
     """Stands in where rclpy cannot be imported: does nothing, and says so in `where`."""
 
-    where = "off, since rclpy cannot be imported"
+    missing = "rclpy cannot be imported"
+    where = f"off, since {missing}"
+    stalled_s = 0.0
 
     def start(self) -> None:
         """There is nothing to start."""

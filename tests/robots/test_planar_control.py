@@ -157,6 +157,7 @@ def test_the_state_is_json_and_says_where_it_goes(slow_robot, driving) -> None:
     assert list(state) == [
         "name",
         "time",
+        "simulation",
         "pose",
         "velocity",
         "room",

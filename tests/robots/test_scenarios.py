@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from edgevox.apps.robots import ROBOTS
-from edgevox.apps.scenario import load_scenario
+from edgevox.scenario import load_scenario
 
 AGENT = str(Path(sys.executable).with_name("edgevox-agent"))
 FILES = sorted((Path(__file__).parents[2] / "scenarios").glob("*.yaml"))

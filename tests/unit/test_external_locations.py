@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from edgevox.core.errors import InvalidValue
-from edgevox.robots.yaml_file import LARGEST_FILE_BYTES
+from edgevox.core.yaml_file import LARGEST_FILE_BYTES
 from edgevox.ros2.external.locations import Location, load_locations, parse_locations
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "ros2" / "locations.yaml"

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from edgevox.apps.scenario import load_scenario
-from edgevox.apps.scenario.comparisons import Compare
-from edgevox.apps.scenario.model import MAX_STEPS, SETTABLE, Scenario
-from edgevox.apps.scenario.reading import parse_scenario
-from edgevox.apps.scenario.steps import STEPS
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import Settings
+from edgevox.scenario import load_scenario
+from edgevox.scenario.comparisons import Compare
+from edgevox.scenario.model import MAX_STEPS, SETTABLE, Scenario
+from edgevox.scenario.reading import parse_scenario
+from edgevox.scenario.steps import STEPS
 
 ROOT = Path(__file__).parents[2]
 

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from edgevox.apps.scenario.comparisons import MISSING, Compare, look_up
-from edgevox.apps.scenario.conditions import Condition, Never
-from edgevox.apps.scenario.judge import Judge, Seen, Source
+from edgevox.scenario.comparisons import MISSING, Compare, look_up
+from edgevox.scenario.conditions import Condition, Never
+from edgevox.scenario.judge import Judge, Seen, Source
 
 
 def state(time_s, **data):

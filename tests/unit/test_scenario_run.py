@@ -3,10 +3,10 @@
 import pytest
 
 from edgevox.agent.skills import SkillFailed
-from edgevox.apps.scenario.judge import Seen, Source
-from edgevox.apps.scenario.reading import parse_scenario
-from edgevox.apps.scenario.report import heading, line, summary
-from edgevox.apps.scenario.run import MOMENT_S, STREAM_S, run_scenario
+from edgevox.scenario.judge import Seen, Source
+from edgevox.scenario.reading import parse_scenario
+from edgevox.scenario.report import heading, line, summary
+from edgevox.scenario.run import MOMENT_S, STREAM_S, run_scenario
 
 
 class Stage:

@@ -7,12 +7,12 @@ import pytest
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.skills import SkillSet, skill
-from edgevox.apps.scenario.judge import Source
-from edgevox.apps.scenario.reading import parse_scenario
-from edgevox.apps.scenario.run import run_scenario
-from edgevox.apps.scenario.stage import Stage
+from edgevox.apps.scenario_stage import ConversationStage
 from edgevox.core.bus import Bus
 from edgevox.core.errors import EdgeVoxError
+from edgevox.scenario.judge import Source
+from edgevox.scenario.reading import parse_scenario
+from edgevox.scenario.run import run_scenario
 
 
 class Body:
@@ -49,7 +49,7 @@ def stage():
     skills = SkillSet([get_pose, dance])
     conversation = Conversation([Agent("a", "", skills)], bus, halt=lambda reason: False)
     conversation.start()
-    one = Stage(bus, conversation, Body())
+    one = ConversationStage(bus, conversation, Body())
     yield one
     one.come_to_rest(5.0)
     one.close()

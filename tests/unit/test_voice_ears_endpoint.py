@@ -12,6 +12,7 @@ from edgevox.voice.endpoint import (
     Endpointer,
     SpeechBegan,
     SpeechEnded,
+    SpeechPaused,
 )
 
 END_FRAMES = round(END_S / FRAME_S)
@@ -19,14 +20,17 @@ PRE_FRAMES = round(PRE_ROLL_S / FRAME_S)
 MAX_SAMPLES = int(MAX_S / FRAME_S) * FRAME_SAMPLES
 
 
-def run(probabilities, endpointer=None):
-    """What came of it: (number of the frame, signal); each frame is filled with its number."""
+def run(probabilities, endpointer=None, *, pauses=False):
+    """What came of it: (number of the frame, signal); each frame is filled with its number.
+
+    With `pauses`, those too.
+    """
     endpointer = endpointer or Endpointer()
     found = []
     for number, probability in enumerate(probabilities):
         samples = np.full(FRAME_SAMPLES, number % 30000, np.int16)
         signal = endpointer.push(Frame(samples, (number + 1) * FRAME_S), probability)
-        if signal:
+        if signal and (pauses or not isinstance(signal, SpeechPaused)):
             found.append((number, signal))
     return found
 
@@ -51,6 +55,16 @@ def test_the_sound_before_the_first_voiced_frame_is_kept():
 
 def test_a_click_is_no_speech():
     assert run([0.0] * 20 + [1.0] * (ONSET_FRAMES - 1) + [0.0] * 60) == []
+
+
+def test_a_pause_tells_once_what_the_end_will_give_if_nothing_more_is_said():
+    found = run([0.9] * 20 + [0.0] * 40, pauses=True)
+
+    assert [type(signal) for _, signal in found] == [SpeechBegan, SpeechPaused, SpeechEnded]
+    (_, _), (paused_at, paused), (ended_at, ended) = found
+    assert np.array_equal(paused.samples, ended.samples)
+    assert paused.ended_s == ended.ended_s
+    assert (ended_at - paused_at) * FRAME_S >= 0.3
 
 
 def test_a_pause_within_a_sentence_does_not_end_it():

@@ -89,8 +89,10 @@ def spoken(frames=20, after=SILENCE_AFTER):
 def listen():
     running = []
 
-    def run(stt, *steps, wakeword=None, audible=lambda: 0.0, muted=lambda: False, **more):
-        bus, said, events = Bus(), [], []
+    def run(
+        stt, *steps, wakeword=None, audible=lambda: 0.0, muted=lambda: False, said=None, **more
+    ):
+        bus, said, events = Bus(), [] if said is None else said, []
         bus.subscribe(AudioLevel, events.append)
         bus.subscribe(WakeWordHeard, events.append)
         ears = Ears(
@@ -312,3 +314,66 @@ def test_closing_leaves_no_thread(listen):
     assert not [
         t.name for t in threading.enumerate() if t.name in ("edgevox-ears", "edgevox-transcription")
     ]
+
+
+class Watched(Stt):
+    """Tells when it has begun to transcribe."""
+
+    def __init__(self, *texts):
+        super().__init__(*texts)
+        self.begun = threading.Event()
+
+    def transcribe(self, samples, language):
+        self.begun.set()
+        return super().transcribe(samples, language)
+
+
+def test_words_are_found_out_while_the_silence_lasts_and_only_once(listen):
+    stt = Watched("hello")
+    early = []
+
+    def in_the_silence():
+        assert stt.begun.wait(10.0)
+        early.append(True)
+
+    said, _, _ = listen(stt, *[VOICE] * 20, *[0] * 10, in_the_silence, *[0] * 20)
+
+    assert early
+    assert words(said) == ["hello"]
+    assert len(stt.heard) == 1
+
+
+def test_who_speaks_on_after_a_pause_is_understood_whole(listen):
+    stt = Watched("go to", "go to the kitchen")
+
+    def in_the_silence():
+        assert stt.begun.wait(10.0)
+
+    said, _, _ = listen(stt, *[VOICE] * 20, *[0] * 10, in_the_silence, *spoken(after=SILENCE_AFTER))
+
+    assert words(said) == ["go to the kitchen"]
+    assert stt.heard[1].size > stt.heard[0].size
+
+
+def test_that_somebody_spoke_is_told_at_the_end_of_speech_not_of_the_guess(listen):
+    told, begun = threading.Event(), threading.Event()
+
+    class Slow(Stt):
+        def transcribe(self, samples, language):
+            begun.set()
+            assert told.wait(10.0), "transcribing is told only after the words are known"
+            return super().transcribe(samples, language)
+
+    class Said(list):
+        def append(self, command):
+            super().append(command)
+            if isinstance(command, Transcribing):
+                told.set()
+
+    def in_the_silence():
+        assert begun.wait(10.0)
+
+    steps = [*[VOICE] * 20, *[0] * 10, in_the_silence, *[0] * 20]
+    said, _, _ = listen(Slow("hello"), *steps, said=Said())
+
+    assert [type(command) for command in said] == [Transcribing, Heard]

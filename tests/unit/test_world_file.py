@@ -6,9 +6,9 @@ import pytest
 import yaml
 
 from edgevox.core.errors import InvalidValue
+from edgevox.core.yaml_file import LARGEST_FILE_BYTES
 from edgevox.robots.shapes import Circle, Line, Polygon
 from edgevox.robots.world import apartment_file, load_world, parse_world
-from edgevox.robots.yaml_file import LARGEST_FILE_BYTES
 
 ROBOT = "robot: {kinematics: {name: diff}, shape: {name: circle, radius: 0.2}, state: [1, 1, 0]}\n"
 

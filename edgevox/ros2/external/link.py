@@ -54,6 +54,11 @@ class Link:
     def close(self) -> None:
         self._ros.close()
 
+    @property
+    def stalled_s(self) -> float:
+        """As the node's."""
+        return self._ros.stalled_s
+
     def choose(self, token: CancelToken) -> Driver:
         """How to drive now: by what takes goals, and only where nothing does, by steering.
 

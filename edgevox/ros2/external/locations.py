@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from edgevox.core.errors import InvalidValue
+from edgevox.core.yaml_file import parse_yaml, read_text
 from edgevox.robots.world_fields import Fields
-from edgevox.robots.yaml_file import parse_yaml, read_text
 
 MOST_LOCATIONS = 200
 FURTHEST_M = 10_000.0

@@ -76,6 +76,12 @@ class ExternalRobot:
         return seen.stamp_ns / NS_PER_S if seen else 0.0
 
     @property
+    def stalled_s(self) -> float:
+        """For how long nothing it hears is taken in, nor a velocity sent."""
+        link = self._link
+        return link.stalled_s if link else 0.0
+
+    @property
     def places(self) -> Mapping[str, tuple[float, float]]:
         return self._places
 

@@ -1,7 +1,7 @@
 """What a person reads of a scenario: a line a step, and why the last one failed."""
 
-from edgevox.apps.scenario.model import Scenario
-from edgevox.apps.scenario.run import Outcome
+from edgevox.scenario.model import Scenario
+from edgevox.scenario.run import Outcome
 
 
 def heading(scenario: Scenario, file: str, robot: str) -> str:

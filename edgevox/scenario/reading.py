@@ -7,10 +7,10 @@ import yaml
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from edgevox.apps.scenario.model import Scenario
-from edgevox.apps.scenario.steps import STEPS
 from edgevox.core.errors import InvalidValue
-from edgevox.robots.yaml_file import parse_yaml, read_text
+from edgevox.core.yaml_file import parse_yaml, read_text
+from edgevox.scenario.model import Scenario
+from edgevox.scenario.steps import STEPS
 
 Place = Sequence[str | int]
 

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 
-from edgevox.apps.scenario.conditions import Condition, Strict
+from edgevox.scenario.conditions import Condition, Strict
 
 LONGEST_S = 3600.0
 

@@ -4,8 +4,8 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
-from edgevox.apps.scenario.conditions import Never, Strict
-from edgevox.apps.scenario.steps import Step
+from edgevox.scenario.conditions import Never, Strict
+from edgevox.scenario.steps import Step
 
 MAX_STEPS = 1000
 LONGEST_RUN_S = 24 * 3600.0

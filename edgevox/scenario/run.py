@@ -3,12 +3,12 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from edgevox.apps.scenario.judge import Judge, Source, describe
-from edgevox.apps.scenario.model import Scenario
-from edgevox.apps.scenario.stage import Stage
-from edgevox.apps.scenario.steps import Drive, Expect, Interrupt, Run, Say, Step, Wait
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import EdgeVoxError
+from edgevox.scenario.judge import Judge, Source, describe
+from edgevox.scenario.model import Scenario
+from edgevox.scenario.stage import Stage
+from edgevox.scenario.steps import Drive, Expect, Interrupt, Run, Say, Step, Wait
 
 MOMENT_S = 0.05
 """How finely the robot's time is cut: conditions are looked at this often."""

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
-from edgevox.apps.scenario.comparisons import MISSING, Value, look_up
-from edgevox.apps.scenario.conditions import Condition, Never
+from edgevox.scenario.comparisons import MISSING, Value, look_up
+from edgevox.scenario.conditions import Condition, Never
 
 MOST_REMEMBERED = 10_000
 """How many answers and events since the last stimulus an expectation may look back on."""

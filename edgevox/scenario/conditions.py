@@ -4,7 +4,7 @@ from typing import Annotated, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from edgevox.apps.scenario.comparisons import Value, Words
+from edgevox.scenario.comparisons import Value, Words
 
 Path = Annotated[str, Field(pattern=r"^[\w-]+(\.[\w-]+)*$", max_length=200)]
 

@@ -1,4 +1,4 @@
-"""Where a scenario plays: a conversation and a body, and everything that is seen of them."""
+"""Where a scenario plays in this process: a conversation and a body, and what is seen of them."""
 
 import queue
 import threading
@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from edgevox.agent.conversation import Conversation
-from edgevox.apps.scenario.judge import Seen, Source
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Interrupt, TextInput
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import AgentEvent, Responded, Transcribed, TurnEnded
 from edgevox.robots.capabilities import Advances, Body, TakesVelocity, Twist2D
+from edgevox.scenario.judge import Seen, Source
 
 SETTLE_S = 0.02
 """After a stimulus, no time passes for the robot until all has been quiet this long."""
@@ -20,7 +20,7 @@ CATCH_UP_S = 0.0005
 """How long the other threads may take to follow what a moment of the robot's time brought."""
 
 
-class Stage:
+class ConversationStage:
     """Gives stimuli and collects what is seen, until `close`.
 
     A body whose time can be held in the hand does not move while the agent thinks. Any other runs

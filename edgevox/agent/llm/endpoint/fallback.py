@@ -1,0 +1,93 @@
+"""The embedded model answers while the shared one cannot."""
+
+import logging
+from collections.abc import Iterator, Sequence
+
+from edgevox.agent.llm.base import LanguageModel, Message, ModelFailed
+from edgevox.agent.llm.endpoint.breaker import Breaker
+from edgevox.agent.llm.endpoint.errors import Refused
+from edgevox.core.cancel import CancelToken
+
+log = logging.getLogger(__name__)
+
+
+class FallbackModel:
+    """Implements `LanguageModel` by a shared model and, if there is one, the one on board.
+
+    An answer that has begun is not begun again by the other: it fails.
+    """
+
+    def __init__(
+        self, shared: LanguageModel, on_board: LanguageModel | None, breaker: Breaker | None = None
+    ) -> None:
+        self._shared = shared
+        self._on_board = on_board
+        self._breaker = breaker or Breaker()
+        models = [shared] if on_board is None else [shared, on_board]
+        self._models = models
+        self.name = shared.name
+        self.context_tokens = min(one.context_tokens for one in models)
+
+    def generate(
+        self,
+        messages: Sequence[Message],
+        *,
+        grammar: str | None,
+        max_tokens: int,
+        token: CancelToken,
+    ) -> Iterator[str]:
+        """See `LanguageModel.generate`."""
+        begun = False
+        if not self._breaker.resting:
+            try:
+                for piece in self._shared.generate(
+                    messages, grammar=grammar, max_tokens=max_tokens, token=token
+                ):
+                    if not begun:
+                        begun = True
+                        self._works()
+                    yield piece
+            except ModelFailed as error:
+                self._fails(error)
+                if begun or self._on_board is None:
+                    raise
+            else:
+                return
+        if token.cancelled:
+            return
+        if self._on_board is None:
+            raise ModelFailed(f"{self.name} did not answer a moment ago and is not asked again yet")
+        yield from self._on_board.generate(
+            messages, grammar=grammar, max_tokens=max_tokens, token=token
+        )
+
+    def prime(self, messages: Sequence[Message], token: CancelToken) -> None:
+        """Both read the messages, so that neither keeps anybody waiting later."""
+        try:
+            self._shared.prime(messages, token)
+        except ModelFailed as error:
+            self._fails(error)
+        if self._on_board is not None:
+            self._on_board.prime(messages, token)
+
+    def count_tokens(self, text: str) -> int:
+        """As many as the more wasteful of the two makes of it."""
+        return max(one.count_tokens(text) for one in self._models)
+
+    def close(self) -> None:
+        """See `LanguageModel.close`."""
+        for one in self._models:
+            one.close()
+
+    def _works(self) -> None:
+        if self._breaker.succeeded():
+            log.warning("the language model at %s answers again", self.name)
+
+    def _fails(self, error: ModelFailed) -> None:
+        if isinstance(error, Refused):
+            log.warning("the language model at %s refused a request: %s", self.name, error)
+        elif self._breaker.failed():
+            instead = "the one on board answers" if self._on_board else "nothing answers"
+            log.warning(
+                "the language model at %s fails: %s; %s until it is back", self.name, error, instead
+            )

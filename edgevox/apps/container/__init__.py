@@ -1,0 +1,10 @@
+"""What the container runs first: environment variables checked, then the program started.
+
+`environment.toml` is the table of the variables; docs, compose files and chart are held to it.
+Imports all of edgevox; nothing but the entrypoint imports it.
+"""
+
+from edgevox.apps.container.environment import prepared
+from edgevox.apps.container.table import ENVIRONMENT, Row
+
+__all__ = ["ENVIRONMENT", "Row", "prepared"]

@@ -1,0 +1,50 @@
+"""The last step of the entrypoint: check the environment, then become the program."""
+
+import os
+import sys
+from collections.abc import Mapping, Sequence
+
+from edgevox.apps.container.environment import prepared
+from edgevox.apps.container.table import NO_ROBOT
+from edgevox.core.errors import InvalidValue
+
+USAGE = 64
+"""EX_USAGE of sysexits.h: nothing was started."""
+NOT_EXECUTABLE, NOT_FOUND = 126, 127
+"""What shells say."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Never returns where all is well; else the exit code, its reason on stderr."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        environment = prepared(os.environ, _say)
+    except InvalidValue as error:
+        _say(str(error))
+        return USAGE
+    command = command_of(given, environment)
+    try:
+        os.execvpe(command[0], command, environment)  # noqa: S606 - a list, not a shell's line
+    except FileNotFoundError:
+        _say(f"{command[0]}: no such command")
+        return NOT_FOUND
+    except OSError as error:
+        _say(f"{command[0]}: {error.strerror}")
+        return NOT_EXECUTABLE
+
+
+def command_of(arguments: Sequence[str], environment: Mapping[str, str]) -> list[str]:
+    """What to run: the arguments; if there are none, or only flags, the agent with them."""
+    if arguments and not arguments[0].startswith("-"):
+        return list(arguments)
+    agent = environment["EDGEVOX_AGENT"]
+    program = ["edgevox"] if agent == NO_ROBOT else ["edgevox-agent", agent]
+    return [*program, "--ros2", *arguments]
+
+
+def _say(text: str) -> None:
+    print(f"edgevox: {text}", file=sys.stderr, flush=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,91 @@
+"""`edgevox-health`: asks a node that runs on this machine whether it is well; 0 if it is, else 1.
+
+Run every few seconds by container engines, it imports nothing that is slow to import.
+"""
+
+import argparse
+import http.client
+import ipaddress
+import json
+import os
+import sys
+from collections.abc import Sequence
+
+WELL, UNWELL, USAGE_ERROR = 0, 1, 2
+PORT, HOST = "EDGEVOX_HEALTH_PORT", "EDGEVOX_HEALTH_HOST"
+LOOPBACK = {4: "127.0.0.1", 6: "::1"}
+TIMEOUT_S = 3.0
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Ask; the process's exit code."""
+    arguments = _parser().parse_args(argv)
+    if not 0 < arguments.port < 1 << 16:
+        print(f"edgevox-health: {PORT} or --port: a port from 1 to 65535", file=sys.stderr)
+        return USAGE_ERROR
+    try:
+        status, text = _ask(reachable(arguments.host), arguments.port, arguments.path)
+    except (OSError, http.client.HTTPException) as error:
+        print(f"edgevox-health: {arguments.host}:{arguments.port}: {error}", file=sys.stderr)
+        return UNWELL
+    print(_readable(text))
+    return WELL if status == http.client.OK else UNWELL
+
+
+def reachable(host: str) -> str:
+    """The address to ask where a node listens at this one: on all addresses is on loopback, too."""
+    try:
+        address = ipaddress.ip_address(host)
+    except ValueError:
+        return host
+    return LOOPBACK[address.version] if address.is_unspecified else host
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="edgevox-health", description="Ask a node of this machine whether it is well."
+    )
+    what = parser.add_mutually_exclusive_group()
+    for name, about in (
+        ("live", "whether it can do its work, or should be started again"),
+        ("ready", "whether everything is loaded and started (the default)"),
+    ):
+        what.add_argument(
+            f"--{name}",
+            dest="path",
+            action="store_const",
+            const=f"/{name}",
+            default="/ready",
+            help=about,
+        )
+    parser.add_argument(
+        "--port",
+        type=int,
+        default=os.environ.get(PORT, "0"),
+        help=f"where it listens ({PORT})",
+    )
+    parser.add_argument(
+        "--host",
+        default=os.environ.get(HOST) or LOOPBACK[4],
+        help=f"where it listens ({HOST})",
+    )
+    return parser
+
+
+def _ask(host: str, port: int, path: str) -> tuple[int, str]:
+    connection = http.client.HTTPConnection(host, port, timeout=TIMEOUT_S)
+    try:
+        connection.request("GET", path)
+        answer = connection.getresponse()
+        return answer.status, answer.read(1 << 16).decode("utf-8", "replace")
+    finally:
+        connection.close()
+
+
+def _readable(text: str) -> str:
+    """One line: the status, and what each check found."""
+    try:
+        report = json.loads(text)
+        return f"{report['status']}: " + ", ".join(f"{k} {v}" for k, v in report["checks"].items())
+    except (ValueError, KeyError, TypeError, AttributeError):
+        return text.strip()[:500]

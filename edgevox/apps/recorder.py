@@ -1,0 +1,126 @@
+"""`edgevox-recorder`: records a robot's topics, and judges a scenario on a robot that runs."""
+
+import sys
+import threading
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from datetime import UTC, datetime
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from edgevox.apps.ending import Ending, Terminated
+from edgevox.apps.program import run_program, set_log_level
+from edgevox.apps.recorder_arguments import Asked, parse_arguments
+from edgevox.core.errors import EdgeVoxError
+from edgevox.core.settings import Settings
+from edgevox.ops.health import Health, lives, moves
+from edgevox.scenario import Scenario, load_scenario, run_scenario
+from edgevox.scenario.report import heading, line, summary
+from edgevox.scenario.run import Outcome
+
+if TYPE_CHECKING:
+    from edgevox.ros2.recorder import Recorder
+
+MB = 1_000_000
+NOT_ALL_RECORDED = 74
+"""Exit code where the disk, or its speed, lost messages and nothing else went wrong."""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run it; the process's exit code."""
+    lost: list[str] = []
+    code = run_program(
+        "edgevox-recorder", lambda: _prepare(sys.argv[1:] if argv is None else argv, lost)
+    )
+    for text in lost:
+        print(f"edgevox-recorder: {text}", file=sys.stderr)
+    return code or (NOT_ALL_RECORDED if lost else code)
+
+
+def _prepare(argv: Sequence[str], lost: list[str]) -> Callable[[], bool]:
+    """What to run; it says whether the scenario went well, and in `lost` what was not recorded."""
+    asked = parse_arguments(argv)
+    set_log_level(asked.settings)
+    for module, what in (("rclpy", "ROS 2 Jazzy"), ("mcap", "pip install edgevox[recorder]")):
+        if find_spec(module) is None:
+            raise EdgeVoxError(f"{module}: got no module, expected {what}")
+    scenario = load_scenario(asked.scenario) if asked.scenario else None
+    from edgevox.ros2.recorder import choose_topics
+
+    choose_topics(asked.settings.ros2_namespace, asked.topics)
+    return lambda: _record(asked, scenario, lost)
+
+
+def _record(asked: Asked, scenario: Scenario | None, lost: list[str]) -> bool:
+    from edgevox.ros2.recorder import Disk, Recorder, choose_topics
+
+    namespace = asked.settings.ros2_namespace
+    folder = asked.output / f"edgevox-{datetime.now(UTC):%Y%m%d-%H%M%S}"
+    disk = Disk(folder, round(asked.max_size_mb * MB), round(asked.spare_mb * MB))
+    topics = choose_topics(namespace, asked.topics)
+    health = Health()
+    try:
+        with ExitStack() as stack, Ending():
+            recorder = Recorder(namespace, topics, disk, asked.ros_args)
+            stack.callback(_conclude, recorder, folder, lost)
+            stack.callback(recorder.close)
+            _serve_health(stack, asked.settings, health, recorder)
+            play = _stage(stack, recorder, asked, scenario) if scenario else None
+            recorder.start()
+            health.started()
+            print(f"recording {len(recorder.topics)} topics of {namespace} to {folder}", flush=True)
+            if play:
+                return play()
+            threading.Event().wait(asked.duration_s)
+    except (Terminated, KeyboardInterrupt):
+        return scenario is None
+    return True
+
+
+def _stage(
+    stack: ExitStack, recorder: "Recorder", asked: Asked, scenario: Scenario
+) -> Callable[[], bool]:
+    from edgevox.ros2.recorder import RobotStage
+
+    stage = RobotStage(recorder.ros)
+
+    def play() -> bool:
+        stack.callback(stage.close)
+        stage.wait_for_robot(scenario, asked.wait_s)
+        print(heading(scenario, asked.scenario.name if asked.scenario else "", stage.name))
+        if scenario.settings:
+            print("its settings are not made: the robot runs with its own")
+        last: list[Outcome] = []
+
+        def tell(outcome: Outcome) -> None:
+            last[:] = [outcome]
+            print(line(outcome), flush=True)
+
+        passed = run_scenario(scenario, stage, tell)
+        print(summary(scenario, last[0] if last else None), flush=True)
+        return passed
+
+    return play
+
+
+def _serve_health(
+    stack: ExitStack, settings: Settings, health: Health, recorder: "Recorder"
+) -> None:
+    health.watch("recording", lives(lambda: recorder.alive))
+    health.watch("ros2", moves(lambda: recorder.stalled_s))
+    health.require("disk", lambda: recorder.trouble)
+    if settings.health_port:
+        from edgevox.ops.health_server import HealthServer
+
+        server = HealthServer(health, settings.health_host, settings.health_port)
+        stack.callback(server.close)
+        server.start()
+
+
+def _conclude(recorder: "Recorder", folder: Path, lost: list[str]) -> None:
+    print(f"{recorder.written} messages in {recorder.files} files in {folder}", flush=True)
+    dropped = recorder.dropped
+    if dropped or recorder.trouble:
+        most = ", ".join(f"{count} of {name}" for name, count in list(dropped.items())[:5])
+        lost.append(f"not all was recorded: {recorder.trouble or 'dropped ' + most}")

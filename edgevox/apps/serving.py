@@ -1,0 +1,24 @@
+"""How an agent is there for whoever talks to it."""
+
+from collections.abc import Sequence
+from contextlib import ExitStack
+
+from edgevox.apps.composition import build_parts, start, start_parts
+from edgevox.apps.ending import Ending
+from edgevox.apps.terminal import run_terminal
+from edgevox.core.settings import Settings
+from edgevox.robots.capabilities import Body, HasPicture
+from edgevox.robots.viewer import Viewer, has_display
+
+
+def serve(settings: Settings, body: Body | None, ros_args: Sequence[str]) -> bool:
+    """Be there for whoever talks to it, until somebody leaves."""
+    with ExitStack() as stack:
+        parts = build_parts(stack, settings, body)
+        with Ending() as ending:
+            start_parts(stack, parts, ros_args)
+            if settings.render and has_display() and isinstance(body, HasPicture):
+                start(stack, Viewer(body.picture, f"EdgeVox: {body.name}"))
+            print(f"{parts.name} is ready. /help shows what can be typed.", flush=True)
+            run_terminal(parts, ending)
+    return True

@@ -1,0 +1,123 @@
+"""One MCAP file, whole up to its last flush whatever happens to the process or the disk."""
+
+import os
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, cast
+
+from mcap.writer import Writer
+
+from edgevox import __version__
+from edgevox.ros2.recorder.definitions import definition, type_hash
+from edgevox.ros2.recorder.metadata import FileInfo, qos_yaml
+from edgevox.ros2.recorder.topics import Recorded
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """One message as it came, still serialised; both times since 1970."""
+
+    topic: Recorded
+    data: bytes
+    received_ns: int
+    sent_ns: int
+
+
+class _Buffer:
+    """Takes what the writer writes, until somebody takes it from here to the disk."""
+
+    def __init__(self) -> None:
+        self._parts: list[bytes] = []
+        self._offset = 0
+
+    def write(self, data: bytes) -> int:
+        self._parts.append(bytes(data))
+        self._offset += len(data)
+        return len(data)
+
+    def tell(self) -> int:
+        return self._offset
+
+    def flush(self) -> None:
+        """There is nothing below."""
+
+    def take(self) -> bytes:
+        data, self._parts = b"".join(self._parts), []
+        return data
+
+
+class McapFile:
+    """Is made new; after an `OSError` of `flush` or `finish` it holds what was flushed before."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.info = FileInfo(path.name)
+        self._buffer = _Buffer()
+        self._writer = Writer(cast("IO[bytes]", self._buffer))
+        self._channels: dict[str, int] = {}
+        self._schemas: dict[str, int] = {}
+        self._sequence: dict[str, int] = {}
+        self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o644)
+        self.size = 0
+        self._writer.start(profile="ros2", library=f"edgevox {__version__}")
+
+    def write(self, message: Message) -> None:
+        """Add it to what the next flush brings to the disk."""
+        name = message.topic.name
+        if name not in self._channels:
+            self._channels[name] = self._add_channel(message.topic)
+        self._sequence[name] = self._sequence.get(name, 0) + 1
+        self._writer.add_message(
+            self._channels[name],
+            log_time=message.received_ns,
+            data=message.data,
+            publish_time=message.sent_ns,
+            sequence=self._sequence[name],
+        )
+        self.info.count(message.topic, message.received_ns)
+
+    def flush(self) -> None:
+        """What was written is in the file, also if the process is killed now."""
+        self._writer.flush()
+        self._to_disk()
+
+    def finish(self, notes: dict[str, str]) -> None:
+        """Write `notes` and the indexes, and close it."""
+        try:
+            self._writer.flush()
+            self._writer.add_metadata("edgevox", notes)
+            self._writer.finish()
+            self._to_disk()
+            os.fsync(self._file)
+        finally:
+            self.abandon()
+
+    def abandon(self) -> None:
+        """Close it as it is: readable, without the indexes at its end."""
+        file, self._file = self._file, -1
+        if file >= 0:
+            os.close(file)
+
+    def _add_channel(self, topic: Recorded) -> int:
+        if topic.type not in self._schemas:
+            text = definition(topic.type).encode()
+            self._schemas[topic.type] = self._writer.register_schema(topic.type, "ros2msg", text)
+        about = {
+            "offered_qos_profiles": qos_yaml(topic.qos),
+            "topic_type_hash": type_hash(topic.type),
+        }
+        return self._writer.register_channel(topic.name, "cdr", self._schemas[topic.type], about)
+
+    def _to_disk(self) -> None:
+        left = memoryview(self._buffer.take())
+        written = 0
+        try:
+            while left:
+                done = os.write(self._file, left)
+                left, written = left[done:], written + done
+        except OSError:
+            with suppress(OSError):
+                os.ftruncate(self._file, self.size)
+            raise
+        self.size += written

@@ -1,0 +1,126 @@
+"""The thread that takes what was heard to the disk, and gets over a disk that is full."""
+
+import logging
+import shutil
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from edgevox.core.clock import Clock, SystemClock
+from edgevox.ros2.recorder.bag import Bag
+from edgevox.ros2.recorder.inbox import Inbox
+
+log = logging.getLogger(__name__)
+
+FLUSH_S = 0.4
+"""What is older than this, and a moment, is in the file."""
+RETRY_S = 5.0
+MB = 1_000_000
+
+
+@dataclass(frozen=True)
+class Disk:
+    """Where to, how large a file may become, how much of the disk is left to others."""
+
+    folder: Path
+    most_bytes: int = 256 * MB
+    spare_bytes: int = 100 * MB
+
+
+class Writing:
+    """Writes from `start` to `close`. While the disk takes nothing, messages are dropped.
+
+    `trouble` says why nothing is written at the moment, and is empty otherwise. Raises `OSError`
+    where the folder cannot be made.
+    """
+
+    def __init__(
+        self,
+        inbox: Inbox,
+        disk: Disk,
+        *,
+        clock: Clock | None = None,
+        free_bytes: Callable[[Path], int] = lambda folder: shutil.disk_usage(folder).free,
+        retry_s: float = RETRY_S,
+    ) -> None:
+        self._inbox = inbox
+        self._disk = disk
+        self._clock = clock or SystemClock()
+        self._free_bytes = free_bytes
+        self._retry_s = retry_s
+        self._retry_at_s = 0.0
+        self.bag = Bag(disk.folder, disk.most_bytes)
+        self.trouble = ""
+        self.written = 0
+        self._closing = threading.Event()
+        self._thread = threading.Thread(target=self._work, name="edgevox-recording")
+
+    @property
+    def alive(self) -> bool:
+        """Whether its thread works, unless it was not started yet or was closed."""
+        return self._closing.is_set() or self._thread.ident is None or self._thread.is_alive()
+
+    def start(self) -> None:
+        self._thread.start()
+
+    def close(self) -> None:
+        """Write what is left and end the file."""
+        self._closing.set()
+        if self._thread.is_alive():
+            self._thread.join()
+
+    def _work(self) -> None:
+        while not self._closing.wait(FLUSH_S):
+            self._round()
+        self._round()
+        self._try(lambda: self.bag.end_file(self._notes()))
+
+    def _round(self) -> None:
+        """Write what came since the last one."""
+        messages = self._inbox.take()
+        if self._may_write() and self._try(lambda: self.bag.write(messages, self._notes())):
+            self.written += len(messages)
+            if self.trouble:
+                log.warning("recording goes on")
+                self.trouble = ""
+        elif messages:
+            self._inbox.drop(messages, self.trouble)
+
+    def _may_write(self) -> bool:
+        if self.trouble and self._clock.now() < self._retry_at_s:
+            return False
+        try:
+            free = self._free_bytes(self._disk.folder)
+        except OSError as error:
+            self._stop(str(error))
+            return False
+        if free < self._disk.spare_bytes:
+            self._try(lambda: self.bag.end_file(self._notes()))
+            left, spare = free // MB, self._disk.spare_bytes // MB
+            self._stop(f"the disk is full: {left} MB are left, {spare} MB are for others")
+            return False
+        return True
+
+    def _try(self, write: Callable[[], None]) -> bool:
+        try:
+            write()
+        except OSError as error:
+            self.bag.lose_file()
+            self._stop(f"{self._disk.folder}: {error.strerror or error}")
+            return False
+        except Exception as error:  # what is heard later may still be written
+            log.exception("a file of the recording is lost")
+            self.bag.lose_file()
+            self._stop(repr(error))
+            return False
+        return True
+
+    def _stop(self, why: str) -> None:
+        if not self.trouble:
+            log.error("recording stops: %s; trying again every %g s", why, self._retry_s)
+        self.trouble = why
+        self._retry_at_s = self._clock.now() + self._retry_s
+
+    def _notes(self) -> dict[str, str]:
+        return {f"dropped {name}": str(count) for name, count in self._inbox.dropped.items()}

@@ -1,0 +1,210 @@
+"""Bad values are refused by name before a cluster sees them, good ones mean what they say."""
+
+import json
+from typing import Any
+
+import helm_python as helm
+import pytest
+import yaml
+from chart_rig import ONE, chart, environment, pods, solo
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from edgevox.apps.container import ENVIRONMENT, prepared
+from edgevox.core.errors import InvalidValue
+from edgevox.core.settings import Settings, check_settings
+
+FLEET = yaml.safe_load(chart.FLEET.read_text())
+
+
+def robot(**fields: Any) -> dict[str, Any]:
+    return {"robots": [{"name": "solo", "domain": 7, **fields}]}
+
+
+@pytest.mark.parametrize(
+    ("values", "named"),
+    [
+        (robot(domain=233), "/robots/0/domain"),
+        (robot(domain=-1), "/robots/0/domain"),
+        (robot(domain=1.5), "/robots/0/domain"),
+        (robot(domain="1"), "/robots/0/domain"),
+        ({"robots": [{"domain": 1}]}, "name"),
+        ({"robots": [{"name": "a"}]}, "domain"),
+        (robot(name="Robot_1"), "/robots/0/name"),
+        (robot(name="r" * 26), "/robots/0/name"),
+        (robot(namespace="/my robot"), "/robots/0/namespace"),
+        (robot(namespace="/a__b"), "/robots/0/namespace"),
+        (robot(namespace="/1"), "/robots/0/namespace"),
+        (robot(namespace=""), "/robots/0/namespace"),
+        (robot(framePrefix="1/"), "/robots/0/framePrefix"),
+        (robot(agent="robot-vacuum"), "/robots/0/agent"),
+        (robot(language="xx"), "/robots/0/language"),
+        (robot(langauge="fr"), "langauge"),
+        (robot(llm={"context": 12}), "/robots/0/llm/context"),
+        (robot(llm={"endpoint": "llm:8080"}), "/robots/0/llm/endpoint"),
+        (robot(llm={"endpoint": "http://user:pass@llm"}), "/robots/0/llm/endpoint"),
+        (robot(llm={"endpointTimeoutSeconds": 0}), "endpointTimeoutSeconds"),
+        (robot(llm={"endpointGrammar": "json"}), "endpointGrammar"),
+        (robot(llm={"endpointKey": "hunter2"}), "endpointKey"),
+        (robot(settings={"EDGEVOX_ECO": "none"}), "EDGEVOX_ECO"),
+        (robot(settings={"ROS_DOMAIN_ID": 3}), "ROS_DOMAIN_ID"),
+        (robot(health={"port": 0}), "/robots/0/health/port"),
+        (robot(podLabels={"edgevox/domain": "1"}), "edgevox/domain"),
+        ({"logLevel": "loud"}, "/logLevel"),
+        ({"hostNetwork": "yes"}, "/hostNetwork"),
+        ({"user": {"uid": 0}}, "/user/uid"),
+        ({"image": {"digest": "sha256:1"}}, "/image/digest"),
+        ({"discovery": {"staticPeers": ["a;b"]}}, "/discovery/staticPeers/0"),
+        ({"podDisruptionBudget": {"maxUnavailable": "200%"}}, "maxUnavailable"),
+        ({"robot": []}, "robot"),
+    ],
+)
+def test_a_bad_value_is_refused_by_name(values: dict[str, Any], named: str) -> None:
+    with pytest.raises(helm.HelmValuesError) as refused:
+        chart.render(values)
+
+    assert named in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("second", "reason"),
+    [
+        ({"name": "a", "domain": 2}, r'robots\[1\]\.name: got "a"'),
+        ({"name": "b", "domain": 1, "namespace": "/a"}, r'robots\[1\]\.namespace: got "/a"'),
+        ({"name": "b", "domain": 1, "namespace": "a"}, r'robots\[1\]\.namespace: got "a"'),
+        ({"name": "b", "domain": 1}, r'robots\[1\]\.framePrefix: got ""'),
+    ],
+)
+def test_robots_that_would_get_into_each_others_way_are_refused(second, reason: str) -> None:
+    with pytest.raises(helm.HelmError, match=reason):
+        chart.render({"robots": [{"name": "a", "domain": 1}, second]})
+
+
+def test_lint_refuses_what_install_would_refuse() -> None:
+    report = helm.lint(str(chart.CHART), robot(domain=300), strict=True)
+
+    assert [m for m in report["messages"] if "/robots/0/domain" in m["error"]]
+
+
+@pytest.mark.parametrize("name", ["robot1", "robot2", "robot3"])
+def test_what_the_chart_sets_is_what_the_entrypoint_takes_without_a_word(name: str) -> None:
+    given = environment(pods(FLEET)[name])
+    warnings: list[str] = []
+
+    made = prepared(given, warnings.append)
+
+    assert warnings == []
+    assert given.keys() <= ENVIRONMENT.keys()
+    assert made["EDGEVOX_ROS2_NAMESPACE"] == given["EDGEVOX_NAMESPACE"]
+
+
+def test_every_variable_of_the_container_has_a_value_of_the_chart() -> None:
+    allowed = set(json.loads(chart.SCHEMA.read_text())["definitions"]["variable"]["enum"])
+
+    assert allowed | set(chart.VARIABLES.values()) | set(chart.FIXED) == ENVIRONMENT.keys()
+    assert not allowed & set(chart.VARIABLES.values())
+
+
+def test_each_value_reaches_the_variable_that_it_is_said_to_reach() -> None:
+    values = {
+        "agent": "robot-irsim",
+        "audioIn": "ros2",
+        "audioOut": "ros2",
+        "discovery": {"range": "LOCALHOST", "server": "dds:11811", "staticPeers": ["peer"]},
+        "externalNamespace": "/base",
+        "framePrefix": "x/",
+        "health": {"port": 9000, "host": "::"},
+        "language": "fr",
+        "llm": {
+            "context": 8192,
+            "endpoint": "http://llm:8080",
+            "endpointGrammar": "vllm",
+            "endpointKeySecret": {"name": "s"},
+            "endpointModel": "m",
+            "endpointTimeoutSeconds": 2.5,
+            "model": "none",
+            "threads": 3,
+        },
+        "logLevel": "debug",
+        "models": {"offline": False},
+        "muted": True,
+        "namespace": "/n",
+        "voice": "v",
+        "wakeword": "alexa",
+    }
+    plain, changed = environment(solo()), environment(solo(**values))
+
+    for path, variable in chart.VARIABLES.items():
+        wanted: Any = {**values, "domain": 7}
+        for part in path.split("."):
+            wanted = wanted[part]
+        if path == "llm.endpointKeySecret":
+            wanted = "/run/secrets/edgevox-llm/key"
+        wanted = wanted[0] if isinstance(wanted, list) else wanted
+        text = str(wanted).lower() if isinstance(wanted, bool) else str(wanted)
+        assert changed[variable] == text, path
+        assert variable == "ROS_DOMAIN_ID" or plain.get(variable) != text, path
+
+
+def test_numbers_of_settings_are_written_as_they_were_meant() -> None:
+    numbers = {"EDGEVOX_SEED": 4294967295, "EDGEVOX_MAX_LINEAR": 0.25, "EDGEVOX_RENDER": False}
+    found = environment(solo(settings=numbers))
+
+    assert {name: found[name] for name in numbers} == {
+        "EDGEVOX_SEED": "4294967295",
+        "EDGEVOX_MAX_LINEAR": "0.25",
+        "EDGEVOX_RENDER": "false",
+    }
+
+
+def test_variables_of_ones_own_come_last_with_secrets_by_reference() -> None:
+    own = {"name": "TOKEN", "valueFrom": {"secretKeyRef": {"name": "s", "key": "k"}}}
+    (container,) = pods(ONE | {"env": [own]})["solo"]["containers"]
+
+    assert container["env"][-1] == own
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.text("/_aB1- ", min_size=1, max_size=8))
+def test_chart_and_program_agree_on_namespaces(name: str) -> None:
+    assert _refused(robot(namespace=name)) == _refuses({"ros2_namespace": name})
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    st.sampled_from(["http://", "https://", "ftp://", ""]),
+    st.text("aB1.:/[]@-_ ", min_size=1, max_size=8),
+)
+def test_chart_and_program_agree_on_endpoints(scheme: str, rest: str) -> None:
+    url = scheme + rest
+    assert _refused(robot(llm={"endpoint": url})) == _refuses({"llm_endpoint": url})
+
+
+def _refused(values: dict[str, Any]) -> bool:
+    with helm.Chart.load(str(chart.CHART)) as loaded:
+        try:
+            loaded.validate_schema(values)
+        except helm.HelmValuesError:
+            return True
+    return False
+
+
+def _refuses(values: dict[str, Any]) -> bool:
+    try:
+        check_settings(values)
+    except InvalidValue:
+        return True
+    return False
+
+
+def test_the_page_about_fleets_names_every_setting_of_a_shared_model() -> None:
+    page = (chart.CHART.parents[1] / "docs" / "fleet.md").read_text()
+    names = [one for one in Settings.model_fields if one.startswith("llm_endpoint")]
+
+    assert [name for name in names if f"`{name}`" not in page] == []
+    assert [
+        path
+        for path, variable in chart.VARIABLES.items()
+        if "llm.endpoint" in path
+        and f"| `{ENVIRONMENT[variable].setting}` | `{path}` |" not in page
+    ] == []

@@ -1,0 +1,105 @@
+"""What a stop forgets, and what it must not: words on their way, and settings."""
+
+import threading
+
+from edgevox.agent.agents import Agent
+from edgevox.agent.conversation import Conversation
+from edgevox.agent.skills import SkillSet, skill
+from edgevox.core.bus import Bus
+from edgevox.core.commands import Heard, Interrupt, Reset, TextInput, Transcribing
+from edgevox.core.events import Responded, State, StateChanged, Transcribed
+
+
+class StoodClock:
+    def now(self):
+        return 100.0
+
+
+class Stage:
+    def __init__(self):
+        self.bus, self.events, self.busy, self.go_on = Bus(), [], threading.Event(), None
+
+        @skill(templates=["say hello"], says="Hello.")
+        def say_hello(goal):
+            """Say hello."""
+
+        @skill(templates=["think"], moves=False)
+        def think(goal):
+            """Think for a while."""
+            self.busy.set()
+            assert self.go_on.wait(10)
+
+        for kind in (Responded, StateChanged, Transcribed):
+            self.bus.subscribe(kind, self.events.append)
+        self.conversation = Conversation(
+            [Agent("robot", "Be brief.", SkillSet([say_hello, think]))],
+            self.bus,
+            halt=lambda _: False,
+            clock=StoodClock(),
+        )
+
+    def of(self, kind):
+        return [event for event in self.events if isinstance(event, kind)]
+
+    def __enter__(self):
+        self.go_on = threading.Event()
+        self.conversation.start()
+        return self
+
+    def __exit__(self, *_):
+        self.go_on.set()
+        self.conversation.close()
+
+
+def test_what_was_said_before_an_interrupt_and_is_understood_after_it_is_not_done():
+    with Stage() as stage:
+        stage.conversation.submit(Transcribing())
+        stage.conversation.submit(Interrupt())
+        stage.conversation.submit(Heard("say hello", ended_s=99.5))
+        assert stage.conversation.wait_idle(10)
+
+        assert stage.of(Transcribed) == []
+        states = [event.state for event in stage.of(StateChanged)]
+        assert State.INTERRUPTED in states
+        assert states[-1] is State.LISTENING
+
+
+def test_what_is_said_after_an_interrupt_is_done():
+    with Stage() as stage:
+        stage.conversation.submit(Interrupt())
+        stage.conversation.submit(Heard("say hello", ended_s=100.5))
+        assert stage.conversation.wait_idle(10)
+
+        assert [event.text for event in stage.of(Transcribed)] == ["say hello"]
+
+
+def test_a_stop_that_was_said_before_an_interrupt_still_stops():
+    with Stage() as stage:
+        stage.conversation.submit(Interrupt())
+        stage.conversation.submit(Heard("stop", ended_s=99.0))
+        assert stage.conversation.wait_idle(10)
+
+        assert [event.text for event in stage.of(Responded)] == ["I am standing still."]
+
+
+def test_what_was_said_after_a_spoken_stop_is_done_though_that_was_understood_late():
+    with Stage() as stage:
+        stage.conversation.submit(Heard("stop", ended_s=98.0))
+        stage.conversation.submit(Heard("say hello", ended_s=99.0))
+        assert stage.conversation.wait_idle(10)
+
+        assert [event.text for event in stage.of(Transcribed)] == ["stop", "say hello"]
+
+
+def test_a_language_that_was_set_is_not_forgotten_by_a_stop():
+    with Stage() as stage:
+        stage.conversation.submit(TextInput("think"))
+        assert stage.busy.wait(10)
+        stage.conversation.set_language("fr")
+        stage.conversation.submit(Reset())
+        stage.go_on.set()
+        assert stage.conversation.wait_idle(10)
+        stage.conversation.submit(TextInput("blorp"))
+        assert stage.conversation.wait_idle(10)
+
+        assert stage.of(Responded)[-1].text.startswith("Je n'ai pas compris.")

@@ -1,0 +1,208 @@
+"""What the container's entrypoint makes of its environment, and what it refuses."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from edgevox.apps.container import ENVIRONMENT, prepared
+from edgevox.apps.container.start import command_of, main
+from edgevox.core.errors import InvalidValue
+from edgevox.core.settings import Settings
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+
+
+@pytest.fixture(autouse=True)
+def _ros(tmp_path, monkeypatch):
+    """A ROS 2 that has one middleware."""
+    index = tmp_path / "share/ament_index/resource_index/rmw_typesupport"
+    index.mkdir(parents=True)
+    (index / "rmw_fastrtps_cpp").touch()
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path))
+
+
+def _prepared(**environment):
+    return prepared(environment, lambda text: pytest.fail(f"warned: {text}"))
+
+
+def test_with_nothing_given_it_is_a_silent_robot_on_domain_0():
+    environment = _prepared()
+    assert environment["ROS_DOMAIN_ID"] == "0"
+    assert environment["EDGEVOX_AUDIO_IN"] == environment["EDGEVOX_AUDIO_OUT"] == "none"
+    assert environment["EDGEVOX_TEXT_MODE"] == "true"
+    assert command_of([], environment) == ["edgevox-agent", "robot-apartment", "--ros2"]
+
+
+def test_variables_become_the_settings_that_they_name():
+    environment = _prepared(
+        EDGEVOX_NAMESPACE="/robot1", EDGEVOX_MUTED="true", EDGEVOX_LANGUAGE="fr"
+    )
+    assert environment["EDGEVOX_ROS2_NAMESPACE"] == "/robot1"
+    assert "EDGEVOX_NAMESPACE" not in environment
+    assert environment["EDGEVOX_MUTED"] == "true"
+    assert environment["EDGEVOX_LANGUAGE"] == "fr"
+
+
+def test_what_is_not_in_the_table_is_left_alone():
+    assert _prepared(PATH="/bin", HTTP_PROXY="")["PATH"] == "/bin"
+
+
+def test_an_empty_variable_counts_as_not_given():
+    empty = _prepared(**dict.fromkeys(ENVIRONMENT, ""))
+    assert empty == _prepared()
+
+
+@pytest.mark.parametrize("given", ["EDGEVOX_AUDIO_IN", "EDGEVOX_AUDIO_OUT"])
+def test_with_sound_in_one_direction_it_is_not_in_text_mode(given):
+    environment = _prepared(**{given: "default"})
+    assert environment[given] == ""  # what the setting calls the default device
+    assert "EDGEVOX_TEXT_MODE" not in environment
+
+
+@pytest.mark.parametrize(
+    ("given", "line"),
+    [
+        (
+            {"ROS_DOMAIN_ID": "300"},
+            "ROS_DOMAIN_ID: got '300', expected a whole number from 0 to 232",
+        ),
+        ({"ROS_DOMAIN_ID": "-1"}, "ROS_DOMAIN_ID: got '-1', expected a whole number"),
+        ({"ROS_DOMAIN_ID": "١"}, "ROS_DOMAIN_ID: got '١', expected a whole number"),
+        (
+            {"EDGEVOX_NAMESPACE": "my robot"},
+            "EDGEVOX_NAMESPACE: got 'my robot', expected a ROS 2 n",
+        ),
+        ({"EDGEVOX_AGENT": "robot-x"}, "EDGEVOX_AGENT: got 'robot-x', expected one of robot-apart"),
+        ({"EDGEVOX_LANGUAGE": "xx"}, "EDGEVOX_LANGUAGE: got 'xx', expected one of en, es"),
+        ({"EDGEVOX_MUTED": "maybe"}, "EDGEVOX_MUTED: got 'maybe', expected a valid boolean"),
+        ({"EDGEVOX_LOG_LEVEL": "loud"}, "EDGEVOX_LOG_LEVEL: got 'loud', expected 'debug', 'info'"),
+        (
+            {"EDGEVOX_MODELS_DIR": "models"},
+            "EDGEVOX_MODELS_DIR: got 'models', expected the absolute",
+        ),
+        ({"EDGEVOX_OFFLINE": "perhaps"}, "EDGEVOX_OFFLINE: got 'perhaps', expected true or false"),
+        ({"EDGEVOX_LLM_CONTEXT": "12"}, "EDGEVOX_LLM_CONTEXT: got '12', expected greater than"),
+        (
+            {"RMW_IMPLEMENTATION": "rmw_x"},
+            "RMW_IMPLEMENTATION: got 'rmw_x', expected one of rmw_fast",
+        ),
+        (
+            {"ROS_AUTOMATIC_DISCOVERY_RANGE": "FAR"},
+            "ROS_AUTOMATIC_DISCOVERY_RANGE: got 'FAR', expec",
+        ),
+        ({"ROS_STATIC_PEERS": "a, b"}, "ROS_STATIC_PEERS: got 'a, b', expected host names"),
+        ({"ROS_DISCOVERY_SERVER": "a b"}, "ROS_DISCOVERY_SERVER: got 'a b', expected host:port"),
+        (
+            {"FASTDDS_BUILTIN_TRANSPORTS": "TCP"},
+            "FASTDDS_BUILTIN_TRANSPORTS: got 'TCP', expected DE",
+        ),
+        (
+            {"FASTDDS_DEFAULT_PROFILES_FILE": "/no.xml"},
+            "FASTDDS_DEFAULT_PROFILES_FILE: got '/no.xml",
+        ),
+        (
+            {"EDGEVOX_NAMESPACE": "/a", "EDGEVOX_ROS2_NAMESPACE": "/b"},
+            "EDGEVOX_NAMESPACE: got '/a', expected '/b', as EDGEVOX_ROS2_NAMESPACE says",
+        ),
+    ],
+)
+def test_nonsense_stops_it_with_one_line_and_exit_code_64(given, line, monkeypatch, capsys):
+    for name, value in given.items():
+        monkeypatch.setenv(name, value)
+    assert main(["true"]) == 64
+    said = capsys.readouterr()
+    assert said.err.startswith(f"edgevox: {line}")
+    assert said.err.count("\n") == 1
+    assert not said.out
+
+
+@given(st.sampled_from(sorted(ENVIRONMENT)), st.text(st.characters(exclude_characters="\0")))
+def test_any_text_in_any_variable_is_taken_or_refused_by_its_name(name, text):
+    refused = None
+    try:
+        prepared({name: text}, lambda _: None)
+    except InvalidValue as error:
+        refused = error.field
+    assert refused in (None, name)
+
+
+@pytest.mark.parametrize(
+    ("given", "warning"),
+    [
+        ({"ROS_DOMAIN_ID": "150"}, "ROS_DOMAIN_ID=150: Linux may hand its ports to other programs"),
+        (
+            {"EDGEVOX_LANGAUGE": "fr"},
+            "EDGEVOX_LANGAUGE is no variable of EdgeVox and changes nothing;",
+        ),
+    ],
+)
+def test_what_is_odd_but_allowed_is_said(given, warning):
+    said = []
+    prepared(given, said.append)
+    assert [line[: len(warning)] for line in said] == [warning]
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["EDGEVOX_PORT", "EDGEVOX_SERVICE_HOST", "EDGEVOX_METRICS_PORT_9100_TCP_ADDR", "EDGEVOX_IMAGE"],
+)
+def test_what_kubernetes_and_compose_set_is_no_misspelling(name):
+    _prepared(**{name: "x"})
+
+
+@pytest.mark.parametrize(
+    ("arguments", "agent", "command"),
+    [
+        (["bash", "-c", "echo $HOME"], "robot-panda", ["bash", "-c", "echo $HOME"]),
+        ([], "robot-panda", ["edgevox-agent", "robot-panda", "--ros2"]),
+        (
+            ["--llm", "none"],
+            "robot-panda",
+            ["edgevox-agent", "robot-panda", "--ros2", "--llm", "none"],
+        ),
+        ([], "none", ["edgevox", "--ros2"]),
+        ([], "edgevox", ["edgevox", "--ros2"]),
+    ],
+)
+def test_arguments_are_a_command_and_flags_are_the_agents(arguments, agent, command):
+    assert command_of(arguments, _prepared(EDGEVOX_AGENT=agent)) == command
+
+
+@pytest.mark.parametrize(("command", "code"), [("no-such-thing", 127), (str(ROOT), 126)])
+def test_a_command_that_cannot_run_is_told_as_shells_do(command, code, capsys):
+    assert main([command]) == code
+    assert re.fullmatch(r"edgevox: .+\n", capsys.readouterr().err)
+
+
+def test_a_command_gets_its_arguments_untouched_and_the_environment_made_good():
+    asked = "import os, sys; print(sys.argv[1:], os.environ['EDGEVOX_ROS2_NAMESPACE'])"
+    start = [sys.executable, "-m", "edgevox.apps.container.start"]
+    ran = subprocess.run(
+        [*start, sys.executable, "-c", asked, "two words", "$HOME", "; true"],
+        env={**os.environ, "EDGEVOX_NAMESPACE": "/robot7"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert ran.stdout == "['two words', '$HOME', '; true'] /robot7\n"
+
+
+def test_every_setting_has_a_row_and_every_row_says_what_it_is():
+    assert {row.setting for row in ENVIRONMENT.values()} >= set(Settings.model_fields)
+    assert all(
+        row.sentence and (row.type != "integer" or row.values) for row in ENVIRONMENT.values()
+    )
+
+
+def test_compose_passes_on_no_variable_that_is_not_in_the_table():
+    compose = yaml.safe_load((ROOT / "docker-compose.ros2.yml").read_text())
+    passed = set(compose["services"]["edgevox-ros2"]["environment"])
+    assert passed <= set(ENVIRONMENT)
+    assert {"ROS_DOMAIN_ID", "EDGEVOX_NAMESPACE", "EDGEVOX_AGENT", "EDGEVOX_LANGUAGE"} <= passed
