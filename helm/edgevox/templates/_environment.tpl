@@ -1,0 +1,66 @@
+{{/* The variables of one robot, as docs/deployment.md lists them. Takes root and robot. */}}
+{{- define "edgevox.environment" -}}
+{{- $robot := .robot -}}
+{{- $env := dict
+  "ROS_DOMAIN_ID" ($robot.domain | int)
+  "EDGEVOX_NAMESPACE" $robot.namespace
+  "EDGEVOX_AGENT" $robot.agent
+  "EDGEVOX_LANGUAGE" $robot.language
+  "EDGEVOX_VOICE" $robot.voice
+  "EDGEVOX_MUTED" $robot.muted
+  "EDGEVOX_WAKEWORD" $robot.wakeword
+  "EDGEVOX_AUDIO_IN" $robot.audioIn
+  "EDGEVOX_AUDIO_OUT" $robot.audioOut
+  "EDGEVOX_LOG_LEVEL" $robot.logLevel
+  "EDGEVOX_EXTERNAL_NAMESPACE" $robot.externalNamespace
+  "EDGEVOX_FRAME_PREFIX" $robot.framePrefix
+  "EDGEVOX_OFFLINE" $robot.models.offline
+  "EDGEVOX_LLM" $robot.llm.model
+  "EDGEVOX_LLM_THREADS" ($robot.llm.threads | int)
+  "EDGEVOX_LLM_CONTEXT" ($robot.llm.context | int)
+  "EDGEVOX_HEALTH_PORT" ($robot.health.port | int)
+  "EDGEVOX_HEALTH_HOST" (ternary "127.0.0.1" $robot.health.host $robot.hostNetwork)
+  "ROS_AUTOMATIC_DISCOVERY_RANGE" $robot.discovery.range
+  "ROS_DISCOVERY_SERVER" $robot.discovery.server
+  "ROS_STATIC_PEERS" (include "edgevox.peers" .)
+-}}
+{{- if $robot.hostNetwork -}}
+{{- $_ := set $env "FASTDDS_BUILTIN_TRANSPORTS" "UDPv4" -}}
+{{- end -}}
+{{- with $robot.llm.endpoint -}}
+{{- $_ := set $env "EDGEVOX_LLM_ENDPOINT" . -}}
+{{- $_ := set $env "EDGEVOX_LLM_ENDPOINT_MODEL" $robot.llm.endpointModel -}}
+{{- $_ := set $env "EDGEVOX_LLM_ENDPOINT_TIMEOUT" $robot.llm.endpointTimeoutSeconds -}}
+{{- $_ := set $env "EDGEVOX_LLM_ENDPOINT_GRAMMAR" $robot.llm.endpointGrammar -}}
+{{- if $robot.llm.endpointKeySecret.name -}}
+{{- $_ := set $env "EDGEVOX_LLM_ENDPOINT_KEY_FILE" "/run/secrets/edgevox-llm/key" -}}
+{{- end -}}
+{{- end -}}
+{{- range $name, $value := mergeOverwrite $env $robot.settings -}}
+{{- if and (kindIs "float64" $value) (eq (floor $value) (float64 $value)) -}}
+{{- $value = int64 $value -}}
+{{- end -}}
+{{- if ne (toString $value) "" }}
+- name: {{ $name }}
+  value: {{ toString $value | quote }}
+{{- end -}}
+{{- end -}}
+{{- with $robot.env }}
+{{ toYaml . }}
+{{- end -}}
+{{- end -}}
+
+{{/* Whom a robot looks for where there is no multicast: those on its domain, and who was named. */}}
+{{- define "edgevox.peers" -}}
+{{- $root := .root -}}
+{{- $robot := .robot -}}
+{{- $peers := $robot.discovery.staticPeers -}}
+{{- if $robot.discovery.amongRobots -}}
+{{- range .robots -}}
+{{- if and (eq (int .domain) (int $robot.domain)) (ne .name $robot.name) (not .hostNetwork) -}}
+{{- $peers = append $peers (include "edgevox.host" (dict "root" $root "robot" .)) -}}
+{{- end -}}
+{{- end -}}
+{{- end -}}
+{{- join ";" $peers -}}
+{{- end -}}

@@ -1,0 +1,82 @@
+{{/* Name of the release's objects: short enough for a robot's name after it. */}}
+{{- define "edgevox.fullname" -}}
+{{- $name := .Release.Name -}}
+{{- if not (contains .Chart.Name $name) -}}
+{{- $name = printf "%s-%s" $name .Chart.Name -}}
+{{- end -}}
+{{- $name | trunc 26 | trimSuffix "-" -}}
+{{- end -}}
+
+{{- define "edgevox.selector" -}}
+app.kubernetes.io/name: {{ .Chart.Name }}
+app.kubernetes.io/instance: {{ .Release.Name }}
+{{- end -}}
+
+{{- define "edgevox.labels" -}}
+{{ include "edgevox.selector" . }}
+app.kubernetes.io/version: {{ .Chart.AppVersion | quote }}
+app.kubernetes.io/managed-by: {{ .Release.Service }}
+helm.sh/chart: {{ printf "%s-%s" .Chart.Name .Chart.Version }}
+{{- end -}}
+
+{{/* What tells one robot from the others; the domain is what a NetworkPolicy goes by. */}}
+{{- define "edgevox.robotLabels" -}}
+edgevox/robot: {{ .name }}
+edgevox/domain: {{ .domain | int | quote }}
+{{- end -}}
+
+{{- define "edgevox.image" -}}
+{{- if .Values.image.digest -}}
+{{ .Values.image.repository }}@{{ .Values.image.digest }}
+{{- else -}}
+{{ .Values.image.repository }}:{{ .Values.image.tag | default .Chart.AppVersion }}
+{{- end -}}
+{{- end -}}
+
+{{/* All robots, each with what counts for all of them filled in: a list under "robots", as JSON. */}}
+{{- define "edgevox.robots" -}}
+{{- $common := pick .Values "affinity" "agent" "audioIn" "audioOut" "discovery" "env" "externalNamespace" "extraVolumeMounts" "extraVolumes" "framePrefix" "health" "hostNetwork" "language" "llm" "logLevel" "models" "muted" "nodeSelector" "podAnnotations" "podLabels" "priorityClassName" "resources" "runtimeClassName" "settings" "tolerations" "voice" "wakeword" -}}
+{{- $robots := list -}}
+{{- range .Values.robots -}}
+{{- $namespace := printf "/%s" (replace "-" "_" .name) -}}
+{{- $own := dict "namespace" $namespace -}}
+{{- $robot := mergeOverwrite (deepCopy $common) $own (deepCopy .) -}}
+{{- /* A volume has one source: a robot's own takes the place of the common one. */ -}}
+{{- if hasKey (.models | default dict) "volume" -}}
+{{- $_ := set $robot.models "volume" .models.volume -}}
+{{- end -}}
+{{- $robots = append $robots $robot -}}
+{{- end -}}
+{{- include "edgevox.validate" $robots -}}
+{{- dict "robots" $robots | toJson -}}
+{{- end -}}
+
+{{/* The host name of a robot's pod, which stays the same when it is made anew. */}}
+{{- define "edgevox.host" -}}
+{{- $name := include "edgevox.fullname" .root -}}
+{{ $name }}-{{ .robot.name }}-0.{{ $name }}.{{ .root.Release.Namespace }}.svc
+{{- end -}}
+
+{{/* What one schema cannot say: that robots do not get into each other's way. */}}
+{{- define "edgevox.validate" -}}
+{{- $names := dict -}}
+{{- $nodes := dict -}}
+{{- $frames := dict -}}
+{{- range $index, $robot := . -}}
+{{- $where := printf "robots[%d]" $index -}}
+{{- if hasKey $names .name -}}
+{{- fail (printf "%s.name: got %q, expected a name that no other robot has" $where .name) -}}
+{{- end -}}
+{{- $_ := set $names .name true -}}
+{{- $node := printf "%d %s" (int .domain) (trimPrefix "/" .namespace) -}}
+{{- if hasKey $nodes $node -}}
+{{- fail (printf "%s.namespace: got %q, expected another one than %s has, which is on domain %d too" $where .namespace (get $nodes $node) (int .domain)) -}}
+{{- end -}}
+{{- $_ := set $nodes $node .name -}}
+{{- $frame := printf "%d %s" (int .domain) .framePrefix -}}
+{{- if hasKey $frames $frame -}}
+{{- fail (printf "%s.framePrefix: got %q, expected another one than %s has, since they share domain %d and /tf" $where .framePrefix (get $frames $frame) (int .domain)) -}}
+{{- end -}}
+{{- $_ := set $frames $frame .name -}}
+{{- end -}}
+{{- end -}}
