@@ -298,9 +298,7 @@ def test_reset_stops_the_robot_and_forgets(stage):
 def test_a_skill_can_be_run_without_language(stage):
     stage.conversation.submit(RunSkill("navigate_to", {"room": "moon"}))
     stage.settle()
-    assert stage.texts() == [
-        "I cannot do that: room moon; it should be 'kitchen' or 'bedroom'."
-    ]
+    assert stage.texts() == ["I cannot do that: room moon; it should be 'kitchen' or 'bedroom'."]
 
 
 def test_speak_says_the_text_as_it_is(stage):
