@@ -63,8 +63,8 @@ def starting_and_answering() -> list[Row]:
             ("`docker compose up` to ready, s", f"{ready_s:.1f}"),
             ("a plain command to its answer, with a peer's discovery, s", f"{answered_s:.1f}"),
             ("the first sentence for the model to its answer, likewise, s", f"{model_s:.1f}"),
-            ("memory at rest, MB", f"{rest:,.0f}"),
-            ("memory after answering with the model, MB", f"{memory(one):,.0f}"),
+            ("memory at rest, without mapped weights, MB", f"{rest:,.0f}"),
+            ("the same after answering with the model, MB", f"{memory(one):,.0f}"),
         ]
 
 

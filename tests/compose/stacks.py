@@ -1,0 +1,103 @@
+"""Compose stacks for tests: real ones, each a project of its own, gone when the test is over."""
+
+import json
+import secrets
+import subprocess
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import NamedTemporaryFile
+
+from testcontainers.compose import DockerCompose
+
+ROOT = Path(__file__).resolve().parents[2]
+BASE = "docker-compose.ros2.yml"
+ENTRYPOINT = "/opt/edgevox/entrypoint/entrypoint"
+PROBE = (Path(__file__).parent / "probe.py").read_text()
+
+
+class Stack:
+    """A running project, as `docker compose` sees it."""
+
+    def __init__(self, compose: DockerCompose) -> None:
+        self._command = compose.docker_compose_command()
+
+    def call(self, *arguments: str, **options: object) -> subprocess.CompletedProcess[str]:
+        """`docker compose ...`, whatever its exit code."""
+        command = [*self._command, *arguments]
+        return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, **options)
+
+    def execute(self, service: str, *command: str, stdin: str = "") -> str:
+        """The output of a command in a service's container, in the sourced environment."""
+        ran = self.call("exec", "-T", service, ENTRYPOINT, *command, input=stdin, timeout=90)
+        assert ran.returncode == 0, ran.stdout + ran.stderr
+        return ran.stdout
+
+    def probe(self, service: str, *arguments: str) -> dict:
+        """What `probe.py` heard from inside a service's container."""
+        return _last_line(self.execute(service, "python3", "-", *arguments, stdin=PROBE))
+
+    def probe_from_beside(self, service: str, *arguments: str) -> dict:
+        """The same from a container of its own, made from the service."""
+        run = ("run", "--rm", "--no-deps", "-T", service, "python3", "-")
+        ran = self.call(*run, *arguments, input=PROBE, timeout=90)
+        assert ran.returncode == 0, ran.stdout + ran.stderr
+        return _last_line(ran.stdout)
+
+    def inspect(self, service: str) -> dict:
+        """Everything that the engine knows of a service's container."""
+        (identity,) = self.call("ps", "--all", "--quiet", service).stdout.split()
+        return json.loads(docker("inspect", identity))[0]
+
+    def logs(self, service: str) -> str:
+        return self.call("logs", "--no-log-prefix", service).stdout
+
+
+def _last_line(output: str) -> dict:
+    """What the probe wrote; before it Fast DDS may complain on stdout."""
+    return json.loads(output.splitlines()[-1])
+
+
+def docker(*arguments: str) -> str:
+    """The output of `docker ...`, which must go well."""
+    ran = subprocess.run(["docker", *arguments], capture_output=True, text=True, timeout=60)
+    assert ran.returncode == 0, ran.stdout + ran.stderr
+    return ran.stdout
+
+
+@contextmanager
+def stack(
+    *overlays: str, services: Sequence[str] = (), start: bool = True, **environment: str
+) -> Iterator[Stack]:
+    """The base file with these overlays, up and healthy; with `start` false only ready to go."""
+    files = [BASE, *(f"compose/{name}.yml" for name in overlays)]
+    environment["COMPOSE_PROJECT_NAME"] = f"edgevox-test-{secrets.token_hex(4)}"
+    with NamedTemporaryFile("w", suffix=".env") as settings:
+        settings.writelines(f"{name}={value}\n" for name, value in environment.items())
+        settings.flush()
+        compose = DockerCompose(ROOT, files, env_file=settings.name, services=list(services))
+        one = Stack(compose)
+        try:
+            if start:
+                _start(compose, one)
+            yield one
+        finally:
+            compose.services = None  # all of them, and the network
+            compose.stop()
+
+
+def _start(compose: DockerCompose, one: Stack) -> None:
+    try:
+        compose.start()
+    except subprocess.CalledProcessError as error:
+        said = error.stderr.decode() + one.call("logs").stdout
+        raise AssertionError(f"the stack did not come up:\n{said}") from None
+
+
+def wait_until(condition: Callable[[], bool], what: str, timeout_s: float) -> None:
+    """Wait for something that the engine only tells who asks."""
+    deadline = time.monotonic() + timeout_s
+    while not condition():
+        assert time.monotonic() < deadline, f"not within {timeout_s} s: {what}"
+        time.sleep(0.1)

@@ -1,0 +1,129 @@
+"""One robot's container: what runs in it, what it may, and how it ends."""
+
+import time
+
+import pytest
+from stacks import Stack, stack, wait_until
+
+pytestmark = pytest.mark.usefixtures("image")
+SERVICE = "edgevox-ros2"
+ROBOT_STATE = "/edgevox/robot_state"
+# What /proc says of every process: name, real uid, capability sets, and whether it may gain any.
+STATUS = r"""
+for status in /proc/[0-9]*/status; do
+    awk '/^(Name|Uid|Cap...|NoNewPrivs):/ { printf "%s=%s ", $1, $2 } END { print "" }' $status
+done
+"""
+KILL_AGENT = r"""
+for name in $(grep -lx edgevox-agent /proc/[0-9]*/comm); do
+    kill -KILL "$(basename "${name%/comm}")"
+done
+"""
+
+
+@pytest.fixture(scope="module")
+def robot():
+    with stack() as one:
+        yield one
+
+
+@pytest.fixture(scope="module")
+def unstarted():
+    with stack(start=False) as one:
+        yield one
+
+
+def test_with_nothing_configured_a_robot_is_on_the_wire(robot: Stack):
+    assert robot.inspect(SERVICE)["State"]["Health"]["Status"] == "healthy"
+    assert robot.probe(SERVICE, "15", f"{ROBOT_STATE}=room")["found"][ROBOT_STATE]
+
+
+def test_no_process_is_root_or_has_or_can_gain_a_capability(robot: Stack):
+    lines = robot.execute(SERVICE, "bash", "-c", STATUS).splitlines()
+    processes = [dict(pair.split("=") for pair in line.split()) for line in lines if line.strip()]
+    assert {"edgevox-agent"} <= {one["Name:"][:13] for one in processes}
+    for one in processes:
+        assert int(one["Uid:"]) == 1000, one
+        assert one["NoNewPrivs:"] == "1", one
+        sets = [int(one[f"Cap{name}:"], 16) for name in ("Inh", "Prm", "Eff", "Bnd", "Amb")]
+        assert not any(sets), one
+
+
+@pytest.mark.parametrize("place", ["/", "/etc", "/opt/edgevox", "/opt/edgevox/models", "/home"])
+def test_nothing_can_be_written_but_in_memory(robot: Stack, place):
+    wrote = robot.call("exec", "-T", SERVICE, "touch", f"{place}/mark")
+    assert wrote.returncode != 0
+    assert "Read-only file system" in wrote.stderr
+    assert robot.call("exec", "-T", SERVICE, "bash", "-c", "touch ~/mark").returncode == 0
+
+
+def test_a_robot_that_is_killed_comes_back_by_itself(robot: Stack):
+    before = robot.inspect(SERVICE)
+    robot.call("exec", "-T", SERVICE, "bash", "-c", KILL_AGENT)
+
+    def is_back() -> bool:
+        now = robot.inspect(SERVICE)
+        restarted = now["RestartCount"] == before["RestartCount"] + 1
+        return restarted and now["State"].get("Health", {}).get("Status") == "healthy"
+
+    wait_until(is_back, "restarted and healthy", 60)
+    assert robot.probe(SERVICE, "15", f"{ROBOT_STATE}=room")["found"][ROBOT_STATE]
+
+
+def test_docker_stop_ends_it_cleanly_in_under_5_seconds(robot: Stack):
+    started = time.monotonic()
+    robot.call("stop", SERVICE)
+    assert time.monotonic() - started < 5
+    assert robot.inspect(SERVICE)["State"]["ExitCode"] == 0
+
+
+def test_docker_stop_ends_it_cleanly_while_it_starts(robot: Stack):
+    robot.call("stop", SERVICE)
+    robot.call("start", SERVICE)
+    started = time.monotonic()
+    robot.call("stop", SERVICE)
+    assert time.monotonic() - started < 5
+    assert robot.inspect(SERVICE)["State"]["ExitCode"] == 0
+
+
+def test_a_command_runs_with_ros_2_edgevox_and_the_interfaces_at_hand(unstarted: Stack):
+    command = 'python3 -c "import rclpy, edgevox_msgs.action; print(rclpy)" && edgevox --version'
+    ran = unstarted.call("run", "--rm", "-T", SERVICE, "bash", "-c", command, timeout=60)
+    assert ran.returncode == 0, ran.stderr
+    assert "<module 'rclpy'" in ran.stdout
+
+
+def test_the_exit_code_of_a_command_is_the_containers(unstarted: Stack):
+    assert unstarted.call("run", "--rm", "-T", SERVICE, "bash", "-c", "exit 7").returncode == 7
+
+
+def test_a_shell_by_exec_has_the_same_environment(robot: Stack):
+    robot.call("start", SERVICE)
+    asked = ("bash", "-c", "echo $ROS_DISTRO; command -v edgevox-agent")
+    assert robot.execute(SERVICE, *asked) == "jazzy\n/opt/edgevox/bin/edgevox-agent\n"
+
+
+@pytest.mark.parametrize(
+    ("variable", "line"),
+    [
+        ("ROS_DOMAIN_ID=300", "edgevox: ROS_DOMAIN_ID: got '300', expected a whole number from 0"),
+        ("EDGEVOX_NAMESPACE=a b", "edgevox: EDGEVOX_NAMESPACE: got 'a b', expected a ROS 2 names"),
+        ("EDGEVOX_AGENT=robot-x", "edgevox: EDGEVOX_AGENT: got 'robot-x', expected one of robot-"),
+    ],
+)
+def test_nonsense_in_the_environment_stops_it_before_anything_starts(
+    unstarted: Stack, variable, line
+):
+    ran = unstarted.call("run", "--rm", "-T", "-e", variable, SERVICE, timeout=60)
+    assert ran.returncode == 64
+    said = [one for one in ran.stderr.splitlines() if one.startswith("edgevox")]
+    assert len(said) == 1
+    assert said[0].startswith(line)
+    assert not ran.stdout
+
+
+def test_process_1_forwards_signals_and_reaps(unstarted: Stack):
+    """Orphans of a command are taken over by process 1; none stays behind as a zombie."""
+    orphan = "(sleep 0.2 &) ; sleep 1; grep -l '^State:.Z' /proc/[0-9]*/status || echo none"
+    ran = unstarted.call("run", "--rm", "-T", SERVICE, "bash", "-c", orphan, timeout=60)
+    assert ran.stdout.strip() == "none", ran.stdout
