@@ -39,7 +39,7 @@ run: $(DONE)/$(if $(ROS2),msgs,run) ## Start the agent, aloud and on ROS 2; the 
 .PHONY: test
 test: $(DONE)/dev $(DONE)/msgs $(DONE)/llama-cpp ## Run all tests; ARGS goes to pytest.
 	@$(BIN)/edgevox-models fetch $(TEST_MODELS)
-	@if docker info >/dev/null 2>&1; then docker/image; else \
+	@if docker info >/dev/null 2>&1; then docker/image all; else \
 	    echo "No container engine answers: the tests that need one will fail. See .ci/engine." >&2; fi
 	@$(BIN)/python -m pytest $(ARGS)
 

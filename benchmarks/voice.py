@@ -177,7 +177,8 @@ def report(minutes: int) -> str:
     endured = measure_endurance(minutes)
     rows += [
         (f"{endured.minutes} minutes in a loop: turns", str(endured.turns), ""),
-        ("growth of memory, MB", f"{endured.memory_growth_kib / 1024:.1f}", "0"),
+        ("growth of memory, MB", f"{endured.memory_growth_kib / 1024:.1f}", ""),
+        ("of it in the last quarter", f"{endured.late_memory_growth_kib / 1024:.1f}", "0"),
         ("growth of threads", str(endured.thread_growth), "0"),
         (
             "latency of a turn, first and last quarter, s",

@@ -30,11 +30,17 @@ PATIENCE_S = 60.0
 
 @dataclass(frozen=True, slots=True)
 class Endured:
-    """What so many minutes of sound left behind; latency is that of a turn, median of a part."""
+    """What so many minutes of sound left behind, the last quarter of them against the first.
+
+    Memory is the least of a quarter, which leaves out what comes and goes; "late" is against the
+    third quarter: Piper's arena grows in steps until it has met its largest sound. Latency is that
+    of a turn, the median of a quarter.
+    """
 
     minutes: int
     turns: int
     memory_growth_kib: int
+    late_memory_growth_kib: int
     thread_growth: int
     first_latency_s: float
     last_latency_s: float
@@ -58,16 +64,20 @@ def endure(stage: Stage, minutes: int) -> Endured:
         stage.parts.switchboard.submit(Speak(LONG))
         assert stage.parts.conversation.wait_idle(PATIENCE_S)
     gc.collect()
-    threads, resident = threading.active_count(), resident_kib()
+    threads = threading.active_count()
     latencies: list[float] = []
+    resident: list[int] = []
     for _ in range(minutes):
         latencies += _hear(stage, sound)
-    gc.collect()
-    part = max(1, len(latencies) // 4)
+        gc.collect()
+        resident.append(resident_kib())
+    part, quarter = max(1, len(latencies) // 4), max(1, minutes // 4)
+    last = min(resident[-quarter:])
     return Endured(
         minutes,
         len(latencies),
-        resident_kib() - resident,
+        last - min(resident[:quarter]),
+        last - min(resident[-2 * quarter : -quarter] or resident),
         threading.active_count() - threads,
         statistics.median(latencies[:part]),
         statistics.median(latencies[-part:]),

@@ -6,6 +6,7 @@ from typing import Literal
 
 from edgevox.agent.llm import gguf
 from edgevox.agent.llm.base import CONTEXT_TOKENS, LanguageModel, ModelFailed
+from edgevox.agent.llm.cpu import XLLAMACPP_NEEDS, missing_features
 from edgevox.agent.llm.llama_cpp_model import LlamaCppModel
 from edgevox.agent.llm.xllamacpp_model import XllamacppModel
 
@@ -37,11 +38,19 @@ def load_model(
 
 def _choose(backend: Backend) -> str:
     candidates = tuple(_ENGINES) if backend == "auto" else (backend,)
+    lacks = missing_features(XLLAMACPP_NEEDS) if "xllamacpp" in candidates else frozenset()
+    if lacks:
+        candidates = tuple(name for name in candidates if name != "xllamacpp")
     for name in candidates:
         if name not in _ENGINES:
             raise ModelFailed(f"backend: got {name!r}, expected auto, {', '.join(_ENGINES)}")
         if importlib.util.find_spec(_ENGINES[name][0]) is not None:
             return name
+    if lacks:
+        raise ModelFailed(
+            f"xllamacpp: this processor lacks {', '.join(sorted(lacks))}; use llama-cpp-python"
+            " (pip install 'edgevox[llama-cpp]') or a shared model (llm_endpoint)"
+        )
     raise ModelFailed(
         f"no engine for language models ({' or '.join(candidates)}) is installed: "
         "pip install 'edgevox[llm]' for xllamacpp, 'edgevox[llama-cpp]' for llama-cpp-python"
