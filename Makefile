@@ -37,11 +37,18 @@ run: $(DONE)/$(if $(ROS2),msgs,run) ## Start the agent, aloud and on ROS 2; the 
 	@exec $(BIN)/edgevox-agent $(AGENT) $(if $(ROS2),--ros2) $(ARGS)
 
 .PHONY: test
-test: $(DONE)/dev $(DONE)/msgs $(DONE)/llama-cpp ## Run all tests; ARGS goes to pytest.
+test: $(DONE)/dev $(DONE)/msgs ## Run all tests; ARGS goes to pytest.
+	@$(MAKE) --no-print-directory -j2 $(DONE)/llama-cpp test-image
+	@$(BIN)/python -m pytest $(ARGS)
+
+.PHONY: test-models
+test-models: $(DONE)/dev
 	@$(BIN)/edgevox-models fetch $(TEST_MODELS)
+
+.PHONY: test-image
+test-image: test-models
 	@if docker info >/dev/null 2>&1; then docker/image all; else \
 	    echo "No container engine answers: the tests that need one will fail. See .ci/engine." >&2; fi
-	@$(BIN)/python -m pytest $(ARGS)
 
 .PHONY: lint
 lint: $(DONE)/dev $(DONE)/compose-lint ## Check style, types, layers, locks and compose files.

@@ -165,4 +165,4 @@ def test_its_own_echo_does_not_silence_it(speak_in):
 
     assert spoken.text == ANSWER
     assert interrupted_s == []
-    assert room.played_s > 4.0
+    assert room.played_s > 3.0
