@@ -34,7 +34,8 @@ class Endured:
 
     Memory is the least of a quarter, which leaves out what comes and goes; "late" is against the
     third quarter: Piper's arena grows in steps until it has met its largest sound. Latency is that
-    of a turn, the median of a quarter.
+    of a turn, the mean of a quarter: the two questions take unlike times, so that a median would
+    tell which of them a quarter holds one more of.
     """
 
     minutes: int
@@ -71,7 +72,7 @@ def endure(stage: Stage, minutes: int) -> Endured:
         latencies += _hear(stage, sound)
         gc.collect()
         resident.append(resident_kib())
-    part, quarter = max(1, len(latencies) // 4), max(1, minutes // 4)
+    part, quarter = max(2, len(latencies) // 8 * 2), max(1, minutes // 4)
     last = min(resident[-quarter:])
     return Endured(
         minutes,
@@ -79,8 +80,8 @@ def endure(stage: Stage, minutes: int) -> Endured:
         last - min(resident[:quarter]),
         last - min(resident[-2 * quarter : -quarter] or resident),
         threading.active_count() - threads,
-        statistics.median(latencies[:part]),
-        statistics.median(latencies[-part:]),
+        statistics.fmean(latencies[:part]),
+        statistics.fmean(latencies[-part:]),
     )
 
 
