@@ -8,13 +8,11 @@ from prompt_toolkit.styles import Style
 
 from edgevox.apps.ending import Ending
 from edgevox.apps.terminal.commands import Desk, Leave, run_command
+from edgevox.apps.terminal.twice import Twice
 from edgevox.apps.terminal.view import View
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
 from edgevox.core.commands import Interrupt, TextInput
-
-SECOND_CTRL_C_S = 2.0
-"""A second Ctrl-C within this time leaves."""
 
 _STYLE = Style.from_dict({"bottom-toolbar": "noreverse fg:ansicyan", "prompt": "bold"})
 
@@ -24,8 +22,7 @@ class Prompt:
 
     def __init__(self, bus: Bus, desk: Desk, clock: Clock) -> None:
         self._desk = desk
-        self._clock = clock
-        self._interrupted_s = float("-inf")
+        self._ctrl_c = Twice(clock)
         self._session: PromptSession[str] = PromptSession(
             "> ", bottom_toolbar=self._toolbar, style=_STYLE
         )
@@ -57,10 +54,8 @@ class Prompt:
         return True
 
     def _interrupt(self) -> bool:
-        now_s = self._clock.now()
-        if now_s - self._interrupted_s < SECOND_CTRL_C_S:
+        if self._ctrl_c.pressed():
             return False
-        self._interrupted_s = now_s
         self._desk.conversation.submit(Interrupt("Ctrl-C"))
         print("  [Ctrl-C once more to leave]")
         return True

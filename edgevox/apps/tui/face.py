@@ -13,14 +13,12 @@ from textual.widgets import Footer, Input, RichLog, Static
 from textual.worker import Worker
 
 from edgevox.apps.terminal.commands import Desk, Leave, run_command
+from edgevox.apps.terminal.twice import Twice
 from edgevox.apps.tui import panels
 from edgevox.apps.tui.feed import Feed, News
 from edgevox.core.clock import Clock
 from edgevox.core.commands import Command, Interrupt, SetMuted, TextInput
 from edgevox.core.errors import InvalidValue
-
-SECOND_CTRL_C_S = 2.0
-"""A second Ctrl-C within this time leaves."""
 
 Queries = Mapping[str, Callable[[], Mapping[str, Any]]]
 
@@ -59,8 +57,8 @@ class Face(App[None]):
     ) -> None:
         super().__init__()
         self._feed, self._desk, self._queries = feed, desk, queries
-        self._submit, self._clock = submit, clock
-        self._interrupted_s = float("-inf")
+        self._submit = submit
+        self._ctrl_c = Twice(clock)
         self._shown: tuple[str, str] = ("", "")
         self._muted = False
         self._running_loop: asyncio.AbstractEventLoop | None = None
@@ -119,11 +117,9 @@ class Face(App[None]):
 
     def action_interrupt(self) -> None:
         """Stop talking and moving; the second time, leave."""
-        now_s = self._clock.now()
-        if now_s - self._interrupted_s < SECOND_CTRL_C_S:
+        if self._ctrl_c.pressed():
             self.exit()
             return
-        self._interrupted_s = now_s
         self._submit(Interrupt("Ctrl-C"))
 
     def action_mute(self) -> None:
