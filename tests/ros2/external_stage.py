@@ -43,7 +43,8 @@ class Velocities:
     def __init__(self, peer: Peer, topic: str) -> None:
         self.heard: list[tuple[float, float]] = []
         self.times: list[float] = []
-        peer.node.create_subscription(Twist, topic, self._hear, 100)
+        subscription = peer.node.create_subscription(Twist, topic, self._hear, 100)
+        wait_until(lambda: subscription.get_publisher_count() > 0, topic)
 
     def _hear(self, message: Twist) -> None:
         self.times.append(time.monotonic())

@@ -76,8 +76,8 @@ class Peer:
     def listen(self, topic: str, qos: QoSProfile = RELIABLE) -> Heard:
         """Subscribe, and wait until the publisher is matched."""
         heard = Heard()
-        self.node.create_subscription(String, self.name(topic), heard.add, qos)
-        wait_until(lambda: self.node.count_publishers(self.name(topic)) > 0, topic)
+        subscription = self.node.create_subscription(String, self.name(topic), heard.add, qos)
+        wait_until(lambda: subscription.get_publisher_count() > 0, topic)
         return heard
 
     def send(self, topic: str, data: str | bytes) -> None:

@@ -87,6 +87,7 @@ def test_ears_that_lost_their_source_for_good_are_not(ears, source):
     assert not ears.alive
 
 
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
 def test_a_mouth_is_well_until_one_of_its_threads_ends():
     class Broken:
         def prepare(self):
