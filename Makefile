@@ -14,6 +14,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 DONE := $(VENV)/done
 INSTALL := $(BIN)/python -m pip install -qq --disable-pip-version-check --no-input
+FROM_SOURCE := --build-constraint requirements/sdist.lock
 COMPOSE := docker compose -f docker-compose.ros2.yml
 DCLINT := $(VENV)/compose-lint/node_modules/.bin/dclint
 MSGS := $(shell find edgevox_msgs tf2_msgs -type f)
@@ -59,7 +60,14 @@ lint: $(DONE)/dev $(DONE)/compose-lint ## Check style, types, layers, locks and 
 	$(BIN)/python scripts/lock.py check
 	$(BIN)/python scripts/reference.py check
 	$(BIN)/python scripts/chart.py check
+	$(BIN)/python benchmarks/render.py check
+	$(BIN)/python docs/render_architecture.py check
+	@$(MAKE) --no-print-directory docs
 	$(DCLINT) --config compose/lint/dclintrc.yaml --max-warnings 0 docker-compose.ros2.yml compose/*.yml
+
+.PHONY: docs
+docs: $(DONE)/dev ## Build the documentation as a site, into build/site, and check its links.
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
 .PHONY: format
 format: $(DONE)/dev ## Rewrite the code as the linters want it.
@@ -67,13 +75,10 @@ format: $(DONE)/dev ## Rewrite the code as the linters want it.
 	$(BIN)/ruff format .
 
 .PHONY: bench
-bench: $(DONE)/dev $(DONE)/msgs $(DONE)/llama-cpp ## Measure latency, memory, speed, understanding and the voice.
+bench: $(DONE)/dev $(DONE)/msgs $(DONE)/llama-cpp ## Measure everything, for the README's figures; ARGS="--only voice" a part.
 	@$(BIN)/edgevox-models fetch $(TEST_MODELS)
-	@$(BIN)/python benchmarks/latency.py
-	@$(BIN)/python benchmarks/ros2.py
-	@$(BIN)/python benchmarks/robots.py
-	@$(BIN)/python benchmarks/understanding.py
-	@$(BIN)/python benchmarks/voice.py
+	@$(BIN)/python benchmarks/run.py $(ARGS) && code=0 || code=$$?; \
+	$(BIN)/python benchmarks/render.py write && exit $$code
 
 .PHONY: image
 image: ## Build the container's image; where no registry is reached, its base too (as root).
@@ -124,9 +129,9 @@ $(DONE)/tools: requirements/tools.lock
 	@$(INSTALL) --require-hashes -r requirements/tools.lock
 	@mkdir -p $(DONE) && touch $@
 
-$(DONE)/run: $(DONE)/tools requirements/run.lock pyproject.toml $(REGISTERED)
+$(DONE)/run: $(DONE)/tools requirements/run.lock requirements/sdist.lock pyproject.toml $(REGISTERED)
 	@echo "Installing the locked packages, ROS 2 Jazzy among them"
-	@$(INSTALL) --require-hashes -r requirements/run.lock
+	@$(INSTALL) --require-hashes $(FROM_SOURCE) -r requirements/run.lock
 	@$(INSTALL) --no-deps --no-build-isolation --editable .
 	@touch $@
 

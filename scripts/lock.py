@@ -18,6 +18,7 @@ NAMES = (  # those that others constrain come first
     "tools",
     "run",
     "dev",
+    "sdist",
     "build",
     "llama-cpp",
     "base",

@@ -1,8 +1,9 @@
 """What is generated in docs: `write` renews it, `check` only looks.
 
 The tables of ros2.md come from `edgevox.ros2.contract` and the launch files, those of deployment.md
-from `edgevox.apps.container`. They stand between ``<!-- generated: NAME -->`` and ``<!-- end -->``;
-all else on a page is written by hand.
+from `edgevox.apps.container`, those of diagnostics.md from `edgevox.ops.diagnostics` and
+`edgevox.apps.doctor`, that of metrics.md from `edgevox.ops.metrics`. They stand between
+``<!-- generated: NAME -->`` and ``<!-- end -->``; all else on a page is written by hand.
 scenario.schema.json is the format of scenario files as a JSON Schema.
 """
 
@@ -10,16 +11,21 @@ import ast
 import json
 import re
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from edgevox.apps.container import ENVIRONMENT, Row
+from edgevox.apps.doctor.checks import CHECKS
+from edgevox.ops.diagnostics.table import COMPONENTS
+from edgevox.ops.logs.table import log_events
+from edgevox.ops.metrics.table import METRICS
 from edgevox.ros2 import contract
 from edgevox.ros2.contract import Qos
 from edgevox.scenario import Scenario
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGES = (ROOT / "docs" / "ros2.md", ROOT / "docs" / "deployment.md")
+NAMES = ("ros2", "deployment", "logs", "diagnostics", "metrics")
+PAGES = tuple(ROOT / "docs" / f"{name}.md" for name in NAMES)
 SCHEMA = ROOT / "docs" / "scenario.schema.json"
 LAUNCH = ROOT / "launch"
 BLOCK = re.compile(r"(<!-- generated: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
@@ -115,6 +121,24 @@ def audio() -> str:
     return table(("topic", "direction", "type", "what", "when"), rows)
 
 
+def diagnostics() -> str:
+    """How the components are, on the wire."""
+    one = contract.DIAGNOSTICS
+    row = (f"`{one.topic}`", f"`{one.type}`", f"`{one.qos.name.lower()}`", f"{one.rate_hz:g} Hz")
+    return table(("topic", "type", "QoS", "rate", "what"), [(*row, one.about)])
+
+
+def components() -> str:
+    """What each component says of itself on /diagnostics."""
+    rows = ((f"`{one.name}`", one.about, one.warns, one.errs, one.remedy) for one in COMPONENTS)
+    return table(("component", "what", "WARN", "ERROR", "what to do"), rows)
+
+
+def checks() -> str:
+    """What the doctor looks at."""
+    return table(("check", "what should be"), ((f"`{one.name}`", one.about) for one in CHECKS))
+
+
 def action() -> str:
     """The one action."""
     name, kind = contract.ACTION
@@ -147,6 +171,32 @@ def more_environment() -> str:
     return _variables(row for row in ENVIRONMENT.values() if not row.listed)
 
 
+def metrics() -> str:
+    """All metrics."""
+    rows = (
+        (f"`{one.name}`", one.kind, _labels(one.labels), one.help, one.of)
+        for one in METRICS.values()
+    )
+    return table(("metric", "kind", "labels", "what", "who has it"), rows)
+
+
+def _labels(labels: Mapping[str, tuple[str, ...] | str]) -> str:
+    """What a metric is told apart by."""
+    return "; ".join(
+        f"`{name}`: {known if isinstance(known, str) else ', '.join(known)}"
+        for name, known in labels.items()
+    )
+
+
+def logs() -> str:
+    """Every event that is logged."""
+    rows = (
+        (f"`{name}`", one.level, one.when, ", ".join(f"`{field}`" for field in one.fields))
+        for name, one in log_events().items()
+    )
+    return table(("event", "level", "when", "fields"), rows)
+
+
 def _variables(rows: Iterable[Row]) -> str:
     cells = ((f"`{row.variable}`", row.default_text, row.sentence, row.values) for row in rows)
     return table(("variable", "default", "what", "values"), cells)
@@ -174,11 +224,16 @@ PARTS = {
         interop,
         external,
         audio,
+        diagnostics,
+        components,
+        checks,
         action,
         launch,
         launch_arguments,
         environment,
         more_environment,
+        logs,
+        metrics,
     )
 }
 

@@ -1,9 +1,7 @@
 """The conversation: commands in, events out, on one thread; stopping never waits for it."""
 
 import itertools
-import logging
 import threading
-from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -17,32 +15,25 @@ from edgevox.agent.safety import SafetyWords
 from edgevox.agent.skills import Call, SkillSet
 from edgevox.agent.states import StateMachine
 from edgevox.agent.turn import Asked, Turn
+from edgevox.agent.waiting import MAX_WAITING, Waiting
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
-from edgevox.core.commands import (
-    Heard,
-    Interrupt,
-    Reset,
-    RunSkill,
-    Speak,
-    TextInput,
-    Transcribing,
-)
+from edgevox.core.commands import Heard, Interrupt, Reset, RunSkill, Speak, TextInput, Transcribing
 from edgevox.core.events import (
     AgentEvent,
     AgentEventKind,
+    Cause,
+    Interrupted,
+    Outcome,
     State,
     Transcribed,
     TurnEnded,
 )
+from edgevox.core.log import bound, get_logger
 from edgevox.core.speech import Mouth
 from edgevox.core.text import MAX_CHARACTERS, clean
 
-log = logging.getLogger(__name__)
-
-MAX_WAITING = 64
-"""How many utterances may wait. One more is refused, counted and logged; a stop never is."""
-
+log = get_logger(__name__)
 
 ConversationCommand = TextInput | Transcribing | Heard | Speak | Interrupt | Reset | RunSkill
 
@@ -79,7 +70,7 @@ class Conversation:
         self.mind = Mind(agents, bus, self._clock, model, language)
         self._safety = SafetyWords(language)
         self._numbers = itertools.count(1)
-        self._items: deque[Item] = deque()
+        self._items = Waiting()
         self._ready = threading.Condition()
         self._turn: Turn | None = None
         self._busy = False
@@ -115,14 +106,13 @@ class Conversation:
     def submit(self, command: ConversationCommand) -> None:
         """Take a command."""
         match command:
-            case Interrupt(reason=reason, motion=False):
-                self._hush(reason)
-            case Interrupt(reason=reason):
-                self._stop(reason, self._clock.now())
-                self._put(Settle())
+            case Interrupt(reason=reason, motion=motion, cause=cause):
+                self._interrupt(reason, motion=motion)
+                self._bus.publish(Interrupted(cause))
             case Reset():
                 self._stop("reset", self._clock.now())
                 self._put(Forget())
+                self._bus.publish(Interrupted(Cause.RESET))
             case Transcribing():
                 self._states.transcribing()
             case TextInput(text=text):
@@ -191,18 +181,19 @@ class Conversation:
 
     def _put(self, item: Item) -> None:
         with self._ready:
-            asked = isinstance(item, TextInput | Heard | Speak | RunSkill)
-            full = asked and len(self._items) >= MAX_WAITING
-            if not full and not self._closed:
-                self._items.append(item)
-                self._ready.notify_all()
+            full = not self._closed and not self._items.put(item)
+            self._ready.notify_all()
         if full:
             self.refused += 1
             if self.refused.bit_count() == 1:  # 1, 2, 4, 8, ...: a flood leaves a few lines
-                log.warning("%d utterances refused: %d are waiting", self.refused, MAX_WAITING)
+                log.warning("utterances_refused", refused=self.refused, waiting=MAX_WAITING)
 
-    def _hush(self, reason: str) -> None:
-        """Cut what is being said, and nothing else: somebody wants to be heard."""
+    def _interrupt(self, reason: str, *, motion: bool) -> None:
+        """Stop everything; without `motion` only cut what is said: somebody wants to be heard."""
+        if motion:
+            self._stop(reason, self._clock.now())
+            self._put(Settle())
+            return
         with self._ready:
             turn = self._turn
         with self._states.gate:
@@ -219,7 +210,7 @@ class Conversation:
     def _stop(self, reason: str, when_s: float) -> bool:
         """Whether there was anything to stop; `when_s` is when it was asked for."""
         with self._ready:
-            self._items = deque(one for one in self._items if isinstance(one, Language | Forget))
+            self._items.stop()
             self._stopped_s = max(self._stopped_s, when_s)
             turn = self._turn
         with self._states.gate:
@@ -234,16 +225,21 @@ class Conversation:
                 self._ready.wait_for(lambda: self._items or self._closed)
                 if self._closed:
                     return
-                item = self._items.popleft()
+                item = self._items.take()
                 self._busy = True
                 turn = self._turn = self._new_turn(item)
-            try:
-                self._handle(item, turn)
-            except Exception:
-                log.exception("a turn failed")
-                turn.say(self.mind.phrases.say("broken"))
-            finally:
-                self._end(turn, measured=isinstance(item, TextInput | Heard))
+            with bound(turn=turn.number):
+                self._attend(item, turn)
+
+    def _attend(self, item: Item, turn: Turn) -> None:
+        """Do it to the end, whatever happens."""
+        try:
+            self._handle(item, turn)
+        except Exception:
+            log.exception("turn_failed")
+            turn.say(self.mind.phrases.say("broken"), Outcome.FAILED)
+        finally:
+            self._end(turn, measured=isinstance(item, TextInput | Heard))
 
     def _handle(self, item: Item, turn: Turn) -> None:
         match item:
@@ -266,10 +262,10 @@ class Conversation:
         text = clean(raw)
         self._bus.publish(Transcribed(text[:MAX_CHARACTERS], turn.number))
         if not text:
-            turn.say(self.mind.phrases.say("not_heard"))
+            turn.say(self.mind.phrases.say("not_heard"), Outcome.NOT_UNDERSTOOD)
         elif len(raw) > MAX_CHARACTERS:
             length = {"length": len(raw), "limit": MAX_CHARACTERS}
-            turn.say(self.mind.phrases.say("too_long", **length))
+            turn.say(self.mind.phrases.say("too_long", **length), Outcome.REFUSED)
         else:
             self._states.enter(State.THINKING, turn)
             meaning = self.mind.understand(text, turn)
@@ -294,7 +290,8 @@ class Conversation:
         with self._ready:
             self._turn = None
         self._states.rest()
-        self._bus.publish(TurnEnded(turn.number))
+        outcome = turn.outcome if measured else None
+        self._bus.publish(TurnEnded(turn.number, outcome, turn.tokens))
         with self._ready:
             self._busy = False
             self._ready.notify_all()

@@ -2,6 +2,7 @@
 
 import threading
 from collections.abc import Callable, Sequence
+from functools import partial
 
 from edgevox.agent.asides import MAX_ASIDES, Asides
 from edgevox.agent.goals import Goal, GoalRunner, Status
@@ -11,10 +12,12 @@ from edgevox.agent.skills import Call, SkillFailed, SkillSet
 from edgevox.agent.turn import Turn
 from edgevox.core.bus import Bus
 from edgevox.core.errors import InvalidValue
-from edgevox.core.events import AgentEvent, AgentEventKind
+from edgevox.core.events import AgentEvent, AgentEventKind, Outcome
 
 MAX_CALLS = 8
 """How many calls one utterance may hold."""
+ON_THE_SPOT_S = 30.0
+"""A skill that is answered on the spot holds up what is said next, for so long at most."""
 
 
 class Deeds:
@@ -95,8 +98,9 @@ class Deeds:
         try:
             goals = self._goals(calls, skills, turn)
         except InvalidValue as error:
-            turn.say(self._phrases().say("refused", reason=_in_words(error)))
+            turn.say(self._phrases().say("refused", reason=_in_words(error)), Outcome.REFUSED)
             return
+        turn.acted()
         for goal in goals:
             self._tell(goal, source)
         if any(goal.skill.moves for goal in goals):
@@ -123,7 +127,9 @@ class Deeds:
     def _run_now(self, goals: Sequence[Goal], turn: Turn) -> None:
         for goal in goals:
             goal.accept()
-            goal.run()
+            forget = turn.token.on_cancel(partial(_follow, goal, turn))
+            goal.run(ON_THE_SPOT_S)
+            forget()
             turn.say(_report(self._phrases(), goal))
 
     def _tell(self, goal: Goal, source: str) -> None:
@@ -134,6 +140,10 @@ class Deeds:
         text = _report(self._phrases(), goal) if goal.turn else ""
         if text:
             self._announce(text)
+
+
+def _follow(goal: Goal, turn: Turn) -> None:
+    goal.token.cancel(turn.token.reason)
 
 
 def _in_words(error: InvalidValue) -> str:

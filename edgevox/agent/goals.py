@@ -1,19 +1,21 @@
 """Goals: skills that run beside the conversation, one plan at a time."""
 
-import logging
+import contextvars
+import json
 import threading
 import uuid
 from collections.abc import Callable, Mapping, Sequence
 from enum import StrEnum
 from typing import Any
 
-from edgevox.agent.skills import Skill, SkillFailed
+from edgevox.agent.skills import Skill
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import Cancelled, CancelToken
-from edgevox.core.errors import EdgeVoxError
+from edgevox.core.errors import EdgeVoxError, shorten
 from edgevox.core.events import AgentEvent, AgentEventKind
+from edgevox.core.log import bound, get_logger
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 
 class Status(StrEnum):
@@ -27,6 +29,9 @@ class Status(StrEnum):
 
 
 ENDS = frozenset({Status.SUCCEEDED, Status.FAILED, Status.CANCELLED})
+GRACE_S = 2.0
+"""A skill that was cancelled has this long to return; then its goal ends without it."""
+_MOST_REASON = 200
 
 
 class Goal:
@@ -55,6 +60,7 @@ class Goal:
         self.error = ""
         self._bus = bus
         self._token = CancelToken()
+        self._ending = threading.Lock()
         self._ended = threading.Event()
 
     @property
@@ -62,7 +68,8 @@ class Goal:
         return self._token
 
     def report(self, **feedback: Any) -> None:
-        """Publish how far this goal is."""
+        """Publish how far this goal is. Raises `TypeError` or `ValueError` for what is not JSON."""
+        json.dumps(feedback)
         self.feedback = feedback
         if self.status is Status.RUNNING:
             self._publish(AgentEventKind.SKILL_GOAL, feedback=feedback)
@@ -75,26 +82,61 @@ class Goal:
         """Say on the bus that this goal will run."""
         self._publish(AgentEventKind.SKILL_GOAL)
 
-    def run(self) -> None:
-        """Run the skill on the calling thread, to one of the ends. Never raises."""
+    def run(self, limit_s: float | None = None) -> None:
+        """Run the skill and block until one of the ends. Never raises.
+
+        The skill gets a thread of its own. It is left alone on it, and the goal ends, if it does
+        not return `GRACE_S` after it was cancelled, or within `limit_s`.
+        """
+        with bound(goal=self.id, turn=self.turn):
+            self._run(limit_s)
+
+    def _run(self, limit_s: float | None) -> None:
         if self._token.cancelled:
             self._end(Status.CANCELLED, error=self._token.reason)
             return
         self.status = Status.RUNNING
         self._publish(AgentEventKind.SKILL_GOAL)
+        over = threading.Event()  # it has returned, or it should
+        forget = self._token.on_cancel(over.set)
+        context = contextvars.copy_context()
+        # A daemon: nothing can end a thread that never returns, and it must not keep the process.
+        worker = threading.Thread(
+            target=lambda: context.run(self._work, over),
+            name=f"edgevox-skill-{self.skill.name}",
+            daemon=True,
+        )
         try:
-            result = self.skill.function(self, **self.arguments) or {}
+            worker.start()
+        except RuntimeError as error:  # the machine gives no more threads
+            self._end(Status.FAILED, error=f"{self.skill.name} could not begin: {error}")
+        in_time = self._ended.is_set() or over.wait(limit_s)
+        forget()
+        if in_time and (self._ended.is_set() or self._ended.wait(GRACE_S)):
+            return
+        log.error("skill_does_not_end", skill=self.skill.name)
+        if in_time:
+            self._end(Status.CANCELLED, error=self._token.reason)
+        else:
+            self._end(Status.FAILED, error=f"{self.skill.name} took longer than {limit_s:.0f} s")
+            self._token.cancel("it took too long")
+
+    def _work(self, over: threading.Event) -> None:
+        """Run the skill on the calling thread, to one of the ends."""
+        try:
+            result = _as_json(self.skill.function(self, **self.arguments))
         except Cancelled as cancelled:
             self._end(Status.CANCELLED, error=self._token.reason or str(cancelled))
-        except SkillFailed as failure:
-            self._end(Status.FAILED, error=str(failure))
-        except EdgeVoxError as error:
+        except EdgeVoxError as error:  # `SkillFailed`, or what it called did
             self._end(Status.FAILED, error=str(error))
-        except Exception as error:
-            log.exception("skill %s failed", self.skill.name)
-            self._end(Status.FAILED, error=f"{self.skill.name} broke: {error}")
+        except BaseException as error:
+            log.exception("skill_broke", skill=self.skill.name)
+            said = " ".join(str(error).split())[:_MOST_REASON] or type(error).__name__
+            self._end(Status.FAILED, error=f"{self.skill.name} broke: {said}")
         else:
             self._end(Status.SUCCEEDED, result=result)
+        finally:
+            over.set()
 
     def drop(self, reason: str) -> None:
         """End it without ever having run."""
@@ -102,9 +144,12 @@ class Goal:
         self._end(Status.CANCELLED, error=reason)
 
     def _end(self, status: Status, *, result: Mapping[str, Any] = {}, error: str = "") -> None:
-        self.status = status
-        self.result = dict(result)
-        self.error = error
+        """It is over; only the first end counts."""
+        with self._ending:
+            if self.status in ENDS:
+                return
+            self.result, self.error = dict(result), error
+            self.status = status
         if status is Status.CANCELLED:
             self._publish(AgentEventKind.SKILL_CANCELLED, reason=error)
         elif status is Status.FAILED:
@@ -202,10 +247,26 @@ class GoalRunner:
     def _run(self, plan: Sequence[Goal]) -> None:
         for position, goal in enumerate(plan):
             goal.run()
-            self._on_end(goal)
+            try:
+                self._on_end(goal)
+            except Exception:
+                log.exception("goal_end_untold", skill=goal.skill.name, goal=goal.id)
             if goal.status is not Status.SUCCEEDED:
                 _drop(plan[position + 1 :], f"{goal.skill.name} {goal.status}")
                 return
+
+
+def _as_json(result: Any) -> Mapping[str, Any]:
+    """What a skill returned. Raises `TypeError` or `ValueError` if it is no JSON object."""
+    if result is None:
+        return {}
+    if not isinstance(result, Mapping):
+        raise TypeError(f"its result is {shorten(result)}, not a mapping")
+    try:
+        json.dumps(result)
+    except (TypeError, ValueError) as error:
+        raise TypeError(f"its result is not JSON: {error}") from None
+    return result
 
 
 def _cancel(goals: Sequence[Goal], reason: str) -> None:

@@ -1,6 +1,5 @@
 """Decides what an utterance means: calls of skills by templates or by a model, or words."""
 
-import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -14,9 +13,10 @@ from edgevox.agent.toolcalls import HANDOFF, Protocol
 from edgevox.agent.turn import Turn
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
-from edgevox.core.events import AgentEvent, AgentEventKind
+from edgevox.core.events import AgentEvent, AgentEventKind, Outcome
+from edgevox.core.log import get_logger
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 MAX_HANDOFFS = 3
 """How often one utterance may be handed on, so that two agents cannot play ball with it."""
@@ -76,10 +76,11 @@ class Mind:
                 self._hand_over(agent, turn)
                 return Meaning(agent, found.calls, "template")
             if isinstance(found, Refused):
-                turn.say(found.reason)
+                turn.say(found.reason, Outcome.REFUSED)
                 return None
         if self._model is None:
-            turn.say(f"{self.phrases.say('not_understood')} {self._abilities()}")
+            not_understood = f"{self.phrases.say('not_understood')} {self._abilities()}"
+            turn.say(not_understood, Outcome.NOT_UNDERSTOOD)
             return None
         return self._ask_model(self._model, text, turn)
 
@@ -101,7 +102,7 @@ class Mind:
             if not handoffs:
                 return Meaning(self.active, tuple(calls), "model") if calls else None
             self._hand_over(self._agents[str(handoffs[0].arguments["agent"])], turn)
-        turn.say(self.phrases.say("nobody"))
+        turn.say(self.phrases.say("nobody"), Outcome.FAILED)
         return None
 
     def _generate(self, model: LanguageModel, text: str, turn: Turn) -> Sequence[Call]:
@@ -117,8 +118,8 @@ class Mind:
             ):
                 turn.stream(parser.feed(piece))
         except ModelFailed as error:
-            log.error("the language model failed: %s", error)  # noqa: TRY400 - its message says all
-            turn.say(self.phrases.say("model_failed"))
+            log.error("model_failed", reason=str(error))  # noqa: TRY400 - its message says it all
+            turn.say(self.phrases.say("model_failed"), Outcome.FAILED)
             return ()
         finally:
             turn.thought(self._clock.now() - started_s)

@@ -13,10 +13,9 @@ from edgevox.agent.phrasebook import (
     Numbers,
     Phrasebook,
     Rewriting,
-    SkillPhrases,
     Word,
 )
-from edgevox.agent.skills import Example
+from edgevox.agent.skills import Example, SkillPhrases
 from edgevox.agent.spelling import composed, key
 from edgevox.core.errors import InvalidValue
 from edgevox.core.languages import LANGUAGES

@@ -8,7 +8,7 @@ from itertools import zip_longest
 from string import Formatter
 from typing import Any
 
-from edgevox.agent.skills import Example, OneOf, Skill
+from edgevox.agent.skills import Example, OneOf, Skill, SkillPhrases
 from edgevox.agent.spelling import key
 
 Rewriting = tuple[re.Pattern[str], str]
@@ -44,17 +44,6 @@ class Word:
         forms = (self.name, self.to, self.at, self.taken)
         named, to, at, taken = (form.replace("{name}", name) for form in forms)
         return Word(named, to, at, taken, heard=(name,))
-
-
-@dataclass(frozen=True, slots=True)
-class SkillPhrases:
-    """One skill. Of `says` and `done` the first counts whose values are all known."""
-
-    can: str = ""
-    templates: tuple[str, ...] = ()
-    says: tuple[str, ...] = ()
-    done: tuple[str, ...] = ()
-    examples: tuple[Example, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,7 +192,7 @@ class Phrasebook:
         return set(re.findall(r"\{(\w+)\}", template)).union(*inside)
 
     def _phrases(self, one: Skill) -> SkillPhrases:
-        return self.skills.get(one.name, SkillPhrases())
+        return one.phrases.get(self.code) or self.skills.get(one.name, SkillPhrases())
 
     def _join(self, parts: Sequence[str]) -> str:
         if len(parts) < 2:

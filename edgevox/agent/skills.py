@@ -74,6 +74,25 @@ class OneOf:
         )
 
 
+def _takes_any_words(schema: Any) -> bool:
+    """Whether a value by this JSON schema can hold a string that the schema does not list."""
+    if isinstance(schema, list):
+        return any(_takes_any_words(one) for one in schema)
+    if not isinstance(schema, Mapping) or "enum" in schema or "const" in schema:
+        return False
+    kinds = {
+        "anyOf",
+        "oneOf",
+        "allOf",
+        "items",
+        "prefixItems",
+        "additionalProperties",
+    } & schema.keys()
+    if kinds:
+        return any(_takes_any_words(schema[kind]) for kind in kinds)
+    return schema.get("type", "string") in {"string", "array", "object"}
+
+
 def _plain(word: str) -> str:
     text = word.casefold().replace("_", " ").strip()
     return " ".join(text.removeprefix("the ").split())
@@ -87,13 +106,28 @@ class Example:
     arguments: Mapping[str, Any] = field(default_factory=dict)
 
 
+@dataclass(frozen=True, slots=True)
+class SkillPhrases:
+    """One skill in one language. Of `says` and `done` the first counts whose values are all known.
+
+    `can` is what a robot with this skill can do, as a part of a sentence.
+    """
+
+    can: str = ""
+    templates: tuple[str, ...] = ()
+    says: tuple[str, ...] = ()
+    done: tuple[str, ...] = ()
+    examples: tuple[Example, ...] = ()
+
+
 @dataclass(frozen=True)
 class Skill:
     """One thing a robot can do.
 
     `moves`: it uses the body, so it runs beside the conversation and pre-empts whatever moves; a
     skill that does not is answered on the spot. `says` acknowledges the call, `done` reports
-    success; both are formatted with the arguments, `done` also with the result's keys.
+    success; both are formatted with the arguments, `done` also with the result's keys. `phrases`
+    are other languages by code, for a skill that no phrasebook knows.
     """
 
     name: str
@@ -105,6 +139,7 @@ class Skill:
     says: str = ""
     done: str = ""
     moves: bool = True
+    phrases: Mapping[str, SkillPhrases] = field(default_factory=dict)
 
     @property
     def schema(self) -> dict[str, Any]:
@@ -120,6 +155,12 @@ class Skill:
             for extra in (*info.metadata, *get_args(info.annotation))
             if isinstance(extra, OneOf)
         }
+
+    @property
+    def free_text(self) -> frozenset[str]:
+        """The arguments that take any words, so that they may hold what somebody said."""
+        properties: Mapping[str, Any] = self.schema.get("properties", {})
+        return frozenset(name for name, schema in properties.items() if _takes_any_words(schema))
 
     def validate(self, arguments: Mapping[str, Any]) -> dict[str, Any]:
         """Checked and converted arguments. Raises `InvalidValue` naming the first wrong one."""
@@ -137,6 +178,7 @@ def skill(
     says: str = "",
     done: str = "",
     moves: bool = True,
+    phrases: Mapping[str, SkillPhrases] | None = None,
 ) -> Callable[[Callable[..., Result | None]], Skill]:
     """Turn a function into a `Skill`; see the module's docstring."""
 
@@ -151,6 +193,7 @@ def skill(
             says=says,
             done=done,
             moves=moves,
+            phrases=phrases or {},
         )
 
     return decorate
@@ -219,6 +262,7 @@ __all__ = [
     "Result",
     "Skill",
     "SkillFailed",
+    "SkillPhrases",
     "SkillSet",
     "UnknownSkill",
     "skill",

@@ -8,7 +8,7 @@ from sentence_stream import SentenceBoundaryDetector
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
-from edgevox.core.events import Responded, SentenceReady, TokenGenerated, TurnMeasured
+from edgevox.core.events import Outcome, Responded, SentenceReady, TokenGenerated, TurnMeasured
 from edgevox.core.speech import Mouth, Spoken, Utterance
 
 
@@ -43,6 +43,7 @@ class Turn:
     ) -> None:
         self.number = number
         self.token = CancelToken()
+        self.tokens = 0
         self._bus = bus
         self._clock = clock
         self._on_speech = on_speech
@@ -56,6 +57,12 @@ class Turn:
         self._stt_s = asked.stt_s
         self._first_s: float | None = None
         self._model_s = 0.0
+        self._outcome = Outcome.ANSWERED
+
+    @property
+    def outcome(self) -> Outcome:
+        """What became of it."""
+        return Outcome.INTERRUPTED if self.cut else self._outcome
 
     @property
     def text(self) -> str:
@@ -68,15 +75,17 @@ class Turn:
         return self.token.cancelled or (self._spoken is not None and self._spoken.cut)
 
     def stream(self, piece: str) -> None:
-        """Say a piece of an answer as a model generates it."""
+        """Say a piece of an answer as a model generates it; empty for one that is not for ears."""
+        self.tokens += 1
         if self.token.cancelled or not piece:
             return
         self._bus.publish(TokenGenerated(piece, self.number))
         for sentence in self._sentences.add_chunk(piece):
             self._say(sentence)
 
-    def say(self, text: str) -> None:
-        """Say a whole text."""
+    def say(self, text: str, outcome: Outcome | None = None) -> None:
+        """Say a whole text; it may tell what becomes of the turn."""
+        self._outcome = outcome or self._outcome
         for sentence in self._sentences.add_chunk(text + " "):
             self._say(sentence)
         self.flush()
@@ -86,6 +95,10 @@ class Turn:
         rest = self._sentences.finish().strip()
         if rest:
             self._say(rest)
+
+    def acted(self) -> None:
+        """Skills were called."""
+        self._outcome = Outcome.ACTED
 
     def thought(self, seconds: float) -> None:
         """Count time that a model worked for this turn."""

@@ -7,7 +7,7 @@ from pathlib import Path
 from edgevox.apps.arguments import Asked, parse_arguments
 from edgevox.apps.ending import Ending, Terminated
 from edgevox.apps.play import play, read_script
-from edgevox.apps.program import run_program, set_log_level
+from edgevox.apps.program import run_program, set_up_logs
 from edgevox.apps.robots import build_body
 from edgevox.apps.serving import serve
 from edgevox.apps.snapshot import take_snapshot
@@ -28,7 +28,7 @@ def _prepare(asked: Asked) -> Callable[[], bool]:
     if asked.scenario:
         return _prepare_scenario(asked, asked.scenario)
     settings = load_settings(asked.flags, asked.config)
-    set_log_level(settings)
+    set_up_logs("edgevox-agent", settings)
     if snapshot := asked.snapshot:
         drawn = build_body(asked.robot, settings, IN_THE_HAND)
         return lambda: take_snapshot(drawn, snapshot)
@@ -39,7 +39,7 @@ def _prepare(asked: Asked) -> Callable[[], bool]:
 def _prepare_scenario(asked: Asked, file: Path) -> Callable[[], bool]:
     script = read_script(file, asked.robot)
     settings = load_settings(script.flags(asked.flags), asked.config)
-    set_log_level(settings)
+    set_up_logs("edgevox-agent", settings)
     body = build_body(asked.robot, settings, IN_THE_HAND)
     return lambda: _interruptible(
         lambda: play(script, settings, body, snapshot=asked.snapshot, ros_args=asked.ros_args)

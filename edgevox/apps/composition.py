@@ -2,81 +2,61 @@
 
 from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
-from typing import Protocol
+from pathlib import Path
 
 from edgevox.agent.conversation import Conversation
-from edgevox.agent.llm.base import LanguageModel
+from edgevox.agent.llm.base import LanguageModel, ModelFailed
 from edgevox.agent.llm.primer import Primer
-from edgevox.apps.language_model import find_weights, open_model
-from edgevox.apps.queries import Queries, available_voices, build_queries
+from edgevox.apps.components import list_components, list_executor
+from edgevox.apps.free_text import free_text
+from edgevox.apps.language_model import find_weights, open_model, open_without
+from edgevox.apps.metrics import read_bridge, read_parts, serve_metrics
+from edgevox.apps.parts import Part, Parts
+from edgevox.apps.queries import available_voices, build_queries, deafness
 from edgevox.apps.robots import build_agents
 from edgevox.apps.switchboard import Switchboard
-from edgevox.apps.voice import Voice, build_ears, build_voice, warm_up
+from edgevox.apps.voice import build_ears, build_voice, warm_up
 from edgevox.core.bus import Bus
+from edgevox.core.commands import Speak
 from edgevox.core.controls import Controls
 from edgevox.core.events import ControlChanged
+from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
+from edgevox.models import ModelMissing
+from edgevox.ops.diagnostics import Diagnostics
+from edgevox.ops.diagnostics.gauges import Gauges
 from edgevox.ops.health import Health, lives, moves
+from edgevox.ops.logs import BusLog
 from edgevox.robots.capabilities import Body, TellsStalls
 from edgevox.ros2 import Wiring, open_bridge
-from edgevox.voice.ears import Ears
 
-
-class Part(Protocol):
-    """Something with a lifetime."""
-
-    def start(self) -> None: ...
-
-    def close(self) -> None: ...
-
-
-@dataclass(frozen=True)
-class Parts:
-    """An agent: what it is made of, none of it started.
-
-    Without a `body` it only talks, without a `voice` it only writes.
-    """
-
-    settings: Settings
-    bus: Bus
-    body: Body | None
-    controls: Controls
-    queries: Queries
-    conversation: Conversation
-    switchboard: Switchboard
-    model: LanguageModel | None
-    voice: Voice | None
-    ears: Ears | None
-    health: Health
-
-    @property
-    def name(self) -> str:
-        """What it is called."""
-        return self.body.name if self.body else "edgevox"
+log = get_logger(__name__)
 
 
 def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Parts:
     """Make everything; what must be closed is left to the stack. Raises `EdgeVoxError`.
 
-    Only health is served from now on: a model may take long to load.
+    Only health and metrics are served from now on: a model may take long to load.
     """
     health = _serve_health(stack, settings)
     bus = Bus()
+    agents = build_agents(body)
+    stack.callback(BusLog(bus, free_text(agents)).close)
+    metrics = serve_metrics(stack, settings, bus, health, body.skills if body else ())
     controls = Controls(
         bus,
         language=settings.language,
         voice=settings.voice,
         muted=settings.muted,
         voices=available_voices,
+        deafness=(lambda _: "") if settings.text_mode else deafness,
     )
     voice = None if settings.text_mode else build_voice(stack, settings, bus, controls)
-    model_path = find_weights(settings)
-    model = open_model(settings, model_path)
+    model, model_path, absent = _think(settings)
     if model:
         stack.callback(model.close)
     conversation = Conversation(
-        build_agents(body),
+        agents,
         bus,
         halt=body.halt if body else lambda _: False,
         model=model,
@@ -115,6 +95,9 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Part
         voice,
         ears,
         health,
+        model_path,
+        metrics,
+        absent,
     )
 
 
@@ -129,8 +112,14 @@ def start_parts(stack: ExitStack, parts: Parts, ros_args: Sequence[str] = ()) ->
     if parts.voice:
         start(stack, parts.voice.mouth)
     _watch(parts)
+    read_parts(parts)
+    gauges = Gauges(parts.bus)
+    stack.callback(gauges.close)
+    listed = list_components(parts, gauges)
     if parts.settings.ros2:
-        bridge = open_bridge(_wiring(parts), ros_args)
+        bridge = open_bridge(_wiring(parts, listed), ros_args)
+        list_executor(listed, bridge)
+        read_bridge(parts, bridge)
         start(stack, bridge)
         print(f"ROS 2: {bridge.where}", flush=True)
         parts.health.watch("ros2", moves(lambda: bridge.stalled_s))
@@ -146,7 +135,25 @@ def start_parts(stack: ExitStack, parts: Parts, ros_args: Sequence[str] = ()) ->
     start(stack, parts.conversation)  # late, so that its first state is heard on the bridge
     if parts.ears:
         start(stack, parts.ears)
+    if parts.absent:
+        parts.health.require("llm", lambda: parts.absent)
+        phrases = parts.conversation.mind.phrases
+        parts.conversation.submit(Speak(phrases.say("model_failed")))
     parts.health.started()
+
+
+def _think(settings: Settings) -> tuple[LanguageModel | None, Path | None, str]:
+    """What thinks, the file of the model on board, and why there is none though one was asked for.
+
+    Plain commands need no model, so a robot that lacks its own comes up, and says so.
+    """
+    try:
+        weights = find_weights(settings)
+        return open_model(settings, weights), weights, ""
+    except (ModelMissing, ModelFailed) as error:
+        absent = str(error)
+        log.error("llm_missing", reason=absent)  # noqa: TRY400 - the reason says it all
+        return open_without(settings, absent), None, absent
 
 
 def _serve_health(stack: ExitStack, settings: Settings) -> Health:
@@ -170,7 +177,7 @@ def _watch(parts: Parts) -> None:
         health.watch("ears", lives(lambda: ears.alive))
 
 
-def _wiring(parts: Parts) -> Wiring:
+def _wiring(parts: Parts, listed: Diagnostics) -> Wiring:
     voice = parts.voice
     return Wiring(
         parts.settings,
@@ -182,6 +189,7 @@ def _wiring(parts: Parts) -> Wiring:
         parts.conversation if parts.body else None,
         voice.microphone if voice else None,
         voice.relay if voice else None,
+        listed,
     )
 
 

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from edgevox.agent.llm.absent import AbsentModel
 from edgevox.agent.llm.base import LanguageModel
 from edgevox.core.settings import Settings
 from edgevox.models import locate
@@ -21,7 +22,16 @@ def open_model(settings: Settings, weights: Path | None) -> LanguageModel | None
     With a server the model on board is loaded too: whoever falls back must not wait for it, and the
     memory that it takes shows on the first day, not on the first bad one. `llm` none saves it.
     """
-    on_board = _load(settings, weights) if weights else None
+    return _beside_server(settings, _load(settings, weights) if weights else None)
+
+
+def open_without(settings: Settings, trouble: str) -> LanguageModel:
+    """What thinks where the model on board cannot be had: a server alone, or nothing at all."""
+    absent = AbsentModel(trouble, context_tokens=settings.llm_context)
+    return _beside_server(settings, None) or absent
+
+
+def _beside_server(settings: Settings, on_board: LanguageModel | None) -> LanguageModel | None:
     if not settings.llm_endpoint:
         return on_board
     from edgevox.agent.llm.endpoint import Address, EndpointModel, FallbackModel

@@ -10,12 +10,14 @@ from edgevox.models import Store
 from edgevox.ops.hardware import hardware_info
 from edgevox.voice.speaker import Speaker
 from edgevox.voice.tts.engines import installed
-from edgevox.voice.voices import VoiceChoice, available, choose
+from edgevox.voice.voices import PresentVoices, available
 
 Queries = Mapping[str, Callable[[], Mapping[str, Any]]]
 """What can be asked, by name."""
 Info = Callable[[], Mapping[str, Any]]
 
+WAKE_WORDS = "wake-words"
+"""The id in edgevox-models of the wake words."""
 NO_STT = {"backend": None, "model_size": None, "device": None}
 NO_TTS = {"backend": None, "voice": None, "sample_rate": None}
 
@@ -34,9 +36,16 @@ def available_voices(language: str) -> Sequence[str]:
     return [choice.name for choice in available(LANGUAGES[language], _Finder())]
 
 
-def present_voices(controls: Controls) -> Sequence[VoiceChoice]:
-    """What speaks now by the settings, and after it what is tried when it fails."""
-    return choose(controls.language, controls.voice, _Finder())
+def present_voices(controls: Controls) -> PresentVoices:
+    """Gives what speaks now by the settings, and after it what is tried when it fails."""
+    return PresentVoices(lambda: (controls.language, controls.voice), _Finder)
+
+
+def deafness(language: str) -> str:
+    """Why this language cannot be heard on this machine; empty if it can."""
+    model = LANGUAGES[language].stt_model
+    commands = [] if find_model(model) else fetch_commands([model])
+    return f"{model} is not here: {commands[0]}" if commands else ""
 
 
 def build_queries(

@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from edgevox.apps.ending import Ending, Terminated
-from edgevox.apps.program import run_program, set_log_level
+from edgevox.apps.metrics import serve_recorders_metrics
+from edgevox.apps.program import run_program, set_up_logs
 from edgevox.apps.recorder_arguments import Asked, parse_arguments
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.settings import Settings
@@ -41,7 +42,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _prepare(argv: Sequence[str], lost: list[str]) -> Callable[[], bool]:
     """What to run; it says whether the scenario went well, and in `lost` what was not recorded."""
     asked = parse_arguments(argv)
-    set_log_level(asked.settings)
+    set_up_logs("edgevox-recorder", asked.settings)
     for module, what in (("rclpy", "ROS 2 Jazzy"), ("mcap", "pip install edgevox[recorder]")):
         if find_spec(module) is None:
             raise EdgeVoxError(f"{module}: got no module, expected {what}")
@@ -66,6 +67,7 @@ def _record(asked: Asked, scenario: Scenario | None, lost: list[str]) -> bool:
             stack.callback(_conclude, recorder, folder, lost)
             stack.callback(recorder.close)
             _serve_health(stack, asked.settings, health, recorder)
+            serve_recorders_metrics(stack, asked.settings, health, recorder)
             play = _stage(stack, recorder, asked, scenario) if scenario else None
             recorder.start()
             health.started()

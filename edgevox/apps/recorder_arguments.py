@@ -12,7 +12,15 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import Settings, load_settings
 from edgevox.ros2 import split_ros_args
 
-SETTINGS = ("ros2_namespace", "health_port", "health_host", "log_level")
+SETTINGS = (
+    "ros2_namespace",
+    "health_port",
+    "health_host",
+    "metrics_port",
+    "metrics_host",
+    "log_level",
+    "log_format",
+)
 
 
 @dataclass(frozen=True)

@@ -1,19 +1,14 @@
 """The robots that `edgevox-agent` knows by name, each built only when it is asked for."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.skills import SkillSet
+from edgevox.apps.robot import INSTRUCTIONS, Robot, installed_robots
 from edgevox.core.settings import Settings
 from edgevox.models import locate
 from edgevox.robots.capabilities import Body
-
-INSTRUCTIONS = (
-    "You are EdgeVox, the voice of a small robot in a home. Be friendly and brief: one or two short"
-    " sentences. Only promise what your skills can do."
-)
 
 ARM_INSTRUCTIONS = (
     "You are EdgeVox, the voice of a robot arm that stands at a table with cubes and bins. You"
@@ -31,23 +26,6 @@ TALK_INSTRUCTIONS = (
 
 PANDA, G1, G1_POLICY, H1 = "franka-panda", "unitree-g1", "g1-walking-policy", "unitree-h1"
 """Models of robots, by their ids in edgevox-models."""
-
-Build = Callable[[Settings, float | None], Body]
-"""Makes a body that is not yet started, in a world that runs at that multiple of real time; with
-None as fast as it can, with 0 only as far as `advance` asks."""
-
-
-@dataclass(frozen=True)
-class Robot:
-    """One robot: what it is, how to build it, what the language model is told of itself.
-
-    `models` are the ids of edgevox-models that it needs as it comes; `build` locates them.
-    """
-
-    about: str
-    build: Build
-    instructions: str = INSTRUCTIONS
-    models: tuple[str, ...] = ()
 
 
 def _apartment(settings: Settings, speed: float | None) -> Body:
@@ -103,9 +81,13 @@ def _external(settings: Settings, _speed: float | None) -> Body:
     )
 
 
-ROBOTS: Mapping[str, Robot] = {
-    "robot-apartment": Robot("a mobile robot in a simulated four-room apartment", _apartment),
-    "robot-irsim": Robot("the same robot in the same apartment, simulated with IR-SIM", _irsim),
+_OURS: Mapping[str, Robot] = {
+    "robot-apartment": Robot(
+        "a mobile robot in a simulated four-room apartment", _apartment, INSTRUCTIONS
+    ),
+    "robot-irsim": Robot(
+        "the same robot in the same apartment, simulated with IR-SIM", _irsim, INSTRUCTIONS
+    ),
     "robot-panda": Robot(
         "a Franka Panda arm at a table with cubes and bins, simulated with MuJoCo",
         _panda,
@@ -118,8 +100,13 @@ ROBOTS: Mapping[str, Robot] = {
         HUMANOID_INSTRUCTIONS,
         (G1, G1_POLICY),
     ),
-    "robot-external": Robot("any ROS 2 robot, over its odom, cmd_vel and goal_pose", _external),
+    "robot-external": Robot(
+        "any ROS 2 robot, over its odom, cmd_vel and goal_pose", _external, INSTRUCTIONS
+    ),
 }
+
+
+ROBOTS: Mapping[str, Robot] = {**_OURS, **installed_robots(besides=_OURS)}
 """All of them, in the order in which they are listed."""
 
 

@@ -1,18 +1,23 @@
 """How an agent is there for whoever talks to it."""
 
+import time
 from collections.abc import Sequence
 from contextlib import ExitStack
 
 from edgevox.apps.composition import build_parts, start, start_parts
 from edgevox.apps.ending import Ending
 from edgevox.apps.terminal import run_terminal
+from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
 from edgevox.robots.capabilities import Body, HasPicture
 from edgevox.robots.viewer import Viewer, has_display
 
+log = get_logger(__name__)
+
 
 def serve(settings: Settings, body: Body | None, ros_args: Sequence[str]) -> bool:
     """Be there for whoever talks to it, until somebody leaves."""
+    began_s = time.monotonic()
     with ExitStack() as stack:
         parts = build_parts(stack, settings, body)
         with Ending() as ending:
@@ -20,5 +25,9 @@ def serve(settings: Settings, body: Body | None, ros_args: Sequence[str]) -> boo
             if settings.render and has_display() and isinstance(body, HasPicture):
                 start(stack, Viewer(body.picture, f"EdgeVox: {body.name}"))
             print(f"{parts.name} is ready. /help shows what can be typed.", flush=True)
-            run_terminal(parts, ending)
+            log.info("ready", agent=parts.name, after_s=round(time.monotonic() - began_s, 1))
+            try:
+                run_terminal(parts, ending)
+            finally:
+                log.info("shutting_down", agent=parts.name, reason=ending.signal or "left")
     return True

@@ -6,11 +6,12 @@ from collections.abc import Callable, Sequence
 
 from edgevox import __version__
 from edgevox.apps.flags import add_flags, given_flags
-from edgevox.apps.program import run_program, set_log_level
-from edgevox.apps.serving import serve
+from edgevox.apps.program import run_program, set_up_logs
 from edgevox.core.settings import Settings, load_settings
 from edgevox.ros2 import split_ros_args
 
+DOCTOR = "doctor"
+"""The first argument that asks for the doctor instead."""
 OF_ROBOTS = frozenset(
     {
         "external_namespace",
@@ -33,12 +34,19 @@ OF_ROBOTS = frozenset(
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run it; the process's exit code."""
-    own, ros = split_ros_args(sys.argv[1:] if argv is None else argv)
+    given = list(sys.argv[1:] if argv is None else argv)
+    if given[:1] == [DOCTOR]:
+        from edgevox.apps.doctor.command import main as doctor
+
+        return doctor(given[1:], f"edgevox {DOCTOR}")
+    own, ros = split_ros_args(given)
     arguments = _parser().parse_args(own)
 
     def prepare() -> Callable[[], bool]:
+        from edgevox.apps.serving import serve
+
         settings = load_settings(given_flags(arguments), arguments.config)
-        set_log_level(settings)
+        set_up_logs("edgevox", settings)
         return lambda: serve(settings, None, ros)
 
     return run_program("edgevox", prepare)
@@ -47,7 +55,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="edgevox",
-        description="A voice agent to talk to. edgevox-agent is one with a robot's body.",
+        description="A voice agent to talk to. edgevox-agent is one with a robot's body;"
+        " edgevox doctor checks this machine.",
         epilog="Settings come from a --config file, then EDGEVOX_* variables, then these flags.",
     )
     parser.add_argument("--version", action="version", version=__version__)

@@ -1,21 +1,23 @@
 """The ears and the mouth of an agent, made from the settings."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
 from edgevox.agent.phrase_file import phrasebook
-from edgevox.apps.queries import Info, present_voices, tts_info
+from edgevox.apps.queries import WAKE_WORDS, Info, present_voices, tts_info
 from edgevox.core.bus import Bus
-from edgevox.core.commands import Command
+from edgevox.core.commands import Command, Speak
 from edgevox.core.controls import Controls
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import ControlChanged
 from edgevox.core.languages import LANGUAGES, STT_BACKEND
+from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
 from edgevox.models import locate
-from edgevox.voice.audio import AudioSource
+from edgevox.voice.audio import AudioSink, AudioSource
 from edgevox.voice.ears import Ears
 from edgevox.voice.mouth import SpeakingMouth
 from edgevox.voice.sinks.opening import open_sink
@@ -24,25 +26,29 @@ from edgevox.voice.sources.files import WavFiles
 from edgevox.voice.sources.opening import ROS2, open_source
 from edgevox.voice.sources.pushed import Pushed
 from edgevox.voice.speaker import Speaker
+from edgevox.voice.stt.watched import WatchedSpeechToText
 from edgevox.voice.stt.whisper import Whisper
 from edgevox.voice.tts.pool import VoicePool
 from edgevox.voice.vad import SileroVad
 from edgevox.voice.wakeword import WakeWord
 
-WAKE_WORDS = "wake-words"
-"""The id in edgevox-models of the wake words."""
+log = get_logger(__name__)
 
 
 @dataclass(frozen=True)
 class Voice:
-    """What hears and speaks. `relay` carries speech to ROS 2 when `audio_out` says so."""
+    """What hears and speaks. `relay` carries speech to ROS 2 when `audio_out` says so.
+
+    `weights` gives the files that are loaded, of ``stt`` and ``tts``, or folders of them.
+    """
 
     source: AudioSource
-    stt: Whisper
+    sink: AudioSink
+    stt: WatchedSpeechToText
     mouth: SpeakingMouth
-    audible: Callable[[], float]
     wakeword: WakeWord | None
     relay: Relay | None
+    weights: Callable[[], Mapping[str, Iterable[Path]]]
 
     @property
     def microphone(self) -> Pushed | None:
@@ -65,8 +71,8 @@ def build_voice(
 ) -> Voice:
     """Open sound in both directions and load what the first sentence needs.
 
-    Raises `InvalidValue` for a setting that cannot be honoured, `ModelMissing` for a model that is
-    not here.
+    Raises `InvalidValue` for a setting that cannot be honoured, `ModelMissing` for wake words that
+    are not here: a robot that takes every word for a command, or none, is not what was asked for.
     """
     if settings.audio_in == ROS2 and not settings.ros2:
         raise InvalidValue("audio_in", ROS2, "ros2 only together with --ros2")
@@ -76,18 +82,35 @@ def build_voice(
     sink = open_sink(settings.audio_out, relay=relay if settings.ros2 else None)
     stack.callback(sink.close)
     wakeword = WakeWord(settings.wakeword, locate(WAKE_WORDS)) if settings.wakeword else None
-    stt = Whisper(_hearing_model, prompt_of=lambda code: phrasebook(code).hearing.written)
+    whisper = Whisper(_hearing_model, prompt_of=lambda code: phrasebook(code).hearing.written)
+    stt = WatchedSpeechToText(whisper)
     stack.callback(stt.close)
-    mouth = SpeakingMouth(Speaker(lambda: present_voices(controls), VoicePool()), sink)
+    pool = VoicePool()
+    mouth = SpeakingMouth(Speaker(present_voices(controls), pool), sink)
     stack.callback(bus.subscribe(ControlChanged, lambda change: _prepare(mouth, change)))
     connected = relay if settings.ros2 and settings.audio_out == ROS2 else None
-    return Voice(source, stt, mouth, sink.audible, wakeword, connected)
+    return Voice(
+        source,
+        sink,
+        stt,
+        mouth,
+        wakeword,
+        connected,
+        weights=lambda: {"stt": whisper.loaded, "tts": pool.files},
+    )
 
 
 def warm_up(voice: Voice, language: str) -> None:
-    """Load and try what hears and speaks, so that the first person does not wait for it."""
+    """Load and try what hears and speaks, so that the first person does not wait for it.
+
+    What cannot be loaded is logged, and says so itself: the rest of the robot is of use without it.
+    """
     voice.mouth.prepare()
-    voice.stt.warm_up(language)
+    # On another thread: a signal that arrives inside a C library's start would be lost there.
+    with ThreadPoolExecutor(1, "edgevox-warm-up") as worker:
+        error = worker.submit(voice.stt.warm_up, language).exception()
+    if error:
+        log.error("stt_missing", language=language, reason=str(error))
     voice.mouth.warm_up()
 
 
@@ -100,7 +123,11 @@ def build_ears(
     submit: Callable[[Command], None],
     is_stop: Callable[[str], bool],
 ) -> Ears:
-    """The ears, not started; what they hear goes to `submit`."""
+    """The ears, not started; what they hear goes to `submit`.
+
+    Who speaks to ears that understand nothing is told that.
+    """
+    voice.stt.tell = lambda: submit(Speak(phrasebook(controls.language).say("deaf")))
     return Ears(
         voice.source,
         SileroVad(),
@@ -109,7 +136,7 @@ def build_ears(
         bus=bus,
         language=lambda: controls.language,
         muted=lambda: controls.muted,
-        audible=voice.audible,
+        audible=voice.sink.audible,
         wakeword=voice.wakeword,
         is_stop=is_stop,
         echo=settings.echo,

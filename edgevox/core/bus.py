@@ -1,13 +1,13 @@
 """The bus: one place where events are published and any number of faces listen."""
 
-import logging
 import threading
 from collections.abc import Callable
 from typing import Any, TypeVar
 
 from edgevox.core.events import Event
+from edgevox.core.log import get_logger
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 E = TypeVar("E")
 Handler = Callable[[Any], None]
@@ -37,7 +37,7 @@ class Bus:
             try:
                 handler(event)
             except Exception:
-                log.exception("a subscriber failed on %s", type(event).__name__)
+                log.exception("subscriber_failed", on=type(event).__name__)
 
     def _unsubscribe(self, kind: type, handler: Handler) -> None:
         with self._lock:

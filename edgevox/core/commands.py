@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from edgevox.core.events import Cause
+
 
 @dataclass(frozen=True, slots=True)
 class TextInput:
@@ -45,6 +47,7 @@ class Interrupt:
 
     reason: str = "interrupted"
     motion: bool = True
+    cause: Cause = Cause.PROGRAM
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,20 +11,33 @@ from edgevox.core.languages import LANGUAGES
 Value = str | bool
 Voices = Callable[[str], Sequence[str]]
 """The voices that this machine really has for a language, by its code."""
+Deafness = Callable[[str], str]
+"""Why a language cannot be heard here, by its code; empty if it can."""
 
 
 class Controls:
     """Language, voice and muted. All or nothing of a change is made, and told on the bus.
+
+    A language that could not be heard is refused: nobody could stop the robot in it. What was set
+    from the start is not.
 
     An empty voice means the best one that the language has here. A change of language drops a voice
     of another language.
     """
 
     def __init__(
-        self, bus: Bus, *, language: str, voice: str = "", muted: bool = False, voices: Voices
+        self,
+        bus: Bus,
+        *,
+        language: str,
+        voice: str = "",
+        muted: bool = False,
+        voices: Voices,
+        deafness: Deafness = lambda _: "",
     ) -> None:
         self._bus = bus
         self._voices = voices
+        self._deafness = deafness
         self._lock = threading.RLock()
         self._values: dict[str, Value] = {"language": language, "voice": "", "muted": muted}
         self._values = self.check({"voice": voice})
@@ -53,6 +66,8 @@ class Controls:
         language, voice = str(values["language"]), str(values["voice"])
         if language not in LANGUAGES:
             raise InvalidValue("language", language, "one of " + ", ".join(LANGUAGES))
+        if language != self._values["language"] and (why := self._deafness(language)):
+            raise InvalidValue("language", language, f"one that can be heard here: {why}")
         if not isinstance(values["muted"], bool):
             raise InvalidValue("muted", values["muted"], "true or false")
         known = self._voices(language)

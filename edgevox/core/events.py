@@ -26,6 +26,29 @@ class AgentEventKind(StrEnum):
     SAFETY_PREEMPT = "safety_preempt"
 
 
+class Outcome(StrEnum):
+    """What became of a turn that somebody asked for in words."""
+
+    ANSWERED = "answered"
+    ACTED = "acted"
+    REFUSED = "refused"
+    NOT_UNDERSTOOD = "not_understood"
+    INTERRUPTED = "interrupted"
+    FAILED = "failed"
+
+
+class Cause(StrEnum):
+    """Who or what interrupts."""
+
+    TOPIC = "topic"
+    BARGE_IN = "barge_in"
+    WAKE_WORD = "wake_word"
+    STOP_WORD = "stop_word"
+    TERMINAL = "terminal"
+    RESET = "reset"
+    PROGRAM = "program"
+
+
 @dataclass(frozen=True, slots=True)
 class Transcribed:
     """What the person said or typed, as text. `turn` is 0 for words that start no turn."""
@@ -129,9 +152,22 @@ class Answered:
 
 @dataclass(frozen=True, slots=True)
 class TurnEnded:
-    """A turn is over: nothing more will be said for it, though its goals may still run."""
+    """A turn is over: nothing more will be said for it, though its goals may still run.
+
+    `outcome` is None for what nobody asked for in words. `tokens` are the pieces that a language
+    model generated for it, calls of skills among them.
+    """
 
     turn: int
+    outcome: Outcome | None = None
+    tokens: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Interrupted:
+    """Somebody asked for silence, and most for a halt, too, whether or not anything ran."""
+
+    cause: Cause
 
 
 Event = (
@@ -148,4 +184,5 @@ Event = (
     | ControlChanged
     | Answered
     | TurnEnded
+    | Interrupted
 )

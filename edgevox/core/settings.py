@@ -162,8 +162,22 @@ class Settings(BaseSettings):
     health_host: str = Field(
         "127.0.0.1", min_length=1, description="address on which health is served"
     )
+    metrics_port: int = Field(
+        0, ge=0, le=65535, description="serve /metrics for Prometheus on this port; 0: do not"
+    )
+    metrics_host: str = Field(
+        "127.0.0.1", min_length=1, description="address on which metrics are served"
+    )
     log_level: Literal["debug", "info", "warning", "error"] = Field(
         "warning", description="least severe log lines to show"
+    )
+    log_format: Literal["auto", "console", "json"] = Field(
+        "auto",
+        description="json: a JSON object a line; console: in colours; auto: in colours on a "
+        "terminal",
+    )
+    log_speech: bool = Field(
+        False, description="log what people and the robot say at any level, not only at debug"
     )
 
     @classmethod

@@ -1,8 +1,10 @@
 """Fetching: each model from the first of its sources that gives the right bytes."""
 
+import errno
 import os
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -70,7 +72,7 @@ def _fetch_model(store: Store, model: Model, providers: Providers, progress: Pro
     if not providers:
         raise FetchFailed.of(model, store.folder(model), store.missing(model), tried)
     waiting = f"{model.id}: another process is fetching it; waiting"
-    with store.workbench(model, lambda: progress.note(waiting)) as bench:
+    with store.workbench(model, lambda: progress.note(waiting)) as bench, _room_or_told(bench):
         if missing := store.missing(model):
             _check_room(bench, sum(file.size for file in missing))
             progress.begin(model.id, sum(file.size for file in missing))
@@ -87,6 +89,25 @@ def _fetch_model(store: Store, model: Model, providers: Providers, progress: Pro
             raise FetchFailed.of(model, store.folder(model), missing, tried)
         store.finish(model)
         progress.end()
+
+
+@contextmanager
+def _room_or_told(bench: Path) -> Iterator[None]:
+    """What a disk says that fills up, or breaks, on the way becomes `StoreNotWritable`.
+
+    A full one gets back what was half fetched: others need the room more.
+    """
+    try:
+        yield
+    except OSError as error:
+        if error.errno in (errno.ENOSPC, errno.EDQUOT):
+            shutil.rmtree(bench, ignore_errors=True)
+        free = megabytes(shutil.disk_usage(bench.parent).free)
+        reason = error.strerror or str(error)
+        raise StoreNotWritable(
+            f"models: {reason} at {bench.parent}, {free} free; what is there whole stays, and "
+            "the same command fetches the rest"
+        ) from None
 
 
 def _check_room(bench: Path, needed: int) -> None:

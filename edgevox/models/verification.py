@@ -2,12 +2,12 @@
 
 import hashlib
 import json
-import logging
 from pathlib import Path
 
+from edgevox.core.log import get_logger
 from edgevox.models.manifest import ModelFile
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 STAMPS = ".verified.json"
 
 
@@ -41,7 +41,7 @@ def remember(folder: Path, file: ModelFile) -> bool:
         fresh.write_text(json.dumps(stamps, indent=1))
         fresh.replace(folder / STAMPS)
     except OSError as error:
-        log.debug("%s: not stamped: %s", folder / file.name, error)
+        log.debug("model_not_stamped", file=str(folder / file.name), reason=str(error))
     return True
 
 

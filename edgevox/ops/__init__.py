@@ -1,4 +1,4 @@
-"""What whoever runs a robot wants to know of the machine it runs on.
+"""Logs, metrics, health, diagnostics: what whoever runs a robot wants to know of it, by night too.
 
 Imports core, nothing else of edgevox.
 """

@@ -6,6 +6,7 @@ positive); poses in the ``map`` frame. All methods may be called from any thread
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
@@ -22,6 +23,11 @@ class Pose2D:
     x_m: float
     y_m: float
     yaw_rad: float
+
+    @property
+    def finite(self) -> bool:
+        """Whether every number is one."""
+        return isfinite(self.x_m) and isfinite(self.y_m) and isfinite(self.yaw_rad)
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +49,11 @@ class Twist2D:
 
     linear_m_s: float
     angular_rad_s: float
+
+    @property
+    def finite(self) -> bool:
+        """Whether both numbers are."""
+        return isfinite(self.linear_m_s) and isfinite(self.angular_rad_s)
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,6 +148,15 @@ class TakesVelocity(Protocol):
 
 
 @runtime_checkable
+class CountsHalts(Protocol):
+    """Counts how often a stream of velocities stopped without having asked for a stand."""
+
+    @property
+    def watchdog_halts(self) -> int:
+        """So often it was halted for it."""
+
+
+@runtime_checkable
 class DrivesTo(Protocol):
     """Plans and drives to a point by itself."""
 
@@ -213,6 +233,23 @@ class HasMap(Protocol):
 
     def draw_map(self, columns: int) -> str:
         """The world and the robot as text, this many columns wide."""
+
+
+@runtime_checkable
+class KeepsPace(Protocol):
+    """Lives in a world of its own, whose time passes step by step."""
+
+    @property
+    def real_time_factor(self) -> float:
+        """Seconds that pass in it each second; 0 until that is known."""
+
+    @property
+    def pace(self) -> float | None:
+        """Which part of the speed that was asked for it keeps; None where none was, or not yet."""
+
+    @property
+    def breaks(self) -> int:
+        """How often a step failed, or its numbers broke and it was put back."""
 
 
 @runtime_checkable

@@ -4,7 +4,6 @@ Everything else, the planner, the pilot, the battery, the rooms, is the robot's 
 every simulator. Nothing here is safe to use from two threads at a time; the robot locks.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -30,9 +29,7 @@ class Motion:
     @property
     def finite(self) -> bool:
         """Whether every number is one."""
-        pose, twist = self.pose, self.twist
-        numbers = (pose.x_m, pose.y_m, pose.yaw_rad, twist.linear_m_s, twist.angular_rad_s)
-        return all(map(math.isfinite, numbers))
+        return self.pose.finite and self.twist.finite
 
 
 class Engine(Protocol):

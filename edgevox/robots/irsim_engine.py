@@ -8,7 +8,6 @@ thread at a time works with it, however many worlds there are.
 
 import contextlib
 import io
-import logging
 import tempfile
 import threading
 from collections import deque
@@ -20,12 +19,13 @@ import numpy as np
 import yaml
 
 from edgevox.core.errors import EdgeVoxError
+from edgevox.core.log import get_logger
 from edgevox.robots.capabilities import LidarScan, Pose2D, Twist2D
 from edgevox.robots.engine import STILL_M_S, Motion
 from edgevox.robots.irsim_world import irsim_config
 from edgevox.robots.world_model import World
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 _ONE_AT_A_TIME = threading.Lock()
 
@@ -121,7 +121,7 @@ def _import() -> Any:
             "pip install 'edgevox[irsim]'"
         ) from None
     for line in printed.getvalue().splitlines():
-        log.info("IR-SIM: %s", line)
+        log.info("irsim", line=line)
     return irsim
 
 

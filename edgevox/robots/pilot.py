@@ -7,10 +7,13 @@ nothing is asked, because of a halt, a cancel or a stream that stopped, it brake
 from collections.abc import Sequence
 
 from edgevox.core.cancel import Cancelled
+from edgevox.core.log import get_logger
 from edgevox.robots.capabilities import Pose2D, Twist2D
 from edgevox.robots.drive import Drive
 from edgevox.robots.engine import STEP_S, Motion
 from edgevox.robots.world_model import RobotSpec
+
+log = get_logger(__name__)
 
 WATCHDOG_S = 0.5
 """A stream of velocities that is silent for so long has stopped."""
@@ -26,6 +29,8 @@ class Pilot:
         self._stream_until_s = 0.0
         self._drive: Drive | None = None
         self._command = _STILL
+        self.watchdog_halts = 0
+        """Streams that stopped though they had not asked for a stand."""
 
     @property
     def drive(self) -> Drive | None:
@@ -66,6 +71,9 @@ class Pilot:
     def command(self, time_s: float, motion: Motion, movable: Sequence[Pose2D]) -> Twist2D:
         """What the wheels shall do in the next step."""
         if self._stream is not None and time_s >= self._stream_until_s:
+            if self._stream != _STILL:
+                self.watchdog_halts += 1
+                log.warning("watchdog_halted", silent_s=WATCHDOG_S)
             self._stream = None
         wanted = self._wanted(time_s, motion, movable)
         limits = self._limits

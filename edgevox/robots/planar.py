@@ -3,7 +3,7 @@
 import math
 import threading
 from collections.abc import Mapping
-from functools import cached_property
+from functools import cached_property, lru_cache
 from types import MappingProxyType, TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
@@ -22,7 +22,7 @@ from edgevox.robots.planar_run import PlanarRun
 from edgevox.robots.planner import Planner
 from edgevox.robots.shapes import Point
 from edgevox.robots.snapshot import describe_goal, describe_motion
-from edgevox.robots.stepper import Stepper
+from edgevox.robots.stepper import BROKE, Stepper
 from edgevox.robots.text_map import draw
 from edgevox.robots.world_model import World
 
@@ -59,15 +59,22 @@ class PlanarRobot:
         self.max_angular_rad_s = world.robot.max_angular_rad_s
         self._lock = threading.Lock()
         self._planner = Planner(world)
+        self._room_at = lru_cache(maxsize=1)(world.room_at)  # a robot at rest is asked all the time
         self._places = MappingProxyType({room.name: room.goal for room in world.rooms})
         self._ticks = 0
+        self._halts_before = 0
         self._engine = engine
         self._run = PlanarRun(world, engine)
         hints = {room.name: room.hints for room in world.rooms}
         aliases = {said: room.name for room in world.rooms for said in room.aliases}
         self._skills = navigation_skills(self, hints, aliases)
         self._stepper = Stepper(
-            self._step, period_s=STEP_S, speed=speed, clock=clock, name=f"{name} world"
+            self._step,
+            period_s=STEP_S,
+            speed=speed,
+            clock=clock,
+            name=f"{name} world",
+            broke=self._give_up,
         )
 
     def __enter__(self) -> Self:
@@ -100,8 +107,21 @@ class PlanarRobot:
         return self._stepper.real_time_factor
 
     @property
+    def pace(self) -> float | None:
+        return self._stepper.pace
+
+    @property
+    def breaks(self) -> int:
+        """How often a step of the world failed, or its numbers broke."""
+        return self._stepper.failures
+
+    @property
     def stalled_s(self) -> float:
         return self._stepper.stalled_s
+
+    @property
+    def watchdog_halts(self) -> int:
+        return self._halts_before + self._run.pilot.watchdog_halts
 
     def start(self) -> None:
         self._stepper.start()
@@ -115,6 +135,7 @@ class PlanarRobot:
         """Everything back where it started, with a full battery; time goes on."""
         with self._lock:
             self._run.pilot.stand(Cancelled("the world was reset"))
+            self._halts_before += self._run.pilot.watchdog_halts
             self._run = PlanarRun(self.world, self._engine)
 
     def pose(self) -> Pose2D:
@@ -144,7 +165,7 @@ class PlanarRobot:
             return self._engine.scan(self.time_s)
 
     def place_at(self, x_m: float, y_m: float) -> str | None:
-        room = self.world.room_at(x_m, y_m)
+        room = self._room_at(x_m, y_m)
         return room.name if room else None
 
     def set_velocity(self, twist: Twist2D) -> None:
@@ -245,6 +266,11 @@ class PlanarRobot:
         with self._lock:
             if self._run.pilot.drive is drive:
                 self._run.pilot.stand(reason)
+
+    def _give_up(self) -> None:
+        """A step failed: nobody knows what the next one would do with this motion."""
+        with self._lock:
+            self._run.pilot.stand(SkillFailed(BROKE))
 
     def _report(self, drive: Drive, report: Report) -> None:
         with self._lock:

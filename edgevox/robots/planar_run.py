@@ -43,14 +43,18 @@ class PlanarRun:
     def step(self, time_s: float) -> None:
         """Let `engine.STEP_S` pass; `time_s` is the world's time.
 
-        Raises `ArithmeticError` after a motion that is no number: the robot was put back.
+        Raises `ArithmeticError` for numbers that are none, or what the engine raises: everything is
+        where it was before then, at rest.
         """
         self._steps += 1
         if self.battery.empty and self.pilot.busy:
             self.pilot.stand(SkillFailed("My battery is empty."))
-        if self._steps % _LOOK_EVERY_STEPS == 0 and not self._resting:
-            self._movable = self.engine.movable_poses()
-        self._move(time_s)
+        try:
+            self._move(time_s)
+        except Exception:
+            self.engine.put(self.motion.pose, self._movable)
+            self.motion = self.engine.motion()
+            raise
         self.battery.step(STEP_S, self.motion.pose, self.motion.twist)
 
     def _move(self, time_s: float) -> None:
@@ -59,9 +63,12 @@ class PlanarRun:
         before = self.motion
         motion = self.engine.step(self.pilot.command(time_s, before, self._movable))
         if not motion.finite:
-            self.engine.put(before.pose, self._movable)
-            self.motion = self.engine.motion()
             raise ArithmeticError(f"the robot's motion became {motion}; it was put back")
+        if self._steps % _LOOK_EVERY_STEPS == 0:
+            movable = self.engine.movable_poses()
+            if not all(pose.finite for pose in movable):
+                raise ArithmeticError(f"what can be pushed is at {movable}; it was put back")
+            self._movable = movable
         self.motion = motion
         self._resting = not self.pilot.busy and self.engine.still
         self.collisions += len(motion.touching - before.touching)

@@ -1,17 +1,19 @@
 """The thread that lets a simulated world's time pass, in real time or as fast as it can."""
 
-import logging
 import math
 import threading
 from collections.abc import Callable
 
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
+from edgevox.core.log import get_logger
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 MOST_LAG_S = 0.25
 """A thread that was stalled catches up this much; what is older is dropped, not run after."""
+BROKE = "the physics of my world broke, and I was put back."
+"""Why a goal fails when a step did, as it is spoken."""
 _LOG_EVERY_S = 10.0
 _PAUSE_AFTER_FAILURE_S = 0.05
 _FACTOR_OVER_S = 1.0
@@ -46,7 +48,8 @@ class Stepper:
     a pause while it is busy; when it is not, the world stands still until `wake` or `advance`.
     With 0 time passes only as far as `advance` asks, busy or not: whoever does so holds the world
     in his hand, and what he does between two calls takes no time in it.
-    A step that raises is logged and counted, and the next one comes.
+    A step that raises is logged and counted, `broke` is called to stop what moves, and the next one
+    comes.
     """
 
     def __init__(
@@ -58,10 +61,11 @@ class Stepper:
         clock: Clock | None = None,
         sleep: Callable[[float], None] | None = None,
         name: str = "world",
+        broke: Callable[[], object] = lambda: None,
     ) -> None:
         if speed is not None and not 0.0 <= speed <= 1000.0:
             raise InvalidValue("speed", speed, "a number from 0 to 1000, or None")
-        self._step = step
+        self._step, self._broke = step, broke
         self._period_s = period_s
         self._speed = speed
         self._clock = clock or SystemClock()
@@ -88,6 +92,11 @@ class Stepper:
     def real_time_factor(self) -> float:
         """World seconds per second, over the last second or so; 0 until that is known."""
         return self._factor
+
+    @property
+    def pace(self) -> float | None:
+        """Which part of the speed that was asked for it keeps; None where none was, or not yet."""
+        return self._factor / self._speed if self._speed and self._factor else None
 
     @property
     def stalled_s(self) -> float:
@@ -177,7 +186,8 @@ class Stepper:
             now = self._clock.now()
             if now >= self._next_log_s:
                 self._next_log_s = now + _LOG_EVERY_S
-                log.exception("a step of the world failed (%d so far)", self.failures)
+                log.exception("world_step_failed", failures=self.failures)
+            self._broke()
             self._sleep(_PAUSE_AFTER_FAILURE_S)
             return True
         self._due_s = None

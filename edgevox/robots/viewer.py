@@ -6,7 +6,6 @@ does not notice; it ends with the process that started it.
 """
 
 import contextlib
-import logging
 import os
 import subprocess
 import sys
@@ -18,8 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.log import get_logger
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 PERIOD_S = 0.1
 """Time between two pictures."""
@@ -85,7 +85,7 @@ class Viewer:
             except OSError:
                 self._explain(window)
             except Exception:
-                log.exception("no picture to show; the window closes")
+                log.exception("window_without_picture")
             finally:
                 window.kill()
                 with contextlib.suppress(OSError):
@@ -110,11 +110,10 @@ class Viewer:
             told = b""
         words = told.decode("utf-8", errors="replace").strip().splitlines()
         if window.returncode:
-            log.warning(
-                "no window: %s", words[-1] if words else f"it ended with {window.returncode}"
-            )
+            reason = words[-1] if words else f"it ended with {window.returncode}"
+            log.warning("no_window", reason=reason)
         else:
-            log.info("the window was closed")
+            log.info("window_closed")
 
 
 def as_ppm(pixels: Pixels) -> bytes:

@@ -1,14 +1,14 @@
 """Reads fields of a world file; every error names the file, the field, the value and what fits."""
 
 import difflib
-import logging
 import math
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 from edgevox.core.errors import InvalidValue
+from edgevox.core.log import get_logger
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 LARGEST = 1e6
 """No coordinate, size or speed of a world may be greater; it keeps arithmetic well-behaved."""
@@ -40,7 +40,7 @@ class Fields:
                 raise InvalidValue(self.path(str(key)), key, f"did you mean {close[0]!r}?")
             if not others:
                 raise InvalidValue(self.path(str(key)), key, "one of " + ", ".join(sorted(known)))
-            log.warning("%s is not known and ignored", self.path(str(key)))
+            log.warning("world_key_ignored", where=self.path(str(key)))
 
     def get(self, key: str) -> Any:
         return self.data.get(key)

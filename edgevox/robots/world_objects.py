@@ -1,12 +1,12 @@
 """Reads the `robot` and `obstacle` entries of a world file, as IR-SIM means them."""
 
-import logging
 import math
 import random
 from collections.abc import Iterator
 from typing import Any
 
 from edgevox.core.errors import InvalidValue
+from edgevox.core.log import get_logger
 from edgevox.robots.capabilities import Pose2D
 from edgevox.robots.shapes import Line, Polygon, Shape, reach
 from edgevox.robots.world_fields import Fields, as_number, as_numbers, words
@@ -14,7 +14,7 @@ from edgevox.robots.world_model import LidarSpec, RobotSpec, Thing
 from edgevox.robots.world_places import poses
 from edgevox.robots.world_shapes import hull, read_shape
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 MOST_OBJECTS = 1000
 """Of one entry; a world of more is a mistake or an attack."""
@@ -101,7 +101,7 @@ def _pose(fields: Fields) -> Pose2D:
 
 def _parts(fields: Fields, dice: random.Random) -> tuple[Shape, ...]:
     if "shape" not in fields:
-        log.warning("%s is absent: a circle of 1 m, as in IR-SIM", fields.path("shape"))
+        log.warning("world_shape_absent", where=fields.path("shape"), taken="a circle of 1 m")
         return read_shape(Fields(fields.path("shape"), {"radius": 1.0}), dice)
     return read_shape(fields.sub("shape"), dice)
 
@@ -133,11 +133,11 @@ def _pair(fields: Fields, key: str, default: tuple[float, float]) -> tuple[float
 def _lidar(fields: Fields) -> LidarSpec:
     for sensor in fields.each("sensors"):
         if "lidar2d" not in (sensor.get("name"), sensor.get("type")):
-            log.warning("%s is not a lidar2d and ignored", sensor.where)
+            log.warning("world_sensor_ignored", where=sensor.where)
             continue
         sensor.check_keys(_LIDAR_KEYS, others=True)
         if sensor.flag("noise"):
-            log.warning("%s: this lidar is exact", sensor.path("noise"))
+            log.warning("world_noise_ignored", where=sensor.path("noise"))
         near = sensor.number("range_min", 0.0, low=0.0, high=1000.0)
         mount = as_numbers(sensor.path("offset"), sensor.get("offset") or [0, 0, 0], 3)
         return LidarSpec(

@@ -1,17 +1,18 @@
 """A microphone on the wire: the topic `audio_in` fills a source of sound."""
 
-import logging
+from collections.abc import Mapping
 
 import numpy as np
 from rclpy.node import Node
 
+from edgevox.core.log import get_logger
 from edgevox.ros2.contract import Qos
 from edgevox.ros2.topics import profile
 from edgevox.voice.audio import RATE_HZ
 from edgevox.voice.sources.pushed import Pushed
 from edgevox_msgs.msg import AudioData
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 TOPIC = "audio_in"
 SAMPLE_BYTES = 2
@@ -35,6 +36,11 @@ class AudioIn:
         )
         source.name = node.resolve_topic_name(TOPIC)
 
+    @property
+    def refusals(self) -> Mapping[str, int]:
+        """How many messages were refused, by topic."""
+        return {TOPIC: self.refused}
+
     def close(self) -> None:
         """Hear nothing more."""
         self._node.destroy_subscription(self._subscription)
@@ -47,10 +53,9 @@ class AudioIn:
         self.refused += 1
         if self.refused.bit_count() == 1:  # 1, 2, 4, 8, ...: a flood leaves a few lines
             log.warning(
-                "%s: %d messages refused; the last has %d bytes, expected 16 bit samples, "
-                "1 to %d bytes",
-                self._source.name,
-                self.refused,
-                size,
-                MAX_BYTES,
+                "sound_refused",
+                topic=self._source.name,
+                refused=self.refused,
+                last_bytes=size,
+                expected=f"16 bit samples, 1 to {MAX_BYTES} bytes",
             )

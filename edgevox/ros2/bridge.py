@@ -1,15 +1,17 @@
 """The bridge: the node with all of its parts."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from rclpy.node import Node
 
 from edgevox.core.commands import RunSkill
 from edgevox.core.errors import InvalidValue
 from edgevox.robots.capabilities import Body
+from edgevox.ros2.diagnostics import DiagnosticsPublisher
 from edgevox.ros2.external.robot import ExternalRobot
 from edgevox.ros2.interop import Interop
+from edgevox.ros2.logs import Rosout
 from edgevox.ros2.node import RosBridgeFailed, RosNode
 from edgevox.ros2.parameters import Parameters, declare
 from edgevox.ros2.queries import QueryServices
@@ -23,6 +25,15 @@ class Part(Protocol):
     """One concern of the bridge, served from its making to `close`."""
 
     def close(self) -> None: ...
+
+
+@runtime_checkable
+class Refuses(Protocol):
+    """Takes messages, and not every one."""
+
+    @property
+    def refusals(self) -> Mapping[str, int]:
+        """How many were refused, by topic."""
 
 
 class RosBridge:
@@ -64,6 +75,28 @@ class RosBridge:
         """For how long a callback has held up all others."""
         return self._node.stalled_s
 
+    @property
+    def failed(self) -> int:
+        """Callbacks that raised."""
+        return self._node.failed
+
+    @property
+    def lag_s(self) -> float:
+        """The longest that callbacks had to wait in the last minute."""
+        return self._node.lag_s
+
+    @property
+    def refusals(self) -> Mapping[str, int]:
+        """How many messages were refused, by topic."""
+        refusing = [part for part in self._parts if isinstance(part, Refuses)]
+        return {topic: count for part in refusing for topic, count in part.refusals.items()}
+
+    @property
+    def failures(self) -> Mapping[str, int]:
+        """What went wrong and was survived, by part."""
+        images = sum(part.failed_images for part in self._parts if isinstance(part, Interop))
+        return {"executor": self._node.failed, "ticker": self._ticker.failures, "camera": images}
+
     def _open(self, wiring: Wiring) -> None:
         node, bus, controls = self._node.node, wiring.bus, wiring.controls
         values = declare(
@@ -79,11 +112,14 @@ class RosBridge:
         )
         controls.change({name: values[name] for name in ("language", "voice", "muted")})
         self._parts = [
+            Rosout(node, self._ticker),
             Parameters(node, self._node.executor, controls, bus),
             Topics(node, wiring, self._ticker),
             QueryServices(node, wiring.queries),
         ]
         self._parts += _audio(node, wiring)
+        if wiring.diagnostics:
+            self._parts.append(DiagnosticsPublisher(node, wiring.diagnostics, self._ticker))
         if wiring.goals and (action := open_skill_action(node, bus, wiring.goals)):
             self._parts.append(action)
         if wiring.body and not isinstance(wiring.body, ExternalRobot):  # it has its own topics

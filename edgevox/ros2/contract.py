@@ -25,6 +25,7 @@ from edgevox.core.events import (
     AgentEvent,
     Answered,
     AudioLevel,
+    Cause,
     Responded,
     RobotState,
     SentenceReady,
@@ -110,6 +111,17 @@ class Interop:
     about: str
     needs: str
     rate_hz: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Periodic:
+    """A standard topic of the node itself, published at a rate."""
+
+    topic: str
+    type: str
+    qos: Qos
+    rate_hz: float
+    about: str
 
 
 def _text(event: Transcribed | Responded | TokenGenerated | SentenceReady) -> str:
@@ -199,7 +211,12 @@ PUBLISHED: tuple[Published, ...] = (
 SUBSCRIBED: tuple[Subscribed, ...] = (
     Subscribed("tts_request", Qos.RELIABLE, Speak, "text to say aloud as it is"),
     Subscribed("text_input", Qos.RELIABLE, TextInput, "text for the agent, as if typed"),
-    Subscribed("interrupt", Qos.RELIABLE, lambda _: Interrupt(), "any message stops everything"),
+    Subscribed(
+        "interrupt",
+        Qos.RELIABLE,
+        lambda _: Interrupt(cause=Cause.TOPIC),
+        "any message stops everything",
+    ),
     Subscribed("set_language", Qos.RELIABLE, SetLanguage, "ISO 639-1 code of the language"),
     Subscribed("set_voice", Qos.RELIABLE, SetVoice, "name of the text-to-speech voice"),
     Subscribed("command", Qos.RELIABLE, _command, "one of " + ", ".join(COMMANDS)),
@@ -292,6 +309,15 @@ AUDIO: tuple[Interop, ...] = (
     ),
 )
 """Sound on the wire, when the settings ask for it."""
+
+DIAGNOSTICS = Periodic(
+    "/diagnostics",
+    "diagnostic_msgs/msg/DiagnosticArray",
+    Qos.RELIABLE,
+    1.0,
+    "how each component is: audio, stt, llm, tts, sim, executor, disk, process",
+)
+"""Of every agent, with a robot and without: an extra for who watches over robots."""
 
 ACTION = ("execute_skill", "edgevox_msgs/action/ExecuteSkill")
 """Its name and type."""

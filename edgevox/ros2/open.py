@@ -1,6 +1,7 @@
 """Opens the bridge, or its null twin where there is no ROS 2."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Protocol
 
 from edgevox.core.errors import EdgeVoxError
@@ -19,6 +20,22 @@ class Bridge(Protocol):
         """For how long nothing has moved in it though it should."""
 
     @property
+    def failed(self) -> int:
+        """Callbacks that raised."""
+
+    @property
+    def lag_s(self) -> float:
+        """The longest that callbacks had to wait in the last minute."""
+
+    @property
+    def refusals(self) -> Mapping[str, int]:
+        """How many messages were refused, by topic."""
+
+    @property
+    def failures(self) -> Mapping[str, int]:
+        """What went wrong and was survived, by part."""
+
+    @property
     def missing(self) -> str:
         """Why it is not on ROS 2; empty if it is."""
 
@@ -33,6 +50,10 @@ class NullBridge:
     missing = "rclpy cannot be imported"
     where = f"off, since {missing}"
     stalled_s = 0.0
+    failed = 0
+    lag_s = 0.0
+    refusals: Mapping[str, int] = MappingProxyType({})
+    failures: Mapping[str, int] = MappingProxyType({})
 
     def start(self) -> None:
         """There is nothing to start."""

@@ -19,9 +19,12 @@ from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import EdgeVoxError, shorten
 from edgevox.core.events import AgentEvent, AgentEventKind
+from edgevox.core.log import get_logger
 from edgevox.ros2.client_watch import ClientWatch
 from edgevox.ros2.json_text import write
 from edgevox.ros2.skill_requests import RunningGoal, StartsGoals, mirror, read_arguments
+
+log = get_logger(__name__)
 
 NAME = "execute_skill"
 FEEDBACK_EVERY_S = 0.05
@@ -101,7 +104,7 @@ class SkillAction:
         try:
             self._goals.check_goal(request.skill_name, read_arguments(request.arguments_json))
         except EdgeVoxError as error:
-            self._node.get_logger().warning(f"{NAME}: goal rejected: {error}")
+            log.warning("action_goal_rejected", skill=request.skill_name[:80], reason=str(error))
             data = {
                 "goal_id": None,
                 "skill": request.skill_name[:80],
@@ -192,7 +195,7 @@ def open_skill_action(node: Node, bus: Bus, goals: StartsGoals) -> SkillAction |
     except ImportError as error:
         missing = (error.name or "").startswith("edgevox_msgs")
         reason = "edgevox_msgs is not built; make msgs" if missing else str(error)
-        node.get_logger().warning(f"{NAME} is off: {reason}")
+        log.warning("action_off", action=NAME, reason=reason)
         return None
     return SkillAction(node, bus, goals, ExecuteSkill)
 

@@ -5,13 +5,13 @@ of CPU each time. A thread costs a twentieth of that, and publishing from it is 
 at one moment is done in one waking: to wake costs more than most of what is done then.
 """
 
-import logging
 import threading
 from collections.abc import Callable
 
 from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.log import get_logger
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 TOGETHER_S = 0.001
 """What is due within this time is done at once."""
@@ -92,4 +92,4 @@ class Ticker:
         except Exception:
             self.failures += 1
             if self.failures.bit_count() == 1:  # 1, 2, 4, 8, ...: no flood of lines
-                log.exception("%s failed (%d times so far)", self._thread.name, self.failures)
+                log.exception("tick_failed", ticker=self._thread.name, failures=self.failures)

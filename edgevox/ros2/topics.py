@@ -1,5 +1,6 @@
 """The topics of `contract`: events go out, and what comes in becomes commands."""
 
+from collections import Counter
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -10,9 +11,12 @@ from std_msgs.msg import Float32, String
 
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import AgentEvent, RobotState
+from edgevox.core.log import get_logger
 from edgevox.ros2.contract import PUBLISHED, STRING, SUBSCRIBED, Published, Qos, Subscribed
 from edgevox.ros2.ticker import Ticker
 from edgevox.ros2.wiring import Wiring
+
+log = get_logger(__name__)
 
 _TYPES: dict[str, Any] = {STRING: String, "std_msgs/msg/Float32": Float32}
 
@@ -21,12 +25,14 @@ class Topics:
     """Serves the rows of `PUBLISHED` and `SUBSCRIBED` on a node.
 
     The body, if there is one, is asked for its state as often as the settings say, on the ticker.
+    `refusals` counts by topic the messages that were no valid command.
     """
 
     def __init__(self, node: Node, wiring: Wiring, ticker: Ticker) -> None:
         self._node = node
         self._bus = wiring.bus
         self._submit = wiring.submit
+        self.refusals = Counter({row.topic: 0 for row in SUBSCRIBED})
         self._forget: list[Callable[[], None]] = []
         body = wiring.body
         for published in PUBLISHED:
@@ -65,7 +71,8 @@ class Topics:
         try:
             self._submit(row.decode(message.data))
         except InvalidValue as error:
-            self._node.get_logger().warning(str(error))
+            self.refusals[row.topic] += 1
+            log.warning("message_refused", topic=row.topic, reason=str(error))
 
 
 def profile(qos: Qos) -> QoSProfile:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from edgevox.core.bus import Bus
 from edgevox.core.controls import Controls
 from edgevox.core.settings import Settings
+from edgevox.ops.diagnostics import Diagnostics
 from edgevox.robots.capabilities import Body
 from edgevox.ros2.contract import Incoming, Queries
 from edgevox.ros2.skill_requests import StartsGoals
@@ -19,7 +20,7 @@ class Wiring:
 
     `body` and `goals` belong to an agent that has a body; without one there is neither
     `robot_state` nor `agent_event`, no robot's topics and no action. `audio_in` is filled from a
-    topic, `audio_out` is sent to one.
+    topic, `audio_out` is sent to one. `diagnostics` says how the components are.
     """
 
     settings: Settings
@@ -31,3 +32,4 @@ class Wiring:
     goals: StartsGoals | None = None
     audio_in: Pushed | None = None
     audio_out: Relay | None = None
+    diagnostics: Diagnostics | None = None

@@ -1,4 +1,4 @@
-"""Scenario files: what is said when, and what must be true by when; docs/scenarios.md is for users.
+"""Scenario files: what is said when, and what must be true by when. docs/scenarios.md is for users.
 
 `model`, `steps`, `conditions` and `comparisons` are the format; `judge` decides from what is seen
 and knows nothing of who saw it; `run` plays on a `stage`; `report` tells a person. The stages

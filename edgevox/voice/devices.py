@@ -55,6 +55,25 @@ def in_use() -> Iterator[None]:
             _uses.count -= 1
 
 
+@contextmanager
+def troubles() -> Iterator[None]:
+    """What PortAudio raises becomes `DeviceMissing`: it is tried again like what is not there."""
+    sounddevice = _sounddevice()
+    try:
+        yield
+    except (sounddevice.PortAudioError, ValueError, OSError) as error:
+        raise DeviceMissing(f"PortAudio fails: {error}") from None
+
+
+def is_active(stream: Any) -> bool:
+    """Whether PortAudio still serves this stream; a device that is gone may fail to say so."""
+    try:
+        with troubles():
+            return bool(stream.active)
+    except DeviceMissing:
+        return False
+
+
 def look_again() -> None:
     """Notice what was plugged in or out, unless a stream is in use."""
     sounddevice = _sounddevice()
@@ -64,13 +83,18 @@ def look_again() -> None:
             sounddevice._initialize()  # noqa: SLF001
 
 
+def devices(kind: Kind) -> list[Device]:
+    """All that are there. Raises `DeviceMissing` where sound cannot be used at all."""
+    listed: Sequence[Mapping[str, Any]] = _sounddevice().query_devices()
+    return [_device(entry, kind) for entry in listed if entry[f"max_{kind}_channels"] > 0]
+
+
 def find(name: str, kind: Kind) -> Device:
     """The device whose name this is, or contains this; the default one for an empty name.
 
     Raises `DeviceMissing`, which names those that are there.
     """
-    listed: Sequence[Mapping[str, Any]] = _sounddevice().query_devices()
-    found = [_device(entry, kind) for entry in listed if entry[f"max_{kind}_channels"] > 0]
+    found = devices(kind)
     if not name:
         return _default(kind, found)
     return choose(name, kind, found)

@@ -1,6 +1,5 @@
 """The ears: from a source of sound to commands for the conversation."""
 
-import logging
 import threading
 from collections.abc import Callable
 
@@ -10,7 +9,8 @@ from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.commands import Command, Interrupt
 from edgevox.core.errors import EdgeVoxError
-from edgevox.core.events import WakeWordHeard
+from edgevox.core.events import Cause, WakeWordHeard
+from edgevox.core.log import get_logger
 from edgevox.voice.attention import Attention, Verdict
 from edgevox.voice.audio import FRAME_SAMPLES, RATE_HZ, AudioSource, EndOfSound, Frame
 from edgevox.voice.echo import Echo, EchoGate
@@ -21,7 +21,7 @@ from edgevox.voice.understanding import Job, Understanding
 from edgevox.voice.vad import VoiceDetector
 from edgevox.voice.wakeword import WakeDetector
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 READ_S = 0.25
 STALLED_S = 1.0
@@ -92,6 +92,11 @@ class Ears:
         over = self._closing.is_set() or self._heard_all or self._thread.ident is None
         return (over or self._thread.is_alive()) and self._understanding.alive
 
+    @property
+    def understanding(self) -> Understanding:
+        """What makes words of what is heard."""
+        return self._understanding
+
     def close(self) -> None:
         """Stop listening; what is being understood is understood, what waits is forgotten."""
         self._closing.set()
@@ -110,9 +115,9 @@ class Ears:
                 self._hear_next()
         except EndOfSound as end:
             self._heard_all = True
-            log.info("%s", end)
+            log.info("sound_over", why=str(end))
         except EdgeVoxError as error:
-            log.error("hearing has ended: %s", error)  # noqa: TRY400 - its message says it all
+            log.error("hearing_ended", reason=str(error))  # noqa: TRY400 - its message says it all
         finally:
             self._finish()
             self._over.set()
@@ -131,7 +136,7 @@ class Ears:
                 self._forget()
                 self.failed += 1
                 if self.failed.bit_count() == 1:  # 1, 2, 4, 8, ...: not a line each 32 ms
-                    log.exception("a frame could not be heard, %d by now", self.failed)
+                    log.exception("frame_unheard", failed=self.failed)
 
     def _hear(self, frame: Frame) -> None:
         if self._last_s is not None and frame.end_s - self._last_s > STALLED_S:
@@ -160,12 +165,12 @@ class Ears:
             self._attention.wake(frame.end_s)
             self._bus.publish(WakeWordHeard(self._wakeword.phrase))
             if self._echo.playing:
-                self._submit(Interrupt("heard the wake word", motion=False))
+                self._submit(Interrupt("heard the wake word", motion=False, cause=Cause.WAKE_WORD))
 
     def _interrupt_if_meant(self, began_s: float) -> None:
         meant = self._wakeword is None or self._attention.has(began_s)
         if meant and self._echo.playing:
-            self._submit(Interrupt("spoken over", motion=False))
+            self._submit(Interrupt("spoken over", motion=False, cause=Cause.BARGE_IN))
 
     def _take(self, speech: SpeechEnded) -> None:
         if self._wakeword is None:

@@ -4,7 +4,6 @@ One thread synthesises and may run ahead of the other, which plays; so a sentenc
 while the one before it is heard, and the first while the rest of the answer is still generated.
 """
 
-import logging
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -12,13 +11,14 @@ from dataclasses import dataclass
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.log import bound, get_logger
 from edgevox.core.speech import Utterance
 from edgevox.voice.audio import AudioSink, Chunk
 from edgevox.voice.playing import play_chunk
 from edgevox.voice.speaker import Speaker
 from edgevox.voice.utterance import SpeakingUtterance
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 MOST_SENTENCES = 256
 """How many sentences may wait to be synthesised; one more is not spoken."""
@@ -67,6 +67,7 @@ class SpeakingMouth:
         self._open: list[SpeakingUtterance] = []
         self._closed = False
         self.refused = 0
+        self.failed = 0
         self._threads = (
             threading.Thread(target=self._synthesise, name="edgevox-synthesis"),
             threading.Thread(target=self._play, name="edgevox-playback"),
@@ -88,6 +89,10 @@ class SpeakingMouth:
 
     def prepare(self) -> threading.Event:
         """Load the present voice, after what is to be said; the event is set when it is there."""
+        with self._changed:
+            waiting = [job for job in self._jobs if isinstance(job, _Prepare)]
+        if waiting:  # it will ask for the voice of that moment, and so does for this one
+            return waiting[0].done
         done = threading.Event()
         self._put(_Prepare(done))
         return done
@@ -120,7 +125,7 @@ class SpeakingMouth:
             full = len(self._jobs) >= MOST_SENTENCES
             self.refused += full
         if full:
-            log.warning("%d sentences not spoken: %d are waiting", self.refused, MOST_SENTENCES)
+            log.warning("sentences_refused", refused=self.refused, waiting=MOST_SENTENCES)
         else:
             self._put(_Sentence(utterance, line, text))
 
@@ -144,15 +149,27 @@ class SpeakingMouth:
 
     def _synthesise(self) -> None:
         while (job := self._next_job()) is not None:
-            match job:
-                case _Prepare(done=done):
+            with bound(**({} if isinstance(job, _Prepare) else job.utterance.ids)):
+                self._try(job)
+
+    def _try(self, job: _Sentence | _End | _Prepare) -> None:
+        try:
+            self._do(job)
+        except Exception:  # noqa: BLE001 - it is logged
+            self._survive("synthesis")
+
+    def _do(self, job: _Sentence | _End | _Prepare) -> None:
+        match job:
+            case _Prepare(done=done):
+                try:
                     self.speaker.prepare()
+                finally:
                     done.set()
-                case _End(utterance=utterance):
-                    self._pass_on(job, utterance)
-                case _Sentence(utterance=utterance, line=line, text=text):
-                    for chunk in self.speaker.speak(utterance, line, text):
-                        self._pass_on(_Sound(utterance, line, chunk), utterance)
+            case _End(utterance=utterance):
+                self._pass_on(job, utterance)
+            case _Sentence(utterance=utterance, line=line, text=text):
+                for chunk in self.speaker.speak(utterance, line, text):
+                    self._pass_on(_Sound(utterance, line, chunk), utterance)
 
     def _next_job(self) -> _Sentence | _End | _Prepare | None:
         with self._changed:
@@ -179,11 +196,19 @@ class SpeakingMouth:
             if item is None:
                 if self._closed:
                     return
-            elif isinstance(item, _End):
-                self._sink.drain(item.utterance.token)
-                self._settle(item.utterance, to_the_end=True)
-            elif not item.utterance.settled:
-                play_chunk(item.chunk, item.line, item.utterance, self._sink)
+            else:
+                try:
+                    self._put_out(item)
+                except Exception:  # noqa: BLE001 - it is logged
+                    self._survive("playback")
+                    self._settle(item.utterance)
+
+    def _put_out(self, item: _Sound | _End) -> None:
+        if isinstance(item, _End):
+            self._sink.drain(item.utterance.token)
+            self._settle(item.utterance, to_the_end=True)
+        elif not item.utterance.settled:
+            play_chunk(item.chunk, item.line, item.utterance, self._sink)
 
     def _next_sound(self) -> _Sound | _End | None:
         """What to play next; None if something else happened."""
@@ -207,7 +232,7 @@ class SpeakingMouth:
             self._settle(utterance)
 
     def _settle(self, utterance: SpeakingUtterance, *, to_the_end: bool = False) -> None:
-        unplayed_s = self._sink.stop() if utterance.token.cancelled else 0.0
+        unplayed_s = self._silence() if utterance.token.cancelled else 0.0
         cut = unplayed_s > 0.0 or not to_the_end
         with self._changed:
             if utterance not in self._open:
@@ -217,6 +242,19 @@ class SpeakingMouth:
             self._ahead_s = sum(_seconds(one) for one in self._sounds)
             self._changed.notify_all()
         utterance.settle(cut=cut, unplayed_s=unplayed_s)
+
+    def _silence(self) -> float:
+        try:
+            return self._sink.stop()
+        except Exception:  # noqa: BLE001 - it is logged
+            self._survive("playback")
+            return 0.0
+
+    def _survive(self, what: str) -> None:
+        """Nobody may wait for ever for a turn because a loudspeaker or a voice broke."""
+        self.failed += 1
+        if self.failed.bit_count() == 1:  # 1, 2, 4, 8, ...: a flood leaves a few lines
+            log.exception("mouth_failed", what=what, failed=self.failed)
 
     def _drop_jobs(self) -> None:
         for job in self._jobs:

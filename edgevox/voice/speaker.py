@@ -1,11 +1,11 @@
 """Sentences to sound with the voice of the moment, and with another one if it fails."""
 
-import logging
 from collections.abc import Callable, Generator, Iterator, Sequence
 from typing import Protocol
 
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.languages import LANGUAGES
+from edgevox.core.log import Said, get_logger
 from edgevox.voice.audio import Chunk
 from edgevox.voice.phrases import phrases
 from edgevox.voice.playing import silent_end_s
@@ -14,10 +14,10 @@ from edgevox.voice.tts.base import Synthesiser
 from edgevox.voice.utterance import SpeakingUtterance
 from edgevox.voice.voices import VoiceChoice
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 Voices = Callable[[], Sequence[VoiceChoice]]
-"""The voice that is to be used now, and after it those to be tried when it fails."""
+"""The voice that is to be used now, and after it those to be tried when it fails; maybe none."""
 
 
 class Pool(Protocol):
@@ -40,16 +40,21 @@ class Speaker:
         self.failures = 0
         self.last: tuple[VoiceChoice, int] | None = None
         """The voice that spoke last or was prepared, and its rate in hertz."""
+        self.trouble = ""
+        """Why the last sentence was not spoken, though it should have been."""
 
     def prepare(self) -> None:
         """Load the present voice; what fails is logged, and the next one is loaded."""
-        for choice in self._voices():
-            if self._load(choice):
-                return
+        choices = self._voices()
+        fine = any(self._load(choice) for choice in choices)
+        self.trouble = "" if fine else _no_voice(choices)
 
     def speak(self, utterance: SpeakingUtterance, line: int, sentence: str) -> Iterator[Chunk]:
         """The sound of one sentence, piece by piece, until the utterance is cut."""
         choices = self._voices()
+        if not choices:
+            self.trouble = _no_voice(choices)
+            return
         language = LANGUAGES[choices[0].language]
         left = sayable(sentence, language.code)
         for choice in choices:
@@ -57,6 +62,8 @@ class Speaker:
                 break
             utterance.log.expect(line, len(left), spaced=language.spaced)
             left = yield from self._speak_with(choice, left, utterance, line)
+        if not utterance.token.cancelled:
+            self.trouble = _no_voice(choices) if left else ""
         if not left:
             utterance.log.complete(line)
 
@@ -92,7 +99,7 @@ class Speaker:
             except Exception:
                 self.failures += 1
                 if self.failures.bit_count() == 1:  # 1, 2, 4, 8, ...: no flood of lines
-                    log.exception("the voice %s fails on %r; trying another", choice.name, text)
+                    log.exception("voice_failed", voice=choice.name, text=Said(text))
                 return False
             if chunk is None:
                 return True
@@ -106,7 +113,12 @@ class Speaker:
         except Exception:
             self.failures += 1
             if self.failures.bit_count() == 1:
-                log.exception("the voice %s does not load; trying another", choice.name)
+                log.exception("voice_not_loaded", voice=choice.name)
             return None
         self.last = (choice, engine.sample_rate_hz)
         return engine
+
+
+def _no_voice(choices: Sequence[VoiceChoice]) -> str:
+    tried = ", ".join(choice.name for choice in choices)
+    return f"no voice speaks: {tried} failed" if tried else "no voice is on this machine"

@@ -1,6 +1,5 @@
 """Turning utterances into words, one after the other, on a thread of its own."""
 
-import logging
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -9,11 +8,12 @@ from dataclasses import dataclass
 from edgevox.core.clock import Clock
 from edgevox.core.commands import Heard, Transcribing
 from edgevox.core.errors import EdgeVoxError
-from edgevox.voice.audio import Samples
+from edgevox.core.log import get_logger
+from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.stt.base import SpeechToText
 from edgevox.voice.wakephrase import without_phrase
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 MAX_WAITING = 8
 """So many utterances may wait. One more is refused, counted and said."""
@@ -73,6 +73,8 @@ class Understanding:
         self._changed = threading.Condition()
         self._busy = self._closed = False
         self.refused = self.failed = 0
+        self.last: tuple[float, float] | None = None
+        """Seconds that the last words took to be understood, and to be said."""
         self._thread = threading.Thread(target=self._work, name="edgevox-transcription")
 
     def start(self) -> None:
@@ -106,7 +108,7 @@ class Understanding:
                 self._changed.notify_all()
         if full:
             self.refused += 1
-            log.warning("%d utterances were not understood: too many wait", self.refused)
+            log.warning("speech_refused", refused=self.refused, waiting=MAX_WAITING)
 
     def guess(self, job: Job) -> None:
         """Find out the words of what may be a whole utterance, if nothing else is to be done."""
@@ -151,7 +153,9 @@ class Understanding:
         """What was said, and how long it took to find out."""
         began_s, language = self._clock.now(), self._language()
         text = self._transcribe(job, language)
-        return _Words(text, job.ended_s, language, self._clock.now() - began_s)
+        took_s = self._clock.now() - began_s
+        self.last = (took_s, job.samples.size / RATE_HZ)
+        return _Words(text, job.ended_s, language, took_s)
 
     def _transcribe(self, job: Job, language: str) -> str:
         """The words; none if they could not be understood, which is logged."""
@@ -159,10 +163,10 @@ class Understanding:
             text = self._stt.transcribe(job.samples, language)
         except EdgeVoxError as error:
             self.failed += 1
-            log.error("speech to text: %s", error)  # noqa: TRY400 - its message says it all
+            log.error("speech_to_text_failed", reason=str(error))  # noqa: TRY400 - its message says it all
         except Exception:
             self.failed += 1
-            log.exception("speech to text failed")
+            log.exception("speech_to_text_broke")
         else:
             return without_phrase(text, job.phrase) if job.phrase else text
         return ""

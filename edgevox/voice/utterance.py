@@ -1,15 +1,15 @@
 """One answer on its way to the loudspeaker."""
 
-import logging
 import threading
 from collections.abc import Callable
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
+from edgevox.core.log import bound_now, get_logger
 from edgevox.core.speech import Spoken
 from edgevox.voice.spoken_log import SpokenLog
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 
 class SpeakingUtterance:
@@ -27,6 +27,8 @@ class SpeakingUtterance:
         end: Callable[["SpeakingUtterance"], None],
     ) -> None:
         self.token = token.child()
+        self.ids = bound_now()
+        """What the lines about it belong to: the turn."""
         self.log = SpokenLog()
         self.synthesis_s = 0.0
         self._on_audible = on_audible
@@ -67,7 +69,7 @@ class SpeakingUtterance:
         try:
             self._on_audible()
         except Exception:
-            log.exception("whoever waits for the first sound failed")
+            log.exception("first_sound_unheeded")
 
     def settle(self, *, cut: bool, unplayed_s: float = 0.0) -> None:
         """Nothing more of it will be played."""

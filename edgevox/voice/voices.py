@@ -60,6 +60,34 @@ def choose(
     return (first, *_fallbacks(here, first))
 
 
+class PresentVoices:
+    """What to speak with at this moment, asked before every sentence.
+
+    A voice that was found once stays first while nobody asks for another one, also if its files go
+    away: it is loaded by then. One that was never here is replaced by the language's best.
+    `wanted` gives language and voice, `finder` a new `Find`.
+    """
+
+    def __init__(self, wanted: Callable[[], tuple[str, str]], finder: Callable[[], Find]) -> None:
+        self._wanted = wanted
+        self._finder = finder
+        self._found: dict[tuple[str, str], VoiceChoice] = {}
+
+    def __call__(self) -> Sequence[VoiceChoice]:
+        """The voice, and after it those to be tried; none if nothing here speaks the language."""
+        wanted = language, voice = self._wanted()
+        here = available(LANGUAGES[language], self._finder())
+        asked = next((one for one in here if voice in ("", one.name)), None)
+        known = self._found.get(wanted)
+        if known and known not in here:
+            return (known, *_fallbacks(here, known))
+        first = asked or next(iter(here), None)
+        if first is None:
+            return ()
+        self._found[wanted] = first
+        return (first, *_fallbacks(here, first))
+
+
 def _fallbacks(here: Sequence[VoiceChoice], first: VoiceChoice) -> list[VoiceChoice]:
     best: dict[str, VoiceChoice] = {first.backend: first}
     for choice in here:

@@ -4,11 +4,13 @@ import json
 import secrets
 import subprocess
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 
+from mcap.reader import make_reader
 from testcontainers.compose import DockerCompose
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -20,8 +22,9 @@ PROBE = (Path(__file__).parent / "probe.py").read_text()
 class Stack:
     """A running project, as `docker compose` sees it."""
 
-    def __init__(self, compose: DockerCompose) -> None:
+    def __init__(self, compose: DockerCompose, project: str) -> None:
         self._command = compose.docker_compose_command()
+        self.project = project
 
     def call(self, *arguments: str, **options: object) -> subprocess.CompletedProcess[str]:
         """`docker compose ...`, whatever its exit code."""
@@ -77,7 +80,7 @@ def stack(
         settings.writelines(f"{name}={value}\n" for name, value in environment.items())
         settings.flush()
         compose = DockerCompose(ROOT, files, env_file=settings.name, services=list(services))
-        one = Stack(compose)
+        one = Stack(compose, environment["COMPOSE_PROJECT_NAME"])
         try:
             if start:
                 _start(compose, one)
@@ -101,3 +104,14 @@ def wait_until(condition: Callable[[], bool], what: str, timeout_s: float) -> No
     while not condition():
         assert time.monotonic() < deadline, f"not within {timeout_s} s: {what}"
         time.sleep(0.1)
+
+
+def count_messages(folder: Path) -> Counter[str]:
+    """How many messages of each topic the recordings in a folder hold."""
+    counted = Counter[str]()
+    for file in folder.rglob("*.mcap"):
+        with file.open("rb") as stream:
+            summary = make_reader(stream).get_summary()
+        for number, count in summary.statistics.channel_message_counts.items():
+            counted[summary.channels[number].topic] += count
+    return counted

@@ -93,6 +93,13 @@ def test_a_command_runs_with_ros_2_edgevox_and_the_interfaces_at_hand(unstarted:
     assert "<module 'rclpy'" in ran.stdout
 
 
+def test_the_doctor_finds_no_fault_in_the_container(unstarted: Stack):
+    ran = unstarted.call("run", "--rm", "-T", SERVICE, "edgevox", "doctor", timeout=120)
+    assert ran.returncode == 0, ran.stdout
+    assert "uid 1000, read-only root file system" in ran.stdout
+    assert "two nodes met" in ran.stdout
+
+
 def test_the_exit_code_of_a_command_is_the_containers(unstarted: Stack):
     assert unstarted.call("run", "--rm", "-T", SERVICE, "bash", "-c", "exit 7").returncode == 7
 

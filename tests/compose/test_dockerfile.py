@@ -13,6 +13,10 @@ DOCKERFILES = ("Dockerfile.ros2", "docker/base/Dockerfile")
 FILES = (path for path in (ROOT / "docker").rglob("*") if path.is_file())
 SCRIPTS = sorted(path for path in FILES if path.read_bytes().startswith(b"#!"))
 OFFICIAL = "ros:jazzy-ros-base"
+OFFICIAL_ARM64 = "aarch64-manylinux_2_39"
+"""What Ubuntu 24.04, below the official image, can run there."""
+SOURCES = {"jieba"}
+"""Packages that have no wheel for any machine; plain Python, so that no compiler is needed."""
 
 
 def instructions(name: str) -> list[str]:
@@ -107,6 +111,30 @@ def test_both_architectures_are_defined():
 def test_the_definition_has_the_same_defaults_as_the_dockerfile():
     (given,) = re.findall(r'ARG MODEL_SET="(.*)"', "\n".join(instructions("Dockerfile.ros2")))
     assert baked()["edgevox"]["args"]["MODEL_SET"] == given
+
+
+def locked(name: str) -> dict[str, str]:
+    """The requirements of a lock, each with its hashes, by package."""
+    text = (ROOT / "requirements" / f"{name}.lock").read_text()
+    return {
+        one.partition("==")[0]: one for one in re.split(r"^(?=[a-z])", text, flags=re.MULTILINE)[1:]
+    }
+
+
+def test_the_slim_image_installs_nothing_that_the_other_does_not():
+    assert locked("slim").items() <= locked("image").items()
+
+
+def test_every_package_has_a_wheel_for_the_official_base_on_arm64(tmp_path):
+    """Asks the index, of which only this list is asked; nothing is fetched."""
+    wheels = [text for name, text in locked("image").items() if name not in SOURCES]
+    (tmp_path / "image.lock").write_text("".join(wheels))
+    command = [Path(sys.executable).with_name("uv"), "pip", "install", "--dry-run", "--no-deps"]
+    command += ["--only-binary=:all:", "--python-platform", OFFICIAL_ARM64, "--python-version=3.12"]
+    command += ["--target", tmp_path / "nowhere", "--requirement", tmp_path / "image.lock"]
+    ran = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert ran.returncode == 0, ran.stderr
+    assert ran.stderr.count("\n + ") > 90
 
 
 def baked(**variables: str) -> dict:

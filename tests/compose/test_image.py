@@ -9,14 +9,13 @@ from pathlib import Path
 
 import pytest
 
+from edgevox import __version__
+
 ROOT = Path(__file__).resolve().parents[2]
 LOCKED_DOWN = (
     *("--rm", "--read-only", "--tmpfs=/tmp:mode=1777,exec", "--network=none"),
     *("--cap-drop=ALL", "--security-opt=no-new-privileges"),
 )
-# Debian's own. In a container without capabilities none of them gains anything.
-SETUID = {"chage", "chfn", "chsh", "expiry", "gpasswd", "mount", "newgrp", "passwd", "su", "umount"}
-SETUID |= {"unix_chkpwd", "fusermount3", "ssh-keysign", "ssh-agent", "dbus-daemon-launch-helper"}
 LIMITS = {"edgevox": 2.0e9, "slim": 0.7e9}
 """Bytes that a target may have on the stand-in base."""
 COMPILERS = ("cc", "c++", "gcc", "g++", "clang", "cpp", "make", "cmake", "ninja", "rustc", "go")
@@ -82,9 +81,8 @@ def test_any_other_uid_will_do_as_well(inside):
     assert re.search(r"\d+\.\d+\.\d+", said)
 
 
-def test_only_the_systems_own_files_are_setuid(found):
-    paths = found(r"find / -xdev -type f -perm /6000 -printf '%f\n'")
-    assert set(paths) <= SETUID, sorted(set(paths) - SETUID)
+def test_no_program_runs_as_somebody_else_than_who_starts_it(found):
+    assert not found("find / -xdev -type f -perm /6000")
 
 
 def test_nobody_can_write_what_all_can_read(found):
@@ -131,8 +129,24 @@ def test_it_is_as_small_as_promised(about, image):
 def test_it_says_what_it_is(about):
     labels = {name.rpartition(".")[2]: value for name, value in about["Config"]["Labels"].items()}
     assert {"title", "description", "licenses", "name", "documentation"} <= set(labels)
+    assert labels["version"] == __version__
     assert about["Config"]["Healthcheck"]["Test"][:2] == ["CMD", "edgevox-health"]
     assert about["Config"]["StopSignal"] == "SIGTERM"
+
+
+def test_a_container_with_one_processor_computes_with_one_thread(inside):
+    """Whatever the machine has: threads that are not paid for stop those that are."""
+    asked = "from edgevox.agent.llm.tuning import default_threads as threads; import os; "
+    asked += "print(threads(), len(os.sched_getaffinity(0)), os.environ['OMP_NUM_THREADS'])"
+    threads, cores, openmp = inside("python3", "-c", asked, options=("--cpus=1",)).split()
+    assert (threads, openmp) == ("1", "1")
+    assert int(cores) > 1, "this machine cannot show it"
+
+
+def test_what_the_container_may_take_of_memory_is_known_in_it(inside):
+    asked = "from edgevox.core.cgroup import memory_left; print(memory_left())"
+    left = int(inside("python3", "-c", asked, options=("--memory=256m",)))
+    assert 100 << 20 < left < 256 << 20
 
 
 def test_ros_2_and_the_interfaces_are_at_hand_for_every_python(inside):
@@ -216,7 +230,9 @@ def test_the_bill_of_materials_names_every_debian_package(sbom, found):
     listed = found(r"dpkg-query -W -f '${db:Status-Status} ${Package} ${Version}\n'")
     installed = {tuple(line.split()[1:]) for line in listed if line.startswith("installed")}
     named = {(one["name"], one["version"]) for one in of_kind(sbom, "pkg:deb/")}
-    assert installed == named
+    (plugin,) = named - installed  # of which only ALSA's way to a sound server was taken
+    assert plugin[0] == "libasound2-plugins"
+    assert installed < named
     assert len(named) > 50
 
 

@@ -3,15 +3,37 @@
 import itertools
 import json
 import os
+import re
 import subprocess
 
 import pytest
+import yaml
 from stacks import BASE, ROOT
 
 from edgevox.apps.container import ENVIRONMENT, prepared
 
 OVERLAYS = sorted((ROOT / "compose").glob("*.yml"))
-TOGETHER = ["host", "recorder", "audio", "dev", "gpu"]
+NAMES = [file.stem for file in OVERLAYS]
+TABLE = "<!-- table: overlays"
+
+
+def _excluded() -> dict[str, set[str]]:
+    """What docs/deployment.md says does not go together, by overlay."""
+    page = (ROOT / "docs" / "deployment.md").read_text().partition(TABLE)[2]
+    rows = [line.split("|")[1:-1] for line in page.partition("\n\n")[0].splitlines()[3:]]
+    not_with: dict[str, set[str]] = {name: set() for name in NAMES}
+    for file, _, words in rows:
+        (name,) = re.findall(r"`([\w-]+)\.yml`", file)
+        named = set(re.findall(r"`([\w-]+)\.yml`", words))
+        for other in set(NAMES) - {name} - named if "all but" in words else named:
+            not_with[name].add(other)
+            not_with[other].add(name)
+    assert [name for name in NAMES if f"`{name}.yml`" not in "".join(r[0] for r in rows)] == []
+    return not_with
+
+
+NOT_WITH = _excluded()
+PAIRS = [pair for pair in itertools.combinations(NAMES, 2) if pair[1] not in NOT_WITH[pair[0]]]
 
 
 def _config(*overlays: str) -> dict:
@@ -24,23 +46,83 @@ def _config(*overlays: str) -> dict:
     return json.loads(ran.stdout)
 
 
-@pytest.mark.parametrize("overlay", OVERLAYS, ids=lambda file: file.stem)
-def test_an_overlay_fits_on_the_base(overlay):
-    services = _config(overlay.stem)["services"]
-    assert "edgevox-ros2" in services
+def _is_hardened(services: dict) -> None:
     for name, service in services.items():
         assert service["read_only"], name
         assert service["cap_drop"] == ["ALL"], name
         assert service["security_opt"] == ["no-new-privileges:true"], name
-        assert service["mem_limit"], name
-        assert service["restart"], name
+        for limit in ("mem_limit", "cpus", "pids_limit", "restart"):
+            assert service[limit], f"{name}: {limit}"
+        assert service["logging"]["options"]["max-size"], name
 
 
-def test_overlays_can_be_combined():
-    service = _config(*TOGETHER)["services"]["edgevox-ros2"]
-    assert service["network_mode"] == "host"
-    assert service["devices"]
-    assert service["volumes"]
+@pytest.mark.parametrize("overlay", OVERLAYS, ids=lambda file: file.stem)
+def test_an_overlay_fits_on_the_base(overlay):
+    services = _config(overlay.stem)["services"]
+    assert "edgevox-ros2" in services
+    _is_hardened(services)
+
+
+@pytest.mark.parametrize("pair", PAIRS, ids="+".join)
+def test_overlays_that_go_together_do_so_in_any_order(pair):
+    services = _config(*pair)["services"]
+    _is_hardened(services)
+    assert _sorted(services) == _sorted(_config(*reversed(pair))["services"])
+
+
+def _sorted(value: object) -> object:
+    """The same with lists in an order that says nothing."""
+    if isinstance(value, dict):
+        return {key: _sorted(one) for key, one in value.items()}
+    return sorted(map(_sorted, value), key=json.dumps) if isinstance(value, list) else value
+
+
+def test_what_does_not_go_together_is_a_choice_and_no_habit():
+    assert len(PAIRS) > 4 * len(NAMES)
+    assert {name for name in NAMES if len(NOT_WITH[name]) > 3} == {"fleet"}
+
+
+def test_many_overlays_go_together():
+    services = _config("host", "recorder", "audio", "dev", "gpu", "llm", "llm-key")["services"]
+    robot = services["edgevox-ros2"]
+    assert robot["network_mode"] == "host"
+    assert robot["devices"]
+    assert robot["volumes"]
+    assert robot["secrets"] == [{"source": "llm_key", "target": "/run/secrets/llm_key"}]
+
+
+@pytest.mark.parametrize("user", ["recorder", "smoke"])
+def test_the_recorder_is_where_the_robot_is(user):
+    """Or else it hears nothing: on the same network, by the same discovery."""
+    alone = _config(user)["services"]
+    assert alone["recorder"].get("profiles") is None
+    host = _config(user, "host")["services"]["recorder"]
+    assert host["network_mode"] == "host"
+    assert host["environment"]["FASTDDS_BUILTIN_TRANSPORTS"] == "UDPv4"
+    discovery = _config(user, "discovery")["services"]
+    server = discovery["edgevox-ros2"]["environment"]["ROS_DISCOVERY_SERVER"]
+    assert discovery["recorder"]["environment"]["ROS_DISCOVERY_SERVER"] == server
+
+
+def test_no_container_swaps():
+    for overlay in NAMES:
+        for name, service in _config(overlay)["services"].items():
+            limit = service.get("memswap_limit", service["mem_limit"])
+            assert limit == service["mem_limit"], f"{overlay}: {name}"
+
+
+def test_the_health_check_is_the_images():
+    """Written twice, since images in OCI's format lose it."""
+    lines = (ROOT / "Dockerfile.ros2").read_text().replace("\\\n", " ").splitlines()
+    (line,) = (line for line in lines if line.startswith("HEALTHCHECK"))
+    of_image = dict(re.findall(r"--([\w-]+)=(\w+)", line))
+    of_compose = yaml.safe_load((ROOT / BASE).read_text())["services"]["edgevox-ros2"][
+        "healthcheck"
+    ]
+    assert json.loads(line[line.index("CMD") + 3 :]) == of_compose.pop("test")[1:]
+    assert {name.replace("-", "_"): value for name, value in of_image.items()} == {
+        name: str(value) for name, value in of_compose.items()
+    }
 
 
 def test_without_arguments_compose_finds_the_file():

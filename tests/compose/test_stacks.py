@@ -1,10 +1,7 @@
 """Whole stacks: the smoke test, a fleet, and every way of networking delivers data."""
 
-from collections import Counter
-
 import pytest
-from mcap.reader import make_reader
-from stacks import PROBE, Stack, stack
+from stacks import PROBE, Stack, count_messages, stack
 
 pytestmark = pytest.mark.usefixtures("image")
 SMOKE_S = 150
@@ -18,12 +15,7 @@ def test_the_smoke_stack_is_judged_by_the_recorder_and_leaves_a_recording(tmp_pa
         assert ran.returncode == 0, ran.stdout + ran.stderr
         assert "PASSED" in ran.stdout
         smoke.call("cp", "recorder:/recordings", str(tmp_path))
-    counted = Counter[str]()
-    for file in tmp_path.rglob("*.mcap"):
-        with file.open("rb") as stream:
-            summary = make_reader(stream).get_summary()
-        for number, count in summary.statistics.channel_message_counts.items():
-            counted[summary.channels[number].topic] += count
+    counted = count_messages(tmp_path)
     assert counted[STATE] > 30  # ten a second, while it drives
     assert counted["/edgevox/text_input"] == 1
     assert counted["/edgevox/response"] == 2  # that it goes, and that it is there

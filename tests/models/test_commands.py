@@ -14,7 +14,7 @@ from edgevox.models import locate
 
 PROMISED_SHARE = 0.95
 FLOOR_OF_SMALL_MODEL = 0.78
-"""A little below what benchmarks/understanding.md reports."""
+"""A little below what docs/figures.md reports."""
 MOST_PROMPT_TOKENS = 1300
 
 

@@ -141,7 +141,8 @@ def test_a_motion_that_becomes_no_number_is_logged_and_the_world_goes_on(robot, 
 
     with caplog.at_level(logging.ERROR):
         robot._engine.step = step
-        robot.advance(0.1)
+        with pytest.raises(SkillFailed, match="physics of my world broke"):
+            robot.drive_to(3.4, 2.9, token=CancelToken(), report=lambda **f: None)
         robot.drive_to(3.4, 2.9, token=CancelToken(), report=lambda **f: None)
 
     assert "became" in caplog.text

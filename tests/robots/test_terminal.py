@@ -81,7 +81,7 @@ def test_where_there_is_a_display_the_robot_is_shown_unless_it_is_not_wanted(mon
         )
         assert b"is ready" in agent.stdout.readline()
         if shown:
-            assert b"no window" in agent.stderr.readline()
+            assert b"no_window" in agent.stderr.readline()
         _, errors = agent.communicate(b"/quit\n", timeout=20)
         assert agent.returncode == 0
         assert b"window" not in errors
@@ -152,14 +152,15 @@ def test_a_typo_in_a_world_file_ends_it_with_the_fields_name(tmp_path):
     assert "height" in refused.stderr.decode()
 
 
-def test_a_model_that_is_not_there_ends_it_with_the_command_that_fetches_it(tmp_path, monkeypatch):
+def test_without_its_model_it_names_the_command_that_fetches_it_and_obeys(tmp_path, monkeypatch):
     monkeypatch.setenv("EDGEVOX_MODELS_DIR", str(tmp_path))
-    refused = subprocess.run(
-        [AGENT, "robot-apartment", "--text-mode"], stdin=subprocess.DEVNULL, capture_output=True,
+    done = subprocess.run(
+        [AGENT, "robot-apartment", "--text-mode"], input=b"where are you\n", capture_output=True,
         timeout=60,
     )  # fmt: skip
-    assert refused.returncode == 1
-    assert "edgevox-models fetch" in refused.stderr.decode()
+    assert done.returncode == 0
+    assert "edgevox-models fetch" in done.stderr.decode()
+    assert "I am in the living room" in done.stdout.decode()
 
 
 def see(terminal, text, timeout_s=15):

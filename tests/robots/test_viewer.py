@@ -130,7 +130,7 @@ def test_a_window_that_dies_ends_the_viewer_and_nothing_else(screen, viewer, cap
     shown._window.send_signal(signal.SIGTERM)
 
     until(lambda: not shown.running)
-    assert "no window" in caplog.text
+    assert "no_window" in caplog.text
     shown.close()
 
 
@@ -169,7 +169,7 @@ def test_without_a_display_one_line_says_so(viewer, monkeypatch, caplog) -> None
 
     (record,) = caplog.records
     assert record.levelname == "WARNING"
-    assert "no window" in record.getMessage()
+    assert "no_window" in record.getMessage()
     assert "display" in record.getMessage()
 
 

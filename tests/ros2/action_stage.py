@@ -125,12 +125,13 @@ class Client:
     def send_all(self, goals):
         """Ask for many goals at once, each a name and arguments as JSON; their handles."""
         messages = [ExecuteSkill.Goal(skill_name=n, arguments_json=a) for n, a in goals]
-        return [
-            done(future)
-            for future in self._there(
-                lambda: [self._client.send_goal_async(m, self._heard) for m in messages]
-            )
-        ]
+        return [done(future) for future in self.send_without_waiting(messages)]
+
+    def send_without_waiting(self, messages):
+        """Ask for goals; what to give to `done`, each."""
+        return self._there(
+            lambda: [self._client.send_goal_async(one, self._heard) for one in messages]
+        )
 
     def ask_ends_of(self, handles):
         """Ask how goals end; what to give to `answer`, each."""

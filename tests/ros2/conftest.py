@@ -19,14 +19,20 @@ START_S = 60.0
 class Agent:
     """A running edgevox-agent, with what it printed."""
 
-    def __init__(self, *arguments: str, domain: int, stdin: int = subprocess.DEVNULL) -> None:
+    def __init__(
+        self,
+        *arguments: str,
+        domain: int,
+        stdin: int = subprocess.DEVNULL,
+        program: str = AGENT,
+    ) -> None:
         environment = {
             **os.environ,
             "ROS_DOMAIN_ID": str(domain),
             "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         }
         self.process = subprocess.Popen(
-            [AGENT, *arguments],
+            [program, *arguments],
             stdin=stdin,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -73,6 +79,11 @@ class Agent:
                 self._arrived.notify_all()
         with self._arrived:
             self._arrived.notify_all()
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """The chaos comes last: whoever waits for the other tests does not wait for it."""
+    items.sort(key=lambda item: item.path.name == "test_chaos.py")
 
 
 @pytest.fixture(scope="module", autouse=True)

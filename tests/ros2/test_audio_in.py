@@ -49,4 +49,4 @@ def test_a_message_that_cannot_be_sound_is_refused_and_said(robot, microphone, s
     wait_until(lambda: audio_in.refused == 1, "refusal")
 
     assert source.read(0.0) is None
-    assert f"the last has {size} bytes" in caplog.text
+    assert f"last_bytes={size}" in caplog.text

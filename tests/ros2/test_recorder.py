@@ -215,7 +215,7 @@ def test_a_disk_that_takes_no_more_is_said_and_costs_no_more_than_the_exit_code(
 
     one = recorder("--duration", "6", preexec_fn=small_files).wait_until_it_records()
     assert one.wait() == 74
-    assert any("recording stops: " in line and "File too large" in line for line in one.lines)
+    assert any("recording_stopped" in line and "File too large" in line for line in one.lines)
     assert one.lines[-1].startswith("edgevox-recorder: not all was recorded: ")
     assert texts_of(one.files()[0])["/edgevox/robot_state"]
 

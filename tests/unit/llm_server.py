@@ -71,7 +71,7 @@ def never(reply: Reply) -> None:
 class Server:
     """Answers each chat as the next of `chats` says, the last one for ever."""
 
-    def __init__(self, chats: Sequence[Chat], owner: str) -> None:
+    def __init__(self, chats: Sequence[Chat], owner: str, host: str) -> None:
         self.models: object = {"data": [{"id": "tiny", "owned_by": owner}]}
         self.chats = list(chats)
         self.asked: list[dict[str, object]] = []
@@ -81,14 +81,18 @@ class Server:
         self.gone = threading.Event()
         """Set when a client went away while it was answered."""
         self.over = threading.Event()
-        self._http = ThreadingHTTPServer(("127.0.0.1", 0), self._handler())
+        self._http = ThreadingHTTPServer((host, 0), self._handler())
         self._http.daemon_threads = False
         self._thread = threading.Thread(target=self._http.serve_forever, args=(0.01,))
         self._thread.start()
 
     @property
+    def port(self) -> int:
+        return self._http.server_port
+
+    @property
     def url(self) -> str:
-        return f"http://127.0.0.1:{self._http.server_port}"
+        return f"http://127.0.0.1:{self.port}"
 
     def model(self, timeout_s: float = 5.0, **address: Any) -> EndpointModel:
         """A model that asks this server; it is closed with it."""
@@ -134,8 +138,8 @@ class Server:
 
 
 @contextmanager
-def serving(*chats: Chat, owner: str = "llamacpp") -> Iterator[Server]:
-    server = Server(chats, owner)
+def serving(*chats: Chat, owner: str = "llamacpp", host: str = "127.0.0.1") -> Iterator[Server]:
+    server = Server(chats, owner, host)
     try:
         yield server
     finally:

@@ -23,6 +23,9 @@ EVERYTHING = {
     "tolerations": [{"operator": "Exists"}],
     "nodeSelector": {"a": "b"},
     "affinity": {"podAntiAffinity": {}},
+    "topologySpreadConstraints": [
+        {"maxSkew": 1, "topologyKey": "zone", "whenUnsatisfiable": "ScheduleAnyway"}
+    ],
     "priorityClassName": "robots",
     "runtimeClassName": "nvidia",
     "podAnnotations": {"a": "b"},
@@ -228,8 +231,27 @@ def test_where_it_is_known_a_service_monitor_reads_the_metrics_port(tmp_path, mo
     (monitor,) = [one for one in rendered if one["kind"] == "ServiceMonitor"]
     (service,) = [one for one in rendered if one["kind"] == "Service"]
     assert monitor["metadata"]["labels"]["a"] == "b"
-    assert monitor["spec"]["endpoints"] == [{"port": "metrics", "interval": "15s"}]
+    (endpoint,) = monitor["spec"]["endpoints"]
+    assert (endpoint["port"], endpoint["interval"]) == ("metrics", "15s")
+    assert [one["targetLabel"] for one in endpoint["relabelings"]] == ["robot", "domain"]
     assert {"name": "metrics", "port": 9000, "targetPort": "metrics"} in service["spec"]["ports"]
+
+
+def test_metrics_are_served_where_prometheus_reads_them_and_nowhere_else() -> None:
+    values = ONE | {"serviceMonitor": {"enabled": True, "port": 9000}}
+    found = pods(values)["solo"]
+    (container,) = found["containers"]
+    assert environment(found)["EDGEVOX_METRICS_PORT"] == "9000"
+    assert environment(found)["EDGEVOX_METRICS_HOST"] == environment(found)["EDGEVOX_HEALTH_HOST"]
+    assert {"name": "metrics", "containerPort": 9000} in container["ports"]
+
+    on_host = pods(values | {"hostNetwork": True})["solo"]
+    for quiet in (solo(), on_host):
+        assert environment(quiet)["EDGEVOX_METRICS_PORT"] == "0"
+        assert "EDGEVOX_METRICS_HOST" not in environment(quiet)
+        assert [one["name"] for one in quiet["containers"][0]["ports"]] == ["health"]
+    own = {"EDGEVOX_METRICS_PORT": 9465}
+    assert environment(solo(hostNetwork=True, settings=own))["EDGEVOX_METRICS_PORT"] == "9465"
 
 
 def test_the_chart_is_of_the_version_of_the_program() -> None:
@@ -244,6 +266,13 @@ def test_a_digest_overrules_the_tag() -> None:
     values = ONE | {"image": {"repository": "r.example/e", "tag": "x", "digest": digest}}
 
     assert pods(values)["solo"]["containers"][0]["image"] == f"r.example/e@{digest}"
+
+
+def test_where_pods_run_is_kubernetes_own_words_untouched() -> None:
+    (pod, _) = pods(EVERYTHING).values()
+
+    for name in ("nodeSelector", "tolerations", "affinity", "topologySpreadConstraints"):
+        assert pod[name] == EVERYTHING[name]
 
 
 def test_the_longest_names_fit() -> None:

@@ -76,6 +76,16 @@ def test_who_else_is_named_may_talk_both_ways() -> None:
     assert spec["egress"][-1]["to"] == [lan]
 
 
+def test_prometheus_is_let_in_to_metrics_only_if_it_was_asked_for() -> None:
+    monitored = ONE | {"serviceMonitor": {"enabled": True}}
+    peer = {"namespaceSelector": {"matchLabels": {"a": "b"}}}
+    (dds,) = policies(monitored)["solo"]["ingress"]
+    assert all(port["protocol"] == "UDP" for port in dds["ports"])
+
+    _, rule = policies(monitored | {"networkPolicy": {"monitoring": [peer]}})["solo"]["ingress"]
+    assert rule == {"from": [peer], "ports": [{"port": "health"}, {"port": "metrics"}]}
+
+
 def test_policies_can_be_left_to_others() -> None:
     assert policies(SHARED | {"networkPolicy": {"enabled": False}}) == {}
 

@@ -1,12 +1,17 @@
 """Every page's links and pictures lead somewhere."""
 
+import itertools
 import re
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PAGES = [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")]
+PAGES = [
+    page
+    for folder in ("", "docs", "benchmarks", "helm/*")
+    for page in ROOT.glob(f"{folder}/*.md".lstrip("/"))
+]
 LARGEST_PICTURE_BYTES = 200_000
 
 
@@ -20,11 +25,20 @@ def anchors(page):
 def test_every_link_of_a_page_leads_somewhere(page):
     for link in re.findall(r"\]\(([^)\s]+)\)", page.read_text()):
         if "://" in link:
+            assert re.match(r"https://[a-z0-9-]+(\.[a-z0-9-]+)+(/|$)", link), link
             continue
         name, _, anchor = link.partition("#")
         target = page.parent / name if name else page
         assert target.exists(), link
         assert not anchor or anchor in anchors(target), link
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_a_list_begins_after_an_empty_line_as_the_site_needs_it(page):
+    text = re.sub(r"^```.*?^```$", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
+    for before, line in itertools.pairwise(text.splitlines()):
+        begins = re.match(r"(?:[-*]|\d+\.) ", line)
+        assert not begins or re.match(r"\s*$|(?:[-*]|\d+\.) |\s", before), line
 
 
 def test_every_picture_is_shown_somewhere_and_is_small():

@@ -14,7 +14,8 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.heartbeat import Heartbeat
 from edgevox.core.settings import ENV_PREFIX, Settings
 from edgevox.ops.health import STALL_S, Health, lives, moves
-from edgevox.ops.health_server import MOST_AT_ONCE, HealthServer
+from edgevox.ops.health_server import HealthServer
+from edgevox.ops.http_server import MOST_AT_ONCE
 from edgevox.robots.stepper import Stepper
 
 

@@ -1,5 +1,7 @@
 """What a recording is made of: schemas, files that follow each other, and a disk that fills up."""
 
+import errno
+import os
 import time
 from pathlib import Path
 
@@ -179,19 +181,19 @@ def test_a_disk_that_is_full_ends_the_file_says_so_and_goes_on_when_there_is_roo
     inbox.put(said(3))
     writing.close()
     assert texts(writing.bag.folder) == ["1", "3"]
-    stops = [one for one in caplog.messages if one.startswith("recording stops")]
+    stops = [one for one in caplog.messages if one.startswith("recording_stopped")]
     assert len(stops) == 1
-    assert "recording goes on" in caplog.messages
+    assert "recording_goes_on" in caplog.messages
 
 
 def test_a_write_that_fails_loses_one_file_only_up_to_its_last_flush(recording, monkeypatch):
     inbox, writing, _ = recording
     inbox.put(said(1))
     wait_until(lambda: writing.written == 1)
-    monkeypatch.setattr("os.write", _no_space)
+    monkeypatch.setattr("os.write", failing(errno.EIO))
     inbox.put(said(2))
     wait_until(lambda: inbox.dropped)
-    assert "No space left" in writing.trouble
+    assert "Input/output error" in writing.trouble
     monkeypatch.undo()
     wait_until(lambda: not writing.trouble)
     inbox.put(said(3))
@@ -201,8 +203,22 @@ def test_a_write_that_fails_loses_one_file_only_up_to_its_last_flush(recording, 
     assert texts(writing.bag.folder) == ["3"]
 
 
-def _no_space(*_):
-    raise OSError(28, "No space left on device")
+def test_a_disk_that_never_took_a_byte_leaves_no_empty_files(recording, monkeypatch):
+    inbox, writing, _ = recording
+    monkeypatch.setattr("os.write", failing(errno.EIO))
+    for number in range(4):
+        inbox.put(said(number))
+        wait_until(lambda number=number: inbox.dropped.total() > number)
+    assert list(writing.bag.folder.iterdir()) == []
+    monkeypatch.undo()
+    wait_until(lambda: not writing.trouble)
+
+
+def failing(number):
+    def fail(*_):
+        raise OSError(number, os.strerror(number))
+
+    return fail
 
 
 def read_what_is_there(path: Path):

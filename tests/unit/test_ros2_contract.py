@@ -7,7 +7,7 @@ import yaml
 
 from edgevox.core.commands import Interrupt, Query, Reset, SetMuted, Speak, TextInput
 from edgevox.core.errors import InvalidValue
-from edgevox.core.events import AgentEvent, AgentEventKind, Answered, State, TurnMeasured
+from edgevox.core.events import AgentEvent, AgentEventKind, Answered, Cause, State, TurnMeasured
 from edgevox.ros2 import contract, split_ros_args
 
 PROMISED = yaml.safe_load(
@@ -76,7 +76,7 @@ def test_the_action_and_the_names_are_the_contracts():
     [
         ("text_input", "hello", TextInput("hello")),
         ("tts_request", "hello", Speak("hello")),
-        ("interrupt", "anything", Interrupt()),
+        ("interrupt", "anything", Interrupt(cause=Cause.TOPIC)),
         ("command", " reset\n", Reset()),
         ("command", "mute", SetMuted(True)),
         ("command", "list_voices", Query("list_voices")),

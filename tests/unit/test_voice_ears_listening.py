@@ -8,7 +8,7 @@ import pytest
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Heard, Interrupt, Transcribing
 from edgevox.core.errors import EdgeVoxError
-from edgevox.core.events import AudioLevel, WakeWordHeard
+from edgevox.core.events import AudioLevel, Cause, WakeWordHeard
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, EndOfSound, Frame
 from edgevox.voice.ears import Ears
 from edgevox.voice.endpoint import ONSET_FRAMES
@@ -158,7 +158,7 @@ def test_a_failing_speech_to_text_gives_empty_words_and_goes_on(listen, error, c
     said, _, _ = listen(Stt(error, "again"), *spoken(), *spoken())
 
     assert words(said) == ["", "again"]
-    assert "speech to text" in caplog.text
+    assert "speech_to_text" in caplog.text
 
 
 def test_while_muted_nothing_is_heard_and_no_level_is_told(listen):
@@ -183,7 +183,7 @@ def test_speaking_over_the_robot_interrupts_it_but_not_its_drive(listen):
     said, _, _ = listen(Stt("wait"), *[0] * 10, *spoken(), audible=lambda: 0.1)
 
     assert [type(command) for command in said] == [Interrupt, Transcribing, Heard]
-    assert said[0] == Interrupt("spoken over", motion=False)
+    assert said[0] == Interrupt("spoken over", motion=False, cause=Cause.BARGE_IN)
 
 
 def test_the_interrupt_comes_with_the_first_frames_of_the_voice(listen):
@@ -216,7 +216,7 @@ def test_the_robots_own_voice_does_not_interrupt_it(listen):
 def test_without_the_gate_the_robots_own_voice_does(listen):
     said, _, _ = listen(Stt("itself"), *spoken(), audible=lambda: 0.5, echo="none")
 
-    assert said[0] == Interrupt("spoken over", motion=False)
+    assert said[0] == Interrupt("spoken over", motion=False, cause=Cause.BARGE_IN)
 
 
 def test_with_a_wake_word_only_what_follows_it_in_the_same_breath_is_taken(listen):
@@ -270,7 +270,7 @@ def test_with_a_wake_word_talk_does_not_interrupt_the_robot_but_the_wake_word_do
     )
 
     interrupts = [c for c in said if isinstance(c, Interrupt)]
-    assert interrupts[0] == Interrupt("heard the wake word", motion=False)
+    assert interrupts[0] == Interrupt("heard the wake word", motion=False, cause=Cause.WAKE_WORD)
 
 
 def test_a_frame_that_fails_is_survived_and_counted(listen, caplog):
@@ -303,7 +303,7 @@ def test_a_frame_that_fails_is_survived_and_counted(listen, caplog):
 
     assert words(said) == ["after"]
     assert ears.failed == 1
-    assert "could not be heard" in caplog.text
+    assert "frame_unheard" in caplog.text
 
 
 def test_closing_leaves_no_thread(listen):

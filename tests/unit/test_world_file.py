@@ -253,7 +253,7 @@ def test_unknown_keys_that_resemble_nothing_are_ignored_as_in_irsim(
 ) -> None:
     parse_world("world: {zzz: 1}\n" + ROBOT, "home.yaml")
 
-    assert "home.yaml.world.zzz is not known" in caplog.text
+    assert "world_key_ignored where='home.yaml.world.zzz'" in caplog.text
 
 
 def test_a_file_that_is_absent_too_large_or_no_text_is_refused(tmp_path) -> None:

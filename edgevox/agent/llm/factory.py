@@ -1,6 +1,7 @@
 """One way to get a language model, whichever engine is installed."""
 
 import importlib.util
+import resource
 from pathlib import Path
 from typing import Literal
 
@@ -9,6 +10,7 @@ from edgevox.agent.llm.base import CONTEXT_TOKENS, LanguageModel, ModelFailed
 from edgevox.agent.llm.cpu import XLLAMACPP_NEEDS, missing_features
 from edgevox.agent.llm.llama_cpp_model import LlamaCppModel
 from edgevox.agent.llm.xllamacpp_model import XllamacppModel
+from edgevox.core.cgroup import memory_left
 
 Backend = Literal["auto", "xllamacpp", "llama-cpp-python"]
 
@@ -18,8 +20,9 @@ _ENGINES: dict[str, tuple[str, type[XllamacppModel] | type[LlamaCppModel]]] = {
 }
 """Name of each backend to the module it needs and the class that drives it, best first."""
 
-_WORKING_MEMORY = 200_000_000
-"""Bytes beside the weights: the cache of the context and the buffers of the engine."""
+_BUFFERS_BYTES = 160 << 20
+"""Beside the weights and the cache of the context: the buffers of the engine."""
+_NOBODY_NEEDS_MORE = 1 << 60
 
 
 def load_model(
@@ -31,7 +34,7 @@ def load_model(
 ) -> LanguageModel:
     """A loaded model; `threads` None means as many as suit this machine. Raises `ModelFailed`."""
     chosen = _choose(backend)
-    _check_memory(path, gguf.check(path))
+    _check_memory(path, gguf.check(path), context_tokens)
     engine = _ENGINES[chosen][1]
     return engine(path, context_tokens=context_tokens, threads=threads)
 
@@ -57,17 +60,35 @@ def _choose(backend: Backend) -> str:
     )
 
 
-def _check_memory(path: Path, size: int) -> None:
+def _check_memory(path: Path, weights: gguf.Weights, context_tokens: int) -> None:
     """Refuse what cannot fit: the kernel would otherwise kill the robot's process halfway."""
-    needed, free = size + _WORKING_MEMORY, _available_bytes()
+    needed = weights.size + context_tokens * weights.bytes_per_token + _BUFFERS_BYTES
+    free = _available_bytes()
     if free is not None and needed > free:
         raise ModelFailed(
-            f"{path}: out of memory, needs about {needed >> 20} MiB and {free >> 20} MiB are free"
+            f"{path}: out of memory: a context of {context_tokens} tokens needs about"
+            f" {needed / 1e9:.1f} GB, {free / 1e9:.1f} GB are free; choose a smaller model (llm),"
+            " a smaller context (llm_context) or a server (llm_endpoint)"
         )
 
 
 def _available_bytes() -> int | None:
-    """What the kernel says it can give without swapping; None where it does not say."""
+    """What the kernel can give, and the limits of container and process allow; None if unknown."""
+    given = (_free_bytes(), memory_left(), _address_space_left())
+    return min((one for one in given if one is not None), default=None)
+
+
+def _address_space_left() -> int | None:
+    """What `ulimit -v` allows; None where there is no such limit."""
+    most, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if not 0 <= most < _NOBODY_NEEDS_MORE:
+        return None
+    taken = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+    return max(0, most - taken * resource.getpagesize())
+
+
+def _free_bytes() -> int | None:
+    """What the machine has without swapping."""
     try:
         lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
     except OSError:

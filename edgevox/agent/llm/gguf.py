@@ -2,6 +2,8 @@
 
 import math
 import struct
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
@@ -10,21 +12,31 @@ from edgevox.agent.llm.base import ModelFailed
 _MAGIC = b"GGUF"
 _SCALARS = {0: 1, 1: 1, 2: 2, 3: 2, 4: 4, 5: 4, 6: 4, 7: 1, 10: 8, 11: 8, 12: 8}
 """Bytes of each scalar type of a metadata value."""
-_STRING, _ARRAY = 8, 9
+_UINT32, _STRING, _ARRAY = 4, 8, 9
 _LONGEST_STRING = 1 << 26
 _MOST_DIMENSIONS = 4
 _BYTES_PER_WEIGHT_AT_LEAST = 0.1
 """Below the densest quantisation that exists, so that a whole file is never called truncated."""
 
 
-def check(path: Path) -> int:
-    """The file's size in bytes. Raises `ModelFailed` if it is missing, not GGUF, or cut short."""
+@dataclass(frozen=True, slots=True)
+class Weights:
+    """A whole file: its size, and what each token of context takes in memory, both in bytes."""
+
+    size: int
+    bytes_per_token: int
+
+
+def check(path: Path) -> Weights:
+    """What the file is. Raises `ModelFailed` if it is missing, not GGUF, or cut short."""
     try:
         size = path.stat().st_size
         with path.open("rb") as file:
             if file.read(4) != _MAGIC:
                 raise ModelFailed(f"{path}: not a GGUF model, its first bytes are not 'GGUF'")
-            needed = _bytes_at_least(file)
+            _version, tensors, values = _unpack(file, "<IQQ")
+            numbers = _read_numbers(file, values)
+            needed = _bytes_at_least(file, tensors)
     except FileNotFoundError:
         raise ModelFailed(f"{path}: there is no such model file") from None
     except OSError as error:
@@ -33,18 +45,35 @@ def check(path: Path) -> int:
         raise ModelFailed(f"{path}: truncated or damaged, its header does not read") from None
     if size < needed:
         raise ModelFailed(f"{path}: truncated, {size} bytes of at least {needed}; fetch it again")
-    return size
+    return Weights(size, _bytes_per_token(numbers))
 
 
-def _bytes_at_least(file: BinaryIO) -> int:
-    """A lower bound of the file's size, from where its header says that the last tensor begins."""
-    _version, tensors, values = _unpack(file, "<IQQ")
+def _bytes_per_token(numbers: Mapping[str, int]) -> int:
+    """Keys and values of 16 bits in every layer; 0 where the header does not say."""
+    heads = numbers.get("attention.head_count", 0)
+    kept = numbers.get("attention.head_count_kv", heads)
+    width = numbers.get("embedding_length", 0) // heads if heads else 0
+    return 2 * 2 * numbers.get("block_count", 0) * kept * width
+
+
+def _read_numbers(file: BinaryIO, values: int) -> dict[str, int]:
+    """The whole numbers among the metadata, by their names without the architecture's."""
+    numbers: dict[str, int] = {}
     for _ in range(values):
-        _skip_string(file)
-        _skip_value(file, _unpack(file, "<I")[0])
+        name = _read_string(file).decode("utf-8", "replace").partition(".")[2]
+        kind = _unpack(file, "<I")[0]
+        if kind == _UINT32:
+            numbers[name] = _unpack(file, "<I")[0]
+        else:
+            _skip_value(file, kind)
+    return numbers
+
+
+def _bytes_at_least(file: BinaryIO, tensors: int) -> int:
+    """A lower bound of the file's size, from where its header says that the last tensor begins."""
     last_offset, last_weights = 0, 0
     for _ in range(tensors):
-        _skip_string(file)
+        _read_string(file)
         dimensions = _unpack(file, "<I")[0]
         if dimensions > _MOST_DIMENSIONS:
             raise ValueError(dimensions)
@@ -60,10 +89,18 @@ def _unpack(file: BinaryIO, layout: str) -> tuple[int, ...]:
 
 
 def _skip_string(file: BinaryIO) -> None:
+    file.seek(_length(file), 1)
+
+
+def _read_string(file: BinaryIO) -> bytes:
+    return file.read(_length(file))
+
+
+def _length(file: BinaryIO) -> int:
     length = _unpack(file, "<Q")[0]
     if length > _LONGEST_STRING:
         raise ValueError(length)
-    file.seek(length, 1)
+    return length
 
 
 def _skip_value(file: BinaryIO, kind: int) -> None:

@@ -13,8 +13,9 @@ from typing import Any
 from edgevox.agent.llm import tuning
 from edgevox.agent.llm.base import CONTEXT_TOKENS, Message, ModelFailed
 from edgevox.core.cancel import CancelToken
+from edgevox.core.log import get_logger
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 _ERROR_LEVEL = 4
 
@@ -168,7 +169,7 @@ def _hear_native_log(level: int, text: bytes, _user_data: object) -> None:
     """The engine's own log: errors are ours too, the rest is chatter."""
     line = text.decode("utf-8", "replace").rstrip()
     if line:
-        log.log(logging.ERROR if level == _ERROR_LEVEL else logging.DEBUG, "%s", line)
+        log.log(logging.ERROR if level == _ERROR_LEVEL else logging.DEBUG, "llama_cpp", line=line)
 
 
 def _chat_format(llama: Any) -> Any:

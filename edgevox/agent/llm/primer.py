@@ -1,13 +1,13 @@
 """Reads a chat's opening into a model while the robot is already of use."""
 
-import logging
 import threading
 from collections.abc import Sequence
 
 from edgevox.agent.llm.base import LanguageModel, Message, ModelFailed
 from edgevox.core.cancel import CancelToken
+from edgevox.core.log import get_logger
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 
 class Primer:
@@ -40,4 +40,4 @@ class Primer:
         try:
             self._model.prime(self._messages, self._token)
         except ModelFailed as error:
-            log.error("the language model could not be primed: %s", error)  # noqa: TRY400
+            log.error("model_not_primed", reason=str(error))  # noqa: TRY400 - its message says it all

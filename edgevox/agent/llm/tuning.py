@@ -15,6 +15,8 @@ robot's share, so all cores are used, with that.
 
 import os
 
+from edgevox.core.cgroup import usable_cpus
+
 SPIN_COUNT = 1000
 BATCH_TOKENS = 32
 """Tokens of prompt that are read between two looks at the cancel token: a quarter of a second with
@@ -33,5 +35,5 @@ def spin_briefly() -> None:
 
 
 def default_threads() -> int:
-    """As many threads as this process has cores, within reason."""
-    return max(1, min(len(os.sched_getaffinity(0)), MOST_THREADS))
+    """As many threads as this process may use cores, within reason."""
+    return min(usable_cpus(), MOST_THREADS)

@@ -1,9 +1,7 @@
 """A language model run by xllamacpp: llama.cpp's server inside this process, no compiler needed."""
 
 import importlib
-import logging
 import secrets
-import tempfile
 import threading
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -14,9 +12,11 @@ from typing import Any
 from edgevox.agent.llm import tuning
 from edgevox.agent.llm.base import CONTEXT_TOKENS, Message, ModelFailed
 from edgevox.agent.llm.socket_client import post
+from edgevox.agent.llm.socket_folder import SocketFolder
 from edgevox.core.cancel import CancelToken
+from edgevox.core.log import get_logger
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 _KEPT_PROMPTS_MIB = 64
 """Room for the prompts of other agents, so that a hand-off and back reads none of them again."""
@@ -38,11 +38,14 @@ class XllamacppModel:
         self.context_tokens = context_tokens
         self._closed = threading.Event()
         self._key = secrets.token_urlsafe(32)
-        self._folder = tempfile.TemporaryDirectory(prefix="edgevox-llm-")
-        self._socket = Path(self._folder.name) / "llm.sock"  # the suffix makes it one
+        self._folder = SocketFolder()
+        self._socket = self._folder.path / "llm.sock"  # the suffix makes it one
         self._worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="xllamacpp")
         try:
             self._server: Any = _serve(path, context_tokens, threads, self._socket, self._key)
+        except ModelFailed:
+            self.close()
+            raise
         except RuntimeError as error:
             self.close()
             raise ModelFailed(f"{path}: xllamacpp could not load it: {error}") from None
@@ -89,7 +92,7 @@ class XllamacppModel:
         self._closed.set()
         self._worker.shutdown(wait=True)
         self._server = None
-        self._folder.cleanup()
+        self._folder.close()
 
     def _run(self, request: dict[str, Any], answer: "_Answer") -> None:
         if not answer.unwanted:
@@ -126,7 +129,7 @@ class _Answer:
         """The engine is done with it, one way or the other."""
         error = None if work.cancelled() else work.exception()
         if error is not None:
-            log.error("xllamacpp failed", exc_info=error)
+            log.error("model_engine_failed", engine="xllamacpp", exc_info=error)
             self._queue.put(ModelFailed(f"the engine failed: {error}"))
         self._queue.put(None)
 

@@ -31,7 +31,7 @@ def prepared(environment: Mapping[str, str], warn: Callable[[str], None]) -> dic
             values[row.variable] = row.default
     _be_quiet_without_sound(values)
     _check_settings(values)
-    _warn_of_unknown(environment, warn)
+    warn_of_unknown(environment, warn)
     rest = {name: value for name, value in environment.items() if name not in ENVIRONMENT}
     return rest | _targets(values)
 
@@ -118,7 +118,7 @@ def _check_settings(values: Mapping[str, str]) -> None:
         raise InvalidValue(by_setting[error.field], error.value, error.expected) from None
 
 
-def _warn_of_unknown(environment: Mapping[str, str], warn: Callable[[str], None]) -> None:
+def warn_of_unknown(environment: Mapping[str, str], warn: Callable[[str], None]) -> None:
     """A misspelled variable would else be ignored in silence."""
     known = set(ENVIRONMENT) | OF_COMPOSE
     for name in sorted(environment.keys() - known):

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from edgevox.apps.container.environment import prepared
 from edgevox.apps.container.table import NO_ROBOT
+from edgevox.core.cgroup import usable_cpus
 from edgevox.core.errors import InvalidValue
 
 USAGE = 64
@@ -22,6 +23,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except InvalidValue as error:
         _say(str(error))
         return USAGE
+    # NumPy's library would else start a thread for each core of the machine, allowed or not.
+    environment.setdefault("OMP_NUM_THREADS", str(usable_cpus()))
     command = command_of(given, environment)
     try:
         os.execvpe(command[0], command, environment)  # noqa: S606 - a list, not a shell's line

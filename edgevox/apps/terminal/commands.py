@@ -9,6 +9,7 @@ from edgevox.agent.conversation import Conversation
 from edgevox.apps.snapshot import check_picture, write_picture
 from edgevox.core.commands import Interrupt, Reset
 from edgevox.core.errors import EdgeVoxError
+from edgevox.core.events import Cause
 from edgevox.robots.capabilities import Body, HasMap
 
 MAP_COLUMNS = 60
@@ -65,7 +66,7 @@ def _skills(desk: Desk) -> str:
 
 
 def _stop(desk: Desk) -> str:
-    desk.conversation.submit(Interrupt("typed /stop"))
+    desk.conversation.submit(Interrupt("typed /stop", cause=Cause.TERMINAL))
     return "stopped"
 
 
@@ -77,7 +78,7 @@ def _reset(desk: Desk) -> str:
 def _restart(desk: Desk) -> str:
     if desk.body is None:
         return NO_ROBOT
-    desk.conversation.submit(Interrupt("the world was put back"))
+    desk.conversation.submit(Interrupt("the world was put back", cause=Cause.TERMINAL))
     desk.body.reset()
     return "put back"
 

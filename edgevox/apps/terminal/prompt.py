@@ -13,6 +13,7 @@ from edgevox.apps.terminal.view import View
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
 from edgevox.core.commands import Interrupt, TextInput
+from edgevox.core.events import Cause
 
 _STYLE = Style.from_dict({"bottom-toolbar": "noreverse fg:ansicyan", "prompt": "bold"})
 
@@ -30,9 +31,11 @@ class Prompt:
 
     def run(self, ending: Ending) -> None:
         """Read lines until the person leaves, or a signal says so."""
+        from edgevox.apps.tui.screen import stderr_as_lines
+
         ending.gently = self._leave
         try:
-            with patch_stdout(raw=True):
+            with patch_stdout(raw=True), stderr_as_lines(print):  # above the prompt, not into it
                 while self._step():
                     pass
         finally:
@@ -56,7 +59,7 @@ class Prompt:
     def _interrupt(self) -> bool:
         if self._ctrl_c.pressed():
             return False
-        self._desk.conversation.submit(Interrupt("Ctrl-C"))
+        self._desk.conversation.submit(Interrupt("Ctrl-C", cause=Cause.TERMINAL))
         print("  [Ctrl-C once more to leave]")
         return True
 

@@ -6,8 +6,8 @@ import stat
 import sys
 import threading
 
-from edgevox.apps.composition import Parts
 from edgevox.apps.ending import Ending
+from edgevox.apps.parts import Parts
 from edgevox.apps.terminal.commands import Desk
 from edgevox.apps.terminal.prompt import Prompt
 from edgevox.apps.terminal.script import run_script
@@ -36,7 +36,9 @@ def run_terminal(parts: Parts, ending: Ending) -> None:
 
 
 def _run_alone(parts: Parts) -> None:
-    view = View(parts.bus, _write)
+    """What is said is shown, but not where the log is for programs: there it is not for all."""
+    told = parts.settings.log_format != "json"
+    view = View(parts.bus, _write if told else lambda _line: None)
     try:
         if parts.ears and parts.voice and isinstance(parts.voice.source, WavFiles):
             parts.ears.wait_over()

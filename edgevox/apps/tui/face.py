@@ -19,6 +19,7 @@ from edgevox.apps.tui.feed import Feed, News
 from edgevox.core.clock import Clock
 from edgevox.core.commands import Command, Interrupt, SetMuted, TextInput
 from edgevox.core.errors import InvalidValue
+from edgevox.core.events import Cause
 
 Queries = Mapping[str, Callable[[], Mapping[str, Any]]]
 
@@ -97,7 +98,7 @@ class Face(App[None]):
         news = self._feed.take()
         transcript = self.query_one("#transcript", RichLog)
         for line in news.lines:
-            transcript.write(Text(line, style="bold" if line.startswith(">") else ""))
+            transcript.write(_styled(line))
         self._static("status", news.status)
         self._static("state", panels.state_text(news.state, muted=news.muted))
         self._static("level", panels.meter(0.0 if news.muted else news.level))
@@ -120,7 +121,7 @@ class Face(App[None]):
         if self._ctrl_c.pressed():
             self.exit()
             return
-        self._submit(Interrupt("Ctrl-C"))
+        self._submit(Interrupt("Ctrl-C", cause=Cause.TERMINAL))
 
     def action_mute(self) -> None:
         """Stop or start hearing."""
@@ -163,3 +164,10 @@ class Face(App[None]):
 
     def _static(self, name: str, content: str | Text) -> None:
         self.query_one(f"#{name}", Static).update(content)
+
+
+def _styled(line: str) -> Text:
+    """What was asked is bold; a line of the log may bring its own colours."""
+    if line.startswith("! "):
+        return Text.from_ansi(line)
+    return Text(line, style="bold" if line.startswith(">") else "")

@@ -1,7 +1,7 @@
 """Runs the full-screen terminal on the main thread."""
 
-from edgevox.apps.composition import Parts
 from edgevox.apps.ending import Ending
+from edgevox.apps.parts import Parts
 from edgevox.apps.terminal.commands import Desk
 from edgevox.apps.tui.face import Face
 from edgevox.apps.tui.feed import Feed

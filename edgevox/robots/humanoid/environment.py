@@ -121,10 +121,17 @@ class MujocoHumanoidEnvironment:
     def step(self, wanted: WalkingCommand) -> None:
         """Let `period_s` pass, walking at this velocity, to which its speed rises evenly.
 
-        Raises `ArithmeticError` if physics broke; the robot stands again then.
+        Raises `ArithmeticError` if its numbers broke; the robot stands again then, where it was.
         """
+        before = self.pose
         self._command = eased(self._command, wanted, self.period_s)
-        self._walker.step(self._command)
+        try:
+            self._walker.step(self._command)
+            if not (self.pose.finite and self.velocity.finite):
+                raise ArithmeticError("the robot's motion became infinite; it was put upright")
+        except Exception:
+            self._put(before)
+            raise
 
     def reset(self) -> None:
         """Back to the start, upright."""

@@ -73,10 +73,9 @@ class PhysicsWalker:
             self._ctrl[:] = self._qpos[self._angles]  # limp: only the damping is left
         else:
             self._ctrl[:] = self._policy.act(self._observe(self._command(wanted)))
-        pose, before_s = self.base.pose, self.data.time
+        before_s = self.data.time
         mujoco.mj_step(self.model, self.data, self._substeps)
         if self.data.time <= before_s:  # numbers that are none made MuJoCo reset itself
-            self.put(pose)
             raise ArithmeticError("the robot's motion became infinite; it was put upright")
         self.base.update()
 

@@ -6,10 +6,13 @@ The latest request wins and ends the one before.
 import math
 
 from edgevox.core.cancel import Cancelled
+from edgevox.core.log import get_logger
 from edgevox.robots.capabilities import Pose2D, Twist2D
 from edgevox.robots.humanoid.manoeuvre import Manoeuvre
 from edgevox.robots.humanoid.policy import STAND, WalkingCommand
 from edgevox.robots.humanoid.walker import Limits
+
+log = get_logger(__name__)
 
 WATCHDOG_S = 0.5
 """A stream of velocities that is silent for so long has stopped."""
@@ -26,6 +29,8 @@ class Pilot:
         self._manoeuvre: Manoeuvre | None = None
         self._stood_s = limits.settle_s
         self._heading_rad: float | None = None
+        self.watchdog_halts = 0
+        """Streams that stopped though they had not asked for a stand."""
 
     @property
     def manoeuvre(self) -> Manoeuvre | None:
@@ -81,6 +86,9 @@ class Pilot:
     def command(self, time_s: float, pose: Pose2D) -> WalkingCommand:
         """What the legs shall do in the next period."""
         if self._stream is not None and time_s >= self._stream_until_s:
+            if not self._stream.stands:
+                self.watchdog_halts += 1
+                log.warning("watchdog_halted", silent_s=WATCHDOG_S)
             self._stream = None
         wanted = self._wanted(pose)
         self._stood_s = self._stood_s + self._period_s if wanted.stands else 0.0

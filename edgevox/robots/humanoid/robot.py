@@ -20,7 +20,7 @@ from edgevox.robots.humanoid.manoeuvre import Manoeuvre
 from edgevox.robots.humanoid.pilot import Pilot
 from edgevox.robots.humanoid.skills import walking_skills
 from edgevox.robots.humanoid.state import describe
-from edgevox.robots.stepper import Stepper
+from edgevox.robots.stepper import BROKE, Stepper
 
 REPORT_EVERY_S = 0.2
 FALLEN = "I have fallen. Tell me to stand up."
@@ -57,10 +57,16 @@ class HumanoidRobot:
         self._eyes = Eyes(environment, name=self.name)
         self._always = speed is not None
         self._ticks = 0
+        self._halts_before = 0
         self._wanted_ticks = 0
         self._skills = walking_skills(self)
         self._stepper = Stepper(
-            self._step, period_s=self._period_s, speed=speed, clock=clock, name=f"{self.name} world"
+            self._step,
+            period_s=self._period_s,
+            speed=speed,
+            clock=clock,
+            name=f"{self.name} world",
+            broke=self._give_up,
         )
 
     def __enter__(self) -> "HumanoidRobot":
@@ -89,8 +95,21 @@ class HumanoidRobot:
         return self._stepper.real_time_factor
 
     @property
+    def pace(self) -> float | None:
+        return self._stepper.pace
+
+    @property
+    def breaks(self) -> int:
+        """How often a step of the world failed, or its numbers broke."""
+        return self._stepper.failures
+
+    @property
     def stalled_s(self) -> float:
         return self._stepper.stalled_s
+
+    @property
+    def watchdog_halts(self) -> int:
+        return self._halts_before + self._pilot.watchdog_halts
 
     @property
     def camera_spec(self) -> CameraSpec:
@@ -110,6 +129,7 @@ class HumanoidRobot:
         """Back upright where it started; time goes on."""
         with self._lock:
             self._pilot.stand(Cancelled("the world was reset"))
+            self._halts_before += self._pilot.watchdog_halts
             self._pilot = Pilot(self._environment.limits, self._period_s)
             self._environment.reset()
 
@@ -226,6 +246,11 @@ class HumanoidRobot:
         with self._lock:
             if self._pilot.manoeuvre is manoeuvre:
                 self._pilot.stand(reason)
+
+    def _give_up(self) -> None:
+        """A period failed: nobody knows what the next one would do with this motion."""
+        with self._lock:
+            self._pilot.stand(SkillFailed(BROKE))
 
     def _report(self, manoeuvre: Manoeuvre, report: Report) -> None:
         with self._lock:

@@ -4,11 +4,13 @@ Imports core and the robots' own protocols. A module that imports mujoco itself 
 first, because a machine without OpenGL must not lose its robot with its camera.
 """
 
-import logging
-
+from edgevox.core.log import get_logger
 from edgevox.robots.mujoco.gl import NoPicture, shield_import
 
 _mujoco = shield_import()
-_mujoco.set_mju_user_warning(logging.getLogger(__name__).warning)  # else it writes a file here
+log = get_logger(__name__)
+
+# Else it writes a file here.
+_mujoco.set_mju_user_warning(lambda text: log.warning("mujoco", line=text))
 
 __all__ = ["NoPicture"]

@@ -1,6 +1,5 @@
 """Lets the time of a MuJoCo world pass, period by period, on a thread of its own."""
 
-import logging
 import math
 import threading
 from typing import Protocol
@@ -8,10 +7,11 @@ from typing import Protocol
 import mujoco
 
 from edgevox.core.clock import Clock
+from edgevox.core.log import get_logger
 from edgevox.robots.mujoco.snapshot import Snapshot
 from edgevox.robots.stepper import Stepper
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 _BROKEN = slice(mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQACC + 1)
 
@@ -74,6 +74,16 @@ class Engine:
         return self._stepper.real_time_factor
 
     @property
+    def pace(self) -> float | None:
+        """As the stepper's."""
+        return self._stepper.pace
+
+    @property
+    def breaks(self) -> int:
+        """How often a step failed, or the numbers broke and were put back."""
+        return self.divergences + self._stepper.failures
+
+    @property
     def stalled_s(self) -> float:
         """As the stepper's."""
         return self._stepper.stalled_s
@@ -126,7 +136,7 @@ class Engine:
 
     def _recover(self) -> None:
         self.divergences += 1
-        log.error("the physics broke and was put back (%d so far)", self.divergences)
+        log.error("physics_broke", divergences=self.divergences)
         mujoco.mj_resetData(self.model, self.data)
         if self._steered is not None:
             self._steered.put_back()

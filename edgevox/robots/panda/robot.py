@@ -82,6 +82,15 @@ class PandaRobot:
         return self._engine.real_time_factor
 
     @property
+    def pace(self) -> float | None:
+        return self._engine.pace
+
+    @property
+    def breaks(self) -> int:
+        """How often a step of the world failed, or its numbers broke."""
+        return self._engine.breaks
+
+    @property
     def stalled_s(self) -> float:
         return self._engine.stalled_s
 

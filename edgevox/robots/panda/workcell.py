@@ -24,6 +24,7 @@ from edgevox.robots.panda.path import Pace
 from edgevox.robots.panda.planner import NOTHING, Leg, Planner
 from edgevox.robots.panda.scene import LEAD_S, TCP, build
 from edgevox.robots.panda.things import Placed, Things
+from edgevox.robots.stepper import BROKE
 
 PERIOD_S = 0.02
 REPORT_EVERY_S = 0.2
@@ -54,7 +55,7 @@ class Workcell:
         return self.errand is None or self.arm.motion is not None
 
     def put_back(self) -> None:
-        self.end(SkillFailed("the physics of my world broke, and I put everything back."))
+        self.end(SkillFailed(BROKE))
         self._build()
 
     def reset(self) -> None:

@@ -1,11 +1,14 @@
 """The node that a robot is driven from, with all that it hears and says."""
 
-import logging
 import threading
 from collections.abc import Callable
 
+from rclpy.clock import Clock as RosClock
+from rclpy.clock_type import ClockType
+
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
+from edgevox.core.log import get_logger
 from edgevox.ros2.external.drivers import Driver, GoalTopic, Wheels
 from edgevox.ros2.external.nav2 import LOST_S, Nav2Cancel, nav2_action
 from edgevox.ros2.external.pilot import Pilot
@@ -15,7 +18,7 @@ from edgevox.ros2.external.sightings import SILENT_S
 from edgevox.ros2.external.steering import OwnSteering
 from edgevox.ros2.node import RosNode
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 NODE_NAME = "edgevox_external"
 TICK_S = 0.05
@@ -45,7 +48,9 @@ class Link:
         )
         self.pilot = Pilot(self.senses, wheels, goals, settings.obey_s)
         self._silent = False
-        node.create_timer(TICK_S, self._tick)
+        # Real time: a /clock that stands still or jumps must not leave a robot driving.
+        steady = RosClock(clock_type=ClockType.STEADY_TIME)
+        node.create_timer(TICK_S, self._tick, clock=steady)
 
     def start(self) -> None:
         self._ros.start()
@@ -92,7 +97,7 @@ class Link:
         heard = self.senses.sightings.newest() is not None
         silent = heard and self.senses.sightings.fresh() is None
         if silent and not self._silent:
-            log.warning("nothing on %s for %g s", self.senses.odom_topic, SILENT_S)
+            log.warning("odometry_silent", topic=self.senses.odom_topic, silent_s=SILENT_S)
         elif self._silent and not silent:
-            log.warning("%s is heard again", self.senses.odom_topic)
+            log.warning("odometry_back", topic=self.senses.odom_topic)
         self._silent = silent

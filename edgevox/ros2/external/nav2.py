@@ -3,7 +3,6 @@
 Cancelling needs no type of Nav2's own: any action is cancelled by an `action_msgs` service.
 """
 
-import logging
 from collections.abc import Callable
 from typing import Any
 from uuid import uuid4
@@ -18,11 +17,12 @@ from unique_identifier_msgs.msg import UUID
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.clock import Clock
+from edgevox.core.log import get_logger
 from edgevox.ros2.external.drivers import goal_message
 from edgevox.ros2.external.settings import Patience
 from edgevox.ros2.external.target import Fix, Target
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 ACTION = "navigate_to_pose"
 ANSWER_S = 5.0
@@ -153,6 +153,6 @@ def nav2_action(
     try:
         from nav2_msgs.action import NavigateToPose
     except ImportError:
-        log.debug("nav2_msgs cannot be imported: goals go out on goal_pose")
+        log.debug("nav2_msgs_missing", instead="goal_pose")
         return None
     return Nav2Action(node, NavigateToPose, cancel_all, patience)

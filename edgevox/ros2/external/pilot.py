@@ -4,17 +4,17 @@ Velocities leave from here and from a drive that steers, never from both, and no
 robot drives by itself.
 """
 
-import logging
 import threading
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled
+from edgevox.core.log import get_logger
 from edgevox.ros2.external.drive import Drive
 from edgevox.ros2.external.drivers import STILL, GoalTopic, Wheels
 from edgevox.ros2.external.senses import Senses
 from edgevox.ros2.external.target import Fix
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 RECALL_EVERY_S = 0.25
 """A goal on its way when it was cancelled would survive it: so it is cancelled again."""
@@ -110,8 +110,9 @@ class Pilot:
             hold.end()
         elif held_s > self._obey_s:
             self._hold = None
-            hold.end(self._problem())
-            log.error(hold.problem)
+            problem = self._problem()
+            log.error("robot_disobeys", reason=problem)
+            hold.end(problem)
 
     def _problem(self) -> str:
         if self._senses.sightings.fresh() is None:

@@ -1,6 +1,5 @@
 """`robot-external`: any robot that speaks a few ROS 2 topics, driven over them."""
 
-import logging
 import math
 import threading
 from collections.abc import Mapping
@@ -12,6 +11,7 @@ from edgevox.agent.skills import GoalHandle, Result, Skill, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
+from edgevox.core.log import get_logger
 from edgevox.robots.capabilities import LidarScan, Pose2D, Report, Twist2D
 from edgevox.robots.navigation import LOCATION, navigation_skills
 from edgevox.ros2.external.drive import Drive
@@ -22,7 +22,7 @@ from edgevox.ros2.external.settings import ExternalSettings
 from edgevox.ros2.external.target import Fix, Target
 from edgevox.ros2.stamps import NS_PER_S
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 REPORT_EVERY_S = 0.2
 AT_LOCATION_M = 1.0
@@ -80,6 +80,15 @@ class ExternalRobot:
         """For how long nothing it hears is taken in, nor a velocity sent."""
         link = self._link
         return link.stalled_s if link else 0.0
+
+    @property
+    def trouble(self) -> str:
+        """Why it can neither be driven nor asked where it is; empty if its odometry is heard."""
+        link = self._link
+        if link is None or link.senses.sightings.fresh() is not None:
+            return ""
+        never = link.senses.sightings.newest() is None
+        return f"{'nothing' if never else 'nothing more'} is heard on {link.senses.odom_topic}"
 
     @property
     def places(self) -> Mapping[str, tuple[float, float]]:
@@ -175,7 +184,7 @@ class ExternalRobot:
             drive = Drive(target, driver, fix, self._clock.now())
             link.pilot.follow(drive, fix)
         link.senses.say_frame_once(fix)
-        log.info("driving to x %.2f, y %.2f by %s", x_m, y_m, driver.name)
+        log.info("driving", x_m=round(x_m, 2), y_m=round(y_m, 2), driver=driver.name)
         forget = token.on_cancel(lambda: self._end(drive, token))
         try:
             while not drive.done.wait(REPORT_EVERY_S):

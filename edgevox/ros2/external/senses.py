@@ -1,6 +1,5 @@
 """What is heard from the robot: odometry, scans, pictures and transforms, the newest of each."""
 
-import logging
 import math
 
 import numpy as np
@@ -12,6 +11,7 @@ from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import Image, LaserScan
 
 from edgevox.core.clock import Clock
+from edgevox.core.log import get_logger
 from edgevox.robots.capabilities import LidarScan, Pose2D, Twist2D
 from edgevox.ros2.external.frames import Frames, Matrix, flatten, matrix, plain
 from edgevox.ros2.external.sightings import SILENT_S, Sighting, Sightings
@@ -19,7 +19,7 @@ from edgevox.ros2.external.target import Fix
 from edgevox.ros2.stamps import NS_PER_S, to_ns
 from tf2_msgs.msg import TFMessage
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 _ANY_TF = 100
 
@@ -38,7 +38,7 @@ class Senses:
         self._prefix = node.get_namespace().strip("/")
         self._scan: tuple[float, LaserScan] | None = None
         self._picture: bytes | None = None
-        self._said: set[str] = set()
+        self._said: set[tuple[str, ...]] = set()
         node.create_subscription(Odometry, "odom", self._hear_odometry, _lossy(5))
         node.create_subscription(LaserScan, "scan", self._hear_scan, _lossy(1))
         # Pictures stay as bytes until somebody wants one: decoding each would cost a core.
@@ -70,8 +70,9 @@ class Senses:
     def say_frame_once(self, fix: Fix) -> None:
         """Log, the first time only, that there is no map."""
         seen = self.sightings.newest()
-        if seen and self._frames.map_above(self._named(seen.frame)) is None:
-            self._once(f"no transform joins {fix.frame!r} to a map: it is taken for the map")
+        mapless = seen and self._frames.map_above(self._named(seen.frame)) is None
+        if mapless and self._is_news("frame", fix.frame):
+            log.warning("frame_taken_for_map", frame=fix.frame)
 
     def scan(self) -> LidarScan | None:
         """The newest scan, None if there is none of the last second."""
@@ -121,8 +122,8 @@ class Senses:
             stamp_ns=to_ns(message.header.stamp),
             heard_s=self._clock.now(),
         )
-        if not self.sightings.add(sighting):
-            self._once(f"{self.odom_topic} says what is no position; such messages are ignored")
+        if not self.sightings.add(sighting) and self._is_news("odometry"):
+            log.warning("odometry_impossible", topic=self.odom_topic)
 
     def _hear_scan(self, message: LaserScan) -> None:
         self._scan = (self._clock.now(), message)
@@ -133,13 +134,14 @@ class Senses:
     def _hear_transforms(self, message: TFMessage) -> None:
         for one in message.transforms:
             transform = _matrix(one.transform.translation, one.transform.rotation)
-            if not self._frames.put(one.header.frame_id, one.child_frame_id, transform):
-                self._once(f"a transform of {one.child_frame_id!r} cannot be and is ignored")
+            fits = self._frames.put(one.header.frame_id, one.child_frame_id, transform)
+            if not fits and self._is_news("transform", one.child_frame_id):
+                log.warning("transform_impossible", frame=one.child_frame_id)
 
-    def _once(self, text: str) -> None:
-        if text not in self._said and len(self._said) < _ANY_TF:
-            self._said.add(text)
-            log.warning(text)
+    def _is_news(self, *told: str) -> bool:
+        news = told not in self._said and len(self._said) < _ANY_TF
+        self._said |= {told} if news else set()
+        return news
 
 
 def _lossy(depth: int) -> QoSProfile:

@@ -9,6 +9,7 @@ from geometry_msgs.msg import PoseStamped
 from rclpy.node import Node
 
 from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.log import get_logger
 from edgevox.robots.capabilities import Body, HasEndEffector, HasPose, Pose3D
 from edgevox.ros2.interop.geometry import compose, unit
 from edgevox.ros2.interop.messages import pose_of
@@ -16,12 +17,13 @@ from edgevox.ros2.interop.profiles import GOAL
 from edgevox.ros2.interop.whereabouts import Whereabouts
 from edgevox.ros2.stamps import to_ns
 
+log = get_logger(__name__)
+
 RunSkill = Callable[[str, Mapping[str, Any]], None]
 """Starts a skill, by name and with arguments, without waiting. May raise `EdgeVoxError`."""
 
 DRIVE, REACH = "navigate_xy", "move_to"
 """The skills that a goal becomes: on the floor for what drives, in space for what has a hand."""
-_LOG_EVERY_S = 1.0
 
 
 def goal_skill(body: Body) -> str | None:
@@ -46,7 +48,6 @@ class GoalInput:
         self, node: Node, skill: str, whereabouts: Whereabouts, run_skill: RunSkill
     ) -> None:
         self._skill, self._whereabouts, self._run_skill = skill, whereabouts, run_skill
-        self._log = node.get_logger()
         self.refused = 0
         self._open = True
         node.create_subscription(PoseStamped, "goal_pose", self._take, GOAL)
@@ -62,10 +63,7 @@ class GoalInput:
             self._run_skill(self._skill, self._arguments(message))
         except EdgeVoxError as error:
             self.refused += 1
-            self._log.warning(
-                f"goal_pose refused: {error} ({self.refused} so far)",
-                throttle_duration_sec=_LOG_EVERY_S,
-            )
+            log.warning("goal_pose_refused", reason=str(error), refused=self.refused)
 
     def _arguments(self, message: PoseStamped) -> dict[str, float]:
         goal = self._on_map(message)

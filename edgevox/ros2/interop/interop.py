@@ -1,10 +1,11 @@
 """Puts together what one body offers to ROS 2."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from rclpy.node import Node
 
 from edgevox.core.errors import EdgeVoxError
+from edgevox.core.log import get_logger
 from edgevox.robots.capabilities import (
     Body,
     HasCamera,
@@ -25,11 +26,12 @@ from edgevox.ros2.interop.whereabouts import Whereabouts
 from edgevox.ros2.stamps import Stamps
 from edgevox.ros2.ticker import Ticker
 
+log = get_logger(__name__)
+
 TF_HZ = 30.0
 SCAN_HZ = 10.0
 IMAGE_HZ = 5.0
 CLOCK_HZ = 100.0
-_LOG_EVERY_S = 10.0
 _TICKS_PER_SCAN = round(TF_HZ / SCAN_HZ)
 
 
@@ -94,6 +96,12 @@ class Interop:
         return self._goal.refused if self._goal else 0
 
     @property
+    def refusals(self) -> Mapping[str, int]:
+        """How many messages were refused, by topic; only of topics that this body has."""
+        found = {"cmd_vel": self._velocity, "goal_pose": self._goal}
+        return {topic: part.refused for topic, part in found.items() if part}
+
+    @property
     def failed_images(self) -> int:
         """How many pictures could not be taken."""
         return self._camera.failures if self._camera else 0
@@ -108,10 +116,7 @@ class Interop:
                 self._scanner.tick()
         except EdgeVoxError as error:  # such as a sensor that is silent
             self.failed_ticks += 1
-            self._node.get_logger().warning(
-                f"{self._body.name} cannot be observed: {error}",
-                throttle_duration_sec=_LOG_EVERY_S,
-            )
+            log.warning("body_unobserved", body=self._body.name, reason=str(error))
 
     def _tick_on(self, ticker: Ticker) -> list[Callable[[], None]]:
         """Ways to end it again."""

@@ -12,10 +12,11 @@ from geometry_msgs.msg import Twist
 from rclpy.node import Node
 
 from edgevox.core.errors import InvalidValue
+from edgevox.core.log import get_logger
 from edgevox.robots.capabilities import TakesVelocity, Twist2D
 from edgevox.ros2.interop.profiles import VELOCITY
 
-_LOG_EVERY_S = 5.0
+log = get_logger(__name__)
 
 
 class VelocityInput:
@@ -27,7 +28,6 @@ class VelocityInput:
 
     def __init__(self, node: Node, body: TakesVelocity) -> None:
         self._body = body
-        self._log = node.get_logger()
         self.refused = 0
         self.clamped = 0
         self._open = True
@@ -53,9 +53,7 @@ class VelocityInput:
 
     def _refuse(self, reason: InvalidValue) -> None:
         self.refused += 1
-        self._log.warning(
-            f"{reason} ({self.refused} refused so far)", throttle_duration_sec=_LOG_EVERY_S
-        )
+        log.warning("velocity_refused", reason=str(reason), refused=self.refused)
 
 
 def _brief(message: Twist) -> tuple[float, ...]:

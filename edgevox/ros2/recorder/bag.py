@@ -1,14 +1,11 @@
 """One recording: a folder of MCAP files that follow each other, as rosbag2 lays them out."""
 
-import logging
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
 from edgevox.ros2.recorder.mcap_file import McapFile, Message
 from edgevox.ros2.recorder.metadata import FileInfo, write_metadata
-
-log = logging.getLogger(__name__)
 
 
 class Bag:
@@ -19,6 +16,7 @@ class Bag:
         self._most_bytes = most_bytes
         self._finished: list[FileInfo] = []
         self._begun = 0
+        self._told = True
         self._file: McapFile | None = None
         folder.mkdir(parents=True)
 
@@ -31,11 +29,11 @@ class Bag:
         """Begin a file, unless one is open."""
         if self._file is None:
             path = self.folder / f"{self.folder.name}_{self._begun}.mcap"
-            self._begun += 1
             self._file = McapFile(path)
+            self._begun += 1
 
     def write(self, messages: Sequence[Message], notes: dict[str, str]) -> None:
-        """Bring these to the disk. `notes` are put into a file that is full."""
+        """Bring these to the disk; `catch_up` does what this could not. `notes`: see `end_file`."""
         self.open()
         file = self._file
         if file is None:
@@ -46,22 +44,40 @@ class Bag:
         if file.size >= self._most_bytes:
             self.end_file(notes)
 
+    def catch_up(self, notes: dict[str, str]) -> None:
+        """Bring to the disk what it did not take before. Call it before the next `write`."""
+        if self._file is not None and self._file.ended:
+            self.end_file(notes)
+        elif self._file is not None:
+            self._file.flush()
+        if not self._told:
+            self._tell()
+
     def end_file(self, notes: dict[str, str]) -> None:
-        """Close the file that is open, if there is one; the next `write` begins another."""
-        file, self._file = self._file, None
+        """Close the file that is open, if there is one, with `notes`; `write` begins another."""
+        file = self._file
         if file is None:
             return
         if not file.info.messages:  # nothing is lost with it
-            file.abandon()
-            file.path.unlink()
+            self.lose_file()
+            file.path.unlink(missing_ok=True)
             return
         file.finish(notes)
+        self._file = None
         self._finished.append(file.info)
-        write_metadata(self.folder, self._finished)
+        self._tell()
 
     def lose_file(self) -> None:
         """Give up the file that is open: what was flushed stays in it."""
         file, self._file = self._file, None
-        if file is not None:
-            with suppress(OSError):
-                file.abandon()
+        if file is None:
+            return
+        with suppress(OSError):
+            file.abandon()
+            if not file.size:
+                file.path.unlink()
+
+    def _tell(self) -> None:
+        self._told = False
+        write_metadata(self.folder, self._finished)
+        self._told = True

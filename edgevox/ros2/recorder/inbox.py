@@ -1,12 +1,12 @@
 """What was heard and is not yet written: bounded, and what does not fit in is counted."""
 
-import logging
 import threading
 from collections import Counter
 
+from edgevox.core.log import get_logger
 from edgevox.ros2.recorder.mcap_file import Message
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 MOST_MESSAGES = 20_000
 MOST_BYTES = 64 * 1024 * 1024
@@ -44,4 +44,4 @@ class Inbox:
         before = self.dropped.total()
         self.dropped.update(message.topic.name for message in messages)
         if self.dropped.total().bit_length() > before.bit_length():  # a flood leaves a few lines
-            log.warning("%d messages were not recorded: %s", self.dropped.total(), why)
+            log.warning("messages_not_recorded", dropped=self.dropped.total(), reason=why)

@@ -42,13 +42,20 @@ class _Buffer:
     def flush(self) -> None:
         """There is nothing below."""
 
-    def take(self) -> bytes:
-        data, self._parts = b"".join(self._parts), []
-        return data
+    def held(self) -> bytes:
+        """All that nobody has taken."""
+        return b"".join(self._parts)
+
+    def forget(self) -> None:
+        """It was taken."""
+        self._parts = []
 
 
 class McapFile:
-    """Is made new; after an `OSError` of `flush` or `finish` it holds what was flushed before."""
+    """Is made new; after an `OSError` of `flush` or `finish` it holds what was flushed before.
+
+    What could not be flushed is kept: a later `flush` or `finish` brings it to the disk.
+    """
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -60,6 +67,8 @@ class McapFile:
         self._sequence: dict[str, int] = {}
         self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o644)
         self.size = 0
+        self.ended = False
+        """Whether its end was written, if perhaps not yet to the disk."""
         self._writer.start(profile="ros2", library=f"edgevox {__version__}")
 
     def write(self, message: Message) -> None:
@@ -83,15 +92,15 @@ class McapFile:
         self._to_disk()
 
     def finish(self, notes: dict[str, str]) -> None:
-        """Write `notes` and the indexes, and close it."""
-        try:
+        """Write `notes` and the indexes, and close it. May be tried again after an `OSError`."""
+        if not self.ended:
             self._writer.flush()
             self._writer.add_metadata("edgevox", notes)
             self._writer.finish()
-            self._to_disk()
-            os.fsync(self._file)
-        finally:
-            self.abandon()
+            self.ended = True
+        self._to_disk()
+        os.fsync(self._file)
+        self.abandon()
 
     def abandon(self) -> None:
         """Close it as it is: readable, without the indexes at its end."""
@@ -110,7 +119,7 @@ class McapFile:
         return self._writer.register_channel(topic.name, "cdr", self._schemas[topic.type], about)
 
     def _to_disk(self) -> None:
-        left = memoryview(self._buffer.take())
+        left = memoryview(self._buffer.held())
         written = 0
         try:
             while left:
@@ -119,5 +128,7 @@ class McapFile:
         except OSError:
             with suppress(OSError):
                 os.ftruncate(self._file, self.size)
+                os.lseek(self._file, self.size, os.SEEK_SET)
             raise
+        self._buffer.forget()
         self.size += written

@@ -1,11 +1,11 @@
 """The node that hears what is to be recorded, without looking into it."""
 
-import logging
 import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from edgevox.core.errors import EdgeVoxError
+from edgevox.core.log import get_logger
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.recorder.definitions import definition
 from edgevox.ros2.recorder.inbox import Inbox
@@ -13,7 +13,7 @@ from edgevox.ros2.recorder.mcap_file import Message
 from edgevox.ros2.recorder.topics import Recorded, message_class
 from edgevox.ros2.recorder.writing import Disk, Writing
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 NODE_NAME = "edgevox_recorder"
 
@@ -84,7 +84,7 @@ class Recorder:
             kind = message_class(topic.type)
             definition(topic.type)
         except EdgeVoxError as error:
-            log.warning("%s is not recorded: %s", topic.name, error)
+            log.warning("topic_not_recorded", topic=topic.name, reason=str(error))
             return False
         self.ros.node.create_subscription(
             kind, topic.name, self._hearer(topic), topic.listening, raw=True

@@ -1,7 +1,6 @@
 """Where a scenario plays on a robot that is only known by its topics, in real time."""
 
 import json
-import logging
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ from std_msgs.msg import String
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.events import AgentEventKind
+from edgevox.core.log import get_logger
 from edgevox.ros2.interop.profiles import VELOCITY
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.recorder.skill_client import SkillClient
@@ -21,7 +21,7 @@ from edgevox.scenario import Scenario
 from edgevox.scenario.judge import Seen, Source
 from edgevox.scenario.steps import Drive, Run
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 DEPTH = 100
 _RELIABLE = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.RELIABLE)
@@ -220,7 +220,7 @@ class RobotStage:
             return data
         self._broken += 1
         if self._broken.bit_count() == 1:  # 1, 2, 4, 8, ...: a flood leaves a few lines
-            log.warning("%d messages were no JSON objects", self._broken)
+            log.warning("messages_not_json", broken=self._broken)
         return {}
 
     def _at(self, topic: str) -> str:

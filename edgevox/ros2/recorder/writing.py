@@ -1,6 +1,6 @@
 """The thread that takes what was heard to the disk, and gets over a disk that is full."""
 
-import logging
+import errno
 import shutil
 import threading
 from collections.abc import Callable
@@ -8,15 +8,19 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.log import get_logger
 from edgevox.ros2.recorder.bag import Bag
 from edgevox.ros2.recorder.inbox import Inbox
+from edgevox.ros2.recorder.mcap_file import Message
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 FLUSH_S = 0.4
 """What is older than this, and a moment, is in the file."""
 RETRY_S = 5.0
 MB = 1_000_000
+FULL = frozenset({errno.ENOSPC, errno.EDQUOT})
+"""The file can go on as soon as there is room. After any other error it is left as it is."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +57,8 @@ class Writing:
         self.bag = Bag(disk.folder, disk.most_bytes)
         self.trouble = ""
         self.written = 0
+        self._held: list[Message] = []
+        """Those that the bag was given and the disk has not taken yet."""
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._work, name="edgevox-recording")
 
@@ -73,19 +79,38 @@ class Writing:
     def _work(self) -> None:
         while not self._closing.wait(FLUSH_S):
             self._round()
+        self._retry_at_s = 0.0  # there is no later
         self._round()
-        self._try(lambda: self.bag.end_file(self._notes()))
+        if not self._try(lambda: self.bag.end_file(self._notes())):
+            self._lose_file()
 
     def _round(self) -> None:
-        """Write what came since the last one."""
+        """Write what came since the last one, after what could not be written before."""
         messages = self._inbox.take()
-        if self._may_write() and self._try(lambda: self.bag.write(messages, self._notes())):
-            self.written += len(messages)
+        if not (self._may_write() and self._try(self._catch_up)):
+            if messages:
+                self._inbox.drop(messages, self.trouble)
+            return
+        self._held = messages
+        if self._try(lambda: self.bag.write(messages, self._notes())):
+            self._wrote()
             if self.trouble:
-                log.warning("recording goes on")
+                log.warning("recording_goes_on")
                 self.trouble = ""
-        elif messages:
-            self._inbox.drop(messages, self.trouble)
+
+    def _catch_up(self) -> None:
+        self.bag.catch_up(self._notes())
+        self._wrote()
+
+    def _wrote(self) -> None:
+        self.written += len(self._held)
+        self._held = []
+
+    def _lose_file(self) -> None:
+        self.bag.lose_file()
+        held, self._held = self._held, []
+        if held:
+            self._inbox.drop(held, self.trouble)
 
     def _may_write(self) -> bool:
         if self.trouble and self._clock.now() < self._retry_at_s:
@@ -96,7 +121,8 @@ class Writing:
             self._stop(str(error))
             return False
         if free < self._disk.spare_bytes:
-            self._try(lambda: self.bag.end_file(self._notes()))
+            if not self.trouble:
+                self._try(lambda: self.bag.end_file(self._notes()))
             left, spare = free // MB, self._disk.spare_bytes // MB
             self._stop(f"the disk is full: {left} MB are left, {spare} MB are for others")
             return False
@@ -106,19 +132,20 @@ class Writing:
         try:
             write()
         except OSError as error:
-            self.bag.lose_file()
             self._stop(f"{self._disk.folder}: {error.strerror or error}")
+            if error.errno not in FULL:
+                self._lose_file()
             return False
         except Exception as error:  # what is heard later may still be written
-            log.exception("a file of the recording is lost")
-            self.bag.lose_file()
+            log.exception("recording_file_lost")
             self._stop(repr(error))
+            self._lose_file()
             return False
         return True
 
     def _stop(self, why: str) -> None:
         if not self.trouble:
-            log.error("recording stops: %s; trying again every %g s", why, self._retry_s)
+            log.error("recording_stopped", reason=why, retry_s=self._retry_s)
         self.trouble = why
         self._retry_at_s = self._clock.now() + self._retry_s
 

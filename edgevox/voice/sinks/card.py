@@ -1,12 +1,12 @@
 """A loudspeaker of this machine; one that is missing or pulled out is said and tried again."""
 
-import logging
 from collections.abc import Callable
-from contextlib import AbstractContextManager, ExitStack
+from contextlib import AbstractContextManager, ExitStack, suppress
 from typing import Protocol
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.log import get_logger
 from edgevox.voice.audio import Chunk
 from edgevox.voice.devices import DeviceMissing
 from edgevox.voice.sinks.card_queue import CardQueue
@@ -15,7 +15,7 @@ from edgevox.voice.sinks.paced import PacedSink
 from edgevox.voice.sinks.pacing import AHEAD_S, NOTHING_S, RateChanger, Wait, real_wait
 from edgevox.voice.sinks.portaudio import Fill, open_loudspeaker
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 RETRY_S = 3.0
 DEAF_S = 1.0
@@ -71,8 +71,15 @@ class SoundCardSink:
         self._stream: Stream | None = None
         self._opened = ExitStack()
         self._tried_s = float("-inf")
-        self._said = ""
+        self._said: tuple[str, ...] = ()
+        self._trouble = ""
         self._keep_open()
+
+    @property
+    def trouble(self) -> str:
+        """Why nothing can be heard of it now, as of the last sentence; empty while it plays."""
+        stream = self._stream
+        return self._trouble if stream is None or self._alive() else f"{stream.name} plays no more"
 
     def play(self, chunk: Chunk, token: CancelToken) -> float:
         self._keep_open()
@@ -99,7 +106,8 @@ class SoundCardSink:
 
     def close(self) -> None:
         self._stream = None
-        self._opened.close()
+        with suppress(DeviceMissing):  # it may be gone already
+            self._opened.close()
         self._silence.close()
 
     def _wait_until(self, ahead_s: float, token: CancelToken) -> None:
@@ -110,8 +118,9 @@ class SoundCardSink:
             self._wait(token, min(left_s, _STEP_S))
 
     def _alive(self) -> bool:
+        stream = self._stream
         asked = self._clock.now() - self._queue.filled_s <= DEAF_S
-        return self._stream is not None and self._stream.active and asked
+        return stream is not None and stream.active and asked
 
     def _keep_open(self) -> None:
         """Open the device if it is time to try, and give up one that has gone."""
@@ -126,10 +135,14 @@ class SoundCardSink:
             opener = self._opener(self._device, self._queue.fill, self._queue.open)
             self._stream = self._opened.enter_context(opener)
         except DeviceMissing as error:
-            self._say(f"{error}; trying again every {self._retry_s:g} s", logging.WARNING)
+            self._trouble = str(error)
+            if self._is_news(self._trouble):
+                log.warning("loudspeaker_missing", reason=self._trouble, retry_s=self._retry_s)
             return
+        self._trouble = ""
         self._rate = RateChanger(self._stream.rate_hz)
-        self._say(f"speaking on {self._stream.name}", logging.INFO)
+        if self._is_news("open", self._stream.name):
+            log.info("loudspeaker_open", device=self._stream.name)
 
     def _lose(self, why: str) -> None:
         self._stream = None
@@ -138,10 +151,11 @@ class SoundCardSink:
             self._opened.close()
         except DeviceMissing as error:
             why = str(error)
-        self._say(f"{why}; trying again every {self._retry_s:g} s", logging.WARNING)
+        self._trouble = why
+        if self._is_news(why):
+            log.warning("loudspeaker_lost", reason=why, retry_s=self._retry_s)
 
-    def _say(self, text: str, level: int) -> None:
-        """Once: the same trouble is not worth a line every few seconds."""
-        if text != self._said:
-            self._said = text
-            log.log(level, "loudspeaker: %s", text)
+    def _is_news(self, *told: str) -> bool:
+        """The same trouble is not worth a line every few seconds."""
+        news, self._said = told != self._said, told
+        return news

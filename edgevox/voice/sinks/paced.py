@@ -5,6 +5,7 @@ from collections import deque
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.trouble import trouble_of
 from edgevox.voice.audio import Chunk, Samples
 from edgevox.voice.sinks.outlet import Outlet
 from edgevox.voice.sinks.pacing import AHEAD_S, NOTHING_S, Loudness, RateChanger, Wait, real_wait
@@ -29,6 +30,11 @@ class PacedSink:
         self._due: deque[tuple[float, Samples]] = deque()
         self._end_s = 0.0
         self._closed = False
+
+    @property
+    def trouble(self) -> str:
+        """Why what is played goes nowhere at the moment; empty otherwise."""
+        return trouble_of(self._outlet)
 
     def play(self, chunk: Chunk, token: CancelToken) -> float:
         with self._lock:

@@ -27,14 +27,15 @@ class Playback:
 
     @property
     def active(self) -> bool:
-        return bool(self.stream.active)
+        return devices.is_active(self.stream)
 
 
 @contextmanager
 def open_loudspeaker(name: str, fill: Fill, opened: Callable[[int], None]) -> Iterator[Playback]:
     """Play on the device of this name, as `card.Opener` says it."""
-    devices.look_again()
-    with devices.in_use():
+    with devices.troubles():
+        devices.look_again()
+    with devices.in_use(), devices.troubles():
         import sounddevice
 
         device = devices.find(name, "output")
@@ -55,6 +56,9 @@ def open_loudspeaker(name: str, fill: Fill, opened: Callable[[int], None]) -> It
                 latency=LATENCY_S,
                 callback=callback,
             ) as stream:
-                yield Playback(device.name, device.rate_hz, stream)
+                try:
+                    yield Playback(device.name, device.rate_hz, stream)
+                finally:
+                    stream.abort()  # to stop it would wait for a device that may be gone
         except sounddevice.PortAudioError as error:
             raise DeviceMissing(f"{device.name} cannot be opened: {error}") from None

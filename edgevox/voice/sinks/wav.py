@@ -1,20 +1,23 @@
 """Speech into a WAV file."""
 
-import logging
 import struct
 import threading
+from contextlib import suppress
 from pathlib import Path
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
+from edgevox.core.log import get_logger
 from edgevox.voice.audio import Chunk, Samples
 from edgevox.voice.sinks.pacing import RateChanger
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 RATE_HZ = 24_000
 """No voice has a higher one."""
+RETRY_S = 5.0
+"""How long a file system that failed is left alone."""
 _HEADER_BYTES = 44
 _MOST_BYTES = 0xFFFF_FFFF - _HEADER_BYTES
 
@@ -23,7 +26,8 @@ class WavFile:
     """A WAV file that is right after every write, even if the process is killed after it.
 
     The file starts at the clock's time of its opening; between what is written there is silence.
-    A file system that fails is logged once, and what cannot be written is dropped.
+    While the file system fails, what would be written is dropped: that is said once, in `trouble`
+    and in the log, and tried again every few seconds. What was written before stays as it is.
     """
 
     name = "file"
@@ -31,14 +35,18 @@ class WavFile:
     block_s = 0.02
     lead_s = 0.0
 
-    def __init__(self, path: Path, clock: Clock | None = None) -> None:
+    def __init__(self, path: Path, clock: Clock | None = None, *, retry_s: float = RETRY_S) -> None:
         """Raises `InvalidValue` if the file cannot be written."""
-        self._start_s = (clock or SystemClock()).now()
+        self._clock = clock or SystemClock()
+        self._start_s = self._clock.now()
+        self._path = path
+        self._retry_s = retry_s
+        self._retry_at_s = float("-inf")
         self._written = 0
-        self._failed = False
+        self.trouble = ""
         try:
             self._file = path.open("wb", buffering=0)
-            self._file.write(_header(0))
+            self._write_all(_header(0))
         except OSError as error:
             expected = f"a WAV file that can be written ({error.strerror})"
             raise InvalidValue("audio_out", str(path), expected) from None
@@ -57,17 +65,38 @@ class WavFile:
     def _put(self, samples: Samples, position: int) -> None:
         """The gap before `position` is a hole in the file, which reads as silence."""
         end = 2 * (position + len(samples))
-        if self._failed or end > _MOST_BYTES or not len(samples):
+        if end > _MOST_BYTES or not len(samples):
+            return
+        if self.trouble and self._clock.now() < self._retry_at_s:
             return
         try:
             self._file.seek(_HEADER_BYTES + 2 * position)
-            self._file.write(samples.astype("<i2").tobytes())
+            self._write_all(samples.astype("<i2").tobytes())
             self._file.seek(0)
-            self._file.write(_header(end))
-            self._written = position + len(samples)
-        except OSError:
-            self._failed = True
-            log.exception("no more speech goes to the WAV file")
+            self._write_all(_header(end))
+        except OSError as error:
+            self._fail(error)
+            return
+        self._written = position + len(samples)
+        if self.trouble:
+            self.trouble = ""
+            log.warning("speech_file_written_again", path=str(self._path))
+
+    def _write_all(self, data: bytes) -> None:
+        """Raises `OSError`; a disk that fills up takes a part first, without a word."""
+        left = memoryview(data)
+        while left:
+            left = left[self._file.write(left) or 0 :]
+
+    def _fail(self, error: OSError) -> None:
+        """The header still tells of what was written before; what came after it is cut off."""
+        with suppress(OSError):
+            self._file.truncate(_HEADER_BYTES + 2 * self._written)
+        self._retry_at_s = self._clock.now() + self._retry_s
+        why = f"{self._path}: {error.strerror or error}"
+        if not self.trouble:
+            log.error("speech_file_not_written", reason=why, retry_s=self._retry_s)
+        self.trouble = why
 
 
 class UnpacedWav:
@@ -80,6 +109,11 @@ class UnpacedWav:
         self._clock = clock or SystemClock()
         self._lock = threading.Lock()
         self._rate = RateChanger(file.rate_hz)
+
+    @property
+    def trouble(self) -> str:
+        """Why nothing goes into the file at the moment; empty otherwise."""
+        return self._file.trouble
 
     def play(self, chunk: Chunk, token: CancelToken) -> float:
         with self._lock:

@@ -20,14 +20,15 @@ class Capture:
 
     @property
     def active(self) -> bool:
-        return bool(self.stream.active)
+        return devices.is_active(self.stream)
 
 
 @contextmanager
 def open_microphone(name: str, hear: Callable[[Samples], None]) -> Iterator[Capture]:
     """Capture from the device of this name, as `soundcard.Opener` says it."""
-    devices.look_again()
-    with devices.in_use():
+    with devices.troubles():
+        devices.look_again()
+    with devices.in_use(), devices.troubles():
         import sounddevice
 
         device = devices.find(name, "input")
@@ -46,7 +47,10 @@ def open_microphone(name: str, hear: Callable[[Samples], None]) -> Iterator[Capt
                 blocksize=FRAME_SAMPLES * rate_hz // RATE_HZ,
                 callback=callback,
             ) as stream:
-                yield Capture(device.name, stream)
+                try:
+                    yield Capture(device.name, stream)
+                finally:
+                    stream.abort()  # to stop it would wait for a device that may be gone
         except sounddevice.PortAudioError as error:
             raise DeviceMissing(f"{device.name} cannot be opened: {error}") from None
 

@@ -1,14 +1,14 @@
 """A source that others fill: a callback of the sound card, a subscriber of ROS 2."""
 
-import logging
 import threading
 from collections import deque
 
 from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.log import get_logger
 from edgevox.voice.audio import Frame, Samples
 from edgevox.voice.framing import Framer
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 MAX_FRAMES = 64
 """2 s of sound may wait to be read; of more, the oldest is dropped and counted."""
@@ -63,4 +63,4 @@ class Pushed:
     def _count(self, lost: int) -> None:
         before, self.dropped = self.dropped, self.dropped + lost
         if self.dropped.bit_length() > before.bit_length():  # a flood leaves a few lines
-            log.warning("%s: %d frames were dropped unheard", self.name, self.dropped)
+            log.warning("frames_dropped", source=self.name, dropped=self.dropped)

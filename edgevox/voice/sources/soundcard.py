@@ -1,18 +1,18 @@
 """A microphone of this machine; one that is missing or pulled out is said and tried again."""
 
-import logging
 import threading
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from typing import Protocol
 
 from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.log import get_logger
 from edgevox.voice.audio import Frame, Samples
 from edgevox.voice.devices import DeviceMissing
 from edgevox.voice.sources.portaudio import open_microphone
 from edgevox.voice.sources.pushed import Pushed
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 RETRY_S = 3.0
 SILENT_S = 2.0
@@ -57,7 +57,9 @@ class SoundCard:
         self._silent_s = silent_s
         self._queue = Pushed(self.name, self._clock)
         self._heard_s = 0.0
-        self._said = ""
+        self._said: tuple[str, ...] = ()
+        self.trouble = ""
+        """Why nothing is heard now; empty while the device is open."""
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._keep_open, name="edgevox-microphone")
 
@@ -82,10 +84,14 @@ class SoundCard:
         while not self._closing.is_set():
             try:
                 with self._open(self._device, self._hear) as stream:
-                    self._say(f"listening to {stream.name}", logging.INFO)
+                    self.trouble = ""
+                    if self._is_news("open", stream.name):
+                        log.info("microphone_open", device=stream.name)
                     self._watch(stream)
             except DeviceMissing as error:
-                self._say(f"{error}; trying again every {self._retry_s:g} s", logging.WARNING)
+                self.trouble = str(error)
+                if self._is_news(self.trouble):
+                    log.warning("microphone_lost", reason=self.trouble, retry_s=self._retry_s)
             self._queue.interrupted()
             self._closing.wait(self._retry_s)
 
@@ -101,8 +107,7 @@ class SoundCard:
         self._heard_s = self._clock.now()
         self._queue.push(samples)
 
-    def _say(self, text: str, level: int) -> None:
-        """Once: the same trouble is not worth a line every few seconds."""
-        if text != self._said:
-            self._said = text
-            log.log(level, "microphone: %s", text)
+    def _is_news(self, *told: str) -> bool:
+        """The same trouble is not worth a line every few seconds."""
+        news, self._said = told != self._said, told
+        return news

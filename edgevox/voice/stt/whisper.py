@@ -1,7 +1,5 @@
 """Whisper, by faster-whisper: 8 bit, greedy, on the CPU."""
 
-import logging
-import os
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -9,12 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from edgevox.core.cgroup import usable_cpus
 from edgevox.core.errors import EdgeVoxError
+from edgevox.core.log import get_logger
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.level import FULL_SCALE
 from edgevox.voice.stt.plausible import Segment, plausible, words_of
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 MAX_THREADS = 4
 """More do not help one utterance."""
@@ -41,18 +41,21 @@ class Whisper:
     ) -> None:
         self._model_of = model_of
         self._prompt_of = prompt_of
-        self._threads = threads or min(MAX_THREADS, os.cpu_count() or 1)
+        self._threads = threads or min(MAX_THREADS, usable_cpus())
         self._models: dict[Path, Any] = {}
+        self._paths: dict[str, Path] = {}  # of what is loaded: its files may be gone since
         self._lock = threading.Lock()
 
     def warm_up(self, language: str) -> None:
         self.transcribe(_WARM_UP, language)
 
     def transcribe(self, samples: Samples, language: str) -> str:
-        path = self._model_of(language)
+        path = self._paths.get(language) or self._model_of(language)
         seconds = samples.size / RATE_HZ
         with self._lock:
-            found, _ = self._model(path).transcribe(
+            model = self._model(path)
+            self._paths[language] = path
+            found, _ = model.transcribe(
                 samples.astype(np.float32) / FULL_SCALE,
                 language=language,
                 beam_size=1,
@@ -66,6 +69,11 @@ class Whisper:
                 Segment(s.text, s.no_speech_prob, s.avg_logprob, s.compression_ratio) for s in found
             ]
         return words_of([s for s in segments if plausible(s, seconds)])
+
+    @property
+    def loaded(self) -> tuple[Path, ...]:
+        """The folders of the models that are loaded. May be read from any thread."""
+        return tuple(self._models.copy())
 
     def close(self) -> None:
         """Forget the models."""
@@ -84,6 +92,6 @@ class Whisper:
                     cpu_threads=self._threads,
                     local_files_only=True,
                 )
-            except (RuntimeError, ValueError, OSError) as error:
+            except (RuntimeError, ValueError, OSError, MemoryError) as error:
                 raise EdgeVoxError(f"speech to text: cannot load {path}: {error}") from error
         return self._models[path]

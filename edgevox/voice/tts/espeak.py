@@ -1,16 +1,16 @@
 """espeak-ng: plain, tiny, and at home in every language; what speaks when nothing better can."""
 
-import logging
 import shutil
 from collections.abc import Iterator
 from typing import Protocol
 
 from edgevox.core.cancel import CancelToken
+from edgevox.core.log import get_logger
 from edgevox.voice.audio import Chunk
 from edgevox.voice.tts.base import SynthesisFailed
 from edgevox.voice.tts.kana import kana
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 COMMAND = "espeak-ng"
 
@@ -56,7 +56,7 @@ def open_espeak() -> EspeakEngine:
 
         return espeak_library()
     except (ImportError, OSError, RuntimeError, SynthesisFailed) as error:
-        log.info("espeak-ng's library does not load (%s); using the command", error)
+        log.info("espeak_library_missing", reason=str(error), instead=COMMAND)
     path = shutil.which(COMMAND)
     if path is None:
         raise SynthesisFailed(

@@ -23,6 +23,8 @@ class VoicePool:
     def __init__(self, most: int = MOST_LOADED) -> None:
         self._most = most
         self._loaded: OrderedDict[VoiceChoice, Synthesiser] = OrderedDict()
+        self.files: frozenset[Path] = frozenset()
+        """Those of the voices that are loaded. May be read from any thread."""
 
     def get(self, choice: VoiceChoice) -> Synthesiser:
         """The voice, loaded and warm. Raises what its engine raises."""
@@ -33,6 +35,7 @@ class VoicePool:
         self._loaded[choice] = found
         while len(self._loaded) > self._most:
             self._loaded.popitem(last=False)
+        self.files = frozenset(file for one in self._loaded for file in one.files)
         return found
 
     def _load(self, choice: VoiceChoice) -> Synthesiser:

@@ -4,15 +4,17 @@ from pathlib import Path
 
 import onnxruntime
 
+from edgevox.core.cgroup import usable_cpus
+
 
 def open_session(path: Path, threads: int, *, arena: bool = True) -> onnxruntime.InferenceSession:
-    """A model on the CPU with this many threads.
+    """A model on the CPU with this many threads, and no more than may compute at once.
 
     A thread that spins while it waits takes the core that somebody else's thread needs. Without the
     `arena` memory is given back after each run, and not kept for the largest one there ever was.
     """
     options = onnxruntime.SessionOptions()
-    options.intra_op_num_threads = threads
+    options.intra_op_num_threads = min(threads, usable_cpus())
     options.inter_op_num_threads = 1
     options.add_session_config_entry("session.intra_op.allow_spinning", "0")
     options.log_severity_level = 3

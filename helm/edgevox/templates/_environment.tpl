@@ -24,6 +24,12 @@
   "ROS_DISCOVERY_SERVER" $robot.discovery.server
   "ROS_STATIC_PEERS" (include "edgevox.peers" .)
 -}}
+{{- /* Off, rather than as the image has it, where nobody reads them. */ -}}
+{{- $metrics := and .root.Values.serviceMonitor.enabled (not $robot.hostNetwork) -}}
+{{- $_ := set $env "EDGEVOX_METRICS_PORT" (ternary (int .root.Values.serviceMonitor.port) 0 $metrics) -}}
+{{- if $metrics -}}
+{{- $_ := set $env "EDGEVOX_METRICS_HOST" $robot.health.host -}}
+{{- end -}}
 {{- if $robot.hostNetwork -}}
 {{- $_ := set $env "FASTDDS_BUILTIN_TRANSPORTS" "UDPv4" -}}
 {{- end -}}

@@ -16,7 +16,7 @@ app.kubernetes.io/instance: {{ .Release.Name }}
 {{ include "edgevox.selector" . }}
 app.kubernetes.io/version: {{ .Chart.AppVersion | quote }}
 app.kubernetes.io/managed-by: {{ .Release.Service }}
-helm.sh/chart: {{ printf "%s-%s" .Chart.Name .Chart.Version }}
+helm.sh/chart: {{ printf "%s-%s" .Chart.Name .Chart.Version | replace "+" "_" }}
 {{- end -}}
 
 {{/* What tells one robot from the others; the domain is what a NetworkPolicy goes by. */}}
@@ -35,7 +35,7 @@ edgevox/domain: {{ .domain | int | quote }}
 
 {{/* All robots, each with what counts for all of them filled in: a list under "robots", as JSON. */}}
 {{- define "edgevox.robots" -}}
-{{- $common := pick .Values "affinity" "agent" "audioIn" "audioOut" "discovery" "env" "externalNamespace" "extraVolumeMounts" "extraVolumes" "framePrefix" "health" "hostNetwork" "language" "llm" "logLevel" "models" "muted" "nodeSelector" "podAnnotations" "podLabels" "priorityClassName" "resources" "runtimeClassName" "settings" "tolerations" "voice" "wakeword" -}}
+{{- $common := pick .Values "affinity" "agent" "audioIn" "audioOut" "discovery" "env" "externalNamespace" "extraVolumeMounts" "extraVolumes" "framePrefix" "health" "hostNetwork" "language" "llm" "logLevel" "models" "muted" "nodeSelector" "podAnnotations" "podLabels" "priorityClassName" "resources" "runtimeClassName" "settings" "tolerations" "topologySpreadConstraints" "voice" "wakeword" -}}
 {{- $robots := list -}}
 {{- range .Values.robots -}}
 {{- $namespace := printf "/%s" (replace "-" "_" .name) -}}

@@ -18,7 +18,7 @@ dnsPolicy: ClusterFirstWithHostNet
 {{ $field }}: {{ . }}
 {{- end }}
 {{- end }}
-{{- range $field := list "nodeSelector" "tolerations" "affinity" }}
+{{- range $field := list "nodeSelector" "tolerations" "affinity" "topologySpreadConstraints" }}
 {{- with index $.robot $field }}
 {{ $field }}:
   {{- toYaml . | nindent 2 }}

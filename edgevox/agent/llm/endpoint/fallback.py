@@ -1,14 +1,14 @@
 """The embedded model answers while the shared one cannot."""
 
-import logging
 from collections.abc import Iterator, Sequence
 
 from edgevox.agent.llm.base import LanguageModel, Message, ModelFailed
 from edgevox.agent.llm.endpoint.breaker import Breaker
 from edgevox.agent.llm.endpoint.errors import Refused
 from edgevox.core.cancel import CancelToken
+from edgevox.core.log import get_logger
 
-log = logging.getLogger(__name__)
+log = get_logger(__name__)
 
 
 class FallbackModel:
@@ -27,6 +27,10 @@ class FallbackModel:
         self._models = models
         self.name = shared.name
         self.context_tokens = min(one.context_tokens for one in models)
+        self.trouble = ""
+        """Why the shared model is left alone; empty once it answers again."""
+        self.fallbacks = 0
+        """Chats that the one on board had to answer."""
 
     def generate(
         self,
@@ -57,6 +61,7 @@ class FallbackModel:
             return
         if self._on_board is None:
             raise ModelFailed(f"{self.name} did not answer a moment ago and is not asked again yet")
+        self.fallbacks += 1
         yield from self._on_board.generate(
             messages, grammar=grammar, max_tokens=max_tokens, token=token
         )
@@ -80,14 +85,15 @@ class FallbackModel:
             one.close()
 
     def _works(self) -> None:
+        self.trouble = ""
         if self._breaker.succeeded():
-            log.warning("the language model at %s answers again", self.name)
+            log.warning("model_server_back", server=self.name)
 
     def _fails(self, error: ModelFailed) -> None:
         if isinstance(error, Refused):
-            log.warning("the language model at %s refused a request: %s", self.name, error)
-        elif self._breaker.failed():
-            instead = "the one on board answers" if self._on_board else "nothing answers"
-            log.warning(
-                "the language model at %s fails: %s; %s until it is back", self.name, error, instead
-            )
+            log.warning("model_server_refused", server=self.name, reason=str(error))
+            return
+        self.trouble = str(error)
+        if self._breaker.failed():
+            instead = "the model on board" if self._on_board else "nothing"
+            log.warning("model_server_failed", server=self.name, reason=str(error), instead=instead)

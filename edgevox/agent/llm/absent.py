@@ -1,0 +1,40 @@
+"""Stands in for a language model that was asked for and could not be had."""
+
+from collections.abc import Iterator, Sequence
+
+from edgevox.agent.llm.base import CONTEXT_TOKENS, Message, ModelFailed
+from edgevox.core.cancel import CancelToken
+
+
+class AbsentModel:
+    """Implements `LanguageModel`: it never answers, and says why.
+
+    So a robot without its model comes up, obeys plain commands, and tells whoever asks for more.
+    """
+
+    name = "none"
+
+    def __init__(self, trouble: str, *, context_tokens: int = CONTEXT_TOKENS) -> None:
+        self.trouble = trouble
+        self.context_tokens = context_tokens
+
+    def generate(
+        self,
+        messages: Sequence[Message],  # noqa: ARG002 - whatever it is asked
+        *,
+        grammar: str | None,  # noqa: ARG002
+        max_tokens: int,  # noqa: ARG002
+        token: CancelToken,  # noqa: ARG002
+    ) -> Iterator[str]:
+        """See `LanguageModel.generate`."""
+        raise ModelFailed(self.trouble)
+
+    def prime(self, messages: Sequence[Message], token: CancelToken) -> None:
+        """There is nothing to be read into."""
+
+    def count_tokens(self, text: str) -> int:  # noqa: ARG002
+        """Any text fits."""
+        return 0
+
+    def close(self) -> None:
+        """There is nothing to be freed."""

@@ -1,0 +1,118 @@
+"""All checks, once: the doctor asks them, docs/diagnostics.md lists them."""
+
+from edgevox.apps.doctor import graphics, machine, models, network, ros, sound, surroundings
+from edgevox.apps.doctor.verdict import Check
+
+_ROS, _HERE = "edgevox.ros2.probe", "edgevox.apps.doctor"
+
+CHECKS: tuple[Check, ...] = (
+    Check("python", "a Python that EdgeVox runs on", machine.probe_python, machine.judge_python),
+    Check(
+        "processor",
+        "cores that this process may use, and what the models' code needs of them",
+        machine.probe_processor,
+        machine.judge_processor,
+    ),
+    Check(
+        "memory",
+        "room for the models, below a container's limit",
+        machine.probe_memory,
+        machine.judge_memory,
+    ),
+    Check("disk", "room where EdgeVox writes", machine.probe_disk, machine.judge_disk),
+    Check("clock", "set, and synchronised", machine.probe_clock, machine.judge_clock),
+    Check(
+        "settings",
+        "settings that make sense, no misspelled `EDGEVOX_` variable",
+        surroundings.probe_settings,
+        surroundings.judge_settings,
+    ),
+    Check(
+        "folders",
+        "temporary files and ROS 2's logs can be written",
+        surroundings.probe_folders,
+        surroundings.judge_folders,
+    ),
+    Check(
+        "container",
+        "not root in it, if it is one",
+        surroundings.probe_container,
+        surroundings.judge_container,
+    ),
+    Check(
+        "models",
+        "the models that the settings need, every byte of them right",
+        models.probe_models,
+        models.judge_models,
+    ),
+    Check(
+        "sound",
+        "PortAudio, and the microphone and loudspeaker that are asked for",
+        f"{_HERE}.sound:probe_sound",
+        sound.judge_sound,
+    ),
+    Check(
+        "espeak-ng",
+        "the voice of last resort speaks",
+        f"{_HERE}.sound:probe_espeak",
+        sound.judge_espeak,
+    ),
+    Check(
+        "ros2",
+        "rclpy and the middleware load",
+        f"{_ROS}:middleware",
+        ros.judge_middleware,
+        if_lost="unset RMW_IMPLEMENTATION, or install the middleware that it names",
+    ),
+    Check(
+        "interfaces",
+        "`edgevox_msgs` and `tf2_msgs` are built",
+        f"{_ROS}:interfaces",
+        ros.judge_interfaces,
+        needs=("ros2",),
+    ),
+    Check(
+        "domain",
+        "`ROS_DOMAIN_ID` is valid, its ports free of others",
+        ros.probe_domain,
+        ros.judge_domain,
+    ),
+    Check(
+        "discovery",
+        "how other nodes are looked for",
+        ros.probe_discovery,
+        ros.judge_discovery,
+    ),
+    Check(
+        "round trip",
+        "a message goes to a node of another process, and back",
+        f"{_ROS}:round_trip",
+        ros.judge_round_trip,
+        needs=("ros2", "domain"),
+    ),
+    Check(
+        "multicast",
+        "what is sent to DDS's group is heard, on each interface",
+        network.probe_multicast,
+        network.judge_multicast,
+    ),
+    Check(
+        "shared memory",
+        "`/dev/shm` is large enough, and not full of what dead nodes left",
+        network.probe_shared_memory,
+        network.judge_shared_memory,
+    ),
+    Check("buffers", "of UDP, for pictures", network.probe_buffers, network.judge_buffers),
+    Check(
+        "gpu",
+        "NVIDIA's driver answers, if there is one",
+        f"{_HERE}.graphics:probe_gpu",
+        graphics.judge_gpu,
+    ),
+    Check(
+        "egl",
+        "OpenGL draws without a display, for cameras of simulated robots",
+        f"{_HERE}.graphics:probe_egl",
+        graphics.judge_egl,
+    ),
+)

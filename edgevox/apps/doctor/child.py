@@ -1,0 +1,23 @@
+"""Runs one probe in this process, for one that may hang or die: ``child.py module:function``.
+
+Its facts are the last line on standard output; whatever libraries print goes to standard error.
+"""
+
+import importlib
+import json
+import os
+import sys
+
+
+def main(address: str) -> None:
+    """Probe, and print what was seen."""
+    answers = os.dup(1)
+    os.dup2(2, 1)
+    module, _, function = address.partition(":")
+    facts = getattr(importlib.import_module(module), function)()
+    os.write(answers, json.dumps(facts).encode() + b"\n")
+    os.close(answers)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

@@ -1,0 +1,81 @@
+"""`edgevox doctor`, also called `edgevox-doctor`."""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from edgevox.apps.doctor.checks import CHECKS
+from edgevox.apps.doctor.report import as_json, print_table, worst
+from edgevox.apps.doctor.runner import ask
+from edgevox.apps.doctor.verdict import Check, Grade, Situation
+from edgevox.apps.robots import ROBOTS
+from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.settings import ENV_PREFIX, Settings, check_settings, load_settings
+
+WELL, UNWELL, USAGE_ERROR = 0, 1, 2
+AGENT = "EDGEVOX_AGENT"
+PROGRAM = "edgevox-doctor"
+
+
+def main(argv: Sequence[str] | None = None, program: str = PROGRAM) -> int:
+    """Look at the machine; 0 if EdgeVox can run on it, 1 if not, 2 for a wrong command line."""
+    arguments = _parser(program).parse_args(argv)
+    settings, refused = _settings(arguments.config)
+    agent = arguments.robot or os.environ.get(AGENT, "")
+    situation = Situation(settings, dict(os.environ), agent, arguments.quick, refused)
+    answers = ask(_chosen(arguments.only), situation)
+    if arguments.json:
+        print(as_json(answers))
+    else:
+        print_table(answers)
+    limit = Grade.WARNING if arguments.strict else Grade.ERROR
+    return UNWELL if worst(answers).weight >= limit.weight else WELL
+
+
+def _settings(config: Path | None) -> tuple[Settings, str]:
+    """The settings; where they are nonsense the defaults, and why."""
+    try:
+        return load_settings({}, config), ""
+    except InvalidValue as wrong:
+        variable = f"{ENV_PREFIX}{wrong.field.upper()}"
+        where = variable if variable in os.environ else f"{wrong.field} in {config}"
+        said = f"{where}: {wrong}"
+    except EdgeVoxError as wrong:
+        said = str(wrong)
+    return check_settings({}), said
+
+
+def _chosen(only: Sequence[str] | None) -> list[Check]:
+    names = only or [check.name for check in CHECKS]
+    return [check for check in CHECKS if check.name in names]
+
+
+def _parser(program: str) -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog=program,
+        description="Check whether this machine can run EdgeVox, and say what to do.",
+        epilog="It ends with 0 unless there is an error; then, and for a warning if --strict, 1.",
+    )
+    parser.add_argument("--config", type=Path, metavar="FILE", help="TOML file with settings")
+    parser.add_argument(
+        "--robot", choices=ROBOTS, metavar="ROBOT", help=f"check its models, too [{AGENT}]"
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--strict", action="store_true", help="a warning fails, too")
+    parser.add_argument(
+        "--quick", action="store_true", help="do not read whole models; trust size and stamp"
+    )
+    parser.add_argument(
+        "--only",
+        action="append",
+        choices=[check.name for check in CHECKS],
+        metavar="CHECK",
+        help="only this check; may be repeated",
+    )
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,157 @@
+"""Python, the processor, memory, disks and the clock."""
+
+import ctypes
+import os
+import platform
+import sys
+import time
+from pathlib import Path
+
+from edgevox.agent.llm.cpu import XLLAMACPP_NEEDS, missing_features
+from edgevox.apps.doctor.verdict import Facts, Situation, Verdict, error, ok, warning
+from edgevox.apps.folders import written_folders
+from edgevox.core.cgroup import cpu_quota, memory_left, usable_cpus
+from edgevox.models import Store
+from edgevox.ops.diagnostics import Level
+from edgevox.ops.diagnostics.disk import MIB, Room, rooms
+
+PYTHONS = ((3, 11), (3, 12), (3, 13))
+LLM_EXTRA_MIB, VOICE_MIB = 200, 600
+"""Beside the weights of the language model: its buffers; ears, mouth and the rest."""
+LEAST_CORES = 2
+_UNSYNCHRONISED = 0x40  # STA_UNSYNC of adjtimex(2)
+_BUILT_S = 1_704_067_200.0  # 2024: a clock before that was never set
+
+
+def probe_python(_: Situation) -> Facts:
+    """The interpreter and the system."""
+    return {
+        "version": list(sys.version_info[:3]),
+        "system": platform.system(),
+        "release": platform.release(),
+        "machine": platform.machine(),
+    }
+
+
+def judge_python(facts: Facts, _: Situation) -> Verdict:
+    """What the packages are built for."""
+    version = ".".join(map(str, facts["version"]))
+    found = f"Python {version} on {facts['system']} {facts['release']}, {facts['machine']}"
+    if tuple(facts["version"][:2]) not in PYTHONS:
+        return error(found, "EdgeVox needs Python 3.11, 3.12 or 3.13: make PYTHON=python3.12 ...")
+    if facts["system"] != "Linux":
+        return warning(found, "EdgeVox is made for Linux; try its container")
+    return ok(found)
+
+
+def probe_processor(_: Situation) -> Facts:
+    """Cores, their limit, and features of x86-64 that are missing."""
+    quota = cpu_quota()
+    return {
+        "cores": os.cpu_count() or 1,
+        "usable": usable_cpus(),
+        "quota": None if quota == float("inf") else quota,
+        "missing": sorted(missing_features(XLLAMACPP_NEEDS)),
+    }
+
+
+def judge_processor(facts: Facts, situation: Situation) -> Verdict:
+    """Missing features end the process of the language model on board."""
+    usable, cores = facts["usable"], facts["cores"]
+    limit = f", limited to {facts['quota']:g} of them by a control group" if facts["quota"] else ""
+    found = f"{usable} of {cores} cores{limit}"
+    if missing := facts["missing"]:
+        on_board = situation.settings.llm != "none" and situation.settings.llm_backend != (
+            "llama-cpp-python"
+        )
+        advice = "use --llm-backend llama-cpp-python, --llm-endpoint, or --llm none"
+        grade = error if on_board else warning
+        return grade(f"{found}; without {', '.join(missing)}", advice)
+    if usable < LEAST_CORES:
+        return warning(found, "give it two cores, or speech waits for the language model")
+    return ok(f"{found}, all that the models need")
+
+
+def probe_memory(situation: Situation) -> Facts:
+    """MiB of all kinds, and of the language model that is asked for."""
+    lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+    free = {line.partition(":")[0]: int(line.split()[1]) // 1024 for line in lines}
+    left = memory_left()
+    return {
+        "total": free["MemTotal"],
+        "available": free["MemAvailable"],
+        "limit_left": None if left is None else left // MIB,
+        "llm": _llm_bytes(situation) // MIB,
+    }
+
+
+def judge_memory(facts: Facts, situation: Situation) -> Verdict:
+    """A language model that does not fit is refused at the start."""
+    limit = facts["limit_left"]
+    free = facts["available"] if limit is None else min(facts["available"], limit)
+    found = f"{free} MiB free of {facts['total']} MiB"
+    if limit is not None and limit < facts["available"]:
+        found += " (a control group's limit)"
+    llm = facts["llm"] + LLM_EXTRA_MIB if facts["llm"] else 0
+    wanted = llm + (0 if situation.settings.text_mode else VOICE_MIB)
+    if llm and free < llm:
+        advice = "end other programs, choose a smaller --llm, --llm-endpoint, or --llm none"
+        return error(f"{found}; the language model takes {llm} MiB", advice)
+    if free < wanted:
+        return warning(f"{found}; EdgeVox may take {wanted} MiB", "end other programs")
+    return ok(found)
+
+
+def probe_disk(situation: Situation) -> Facts:
+    """The file systems that EdgeVox writes to."""
+    folders = written_folders(situation.settings.audio_out, situation.environment)
+    return {
+        "rooms": [
+            [str(one.path), one.device, one.free, one.size, one.writable] for one in rooms(folders)
+        ]
+    }
+
+
+def judge_disk(facts: Facts, _: Situation) -> list[Verdict]:
+    """By the limits that /diagnostics has, too."""
+    grades = {Level.OK: ok, Level.WARN: warning, Level.ERROR: error}
+    said = []
+    for path, *rest in facts["rooms"]:
+        one = Room(Path(path), *rest)
+        advice = f"make room in {path}" if one.level else ""
+        said.append(grades[one.level](f"{path}: {one.free // MIB} MiB free", advice))
+    return said or [ok("nothing that EdgeVox writes to")]
+
+
+def probe_clock(_: Situation) -> Facts:
+    """The time, and whether the kernel believes it."""
+    return {"now": time.time(), "synchronised": _synchronised()}
+
+
+def judge_clock(facts: Facts, _: Situation) -> Verdict:
+    """Other machines compare stamps with their own clocks."""
+    when = time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime(facts["now"]))
+    if facts["now"] < _BUILT_S:
+        return error(f"it is {when}: the clock was never set", "set it: sudo timedatectl set-ntp 1")
+    if facts["synchronised"] is False:
+        advice = "stamps of several machines do not agree: sudo timedatectl set-ntp 1, or chrony"
+        return warning(f"{when}, not synchronised", advice)
+    known = "synchronised" if facts["synchronised"] else "whether synchronised is not known"
+    return ok(f"{when}, {known}")
+
+
+def _synchronised() -> bool | None:
+    """What the kernel says of its clock; None where it may not be asked."""
+    asked = (ctypes.c_int * 64)()  # struct timex: `modes` first, of zero, so that nothing is set
+    if ctypes.CDLL(None, use_errno=True).adjtimex(asked) < 0:
+        return None
+    status = asked[10]  # after modes (with padding), offset, freq, maxerror and esterror
+    return not status & _UNSYNCHRONISED
+
+
+def _llm_bytes(situation: Situation) -> int:
+    name = situation.settings.llm
+    store = Store()
+    if model := store.manifest.models.get(name):
+        return model.size
+    return Path(name).stat().st_size if Path(name).is_file() else 0

@@ -1,0 +1,102 @@
+"""ROS 2: whether it is here, works, and knows our interfaces; which domain and which others."""
+
+from pathlib import Path
+
+from edgevox.apps.container.table import ENVIRONMENT
+from edgevox.apps.doctor.verdict import Facts, Situation, Verdict, error, ok, skipped, warning
+
+DOMAIN, RANGE = "ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE"
+_FIRST_PORT, _PORTS = 7400, 250  # of a domain, by RTPS
+_DEFAULT_RANGE = (32768, 60999)
+_MOST_MS = 100.0
+
+
+def judge_middleware(facts: Facts, situation: Situation) -> Verdict:
+    """A ROS 2 that is missing is wrong only if it was asked for."""
+    if facts["missing"]:
+        found = f"ROS 2 is not installed ({facts['missing']})"
+        advice = "source /opt/ros/jazzy/setup.bash, or pip install 'edgevox[ros2]' on x86-64"
+        return (error if situation.settings.ros2 else skipped)(found, advice)
+    if facts["failed"]:
+        asked = situation.environment.get("RMW_IMPLEMENTATION", "")
+        here = ", ".join(facts["installed"]) or "none that the ament index names"
+        advice = f"RMW_IMPLEMENTATION={asked}; installed: {here}"
+        return error(f"the middleware does not load: {facts['failed']}", advice)
+    distro = situation.environment.get("ROS_DISTRO", "")
+    if distro not in ("", "jazzy"):
+        return warning(f"rclpy of ROS 2 {distro}", "EdgeVox is tested with Jazzy")
+    return ok(f"rclpy works, on {facts['middleware']}")
+
+
+def judge_interfaces(facts: Facts, _: Situation) -> Verdict:
+    """Without them all but their topics works."""
+    if not facts["missing"]:
+        return ok("all there")
+    found = f"missing: {', '.join(facts['missing'])}"
+    return warning(found, "make msgs, or colcon build, brings the action, sound and /tf")
+
+
+def probe_domain(situation: Situation) -> Facts:
+    """The domain, and the ports that the kernel gives to programs."""
+    low, high = _DEFAULT_RANGE
+    file = Path("/proc/sys/net/ipv4/ip_local_port_range")
+    if file.is_file():
+        low, high = map(int, file.read_text(encoding="ascii").split())
+    return {"domain": situation.environment.get(DOMAIN, ""), "low": low, "high": high}
+
+
+def judge_domain(facts: Facts, _: Situation) -> Verdict:
+    """Ports of the domain that are the kernel's to give may be taken."""
+    row, given = ENVIRONMENT[DOMAIN], facts["domain"]
+    least, most = row.least or 0, row.most or 0
+    if not given:
+        return ok("0, since ROS_DOMAIN_ID is not set: with all who do not set it either")
+    if not (given.isascii() and given.isdigit()) or not least <= int(given) <= most:
+        return error(f"{DOMAIN}={given!r}", f"a whole number from {least} to {most}")
+    first = _FIRST_PORT + _PORTS * int(given)
+    if first <= facts["high"] and first + _PORTS > facts["low"]:
+        found = f"{given}: its ports from {first} are those that the kernel hands to programs"
+        return warning(found, "0 to 101 are safe everywhere")
+    return ok(f"{given}, ports from {first}")
+
+
+def probe_discovery(situation: Situation) -> Facts:
+    """The variables that decide how others are found."""
+    names = (RANGE, "ROS_STATIC_PEERS", "ROS_LOCALHOST_ONLY", "ROS_DISCOVERY_SERVER")
+    return {name: situation.environment.get(name, "") for name in names}
+
+
+def judge_discovery(facts: Facts, _: Situation) -> list[Verdict]:
+    """Words that do not exist, and contradictions."""
+    said, how = [], facts[RANGE] or "SUBNET"
+    known = ENVIRONMENT[RANGE].choices
+    if how not in known:
+        said.append(error(f"{RANGE}={how}", f"one of {', '.join(known)}"))
+    if how == "OFF" and not facts["ROS_STATIC_PEERS"]:
+        said.append(warning(f"{RANGE}=OFF without ROS_STATIC_PEERS: nobody is found", "set either"))
+    if facts["ROS_LOCALHOST_ONLY"]:
+        advice = f"use {RANGE}=LOCALHOST instead; the old variable overrules the new ones"
+        said.append(warning(f"ROS_LOCALHOST_ONLY={facts['ROS_LOCALHOST_ONLY']}", advice))
+    server = facts["ROS_DISCOVERY_SERVER"]
+    peers = facts["ROS_STATIC_PEERS"]
+    more = f", server {server}" if server else f", also {peers}" if peers else ""
+    only = ": this machine only" if how == "LOCALHOST" else ""
+    return said or [ok(f"{how}{only}{more}")]
+
+
+def judge_round_trip(facts: Facts, situation: Situation) -> Verdict:
+    """The one test that counts: everything before it may be right, and this not."""
+    if facts["trip_ms"] is None:
+        advice = (
+            "try FASTDDS_BUILTIN_TRANSPORTS=UDPv4; in containers of one host, ipc: host or a"
+            " network of their own; rm /dev/shm/fastrtps_* while nothing runs"
+        )
+        alone = situation.environment.get(RANGE) == "OFF"
+        found = f"two nodes of this machine did not hear each other within {facts['tried_s']:g} s"
+        return (warning if alone else error)(found, advice)
+    found = (
+        f"two nodes met after {facts['met_s']:.1f} s, there and back in {facts['trip_ms']:.1f} ms"
+    )
+    if facts["trip_ms"] > _MOST_MS:
+        return warning(found, "this machine is busy")
+    return ok(found)

@@ -1,0 +1,74 @@
+"""Sound devices, by PortAudio, and espeak-ng."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from edgevox.apps.doctor.verdict import Facts, Situation, Verdict, error, ok, skipped, warning
+from edgevox.voice.devices import DeviceMissing, devices
+from edgevox.voice.sinks.opening import NONE, ROS2
+
+WORDS = {"inputs": "microphone", "outputs": "loudspeaker"}
+
+
+def probe_sound() -> Facts:
+    """In a process of its own: PortAudio's back ends may hang, and they chat."""
+    try:
+        inputs, outputs = devices("input"), devices("output")
+    except DeviceMissing as missing:
+        return {"library": f"{missing}"}
+    return {
+        "library": "",
+        "inputs": [one.name for one in inputs],
+        "outputs": [one.name for one in outputs],
+    }
+
+
+def judge_sound(facts: Facts, situation: Situation) -> Verdict | list[Verdict]:
+    """A device that was named and is not there is an error, none at all a warning."""
+    settings = situation.settings
+    asked = {"inputs": settings.audio_in, "outputs": settings.audio_out}
+    devices = {kind: name for kind, name in asked.items() if is_device(name)}
+    if settings.text_mode or not devices:
+        return skipped("no sound card is asked for")
+    if facts["library"]:
+        return error(facts["library"], "install that, or use --text-mode")
+    return [_judge(WORDS[kind], name, facts[kind]) for kind, name in devices.items()]
+
+
+def is_device(spec: str) -> bool:
+    """Whether a setting for sound means a sound card."""
+    elsewhere = spec in (NONE, ROS2) or "/" in spec or Path(spec).suffix.lower() == ".wav"
+    return not elsewhere
+
+
+def _judge(word: str, asked: str, here: Sequence[str]) -> Verdict:
+    names = ", ".join(here)
+    if asked and not any(asked.casefold() in name.casefold() for name in here):
+        advice = f"plug it in, or name another; it is tried again while EdgeVox runs ({word})"
+        return error(f"no {word} {asked!r} among: {names or 'none at all'}", advice)
+    if not here:
+        advice = "plug one in, add this user to the group audio, or use --text-mode"
+        return warning(f"no {word}", advice)
+    return ok(f"{word}: {asked or names}")
+
+
+def probe_espeak() -> Facts:
+    """In a process of its own, since it loads a library."""
+    from edgevox.core.cancel import CancelToken
+    from edgevox.voice.tts.base import SynthesisFailed
+    from edgevox.voice.tts.espeak import open_espeak
+
+    try:
+        chunk = open_espeak().speak("one", "en-us", CancelToken())
+    except SynthesisFailed as failed:
+        return {"failed": str(failed), "samples": 0}
+    return {"failed": "", "samples": len(chunk.samples)}
+
+
+def judge_espeak(facts: Facts, situation: Situation) -> Verdict:
+    """It speaks where no other voice does."""
+    if facts["failed"] or not facts["samples"]:
+        found = f"espeak-ng does not speak: {facts['failed'] or 'it was silent'}"
+        advice = "sudo apt install espeak-ng"
+        return (skipped if situation.settings.text_mode else warning)(found, advice)
+    return ok("espeak-ng speaks, where no better voice is here")

@@ -1,0 +1,100 @@
+"""Logs, as every module writes them: the name of an event, then its fields.
+
+    log = get_logger(__name__)
+    log.warning("sound_device_lost", device=name, retry_s=2.0)
+
+Lines go through the standard library's logging, under the module's name. How they look and where
+they go is set up by `edgevox.ops.logs`; where nobody sets anything up, nothing is shown.
+"""
+
+import logging
+from collections.abc import Iterator, Mapping, MutableMapping
+from contextlib import contextmanager
+from typing import Any
+
+from structlog.contextvars import bound_contextvars, get_contextvars, merge_contextvars
+from structlog.stdlib import BoundLogger
+
+ROOT = "edgevox"
+"""The logger above all of ours."""
+
+_LEVELS = {
+    "debug": logging.DEBUG,
+    "info": logging.INFO,
+    "warning": logging.WARNING,
+    "error": logging.ERROR,
+    "exception": logging.ERROR,
+    "critical": logging.CRITICAL,
+}
+_CALLER = 3
+"""How many frames above logging the line was written: `info`, then `_proxy_to_logger`."""
+
+logging.getLogger(ROOT).addHandler(logging.NullHandler())  # else warnings print by themselves
+
+
+class Said:
+    """What a person or the robot said. It prints as its length; `text` is the words themselves.
+
+    A field that holds such words is given as this, so that no line shows them by accident.
+    """
+
+    __slots__ = ("text",)
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+
+    def __repr__(self) -> str:
+        return f"<{len(self.text)} characters>"
+
+
+class Line(dict[str, Any]):
+    """An event and its fields, as a log record's message; reads ``event field=value ...``."""
+
+    def __str__(self) -> str:
+        fields = (f"{name}={value!r}" for name, value in self.items() if name != "event")
+        return " ".join((str(self.get("event", "")), *fields))
+
+
+class Logger(BoundLogger):
+    """structlog's logger on top of the standard library's; a line below its level costs nothing."""
+
+    def _proxy_to_logger(
+        self, method_name: str, event: str | None = None, *event_args: str, **event_kw: Any
+    ) -> None:
+        if not self._logger.isEnabledFor(_LEVELS[method_name]):
+            return
+        if event_args:
+            raise TypeError(f"{event}: got positional arguments, expected fields by name")
+        args, more = self._process_event(method_name, event, event_kw)
+        getattr(self._logger, method_name)(*args, **more)
+
+
+def get_logger(name: str) -> Logger:
+    """The logger of a module: its lines have an event and fields, by name."""
+    return Logger(logging.getLogger(name), [merge_contextvars, _hand_over], {})
+
+
+@contextmanager
+def bound(**ids: object) -> Iterator[None]:
+    """Put these, such as ``turn=3`` or ``goal="7"``, on every line of this thread meanwhile.
+
+    One that is None, 0 or empty is left out: there is no such turn or goal.
+    """
+    with bound_contextvars(**{name: value for name, value in ids.items() if value}):
+        yield
+
+
+def bound_now() -> dict[str, Any]:
+    """What this thread has bound: another that works for the same turn binds it, too."""
+    return get_contextvars()
+
+
+def _hand_over(
+    logger: object, method: str, fields: MutableMapping[str, Any]
+) -> tuple[tuple[Line], Mapping[str, Any]]:
+    """From structlog to logging, whose records know exceptions and who called.
+
+    ``_logger`` and ``_name`` are what structlog's formatter knows such records by.
+    """
+    more = {"stacklevel": _CALLER, "exc_info": fields.pop("exc_info", None)}
+    return (Line(fields),), {**more, "extra": {"_logger": logger, "_name": method}}

@@ -1,0 +1,63 @@
+"""Disks: whether there is room where EdgeVox writes."""
+
+import os
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from edgevox.ops.diagnostics.component import Component, Finding, Level, component
+
+MIB = 2**20
+WARN_BYTES, WARN_PART = 1024 * MIB, 0.1
+ERROR_BYTES, ERROR_PART = 100 * MIB, 0.02
+"""Less is too little; of a small file system, such as a container's /tmp, less than this part."""
+
+
+@dataclass(frozen=True, slots=True)
+class Room:
+    """A file system: `path` is a folder in it that exists."""
+
+    path: Path
+    device: int
+    free: int
+    size: int
+    writable: bool
+
+    @property
+    def level(self) -> Level:
+        """How well it is."""
+        if self.free < min(ERROR_BYTES, ERROR_PART * self.size):
+            return Level.ERROR
+        return Level.WARN if self.free < min(WARN_BYTES, WARN_PART * self.size) else Level.OK
+
+
+def room(folder: Path) -> Room:
+    """The file system that a folder is, or would be, in."""
+    while not folder.exists() and folder != folder.parent:
+        folder = folder.parent
+    seen = os.statvfs(folder)
+    writable = os.access(folder, os.W_OK) and not seen.f_flag & os.ST_RDONLY
+    device = folder.stat().st_dev
+    return Room(
+        folder, device, seen.f_bavail * seen.f_frsize, seen.f_blocks * seen.f_frsize, writable
+    )
+
+
+def rooms(folders: Iterable[Path], look: Callable[[Path], Room] = room) -> Iterator[Room]:
+    """Each file system of these folders that can be written to, once."""
+    seen: set[int] = set()
+    for one in map(look, folders):
+        if one.writable and one.device not in seen:
+            seen.add(one.device)
+            yield one
+
+
+def disk(found: Iterable[Room]) -> Component:
+    """The component `disk`."""
+    here = list(found)
+    findings = [
+        Finding(one.level, f"{one.path}: {one.free // MIB} MiB left") for one in here if one.level
+    ]
+    values = {f"{one.path} free_mib": one.free // MIB for one in here}
+    well = "enough room" if here else "nothing is written"
+    return component("disk", findings, well=well, **values)

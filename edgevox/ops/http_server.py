@@ -1,0 +1,130 @@
+"""A small HTTP server: a few pages that are made when they are asked for, by GET or HEAD."""
+
+import asyncio
+import json
+import socket
+import threading
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from http import HTTPStatus
+
+from edgevox.core.errors import InvalidValue
+
+REQUEST_S = 2.0
+"""How long a request may take to arrive and its answer to leave."""
+MOST_BYTES = 4096
+MOST_AT_ONCE = 16
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """What is answered."""
+
+    body: bytes
+    content_type: str
+    status: HTTPStatus = HTTPStatus.OK
+
+
+def json_page(content: Mapping[str, object], status: HTTPStatus = HTTPStatus.OK) -> Page:
+    """A page for people and programs."""
+    return Page(json.dumps(content).encode() + b"\n", "application/json", status)
+
+
+class HttpServer:
+    """Listens from its making on and answers from `start` to `close`, on a thread of its own.
+
+    `pages` gives by path what makes a page, on that thread: quickly. Who is slow to ask or to hear
+    is hung up on. Raises `InvalidValue`, naming the setting that gave the port, where it cannot
+    listen.
+    """
+
+    def __init__(
+        self,
+        pages: Mapping[str, Callable[[], Page]],
+        host: str,
+        port: int,
+        *,
+        setting: str,
+        name: str,
+    ) -> None:
+        self._pages = dict(pages)
+        self._socket = _listen(host, port, setting)
+        self._loop = asyncio.new_event_loop()
+        self._closed = asyncio.Event()
+        self._clients = 0
+        self._thread = threading.Thread(target=self._serve, name=name)
+
+    @property
+    def port(self) -> int:
+        """Where it listens: the machine's choice if it was made with 0."""
+        return int(self._socket.getsockname()[1])
+
+    def start(self) -> None:
+        self._thread.start()
+
+    def close(self) -> None:
+        """Answer no more."""
+        if self._thread.is_alive():
+            self._loop.call_soon_threadsafe(self._closed.set)
+            self._thread.join()
+        self._loop.close()
+        self._socket.close()
+
+    def _serve(self) -> None:
+        asyncio.set_event_loop(self._loop)
+        self._loop.run_until_complete(self._answer_until_closed())
+        left = asyncio.all_tasks(self._loop)
+        for task in left:
+            task.cancel()
+        self._loop.run_until_complete(asyncio.gather(*left, return_exceptions=True))
+
+    async def _answer_until_closed(self) -> None:
+        server = await asyncio.start_server(self._client, sock=self._socket, limit=MOST_BYTES)
+        await self._closed.wait()
+        server.close()
+
+    async def _client(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self._clients += 1
+        writer.transport.set_write_buffer_limits(high=0)  # what is drained has left
+        try:
+            if self._clients <= MOST_AT_ONCE:
+                async with asyncio.timeout(REQUEST_S):
+                    await self._answer(reader, writer)
+        except (TimeoutError, OSError, asyncio.IncompleteReadError, asyncio.LimitOverrunError):
+            writer.transport.abort()  # who asks or listens like this hears nothing
+        finally:
+            self._clients -= 1
+            with suppress(OSError):
+                writer.close()
+
+    async def _answer(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        head = await reader.readuntil(b"\r\n\r\n")
+        method, _, rest = head.split(b"\r\n", 1)[0].decode("latin-1").partition(" ")
+        page = self._page(method, rest.partition(" ")[0].partition("?")[0])
+        allow = "Allow: GET, HEAD\r\n" if page.status is HTTPStatus.METHOD_NOT_ALLOWED else ""
+        writer.write(
+            f"HTTP/1.1 {page.status.value} {page.status.phrase}\r\n"
+            f"Content-Type: {page.content_type}\r\nContent-Length: {len(page.body)}\r\n"
+            f"Cache-Control: no-store\r\n{allow}Connection: close\r\n\r\n".encode()
+        )
+        writer.write(b"" if method == "HEAD" else page.body)
+        await writer.drain()
+
+    def _page(self, method: str, path: str) -> Page:
+        if method not in ("GET", "HEAD"):
+            return json_page({"error": "only GET and HEAD"}, HTTPStatus.METHOD_NOT_ALLOWED)
+        if path not in self._pages:
+            return json_page({"error": "only " + " and ".join(self._pages)}, HTTPStatus.NOT_FOUND)
+        return self._pages[path]()
+
+
+def _listen(host: str, port: int, setting: str) -> socket.socket:
+    try:
+        family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
+        return socket.create_server((host, port), family=family)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InvalidValue(
+            setting, f"{host}:{port}", f"an address and a free port of this machine ({reason})"
+        ) from None

@@ -1,0 +1,123 @@
+"""The metrics of one agent, in a registry of their own."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+
+from prometheus_client import (
+    CollectorRegistry,
+    Counter,
+    Gauge,
+    Histogram,
+    ProcessCollector,
+    disable_created_metrics,
+    generate_latest,
+)
+from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily
+from prometheus_client.registry import Collector
+
+from edgevox.core.log import get_logger
+from edgevox.ops.metrics.metric import Kind, Metric
+from edgevox.ops.metrics.table import METRICS
+
+log = get_logger(__name__)
+
+Values = float | Mapping[str, float] | Mapping[tuple[str, ...], float]
+"""What is read: a number, or one for each value of the label, or of all labels in their order."""
+Look = Callable[[], Values]
+"""Reads a metric, quickly, without a lock that a stuck thread may hold."""
+
+_FAMILIES = {Kind.COUNTER: CounterMetricFamily, Kind.GAUGE: GaugeMetricFamily}
+
+
+class Registry(Collector):
+    """Counts what `METRICS` declares, and reads the rest when it is asked for its text.
+
+    `sets` holds, by the words that the table has for them, the values that only an agent knows. A
+    counter of a known set is there from the start, with 0. With None nothing is counted, only read.
+    """
+
+    def __init__(self, sets: Mapping[str, Sequence[str]] | None) -> None:
+        # Else each counter has a series more, which nobody looks at.
+        disable_created_metrics()  # type: ignore[no-untyped-call]
+        self._registry = CollectorRegistry()
+        self._counters: dict[str, Counter] = {}
+        self._gauges: dict[str, Gauge] = {}
+        self._histograms: dict[str, Histogram] = {}
+        self._looks: dict[str, Look] = {}
+        self.failures = 0
+        for metric in METRICS.values():
+            if sets is not None and not metric.read:
+                self._make(metric, sets)
+        self._registry.register(self)
+        ProcessCollector(registry=self._registry)
+
+    def counter(self, name: str) -> Counter:
+        """A counter that counts what happens."""
+        return self._counters[name]
+
+    def gauge(self, name: str) -> Gauge:
+        """A gauge that follows what happens."""
+        return self._gauges[name]
+
+    def histogram(self, name: str) -> Histogram:
+        """A histogram of what happens."""
+        return self._histograms[name]
+
+    def read(self, name: str, look: Look) -> None:
+        """From now on, read this metric so."""
+        if not METRICS[name].read:
+            raise ValueError(f"{name} is counted, not read")
+        self._looks = {**self._looks, name: look}
+
+    def text(self) -> bytes:
+        """All of it, as Prometheus reads it."""
+        return generate_latest(self._registry)
+
+    def describe(self) -> Iterator[CounterMetricFamily | GaugeMetricFamily]:
+        """Nothing, so that nothing is read before somebody asks."""
+        return iter(())
+
+    def collect(self) -> Iterator[CounterMetricFamily | GaugeMetricFamily]:
+        """What is read. One that cannot be is left out; the others are still of use."""
+        for name, look in self._looks.items():
+            try:
+                yield _family(METRICS[name], look())
+            except Exception as error:  # noqa: BLE001 - whoever is read may raise what he likes
+                self.failures += 1
+                if self.failures.bit_count() == 1:  # 1, 2, 4, 8, ...: not a line each scrape
+                    log.warning("metric_unreadable", metric=name, error=repr(error))
+
+    def _make(self, metric: Metric, sets: Mapping[str, Sequence[str]]) -> None:
+        name, about, labels = metric.name, metric.help, tuple(metric.labels)
+        made: Counter | Gauge | Histogram
+        match metric.kind:
+            case Kind.COUNTER:
+                made = self._counters[name] = Counter(name, about, labels, registry=self._registry)
+            case Kind.GAUGE:
+                made = self._gauges[name] = Gauge(name, about, labels, registry=self._registry)
+            case Kind.HISTOGRAM:
+                made = self._histograms[name] = Histogram(
+                    name, about, labels, registry=self._registry, buckets=metric.buckets
+                )
+        for values in _combinations(metric, sets):
+            made.labels(*values)
+
+
+def _combinations(metric: Metric, sets: Mapping[str, Sequence[str]]) -> list[tuple[str, ...]]:
+    """All values that the labels of a metric can have together."""
+    found: list[tuple[str, ...]] = [()]
+    for known in metric.labels.values():
+        values = sets.get(known, ()) if isinstance(known, str) else known
+        found = [(*before, value) for before in found for value in values]
+    return [values for values in found if values]
+
+
+def _family(metric: Metric, values: Values) -> CounterMetricFamily | GaugeMetricFamily:
+    kind = _FAMILIES[metric.kind]
+    family: CounterMetricFamily | GaugeMetricFamily
+    family = kind(metric.name, metric.help, labels=tuple(metric.labels))
+    if isinstance(values, Mapping):
+        for key, value in values.items():
+            family.add_metric((key,) if isinstance(key, str) else key, value)
+    else:
+        family.add_metric((), values)
+    return family

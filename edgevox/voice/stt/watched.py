@@ -1,0 +1,55 @@
+"""Notices when speech to text does not work, so that who speaks is told and not ignored."""
+
+from collections.abc import Callable
+
+from edgevox.core.clock import Clock, SystemClock
+from edgevox.voice.audio import Samples
+from edgevox.voice.stt.base import SpeechToText
+
+TELL_EVERY_S = 20.0
+"""Noise is taken for speech now and then: a robot must not lament all day."""
+
+
+class WatchedSpeechToText:
+    """Implements `SpeechToText` by another one.
+
+    `tell` is called when something could not be understood for a fault, at most every so often.
+    """
+
+    def __init__(self, stt: SpeechToText, clock: Clock | None = None) -> None:
+        self.tell: Callable[[], None] = lambda: None
+        self.trouble = ""
+        """Why nothing is understood now; empty once something was."""
+        self._stt = stt
+        self._clock = clock or SystemClock()
+        self._told_s = float("-inf")
+
+    def transcribe(self, samples: Samples, language: str) -> str:
+        """See `SpeechToText.transcribe`."""
+        try:
+            text = self._stt.transcribe(samples, language)
+        except Exception as error:
+            self._lament(error)
+            raise
+        self.trouble = ""
+        return text
+
+    def warm_up(self, language: str) -> None:
+        """See `SpeechToText.warm_up`."""
+        try:
+            self._stt.warm_up(language)
+        except Exception as error:
+            self._lament(error)
+            raise
+        self.trouble = ""
+
+    def close(self) -> None:
+        """See `SpeechToText.close`."""
+        self._stt.close()
+
+    def _lament(self, error: Exception) -> None:
+        self.trouble = " ".join(str(error).split()) or type(error).__name__
+        now_s = self._clock.now()
+        if now_s - self._told_s >= TELL_EVERY_S:
+            self._told_s = now_s
+            self.tell()

@@ -1,0 +1,172 @@
+"""A signal in every state ends the program within five seconds, whole and without a word too much.
+
+It is told in which state it is by its own log, and hears a recording while it is typed to.
+"""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+import wave
+from pathlib import Path
+
+import numpy as np
+import pytest
+from ears_rig import loud, says_espeak, silence
+from test_voice_program import AGENT, write_wav
+
+from edgevox.apps.ending import STUCK
+
+START_S, LEAVE_S = 40.0, 6.0  # and a busy machine's own second
+BEFORE_A_HANDLER = -signal.SIGTERM
+"""As a shell's 143: it was stopped before it had anything to put away."""
+STORY = "tell me a very long story about a dragon and a princess"
+
+
+class Program:
+    """The agent with ears and a mouth, its lines as they come, and a hand that types."""
+
+    def __init__(self, folder: Path, *, llm: str) -> None:
+        said, self.answers = folder / "said.wav", folder / "answers.wav"
+        speech = loud(says_espeak("where are you", "en-us"), 0.08)
+        write_wav(said, np.concatenate([silence(0.5), speech, silence(60.0)]))
+        self._process = subprocess.Popen(
+            [
+                *(AGENT, "robot-apartment", "--no-render", "--llm", llm),
+                *("--audio-in", str(said), "--audio-out", str(self.answers)),
+            ],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            env=os.environ | {"EDGEVOX_LOG_LEVEL": "debug", "EDGEVOX_LOG_FORMAT": "json"},
+        )
+        self.lines: list[str] = []
+        self._arrived = threading.Condition()
+        self._reader = threading.Thread(target=self._read)
+        self._reader.start()
+
+    @property
+    def output(self) -> str:
+        return "\n".join(self.lines)
+
+    def type(self, text: str) -> None:
+        self._process.stdin.write(f"{text}\n")
+        self._process.stdin.flush()
+
+    def wait_for(self, wanted: str) -> None:
+        """A line that holds this; fails loudly if the program ends before."""
+
+        def found() -> bool:
+            return any(wanted in line for line in self.lines)
+
+        with self._arrived:
+            self._arrived.wait_for(lambda: found() or not self._reader.is_alive(), START_S)
+            assert found(), self.output
+
+    def end(self, number: signal.Signals) -> tuple[int, float]:
+        """Send the signal; the exit code, and how long it took."""
+        began_s = time.monotonic()
+        self._process.send_signal(number)
+        code = self._process.wait(30)
+        took_s = time.monotonic() - began_s
+        self._reader.join()
+        return code, took_s
+
+    def close(self) -> None:
+        if self._process.poll() is None:
+            self._process.kill()
+        self._process.wait()
+        self._process.stdin.close()
+        self._reader.join()
+        self._process.stdout.close()
+
+    def _read(self) -> None:
+        for line in self._process.stdout:
+            with self._arrived:
+                self.lines.append(line.rstrip("\n"))
+                self._arrived.notify_all()
+        with self._arrived:
+            self._arrived.notify_all()
+
+
+def state(name: str) -> str:
+    return f'"state":"{name}"'
+
+
+CASES = {
+    # what is typed, what shows the state, the model, the exit codes
+    "loading models": ("", "loading ", "smollm2-135m-instruct", {0, BEFORE_A_HANDLER}),
+    "warming up": ("", "warming up", "smollm2-135m-instruct", {0, STUCK}),
+    "listening": ("", state("listening"), "none", {0}),
+    "transcribing": ("", state("transcribing"), "none", {0}),
+    "thinking": (STORY, state("thinking"), "smollm2-135m-instruct", {0}),
+    "speaking": ("what can you do", state("speaking"), "none", {0}),
+    "driving": ("go to the bedroom", '"goal_started"', "none", {0}),
+}
+
+
+@pytest.fixture
+def program(tmp_path):
+    started: list[Program] = []
+
+    def start(llm: str) -> Program:
+        started.append(Program(tmp_path, llm=llm))
+        return started[-1]
+
+    yield start
+    for one in started:
+        one.close()
+
+
+@pytest.mark.parametrize(
+    ("name", "number"),
+    [
+        *((name, signal.SIGTERM) for name in CASES),
+        ("warming up", signal.SIGINT),
+        ("speaking", signal.SIGINT),
+    ],
+)
+def test_it_leaves_in_time_from_every_state(program, name, number):
+    typed, shown, llm, codes = CASES[name]
+    one = program(llm)
+    if typed:
+        one.type(typed)
+    one.wait_for(shown)
+
+    code, took_s = one.end(number)
+
+    assert code in codes, one.output
+    assert took_s < LEAVE_S
+    assert "Traceback" not in one.output
+    assert (code == STUCK) == ("leaving_late" in one.output)
+    if one.answers.exists():
+        with wave.open(str(one.answers)) as file:
+            assert file.getnframes() * file.getsampwidth() <= one.answers.stat().st_size
+
+
+def test_what_will_not_let_go_is_left_behind_in_time_and_named():
+    program = (
+        "import sys, threading\n"
+        "from edgevox.apps.agent import main\n"
+        "threading.Thread(target=threading.Event().wait, name='stuck').start()\n"
+        "sys.exit(main())"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", program, "robot-apartment", "--text-mode", "--llm=none"],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    while "is ready" not in process.stdout.readline():
+        assert process.poll() is None
+    began_s = time.monotonic()
+    process.send_signal(signal.SIGTERM)
+    _, errors = process.communicate(timeout=30)
+
+    assert process.returncode == STUCK
+    assert "leaving without what does not end: MainThread, stuck" in errors
+    assert time.monotonic() - began_s < 2 * LEAVE_S

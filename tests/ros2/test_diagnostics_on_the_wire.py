@@ -1,0 +1,123 @@
+"""What a peer reads on /diagnostics: who is well, who is not, and that it comes back."""
+
+import os
+import signal
+import threading
+from pathlib import Path
+
+import pytest
+from conftest import AGENT, READY, Agent
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from peer import RELIABLE, Peer, wait_until
+
+COMPONENTS = ["audio", "stt", "llm", "tts", "sim", "executor", "disk", "process"]
+WAIT_S = 30.0
+EDGEVOX = str(Path(AGENT).with_name("edgevox"))
+
+
+class Watcher:
+    """Listens to /diagnostics, and waits for what is said there."""
+
+    def __init__(self, peer: Peer) -> None:
+        self.arrays: list[DiagnosticArray] = []
+        self._arrived = threading.Condition()
+        subscription = peer.node.create_subscription(
+            DiagnosticArray, "/diagnostics", self._hear, RELIABLE
+        )
+        wait_until(lambda: subscription.get_publisher_count() > 0, "/diagnostics")
+
+    def _hear(self, array: DiagnosticArray) -> None:
+        with self._arrived:
+            self.arrays.append(array)
+            self._arrived.notify_all()
+
+    def wait_for_arrays(self, count: int) -> list[DiagnosticArray]:
+        with self._arrived:
+            assert self._arrived.wait_for(lambda: len(self.arrays) >= count, WAIT_S)
+            return list(self.arrays)
+
+    def wait_for(self, name: str, level: bytes, since: int = 0) -> DiagnosticStatus:
+        def found() -> list[DiagnosticStatus]:
+            heard = (status for array in self.arrays[since:] for status in array.status)
+            return [one for one in heard if (one.name, one.level) == (name, level)]
+
+        with self._arrived:
+            assert self._arrived.wait_for(found, WAIT_S), self._last(name)
+            return found()[0]
+
+    def _last(self, name: str) -> list[str]:
+        last = self.arrays[-1].status if self.arrays else []
+        return [f"{one.level!r} {one.message}" for one in last if one.name == name]
+
+
+@pytest.fixture
+def watcher(peer):
+    return lambda: Watcher(peer())
+
+
+def values(status: DiagnosticStatus) -> dict[str, str]:
+    return {pair.key: pair.value for pair in status.values}
+
+
+def stamp_s(array: DiagnosticArray) -> float:
+    return array.header.stamp.sec + array.header.stamp.nanosec / 1e9
+
+
+def test_each_component_says_once_a_second_how_it_is(agent, watcher):
+    agent()
+    arrays = watcher().wait_for_arrays(4)
+    times = [stamp_s(array) for array in arrays[:4]]
+    assert 2.0 < times[3] - times[0] < 8.0  # 3 s; a loaded machine skips a tick
+    last = arrays[-1].status
+    assert [one.name for one in last] == [f"/edgevox/edgevox: {name}" for name in COMPONENTS]
+    assert {one.hardware_id for one in last} == {"/edgevox/edgevox"}
+    said = {one.name.rpartition(" ")[2]: one for one in last}
+    assert said["audio"].message.startswith("off")
+    assert said["sim"].level in (DiagnosticStatus.OK, DiagnosticStatus.WARN)
+    assert values(said["sim"])["body"] == "robot-apartment"
+    assert float(values(said["sim"])["battery"]) > 0.5
+    assert int(values(said["process"])["memory_mib"]) > 10
+
+
+def test_two_robots_of_one_domain_stay_apart(agent, watcher):
+    for namespace in ("/robot1", "/robot2"):
+        agent("--ros2-namespace", namespace)
+    heard = watcher()
+    for namespace in ("/robot1", "/robot2"):
+        heard.wait_for(f"{namespace}/edgevox: disk", DiagnosticStatus.OK)
+
+
+def test_an_agent_without_a_robot_says_so_too(domain, watcher):
+    talker = Agent("--text-mode", "--ros2", "--llm=none", domain=domain, program=EDGEVOX)
+    try:
+        status = watcher().wait_for("/edgevox/edgevox: sim", DiagnosticStatus.OK)
+        assert status.message == "off: no robot"
+    finally:
+        talker.terminate()
+
+
+def test_a_robot_that_falls_silent_is_an_error_until_it_is_heard_again(agent, watcher, domain):
+    agent(robot="robot-external")
+    heard = watcher()
+    name = "/edgevox/edgevox: sim"
+    assert "odom" in heard.wait_for(name, DiagnosticStatus.ERROR).message
+    robot = Agent(
+        "robot-apartment",
+        "--text-mode",
+        "--ros2",
+        "--llm=none",
+        "--ros2-namespace=/",
+        domain=domain,
+    )
+    try:
+        robot.wait_for_line(READY)
+        heard.wait_for(name, DiagnosticStatus.OK)
+        since = len(heard.arrays)
+        os.kill(robot.process.pid, signal.SIGSTOP)
+        heard.wait_for(name, DiagnosticStatus.ERROR, since)
+        since = len(heard.arrays)
+        os.kill(robot.process.pid, signal.SIGCONT)
+        heard.wait_for(name, DiagnosticStatus.OK, since)
+    finally:
+        os.kill(robot.process.pid, signal.SIGCONT)
+        robot.terminate()

@@ -1,0 +1,95 @@
+"""`edgevox doctor` for real, as a process on this machine."""
+
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+from conftest import AGENT
+
+from edgevox.apps.doctor.checks import CHECKS
+from edgevox.models import Store
+
+EDGEVOX = str(Path(AGENT).with_name("edgevox"))
+LONG_S = 120.0
+
+
+@pytest.fixture
+def doctor(domain, tmp_path):
+    """Runs it; its exit code, and its verdicts by check."""
+
+    def run(*arguments, **environment):
+        ours = {name: v for name, v in os.environ.items() if not name.startswith("EDGEVOX_")}
+        done = subprocess.run(
+            [EDGEVOX, "doctor", "--json", *arguments],
+            env=ours | {"ROS_DOMAIN_ID": str(domain), **environment},
+            capture_output=True,
+            text=True,
+            timeout=LONG_S,
+        )
+        told = json.loads(done.stdout)
+        checks = {}
+        for one in told["checks"]:
+            checks.setdefault(one["check"], []).append(one)
+        return done.returncode, checks
+
+    return run
+
+
+def test_this_machine_is_well_and_every_check_has_an_answer(doctor):
+    code, checks = doctor()
+    errors = [one for said in checks.values() for one in said if one["grade"] == "error"]
+    assert errors == []
+    assert code == 0
+    assert list(checks) == [check.name for check in CHECKS]
+    assert checks["round trip"][0]["grade"] == "ok"
+    assert checks["models"][0]["grade"] == "ok"
+
+
+def test_a_truncated_model_is_found_and_the_command_that_fetches_it_told(doctor, tmp_path):
+    store, name = Store(), "whisper-tiny.en"
+    model = store.manifest.models[name]
+    for file in model.files:
+        place = tmp_path / name / file.name
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.symlink_to(store.folder(model) / file.name)
+    arguments = ["--only", "models"]
+    environment = {"EDGEVOX_MODELS_DIR": str(tmp_path), "EDGEVOX_LLM": "none"}
+    code, checks = doctor(*arguments, **environment)
+    assert code == 0  # its voice is missing, which espeak-ng makes up for
+    largest = max(model.files, key=lambda file: file.size).name
+    whole = tmp_path / name / largest
+    start = whole.read_bytes()[:1000]
+    whole.unlink()
+    whole.write_bytes(start)
+    code, checks = doctor(*arguments, **environment)
+    (damaged, *_) = checks["models"]
+    assert (code, damaged["found"]) == (1, f"{name} is damaged")
+    assert "edgevox-models fetch" in damaged["advice"]
+
+
+@pytest.mark.parametrize(
+    ("variable", "value", "blamed", "advice"),
+    [
+        ("ROS_DOMAIN_ID", "999", "domain", "0 to 232"),
+        ("RMW_IMPLEMENTATION", "rmw_nonsense", "ros2", "RMW_IMPLEMENTATION"),
+    ],
+)
+def test_nonsense_in_the_environment_is_blamed_and_told_how_to_correct(
+    doctor, variable, value, blamed, advice
+):
+    only = [part for name in ("ros2", "domain", "round trip") for part in ("--only", name)]
+    code, checks = doctor(*only, **{variable: value})
+    (said,) = checks[blamed]
+    assert (code, said["grade"]) == (1, "error")
+    assert advice in said["advice"]
+    assert checks["round trip"][0]["grade"] == "skipped"
+
+
+def test_warnings_fail_only_when_it_is_strict(doctor):
+    odd = {"EDGEVOX_LANGAUGE": "en"}
+    assert doctor("--only", "settings", **odd)[0] == 0
+    code, checks = doctor("--only", "settings", "--strict", **odd)
+    assert code == 1
+    assert "EDGEVOX_LANGUAGE" in checks["settings"][0]["found"]

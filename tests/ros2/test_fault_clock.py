@@ -1,0 +1,168 @@
+"""Clocks that jump: the machine's, under a real process, and /clock, which a rosbag sets back."""
+
+import contextlib
+import json
+import os
+import subprocess
+import time
+
+import pytest
+from external_stage import wheels
+from geometry_msgs.msg import PoseStamped, Twist
+from interop_rig import Messages, Stream, hear, tell, twist
+from peer import SENSOR, STATE, Heard, Peer, wait_until
+from rosgraph_msgs.msg import Clock
+
+HOUR_S = 3600
+NEAR_S = 60.0
+WATCHDOG_S, SLACK_S = 0.5, 1.5
+
+
+class WallClock:
+    """The wall clock of processes that are started `running` by it; their monotonic one is real."""
+
+    def __init__(self, file, monkeypatch):
+        self._file, self._monkeypatch = file, monkeypatch
+        self.jump_to(0)
+
+    def jump_to(self, offset_s):
+        fresh = self._file.with_suffix(".new")
+        fresh.write_text(f"{offset_s:+d}")
+        os.replace(fresh, self._file)
+
+    @contextlib.contextmanager
+    def running(self):
+        library = subprocess.run(
+            ["faketime", "-m", "-f", "+0", "printenv", "LD_PRELOAD"],
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout.strip()
+        with self._monkeypatch.context() as patch:
+            patch.setenv("LD_PRELOAD", library)
+            patch.setenv("FAKETIME_TIMESTAMP_FILE", str(self._file))
+            patch.setenv("FAKETIME_NO_CACHE", "1")
+            patch.setenv("FAKETIME_DONT_FAKE_MONOTONIC", "1")
+            patch.setenv("DONT_FAKE_MONOTONIC", "1")
+            yield
+
+
+@pytest.fixture
+def wall_clock(tmp_path, monkeypatch):
+    return WallClock(tmp_path / "time", monkeypatch)
+
+
+def stamped(message):
+    return message.header.stamp.sec + message.header.stamp.nanosec / 1e9
+
+
+def moving(message):
+    return json.loads(message)["velocity"]["linear"] > 0.05
+
+
+def turning(message):
+    return abs(json.loads(message)["velocity"]["angular"]) > 0.1
+
+
+def standing(message):
+    velocity = json.loads(message)["velocity"]
+    return abs(velocity["linear"]) < 0.01 and abs(velocity["angular"]) < 0.01
+
+
+class Driven:
+    """What a peer hears of a robot and how it drives it."""
+
+    def __init__(self, peer: Peer) -> None:
+        self.peer = peer
+        self.response = peer.listen("response")
+        self.state: Heard = peer.listen("robot_state", STATE)
+        self._velocity = tell(peer, Twist, peer.name("cmd_vel"), SENSOR)
+
+    def waits(self, wanted, timeout_s=20.0):
+        return self.state.wait_for(wanted, timeout_s, since=len(self.state.messages))
+
+    def says(self, text, part):
+        heard = len(self.response.messages)
+        self.peer.send("text_input", text)
+        self.response.wait_for(lambda m: part in m, 60.0, since=heard)
+
+    def is_watched(self):
+        """It follows velocities, and halts soon after the last one."""
+        stream = Stream(self._velocity, twist(0.0, 0.8))
+        self.waits(turning)
+        ended_s = stream.end()
+        self.waits(standing, WATCHDOG_S + SLACK_S)
+        assert time.monotonic() - ended_s < WATCHDOG_S + SLACK_S
+
+
+def stamps_are_at(poses: Messages, offset_s):
+    """Newly sent stamps are those of a clock that is so far off."""
+    since = len(poses.messages)
+    poses.wait_for(lambda m: abs(stamped(m) - time.time() - offset_s) < NEAR_S, 20.0, since)
+
+
+def test_a_wall_clock_that_jumps_by_hours_moves_stamps_and_nothing_else(agent, peer, wall_clock):
+    with wall_clock.running():
+        one = agent()
+    robot = Driven(peer())
+    poses = hear(robot.peer, PoseStamped, "/edgevox/pose")
+    stamps_are_at(poses, 0)
+    robot.says("go to the bedroom", "bedroom")
+    robot.waits(moving)
+    for offset_s in (3 * HOUR_S, -5 * HOUR_S):
+        wall_clock.jump_to(offset_s)
+        stamps_are_at(poses, offset_s)
+        robot.waits(moving)  # the drive goes on
+    robot.says("stop", "Stopped")
+    robot.waits(standing, 2.0)
+    robot.is_watched()
+    robot.says("go to the living room", "I am in the living room.")
+    wall_clock.jump_to(0)
+    stamps_are_at(poses, 0)
+    robot.is_watched()
+    assert not [line for line in one.lines if "Traceback" in line]
+
+
+def test_a_clock_topic_that_is_set_back_moves_stamps_and_nothing_else(agent, peer):
+    agent("--ros-args", "-p", "use_sim_time:=true")
+    robot = Driven(peer())
+    poses = hear(robot.peer, PoseStamped, "/edgevox/pose")
+    tick = tell(robot.peer, Clock, "/clock", SENSOR)
+    robot.says("go to the bedroom", "bedroom")
+    for seconds in (5000, 9000, 100):
+        now = Clock()
+        now.clock.sec = seconds
+        stream = Stream(tick, now)
+        poses.wait_for(lambda m, s=seconds: stamped(m) == pytest.approx(s, abs=1), 20.0)
+        robot.waits(moving)
+        stream.end()  # and it stands still
+    robot.says("stop", "Stopped")
+    robot.waits(standing, 2.0)
+    robot.is_watched()
+
+
+@pytest.mark.parametrize("sim_s", [(), (9000, 100)], ids=["no clock at all", "set back"])
+def test_a_robot_of_others_is_driven_and_stopped_whatever_the_clock_does(
+    agent, peer, domain, sim_s
+):
+    with wheels(domain=domain, namespace="/robot1"):
+        agent(
+            *("--namespace=/robot1", "--max-linear=0.6"),
+            *("--ros-args", "-p", "use_sim_time:=true"),
+            robot="robot-external",
+        )
+        one = peer()
+        state = one.listen("robot_state", STATE)
+        state.wait_for(lambda m: json.loads(m)["pose"] is not None)
+        one.send("text_input", "go to x 20 y 0")
+        tick = tell(one, Clock, "/clock", SENSOR) if sim_s else None
+        for seconds in sim_s:
+            now = Clock()
+            now.clock.sec = seconds
+            for _ in range(5):
+                tick(now)
+                state.wait_for(lambda _: True, since=len(state.messages))
+        state.wait_for(moving, 20.0, since=len(state.messages))
+        one.send("interrupt", "")
+        state.wait_for(standing, 5.0, since=len(state.messages))
+        wait_until(lambda: json.loads(state.messages[-1])["goal"] is None, "no goal")

@@ -1,0 +1,127 @@
+"""A peer that floods one input and is killed: stop works meanwhile, and nothing of it is left."""
+
+import json
+import os
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+from chaos_robot import moving, standing
+from conftest import READY, Agent
+from peer import RELIABLE, STATE, Peer, wait_until
+from std_msgs.msg import String
+
+FLOODER = str(Path(__file__).with_name("chaos_flooder.py"))
+FLOOD_S = 1.5
+STOP_S = 1.0
+"""Of the robot's own time, which passes on a busy machine as it can."""
+MARGIN_MB = 25
+MOST_LINES = 150
+MEGABYTES = 2
+DEPTH = 10
+
+
+class Robot:
+    """A running agent without a model or a voice, and a peer that listens."""
+
+    def __init__(self, process: Agent, peer: Peer) -> None:
+        self.process, self.peer = process, peer
+        self.response, self.state = peer.listen("response"), peer.listen("robot_state", STATE)
+        self.interrupt = peer.node.create_publisher(String, peer.name("interrupt"), RELIABLE)
+        wait_until(lambda: self.interrupt.get_subscription_count() > 0, "interrupt")
+        self.works()
+        self.before = self.taken()
+
+    def taken(self):
+        lines = Path(f"/proc/{self.process.process.pid}/status").read_text().splitlines()
+        status = dict(line.split(":", 1) for line in lines)
+        return int(status["VmRSS"].split()[0]) / 1024, int(status["Threads"])
+
+    def newest(self):
+        return json.loads(self.state.wait_for(lambda _: True, since=len(self.state.messages)))
+
+    def stops(self):
+        """Seconds of its time from an interrupt to standing."""
+        since, before = len(self.state.messages), self.newest()["time"]
+        self.interrupt.publish(String())
+        self.state.wait_for(standing, 30.0, since)
+        return json.loads(self.state.wait_for(standing, 30.0, since + 1))["time"] - before
+
+    def works(self):
+        """It answers in English, drives and stops, once what waits is done or forgotten."""
+        wait_until(self._answers, "an answer", 60)
+        target = "x 3 y 4" if self.newest()["pose"]["x"] > 5 else "x 8 y 8"
+        self.peer.send("text_input", f"drive to {target}")
+        self.state.wait_for(moving, 20.0, since=len(self.state.messages))
+        assert self.stops() < STOP_S
+
+    def is_as_before(self):
+        memory_mb, threads = self.before
+        wait_until(lambda: self.taken()[1] <= threads, "the threads of before", 40)
+        wait_until(lambda: self.taken()[0] < memory_mb + MARGIN_MB, "the memory of before", 40)
+
+    def _answers(self):
+        heard = len(self.response.messages)
+        for topic, text in (("set_language", "en"), ("interrupt", ""), ("command", "unmute")):
+            self.peer.send(topic, text)
+        threading.Event().wait(0.5)  # between topics there is no order: it might stop the question
+        self.peer.send("text_input", "what is your battery")
+        try:
+            self.response.wait_for(lambda m: "percent" in m, 2.0, since=heard)
+        except AssertionError:
+            return False
+        return True
+
+
+@pytest.fixture(scope="module")
+def robot(domain):
+    process = Agent("robot-apartment", "--text-mode", "--ros2", "--llm", "none", domain=domain)
+    process.wait_for_line(READY)
+    peer = Peer(domain)
+    yield Robot(process, peer)
+    peer.close()
+    assert process.terminate() == 0
+
+
+@pytest.mark.parametrize("what", ["language", "parameters", "goals", "velocity"])
+def test_a_peer_that_floods_and_is_killed(robot, domain, what):
+    pause, lines = threading.Event(), len(robot.process.lines)
+    if what not in ("goals", "velocity"):  # which move it by themselves
+        robot.peer.send("text_input", "go to the bedroom")
+        robot.state.wait_for(moving, 20.0, since=len(robot.state.messages))
+    flooder = subprocess.Popen(
+        [sys.executable, FLOODER, what], env={**os.environ, "ROS_DOMAIN_ID": str(domain)}
+    )
+    try:
+        subscriptions = robot.peer.node.get_node_names
+        wait_until(lambda: "flooder" in subscriptions(), "the flooder", 30)
+        pause.wait(FLOOD_S)
+        if what not in ("goals", "velocity"):
+            assert robot.stops() < STOP_S
+        robot.newest()
+        assert flooder.poll() is None
+    finally:
+        flooder.kill()
+        flooder.wait()
+    robot.works()
+    robot.is_as_before()
+    said = [line for line in robot.process.lines[lines:] if line[:2] not in ("> ", "  ")]
+    assert len(said) < MOST_LINES, said[:20]
+
+
+def test_strings_of_megabytes_take_only_the_middlewares_own_buffers(robot):
+    """It keeps as many as a topic is deep, each as large as the largest that ever came."""
+
+    def flood(number):
+        for topic in ("text_input", "tts_request", "command", "set_language"):
+            for _ in range(DEPTH + 2):
+                robot.peer.send(topic, f"{number}" + " ever" * (MEGABYTES * 200_000))
+        robot.works()
+
+    flood(0)
+    robot.before = robot.taken()
+    for number in range(3):
+        flood(number)
+    robot.is_as_before()

@@ -1,0 +1,120 @@
+"""Logs and ROS 2: one stream, /rosout, levels by services and by arguments."""
+
+import json
+
+import pytest
+from peer import STATE, wait_until
+from rcl_interfaces.msg import Log, LoggerLevel
+from rcl_interfaces.srv import GetLoggerLevels, SetLoggerLevels
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+ROSOUT = QoSProfile(
+    depth=1000,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+JSON = ("--log-format", "json")
+SECRET = "xyzzy plugh"  # noqa: S105 - said aloud
+DEBUG, WARN = 10, 30
+
+
+class Ears:
+    """A peer that hears /rosout and calls the logger services."""
+
+    def __init__(self, peer):
+        self.peer, self.node = peer, peer.node
+        self.heard = []
+        self.node.create_subscription(Log, "/rosout", self.heard.append, ROSOUT)
+
+    def of(self, text):
+        return [one for one in list(self.heard) if one.msg.startswith(text)]
+
+    def call(self, kind, name, request):
+        client = self.node.create_client(kind, f"/edgevox/edgevox/{name}")
+        assert client.wait_for_service(15)
+        future = client.call_async(request)
+        wait_until(future.done, name)
+        return future.result()
+
+    def set(self, **levels):
+        asked = [LoggerLevel(name=n.replace("_", "."), level=v) for n, v in levels.items()]
+        request = SetLoggerLevels.Request(levels=asked)
+        return self.call(SetLoggerLevels, "set_logger_levels", request).results
+
+    def get(self, *names):
+        request = GetLoggerLevels.Request(names=names)
+        got = self.call(GetLoggerLevels, "get_logger_levels", request).levels
+        return {one.name: one.level for one in got}
+
+
+@pytest.fixture
+def ears(peer):
+    return Ears(peer())
+
+
+def logged(agent):
+    """The lines of the log; what is printed for people stands between them."""
+    return [json.loads(line) for line in agent.lines if line.startswith("{")]
+
+
+def test_a_warning_of_ours_is_on_rosout_once_as_the_nodes_and_once_in_the_stream(agent, ears):
+    one = agent(*JSON)
+    ears.peer.send("set_language", "klingon")
+    wait_until(lambda: ears.of("message_refused"), "the warning on /rosout")
+    ears.peer.send("set_language", "romulan")
+    wait_until(lambda: len(ears.of("message_refused")) == 2, "the other one")
+    said = ears.of("message_refused")[0]
+    assert said.name == "edgevox.edgevox.ros2.topics"
+    assert said.level == WARN
+    assert "klingon" in said.msg
+    assert said.file.endswith("topics.py")
+    assert said.stamp.sec > 0
+    one.terminate()
+    refused = [line for line in logged(one) if line["event"] == "message_refused"]
+    assert [line["topic"] for line in refused] == ["set_language", "set_language"]
+    plain = [line for line in one.lines if not line.startswith(("{", "ROS 2: ", "robot-"))]
+    assert plain == []
+
+
+def test_levels_are_set_and_told_by_the_nodes_services_for_both_worlds(agent, ears):
+    one = agent(*JSON)
+    ears.peer.send("text_input", "where are you")
+    assert [r.successful for r in ears.set(edgevox=DEBUG, rcl=DEBUG, httpx=WARN)] == [True] * 3
+    wanted = {"edgevox": DEBUG, "rcl": DEBUG, "httpx": WARN, "edgevox.voice": 0}
+    assert ears.get(*wanted) == wanted
+    assert ears.get("") == {"": WARN}
+    ears.peer.send("text_input", "where are you")
+    one.wait_for_line('"event":"state"')
+    one.wait_for_line('"logger":"rcl"')
+    assert [r.successful for r in ears.set(edgevox=0, edgevox_edgevox=WARN)] == [True, True]
+    assert ears.get("edgevox", "edgevox.edgevox") == {"edgevox": WARN, "edgevox.edgevox": WARN}
+    (refused,) = ears.set(edgevox=7)
+    assert not refused.successful
+    assert "expected one of 0, 10, 20" in refused.reason
+
+
+def test_a_whole_run_is_json_and_tells_no_words_where_levels_come_from_ros_2s_arguments(
+    agent, ears
+):
+    levels = ("--ros-args", "--log-level", "edgevox:=info", "--log-level", "rcl:=debug")
+    one = agent(*JSON, *levels)
+    answers = ears.peer.listen("response")
+    state = ears.peer.listen("robot_state", STATE)
+    ears.peer.send("text_input", f"my name is {SECRET}")
+    answers.wait_for(bool)
+    ears.peer.send("text_input", "go to the kitchen")
+    state.wait_for(lambda text: json.loads(text)["velocity"]["linear"] > 0.05, 20)
+    ears.peer.send("text_input", f"stop {SECRET}")
+    one.wait_for_line("goal_cancelled")
+    wait_until(lambda: ears.of("goal_cancelled"), "the end on /rosout")
+    assert one.terminate() == 0
+    lines = logged(one)
+    events = [line["event"] for line in lines]
+    for event in ("ready", "turn_began", "turn_ended", "safety_stop", "program_ended"):
+        assert event in events
+    (shut,) = [line for line in lines if line["event"] == "shutting_down"]
+    assert shut["reason"] == "SIGTERM"
+    assert "rcl" in {line["logger"] for line in lines}
+    assert all(line["turn"] for line in lines if line["event"] == "goal_started")
+    assert "xyzzy" not in one.output
+    assert "xyzzy" not in "".join(said.msg for said in ears.heard)

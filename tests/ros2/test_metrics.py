@@ -1,0 +1,152 @@
+"""The metrics of a real agent: what moves them, on a terminal and on ROS 2."""
+
+import math
+import socket
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+from conftest import AGENT, Agent
+from geometry_msgs.msg import Twist
+from scraper import PATIENCE_S, free_port, wait_until
+
+from edgevox import __version__
+from edgevox.ops.metrics.table import METRICS
+
+RECORDER = str(Path(sys.executable).with_name("edgevox-recorder"))
+LAG_S = 30.0
+"""Nothing on a machine that tests may share is as late as this."""
+
+
+def twist(speed_m_s: float) -> Twist:
+    message = Twist()
+    message.linear.x = speed_m_s
+    return message
+
+
+@pytest.fixture
+def port(agent) -> int:
+    one = free_port()
+    agent("--metrics-port", str(one))
+    return one
+
+
+def test_what_happens_on_the_wire_is_counted(port, peer) -> None:
+    robot = peer()
+    drive = robot.node.create_publisher(Twist, "/edgevox/cmd_vel", 10)
+    deadline_s, pause = time.monotonic() + 30, threading.Event()
+    while not drive.get_subscription_count() and time.monotonic() < deadline_s:
+        pause.wait(0.05)
+
+    robot.send("set_language", "klingon")
+    robot.send("interrupt", "")
+    drive.publish(twist(math.nan))
+    for _ in range(5):
+        drive.publish(twist(0.3))
+        pause.wait(0.05)
+    said = wait_until(port, lambda s: s["edgevox_watchdog_halts_total",] == 1)
+    assert said[("edgevox_refused_messages_total", "cmd_vel")] == 1
+    assert said[("edgevox_refused_messages_total", "set_language")] == 1
+    assert said[("edgevox_refused_messages_total", "text_input")] == 0
+    assert said[("edgevox_interrupts_total", "topic")] == 1
+    assert said[("edgevox_check_ok", "ros2")] == 1
+    assert said[("edgevox_failures_total", "executor")] == 0
+    assert 0 <= said[("edgevox_executor_lag_seconds",)] < LAG_S
+
+    robot.send("set_language", "fr")
+    wait_until(
+        port, lambda s: any(n[:3] == ("edgevox_build_info", "robot-apartment", "fr") for n in s)
+    )
+    robot.send("text_input", "va dans la cuisine")
+    wait_until(port, lambda s: s["edgevox_skill_goals_running", "navigate_to"] == 1)
+    robot.send("interrupt", "")
+    ended = wait_until(port, lambda s: s["edgevox_skill_goals_running", "navigate_to"] == 0)
+    assert ended[("edgevox_skill_goals_total", "cancelled", "navigate_to")] == 1
+
+
+def test_a_recorder_counts_what_is_on_the_disk(agent, domain, tmp_path) -> None:
+    agent()
+    port = free_port()
+    arguments = ("--output", str(tmp_path), "--metrics-port", str(port))
+    recorder = Agent(*arguments, domain=domain, program=RECORDER)
+    try:
+        told = wait_until(port, lambda s: s.get(("edgevox_recorded_messages_total",), 0) > 5)
+        assert told[("edgevox_dropped_total", "recorder")] == 0
+        assert told[("edgevox_ready",)] == 1
+        assert told[("edgevox_build_info", "edgevox-recorder", "en", __version__)] == 1
+        assert not any(name[0].startswith("edgevox_turn") for name in told)
+    finally:
+        assert recorder.terminate() == 0
+
+
+def test_a_typed_sentence_moves_the_counters_of_a_running_agent() -> None:
+    port = free_port()
+    command = [AGENT, "robot-apartment", "--text-mode", "--simple-ui", "--llm", "none"]
+    process = subprocess.Popen(
+        [*command, "--metrics-port", str(port)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        text=True,
+    )
+    try:
+        before = wait_until(port, lambda s: s[("edgevox_ready",)] == 1)
+        assert before[("edgevox_turns_total", "acted")] == 0
+        assert before[("edgevox_skill_goals_total", "succeeded", "navigate_to")] == 0
+
+        print("go to the kitchen", file=process.stdin, flush=True)
+        wait_until(port, lambda s: s["edgevox_skill_goals_running", "navigate_to"] == 1)
+        driven = wait_until(
+            port, lambda s: s["edgevox_skill_goals_total", "succeeded", "navigate_to"] == 1
+        )
+        assert driven[("edgevox_turns_total", "acted")] == 1
+        assert driven[("edgevox_skill_calls_total", "template")] == 1
+        assert driven[("edgevox_turn_stage_seconds_count", "ttfs")] == 1
+        assert driven[("edgevox_turn_stage_seconds_count", "stt")] == 0
+        assert 0 < driven[("edgevox_turn_stage_seconds_sum", "total")] < PATIENCE_S
+        assert driven[("edgevox_skill_goals_running", "navigate_to")] == 0
+        assert driven[("edgevox_skill_goal_seconds_sum", "navigate_to")] > 1
+
+        print("go to the cellar", file=process.stdin, flush=True)
+        wait_until(port, lambda s: s["edgevox_turns_total", "refused"] == 1)
+        print("stop", file=process.stdin, flush=True)
+        stopped = wait_until(port, lambda s: s["edgevox_interrupts_total", "stop_word"] == 1)
+        assert stopped[("edgevox_safety_stops_total",)] == 0, "it stood already"
+
+        paced = wait_until(port, lambda s: s[("edgevox_sim_real_time_factor",)] > 0)
+        assert paced[("edgevox_sim_stalled_seconds",)] < PATIENCE_S
+        assert paced[("edgevox_build_info", "robot-apartment", "en", __version__)] == 1
+        assert paced[("edgevox_threads",)] > 3
+        assert paced[("edgevox_check_ok", "body")] == 1
+        series = {name for metric in METRICS.values() for name in metric.series}
+        assert {name[0] for name in paced} <= series
+    finally:
+        process.stdin.close()
+        process.terminate()
+        process.wait(20)
+    assert process.returncode == 0
+
+
+def test_without_a_port_nothing_of_it_is_imported() -> None:
+    code = (
+        "import sys, edgevox.apps.agent, edgevox.apps.talk;"
+        "sys.exit(any(m.partition('.')[0] == 'prometheus_client' for m in sys.modules))"
+    )
+    assert subprocess.run([sys.executable, "-c", code]).returncode == 0
+
+
+def test_a_port_that_is_taken_is_said_before_anything_is_loaded() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        ran = subprocess.run(
+            [AGENT, "robot-apartment", "--text-mode", "--metrics-port", str(port)],
+            capture_output=True,
+            text=True,
+            stdin=subprocess.DEVNULL,
+            timeout=PATIENCE_S,
+        )
+    assert ran.returncode == 2
+    assert f"metrics_port: got '127.0.0.1:{port}'" in ran.stderr
+    assert "loading" not in ran.stdout

@@ -1,0 +1,75 @@
+"""What the pages on skills, robots and security say is what the examples and the code have."""
+
+import re
+import textwrap
+from pathlib import Path
+from typing import Protocol
+
+import pytest
+
+from edgevox.agent import deeds, mind
+from edgevox.agent.conversation import MAX_WAITING
+from edgevox.agent.llm.endpoint import exchange
+from edgevox.apps.terminal import script
+from edgevox.core import text
+from edgevox.ops import http_server
+from edgevox.robots import capabilities, world
+from edgevox.ros2 import skill_requests
+from edgevox.ros2.external import locations
+from edgevox.ros2.recorder import inbox
+from edgevox.scenario import model
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+
+
+def test_code_on_the_page_of_skills_is_that_of_the_example():
+    example = (ROOT / "examples" / "own_skill" / "watchman.py").read_text()
+    blocks = re.findall(
+        r"^```python\n(.*?)^```",
+        (DOCS / "writing-a-skill.md").read_text(),
+        re.MULTILINE | re.DOTALL,
+    )
+    assert len(blocks) == 2
+    for block in blocks:
+        assert block in example or textwrap.indent(block, "    ") in example
+
+
+def test_the_page_of_robots_has_every_protocol_with_its_methods():
+    page = (DOCS / "bringing-a-robot.md").read_text()
+    rows = [line for line in page.splitlines() if line.startswith("| `")]
+    protocols = {
+        name: protocol
+        for name, protocol in vars(capabilities).items()
+        if isinstance(protocol, type) and issubclass(protocol, Protocol)
+        if protocol.__module__ == capabilities.__name__ and name != "Body"
+    }
+    assert len(protocols) > 10
+    for name, protocol in protocols.items():
+        (row,) = (row for row in rows if f"`{name}`" in row)
+        own = {one for one in vars(protocol) if not one.startswith("_")}
+        for one in own | set(protocol.__annotations__):
+            assert f"`{one}`" in row, (name, one)
+
+
+@pytest.mark.parametrize(
+    ("told", "number"),
+    [
+        ("{:,} characters", text.MAX_CHARACTERS),
+        ("sentences that wait: {}", MAX_WAITING),
+        ("calls in one sentence: {}", deeds.MAX_CALLS),
+        ("{} MB, of which", script.MAX_LINE_BYTES >> 20),
+        ("{} KB |", skill_requests.MAX_ARGUMENTS_BYTES >> 10),
+        ("| {} KB, 2 s", http_server.MOST_BYTES >> 10),
+        ("2 s, {} at once", http_server.MOST_AT_ONCE),
+        ("reply | {} MB", exchange.MOST_BYTES >> 20),
+        ("{} tokens", mind.ANSWER_TOKENS),
+        ("{:,} steps", model.MAX_STEPS),
+        ("{:,} things", world.MOST_THINGS),
+        ("{} places", locations.MOST_LOCATIONS),
+        ("{:,} messages", inbox.MOST_MESSAGES),
+        ("or {} MB that wait", inbox.MOST_BYTES >> 20),
+    ],
+)
+def test_a_bound_on_the_page_of_security_is_that_of_the_code(told, number):
+    assert told.format(number) in (DOCS / "security.md").read_text()

@@ -1,0 +1,207 @@
+"""The doctor's judgement of a machine, from plain values."""
+
+import pytest
+from doctor_rig import ERROR, OK, SKIPPED, WARNING, grades, situation
+
+from edgevox.apps.doctor import graphics, machine, models, sound, surroundings
+from edgevox.models import Store
+
+PC = {"version": [3, 12, 1], "system": "Linux", "release": "6.1", "machine": "x86_64"}
+
+
+@pytest.mark.parametrize(
+    ("changed", "grade"),
+    [({}, OK), ({"version": [3, 10, 2]}, ERROR), ({"system": "Darwin"}, WARNING)],
+)
+def test_python_must_be_one_that_the_packages_are_built_for(changed, grade):
+    assert machine.judge_python(PC | changed, situation()).grade is grade
+
+
+CPU = {"cores": 8, "usable": 8, "quota": None, "missing": []}
+
+
+@pytest.mark.parametrize(
+    ("changed", "settings", "grade"),
+    [
+        ({}, {}, OK),
+        ({"missing": ["avx2"]}, {}, ERROR),
+        ({"missing": ["avx2"]}, {"llm": "none"}, WARNING),
+        ({"missing": ["avx2"]}, {"llm_backend": "llama-cpp-python"}, WARNING),
+        ({"usable": 1, "quota": 1.0}, {}, WARNING),
+        ({"usable": 2, "quota": 2.5}, {}, OK),
+    ],
+)
+def test_a_processor_must_have_what_the_language_model_is_built_for(changed, settings, grade):
+    assert machine.judge_processor(CPU | changed, situation(**settings)).grade is grade
+
+
+RAM = {"total": 8000, "available": 6000, "limit_left": None, "llm": 500}
+
+
+@pytest.mark.parametrize(
+    ("changed", "settings", "grade"),
+    [
+        ({}, {}, OK),
+        ({"available": 600}, {}, ERROR),
+        ({"limit_left": 600}, {}, ERROR),
+        ({"available": 1000}, {}, WARNING),
+        ({"available": 1000}, {"text_mode": True}, OK),
+        ({"available": 300, "llm": 0}, {"text_mode": True}, OK),
+    ],
+)
+def test_memory_must_hold_the_models_below_the_limit_of_a_container(changed, settings, grade):
+    assert machine.judge_memory(RAM | changed, situation(**settings)).grade is grade
+
+
+def test_a_disk_is_judged_as_on_diagnostics():
+    gib = 2**30
+    facts = {"rooms": [["/a", 1, 50 * gib, 100 * gib, True], ["/b", 2, 1000, 100 * gib, True]]}
+    assert grades(machine.judge_disk(facts, situation())) == [OK, ERROR]
+
+
+@pytest.mark.parametrize(
+    ("now_s", "synchronised", "grade"),
+    [(1.8e9, True, OK), (1.8e9, None, OK), (1.8e9, False, WARNING), (1000.0, True, ERROR)],
+)
+def test_a_clock_must_have_been_set(now_s, synchronised, grade):
+    facts = {"now": now_s, "synchronised": synchronised}
+    assert machine.judge_clock(facts, situation()).grade is grade
+
+
+def test_a_misspelled_variable_is_found_and_nonsense_is_an_error():
+    here = situation(environment={"EDGEVOX_LANGAUGE": "en", "EDGEVOX_LLM": "none"})
+    said = surroundings.judge_settings(surroundings.probe_settings(here), here)
+    assert grades(said) == [WARNING, OK]
+    assert "did you mean EDGEVOX_LANGUAGE" in said[0].found
+    refused = situation(refused="EDGEVOX_LANGUAGE: got 'xx'")
+    assert grades(surroundings.judge_settings({"given": [], "unknown": []}, refused)) == [ERROR]
+
+
+@pytest.mark.parametrize(
+    ("facts", "grade"),
+    [
+        ({"tmp": True, "logs": True, "at": "/l"}, OK),
+        ({"tmp": True, "logs": False, "at": "/l"}, WARNING),
+        ({"tmp": False, "logs": True, "at": "/l"}, ERROR),
+    ],
+)
+def test_files_must_be_writable_where_they_are_made(facts, grade):
+    assert surroundings.judge_folders(facts, situation()).grade is grade
+
+
+@pytest.mark.parametrize(
+    ("inside", "uid", "grade"), [(False, 0, SKIPPED), (True, 1000, OK), (True, 0, WARNING)]
+)
+def test_a_container_needs_no_root(inside, uid, grade):
+    facts = {"inside": inside, "uid": uid, "read_only": True}
+    assert surroundings.judge_container(facts, situation()).grade is grade
+
+
+SEEN = {
+    "root": "/models",
+    "needed": ["whisper-tiny.en"],
+    "wanted": ["piper-en_US-joe-medium"],
+    "found": {"whisper-tiny.en": "right", "piper-en_US-joe-medium": "right"},
+    "unknown": [],
+    "file": "",
+}
+
+
+@pytest.mark.parametrize(
+    ("found", "expected"),
+    [
+        ({}, [OK]),
+        ({"whisper-tiny.en": "absent"}, [ERROR, OK]),
+        ({"whisper-tiny.en": "damaged"}, [ERROR, OK]),
+        ({"piper-en_US-joe-medium": "absent"}, [WARNING, OK]),
+        ({"whisper-base": "damaged"}, [WARNING, OK]),
+        ({"whisper-base": "absent"}, [OK]),
+    ],
+)
+def test_models_that_are_needed_must_be_right(found, expected):
+    said = models.judge_models(SEEN | {"found": SEEN["found"] | found}, situation())
+    assert grades(said) == expected
+    for name, state in found.items():
+        if state == "damaged":
+            assert f"edgevox-models verify {name}; edgevox-models fetch" in said[0].advice
+
+
+def test_what_is_needed_follows_from_the_settings():
+    assert list(models.needed(situation(text_mode=True, llm="none"))) == []
+    assert list(models.needed(situation(llm="none", wakeword="hey jarvis"))) == [
+        "whisper-tiny.en",
+        "wake-words",
+    ]
+    assert "franka-panda" in models.needed(situation(agent="robot-panda"))
+
+
+def test_a_truncated_and_an_altered_file_are_damaged_and_one_that_is_gone_absent(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setenv("EDGEVOX_MODELS_DIR", str(tmp_path))
+    here = situation(llm="none", text_mode=False)
+    assert models.probe_models(here)["found"]["whisper-tiny.en"] == "absent"
+    folder = tmp_path / "whisper-tiny.en"
+    folder.mkdir()
+    (folder / "model.bin").write_bytes(b"cut")
+    facts = models.probe_models(here)
+    assert facts["found"]["whisper-tiny.en"] == "damaged"
+    assert grades(models.judge_models(facts, here))[0] is ERROR
+    (folder / "model.bin").unlink()
+    file = min(Store().manifest.models["whisper-tiny.en"].files, key=lambda one: one.size)
+    (folder / file.name).write_bytes(b"x" * file.size)
+    assert models.probe_models(here)["found"]["whisper-tiny.en"] == "damaged"
+
+
+DEVICES = {"library": "", "inputs": ["USB microphone"], "outputs": ["HDMI"]}
+
+
+@pytest.mark.parametrize(
+    ("changed", "settings", "expected"),
+    [
+        ({}, {}, [OK, OK]),
+        ({}, {"audio_in": "usb"}, [OK, OK]),
+        ({}, {"audio_in": "webcam"}, [ERROR, OK]),
+        ({"inputs": []}, {}, [WARNING, OK]),
+        ({"library": "PortAudio is not installed"}, {}, [ERROR]),
+        ({"library": "PortAudio is not installed"}, {"text_mode": True}, [SKIPPED]),
+        ({"inputs": []}, {"audio_in": "none", "audio_out": "./said.wav"}, [SKIPPED]),
+        ({"inputs": []}, {"audio_in": "ros2"}, [OK]),
+    ],
+)
+def test_sound_must_be_there_as_far_as_it_is_asked_for(changed, settings, expected):
+    assert grades(sound.judge_sound(DEVICES | changed, situation(**settings))) == expected
+
+
+@pytest.mark.parametrize(
+    ("facts", "settings", "grade"),
+    [
+        ({"failed": "", "samples": 100}, {}, OK),
+        ({"failed": "not installed", "samples": 0}, {}, WARNING),
+        ({"failed": "not installed", "samples": 0}, {"text_mode": True}, SKIPPED),
+        ({"failed": "", "samples": 0}, {}, WARNING),
+    ],
+)
+def test_the_last_resort_must_speak(facts, settings, grade):
+    assert sound.judge_espeak(facts, situation(**settings)).grade is grade
+
+
+@pytest.mark.parametrize(
+    ("facts", "grade"),
+    [
+        ({"names": [], "failed": ""}, OK),
+        ({"names": ["L4"], "failed": ""}, OK),
+        ({"names": [], "failed": "Driver/library version mismatch"}, WARNING),
+    ],
+)
+def test_a_gpu_is_not_needed_but_a_broken_driver_is_said(facts, grade):
+    assert graphics.judge_gpu(facts, situation()).grade is grade
+
+
+@pytest.mark.parametrize(
+    ("failed", "installed", "grade"),
+    [("", True, OK), ("", False, SKIPPED), ("no libEGL", True, WARNING)],
+)
+def test_without_opengl_only_pictures_are_missing(failed, installed, grade):
+    facts = {"backend": "egl", "failed": failed, "installed": installed}
+    assert graphics.judge_egl(facts, situation()).grade is grade

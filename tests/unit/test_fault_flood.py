@@ -1,0 +1,66 @@
+"""What waits for the conversation is bounded, whoever floods it with whatever."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from edgevox.agent.items import Announce, Forget, Language, Settle
+from edgevox.agent.waiting import MAX_CHARACTERS, MAX_WAITING, Waiting
+from edgevox.core.commands import Heard, RunSkill, Speak, TextInput
+
+ASKED = [TextInput("go"), Heard("go", 0.0), Speak("hello"), RunSkill("stop", {})]
+
+
+def all_of(waiting):
+    found = []
+    while waiting:
+        found.append(waiting.take())
+    return found
+
+
+def test_what_was_asked_is_taken_in_its_order_up_to_the_limit():
+    waiting = Waiting()
+    kept = [waiting.put(TextInput(str(number))) for number in range(MAX_WAITING + 10)]
+    assert kept == [True] * MAX_WAITING + [False] * 10
+    assert [one.text for one in all_of(waiting)] == [str(n) for n in range(MAX_WAITING)]
+
+
+def test_a_few_texts_of_megabytes_are_as_much_as_many_short_ones():
+    waiting = Waiting()
+    assert waiting.put(TextInput("x" * (MAX_CHARACTERS - 1)))
+    assert not waiting.put(TextInput("no"))
+    assert waiting.put(TextInput("x"))
+    assert waiting.put(Announce("Stopped."))
+    assert not Waiting().put(Speak("x" * (MAX_CHARACTERS + 1)))
+
+
+def test_of_languages_on_end_the_last_one_counts_and_each_sentence_keeps_its_own():
+    waiting = Waiting()
+    for item in (Language("fr"), Language("de"), TextInput("los"), Language("en"), Language("fr")):
+        waiting.put(item)
+    assert all_of(waiting) == [Language("de"), TextInput("los"), Language("fr")]
+
+
+def test_a_stop_forgets_what_was_asked_and_not_what_was_set():
+    waiting = Waiting()
+    for item in (Language("fr"), TextInput("go"), Forget(), Announce("x"), Language("de")):
+        waiting.put(item)
+    waiting.stop()
+    assert sorted(all_of(waiting), key=repr) == [Forget(), Language("de")]
+
+
+_STEPS = st.lists(
+    st.sampled_from([*ASKED, Language("en"), Language("fr"), Forget(), Settle(), "stop"]),
+    max_size=400,
+)
+
+
+@given(_STEPS)
+def test_nothing_that_comes_from_outside_makes_it_long(steps):
+    """A reset and an interrupt stop before they are put, as the conversation does it."""
+    waiting = Waiting()
+    for step in steps:
+        if step == "stop" or isinstance(step, Forget | Settle):
+            waiting.stop()
+        if step != "stop":
+            waiting.put(step)
+    assert len(all_of(waiting)) <= 2 * MAX_WAITING + 4

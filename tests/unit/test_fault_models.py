@@ -1,0 +1,343 @@
+"""Models that are missing, cut short or too large, and servers that are gone: what is still done.
+
+Nothing here needs a model: the files are missing, damaged, or made up for the test.
+"""
+
+import os
+import struct
+import subprocess
+import sys
+import threading
+from contextlib import ExitStack
+from pathlib import Path
+
+import numpy as np
+import pytest
+from llm_server import Chat, Reply, failing, good, never, serving
+
+from edgevox.agent.agents import Agent
+from edgevox.agent.conversation import Conversation
+from edgevox.agent.grammar import SAY
+from edgevox.agent.llm import factory, gguf
+from edgevox.agent.llm.base import ModelFailed
+from edgevox.agent.llm.endpoint import Address, EndpointModel, FallbackModel
+from edgevox.agent.llm.endpoint.breaker import FIRST_REST_S, Breaker
+from edgevox.apps.components import list_components
+from edgevox.apps.composition import build_parts, start_parts
+from edgevox.apps.queries import deafness
+from edgevox.apps.robots import build_body
+from edgevox.core.bus import Bus
+from edgevox.core.commands import TextInput
+from edgevox.core.controls import Controls
+from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.events import Responded
+from edgevox.core.settings import load_settings
+from edgevox.ops.diagnostics import Level
+from edgevox.ops.diagnostics.gauges import Gauges
+from edgevox.voice.stt.watched import TELL_EVERY_S, WatchedSpeechToText
+from edgevox.voice.voices import PresentVoices
+
+AGENT = Path(sys.executable).with_name("edgevox-agent")
+PATIENCE_S = 15.0
+WISH = "I'd be glad of some company next to the oven"
+
+
+class Heard:
+    """The answers on a bus, with a way to wait for one."""
+
+    def __init__(self, bus: Bus) -> None:
+        self.texts: list[str] = []
+        self._told = threading.Condition()
+        bus.subscribe(Responded, self._note)
+
+    def wait_for(self, part: str, since: int = 0) -> None:
+        def found() -> bool:
+            return any(part in text for text in self.texts[since:])
+
+        with self._told:
+            assert self._told.wait_for(found, PATIENCE_S), self.texts
+
+    def _note(self, event: Responded) -> None:
+        with self._told:
+            self.texts.append(event.text)
+            self._told.notify_all()
+
+
+@pytest.fixture
+def agent(tmp_path):
+    """A whole agent in this process: its parts, what it answers, what its llm says of itself."""
+    with ExitStack() as stack:
+
+        def start(llm: str):
+            settings = load_settings({"text_mode": True, "llm": llm})
+            body = build_body("robot-apartment", settings, 0.0)
+            parts = build_parts(stack, settings, body)
+            heard = Heard(parts.bus)
+            gauges = Gauges(parts.bus)
+            listed = list_components(parts, gauges)
+            start_parts(stack, parts)
+            return parts, heard, lambda: {one.name: one for one in listed.report()}["llm"]
+
+        yield start
+
+
+def cut_gguf(folder: Path) -> str:
+    path = folder / "cut.gguf"
+    path.write_bytes(b"GGUF" + struct.pack("<IQQ", 3, 1, 0) + b"cut")
+    return str(path)
+
+
+@pytest.mark.parametrize(
+    ("llm", "reason"),
+    [
+        (lambda folder: str(folder / "none.gguf"), "there is no such model file"),
+        (cut_gguf, "truncated"),
+        (lambda _: "qwen2.5-coder-0.5b-instruct", "get it with: edgevox-models fetch qwen"),
+    ],
+    ids=["missing", "cut short", "never fetched"],
+)
+def test_without_its_model_it_comes_up_says_so_and_obeys(agent, tmp_path, monkeypatch, llm, reason):
+    monkeypatch.setenv("EDGEVOX_MODELS_DIR", str(tmp_path / "models"))
+    parts, heard, llm_says = agent(llm(tmp_path))
+
+    heard.wait_for("my language model failed")
+    parts.conversation.submit(TextInput("where are you"))
+    heard.wait_for("I am in the living room")
+    since = len(heard.texts)
+    parts.conversation.submit(TextInput(WISH))
+    heard.wait_for("I cannot think right now", since)
+
+    said = llm_says()
+    assert said.level is Level.ERROR
+    assert reason in said.message
+    assert reason in parts.health.ready().checks["llm"]
+    assert parts.health.live().well
+
+
+def test_a_model_id_that_nobody_knows_is_a_mistake_and_refused(agent):
+    with pytest.raises(EdgeVoxError, match="expected one of"):
+        agent("no-such-model")
+
+
+def with_numbers(**numbers: int) -> bytes:
+    """The header of a file without weights."""
+    values = [
+        struct.pack("<Q", len(f"qwen2.{name}"))
+        + f"qwen2.{name}".encode()
+        + struct.pack("<II", 4, n)
+        for name, n in numbers.items()
+    ]
+    return b"GGUF" + struct.pack("<IQQ", 3, 0, len(values)) + b"".join(values)
+
+
+@pytest.fixture
+def small_file(tmp_path) -> Path:
+    path = tmp_path / "small.gguf"
+    numbers = {"block_count": 24, "embedding_length": 896}
+    numbers |= {"attention.head_count": 14, "attention.head_count_kv": 2}
+    path.write_bytes(with_numbers(**numbers))
+    return path
+
+
+def test_the_context_counts_as_memory_by_what_the_file_says(small_file, monkeypatch):
+    assert gguf.check(small_file).bytes_per_token == 2 * 2 * 24 * 2 * 64
+    free = factory._BUFFERS_BYTES + small_file.stat().st_size + 4096 * 12288
+    monkeypatch.setattr(factory, "_available_bytes", lambda: free)
+
+    with pytest.raises(ModelFailed, match="out of memory: a context of 4097 tokens needs"):
+        factory.load_model(small_file, "xllamacpp", context_tokens=4097)
+
+
+def test_a_process_that_may_not_have_the_memory_goes_on_without_the_model(small_file):
+    """Really so: the kernel gives this process no more address space."""
+    program = (
+        "import resource, sys\n"
+        "from edgevox.apps.agent import main\n"
+        "taken = int(open('/proc/self/statm').read().split()[0]) * resource.getpagesize()\n"
+        "resource.setrlimit(resource.RLIMIT_AS, (taken + (180 << 20),) * 2)\n"
+        "sys.exit(main())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program, "robot-apartment", "--text-mode", f"--llm={small_file}"],
+        input="where are you\n",
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+
+    assert done.returncode == 0, done.stderr
+    assert "out of memory: a context of 4096 tokens needs about 0.2 GB" in done.stderr
+    assert "I am in the living room" in done.stdout
+
+
+class Hand:
+    def __init__(self) -> None:
+        self.time_s = 0.0
+
+    def now(self) -> float:
+        return self.time_s
+
+
+class OnBoard:
+    name, context_tokens = "on board", 4096
+
+    def generate(self, messages, *, grammar, max_tokens, token):
+        yield SAY + "I think for myself."
+
+    def prime(self, messages, token): ...
+
+    def count_tokens(self, text):
+        return len(text)
+
+    def close(self): ...
+
+
+@pytest.fixture
+def asking(request):
+    """A conversation that thinks with a server."""
+
+    def start(*chats: Chat, on_board=None):
+        running = serving(*chats)
+        server = running.__enter__()
+        request.addfinalizer(lambda: running.__exit__(None, None, None))
+        clock = Hand()
+        shared = EndpointModel(Address(server.url, timeout_s=2.0))
+        model = FallbackModel(shared, on_board, Breaker(clock))
+        request.addfinalizer(model.close)
+        bus = Bus()
+        heard = Heard(bus)
+        one = Conversation([Agent("edgevox", "Be brief.")], bus, halt=lambda _: False, model=model)
+        request.addfinalizer(one.close)
+        one.start()
+        return one, heard, model, clock
+
+    return start
+
+
+def breaks_off(reply) -> None:
+    reply.stream()
+    reply.piece(SAY + "Once upon a time there was a robot. It ")
+
+
+@pytest.mark.parametrize("bad", [failing(503), never], ids=["fails", "hangs"])
+def test_a_server_that_is_gone_is_spoken_of_and_heard_again_when_it_is_back(asking, bad):
+    back = threading.Event()
+    here = good(SAY + "Here I am.")
+
+    def chat(reply: Reply) -> None:
+        return (here if back.is_set() else bad)(reply)
+
+    one, heard, model, clock = asking(chat)
+
+    one.submit(TextInput(WISH))
+    heard.wait_for("I cannot think right now")
+    assert model.trouble
+
+    back.set()
+    clock.time_s += FIRST_REST_S
+    one.submit(TextInput(WISH))
+    heard.wait_for("Here I am.")
+    assert model.trouble == ""
+
+
+def test_a_server_that_is_gone_is_not_noticed_by_who_is_answered_on_board(asking):
+    one, heard, model, _ = asking(failing(503), on_board=OnBoard())
+
+    one.submit(TextInput(WISH))
+
+    heard.wait_for("I think for myself.")
+    assert heard.texts == ["I think for myself."]
+    assert "503" in model.trouble
+
+
+def test_an_answer_that_breaks_off_is_ended_with_the_reason(asking):
+    one, heard, model, _ = asking(breaks_off, on_board=OnBoard())
+
+    one.submit(TextInput(WISH))
+
+    heard.wait_for("my language model failed")
+    (said,) = heard.texts
+    assert said.startswith("Once upon a time there was a robot.")
+    assert model.trouble
+
+
+class Deaf:
+    """Speech to text that fails as often as it is told."""
+
+    def __init__(self) -> None:
+        self.failing = True
+
+    def transcribe(self, samples, language):
+        if self.failing:
+            raise MemoryError("std::bad_alloc")
+        return "where are you"
+
+    def warm_up(self, language): ...
+
+    def close(self): ...
+
+
+def test_who_speaks_to_deaf_ears_is_told_so_now_and_then_and_not_once_they_hear():
+    clock, deaf, told = Hand(), Deaf(), []
+    stt = WatchedSpeechToText(deaf, clock)
+    stt.tell = lambda: told.append(clock.now())
+    silence = np.zeros(16000, np.int16)
+
+    for _ in range(3):
+        with pytest.raises(MemoryError):
+            stt.transcribe(silence, "en")
+    clock.time_s += TELL_EVERY_S
+    with pytest.raises(MemoryError):
+        stt.transcribe(silence, "en")
+    assert told == [0.0, TELL_EVERY_S]
+    assert stt.trouble == "std::bad_alloc"
+
+    deaf.failing = False
+    assert stt.transcribe(silence, "en") == "where are you"
+    assert stt.trouble == ""
+
+
+def test_a_language_that_cannot_be_heard_here_is_refused_and_the_old_one_stays(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setenv("EDGEVOX_MODELS_DIR", str(tmp_path))
+    controls = Controls(Bus(), language="en", voices=lambda _: (), deafness=deafness)
+
+    with pytest.raises(InvalidValue, match="whisper-base is not here: edgevox-models fetch world"):
+        controls.change({"language": "fr"})
+
+    assert controls.language == "en"
+
+
+def test_a_voice_whose_files_go_away_goes_on_speaking_and_no_other_takes_over():
+    here: dict[str, Path] = {"piper-en_US-joe-medium": Path("joe.onnx")}
+    wanted = ["en", ""]
+    voices = PresentVoices(lambda: (wanted[0], wanted[1]), lambda: here.get)
+    (joe, *_) = voices()
+    assert joe.backend == "piper"
+
+    here.clear()
+
+    assert voices()[0] == joe
+    assert [one.backend for one in voices()[1:]] == ["espeak"]
+
+
+def test_a_voice_that_was_never_here_is_replaced_by_the_best_one_that_is():
+    voices = PresentVoices(lambda: ("en", "en_US-joe-medium"), lambda: lambda _: None)
+
+    assert [one.backend for one in voices()] == ["espeak"]
+
+
+def test_without_its_wake_words_it_does_not_start_and_names_the_command(tmp_path):
+    flags = ["--llm=none", "--audio-in=none", "--wakeword=hey jarvis"]
+    done = subprocess.run(
+        [AGENT, "robot-apartment", *flags, f"--audio-out={tmp_path / 'answers.wav'}"],
+        env=os.environ | {"EDGEVOX_MODELS_DIR": str(tmp_path / "models")},
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+
+    assert done.returncode == 1
+    assert "get it with: edgevox-models fetch wake-words" in done.stderr

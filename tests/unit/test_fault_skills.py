@@ -1,0 +1,217 @@
+"""Skills that misbehave in every way a program can: it is spoken of, and all else goes on."""
+
+import json
+import subprocess
+import sys
+import threading
+import time
+
+import pytest
+
+from edgevox.agent import deeds
+from edgevox.agent.agents import Agent
+from edgevox.agent.conversation import Conversation
+from edgevox.agent.goals import GRACE_S
+from edgevox.agent.skills import SkillSet, skill
+from edgevox.core.bus import Bus
+from edgevox.core.commands import TextInput
+from edgevox.core.events import AgentEvent, AgentEventKind, Responded
+
+PATIENCE_S = 20.0
+
+
+class Skills:
+    """What misbehaves, and one that does not; `free` lets go of what hangs."""
+
+    def __init__(self):
+        self.free = threading.Event()
+        self.hangs = threading.Event()
+
+    def all(self):
+        def breaking(name, error, *, moves):
+            def function(goal):
+                """Break."""
+                raise error
+
+            function.__name__ = name
+            return skill(templates=[name.replace("_", " ")], moves=moves)(function)
+
+        @skill(templates=["return nonsense"])
+        def nonsense(goal):
+            """Return what is no JSON."""
+            return {"when": threading.Lock()}
+
+        @skill(templates=["return a number"])
+        def seven(goal):
+            """Return what is no mapping."""
+            return 7
+
+        @skill(templates=["mumble"])
+        def mumble(goal):
+            """Report what is no JSON."""
+            goal.report(where=object())
+
+        @skill(templates=["walk"], says="Walking.", done="I have walked.")
+        def walk(goal):
+            """Do as it should."""
+
+        @skill(templates=["wander"], says="Wandering.")
+        def wander(goal):
+            """Never look at the token."""
+            self.hangs.set()
+            self.free.wait(60)
+
+        @skill(templates=["ponder"], moves=False)
+        def ponder(goal):
+            """Never answer."""
+            self.hangs.set()
+            self.free.wait(60)
+
+        return SkillSet(
+            [
+                breaking("fall_apart", ZeroDivisionError("by zero"), moves=True),
+                breaking("leave_us", SystemExit(3), moves=True),
+                breaking("leave_now", SystemExit(3), moves=False),
+                breaking("get_nervous", KeyboardInterrupt(), moves=True),
+                nonsense,
+                seven,
+                mumble,
+                walk,
+                wander,
+                ponder,
+            ]
+        )
+
+
+class Stage:
+    def __init__(self):
+        self.skills = Skills()
+        self.answers, self.ends = [], []
+        self._told = threading.Condition()
+        bus = Bus()
+        bus.subscribe(Responded, lambda event: self._note(self.answers, event.text))
+        bus.subscribe(AgentEvent, self._on_deed)
+        agent = Agent("robot", "You are a robot.", self.skills.all())
+        self.conversation = Conversation([agent], bus, halt=lambda _: False)
+
+    def say(self, text):
+        self.conversation.submit(TextInput(text))
+
+    def hear(self, wanted):
+        def found():
+            return any(wanted in one for one in self.answers)
+
+        with self._told:
+            assert self._told.wait_for(found, PATIENCE_S), self.answers
+
+    def _on_deed(self, event):
+        if event.kind in (AgentEventKind.SKILL_GOAL, AgentEventKind.SKILL_CANCELLED):
+            self._note(self.ends, dict(event.data))
+
+    def _note(self, where, what):
+        with self._told:
+            where.append(what)
+            self._told.notify_all()
+
+
+@pytest.fixture
+def stage():
+    one = Stage()
+    one.conversation.start()
+    yield one
+    one.skills.free.set()
+    one.conversation.close()
+
+
+@pytest.mark.parametrize(
+    ("said", "reason"),
+    [
+        ("fall apart", "fall_apart broke: by zero"),
+        ("leave us", "leave_us broke: 3"),
+        ("leave now", "leave_now broke: 3"),
+        ("get nervous", "get_nervous broke: KeyboardInterrupt"),
+        ("return nonsense", "nonsense broke: its result is not JSON"),
+        ("return a number", "seven broke: its result is 7, not a mapping"),
+        ("mumble", "mumble broke: Object of type object is not JSON"),
+    ],
+)
+def test_whatever_a_skill_does_its_failure_is_spoken_and_the_next_one_runs(stage, said, reason):
+    stage.say(said)
+    stage.hear(f"I could not do that: {reason}")
+
+    stage.say("walk")
+    stage.hear("I have walked.")
+
+    assert stage.conversation.alive
+    json.dumps(stage.ends)
+    assert {"failed", "succeeded"} <= {end["status"] for end in stage.ends}
+
+
+@pytest.mark.parametrize("said", ["wander", "ponder"])
+def test_a_skill_that_never_ends_is_left_alone_when_it_is_stopped(stage, said):
+    stage.say(said)
+    assert stage.skills.hangs.wait(PATIENCE_S)
+
+    stage.say("stop")
+    stage.hear("Stopped.")
+    stage.say("walk")
+    stage.hear("I have walked.")
+
+    assert [e["status"] for e in stage.ends if e["skill"] == said][-1] == "cancelled"
+
+
+def test_an_answer_that_does_not_come_does_not_hold_up_the_next_for_ever(stage, monkeypatch):
+    monkeypatch.setattr(deeds, "ON_THE_SPOT_S", 0.2)
+    stage.say("ponder")
+
+    stage.hear("I could not do that: ponder took longer than 0 s")
+    stage.say("walk")
+    stage.hear("I have walked.")
+
+
+def test_what_it_says_when_it_comes_back_after_all_is_not_heard(stage):
+    stage.say("wander")
+    assert stage.skills.hangs.wait(PATIENCE_S)
+    stage.say("stop")
+    stage.hear("Stopped.")
+    assert stage.conversation.wait_idle(PATIENCE_S)
+
+    stage.skills.free.set()
+    wandering = [t for t in threading.enumerate() if t.name == "edgevox-skill-wander"]
+    for one in wandering:
+        one.join(PATIENCE_S)
+
+    assert [e["status"] for e in stage.ends if e["skill"] == "wander"][-1] == "cancelled"
+
+
+def test_a_skill_that_never_ends_does_not_keep_the_process():
+    program = """
+import threading
+from edgevox.agent.agents import Agent
+from edgevox.agent.conversation import Conversation
+from edgevox.agent.skills import SkillSet, skill
+from edgevox.core.bus import Bus
+from edgevox.core.commands import TextInput
+
+hangs = threading.Event()
+
+@skill(templates=["wander"])
+def wander(goal):
+    "Never look at the token."
+    hangs.set()
+    threading.Event().wait()
+
+one = Conversation([Agent("robot", "", SkillSet([wander]))], Bus(), halt=lambda _: False)
+one.start()
+one.submit(TextInput("wander"))
+hangs.wait()
+one.close()
+print("closed", flush=True)
+"""
+    began_s = time.monotonic()
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=60
+    )
+
+    assert (done.returncode, done.stdout) == (0, "closed\n"), done.stderr
+    assert time.monotonic() - began_s >= GRACE_S

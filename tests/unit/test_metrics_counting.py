@@ -1,0 +1,220 @@
+"""What is counted of what happens on the bus, and what is read when somebody asks."""
+
+import http.client
+import socket
+import threading
+
+import pytest
+from prometheus_client.parser import text_string_to_metric_families
+
+from edgevox.core.bus import Bus
+from edgevox.core.errors import InvalidValue
+from edgevox.core.events import (
+    AgentEvent,
+    AgentEventKind,
+    Cause,
+    Interrupted,
+    Outcome,
+    State,
+    StateChanged,
+    TokenGenerated,
+    TurnEnded,
+    TurnMeasured,
+    WakeWordHeard,
+)
+from edgevox.core.heartbeat import LATELY_S, Heartbeat
+from edgevox.ops.http_server import MOST_AT_ONCE
+from edgevox.ops.metrics import MetricsServer, Registry, observe
+from edgevox.ops.metrics.table import SKILLS
+
+
+class Clock:
+    now_s = 0.0
+
+    def now(self) -> float:
+        return self.now_s
+
+
+class Stage:
+    """A bus that is observed, and what a scrape says of it."""
+
+    def __init__(self) -> None:
+        self.bus, self.clock = Bus(), Clock()
+        self.registry = Registry({SKILLS: ["navigate_to", "wave"]})
+        self.end = observe(self.bus, self.registry, self.clock)
+
+    def value(self, name: str, **labels: str) -> float | None:
+        for family in text_string_to_metric_families(self.registry.text().decode()):
+            for sample in family.samples:
+                if sample.name == name and sample.labels == labels:
+                    return sample.value
+        return None
+
+    def goal(self, goal_id: str, status: str, skill: str = "navigate_to") -> None:
+        ended = status == "cancelled"
+        kind = AgentEventKind.SKILL_CANCELLED if ended else AgentEventKind.SKILL_GOAL
+        self.bus.publish(AgentEvent(kind, {"goal_id": goal_id, "skill": skill, "status": status}))
+
+
+@pytest.fixture
+def stage() -> Stage:
+    return Stage()
+
+
+def test_turns_count_by_what_became_of_them_and_errands_do_not(stage) -> None:
+    for outcome in (Outcome.ACTED, Outcome.ACTED, Outcome.REFUSED, None):
+        stage.bus.publish(TurnEnded(1, outcome, 5))
+
+    assert stage.value("edgevox_turns_total", outcome="acted") == 2
+    assert stage.value("edgevox_turns_total", outcome="refused") == 1
+    assert stage.value("edgevox_turns_total", outcome="failed") == 0
+    assert stage.value("edgevox_llm_tokens_total") == 20
+
+
+def test_a_stage_that_a_turn_did_not_need_is_not_in_its_histogram(stage) -> None:
+    stage.bus.publish(TurnMeasured(stt=0.0, llm=0.9, tts=0.0, ttfs=1.2, total=2.5))
+
+    assert stage.value("edgevox_turn_stage_seconds_count", stage="stt") == 0
+    assert stage.value("edgevox_turn_stage_seconds_sum", stage="llm") == 0.9
+    assert stage.value("edgevox_turn_stage_seconds_bucket", stage="ttfs", le="1.0") == 0
+    assert stage.value("edgevox_turn_stage_seconds_bucket", stage="ttfs", le="1.5") == 1
+
+
+def test_a_goal_runs_from_its_first_sign_to_its_end_whatever_it_reports_meanwhile(stage) -> None:
+    stage.goal("a", "accepted")
+    stage.goal("a", "running")
+    stage.clock.now_s = 3.0
+    stage.goal("a", "running")
+    assert stage.value("edgevox_skill_goals_running", skill="navigate_to") == 1
+
+    stage.clock.now_s = 7.0
+    stage.goal("a", "succeeded")
+    assert stage.value("edgevox_skill_goals_running", skill="navigate_to") == 0
+    assert stage.value("edgevox_skill_goal_seconds_sum", skill="navigate_to") == 7.0
+    assert stage.value("edgevox_skill_goals_total", skill="navigate_to", outcome="succeeded") == 1
+
+
+def test_a_goal_that_never_ran_took_no_time(stage) -> None:
+    stage.goal("b", "accepted", "wave")
+    stage.goal("b", "cancelled", "wave")
+
+    assert stage.value("edgevox_skill_goals_total", skill="wave", outcome="cancelled") == 1
+    assert stage.value("edgevox_skill_goal_seconds_count", skill="wave") == 0
+    assert stage.value("edgevox_skill_goals_running", skill="wave") == 0
+
+
+def test_who_interrupts_is_counted_and_a_stop_word_twice_if_it_stopped_something(stage) -> None:
+    stage.bus.publish(Interrupted(Cause.BARGE_IN))
+    for stopped in (True, False):
+        data = {"word": "halt", "stopped": stopped}
+        stage.bus.publish(AgentEvent(AgentEventKind.SAFETY_PREEMPT, data))
+
+    assert stage.value("edgevox_interrupts_total", cause="barge_in") == 1
+    assert stage.value("edgevox_interrupts_total", cause="stop_word") == 2
+    assert stage.value("edgevox_safety_stops_total") == 1
+
+
+def test_one_state_is_the_present_one(stage) -> None:
+    stage.bus.publish(StateChanged(State.LISTENING))
+    stage.bus.publish(StateChanged(State.THINKING))
+
+    assert stage.value("edgevox_state", state="thinking") == 1
+    assert stage.value("edgevox_state", state="listening") == 0
+
+
+def test_wake_words_and_who_called_are_counted(stage) -> None:
+    stage.bus.publish(WakeWordHeard("hey jarvis"))
+    stage.bus.publish(AgentEvent(AgentEventKind.TOOL_CALL, {"source": "model"}))
+
+    assert stage.value("edgevox_wake_words_total") == 1
+    assert stage.value("edgevox_skill_calls_total", source="model") == 1
+
+
+def test_a_token_is_nobodys_business_until_its_turn_ends(stage) -> None:
+    assert not stage.bus._handlers.get(TokenGenerated)
+
+
+def test_nothing_is_counted_after_the_end(stage) -> None:
+    stage.end()
+    stage.bus.publish(TurnEnded(1, Outcome.ACTED))
+
+    assert stage.value("edgevox_turns_total", outcome="acted") == 0
+
+
+def test_what_is_read_is_read_anew_and_one_that_breaks_takes_no_other_with_it(stage) -> None:
+    counts = {"mouth": 1}
+    stage.registry.read("edgevox_dropped_total", lambda: counts)
+    stage.registry.read("edgevox_threads", lambda: 1 / 0)
+    stage.registry.read("edgevox_build_info", lambda: {("0.1", "robot", "fr"): 1.0})
+    assert stage.value("edgevox_dropped_total", queue="mouth") == 1
+
+    counts["mouth"] = 4
+    assert stage.value("edgevox_dropped_total", queue="mouth") == 4
+    assert stage.value("edgevox_threads") is None
+    assert stage.value("edgevox_build_info", version="0.1", agent="robot", language="fr") == 1
+    assert stage.registry.failures > 0
+
+
+def test_two_agents_in_one_process_count_apart() -> None:
+    one, other = Stage(), Stage()
+    one.bus.publish(TurnEnded(1, Outcome.ACTED))
+
+    assert other.value("edgevox_turns_total", outcome="acted") == 0
+
+
+def ask(server: MetricsServer, path: str = "/metrics") -> tuple[int, str, bytes]:
+    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=10)
+    connection.request("GET", path)
+    answer = connection.getresponse()
+    told = answer.status, answer.headers["Content-Type"], answer.read()
+    connection.close()
+    return told
+
+
+def test_metrics_are_served_as_prometheus_reads_them_until_close(stage) -> None:
+    server = MetricsServer(stage.registry, "127.0.0.1", 0)
+    server.start()
+    status, kind, text = ask(server)
+    assert (status, kind) == (200, "text/plain; version=0.0.4; charset=utf-8")
+    assert b"# TYPE edgevox_turns_total counter" in text
+    assert ask(server, "/")[0] == 404
+
+    with pytest.raises(InvalidValue, match=rf"metrics_port: got '127.0.0.1:{server.port}'.*in use"):
+        MetricsServer(stage.registry, "127.0.0.1", server.port)
+    server.close()
+    assert "edgevox-metrics" not in [thread.name for thread in threading.enumerate()]
+
+
+def test_who_does_not_listen_to_the_answer_keeps_nobody_from_theirs(stage) -> None:
+    server = MetricsServer(stage.registry, "127.0.0.1", 0)
+    server.start()
+    try:
+        deaf = [
+            socket.create_connection(("127.0.0.1", server.port)) for _ in range(MOST_AT_ONCE - 1)
+        ]
+        for one in deaf:
+            one.sendall(b"GET /metrics HTTP/1.1\r\n")  # and never the rest
+        assert ask(server)[0] == 200
+        for one in deaf:
+            one.settimeout(10)
+            with one:
+                assert one.recv(1) == b""
+    finally:
+        server.close()
+
+
+def test_a_heart_that_was_late_once_says_so_for_a_minute() -> None:
+    clock = Clock()
+    heart = Heartbeat(clock, period_s=1.0)
+    for now_s in (1.0, 2.7, 3.0, 4.0):
+        clock.now_s = now_s
+        heart.beat()
+    assert heart.lag_s == pytest.approx(0.7)
+    clock.now_s = 7.5
+    assert heart.lag_s == pytest.approx(2.5), "a beat that is due counts before it comes"
+    heart.begin()
+    assert heart.lag_s == 0.0
+    heart.beat()
+    clock.now_s += LATELY_S
+    heart.begin()
+    assert heart.lag_s == 0.0

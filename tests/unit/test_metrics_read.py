@@ -1,0 +1,125 @@
+"""What an agent's metrics are read from: its parts, and never a value that the table has not."""
+
+from contextlib import ExitStack
+from types import SimpleNamespace
+
+import pytest
+from prometheus_client.parser import text_string_to_metric_families
+
+from edgevox.agent.llm.base import ModelFailed
+from edgevox.agent.llm.endpoint import FallbackModel
+from edgevox.apps import metrics
+from edgevox.core.bus import Bus
+from edgevox.core.cancel import CancelToken
+from edgevox.core.settings import check_settings
+from edgevox.ops.health import Health
+from edgevox.ops.metrics.table import METRICS
+from edgevox.robots.apartment import ApartmentRobot
+from edgevox.robots.world import load_world
+from edgevox.ros2.open import NullBridge
+
+
+class Server:
+    """A model on a server that has gone, or one on board that has not."""
+
+    name, context_tokens = "model", 4096
+
+    def __init__(self, *, gone: bool) -> None:
+        self.gone = gone
+
+    def generate(self, messages, *, grammar, max_tokens, token):
+        if self.gone:
+            raise ModelFailed("nobody answers")
+        yield "Hello."
+
+
+@pytest.fixture
+def parts(tmp_path):
+    """An agent as far as its metrics go."""
+    (tmp_path / "model.bin").write_bytes(b"x" * 1000)
+    (tmp_path / "voice.onnx").write_bytes(b"x" * 20)
+    settings = check_settings({"llm_endpoint": "http://llm:8080", "metrics_port": 1})
+    mouth = SimpleNamespace(refused=3, speaker=SimpleNamespace(failures=5))
+    return SimpleNamespace(
+        settings=settings,
+        name="robot-apartment",
+        body=ApartmentRobot(load_world(), speed=0.0),
+        controls=SimpleNamespace(language="fr", muted=True),
+        conversation=SimpleNamespace(refused=1),
+        model=FallbackModel(Server(gone=True), Server(gone=False)),
+        model_path=tmp_path / "model.bin",
+        voice=SimpleNamespace(
+            mouth=mouth,
+            source=SimpleNamespace(dropped=7),
+            weights=lambda: {"stt": (tmp_path,), "tts": frozenset({tmp_path / "voice.onnx"})},
+        ),
+        ears=SimpleNamespace(failed=4, understanding=SimpleNamespace(refused=2, failed=6)),
+    )
+
+
+@pytest.fixture
+def registry(parts, monkeypatch):
+    """What is served, on a port of the machine's choice."""
+    with ExitStack() as stack:
+        server = "edgevox.ops.metrics.MetricsServer"
+        monkeypatch.setattr(server, lambda *_: SimpleNamespace(start=int, close=int))
+        registry = metrics.serve_metrics(stack, parts.settings, Bus(), Health(), parts.body.skills)
+        parts.metrics = registry
+        metrics.read_parts(parts)
+        metrics.read_bridge(parts, NullBridge())
+        yield registry
+
+
+def values(registry) -> dict:
+    families = text_string_to_metric_families(registry.text().decode())
+    return {
+        (
+            sample.name,
+            *(sample.labels[name] for name in METRICS[family_name(sample.name)].labels),
+        ): (sample.value)
+        for family in families
+        for sample in family.samples
+        if family_name(sample.name) in METRICS
+    }
+
+
+def family_name(sample: str) -> str:
+    return next((name for name, metric in METRICS.items() if sample in metric.series), "")
+
+
+def test_what_the_parts_count_is_what_is_read(parts, registry) -> None:
+    told = values(registry)
+
+    assert told["edgevox_dropped_total", "conversation"] == 1
+    assert told["edgevox_dropped_total", "understanding"] == 2
+    assert told["edgevox_dropped_total", "mouth"] == 3
+    assert told["edgevox_dropped_total", "microphone"] == 7
+    assert told["edgevox_failures_total", "ears"] == 4
+    assert told["edgevox_failures_total", "mouth"] == 5
+    assert told["edgevox_failures_total", "understanding"] == 6
+    assert told["edgevox_model_weights_bytes", "llm"] == 1000
+    assert told["edgevox_model_weights_bytes", "stt"] == 1020
+    assert told["edgevox_model_weights_bytes", "tts"] == 20
+    assert told["edgevox_build_info", metrics.__version__, "robot-apartment", "fr"] == 1
+    assert told["edgevox_muted",] == 1
+    assert told["edgevox_ready",] == 0, "nothing was started"
+    assert told["edgevox_check_ok", "start"] == 0
+    assert registry.failures == 0
+
+
+def test_a_model_server_that_does_not_answer_is_down_and_the_fallback_counts(
+    parts, registry
+) -> None:
+    assert values(registry)["edgevox_llm_server_up",] == 1
+
+    said = parts.model.generate([], grammar=None, max_tokens=1, token=CancelToken())
+    assert list(said) == ["Hello."]
+    told = values(registry)
+    assert told["edgevox_llm_server_up",] == 0
+    assert told["edgevox_llm_fallbacks_total",] == 1
+
+
+def test_no_label_has_a_value_that_the_table_has_not(registry) -> None:
+    for name, *labels in values(registry):
+        for known, value in zip(METRICS[family_name(name)].labels.values(), labels, strict=True):
+            assert isinstance(known, str) or value in known, name
