@@ -1,25 +1,19 @@
-"""What listening costs: CPU in silence, and whether an hour of it leaves anything behind.
-
-`benchmarks/voice.py` calls these; run alone, it prints both.
-"""
+"""What listening costs: CPU in silence, and whether an hour of it leaves anything behind."""
 
 import gc
-import json
 import threading
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Heard
-from edgevox.models import locate
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.ears import Ears
 from edgevox.voice.sources.memory import InMemory
 from edgevox.voice.stt.base import SpeechToText
-from edgevox.voice.stt.whisper import Whisper
 from edgevox.voice.vad import SileroVad
 from edgevox.voice.wakeword import WakeWord
 
@@ -88,19 +82,3 @@ def resident_kib() -> int:
     """Memory that this process has, in KiB."""
     lines = Path("/proc/self/status").read_text().splitlines()
     return next(int(line.split()[1]) for line in lines if line.startswith("VmRSS"))
-
-
-def main() -> None:
-    """Print both, as JSON."""
-    stt = Whisper(lambda _: locate("whisper-tiny.en"))
-    stt.warm_up("en")
-    for phrase in ("", "hey jarvis"):
-        wakeword = WakeWord(phrase, locate("wake-words")) if phrase else None
-        silence = listen(stt, quiet_room(30.0), wakeword=wakeword)
-        print(f"silence, wake word {phrase!r}: {silence.share_of_a_core:.2%} of a core")
-    hour = listen(stt, quiet_room(60.0), times=60)
-    print(json.dumps(asdict(hour)))
-
-
-if __name__ == "__main__":
-    main()

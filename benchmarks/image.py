@@ -1,7 +1,7 @@
-"""What the container's image weighs and how fast it comes up. Writes `image.md` beside itself.
+"""What the container's image weighs and how fast it comes up.
 
-``python benchmarks/image.py`` needs an engine and the image, and its stages in the engine's build
-cache: what rebuilding costs is measured by rebuilding.
+Needs an engine and the image, and its stages in the engine's build cache: what rebuilding costs is
+measured by rebuilding.
 """
 
 import json
@@ -12,13 +12,14 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 sys.path.insert(0, str(ROOT / "tests" / "compose"))
 
-from machine import machine  # noqa: E402
+from figures import Figure, Measured, NotHere  # noqa: E402
 from stacks import Stack, docker, stack  # noqa: E402
 
 SERVICE = "edgevox-ros2"
@@ -35,37 +36,77 @@ PARTS = {  # what a layer is, by the instruction that made it; the first that ma
     "EdgeVox": re.compile(r"COPY /code"),
     "bill of materials": re.compile(r"sbom"),
 }
-Row = tuple[str, str]
+_NOT_WORDS = re.compile(r"[^a-z0-9]+")
+ALL = "all"
+WANTED_MB = {"image": 2000.0, "slim": 700.0}
+SIZES = "What the image holds"
+TIMES = "Time and memory of the container"
 
 
-def sizes(image: str) -> list[Row]:
+def measure(quick: bool = False) -> Measured:
+    """The sizes of both images; how the larger starts, and how long a change takes to be in it."""
+    slim = f"{IMAGE}-slim"
+    for image in (IMAGE, slim):
+        _refuse_unless_here(image)
+    builds = 1 if quick else 2  # the first may miss the cache
+    return Measured(
+        figures=(
+            *sizes("image", IMAGE),
+            *sizes("slim", slim),
+            *starting_and_answering(),
+            _time("rebuild", "rebuilding after a change of the code", rebuilding(builds), 15),
+        )
+    )
+
+
+def _refuse_unless_here(image: str) -> None:
+    command = ["docker", "image", "inspect", image]
+    try:
+        found = subprocess.run(command, check=False, capture_output=True, text=True)
+    except OSError as error:
+        raise NotHere(f"docker: {error}") from error
+    if found.returncode:
+        raise NotHere(f"{image}: {found.stderr.strip()}; make image builds it")
+
+
+def sizes(name: str, image: str) -> Iterator[Figure]:
     """Megabytes by part, from the engine's history of the image."""
     form = "--format={{json .}}"
     lines = docker("history", "--no-trunc", "--human=false", form, image).splitlines()
     total = dict.fromkeys((*PARTS, "the rest"), 0)
     for layer in map(json.loads, lines):
         text = f"{layer['CreatedBy']} {layer['Comment']}"
-        part = next((name for name, sign in PARTS.items() if sign.search(text)), "the rest")
+        part = next((part for part, sign in PARTS.items() if sign.search(text)), "the rest")
         total[part] += int(layer["Size"])
-    rows = [(name, f"{size / 1e6:,.0f}") for name, size in total.items() if size > 50_000]
-    return [*rows, ("**all**", f"{sum(total.values()) / 1e6:,.0f}")]
+    column = "with models and robots" if name == "image" else "slim"
+    for part, size in {**total, ALL: sum(total.values())}.items():
+        if size > 50_000:
+            yield Figure.of(
+                f"{name}.{_NOT_WORDS.sub('_', part.lower())}", SIZES, part, [size / 1e6], "MB",
+                column=column, wanted=WANTED_MB[name] if part == ALL else None,
+            )  # fmt: skip
 
 
-def starting_and_answering() -> list[Row]:
+def starting_and_answering() -> Iterator[Figure]:
     """Seconds from `docker compose up`, and memory at rest and while the model answers."""
     began = time.monotonic()
     with stack(EDGEVOX_IMAGE=IMAGE) as one:
-        ready_s = time.monotonic() - began
+        yield _time("ready", "`docker compose up` to ready", time.monotonic() - began, 15)
         answered_s = ask(one, COMMAND)
+        yield _time("answer", "a plain command to its answer, with a peer's discovery", answered_s)
         rest = memory(one)
         model_s = ask(one, QUESTION)
-        return [
-            ("`docker compose up` to ready, s", f"{ready_s:.1f}"),
-            ("a plain command to its answer, with a peer's discovery, s", f"{answered_s:.1f}"),
-            ("the first sentence for the model to its answer, likewise, s", f"{model_s:.1f}"),
-            ("memory at rest, without mapped weights, MB", f"{rest:,.0f}"),
-            ("the same after answering with the model, MB", f"{memory(one):,.0f}"),
-        ]
+        yield _time("model", "the first sentence for the model to its answer, likewise", model_s)
+        yield _memory("memory_rest", "memory at rest, without mapped weights", rest)
+        yield _memory("memory_model", "the same after answering with the model", memory(one))
+
+
+def _time(name: str, what: str, seconds: float, wanted: float | None = None) -> Figure:
+    return Figure.of(name, TIMES, what, [seconds], "s", wanted=wanted)
+
+
+def _memory(name: str, what: str, megabytes: float) -> Figure:
+    return Figure.of(name, TIMES, what, [megabytes], "MB")
 
 
 def ask(one: Stack, words: str) -> float:
@@ -85,7 +126,7 @@ def memory(one: Stack) -> float:
     return float(number) * {"KiB": 2**10, "MiB": 2**20, "GiB": 2**30}[unit] / 1e6
 
 
-def rebuilding() -> Row:
+def rebuilding(times: int) -> float:
     """Seconds to build the image again after a change of the code, in a copy of it."""
     with tempfile.TemporaryDirectory() as place:
         copy = Path(place) / "edgevox"
@@ -93,37 +134,16 @@ def rebuilding() -> Row:
         shutil.copytree(ROOT, copy, ignore=skipped)
         shutil.copy(ROOT / ".dockerignore", copy)
         environment = {**os.environ, "TAG": "rebuilt"}
-        for attempt in range(2):  # the first may miss the cache
+        for attempt in range(times):
             with (copy / "edgevox" / "apps" / "agent.py").open("a") as code:
                 code.write(f"# {attempt} {time.time()}\n")
             began = time.monotonic()
             command = [copy / "docker" / "image", "edgevox"]
-            subprocess.run(command, env=environment, check=True, capture_output=True)
+            built = subprocess.run(
+                command, env=environment, check=False, capture_output=True, text=True
+            )
+            if built.returncode:
+                raise RuntimeError(f"docker/image edgevox: {built.stderr[-2000:]}")
             took_s = time.monotonic() - began
     docker("image", "rm", "edgevox-ros2:rebuilt")
-    return "rebuilding after a change of the code, s", f"{took_s:.1f}"
-
-
-def table(head: Row, rows: list[Row]) -> str:
-    """Markdown."""
-    lines = [f"| {name} | {value} |" for name, value in (head, *rows)]
-    return "\n".join([lines[0], "|---|---:|", *lines[1:]])
-
-
-def main() -> int:
-    """Measure, print, write."""
-    slim = f"{IMAGE}-slim"
-    parts = [
-        f"# What the container's image costs\n\nMeasured on {machine()}.",
-        f"## Size of `{IMAGE}`\n\n{table(('part', 'MB'), sizes(IMAGE))}",
-        f"## Size of `{slim}`\n\n{table(('part', 'MB'), sizes(slim))}",
-        f"## Time and memory\n\n{table(('what', ''), [*starting_and_answering(), rebuilding()])}",
-    ]
-    text = "\n\n".join(parts) + "\n"
-    (HERE / "image.md").write_text(text)
-    print(text)
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+    return took_s

@@ -1,60 +1,56 @@
 """How fast every body's world is, and what our layer adds to its simulator.
 
-    python benchmarks/robots.py
-
 Every body and its simulator alone are measured in the same run, in time of the processor: several
-threads and other programs share a machine. Writes a table in Markdown.
+threads and other programs share a machine.
 """
 
-from collections.abc import Sequence
-from pathlib import Path
+import re
+from collections.abc import Iterator
 
 import robots_humanoid
 import robots_panda
 import robots_planar
-from machine import machine
+from figures import Figure, Measured, NotHere
 from worlds import Row
 
-FILE = Path(__file__).with_suffix(".md")
-HEAD = """# How fast the bodies are
+from edgevox.models import ModelMissing
 
-Written by `benchmarks/robots.py`. Figures are seconds of the world for one second of the
-processor, all threads together, and so is the simulator alone: the same model in the same steps,
-under the same commands, in the same run. "The layer adds" is what the thread that steps the world
-spends beside the simulator (locks, control, watching over the physics), as a part of the
-simulator's own time; "all adds" counts everything else too: the arm's motions that are planned, the
-walking policy's inference, ways through the apartment. A camera's pictures are drawn by the
-processor here.
-"""
+TABLE = "How fast the bodies are"
+ROUNDS = 5
+_NOT_WORDS = re.compile(r"[^a-z0-9]+")
 
 
-def table(rows: Sequence[Row]) -> str:
-    """The figures as a Markdown table."""
-    lines = [
-        f"Measured on {machine()}.",
-        "",
-        "| body | what | x real time | simulator alone | the layer adds | all adds |",
-        "|---|---|---:|---:|---:|---:|",
-    ]
-    for row in rows:
-        alone = f"{row.alone:,.0f}" if row.alone else ""
-        added, by_all = _percent(row.added), _percent(row.added_by_all)
-        cells = (row.body, row.what, f"{row.factor:,.0f}", alone, added, by_all)
-        lines.append(f"| {' | '.join(cells)} |")
-    return "\n".join(lines) + "\n"
+def measure(quick: bool = False) -> Measured:
+    """All bodies, one after the other."""
+    rounds = 1 if quick else ROUNDS
+    try:
+        rows = [
+            *robots_planar.measure(rounds),
+            *robots_panda.measure(rounds),
+            *robots_humanoid.measure(rounds),
+        ]
+    except ModelMissing as error:
+        raise NotHere(str(error)) from error
+    return Measured(figures=tuple(figure for row in rows for figure in figures(row)))
 
 
-def _percent(share: float | None) -> str:
-    return "" if share is None else f"{100 * share:.1f} %"
+def figures(row: Row) -> Iterator[Figure]:
+    """What is told of one body that does one thing."""
+    name = _NOT_WORDS.sub("_", f"{row.body.removeprefix('robot-')} {row.what}".lower())
+    what = f"{row.body}: {row.what}"
 
+    def one(part: str, column: str, value: float, unit: str, **more: object) -> Figure:
+        return Figure.of(
+            f"{name}.{part}" if part else name, TABLE, what, [value], unit, column=column, **more
+        )
 
-def main() -> None:
-    """Measure, write the table, print it."""
-    rows = [*robots_planar.measure(), *robots_panda.measure(), *robots_humanoid.measure()]
-    text = table(rows)
-    FILE.write_text(f"{HEAD}\n{text}", encoding="utf-8")
-    print(text)
-
-
-if __name__ == "__main__":
-    main()
+    beside = f"{name}.alone" if row.alone else ""
+    yield one("", "x real time", row.factor, "x", more_is_better=True, baseline=beside)
+    if row.alone is not None:
+        yield one("alone", "simulator alone", row.alone, "x", more_is_better=True)
+    if row.added is not None:
+        yield one("added", "the layer adds", 100 * row.added, "%")
+    if row.added_s is not None:
+        yield one("step", "the layer adds to a step", 1e6 * row.added_s, "µs")
+    if row.added_by_all is not None:
+        yield one("added_by_all", "all adds", 100 * row.added_by_all, "%")

@@ -71,7 +71,7 @@ def plain(environment: MujocoHumanoidEnvironment, start: Vector, answers: list[V
     return Run(len(answers) * environment.period_s, watch.spent)
 
 
-def measure_physics() -> list[Row]:
+def measure_physics(rounds: int) -> list[Row]:
     """The G1: all of it, our layer without what its policy thinks, MuJoCo alone."""
     policy = Recorder(OnnxWalkingPolicy(locate("g1-walking-policy")))
     environment = MujocoHumanoidEnvironment(locate("unitree-g1"), policy)
@@ -91,6 +91,7 @@ def measure_physics() -> list[Row]:
                 lambda twist=twist: driven(twist, replaying=False),
                 lambda: plain(environment, start, policy.answers),
                 lambda twist=twist: driven(twist, replaying=True),
+                rounds=rounds,
             )
             for what, twist in (("walking", AHEAD), ("resting", STILL))
         ]
@@ -109,6 +110,6 @@ def measure_kinematic() -> list[Row]:
         ]
 
 
-def measure() -> list[Row]:
+def measure(rounds: int) -> list[Row]:
     """Both robots."""
-    return measure_physics() + measure_kinematic()
+    return measure_physics(rounds) + measure_kinematic()

@@ -105,14 +105,20 @@ def working_watched(path: Path) -> Run:
         return Run(robot.time_s, watch.spent)
 
 
-def measure() -> list[Row]:
+def measure(rounds: int) -> list[Row]:
     """At rest and at work, and both with the camera on."""
     path = locate("franka-panda")
     commands = recorded(path)
     rest = np.repeat(commands[:1], round(REST_S / PERIOD_S), 0)
     return [
-        compare(BODY, "resting", lambda: resting(path), lambda: plain(path, rest)),
+        compare(BODY, "resting", lambda: resting(path), lambda: plain(path, rest), rounds=rounds),
         Row(BODY, "resting, camera at 5 Hz", 1 / resting_watched(path).cost),
-        compare(BODY, "picking and placing", lambda: working(path), lambda: plain(path, commands)),
+        compare(
+            BODY,
+            "picking and placing",
+            lambda: working(path),
+            lambda: plain(path, commands),
+            rounds=rounds,
+        ),
         Row(BODY, "picking and placing, camera at 5 Hz", 1 / working_watched(path).cost),
     ]

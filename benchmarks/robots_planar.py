@@ -8,7 +8,7 @@ machine, whatever else runs on it. Time is that of the processor.
 import time
 from collections.abc import Callable, Sequence
 
-from worlds import ROUNDS, Row
+from worlds import Row
 
 from edgevox.core.cancel import CancelToken
 from edgevox.robots.capabilities import LidarScan, Pose2D, Twist2D
@@ -101,7 +101,7 @@ def drive(engine: Beside, world: World) -> tuple[float, float]:
     return (both_s - engine.bare_s) / engine.steps, engine.bare_s / engine.steps
 
 
-def measure() -> list[Row]:
+def measure(rounds: int) -> list[Row]:
     """Both 2D bodies, without and with their lidar; planning is part of what a step takes."""
     world = load_world()
     rows: list[Row] = []
@@ -112,9 +112,16 @@ def measure() -> list[Row]:
         for lidar, what in ((False, "driving"), (True, "driving, lidar at 10 Hz")):
             whole_s, bare_s = min(
                 drive(Beside(make(world), make_bare(world), lidar=lidar), world)
-                for _ in range(ROUNDS)
+                for _ in range(rounds)
             )
             rows.append(
-                Row(body, what, STEP_S / whole_s, STEP_S / bare_s, added=whole_s / bare_s - 1)
+                Row(
+                    body,
+                    what,
+                    STEP_S / whole_s,
+                    STEP_S / bare_s,
+                    whole_s / bare_s - 1,
+                    whole_s - bare_s,
+                )
             )
     return rows

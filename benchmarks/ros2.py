@@ -1,207 +1,140 @@
-"""What ROS 2 costs: messages, round trips, an idle robot, images. Writes `ros2.md` beside itself.
+"""What ROS 2 costs: messages, round trips, an idle robot, images; beside plain rclpy.
 
-Peers are processes of their own, as on a real robot; ``python benchmarks/ros2.py`` runs all of it.
+Peers are processes of their own, as on a real robot.
 """
 
 import array
-import os
 import random
-import statistics
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
-import latency
-from conftest import Agent
-from latency import HERE, Bench  # puts the helpers of tests/ros2 on the path, too
-from machine import machine
-from peer import wait_until
+from figures import Figure, Measured
 from rclpy.context import Context
 from rclpy.node import Node
-from ros2_listener import IMAGE_QOS, listener
+from ros2_listener import ECHOED, IMAGE_QOS, RELIABLE, SAID, listener
+from ros2_samples import samples
 from sensor_msgs.msg import Image
 from std_msgs.msg import Float32, String
+from stopwatch import percent_of
+from talker import PLAIN, Talker, isolate, wait_until
 
-from edgevox.core import events
-from edgevox.core.errors import EdgeVoxError
-from edgevox.robots.apartment import ApartmentRobot
 from edgevox.ros2.contract import PUBLISHED, STRING, Published
 from edgevox.ros2.topics import profile
 
-ROUNDS, MESSAGES = 5, 1000
-IDLE_S, IMAGES_S = 20.0, 5.0
+MESSAGES = "Publishing one message, from the event to the wire"
+TRIPS = "Round trips over ROS 2"
+IDLE = "An idle node with the apartment robot"
+IMAGES = "Images of 640 x 480, rgb8"
 SETTLE_S = 3.0
 """Start and discovery are no part of what an idle node costs."""
+IDLE_WANTED_PERCENT = 2.0
 WIDTH, HEIGHT = 640, 480
-SENTENCE = "I am in the living room, at x 4.3, y 0.8."
-GOAL = {
-    "goal_id": "0" * 32,
-    "skill": "navigate_to",
-    "arguments": {"room": "kitchen"},
-    "status": "running",
-    "turn": 1,
-    "feedback": {"progress": 0.5, "distance_m": 2.25, "x": 4.313, "y": 0.842},
-}
 
 
-@dataclass(frozen=True)
-class Table:
-    """One table of the page."""
-
-    title: str
-    head: tuple[str, ...]
-    rows: list[tuple[str, ...]]
-
-    def __str__(self) -> str:
-        rule = "|---|" + "---:|" * (len(self.head) - 1)
-        lines = [f"| {' | '.join(row)} |" for row in (self.head, *self.rows)]
-        return "\n".join([f"## {self.title}", "", lines[0], rule, *lines[1:], ""])
-
-
-def samples() -> dict[type, object]:
-    """An event of each kind that has a topic, as large as they usually are."""
-    return {
-        events.Transcribed: events.Transcribed("go to the kitchen"),
-        events.Responded: events.Responded(SENTENCE),
-        events.StateChanged: events.StateChanged(events.State.LISTENING),
-        events.AudioLevel: events.AudioLevel(0.25),
-        events.TurnMeasured: events.TurnMeasured(0.4, 0.9, 0.1, 1.2, 2.5),
-        events.RobotState: events.RobotState(ApartmentRobot().state()),
-        events.AgentEvent: events.AgentEvent(events.AgentEventKind.SKILL_GOAL, GOAL),
-        events.TokenGenerated: events.TokenGenerated(" kitchen"),
-        events.SentenceReady: events.SentenceReady(SENTENCE),
-        events.WakeWordHeard: events.WakeWordHeard("hey jarvis"),
-        events.Answered: events.Answered(
-            "list_languages", {"current": "en", "languages": {"en": {"name": "English"}}}
-        ),
-    }
+def measure(quick: bool = False) -> Measured:
+    """All four, each on a domain of its own."""
+    rounds = 2 if quick else 5
+    return Measured(
+        figures=(
+            *messages(rounds, 200 if quick else 1000),
+            *round_trips(rounds),
+            *idle(4.0 if quick else 20.0),
+            *images(1.0 if quick else 5.0),
+        )
+    )
 
 
-def messages() -> Table:
-    """Microseconds to encode and publish one message on each topic."""
+def messages(rounds: int, number: int) -> Iterator[Figure]:
+    """Microseconds for each topic: unheard, heard, and heard as a plain, ready string."""
     event_of = samples()
+    domain = isolate()
 
-    def costs(node: Node, heard: bool) -> list[float]:
-        return [cost_us(node, row, event_of[row.event], heard) for row in PUBLISHED]
+    def cost(node: Node, row: Published, column: str, **more: object) -> Figure:
+        event = event_of[row.event]
+        ready = row.encode(event)
+        encode = (lambda: ready) if column == "plain rclpy" else (lambda: row.encode(event))
+        taken = costs_us(node, row, encode, column != "unheard", (rounds, number))
+        name = column.partition(" ")[0]
+        return Figure.of(
+            f"publish.{row.topic}.{name}", MESSAGES, f"`{row.topic}`", taken, "µs",
+            column=column, **more,
+        )  # fmt: skip
 
-    with a_node() as node:
-        alone = costs(node, heard=False)
-    with a_node() as node, listener("messages"):
-        heard = costs(node, heard=True)
-    rows = [
-        (f"`{row.topic}`", f"{a:.0f}", f"{h:.0f}")
-        for row, a, h in zip(PUBLISHED, alone, heard, strict=True)
-    ]
-    return Table("Publishing one message, microseconds", ("topic", "unheard", "heard"), rows)
+    with a_node(domain) as node:
+        yield from (cost(node, row, "unheard") for row in PUBLISHED)
+    with a_node(domain) as node, listener("messages"):
+        for row in PUBLISHED:
+            yield cost(node, row, "plain rclpy")
+            yield cost(node, row, "heard", baseline=f"publish.{row.topic}.plain")
 
 
-def cost_us(node: Node, row: Published, event: object, heard: bool) -> float:
-    """Median over the rounds of the mean cost of one message."""
+def costs_us(
+    node: Node, row: Published, encode: Callable[[], Any], heard: bool, rounds: tuple[int, int]
+) -> list[float]:
+    """The mean cost of one message, once for each round."""
     kind: Any = String if row.type == STRING else Float32
     publisher = node.create_publisher(kind, row.topic, profile(row.qos))
     if heard:
         wait_until(lambda: publisher.get_subscription_count() > 0, row.topic)
     taken = []
-    for _ in range(ROUNDS):
+    for _ in range(rounds[0]):
         begun = time.perf_counter()
-        for _ in range(MESSAGES):
-            publisher.publish(kind(data=row.encode(event)))
-        taken.append((time.perf_counter() - begun) / MESSAGES)
+        for _ in range(rounds[1]):
+            publisher.publish(kind(data=encode()))
+        taken.append(1e6 * (time.perf_counter() - begun) / rounds[1])
     node.destroy_publisher(publisher)
-    return 1e6 * statistics.median(taken)
-
-
-def round_trips() -> Table:
-    """Milliseconds from `text_input` out to the first sign of an answer in."""
-    bare = Bench("--llm=none")
-    try:
-        plain = [bare.acknowledged_s(text) for text in latency.PLAIN * ROUNDS]
-    finally:
-        bare.close()
-    rows = [timed("plain command to `bot_sentence`", plain)]
-    try:
-        rows.append(timed("sentence for the model to `bot_token`", tokens()))
-    except (EdgeVoxError, AssertionError) as error:
-        reason = str(error).partition("\n")[0]
-        rows.append((f"sentence for the model to `bot_token`: not measured, {reason}", "", ""))
-    return Table("Round trips from `text_input`, ms", ("to", "median", "largest"), rows)
-
-
-def tokens() -> list[float]:
-    """Seconds to the first token. Raises where the model is not on this machine."""
-    from edgevox.models import locate
-
-    locate("qwen2.5-coder-0.5b-instruct")
-    bench = Bench()
-    try:
-        bench.acknowledged_s(latency.PLAIN[0])
-        return [first_token_s(bench) for _ in range(ROUNDS)]
-    finally:
-        bench.close()
-
-
-def first_token_s(bench: Bench) -> float:
-    """Seconds to the first token of a long answer, which is then stopped."""
-    heard = len(bench.token.messages)
-    begun = bench.say(latency.STORY)
-    bench.token.wait_for(lambda _: True, timeout_s=60, since=heard)
-    taken = bench.token.times[heard] - begun
-    bench.acknowledged_s("stop")
     return taken
 
 
-def timed(name: str, seconds: list[float]) -> tuple[str, str, str]:
-    """A row: the median and the largest, in milliseconds."""
-    milliseconds = [1000 * one for one in seconds]
-    return name, f"{statistics.median(milliseconds):.1f}", f"{max(milliseconds):.1f}"
+def round_trips(rounds: int) -> Iterator[Figure]:
+    """From a message out to its answer in: a plain node that only echoes, and the agent."""
+    plain: list[float] = []
+    ours: list[float] = []
+    with Talker("--llm=none") as talker, listener("echo"):
+        echoed = talker.peer.listen(ECHOED, RELIABLE)
+        for text in PLAIN * rounds * 2:
+            heard = len(echoed.messages)
+            begun = time.monotonic()
+            talker.peer.send(SAID, text)
+            echoed.wait_for(lambda _: True, since=heard)
+            plain.append(1000 * (echoed.times[heard] - begun))
+            ours.append(1000 * talker.acknowledged_s(text))
+    # The first of each waits for what is discovered, opened and cached only once.
+    yield Figure.of("echo", TRIPS, "a plain rclpy node that echoes", plain[1:], "ms")
+    yield Figure.of(
+        "round_trip", TRIPS, "`text_input` of a plain command to `bot_sentence`", ours[1:], "ms",
+        baseline="echo",
+    )  # fmt: skip
 
 
-def idle() -> Table:
+def idle(seconds: float) -> Iterator[Figure]:
     """Percent of one core that a standing robot takes, its TF at 30 Hz."""
-    domain = random.Random().randrange(1, 100)
-    agent = Agent("robot-apartment", "--text-mode", "--ros2", "--llm=none", domain=domain)
-    try:
-        agent.wait_for_line("is ready")
+    with Talker("--llm=none") as talker:
+        pid = talker.pid
+        talker.peer.close()
         time.sleep(SETTLE_S)
-        unheard = percent_of(agent.process.pid, IDLE_S)
-        with listener("robot", str(domain)):
+        unheard = percent_of(pid, seconds)
+        with listener("robot"):
             time.sleep(SETTLE_S)
-            heard = percent_of(agent.process.pid, IDLE_S)
-    finally:
-        agent.terminate()
-    rows = [
-        ("nobody listens", f"{unheard:.1f}"),
-        ("`/tf`, `robot_state` are heard", f"{heard:.1f}"),
-    ]
-    return Table("An idle node with the apartment robot", ("when", "% of one core"), rows)
+            heard = percent_of(pid, seconds)
+    for identifier, what, share in (
+        ("idle_unheard", "nobody listens", unheard),
+        ("idle_heard", "`/tf`, `robot_state` are heard", heard),
+    ):
+        yield Figure.of(identifier, IDLE, what, [share], "% of a core", wanted=IDLE_WANTED_PERCENT)
 
 
-def percent_of(process: int, seconds: float) -> float:
-    """How much of one core a process takes in the next seconds."""
-    before = cpu_s(process)
-    time.sleep(seconds)
-    return 100 * (cpu_s(process) - before) / seconds
-
-
-def cpu_s(process: int) -> float:
-    """Seconds that a process has worked so far."""
-    fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
-
-def images() -> Table:
-    """What images of 640 x 480 cost, by what their data is given as; heard by one process."""
+def images(seconds: float) -> Iterator[Figure]:
+    """What images cost, by what their data is given as; heard by one process."""
     pixels = random.Random(1).randbytes(WIDTH * HEIGHT * 3)
     ways: dict[str, Callable[[], Any]] = {
-        "`array.array`": lambda: array.array("B", pixels),
-        "`bytes`": lambda: pixels,
+        "array": lambda: array.array("B", pixels),
+        "bytes": lambda: pixels,
         "list": lambda: list(pixels),
     }
-    rows = []
-    with a_node() as node, listener("images"):
+    with a_node(isolate()) as node, listener("images"):
         publisher = node.create_publisher(Image, "image_raw", IMAGE_QOS)
         wait_until(lambda: publisher.get_subscription_count() > 0, "image_raw")
 
@@ -210,58 +143,39 @@ def images() -> Table:
             message.data = data()
             publisher.publish(message)
 
-        fastest = 0.0
         for name, data in ways.items():
-            one_ms = 1000 * statistics.median(paced(lambda d=data: send(d), 5.0)[0])
-            fastest = fastest or one_ms
-            rates = [paced(lambda d=data: send(d), hz) for hz in (5.0, 30.0)]
-            cells = [f"{hz:.1f} Hz, {cpu:.1f} %" for _, hz, cpu in rates]
-            rows.append((name, f"{one_ms:.2f}", f"{one_ms / fastest:.0f}", *cells))
-    head = (
-        "data given as",
-        "ms an image",
-        "ratio",
-        "at 5 Hz, of one core",
-        "at 30 Hz, of one core",
-    )
-    return Table("Images of 640 x 480, rgb8", head, rows)
+            what = f"data given as {name}"
+            for hz in (5.0, 30.0):
+                taken, share = paced(lambda d=data: send(d), hz, seconds)
+                if hz == 5.0:
+                    yield Figure.of(f"image.{name}", IMAGES, what, taken, "ms", column="one image")
+                yield Figure.of(
+                    f"image.{name}.{hz:.0f}hz", IMAGES, what, [share], "% of a core",
+                    column=f"at {hz:.0f} Hz",
+                )  # fmt: skip
 
 
-def paced(work: Callable[[], None], hz: float) -> tuple[list[float], float, float]:
-    """Do it `hz` times a second; seconds of each, the rate that was held, percent of one core."""
+def paced(work: Callable[[], None], hz: float, seconds: float) -> tuple[list[float], float]:
+    """Do it `hz` times a second; milliseconds of each, percent of one core."""
     taken, begun, before = [], time.perf_counter(), time.process_time()
-    for number in range(round(IMAGES_S * hz)):
+    for number in range(round(seconds * hz)):
         time.sleep(max(0.0, begun + number / hz - time.perf_counter()))
         start = time.perf_counter()
         work()
-        taken.append(time.perf_counter() - start)
-    time.sleep(max(0.0, begun + IMAGES_S - time.perf_counter()))
+        taken.append(1000 * (time.perf_counter() - start))
+    time.sleep(max(0.0, begun + seconds - time.perf_counter()))
     whole = time.perf_counter() - begun
-    return taken, len(taken) / whole, 100 * (time.process_time() - before) / whole
+    return taken, 100 * (time.process_time() - before) / whole
 
 
 @contextmanager
-def a_node() -> Iterator[Node]:
+def a_node(domain: int) -> Iterator[Node]:
     """A node with nothing but what is measured."""
     context = Context()
-    context.init(domain_id=int(os.environ["ROS_DOMAIN_ID"]))
+    context.init(domain_id=domain)
     node = Node("edgevox", namespace="/edgevox", context=context)
     try:
         yield node
     finally:
         node.destroy_node()
         context.try_shutdown()
-
-
-def main() -> None:
-    """Measure, write the page, print it."""
-    os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
-    os.environ["ROS_DOMAIN_ID"] = str(random.Random().randrange(1, 100))
-    tables = [messages(), round_trips(), idle(), images()]
-    page = "\n".join([f"# What ROS 2 costs\n\nMeasured on {machine()}.\n", *map(str, tables)])
-    (HERE / "ros2.md").write_text(page, encoding="utf-8")
-    print(page)
-
-
-if __name__ == "__main__":
-    main()

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
@@ -19,12 +20,15 @@ from edgevox.ros2.topics import profile
 from tf2_msgs.msg import TFMessage
 
 IMAGE_QOS = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
+RELIABLE = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
+SAID, ECHOED = "said", "echoed"
+"""The topics of the plain node that answers each message with the same."""
 STATE_QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 @contextmanager
 def listener(what: str, domain: str = "") -> Iterator[None]:
-    """Have one that listens to `messages`, a `robot`, or `images`."""
+    """Have one that listens to `messages`, a `robot`, `images` or `diagnostics`, or an `echo`."""
     environment = {**os.environ, "ROS_DOMAIN_ID": domain or os.environ["ROS_DOMAIN_ID"]}
     with subprocess.Popen([sys.executable, __file__, what], env=environment) as process:
         try:
@@ -38,6 +42,9 @@ def listen(what: str) -> None:
     context = Context()
     context.init(domain_id=int(os.environ["ROS_DOMAIN_ID"]))
     node = Node("listener", namespace="/edgevox", context=context)
+    if what == "echo":
+        answers = node.create_publisher(String, ECHOED, RELIABLE)
+        node.create_subscription(String, SAID, answers.publish, RELIABLE)
     topics: dict[str, list[tuple[Any, str, QoSProfile]]] = {
         "messages": [
             (String if row.type == STRING else Float32, row.topic, profile(row.qos))
@@ -48,8 +55,9 @@ def listen(what: str) -> None:
             (String, "robot_state", STATE_QOS),
         ],
         "images": [(Image, "image_raw", IMAGE_QOS)],
+        "diagnostics": [(DiagnosticArray, "/diagnostics", QoSProfile(depth=10))],
     }
-    for kind, topic, qos in topics[what]:
+    for kind, topic, qos in topics.get(what, ()):
         node.create_subscription(kind, topic, lambda _: None, qos, raw=True)
     executor = SingleThreadedExecutor(context=context)
     executor.add_node(node)

@@ -1,9 +1,9 @@
 """How fast the 2D apartment is: steps and scans per second, milliseconds per plan."""
 
-import platform
-import statistics
 import time
 from collections.abc import Callable
+
+from figures import Figure, Measured
 
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.engine import STEP_S
@@ -13,54 +13,49 @@ from edgevox.robots.planner import Planner
 from edgevox.robots.text_map import draw
 from edgevox.robots.world import load_world
 
-UNITS = {
-    "steps_per_s": "physics steps a second",
-    "real_time_factor": "seconds of the world in a second",
-    "scans_per_s": "lidar scans of 360 beams a second",
-    "plan_ms": "plan through the whole apartment, ms",
-    "map_ms": "map of 70 columns as text, ms",
-    "load_ms": "world file read and checked, ms",
-}
+TABLE = "The 2D apartment"
+ROUNDS = 5
 
 
-def seconds(work: Callable[[], object], times: int, rounds: int = 5) -> float:
-    """Median over the rounds of the mean time that one call takes."""
+def seconds(work: Callable[[], object], times: int, rounds: int) -> list[float]:
+    """The mean time that one call takes, once for each round."""
     taken = []
     for _ in range(rounds):
         start = time.perf_counter()
         for _ in range(times):
             work()
         taken.append((time.perf_counter() - start) / times)
-    return statistics.median(taken)
+    return taken
 
 
-def measure() -> dict[str, float]:
-    """The figures by the names in `UNITS`."""
+def measure(quick: bool = False) -> Measured:
+    """The 2D world's parts, one after the other."""
+    rounds = 2 if quick else ROUNDS
     world = load_world()
     physics, lidar, planner = PymunkEngine(world), Lidar(world), Planner(world)
     pose, movable = world.robot.start, physics.movable_poses()
     goals = {room.name: room.goal for room in world.rooms}
-    step = seconds(lambda: physics.step(Twist2D(0.5, 1.0)), 2000)
-    scan = seconds(lambda: lidar.scan(0.0, pose, movable), 200)
-    plan = seconds(lambda: planner.plan(goals["kitchen"], goals["bedroom"], movable), 10)
-    text = seconds(lambda: draw(world, pose, movable, (), 70), 5)
-    load = seconds(load_world, 2)
-    return {
-        "steps_per_s": 1 / step,
-        "real_time_factor": STEP_S / step,
-        "scans_per_s": 1 / scan,
-        "plan_ms": 1000 * plan,
-        "map_ms": 1000 * text,
-        "load_ms": 1000 * load,
-    }
+    step = seconds(lambda: physics.step(Twist2D(0.5, 1.0)), 2000, rounds)
+    scan = seconds(lambda: lidar.scan(0.0, pose, movable), 200, rounds)
+    plan = seconds(lambda: planner.plan(goals["kitchen"], goals["bedroom"], movable), 10, rounds)
+    text = seconds(lambda: draw(world, pose, movable, (), 70), 5, rounds)
+    load = seconds(load_world, 2, rounds)
+    return Measured(
+        figures=(
+            _rate("steps", "physics steps", step, 1.0),
+            _rate("real_time", "seconds of the world", step, STEP_S),
+            _rate("scans", "lidar scans of 360 beams", scan, 1.0),
+            _ms("plan", "plan through the whole apartment", plan),
+            _ms("map", "map of 70 columns as text", text),
+            _ms("load", "world file read and checked", load),
+        )
+    )
 
 
-def main() -> None:
-    """Measure and print."""
-    print(f"2D apartment on {platform.node()}, {platform.machine()}, {platform.python_version()}")
-    for name, value in measure().items():
-        print(f"  {UNITS[name]:42} {value:12,.1f}")
+def _rate(identifier: str, what: str, taken: list[float], each: float) -> Figure:
+    samples = [each / one for one in taken]
+    return Figure.of(identifier, TABLE, what, samples, "a second", more_is_better=True)
 
 
-if __name__ == "__main__":
-    main()
+def _ms(identifier: str, what: str, taken: list[float]) -> Figure:
+    return Figure.of(identifier, TABLE, what, [1000 * one for one in taken], "ms")

@@ -1,8 +1,10 @@
-"""Time that passes, and time of the processor, of the whole process and of one of its threads."""
+"""Time that passes, time of the processor and memory: of this process, its threads, and others."""
 
+import os
 import threading
 import time
 from dataclasses import dataclass
+from pathlib import Path
 from types import TracebackType
 from typing import Self
 
@@ -51,3 +53,22 @@ def _clock_of(name: str | None) -> int | None:
         if name is not None and thread.name == name and thread.ident is not None:
             return time.pthread_getcpuclockid(thread.ident)
     return None
+
+
+def cpu_s(process: int) -> float:
+    """Seconds that a process has worked so far, all threads together, to a hundredth."""
+    fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def percent_of(process: int, seconds: float) -> float:
+    """How much of one core a process takes in the next seconds."""
+    before, began = cpu_s(process), time.monotonic()
+    time.sleep(seconds)
+    return 100 * (cpu_s(process) - before) / (time.monotonic() - began)
+
+
+def resident_mb(process: int) -> float:
+    """Memory that a process has, in MB."""
+    lines = Path(f"/proc/{process}/status").read_text().splitlines()
+    return next(int(x.split()[1]) for x in lines if x.startswith("VmRSS")) * 1024 / 1e6

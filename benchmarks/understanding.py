@@ -1,22 +1,21 @@
 """How much of what people say is understood, by templates and by models.
 
-    python benchmarks/understanding.py [--models ID ...] [--backends NAME ...] [--output FILE]
-
 Runs every command of `tests/models/commands.yaml`: those that the templates promise through the
 templates, all others through each model; and what is said freely to the arm and to the humanoid,
-from `commands_bodies.yaml`. Writes tables in Markdown.
+from `commands_bodies.yaml`. A command is right when exactly the right calls come out with the right
+arguments, or none where none is due. "held out" was never looked at while the prompt was being
+worded.
 """
 
-import argparse
-import statistics
+import sys
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import yaml
-from machine import machine
+from figures import Figure, Measured, NotHere
 
 from edgevox.agent.intents import Recogniser, Understood
 from edgevox.agent.llm.base import LanguageModel, Message, ModelFailed
@@ -35,7 +34,16 @@ from edgevox.robots.panda.skills import manipulation_skills
 ROOT = Path(__file__).parents[1]
 COMMANDS = ROOT / "tests" / "models" / "commands.yaml"
 COMMANDS_OF_BODIES = COMMANDS.with_name("commands_bodies.yaml")
-MODELS = ("qwen2.5-coder-0.5b-instruct", "qwen2.5-coder-1.5b-instruct", "smollm2-135m-instruct")
+THINKERS = {
+    "qwen-0.5b": ("qwen2.5-coder-0.5b-instruct", "xllamacpp"),
+    "qwen-0.5b-llama-cpp-python": ("qwen2.5-coder-0.5b-instruct", "llama-cpp-python"),
+    "qwen-1.5b": ("qwen2.5-coder-1.5b-instruct", "xllamacpp"),
+    "smollm2-135m": ("smollm2-135m-instruct", "xllamacpp"),
+}
+"""Each with the engine that runs it: one of them on the other, to see that they agree."""
+APARTMENT = "What is understood in the apartment"
+BODIES = "What is understood by the arm and the humanoid"
+ALL = "all"
 
 LISTED_FROM = 0.5
 """Of a model that gets less than this right, the misses are not worth listing."""
@@ -177,93 +185,98 @@ def _calls(data: Iterable[Mapping[str, Mapping[str, Any]]]) -> Iterable[Call]:
     return (Call(name, dict(arguments)) for one in data for name, arguments in one.items())
 
 
-def _table(columns: Mapping[str, Sequence[Outcome]]) -> str:
-    """Rows are categories, columns are who understood; cells are right of all."""
-    categories = list(dict.fromkeys(o.command.category for c in columns.values() for o in c))
-    rows = [["category", *columns], ["---", *("---:" for _ in columns)]]
-    for category in [*categories, "**all**"]:
-        cells = []
-        for outcomes in columns.values():
-            chosen = [o for o in outcomes if category in ("**all**", o.command.category)]
-            cells.append(f"{sum(o.right for o in chosen)} of {len(chosen)}" if chosen else "")
-        rows.append([category, *cells])
-    every = columns.values()
-    rows.append(["share right", *(f"{share_right(c):.0%}" for c in every)])
-    rows.append(["invalid calls", *(str(sum(bool(o.invalid) for o in c)) for c in every)])
-    rows.append(["median", *(_duration(statistics.median(o.seconds for o in c)) for c in every)])
-    rows.append(["tokens/s, with reading the utterance", *(_speed(c) for c in every)])
-    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
-
-
-def _duration(seconds: float) -> str:
-    return f"{1000 * seconds:.1f} ms" if seconds < 0.1 else f"{seconds:.2f} s"
-
-
-def _speed(outcomes: Sequence[Outcome]) -> str:
-    pieces = sum(o.pieces for o in outcomes)
-    return f"{pieces / sum(o.seconds for o in outcomes):.0f}" if pieces else ""
-
-
-def _misses(columns: Mapping[str, Sequence[Outcome]]) -> str:
-    lines = []
-    for name, outcomes in columns.items():
-        if share_right(outcomes) < LISTED_FROM:
-            lines += [f"\n{name}: most of it."]
-            continue
-        lines += [f"\n{name}:\n"]
-        for one in outcomes:
-            if not one.right:
-                did = "; ".join(f"{c.skill}({dict(c.arguments)})" for c in one.calls)
-                lines.append(f'- "{one.command.says}": {did or one.words or "nothing"}')
-    return "\n".join(lines)
-
-
-Columns = dict[str, list[Outcome]]
-
-
-def _measure(models: Sequence[str], backends: Sequence[str]) -> tuple[Columns, Columns]:
-    """In the apartment, and of the other bodies; by who understood."""
+def measure(quick: bool = False) -> Measured:
+    """The templates, then one model after the other."""
     skills, commands = apartment_skills(), read_commands()
     promised = [c for c in commands if c.by == "template"]
     others = [c for c in commands if c.by == "model"]
-    columns: Columns = {"templates": through_templates(skills, promised)}
-    bodies: Columns = {}
-    for identifier in models:
-        for backend in backends:
-            try:
-                model = load_model(locate(identifier), backend)  # type: ignore[arg-type]
-            except (ModelFailed, ModelMissing) as error:
-                print(f"{identifier} on {backend}: left out: {error}")
-                continue
-            print(f"{identifier} on {backend} ...", flush=True)
-            columns[f"{identifier}, {backend}"] = through_model(skills, model, others)
-            bodies[f"{identifier}, {backend}"] = bodies_through_model(model)
-            model.close()
-    return columns, bodies
+    found = through_templates(skills, promised)
+    figures = list(_figures("templates", APARTMENT, "templates", found))
+    notes = _misses("templates", found)
+    for name, (identifier, backend) in THINKERS.items():
+        try:
+            model = load_model(locate(identifier), backend)  # type: ignore[arg-type]
+        except (ModelFailed, ModelMissing) as error:
+            raise NotHere(f"{identifier} on {backend}: {error}") from error
+        print(f"  {identifier} on {backend} ...", flush=True)
+        column = f"{identifier}, {backend}"
+        found = through_model(skills, model, others[::8] if quick else others)
+        figures += _figures(name, APARTMENT, column, found)
+        notes |= _misses(column, found)
+        if not quick:
+            found = bodies_through_model(model)
+            figures += _figures(f"{name}.bodies", BODIES, column, found)
+            notes |= _misses(f"{column}, other bodies", found)
+        model.close()
+    return Measured(figures=tuple(figures), notes=notes)
 
 
-def main() -> None:
-    """Measure and write."""
-    arguments = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    arguments.add_argument("--models", nargs="*", default=MODELS)
-    arguments.add_argument("--backends", nargs="*", default=["xllamacpp", "llama-cpp-python"])
-    arguments.add_argument("--output", type=Path, default=ROOT / "benchmarks" / "understanding.md")
-    given = arguments.parse_args()
-    columns, bodies = _measure(given.models, given.backends)
-    given.output.write_text(
-        "# What is understood\n\n"
-        "Written by `benchmarks/understanding.py`. A command is right when exactly the right calls "
-        'come out with the right arguments, or none where none is due. "held out" was never '
-        "looked at while the prompt was being worded.\n\n"
-        f"Measured on {machine()}.\n\n{_table(columns)}\n\n"
-        f"## What went wrong\n{_misses(columns)}\n\n"
-        "## Other bodies\n\nFree and indirect sentences to the arm and to the humanoid, from "
-        "`tests/models/commands_bodies.yaml`, all of them held out.\n\n"
-        f"{_table(bodies)}\n{_misses(bodies)}\n",
-        encoding="utf-8",
-    )
-    print(_table(columns), _table(bodies), sep="\n\n")
+def _figures(name: str, table: str, column: str, outcomes: Sequence[Outcome]) -> Iterator[Figure]:
+    """How many of each category are right, and how long one took."""
+    categories = dict.fromkeys(one.command.category for one in outcomes)
+    for category in (*categories, ALL):
+        chosen = [one for one in outcomes if category in (ALL, one.command.category)]
+        yield Figure(
+            id=f"{name}.{category.replace(' ', '_')}",
+            table=table,
+            what=category,
+            column=column,
+            unit="right",
+            value=sum(one.right for one in chosen),
+            n=len(chosen),
+            more_is_better=True,
+        )
+    invalid = sum(bool(one.invalid) for one in outcomes)
+    yield Figure(
+        id=f"{name}.invalid", table=table, what="invalid calls", column=column, value=invalid,
+        wanted=0,
+    )  # fmt: skip
+    samples = [one.seconds for one in outcomes]
+    yield Figure.of(f"{name}.time", table, "time to decide", samples, "s", column=column)
+    pieces = sum(one.pieces for one in outcomes)
+    if pieces:
+        yield Figure.of(
+            f"{name}.rate", table, "speed, with reading the utterance", [pieces / sum(samples)],
+            "tokens/s", column=column, more_is_better=True,
+        )  # fmt: skip
+
+
+def _misses(column: str, outcomes: Sequence[Outcome]) -> dict[str, tuple[str, ...]]:
+    """What went wrong, if that is worth listing."""
+    wrong = [one for one in outcomes if not one.right]
+    if not wrong:
+        return {}
+    if share_right(outcomes) < LISTED_FROM:
+        return {f"What went wrong with {column}": ("most of it",)}
+    return {
+        f"What went wrong with {column}": tuple(
+            f'"{one.command.says}": {_deed(one)}' for one in wrong
+        )
+    }
+
+
+def _deed(outcome: Outcome) -> str:
+    calls = "; ".join(f"`{c.skill}({dict(c.arguments)})`" for c in outcome.calls)
+    return calls or outcome.words.strip() or "nothing"
+
+
+def main() -> int:
+    """Say how much a model of one's own understands: its id or its GGUF file."""
+    try:
+        (given,) = sys.argv[1:]
+        path = Path(given) if given.endswith(".gguf") else locate(given)
+        model = load_model(path)
+    except (ValueError, ModelFailed, ModelMissing) as error:
+        print(f"usage: understanding.py MODEL: {error}", file=sys.stderr)
+        return 2
+    others = [command for command in read_commands() if command.by == "model"]
+    found = [*through_model(apartment_skills(), model, others), *bodies_through_model(model)]
+    model.close()
+    print(f"{sum(one.right for one in found)} of {len(found)} right; not:")
+    for lines in _misses(path.stem, found).values():
+        print(*lines, sep="\n")
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -1,14 +1,12 @@
 """The whole voice: how right it hears, how soon it answers, how soon it is silent, what it costs.
 
-Run it with ``make bench`` on a machine that does nothing else; it writes `voice.md` beside this
-file. `--minutes` is how much sound it hears in a loop at the end; 60 by default.
+Four voices of Kokoro speak to it, Piper answers. The floor is what the parts need alone, one after
+another, on the same sound and words in the same run.
 """
 
-import argparse
-import statistics
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 HERE = Path(__file__).parent
@@ -16,14 +14,14 @@ sys.path.insert(0, str(HERE.parent / "tests" / "models"))
 
 import voice_parts  # noqa: E402
 from ears import listen, quiet_room  # noqa: E402
-from machine import machine  # noqa: E402
+from figures import Figure, Measured, NotHere  # noqa: E402
 from voice_endurance import Endured, endure  # noqa: E402
 from voice_engines import words, wrong_words  # noqa: E402
 from voice_stage import Stage  # noqa: E402
 from voice_turns import Talk, Turn  # noqa: E402
 
 from edgevox.apps.queries import find_model  # noqa: E402
-from edgevox.models import locate  # noqa: E402
+from edgevox.models import ModelMissing, locate  # noqa: E402
 from edgevox.voice.stt.whisper import Whisper  # noqa: E402
 from edgevox.voice.voices import choose  # noqa: E402
 from edgevox.voice.wakeword import WakeWord  # noqa: E402
@@ -59,8 +57,10 @@ QUESTIONS = (
     "how does a bicycle stay upright",
 )
 BARGE_INS = 10
+MINUTES, SILENCE_S = 60, 60.0
 MANY = 3
 """So many sentences, and more, are an answer in which overlap counts."""
+TURNS, LISTENING, PARTS = "Speaking with it", "Listening", "The parts of the voice, each alone"
 
 
 class Patch:
@@ -70,154 +70,146 @@ class Patch:
         setattr(module, name, value)
 
 
-def measure_turns() -> tuple[list[Turn], list[Turn], list[float]]:
-    """The commands, the questions with long answers, and the times of barging in."""
+def measure(quick: bool = False) -> Measured:
+    """Turns, barging in, silence, an hour of listening, and the parts alone."""
+    try:
+        return Measured(
+            figures=(
+                *turns(quick),
+                *silence(5.0 if quick else SILENCE_S),
+                *endurance(1 if quick else MINUTES),
+                *parts(),
+            )
+        )
+    except ModelMissing as error:
+        raise NotHere(str(error)) from error
+
+
+def turns(quick: bool) -> Iterator[Figure]:
+    """The commands, the times of barging in, and the questions with long answers."""
     talk = Talk()
     try:
-        commands = [talk.ask(said) for said in COMMANDS]
-        barge_ins = [talk.speak_over() for _ in range(BARGE_INS)]
+        commands = [talk.ask(said) for said in (COMMANDS[:2] if quick else COMMANDS)]
+        barge_ins = [talk.speak_over() for _ in range(2 if quick else BARGE_INS)]
     finally:
         talk.close()
     talk = Talk(talkative=True)
     try:
-        questions = [talk.ask(said) for said in QUESTIONS]
+        questions = [talk.ask(said) for said in (QUESTIONS[:2] if quick else QUESTIONS)]
     finally:
         talk.close()
-    return commands, questions, barge_ins
+    yield from _commands(commands)
+    yield _s("barge_in", "speaking over it: first voiced to last played sample", barge_ins)
+    many = [one for one in questions if one.sentences >= MANY]
+    if many:
+        yield from _long_answers(many)
 
 
-def measure_endurance(minutes: int) -> Endured:
+def _commands(spoken: Sequence[Turn]) -> Iterator[Figure]:
+    yield Figure.of(
+        "word_errors", TURNS, f"word error rate of {len(spoken)} spoken commands",
+        [100 * word_error_rate(spoken)], "%",
+    )  # fmt: skip
+    yield _s(
+        "first_sound", "command: last voiced to first audible sample", [x.ttfs_s for x in spoken]
+    )
+    yield _s("silence", "of it the silence that ends an utterance", [x.wait_s for x in spoken])
+    yield _s("floor_stt", "floor: speech to text alone", [x.stt_s for x in spoken])
+    yield _s("floor_tts", "floor: first chunk of speech alone", [x.first_chunk_s for x in spoken])
+    yield _ratio(
+        "to_floor", "one sentence: time to first sound without that silence / floor", spoken,
+        lambda x: (x.ttfs_s - x.wait_s) / x.first_floor_s, 1.10,
+    )  # fmt: skip
+    yield _ratio(
+        "to_floor_silence", "the same with that silence", spoken,
+        lambda x: x.ttfs_s / x.first_floor_s,
+    )  # fmt: skip
+
+
+def _long_answers(many: Sequence[Turn]) -> Iterator[Figure]:
+    about = f"answer of {MANY} sentences or more"
+    yield _s("long_first_sound", f"{about}: time to first sound", [x.ttfs_s for x in many])
+    yield _s("floor_model", "floor: model alone, whole answer", [x.model_s for x in many])
+    yield _s("floor_speech", "floor: all speech alone", [x.synthesis_s for x in many])
+    yield _ratio(
+        "long_to_floor", f"{about}: without that silence / floor of everything", many,
+        lambda x: (x.ttfs_s - x.wait_s) / x.whole_floor_s, 0.80,
+    )  # fmt: skip
+    yield _ratio(
+        "long_to_floor_silence", f"{about}: with that silence / floor of everything", many,
+        lambda x: x.ttfs_s / x.whole_floor_s,
+    )  # fmt: skip
+
+
+def silence(seconds: float) -> Iterator[Figure]:
+    """The share of a core that listening to a quiet room takes."""
+    stt = Whisper(lambda _: locate("whisper-tiny.en"))
+    stt.warm_up("en")
+    wakeword = WakeWord("hey jarvis", locate("wake-words"))
+    for name, word in (("without", None), ("with", wakeword)):
+        share = listen(stt, quiet_room(seconds), wakeword=word).share_of_a_core
+        yield Figure.of(
+            f"listening_{name}", LISTENING, f"listening to silence {name} a wake word",
+            [100 * share], "% of a core", wanted=5.0,
+        )  # fmt: skip
+    wakeword.close()
+    stt.close()
+
+
+def endurance(minutes: int) -> Iterator[Figure]:
     """So much sound in a loop, as fast as it goes."""
     with (
         tempfile.TemporaryDirectory() as folder,
         Stage(Patch(), Path(folder, "answers.wav"), robot="robot-apartment") as stage,
     ):
-        return endure(stage, minutes)
+        found: Endured = endure(stage, minutes)
+
+    def one(name: str, what: str, value: float, unit: str, **more: object) -> Figure:
+        what = f"{minutes} minutes of sound in a loop: {what}"
+        return Figure.of(name, LISTENING, what, [value], unit, **more)
+
+    yield one("hour_turns", "turns", found.turns, "")
+    yield one("hour_memory", "growth of memory", found.memory_growth_kib / 1024, "MiB")
+    yield one(
+        "hour_late_memory", "growth of memory in the last quarter",
+        found.late_memory_growth_kib / 1024, "MiB",
+    )  # fmt: skip
+    yield one("hour_threads", "growth of threads", found.thread_growth, "", wanted=0)
+    yield one("hour_first", "a turn in the first quarter", found.first_latency_s, "s")
+    yield one("hour_last", "a turn in the last quarter", found.last_latency_s, "s")
 
 
-def measure_silence() -> dict[str, float]:
-    """The share of a core that listening to a quiet room takes."""
-    stt = Whisper(lambda _: locate("whisper-tiny.en"))
-    stt.warm_up("en")
-    wakeword = WakeWord("hey jarvis", locate("wake-words"))
-    shares = {
-        "without a wake word": listen(stt, quiet_room(60.0)).share_of_a_core,
-        "with a wake word": listen(stt, quiet_room(60.0), wakeword=wakeword).share_of_a_core,
-    }
-    wakeword.close()
-    stt.close()
-    return shares
-
-
-def measure_parts() -> list[voice_parts.Measured]:
+def parts() -> Iterator[Figure]:
     """Every engine alone: the English voices, the French ones, and both models that hear."""
     rows = [*voice_parts.measure_voices("en"), *voice_parts.measure_voices("fr")]
     for language in ("en", "fr"):
         recordings = voice_parts.record(choose(language, "", find_model)[0])
         rows.append(voice_parts.measure_ears(recordings, language))
-    return rows
+    for one in rows:
+        name = f"part.{one.name.lower()}"
+        for part, column, value, unit in (
+            ("load", "warm after", one.load_s, "s"),
+            ("factor", "work for a second of sound", one.factor, "s"),
+            ("first", "first sound or words", one.first_s, "s"),
+        ):
+            yield Figure.of(f"{name}.{part}", PARTS, one.name, [value], unit, column=column)
 
 
-def word_error_rate(turns: Sequence[Turn]) -> float:
+def word_error_rate(spoken: Sequence[Turn]) -> float:
     """Wrong words, of all that were said."""
-    wrong = sum(wrong_words(words(one.said), words(one.heard)) for one in turns)
-    return wrong / sum(len(words(one.said)) for one in turns)
+    wrong = sum(wrong_words(words(one.said), words(one.heard)) for one in spoken)
+    return wrong / sum(len(words(one.said)) for one in spoken)
 
 
-def turn_rows(commands: Sequence[Turn], questions: Sequence[Turn]) -> list[tuple[str, str, str]]:
-    """What, how much, and what was wanted."""
-    many = [one for one in questions if one.sentences >= MANY]
-    rows = [
-        ("commands", str(len(commands)), ""),
-        ("word error rate", f"{word_error_rate(commands):.1%}", ""),
-        ("time to first sound, from the last voiced sample, s", _s(x.ttfs_s for x in commands), ""),
-        ("of it the silence that ends an utterance, s", _s(x.wait_s for x in commands), ""),
-        ("floor: speech to text alone, s", _s(x.stt_s for x in commands), ""),
-        ("floor: first chunk of speech alone, s", _s(x.first_chunk_s for x in commands), ""),
-        (
-            "one sentence: time to first sound without that silence / floor",
-            _ratio((x.ttfs_s - x.wait_s) / x.first_floor_s for x in commands),
-            "1.10",
-        ),
-        (
-            "the same with that silence",
-            _ratio(x.ttfs_s / x.first_floor_s for x in commands),
-            "",
-        ),
-        (f"answers of {MANY} sentences or more", str(len(many)), ""),
-    ]
-    if many:
-        rows += [
-            ("time to first sound, s", _s(x.ttfs_s for x in many), ""),
-            ("floor: model alone, whole answer, s", _s(x.model_s for x in many), ""),
-            ("floor: all speech alone, s", _s(x.synthesis_s for x in many), ""),
-            (
-                "time to first sound without that silence / floor of everything",
-                _ratio((x.ttfs_s - x.wait_s) / x.whole_floor_s for x in many),
-                "0.80",
-            ),
-            (
-                "the same with that silence",
-                _ratio(x.ttfs_s / x.whole_floor_s for x in many),
-                "",
-            ),
-        ]
-    return rows
+def _s(identifier: str, what: str, samples: Sequence[float]) -> Figure:
+    return Figure.of(identifier, TURNS, what, samples, "s")
 
 
-def report(minutes: int) -> str:
-    """All of it, as Markdown."""
-    commands, questions, barge_ins = measure_turns()
-    rows = turn_rows(commands, questions)
-    rows.append(("barge-in: first voiced sample to last played sample, s", _s(barge_ins), ""))
-    rows += [
-        (f"listening to silence {name}, of a core", f"{share:.1%}", "5 %")
-        for name, share in measure_silence().items()
-    ]
-    endured = measure_endurance(minutes)
-    rows += [
-        (f"{endured.minutes} minutes in a loop: turns", str(endured.turns), ""),
-        ("growth of memory, MB", f"{endured.memory_growth_kib / 1024:.1f}", ""),
-        ("of it in the last quarter", f"{endured.late_memory_growth_kib / 1024:.1f}", "0"),
-        ("growth of threads", str(endured.thread_growth), "0"),
-        (
-            "latency of a turn, first and last quarter, s",
-            f"{endured.first_latency_s:.2f}, {endured.last_latency_s:.2f}",
-            "equal",
-        ),
-    ]
-    parts = "\n".join(
-        f"| {x.name} | {x.load_s:.2f} | {x.factor:.2f} | {x.first_s:.2f} |" for x in measure_parts()
-    )
-    table = "\n".join(f"| {what} | {value} | {wanted} |" for what, value, wanted in rows)
-    return (
-        "# The voice\n\nWritten by `benchmarks/voice.py`. Four voices of Kokoro speak to it, Piper "
-        "answers; figures are medians, with the largest in brackets. The floor is what the parts "
-        "need alone, one after another, on the same sound and words in the same run.\n\n"
-        f"Measured on {machine()}.\n\n| what | measured | wanted |\n|---|---:|---:|\n{table}\n\n"
-        "| part | warm after, s | seconds of work for one of sound | first sound or words, s |\n"
-        f"|---|---:|---:|---:|\n{parts}\n"
-    )
-
-
-def _s(values: object) -> str:
-    found = list(values)  # type: ignore[call-overload]
-    return f"{statistics.median(found):.2f} ({max(found):.2f})"
-
-
-_ratio = _s
-
-
-def main() -> None:
-    """Measure, write the table, print it."""
-    arguments = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    arguments.add_argument("--minutes", type=int, default=60)
-    arguments.add_argument("--output", type=Path, default=HERE / "voice.md")
-    given = arguments.parse_args()
-    text = report(given.minutes)
-    given.output.write_text(text, encoding="utf-8")
-    print(text)
-
-
-if __name__ == "__main__":
-    main()
+def _ratio(
+    identifier: str,
+    what: str,
+    spoken: Sequence[Turn],
+    ratio: Callable[[Turn], float],
+    wanted: float | None = None,
+) -> Figure:
+    return Figure.of(identifier, TURNS, what, [ratio(one) for one in spoken], "x", wanted=wanted)

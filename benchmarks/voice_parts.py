@@ -101,19 +101,3 @@ def _hear(ears: WhisperModel, recording: Chunk, language: str) -> float:
     )
     assert list(segments), "nothing was heard"
     return _CLOCK.now() - began_s
-
-
-def main() -> None:
-    """Print a table of the English voices and the models that hear English and French."""
-    print("| part | warm after (s) | real-time factor | first sound or words (s) |")
-    print("|---|---|---|---|")
-    rows = measure_voices()
-    for language in ("en", "fr"):
-        recordings = record(choose(language, "", find_model)[0])
-        rows.append(measure_ears(recordings, language))
-    for one in rows:
-        print(f"| {one.name} | {one.load_s:.2f} | {one.factor:.2f} | {one.first_s:.2f} |")
-
-
-if __name__ == "__main__":
-    main()

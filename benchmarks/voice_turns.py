@@ -122,7 +122,7 @@ class Talk:
         if self.model:
             self.model.prime([], CancelToken())
         self._pool, self._people = VoicePool(), itertools.cycle(PEOPLE)
-        self._voice = VoicePool().get(present_voices(self.parts.controls)[0])
+        self._voice = VoicePool().get(present_voices(self.parts.controls)()[0])
 
     def _listen(self) -> None:
         self.measured, self.speaking = threading.Event(), threading.Event()

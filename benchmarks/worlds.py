@@ -5,8 +5,6 @@ from dataclasses import dataclass
 
 from stopwatch import Spent
 
-ROUNDS = 7
-
 
 @dataclass(frozen=True, slots=True)
 class Run:
@@ -31,7 +29,8 @@ class Row:
     """One figure: seconds of the world in a second of the processor, all threads together.
 
     `alone` is that of the simulator alone in the same steps. `added` is which part of the
-    simulator's own time our layer adds on the thread that steps the world.
+    simulator's own time our layer adds on the thread that steps the world; `added_s` is the same
+    in seconds for each step.
     """
 
     body: str
@@ -39,6 +38,7 @@ class Row:
     factor: float
     alone: float | None = None
     added: float | None = None
+    added_s: float | None = None
 
     @property
     def added_by_all(self) -> float | None:
@@ -52,13 +52,15 @@ def compare(
     whole: Callable[[], Run],
     alone: Callable[[], Run],
     layer: Callable[[], Run] | None = None,
+    *,
+    rounds: int,
 ) -> Row:
     """Rounds take turns, and the least disturbed of each counts.
 
     `layer` is the body without what it thinks, if that is on the world's thread too.
     """
-    rounds = [(whole(), layer() if layer else None, alone()) for _ in range(ROUNDS)]
-    whole_cost = min(one.cost for one, _, _ in rounds)
-    layer_cost = min((bare or one).world_cost for one, bare, _ in rounds)
-    alone_cost = min(one.cost for _, _, one in rounds)
+    runs = [(whole(), layer() if layer else None, alone()) for _ in range(rounds)]
+    whole_cost = min(one.cost for one, _, _ in runs)
+    layer_cost = min((bare or one).world_cost for one, bare, _ in runs)
+    alone_cost = min(one.cost for _, _, one in runs)
     return Row(body, what, 1 / whole_cost, 1 / alone_cost, layer_cost / alone_cost - 1)

@@ -1,0 +1,206 @@
+"""What of the figures stands in the README, and what is drawn: the ones that people ask for."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from figures import Figure
+from plots import Bar, bars
+from results import Results, Run
+from tables import at_commit, beside, largest, measured, number, ratio, table, wanted
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """One figure of a benchmark, and what it is called; its own name where that is empty."""
+
+    benchmark: str
+    figure: str
+    label: str = ""
+
+    def of(self, results: Results) -> tuple[Figure, Run]:
+        """Itself, and the run that found it. Raises `BadResults`."""
+        run = results.run(self.benchmark)
+        return run.figure(self.figure), run
+
+    def name(self, results: Results) -> str:
+        """What it is called."""
+        return self.label or self.of(results)[0].what
+
+
+ANSWERS = (
+    Shown("latency", "plain_command"),
+    Shown("latency", "stop"),
+    Shown("latency", "first_token", "question to the first token of a long answer"),
+    Shown("latency", "for_model"),
+    Shown("latency", "first_for_model"),
+    Shown("latency", "start", "start to ready, typed"),
+    Shown("latency", "memory_bare"),
+    Shown("latency", "memory_small"),
+    Shown("ros2", "idle_heard", "a standing robot whose `/tf` and `robot_state` are heard"),
+)
+VOICE = (
+    Shown("voice", "word_errors"),
+    Shown("voice", "first_sound", "end of speech to the first audible sample"),
+    Shown("voice", "silence"),
+    Shown("voice", "to_floor", "the same without that silence, against the parts one by one"),
+    Shown("voice", "long_to_floor", "an answer of three sentences or more, against them"),
+    Shown("voice", "barge_in", "speaking over it: first voiced to last played sample"),
+    Shown("voice", "listening_with", "listening to silence for a wake word"),
+    Shown("voice", "hour_late_memory", "an hour of sound: growth of memory in its last quarter"),
+    Shown("voice", "hour_threads", "an hour of sound: growth of threads"),
+)
+BESIDE = (
+    Shown("mind", "first.xllamacpp", "llama-cpp-python: to the first token"),
+    Shown("mind", "rate.xllamacpp", "llama-cpp-python: speed from then on"),
+    Shown("hearing", "time.ours", "faster-whisper, same options: an utterance"),
+    Shown("ros2", "round_trip", "rclpy, a node that only echoes: a round trip"),
+    Shown("ros2", "publish.bot_sentence.heard", "rclpy: publishing a sentence"),
+    Shown("robots", "irsim_driving", "IR-SIM, driving: times real time"),
+    Shown("robots", "panda_picking_and_placing", "MuJoCo, the arm at work: times real time"),
+    Shown("robots", "humanoid_g1_walking", "MuJoCo, the G1 walking by its policy: times real time"),
+)
+OVERHEAD = (
+    Shown("overhead", "rest.more", "at rest, of a core"),
+    Shown("overhead", "model.work.more", "of the time of a sentence for the model"),
+    Shown("overhead", "plain.work.more", "of the time of a typed plain command"),
+)
+CONTAINER = (
+    Shown("image", "image.all", "image with models and all robots"),
+    Shown("image", "slim.all", "slim image"),
+    Shown("image", "ready"),
+)
+BODIES = (
+    ("`robot-apartment`, driving", "apartment_driving", "step"),
+    ("`robot-irsim`, driving", "irsim_driving", "added"),
+    ("`robot-panda`, picking and placing", "panda_picking_and_placing", "added"),
+    ("`robot-humanoid`, walking", "humanoid_g1_walking", "added"),
+)
+THINKERS = (
+    ("templates", "plain commands", "templates"),
+    ("Qwen2.5-Coder 0.5B (set `small`)", "sentences that no template catches", "qwen-0.5b"),
+    ("Qwen2.5-Coder 1.5B (set `quality`)", "", "qwen-1.5b"),
+    ("SmolLM2 135M (for smoke tests)", "", "smollm2-135m"),
+)
+
+
+def measured_on(results: Results) -> str:
+    """The machine, the date and the commit of the newest figures."""
+    newest = max(results.runs.values(), key=lambda run: run.measured)
+    environment = results.environments[newest.environment]
+    python = environment.versions["python"]
+    quick = "**Provisional: too few rounds to be quoted.** " if results.quick() else ""
+    return (
+        f"{quick}Measured on {environment.machine}, Python {python}; "
+        f"{newest.measured:%d %B %Y}, {at_commit(newest)}.\n"
+    )
+
+
+def answers(results: Results) -> str:
+    """How soon it answers and stops, typed; what it takes."""
+    return _chosen(results, ANSWERS, {"median": measured, "largest": largest, "wanted": wanted})
+
+
+def voice(results: Results) -> str:
+    """How well and how soon it hears and speaks."""
+    return _chosen(results, VOICE, {"median": measured, "largest": largest, "wanted": wanted})
+
+
+def overhead(results: Results) -> str:
+    """What watching it costs."""
+    return _chosen(results, OVERHEAD, {"measured": measured, "wanted": wanted})
+
+
+def container(results: Results) -> str:
+    """What the image weighs and how fast it starts."""
+    return _chosen(results, CONTAINER, {"measured": measured, "wanted": wanted})
+
+
+def plain(results: Results) -> str:
+    """Ours beside the plain library."""
+    return _chosen(results, BESIDE, {"plain": beside, "ours": measured, "ratio": ratio})
+
+
+def bodies(results: Results) -> str:
+    """How fast the worlds are, with and without us."""
+    run = results.run("robots")
+    rows = []
+    for label, name, added in BODIES:
+        parts = (name, f"{name}.alone", f"{name}.{added}", f"{name}.added_by_all")
+        figures = [run.figure(one) for one in parts]
+        cells = [number(one.value) for one in figures[:2]] + [measured(one) for one in figures[2:]]
+        rows.append((label, *cells))
+    heads = ("seconds of the world for one of the processor", "the simulator alone")
+    return table(("body", *heads, "our layer adds", "with all it thinks and plans"), rows)
+
+
+def understanding(results: Results) -> str:
+    """Who understands how much."""
+    run = results.run("understanding")
+    rows = []
+    for who, what, name in THINKERS:
+        right, invalid = run.figure(f"{name}.all"), run.figure(f"{name}.invalid")
+        time = run.figure(f"{name}.time")
+        taken = f"{1000 * time.value:.1f} ms" if time.value < 0.1 else measured(time)
+        share = f"{100 * right.value / right.n:.0f} %"
+        heard = f"{right.n} {what}" if what else "the same"
+        rows.append((f"{who}, {taken}", heard, share, number(invalid.value)))
+    return table(("who understands", "of what", "right", "invalid calls"), rows)
+
+
+BLOCKS: Mapping[str, Callable[[Results], str]] = {
+    "short-measured": measured_on,
+    "short-answers": answers,
+    "short-voice": voice,
+    "short-overhead": overhead,
+    "short-container": container,
+    "short-plain": plain,
+    "short-bodies": bodies,
+    "short-understanding": understanding,
+}
+
+
+def plot_answers(results: Results) -> str:
+    """How long people wait, from milliseconds to seconds."""
+    chosen = (ANSWERS[0], ANSWERS[1], VOICE[5], ANSWERS[2], ANSWERS[3], VOICE[1])
+    rows = []
+    for one in chosen:
+        figure, _ = one.of(results)
+        scale = {"ms": 1.0, "s": 1000.0}[figure.unit]
+        rows.append(Bar(_bare(one.name(results)), scale * figure.value, measured(figure)))
+    rows.sort(key=lambda row: row.value)
+    return bars("How long one waits (median; each ten times is as far)", rows, logarithmic=True)
+
+
+def plot_plain(results: Results) -> str:
+    """The time that ours takes, as a multiple of the plain library's."""
+    rows = []
+    for one in BESIDE:
+        figure, run = one.of(results)
+        found = run.ratio(figure) or 0.0
+        times = 1 / found if figure.more_is_better else found
+        rows.append(
+            Bar(_bare(one.name(results)).removesuffix(": times real time"), times, f"{times:.2f}")
+        )
+    return bars("Time that EdgeVox takes; the plain library takes 1", rows, mark=1.0)
+
+
+PLOTS: Mapping[str, Callable[[Results], str]] = {
+    "figures-answers.svg": plot_answers,
+    "figures-plain.svg": plot_plain,
+}
+
+
+def _chosen(
+    results: Results,
+    shown: Sequence[Shown],
+    columns: Mapping[str, Callable[[Figure, Run], str]],
+) -> str:
+    rows = []
+    for one in shown:
+        figure, run = one.of(results)
+        rows.append((one.name(results), *(cell(figure, run) for cell in columns.values())))
+    return table(("what", *columns), rows)
+
+
+def _bare(label: str) -> str:
+    return label.replace("`", "")

@@ -1,0 +1,65 @@
+"""Results of benchmarks that nobody measured, for the tests of what keeps and shows them."""
+
+import sys
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
+
+import environment as describing
+import render
+import run
+import sim
+from environment import Environment
+from figures import Figure, Measured, NotHere
+from plots import Bar, bars
+from results import FILE, BadResults, Results, read, write
+from tables import number
+
+__all__ = [
+    "FILE",
+    "BadResults",
+    "Bar",
+    "NotHere",
+    "bars",
+    "describing",
+    "number",
+    "read",
+    "render",
+    "run",
+    "sim",
+    "write",
+]
+
+BEGAN = datetime(2026, 3, 14, 15, 9, tzinfo=UTC)
+
+
+def environment(processor: str = "Abacus", python: str = "3.12.1") -> Environment:
+    machine = {
+        "processor": processor,
+        "cores": 2,
+        "memory_gb": 8,
+        "system": "Debian",
+        "kernel": "6.1",
+        "architecture": "x86_64",
+    }
+    return Environment.model_validate({"machine": machine, "versions": {"python": python}})
+
+
+def found(*values: float, **more: Any) -> Measured:
+    """A figure, and what a plain library reached."""
+    ours = Figure.of("ours", "Speed", "ours", values, "ms", baseline="plain", **more)
+    return Measured(figures=(ours, Figure.of("plain", "Speed", "plain", [2.0], "ms")))
+
+
+def with_run(results: Results, name: str, measured: Measured, **more: Any) -> Results:
+    given: dict[str, Any] = {
+        "where": environment(),
+        "began": BEGAN,
+        "took_s": 1.5,
+        "commit": ("abc123", False),
+        "quick": False,
+        "load_before": 0.1,
+    }
+    return results.with_run(name, measured, **(given | more))

@@ -1,0 +1,158 @@
+"""The file of results: what is kept of each benchmark, and of which run of it."""
+
+import json
+import platform
+from datetime import timedelta
+
+import pytest
+from benchmark_rig import (
+    BEGAN,
+    BadResults,
+    Figure,
+    NotHere,
+    Results,
+    describing,
+    environment,
+    found,
+    read,
+    run,
+    sim,
+    with_run,
+    write,
+)
+
+
+def test_a_partial_run_renews_its_benchmark_and_leaves_the_others_as_they_are():
+    both = with_run(with_run(Results(), "sim", found(4.0)), "ros2", found(6.0))
+
+    later = with_run(both, "sim", found(3.0), began=BEGAN + timedelta(days=2), commit=("def", True))
+
+    assert later.runs["ros2"] == both.runs["ros2"]
+    assert later.run("sim").figure("ours").value == 3.0
+    assert (later.run("sim").commit, later.run("sim").changed) == ("def", True)
+    assert later.newest() == BEGAN + timedelta(days=2)
+
+
+def test_each_benchmark_keeps_the_machine_that_it_ran_on_until_it_runs_elsewhere():
+    one, other = environment("Abacus"), environment("Slide rule")
+    results = with_run(Results(), "sim", found(4.0), where=one)
+    results = with_run(results, "ros2", found(6.0), where=other)
+
+    assert results.environments[results.run("sim").environment] == one
+    assert results.environments[results.run("ros2").environment] == other
+    moved = with_run(results, "sim", found(4.0), where=other)
+    assert list(moved.environments.values()) == [other]
+
+
+def test_a_file_reads_back_as_it_was_written(tmp_path):
+    results = with_run(Results(), "sim", found(4.0, 5.0, 9.0, wanted=4.5))
+
+    write(results, tmp_path / "results.json")
+
+    assert read(tmp_path / "results.json") == results
+    assert next(iter(json.loads((tmp_path / "results.json").read_text()))) == "format"
+    assert read(tmp_path / "none.json") == Results()
+
+
+def _unknown_field(data):
+    data["runs"]["sim"]["figures"][0]["valu"] = 1.0
+
+
+def _lost_baseline(data):
+    del data["runs"]["sim"]["figures"][1]
+
+
+def _same_id(data):
+    data["runs"]["sim"]["figures"][1]["id"] = "ours"
+
+
+def _lost_environment(data):
+    data["environments"] = {}
+
+
+def _no_number(data):
+    data["runs"]["sim"]["figures"][0]["value"] = "fast"
+
+
+def _of_another_time(data):
+    data["format"] = 2
+
+
+@pytest.mark.parametrize(
+    ("spoil", "named"),
+    [
+        (_unknown_field, "valu"),
+        (_lost_baseline, "plain"),
+        (_same_id, "ours"),
+        (_lost_environment, "environments"),
+        (_no_number, "value"),
+        (_of_another_time, "format"),
+    ],
+)
+def test_a_file_that_is_wrong_is_refused_with_what_is_wrong(tmp_path, spoil, named):
+    file = tmp_path / "results.json"
+    write(with_run(Results(), "sim", found(4.0)), file)
+    data = json.loads(file.read_text())
+    spoil(data)
+    file.write_text(json.dumps(data))
+
+    with pytest.raises(BadResults, match=named):
+        read(file)
+
+
+def test_a_figure_is_the_median_of_its_samples_with_the_least_and_the_most():
+    figure = Figure.of("one", "table", "what", [4.0, 1.0, 2.0], "ms", wanted=1.5)
+
+    assert (figure.value, figure.least, figure.most, figure.n) == (2.0, 1.0, 4.0, 3)
+    assert figure.missed
+    assert not Figure.of("one", "table", "what", [2.0], wanted=1.5, more_is_better=True).missed
+
+
+def test_what_is_kept_of_a_machine_does_not_name_it():
+    kept = describing.environment().model_dump_json()
+
+    assert platform.node() not in kept
+    assert platform.python_version() in kept
+
+
+def test_a_benchmark_runs_in_a_process_of_its_own_and_its_figures_come_back():
+    measured = run.measure("sim", quick=True)
+
+    assert {figure.id for figure in measured.figures} >= {"steps", "scans", "plan"}
+    assert all(figure.value > 0 for figure in measured.figures)
+
+
+def test_a_benchmark_that_fails_costs_neither_its_old_figures_nor_the_others(tmp_path, monkeypatch):
+    file = tmp_path / "results.json"
+    write(with_run(Results(), "sim", found(4.0)), file)
+
+    def measure(name, quick):
+        if name == "sim":
+            raise run.Broken("sim: ended with code 1")
+        return found(6.0)
+
+    monkeypatch.setattr(run, "measure", measure)
+
+    assert run.run(["sim", "ros2"], False, file) == run.FAILED
+    assert read(file).run("sim").figure("ours").value == 4.0
+    assert read(file).run("ros2").figure("ours").value == 6.0
+
+
+def test_a_benchmark_whose_needs_are_not_here_is_left_out_and_nothing_has_failed(
+    tmp_path, monkeypatch
+):
+    file = tmp_path / "results.json"
+    monkeypatch.setattr(run, "measure", lambda name, quick: None)
+
+    assert run.run(["image"], False, file) == run.OK
+    assert read(file) == Results()
+
+
+def test_what_a_benchmark_lacks_is_told(tmp_path, monkeypatch, capsys):
+    def refuse(quick):
+        raise NotHere("no abacus")
+
+    monkeypatch.setattr(sim, "measure", refuse)
+
+    assert run.measure_here("sim", False, tmp_path / "found.json") == run.LEFT_OUT
+    assert "sim: left out: no abacus" in capsys.readouterr().out
