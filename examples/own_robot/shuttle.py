@@ -1,0 +1,185 @@
+"""`robot-shuttle`: a carriage on a rail, as an example of a body of one's own.
+
+What it can do is what it has methods for: a pose, velocities, places, a drive to a point.
+`edgevox.robots.capabilities` says what there is to choose from.
+"""
+
+import math
+import threading
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+from edgevox.agent.skills import Skill, SkillFailed
+from edgevox.apps.robot import Robot
+from edgevox.core.cancel import Cancelled, CancelToken
+from edgevox.core.errors import InvalidValue
+from edgevox.core.settings import Settings
+from edgevox.robots.capabilities import Pose2D, Report, Twist2D
+from edgevox.robots.navigation import LOCATION, navigation_skills
+from edgevox.robots.stepper import Stepper
+
+STEP_S = 0.02
+RAIL_M = 12.0
+STATIONS = MappingProxyType({"dock": (0.0, 0.0), "press": (5.0, 0.0), "warehouse": (11.0, 0.0)})
+NEAR_M, THERE_M = 0.5, 0.005
+ACCELERATION_M_S2 = 2.0
+WATCHDOG_S = 0.5
+
+
+class Trip:
+    """A drive to a point of the rail; `error` says why it ended early."""
+
+    def __init__(self, goal_m: float, start_m: float) -> None:
+        self.goal_m = goal_m
+        self.length_m = abs(goal_m - start_m)
+        self.done = threading.Event()
+        self.error: BaseException | None = None
+
+    def end(self, error: BaseException | None = None) -> None:
+        self.error = error
+        self.done.set()
+
+
+class Shuttle:
+    """Moves along the x axis; any thread may call any method."""
+
+    name = "robot-shuttle"
+    max_linear_m_s = 1.0
+    max_angular_rad_s = 0.0
+    places: Mapping[str, tuple[float, float]] = STATIONS
+
+    def __init__(self, speed: float | None = 1.0) -> None:
+        self._lock = threading.Lock()
+        self._x_m = self._speed_m_s = 0.0
+        self._ticks = 0
+        self._trip: Trip | None = None
+        self._steered_m_s, self._steered_until_s = 0.0, 0.0
+        self._stepper = Stepper(self._step, period_s=STEP_S, speed=speed, name=self.name)
+        self._skills = navigation_skills(self, word=LOCATION)
+
+    @property
+    def skills(self) -> tuple[Skill, ...]:
+        return self._skills
+
+    @property
+    def time_s(self) -> float:
+        return self._ticks * STEP_S
+
+    @property
+    def stalled_s(self) -> float:
+        return self._stepper.stalled_s
+
+    def start(self) -> None:
+        self._stepper.start()
+
+    def close(self) -> None:
+        self.halt("the shuttle was switched off")
+        self._stepper.close()
+
+    def advance(self, seconds: float) -> None:
+        self._stepper.advance(seconds)
+
+    def reset(self) -> None:
+        with self._lock:
+            self._take(None, "the world was reset")
+            self._x_m = self._speed_m_s = 0.0
+
+    def pose(self) -> Pose2D:
+        return Pose2D(self._x_m, 0.0, 0.0)
+
+    def velocity(self) -> Twist2D:
+        return Twist2D(self._speed_m_s, 0.0)
+
+    def place_at(self, x_m: float, y_m: float) -> str | None:
+        near = (name for name, at in STATIONS.items() if math.dist(at, (x_m, y_m)) < NEAR_M)
+        return next(near, None)
+
+    def state(self) -> Mapping[str, Any]:
+        with self._lock:
+            x_m, speed_m_s, trip = self._x_m, self._speed_m_s, self._trip
+        return {
+            "name": self.name,
+            "time": round(self.time_s, 3),
+            "pose": {"x": round(x_m, 4), "y": 0.0, "yaw": 0.0},
+            "velocity": {"linear": round(speed_m_s, 4), "angular": 0.0},
+            "location": self.place_at(x_m, 0.0),
+            "goal": {"x": trip.goal_m, "distance": round(abs(trip.goal_m - x_m), 3)}
+            if trip
+            else None,
+        }
+
+    def set_velocity(self, twist: Twist2D) -> None:
+        if not (math.isfinite(twist.linear_m_s) and math.isfinite(twist.angular_rad_s)):
+            raise InvalidValue("velocity", twist, "finite numbers")
+        with self._lock:
+            self._take(None, "somebody else steers")
+            fastest = self.max_linear_m_s
+            self._steered_m_s = min(max(twist.linear_m_s, -fastest), fastest)
+            self._steered_until_s = self.time_s + WATCHDOG_S
+        self._stepper.wake()
+
+    def halt(self, reason: str) -> bool:
+        with self._lock:
+            moved = self._trip is not None or self._speed_m_s != 0.0
+            self._take(None, reason)
+        return moved
+
+    def drive_to(self, x_m: float, y_m: float, *, token: CancelToken, report: Report) -> None:
+        if y_m != 0.0 or not 0.0 <= x_m <= RAIL_M:
+            raise SkillFailed(f"My rail goes from x 0 to x {RAIL_M:g}, with y at 0.")
+        with self._lock:
+            trip = Trip(x_m, self._x_m)
+            self._take(trip, "a new goal came")
+        self._stepper.wake()
+        forget = token.on_cancel(lambda: self._give_up(trip, token.reason))
+        try:
+            while not trip.done.wait(0.1):
+                left_m = abs(trip.goal_m - self._x_m)
+                report(progress=round(1.0 - left_m / max(trip.length_m, left_m, THERE_M), 3))
+        finally:
+            forget()
+        if trip.error is not None:
+            raise trip.error
+
+    def _take(self, trip: Trip | None, why: str) -> None:
+        """Something else is wanted from now on; what was wanted so far is over."""
+        if self._trip is not None:
+            self._trip.end(Cancelled(why))
+        self._trip, self._steered_until_s = trip, 0.0
+
+    def _give_up(self, trip: Trip, why: str) -> None:
+        with self._lock:
+            if self._trip is trip:
+                self._take(None, why)
+
+    def _step(self) -> bool:
+        """Let 0.02 s pass, on the stepper's thread. True if more is to come."""
+        with self._lock:
+            self._ticks += 1
+            change = ACCELERATION_M_S2 * STEP_S
+            self._speed_m_s += min(max(self._wanted_m_s() - self._speed_m_s, -change), change)
+            self._x_m = min(max(self._x_m + self._speed_m_s * STEP_S, 0.0), RAIL_M)
+            if self._trip and abs(self._trip.goal_m - self._x_m) < THERE_M:
+                self._trip.end()
+                self._trip, self._speed_m_s = None, 0.0
+            return self._trip is not None or self._speed_m_s != 0.0
+
+    def _wanted_m_s(self) -> float:
+        if self._trip is not None:
+            left_m = self._trip.goal_m - self._x_m
+            braking_m_s = math.sqrt(ACCELERATION_M_S2 * abs(left_m))
+            return math.copysign(min(self.max_linear_m_s, braking_m_s), left_m)
+        return self._steered_m_s if self.time_s < self._steered_until_s else 0.0
+
+
+def _build(_settings: Settings, speed: float | None) -> Shuttle:
+    return Shuttle(speed)
+
+
+SHUTTLE = Robot(
+    "a carriage on a rail between dock, press and warehouse",
+    _build,
+    "You are EdgeVox, the voice of a carriage on a rail in a factory. Be brief: one short sentence."
+    " Only promise what your skills can do.",
+)
