@@ -51,7 +51,7 @@ VOICE = (
 )
 BESIDE = (
     Shown("mind", "first.xllamacpp", "llama-cpp-python: to the first token"),
-    Shown("mind", "rate.xllamacpp", "llama-cpp-python: speed from then on"),
+    Shown("mind", "rate.xllamacpp", "llama-cpp-python: each further token"),
     Shown("hearing", "time.ours", "faster-whisper, same options: an utterance"),
     Shown("ros2", "round_trip", "rclpy, a node that only echoes: a round trip"),
     Shown("ros2", "publish.bot_sentence.heard", "rclpy: publishing a sentence"),
@@ -168,7 +168,7 @@ def plot_answers(results: Results) -> str:
         scale = {"ms": 1.0, "s": 1000.0}[figure.unit]
         rows.append(Bar(_bare(one.name(results)), scale * figure.value, measured(figure)))
     rows.sort(key=lambda row: row.value)
-    return bars("How long one waits (median; each ten times is as far)", rows, logarithmic=True)
+    return bars("How long one waits (median; logarithmic scale)", rows, logarithmic=True)
 
 
 def plot_plain(results: Results) -> str:
