@@ -84,6 +84,7 @@ class Talker:
 
     def first_token_s(self) -> float:
         """Seconds to the first token of a long answer, which is then stopped."""
+        self.forget()
         heard = len(self.token.messages)
         begun = self.say(STORY)
         self.token.wait_for(lambda _: True, timeout_s=60, since=heard)
