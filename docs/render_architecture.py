@@ -204,9 +204,9 @@ def _arrows(imports: Imports, boxes: dict[str, Box]) -> list[str]:
     return parts
 
 
-def _near_first(arrow: tuple[Box, Box]) -> tuple[int, float, float]:
-    source, target = arrow
-    return target.row - source.row, target.left, source.left
+def _near_first(arrow: tuple[Box, Box]) -> tuple[int, float, float, str, str]:
+    source, target = arrow  # their names settle what else a set's order would
+    return target.row - source.row, target.left, source.left, source.name, target.name
 
 
 def _free(
