@@ -20,6 +20,8 @@ from test_voice_program import AGENT, write_wav
 from edgevox.apps.ending import STUCK
 
 START_S, LEAVE_S = 40.0, 6.0  # and a busy machine's own second
+DEAF_TO_NOTHING = ("env", "--default-signal=INT")
+"""What a script starts in the background ignores Ctrl-C, and so do its children."""
 BEFORE_A_HANDLER = -signal.SIGTERM
 """As a shell's 143: it was stopped before it had anything to put away."""
 STORY = "tell me a very long story about a dragon and a princess"
@@ -34,6 +36,7 @@ class Program:
         write_wav(said, np.concatenate([silence(0.5), speech, silence(60.0)]))
         self._process = subprocess.Popen(
             [
+                *DEAF_TO_NOTHING,
                 *(AGENT, "robot-apartment", "--no-render", "--llm", llm),
                 *("--audio-in", str(said), "--audio-out", str(self.answers)),
             ],

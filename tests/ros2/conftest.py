@@ -32,7 +32,8 @@ class Agent:
             "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         }
         self.process = subprocess.Popen(
-            [program, *arguments],
+            # What a script starts in the background is deaf to Ctrl-C, and so are its children.
+            ["env", "--default-signal=INT", program, *arguments],
             stdin=stdin,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,

@@ -106,7 +106,7 @@ def test_a_stop_word_is_told_with_what_it_stopped(ask):
         assert started.wait(10)
         ask("stop")
     (stop,) = logged.of("safety_stop")
-    assert (stop["level"], stop["word"], stop["stopped"]) == ("warning", "stop", True)
+    assert (stop["level"], stop["word"], stop["stopped"]) == ("info", "stop", True)
     (goal,) = logged.of("goal_cancelled")
     assert goal["reason"] == "heard 'stop'"
 

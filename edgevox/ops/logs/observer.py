@@ -107,7 +107,7 @@ class BusLog:
             case AgentEventKind.HANDOFF:
                 log.info("handed_over", giver=data["from"], taker=data["to"], **_of(data["turn"]))
             case AgentEventKind.SAFETY_PREEMPT:
-                log.warning("safety_stop", word=data["word"], stopped=data["stopped"])
+                log.info("safety_stop", word=data["word"], stopped=data["stopped"])
 
     def _on_goal(self, data: Mapping[str, Any]) -> None:
         if "feedback" in data:
