@@ -12,6 +12,8 @@ import pytest
 from peer import Peer
 
 AGENT = str(Path(sys.executable).with_name("edgevox-agent"))
+HEARS_CTRL_C = ("env", "--default-signal=INT")
+"""What a script starts in the background is deaf to Ctrl-C, and so are its children."""
 READY = "is ready"
 START_S = 60.0
 
@@ -32,8 +34,7 @@ class Agent:
             "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         }
         self.process = subprocess.Popen(
-            # What a script starts in the background is deaf to Ctrl-C, and so are its children.
-            ["env", "--default-signal=INT", program, *arguments],
+            [*HEARS_CTRL_C, program, *arguments],
             stdin=stdin,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,

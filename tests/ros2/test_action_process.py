@@ -60,7 +60,9 @@ def test_a_rejected_goal_is_in_the_log_and_in_agent_event(agent, peer):
     assert not Client(robot).send("navigate_to", room="moon").accepted
     told = json.loads(event.wait_for(lambda m: json.loads(m).get("status") == "rejected"))
     assert told["error"].startswith("navigate_to.room: got 'moon'")
-    one.wait_for_line("execute_skill: goal rejected: navigate_to.room: got 'moon'", timeout_s=10)
+    line = one.wait_for_line("action_goal_rejected", timeout_s=10)
+    assert "skill=navigate_to" in line
+    assert "navigate_to.room: got 'moon'" in line
 
 
 def test_the_end_of_the_agent_ends_a_goal_as_canceled_for_its_client(agent, peer):
@@ -90,5 +92,5 @@ def test_without_edgevox_msgs_one_line_says_so_and_the_agent_works():
     )
     assert done.returncode == 0
     said = done.stdout + done.stderr
-    assert said.count("execute_skill is off: edgevox_msgs is not built; make msgs") == 1
+    assert said.count("action=execute_skill reason='edgevox_msgs is not built; make msgs'") == 1
     assert "I am in the" in done.stdout

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from conftest import HEARS_CTRL_C
 from peer import RELIABLE, SENSOR, wait_until
 from std_msgs.msg import UInt8MultiArray
 
@@ -21,7 +22,7 @@ def relay(domain, monkeypatch):
     """The relay, between any sound and a type that only looks like it; ends on Ctrl-C."""
     monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
     arguments = ["--microphone=/mic", "--speaker=/speaker", "--type=std_msgs/msg/UInt8MultiArray"]
-    process = subprocess.Popen([sys.executable, RELAY, *arguments])
+    process = subprocess.Popen([*HEARS_CTRL_C, sys.executable, RELAY, *arguments])
     yield process
     process.send_signal(signal.SIGINT)
     assert process.wait(30) == 0
