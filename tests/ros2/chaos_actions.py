@@ -47,7 +47,7 @@ WORDS = {
 }
 LONGEST, DEPTH = 1_000_000, 10
 """The middleware keeps as many messages as a topic is deep, each as large as the largest so far."""
-LOUD, HEARD_S = 2 / 3, 60.0
+LOUD, HEARD_S, HEARD_AGAIN_S = 2 / 3, 60.0, 10.0
 KILLED = ("text", "interrupt", "language", "velocity", "goal_pose", "goals", "parameters")
 SKILLS = (
     ("navigate_to", '{"room": "kitchen"}'), ("navigate_to", '{"room": "moon"}'),
@@ -96,12 +96,24 @@ class Actions:
             for _ in range(DEPTH + 2):
                 self._strings[topic].publish(String(data="x" * LONGEST))
         for language in ("fr", "en"):
+            self._be_heard_in(language)
+
+    def _be_heard_in(self, language: str) -> None:
+        """Say it again where it was not heard, as a person does: it may have spoken itself."""
+        deadline_s = time.monotonic() + HEARD_S
+        while True:
             self._robot.settle()
             doing = self._robot.doing
             since = len(doing.messages)
             self._send("set_language", language)
             self._play(self._speech)
-            doing.wait_for(lambda m: m == "transcribing", HEARD_S, since)
+            try:
+                doing.wait_for(lambda m: m == "transcribing", HEARD_AGAIN_S, since)
+            except AssertionError:
+                if time.monotonic() > deadline_s:
+                    raise
+            else:
+                return
 
     def command(self) -> str:
         return self._send("text_input", self._rng.choice(COMMANDS))
