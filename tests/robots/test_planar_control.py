@@ -210,12 +210,12 @@ def test_a_beam_that_meets_nothing_within_its_reach_is_infinite(make) -> None:
     assert ranges.min() == pytest.approx(1.0, abs=1e-3)
 
 
-def test_a_picture_shows_where_the_robot_is(slow_robot) -> None:
-    before = slow_robot.picture()
+def test_a_picture_shows_where_the_robot_is(robot) -> None:
+    before = robot.picture()
     for _ in range(10):
-        slow_robot.set_velocity(Twist2D(0.8, 0.0))
-        slow_robot.advance(0.1)
-    after = slow_robot.picture()
+        robot.set_velocity(Twist2D(0.8, 0.0))
+        robot.advance(0.1)
+    after = robot.picture()
 
     assert before.shape == after.shape == (800, 800, 3)
     assert before.dtype == np.uint8
