@@ -20,7 +20,8 @@ from std_msgs.msg import Float32, String
 from stopwatch import percent_of
 from talker import PLAIN, Talker, isolate, wait_until
 
-from edgevox.ros2.contract import PUBLISHED, STRING, Published
+from edgevox.ros2.contract import PUBLISHED
+from edgevox.ros2.contract_rows import STRING, Published
 from edgevox.ros2.topics import profile
 
 MESSAGES = "Publishing one message, from the event to the wire"

@@ -15,7 +15,8 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import Image
 from std_msgs.msg import Float32, String
 
-from edgevox.ros2.contract import PUBLISHED, STRING
+from edgevox.ros2.contract import PUBLISHED
+from edgevox.ros2.contract_rows import STRING
 from edgevox.ros2.topics import profile
 from tf2_msgs.msg import TFMessage
 

@@ -20,7 +20,7 @@ from edgevox.ops.diagnostics.table import COMPONENTS
 from edgevox.ops.logs.table import log_events
 from edgevox.ops.metrics.table import METRICS
 from edgevox.ros2 import contract
-from edgevox.ros2.contract import Qos
+from edgevox.ros2.contract_rows import Published, Qos, Subscribed
 from edgevox.scenario import Scenario
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -202,7 +202,7 @@ def _variables(rows: Iterable[Row]) -> str:
     return table(("variable", "default", "what", "values"), cells)
 
 
-def _topics(rows: Iterable[contract.Published | contract.Subscribed]) -> str:
+def _topics(rows: Iterable[Published | Subscribed]) -> str:
     cells = (
         (f"`{row.topic}`", f"`{row.type}`", f"`{row.qos.name.lower()}`", row.about) for row in rows
     )

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from edgevox import __version__
 from edgevox.apps.folders import written_folders
 from edgevox.apps.parts import Parts
-from edgevox.apps.voice import Voice
+from edgevox.apps.voice import Voice, dropped_frames
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.trouble import trouble_of
 from edgevox.ops.diagnostics import Component, Diagnostics, Look, component
@@ -70,7 +70,7 @@ def _audio(parts: Parts, voice: Voice, ears: Ears, gauges: Gauges) -> Look:
     hears, speaks = lives(lambda: ears.alive), lives(lambda: voice.mouth.alive)
 
     def look() -> Component:
-        dropped = int(getattr(voice.source, "dropped", 0))
+        dropped = dropped_frames(voice.source)
         return audio(
             Sound(
                 voice.source.name,

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from edgevox import __version__
 from edgevox.agent.skills import Skill
 from edgevox.apps.parts import Parts
-from edgevox.apps.voice import Voice
+from edgevox.apps.voice import Voice, dropped_frames
 from edgevox.core.bus import Bus
 from edgevox.core.settings import Settings
 from edgevox.ops.health import Health
@@ -130,7 +130,7 @@ def _read_server(metrics: "Registry", parts: Parts) -> None:
 def _dropped(parts: Parts) -> Mapping[str, float]:
     found: dict[str, float] = {"conversation": parts.conversation.refused}
     if parts.voice and parts.ears:
-        found["microphone"] = int(getattr(parts.voice.source, "dropped", 0))
+        found["microphone"] = dropped_frames(parts.voice.source)
         found["understanding"] = parts.ears.understanding.refused
         found["mouth"] = parts.voice.mouth.refused
     return found

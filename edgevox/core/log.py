@@ -47,6 +47,18 @@ class Said:
         return f"<{len(self.text)} characters>"
 
 
+class News:
+    """Says whether something differs from what was told last: trouble that stays is one line."""
+
+    def __init__(self) -> None:
+        self._said: tuple[str, ...] = ()
+
+    def __call__(self, *told: str) -> bool:
+        """Whether it is worth a line; from now on this is what was told last."""
+        news, self._said = told != self._said, told
+        return news
+
+
 class Line(dict[str, Any]):
     """An event and its fields, as a log record's message; reads ``event field=value ...``."""
 

@@ -22,7 +22,7 @@ from edgevox.robots.planar_run import PlanarRun
 from edgevox.robots.planner import Planner
 from edgevox.robots.shapes import Point
 from edgevox.robots.snapshot import describe_goal, describe_motion
-from edgevox.robots.stepper import BROKE, Stepper
+from edgevox.robots.stepper import BROKE, LivesByStepping, Stepper
 from edgevox.robots.text_map import draw
 from edgevox.robots.world_model import World
 
@@ -34,7 +34,7 @@ _PICTURE_PX = 800
 _TRAIL_SHOWN = 400  # points of 0.05 m
 
 
-class PlanarRobot:
+class PlanarRobot(LivesByStepping):
     """A body with a pose, a lidar, a battery, rooms, and the sense to drive somewhere by itself.
 
     `speed` is how many seconds pass in its world each second, 1 for real time. With None, for
@@ -100,24 +100,6 @@ class PlanarRobot:
     @property
     def places(self) -> Mapping[str, tuple[float, float]]:
         return self._places
-
-    @property
-    def real_time_factor(self) -> float:
-        """Seconds that pass in the world each second."""
-        return self._stepper.real_time_factor
-
-    @property
-    def pace(self) -> float | None:
-        return self._stepper.pace
-
-    @property
-    def breaks(self) -> int:
-        """How often a step of the world failed, or its numbers broke."""
-        return self._stepper.failures
-
-    @property
-    def stalled_s(self) -> float:
-        return self._stepper.stalled_s
 
     @property
     def watchdog_halts(self) -> int:

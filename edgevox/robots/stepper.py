@@ -197,6 +197,32 @@ class Stepper:
         self._closing.wait(seconds)
 
 
+class LivesByStepping:
+    """What a body with a `Stepper` says of it, as `KeepsPace` and `TellsStalls` want it."""
+
+    _stepper: Stepper
+
+    @property
+    def real_time_factor(self) -> float:
+        """Seconds that pass in the world each second."""
+        return self._stepper.real_time_factor
+
+    @property
+    def pace(self) -> float | None:
+        """Which part of the speed that was asked for it keeps; None where none was, or not yet."""
+        return self._stepper.pace
+
+    @property
+    def breaks(self) -> int:
+        """How often a step of the world failed, or its numbers broke."""
+        return self._stepper.failures
+
+    @property
+    def stalled_s(self) -> float:
+        """For how long a step has been due that has not come to a good end."""
+        return self._stepper.stalled_s
+
+
 class _Meter:
     """World seconds per second."""
 

@@ -6,7 +6,7 @@ import numpy as np
 from rclpy.node import Node
 
 from edgevox.core.log import get_logger
-from edgevox.ros2.contract import Qos
+from edgevox.ros2.contract_rows import Qos
 from edgevox.ros2.topics import profile
 from edgevox.voice.audio import RATE_HZ
 from edgevox.voice.sources.pushed import Pushed

@@ -4,7 +4,7 @@ from array import array
 
 from rclpy.node import Node
 
-from edgevox.ros2.contract import Qos
+from edgevox.ros2.contract_rows import Qos
 from edgevox.ros2.topics import profile
 from edgevox.voice.audio import Samples
 from edgevox.voice.sinks.relay import Relay

@@ -12,7 +12,8 @@ from std_msgs.msg import Float32, String
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import AgentEvent, RobotState
 from edgevox.core.log import get_logger
-from edgevox.ros2.contract import PUBLISHED, STRING, SUBSCRIBED, Published, Qos, Subscribed
+from edgevox.ros2.contract import PUBLISHED, SUBSCRIBED
+from edgevox.ros2.contract_rows import STRING, Published, Qos, Subscribed
 from edgevox.ros2.ticker import Ticker
 from edgevox.ros2.wiring import Wiring
 

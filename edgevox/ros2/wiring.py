@@ -8,7 +8,8 @@ from edgevox.core.controls import Controls
 from edgevox.core.settings import Settings
 from edgevox.ops.diagnostics import Diagnostics
 from edgevox.robots.capabilities import Body
-from edgevox.ros2.contract import Incoming, Queries
+from edgevox.ros2.contract import Queries
+from edgevox.ros2.contract_rows import Incoming
 from edgevox.ros2.skill_requests import StartsGoals
 from edgevox.voice.sinks.relay import Relay
 from edgevox.voice.sources.pushed import Pushed

@@ -6,6 +6,8 @@ from pathlib import Path
 
 from edgevox.apps.container.environment import warn_of_unknown
 from edgevox.apps.doctor.verdict import Facts, Situation, Verdict, error, ok, skipped, warning
+from edgevox.apps.folders import ros_logs
+from edgevox.ops.diagnostics.disk import room
 
 
 def probe_settings(situation: Situation) -> Facts:
@@ -28,13 +30,11 @@ def judge_settings(facts: Facts, situation: Situation) -> list[Verdict]:
 
 def probe_folders(situation: Situation) -> Facts:
     """Whether files can be made where they must."""
-    environment = situation.environment
-    home = Path(environment.get("HOME") or Path("~").expanduser())
-    logs = environment.get("ROS_LOG_DIR") or str(home / ".ros" / "log")
+    logs = ros_logs(situation.environment)
     return {
-        "tmp": _writable(Path(tempfile.gettempdir())),
-        "logs": _writable(Path(logs)),
-        "at": logs,
+        "tmp": room(Path(tempfile.gettempdir())).writable,
+        "logs": room(logs).writable,
+        "at": str(logs),
     }
 
 
@@ -69,9 +69,3 @@ def judge_container(facts: Facts, _: Situation) -> Verdict:
     if facts["uid"] == 0:
         return warning(found, "run it as its own user (uid 1000), as docker-compose.ros2.yml does")
     return ok(found)
-
-
-def _writable(folder: Path) -> bool:
-    while not folder.exists() and folder != folder.parent:
-        folder = folder.parent
-    return os.access(folder, os.W_OK)

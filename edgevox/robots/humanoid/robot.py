@@ -20,13 +20,13 @@ from edgevox.robots.humanoid.manoeuvre import Manoeuvre
 from edgevox.robots.humanoid.pilot import Pilot
 from edgevox.robots.humanoid.skills import walking_skills
 from edgevox.robots.humanoid.state import describe
-from edgevox.robots.stepper import BROKE, Stepper
+from edgevox.robots.stepper import BROKE, LivesByStepping, Stepper
 
 REPORT_EVERY_S = 0.2
 FALLEN = "I have fallen. Tell me to stand up."
 
 
-class HumanoidRobot:
+class HumanoidRobot(LivesByStepping):
     """A body with a pose, a head camera, and legs that a sentence or a stream of velocities moves.
 
     The body owns `environment` from now on. `speed` is how many seconds pass in its world each
@@ -88,24 +88,6 @@ class HumanoidRobot:
     @property
     def time_s(self) -> float:
         return self._ticks * self._period_s
-
-    @property
-    def real_time_factor(self) -> float:
-        """Seconds that pass in the world each second."""
-        return self._stepper.real_time_factor
-
-    @property
-    def pace(self) -> float | None:
-        return self._stepper.pace
-
-    @property
-    def breaks(self) -> int:
-        """How often a step of the world failed, or its numbers broke."""
-        return self._stepper.failures
-
-    @property
-    def stalled_s(self) -> float:
-        return self._stepper.stalled_s
 
     @property
     def watchdog_halts(self) -> int:

@@ -9,7 +9,7 @@ import mujoco
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
 from edgevox.robots.mujoco.snapshot import Snapshot
-from edgevox.robots.stepper import Stepper
+from edgevox.robots.stepper import LivesByStepping, Stepper
 
 log = get_logger(__name__)
 
@@ -26,7 +26,7 @@ class Steered(Protocol):
         """The numbers broke (not finite, or absurd): set `data` to a state that can go on."""
 
 
-class Engine:
+class Engine(LivesByStepping):
     """A model, its data, and the thread that steps it `period_s` at a time.
 
     `lock` guards `data`. `waits` is whether time can be held, because it follows no clock. Time is
@@ -69,24 +69,9 @@ class Engine:
         return self._stepper.running
 
     @property
-    def real_time_factor(self) -> float:
-        """Seconds that pass in the world each second."""
-        return self._stepper.real_time_factor
-
-    @property
-    def pace(self) -> float | None:
-        """As the stepper's."""
-        return self._stepper.pace
-
-    @property
     def breaks(self) -> int:
         """How often a step failed, or the numbers broke and were put back."""
         return self.divergences + self._stepper.failures
-
-    @property
-    def stalled_s(self) -> float:
-        """As the stepper's."""
-        return self._stepper.stalled_s
 
     def start(self, steered: Steered) -> None:
         self._steered = steered

@@ -6,7 +6,7 @@ from typing import Protocol
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock, SystemClock
-from edgevox.core.log import get_logger
+from edgevox.core.log import News, get_logger
 from edgevox.voice.audio import Chunk
 from edgevox.voice.devices import DeviceMissing
 from edgevox.voice.sinks.card_queue import CardQueue
@@ -71,7 +71,7 @@ class SoundCardSink:
         self._stream: Stream | None = None
         self._opened = ExitStack()
         self._tried_s = float("-inf")
-        self._said: tuple[str, ...] = ()
+        self._is_news = News()
         self._trouble = ""
         self._keep_open()
 
@@ -154,8 +154,3 @@ class SoundCardSink:
         self._trouble = why
         if self._is_news(why):
             log.warning("loudspeaker_lost", reason=why, retry_s=self._retry_s)
-
-    def _is_news(self, *told: str) -> bool:
-        """The same trouble is not worth a line every few seconds."""
-        news, self._said = told != self._said, told
-        return news

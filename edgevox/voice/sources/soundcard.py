@@ -6,7 +6,7 @@ from contextlib import AbstractContextManager
 from typing import Protocol
 
 from edgevox.core.clock import Clock, SystemClock
-from edgevox.core.log import get_logger
+from edgevox.core.log import News, get_logger
 from edgevox.voice.audio import Frame, Samples
 from edgevox.voice.devices import DeviceMissing
 from edgevox.voice.sources.portaudio import open_microphone
@@ -57,7 +57,7 @@ class SoundCard:
         self._silent_s = silent_s
         self._queue = Pushed(self.name, self._clock)
         self._heard_s = 0.0
-        self._said: tuple[str, ...] = ()
+        self._is_news = News()
         self.trouble = ""
         """Why nothing is heard now; empty while the device is open."""
         self._closing = threading.Event()
@@ -106,8 +106,3 @@ class SoundCard:
         """Called on PortAudio's thread."""
         self._heard_s = self._clock.now()
         self._queue.push(samples)
-
-    def _is_news(self, *told: str) -> bool:
-        """The same trouble is not worth a line every few seconds."""
-        news, self._said = told != self._said, told
-        return news

@@ -1,0 +1,99 @@
+"""What a row of the contract is, before anything is promised."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+from edgevox.core.commands import (
+    Interrupt,
+    Query,
+    Reset,
+    RunSkill,
+    SetLanguage,
+    SetMuted,
+    SetVoice,
+    Speak,
+    TextInput,
+)
+
+Incoming = (
+    TextInput | Speak | Interrupt | Reset | RunSkill | SetLanguage | SetVoice | SetMuted | Query
+)
+"""The commands that come in over ROS 2."""
+
+STRING = "std_msgs/msg/String"
+
+
+@dataclass(frozen=True, slots=True)
+class QosSpec:
+    """A quality of service, in ROS 2's own words."""
+
+    reliable: bool
+    transient_local: bool
+    depth: int
+
+
+class Qos(Enum):
+    """The three qualities of service that the contract knows."""
+
+    STATE = QosSpec(reliable=True, transient_local=True, depth=1)
+    SENSOR = QosSpec(reliable=False, transient_local=False, depth=5)
+    RELIABLE = QosSpec(reliable=True, transient_local=False, depth=10)
+
+
+@dataclass(frozen=True, slots=True)
+class Published:
+    """A topic that carries one kind of event; `encode` gives the message's ``data``."""
+
+    topic: str
+    qos: Qos
+    event: type
+    encode: Callable[[Any], str | float]
+    about: str
+    type: str = STRING
+
+
+@dataclass(frozen=True, slots=True)
+class Subscribed:
+    """A topic whose strings become commands by `decode`, which raises `InvalidValue`."""
+
+    topic: str
+    qos: Qos
+    decode: Callable[[str], Incoming]
+    about: str
+    type: str = STRING
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A parameter of the node. `constraints` is what its descriptor says a value must be."""
+
+    name: str
+    default: str | bool
+    about: str
+    constraints: str
+    read_only: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Interop:
+    """A standard topic that a body with a capability has; `rate_hz` 0 is for what comes in."""
+
+    topic: str
+    type: str
+    direction: str
+    about: str
+    needs: str
+    rate_hz: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Periodic:
+    """A standard topic of the node itself, published at a rate."""
+
+    topic: str
+    type: str
+    qos: Qos
+    rate_hz: float
+    about: str
