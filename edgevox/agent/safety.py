@@ -1,71 +1,218 @@
-"""Safety words: what halts a robot at once, whatever a model is doing."""
+"""Stop words: what halts a robot at once, whatever a model is doing."""
 
 import re
-import unicodedata
-from collections.abc import Iterable
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import chain
 
-from edgevox.core.languages import LANGUAGES, Language
+from edgevox.agent.stop_spelling import Word, readings, spelled_out, words
+from edgevox.core.stop_words import STOP_SIGNS, STOP_WORDS, StopWords
 
-MAX_CHARACTERS = 2000
-"""How much of an utterance is searched at each end; nobody says more before they mean stop."""
+MAX_CHARACTERS = 4000
+"""How much of an utterance is searched at each end; what is longer is never done."""
+_SPELLED_MIN = 3
+_CLAUSE_END = "."
 
-_ONE_FORM = str.maketrans(
-    {
-        "\N{RIGHT SINGLE QUOTATION MARK}": "'",
-        "\N{LATIN SMALL LETTER DOTLESS I}": "i",
-        "\N{COMBINING DOT ABOVE}": None,
-    }
-)
-"""Typographic apostrophes; the Turkish letters i, which change their dot with their case."""
+Phrase = tuple[Word, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """A stop word at `start` of a reading, up to but without `end`."""
+
+    word: str
+    start: int
+    end: int
 
 
 class SafetyWords:
     """Finds a stop word of one language (English ones always count too) in an utterance.
 
-    A stop word counts wherever it stands, so that "hold it there, stop" and "go to the kitchen, no,
-    stop" both halt; rather one halt too many than one too few. A negation right before it ("don't
-    stop") takes it back.
+    A stop word counts wherever it stands, so that "hold it there, stop", "No! Don't! Stop!" and
+    "go to the kitchen, no, stop" all halt: rather one halt too many than one too few. It does not
+    where it is plainly part of something else in the same clause ("don't stop", "bus stop"). Some
+    everyday words count only at the end of a clause, or alone: see `core/stop_words.toml`.
     """
 
     def __init__(self, code: str) -> None:
-        languages = [LANGUAGES[c] for c in dict.fromkeys((code, "en"))]
-        self._patterns = [_pattern(language) for language in languages]
-        self._alone = {normalise(word) for language in languages for word in language.stop_alone}
+        self._rules = _rules(code)
 
     def find(self, text: str) -> str | None:
-        """The stop word that this utterance holds, or None."""
+        """The stop word that this utterance holds, as the table spells it, or None."""
         for part in _ends(text):
-            plain = normalise(part)
-            if plain in self._alone:
-                return plain
-            for pattern in self._patterns:
-                match = pattern.search(plain)
-                if match:
-                    return match.group("word")
+            for reading in readings(part):
+                if found := self._rules.find(reading):
+                    return found
         return None
 
 
-def normalise(text: str) -> str:
-    """Lower case, one form of every letter and apostrophe, no punctuation, single spaces."""
-    folded = unicodedata.normalize("NFKC", text).casefold().translate(_ONE_FORM)
-    return " ".join("".join(c if _in_word(c) else " " for c in folded).split())
+class _Rules:
+    """The rows of a language and of English, ready to be looked up."""
+
+    def __init__(self, code: str) -> None:
+        tables = [STOP_WORDS[c] for c in dict.fromkeys((code, "en"))]
+        self._others = {other.casefold() for table in tables for other in table.others}
+        self._anywhere = _index([w for table in tables for w in table.anywhere] + [*STOP_SIGNS])
+        self._last = _index(w for table in tables for w in table.last)
+        self._alone = _index(w for table in tables for w in table.alone)
+        self._courtesies = _index(w for table in tables for w in table.courtesies)
+        self._innocent = _innocent(tables)
+        self._reach = max(len(phrase) for phrase in self._innocent)
+        self._whole = {
+            phrase[0].bare: said
+            for phrases in self._anywhere.values()
+            for phrase, said in phrases
+            if len(phrase) == 1
+        }
+        self._exact = {
+            phrase[0].exact for phrases in self._anywhere.values() for phrase, _ in phrases
+        }
+        self._again = _repeated(self._whole)
+
+    def find(self, reading: Phrase) -> str | None:
+        """The first stop word that counts."""
+        for found in self._in(reading, self._anywhere):
+            if not self._is_innocent(reading, found):
+                return found.word
+        return self._glued(reading) or self._spelled(reading) or self._at_an_end(reading)
+
+    def _at_an_end(self, reading: Phrase) -> str | None:
+        """A word that counts at the end of its clause, or only where it is alone in it."""
+        last, alone = [[*self._in(reading, table)] for table in (self._last, self._alone)]
+        if not (last or alone):
+            return None
+        courtesies = self._in(reading, self._courtesies)
+        quiet = _Quiet(reading, chain(courtesies, last, alone))
+        ending = (one for one in last if quiet.after(one))
+        lonely = (one for one in alone if quiet.after(one) and quiet.before(one))
+        for found in chain(ending, lonely):
+            if not self._is_innocent(reading, found):
+                return found.word
+        return None
+
+    def _glued(self, reading: Phrase) -> str | None:
+        """One word again and again without a space, as in "stopstopstop"."""
+        for word in reading:
+            if match := self._again.fullmatch(word.bare):
+                return self._whole[match[match.lastindex or 1]]
+        return None
+
+    def _spelled(self, reading: Phrase) -> str | None:
+        """A word letter by letter, as in "s, t, o, p"."""
+        for letters in spelled_out(reading):
+            for bare, said in self._whole.items():
+                if len(bare) >= _SPELLED_MIN and bare in letters:
+                    return said
+        return None
+
+    def _in(self, reading: Phrase, index: "_Index") -> Iterator[_Found]:
+        for start, word in enumerate(reading):
+            for phrase, said in index.get(word.bare, ()):
+                end = start + len(phrase)
+                if end <= len(reading) and all(map(self._same, reading[start:end], phrase)):
+                    yield _Found(said, start, end)
+
+    def _same(self, word: Word, wanted: Word) -> bool:
+        """Folded they are one, and unfolded it is no other word of the language."""
+        return word.exact == wanted.exact or (
+            word.bare == wanted.bare and word.exact not in self._others
+        )
+
+    def _is_innocent(self, reading: Phrase, found: _Found) -> bool:
+        """Whether it is within an innocent phrase that stands in one clause."""
+        for start in range(max(0, found.end - self._reach), found.start + 1):
+            for end in range(found.end, min(len(reading), start + self._reach) + 1):
+                if any(word.breaks for word in reading[start + 1 : end]):
+                    break
+                said = reading[start:end]
+                for phrase, must_end in self._innocent.get(_bare(said), ()):
+                    ends = not must_end or _ends_clause(reading, end)
+                    if ends and all(map(self._same_innocent, said, phrase)):
+                        return True
+        return False
+
+    def _same_innocent(self, word: Word, wanted: Word) -> bool:
+        """As `_same`, and it is no other stop word: "dừng dừng" is not "đừng dừng"."""
+        return self._same(word, wanted) and (
+            word.exact == wanted.exact or word.exact not in self._exact
+        )
 
 
-def _in_word(character: str) -> bool:
-    """Letters, digits and the marks that belong to them (the vowel signs of Hindi, say)."""
-    return character == "'" or unicodedata.category(character)[0] in "LMN"
+_Index = dict[str, list[tuple[Phrase, str]]]
+_Innocent = dict[tuple[str, ...], list[tuple[Phrase, bool]]]
 
 
-def _ends(text: str) -> Iterable[str]:
+@lru_cache
+def _rules(code: str) -> _Rules:
+    return _Rules(code)
+
+
+def _index(listed: Iterable[str]) -> _Index:
+    """Phrases and how the table spells them, by the first word's bare form."""
+    index: _Index = defaultdict(list)
+    for said in listed:
+        phrase = words(said)
+        index[phrase[0].bare].append((phrase, said))
+    return dict(index)
+
+
+def _innocent(tables: Sequence[StopWords]) -> _Innocent:
+    """Innocent phrases, and whether each must end its clause, by their bare words."""
+    index: _Innocent = defaultdict(list)
+    stops = {_bare(words(word)) for table in tables for word in table.all}
+    for table in tables:
+        for row in table.innocent:
+            written = row.removesuffix(_CLAUSE_END)
+            for word in table.anywhere + table.last if "{stop}" in written else ("",):
+                phrase = words(written.replace("{stop}", word))
+                if _bare(phrase) not in stops:  # "ne {stop}" is none with "bouge plus"
+                    index[_bare(phrase)].append((phrase, written != row))
+    return dict(index)
+
+
+def _repeated(stop_words: Iterable[str]) -> re.Pattern[str]:
+    """Matches a bare word again and again; where one begins and ends alike, the two are folded."""
+    ways = []
+    for word in stop_words:
+        more = word[1:] if word[0] == word[-1] else word
+        if more:
+            ways.append(f"({re.escape(word)})(?:{re.escape(more)})+")
+    return re.compile("|".join(ways))
+
+
+def _bare(phrase: Phrase) -> tuple[str, ...]:
+    return tuple(word.bare for word in phrase)
+
+
+class _Quiet:
+    """Where nothing but quiet words, courtesies say, stands in a clause before or after a word."""
+
+    def __init__(self, reading: Phrase, said: Iterable[_Found]) -> None:
+        quiet = {i for one in said for i in range(one.start, one.end)}
+        self._reading = reading
+        self._after = [True] * (len(reading) + 1)
+        self._before = [True] * (len(reading) + 1)
+        for i in reversed(range(len(reading))):
+            self._after[i] = reading[i].breaks or (i in quiet and self._after[i + 1])
+        for i, word in enumerate(reading):
+            self._before[i + 1] = i in quiet and (word.breaks or self._before[i])
+
+    def after(self, found: _Found) -> bool:
+        """Whether all is quiet between this and the end of its clause."""
+        return self._after[found.end]
+
+    def before(self, found: _Found) -> bool:
+        """Whether all is quiet between the beginning of its clause and this."""
+        return self._reading[found.start].breaks or self._before[found.start]
+
+
+def _ends_clause(reading: Phrase, end: int) -> bool:
+    return end == len(reading) or reading[end].breaks
+
+
+def _ends(text: str) -> tuple[str, ...]:
     if len(text) <= 2 * MAX_CHARACTERS:
         return (text,)
     return (text[:MAX_CHARACTERS], text[-MAX_CHARACTERS:])
-
-
-def _pattern(language: Language) -> re.Pattern[str]:
-    words = sorted((normalise(word) for word in language.stop_words), key=len, reverse=True)
-    any_word = "|".join(re.escape(word) for word in words)
-    if not language.spaced:
-        return re.compile(f"(?P<word>{any_word})")
-    negations = "".join(rf"(?<!\b{re.escape(normalise(n))} )" for n in language.negations)
-    return re.compile(rf"{negations}(?<!\S)(?P<word>{any_word})(?!\S)")

@@ -7,6 +7,8 @@ from importlib import resources
 from types import MappingProxyType
 from typing import Any
 
+from edgevox.core.stop_words import STOP_WORDS, StopWords
+
 STT_BACKEND = "faster-whisper"
 TTS_BACKENDS = ("piper", "kokoro", "espeak")
 KOKORO_MODELS = ("kokoro-82m", "kokoro-voices")
@@ -31,17 +33,14 @@ class Voice:
 class Language:
     """One language: its ISO 639-1 code, its English name, its voices, the words that stop a robot.
 
-    `stop_alone` are words that stop it only when nothing else is said. `spaced` is False for
-    scripts that write words without spaces between them. `negations` are the words before a stop
-    word that turn it around ("don't stop"). `stt_model` is the id in edgevox-models of what hears
-    it. `voices` are best first; the last is espeak-ng's, which needs no model.
+    `spaced` is False for scripts that write words without spaces between them. `stt_model` is the
+    id in edgevox-models of what hears it. `voices` are best first; the last is espeak-ng's, which
+    needs no model.
     """
 
     code: str
     name: str
-    stop_words: tuple[str, ...]
-    stop_alone: tuple[str, ...] = ()
-    negations: tuple[str, ...] = ()
+    stop: StopWords
     spaced: bool = True
     stt_model: str = ""
     voices: tuple[Voice, ...] = ()
@@ -68,9 +67,7 @@ def _read() -> Mapping[str, Language]:
             code: Language(
                 code=code,
                 name=entry["name"],
-                stop_words=tuple(entry["stop_words"]),
-                stop_alone=tuple(entry.get("stop_alone", ())),
-                negations=tuple(entry.get("negations", ())),
+                stop=STOP_WORDS[code],
                 spaced=entry.get("spaced", True),
                 stt_model=entry["stt"],
                 voices=tuple(_voices(code, entry)),

@@ -33,17 +33,18 @@ def test_a_language_has_its_row_with_its_voices_and_stop_words(code):
     language = LANGUAGES[code]
     assert row[1] == language.name
     assert quoted(row[2]) == [voice.name for voice in language.voices]
-    assert row[3].split(", ") == list(language.stop_words)
+    assert set(row[3].split(", ")) <= set(language.stop.anywhere)
 
 
 def test_no_other_language_has_a_row():
     assert [row[0].strip("`") for row in table("Languages and voices")] == list(LANGUAGES)
 
 
-def test_words_that_stop_only_alone_are_told():
-    alone = {word for language in LANGUAGES.values() for word in language.stop_alone}
-    assert alone == {"para", "pare", "parar"}
-    assert all(f"`{word}`" in PAGE for word in alone)
+def test_words_that_stop_only_at_an_end_or_alone_are_told():
+    assert {"para", "pare"} <= set(LANGUAGES["es"].stop.last)
+    assert {"para", "parar"} <= set(LANGUAGES["pt"].stop.last)
+    assert {"wait", "enough"} <= set(LANGUAGES["en"].stop.alone)
+    assert all(f"`{word}`" in PAGE for word in ("para", "pare", "parar", "wait", "enough"))
 
 
 def test_what_hears_each_language_is_told_truly():

@@ -1,0 +1,217 @@
+"""Stop means stop: however it is written, in sixteen languages, and nothing innocent does."""
+
+import itertools
+import string
+import tomllib
+import unicodedata
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from edgevox.agent.safety import SafetyWords
+from edgevox.core.languages import LANGUAGES
+from edgevox.core.stop_words import STOP_SIGNS
+
+SENTENCES = tomllib.loads((Path(__file__).parent / "stop_sentences.toml").read_text("utf-8"))
+HALTS = [(code, text) for code, one in SENTENCES.items() for text in one["halts"]]
+INNOCENT = [(code, text) for code, one in SENTENCES.items() for text in one["innocent"]]
+ANYWHERE = [(code, word) for code, one in LANGUAGES.items() for word in one.stop.anywhere]
+EVERY = [(code, word) for code, one in LANGUAGES.items() for word in one.stop.all]
+NO = {
+    "en": "No",
+    "es": "No",
+    "fr": "Non",
+    "hi": "नहीं",
+    "it": "No",
+    "ja": "いや",
+    "pt": "Não",
+    "zh": "不",
+    "vi": "Không",
+    "de": "Nein",
+    "nl": "Nee",
+    "pl": "Nie",
+    "ru": "Нет",
+    "tr": "Hayır",
+    "ar": "لا",
+    "id": "Tidak",
+}
+NEVER = {
+    "en": "Don't",
+    "es": "Nunca",
+    "fr": "Jamais",
+    "hi": "मत",
+    "it": "Mai",
+    "ja": "だめ",
+    "pt": "Nunca",
+    "zh": "别",
+    "vi": "Đừng",
+    "de": "Nicht",
+    "nl": "Niet",
+    "pl": "Nigdy",
+    "ru": "Не",
+    "tr": "Asla",
+    "ar": "أبدا",
+    "id": "Jangan",
+}
+SHOUTS = ("Oh god", "Hey", "Please", "Maria", "Robbie", "Aaah", "OK", "Oh no")
+"""What people say before a stop word without a pause."""
+PUNCTUATION = ("! ", ", ", ". ", "... ", "!!! ", "; ", " - ", " — ", "!", "!?", "…", ": ")
+HIDDEN = "\u200b\u200c\u200d\u2060\ufeff\u00ad\u034f\ufe0f\x00\x1b\x07\u202e"
+LATIN_AS_CYRILLIC = str.maketrans("aeopcxysij", "аеорсхуѕіј")
+FULL_WIDTH = str.maketrans({c: chr(ord(c) + 0xFEE0) for c in string.ascii_letters})
+WORDS_OF_LETTERS = [
+    (code, word)
+    for code, word in ANYWHERE
+    if LANGUAGES[code].spaced and len(word) > 2 and word.replace("'", "").isalpha()
+]
+
+
+def halts(code, text):
+    return SafetyWords(code).find(text) is not None
+
+
+def is_latin(word):
+    return word.replace(" ", "").isascii() and word.replace(" ", "").isalpha()
+
+
+def without_accents(word):
+    apart = unicodedata.normalize("NFD", word.replace("đ", "d").replace("ł", "l"))
+    return "".join(c for c in apart if not unicodedata.combining(c))
+
+
+def said_long(word):
+    return "".join(c * 4 if i == len(word) - 2 else c for i, c in enumerate(word))
+
+
+@pytest.mark.parametrize(("code", "text"), HALTS)
+def test_what_people_say_to_stop_a_robot_halts_it(code, text):
+    assert halts(code, text)
+
+
+@pytest.mark.parametrize(("code", "text"), INNOCENT)
+def test_what_only_sounds_like_it_does_not(code, text):
+    assert SafetyWords(code).find(text) is None
+
+
+def test_there_are_innocent_phrases_in_every_language():
+    assert len(SENTENCES["en"]["innocent"]) >= 40
+    assert all(len(SENTENCES[code]["innocent"]) >= 10 for code in LANGUAGES)
+
+
+@pytest.mark.parametrize(("code", "word"), EVERY)
+def test_every_stop_word_halts_alone_in_any_case_and_again_and_again(code, word):
+    for written in (word, word.upper(), word.capitalize(), f"{word}!", f"¡{word}!", f'"{word}"'):
+        assert halts(code, written), written
+    for again in (f"{word} {word}", f"{word}! {word}!", f"{word}, {word}, {word}"):
+        assert halts(code, again), again
+
+
+@pytest.mark.parametrize(("code", "word"), EVERY)
+@pytest.mark.parametrize("before", [NO, NEVER])
+def test_every_stop_word_halts_after_a_shout_that_could_be_a_negation(code, word, before):
+    for other, between in itertools.product((code, "en"), PUNCTUATION):
+        shouted = before[other] + between + word
+        assert halts(code, shouted), shouted
+        assert halts(code, f"{before[other]}{between}{before[other]}{between}{word}!")
+
+
+@pytest.mark.parametrize(("code", "word"), ANYWHERE)
+def test_a_stop_word_halts_after_interjections_and_names(code, word):
+    for before, between in itertools.product(SHOUTS, (" ", ", ", "! ")):
+        assert halts(code, before + between + word), before + between + word
+    assert halts(code, f"x 4, y 0. {word}")
+    assert halts(code, f"{word} please now")
+
+
+@pytest.mark.parametrize(("code", "word"), ANYWHERE)
+def test_a_stop_word_halts_with_hidden_characters_anywhere_in_it(code, word):
+    for character in HIDDEN:
+        for i in range(len(word) + 1):
+            assert halts(code, word[:i] + character + word[i:]), (i, hex(ord(character)))
+    assert halts(code, f"\x1b[31;1m{word}\x1b[0m")
+
+
+@pytest.mark.parametrize(("code", "word"), [(c, w) for c, w in ANYWHERE if is_latin(w)])
+def test_a_stop_word_halts_in_letters_that_look_alike(code, word):
+    assert halts(code, word.translate(LATIN_AS_CYRILLIC))
+    assert halts(code, word.translate(FULL_WIDTH))
+
+
+@pytest.mark.parametrize(("code", "word"), WORDS_OF_LETTERS)
+def test_a_stop_word_halts_spelled_out_said_long_glued_or_numbered(code, word):
+    letters = [c for c in word if c.isalpha()]
+    written = [f"{word}2", f"2{word}", word * 3]
+    if len(letters) == len(word):
+        written += [between.join(letters) for between in (".", "-", " ", ", ")] + [said_long(word)]
+    for one in written:
+        assert halts(code, one), one
+
+
+@pytest.mark.parametrize(("code", "word"), EVERY)
+def test_a_stop_word_halts_without_its_accents_unless_that_is_another_word(code, word):
+    plain = without_accents(word)
+    another = {"vi": {"dung"}, "pl": {"stan"}, "pt": {"para"}, "fr": {"stoppe", "arrete"}}
+    if code in ("hi", "ja") or plain in another.get(code, ()):
+        return
+    assert halts(code, plain), plain
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+@pytest.mark.parametrize("word", LANGUAGES["en"].stop.all)
+def test_english_stop_words_halt_in_every_language(code, word):
+    assert halts(code, word)
+
+
+@pytest.mark.parametrize("sign", STOP_SIGNS)
+def test_a_stop_sign_halts(sign):
+    assert halts("en", sign)
+    assert halts("zh", f"去厨房{sign}")
+    assert halts("de", f"bitte {sign * 3}!")
+
+
+@pytest.mark.parametrize("text", ["don't stop", "never stop", "bus stop"])
+@pytest.mark.parametrize("between", ["! ", ", ", ". ", " — ", "…"])
+def test_punctuation_ends_what_makes_a_stop_word_innocent(text, between):
+    assert not halts("en", text)
+    assert halts("en", text.replace(" ", between))
+
+
+def test_a_stop_word_counts_beside_an_innocent_one():
+    assert halts("en", "go to the bus stop, no, stop")
+    assert halts("en", "don't stop stop")
+    assert halts("fr", "ne t'arrête pas ! arrête !")
+
+
+def test_a_stop_word_is_found_at_both_ends_of_a_text_that_is_too_long_to_be_done():
+    assert halts("en", "x" * 100_000 + " freeze")
+    assert halts("en", "freeze " + "x" * 100_000)
+
+
+@given(st.lists(st.sampled_from(["go", "to", "kitchen", "please", "ok", "7"]), max_size=6))
+def test_stop_before_and_after_any_other_words_halts(words):
+    assert SafetyWords("en").find(" ".join([*words, "stop"])) == "stop"
+    assert SafetyWords("en").find(" ".join(["stop", *words])) == "stop"
+
+
+@given(
+    st.sampled_from(ANYWHERE),
+    st.sampled_from(SHOUTS),
+    st.sampled_from(PUNCTUATION),
+    st.text(HIDDEN, max_size=3),
+    st.sampled_from([str.lower, str.upper, str.title]),
+    st.integers(1, 4),
+)
+@settings(max_examples=400, deadline=None)
+def test_all_of_it_at_once_halts(stop, before, between, hidden, case, times):
+    code, word = stop
+    said = " ".join([case(word)] * times)
+    assert halts(code, before + between + said[:1] + hidden + said[1:] + "!")
+
+
+@given(st.sampled_from(sorted(LANGUAGES)), st.text(max_size=300))
+@settings(deadline=None)
+def test_any_text_is_searched_without_failing(code, text):
+    found = SafetyWords(code).find(text)
+    assert found is None or found
