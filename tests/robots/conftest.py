@@ -1,11 +1,11 @@
-"""Robots in worlds whose time passes as fast as it can."""
+"""Robots in worlds whose time the test holds, or whose time passes as fast as it can."""
 
-import threading
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from typing import Any
 
 import pytest
 
-from edgevox.core.cancel import CancelToken
 from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.irsim import IrsimRobot
 from edgevox.robots.planar import PlanarRobot
@@ -22,32 +22,15 @@ robot:
 """
 
 
-class Driving:
-    """A drive on a thread of its own, as a goal runs it."""
-
-    def __init__(self, robot: PlanarRobot, x_m: float, y_m: float) -> None:
-        self.token = CancelToken()
-        self.reports: list[dict[str, float]] = []
-        self.error: BaseException | None = None
-        self._thread = threading.Thread(target=self._run, args=(robot, x_m, y_m))
-        self._thread.start()
-        while robot.state()["goal"] is None and self._thread.is_alive():
-            robot.advance(0.02)
-
-    def _run(self, robot: PlanarRobot, x_m: float, y_m: float) -> None:
-        try:
-            robot.drive_to(x_m, y_m, token=self.token, report=lambda **f: self.reports.append(f))
-        except BaseException as error:  # noqa: BLE001 - the test looks at it
-            self.error = error
-
-    def end(self) -> BaseException | None:
-        """Wait for it; what it raised, if anything."""
-        self._thread.join(20)
-        assert not self._thread.is_alive()
-        return self.error
-
-
 Make = Callable[..., PlanarRobot]
+Held = Callable[..., Any]
+
+
+@pytest.fixture
+def held() -> Iterator[Held]:
+    """Starts a body in a world whose time passes only as far as the test says (`held_time`)."""
+    with ExitStack() as stack:
+        yield lambda make, *about: stack.enter_context(make(*about, speed=0.0))
 
 
 @pytest.fixture(params=[ApartmentRobot, IrsimRobot], ids=["apartment", "irsim"])
@@ -58,7 +41,7 @@ def make(request: pytest.FixtureRequest) -> Make:
 
 @pytest.fixture
 def robot(make: Make) -> Iterator[PlanarRobot]:
-    """In the apartment."""
+    """In the apartment, where time passes as fast as it can while it drives."""
     with make(speed=None) as one:
         yield one
 
@@ -79,12 +62,6 @@ def in_hall(make: Make) -> Iterator[Callable[[str], PlanarRobot]]:
 
 
 @pytest.fixture
-def slow_robot(make: Make) -> Iterator[PlanarRobot]:
-    """In the apartment, where a second takes 0.1 s: slow enough to interfere."""
-    with make(speed=10.0) as one:
-        yield one
-
-
-@pytest.fixture
-def driving() -> type[Driving]:
-    return Driving
+def held_robot(make: Make, held: Held) -> PlanarRobot:
+    """In the apartment, where time stands still until it is told."""
+    return held(make)

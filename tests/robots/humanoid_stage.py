@@ -1,8 +1,8 @@
-"""Humanoids for the tests, and somebody who asks them for things while the test looks on."""
+"""Humanoids for the tests, and what tests ask of them."""
 
 import math
-import threading
-from collections.abc import Callable
+
+from held_time import Asked
 
 from edgevox.core.cancel import CancelToken
 from edgevox.models import locate
@@ -12,8 +12,6 @@ from edgevox.robots.humanoid import (
     MujocoHumanoidEnvironment,
     OnnxWalkingPolicy,
 )
-
-Report = Callable[..., None]
 
 
 def g1(seed: int = 0) -> MujocoHumanoidEnvironment:
@@ -58,31 +56,6 @@ def apart(one: Pose2D, other: Pose2D) -> float:
     return math.hypot(other.x_m - one.x_m, other.y_m - one.y_m)
 
 
-class Asking:
-    """A manoeuvre that runs on a thread of its own, in a world that the test advances."""
-
-    def __init__(self, robot: HumanoidRobot, ask: Callable[[CancelToken, Report], object]) -> None:
-        self.token = CancelToken()
-        self.reports: list[dict[str, object]] = []
-        self.error: BaseException | None = None
-        self._thread = threading.Thread(target=self._run, args=(ask,))
-        self._thread.start()
-        while robot.state()["goal"] is None and self._thread.is_alive():
-            self._thread.join(0.001)
-
-    def _run(self, ask: Callable[[CancelToken, Report], object]) -> None:
-        try:
-            ask(self.token, lambda **feedback: self.reports.append(feedback))
-        except BaseException as error:  # noqa: BLE001 - the test looks at it
-            self.error = error
-
-    def end(self) -> BaseException | None:
-        """Wait for it; what it raised, if anything."""
-        self._thread.join(20)
-        assert not self._thread.is_alive()
-        return self.error
-
-
-def walking(robot: HumanoidRobot, distance_m: float) -> Asking:
-    """A walk that was just asked for."""
-    return Asking(robot, lambda token, report: robot.walk(distance_m, token=token, report=report))
+def walking(robot: HumanoidRobot, distance_m: float) -> Asked:
+    """A walk that was just asked for, where time is held."""
+    return Asked(robot, robot.walk, distance_m)

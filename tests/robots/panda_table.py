@@ -1,6 +1,5 @@
 """A Panda at its table, and what tests do with it."""
 
-import threading
 from collections.abc import Callable
 from typing import Any
 
@@ -18,7 +17,7 @@ def open_panda(seed: int = 0, speed: float | None = None) -> PandaRobot:
 
 
 def ask(skill: Callable[..., Any], *arguments: object) -> Any:
-    """Call a skill's method and wait for its end."""
+    """Call a skill's method and wait for its end, in a world whose time passes meanwhile."""
     return skill(*arguments, token=CancelToken(), report=lambda **_: None)
 
 
@@ -42,34 +41,11 @@ def turning_rad_s(robot: PandaRobot) -> float:
         return float(abs(robot._engine.data.qvel[:7]).max())
 
 
-class Asked:
-    """A skill's method on a thread of its own, as a goal runs it."""
+def moving(robot: PandaRobot, phase: str) -> Callable[[], bool]:
+    """Whether it does this, and moves."""
 
-    def __init__(self, robot: PandaRobot, skill: Callable[..., Any], *arguments: object) -> None:
-        self.token = CancelToken()
-        self.reports: list[dict[str, Any]] = []
-        self.error: BaseException | None = None
-        self._robot = robot
-        self._thread = threading.Thread(target=self._run, args=(skill, arguments))
-        self._thread.start()
+    def true() -> bool:
+        goal = robot.state()["goal"]
+        return bool(goal) and goal["phase"].startswith(phase) and turning_rad_s(robot) > 0.3
 
-    def until(self, phase: str) -> "Asked":
-        """Let time pass until it does this, and moves."""
-        while self._thread.is_alive():
-            goal = self._robot.state()["goal"]
-            if goal and goal["phase"].startswith(phase) and turning_rad_s(self._robot) > 0.3:
-                return self
-            self._robot.advance(0.02)
-        raise AssertionError(f"it ended before it was {phase}: {self.error}")
-
-    def end(self) -> BaseException | None:
-        """Wait for it; what it raised, if anything."""
-        self._thread.join(30)
-        assert not self._thread.is_alive()
-        return self.error
-
-    def _run(self, skill: Callable[..., Any], arguments: tuple[object, ...]) -> None:
-        try:
-            skill(*arguments, token=self.token, report=lambda **f: self.reports.append(f))
-        except BaseException as error:  # noqa: BLE001 - the test looks at it
-            self.error = error
+    return true

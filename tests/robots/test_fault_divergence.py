@@ -6,19 +6,18 @@ says, so that every single step after it can be looked at.
 
 import json
 import math
-import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pytest
+from held_time import STEP_S, Asked
 from humanoid_stage import g1, h1
 from panda_table import open_panda
 
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import SkillFailed
-from edgevox.core.cancel import CancelToken
 from edgevox.core.languages import LANGUAGES
 from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.humanoid import HumanoidRobot
@@ -26,14 +25,13 @@ from edgevox.robots.irsim import IrsimRobot
 from edgevox.robots.stepper import BROKE
 
 NAN = math.nan
-STEP_S = 0.02
 
 
 @dataclass(frozen=True)
 class Case:
     """A body, something that it does for a while, and a way in which its numbers break."""
 
-    make: Callable[[], Any]
+    make: Callable[..., Any]
     goal: Callable[..., None]
     poison: Callable[[Any], None]
 
@@ -77,40 +75,19 @@ def break_arm(field: str, value: float) -> Callable[[Any], None]:
 
 
 CASES = {
-    "apartment": Case(lambda: ApartmentRobot(speed=0), drive, break_wheels),
-    "apartment, furniture": Case(lambda: ApartmentRobot(speed=0), drive, break_chair),
-    "irsim": Case(lambda: IrsimRobot(speed=0), drive, break_irsim),
-    "panda": Case(lambda: open_panda(speed=0), reach, break_arm("qpos", NAN)),
-    "panda, speed": Case(lambda: open_panda(speed=0), reach, break_arm("qvel", 1e12)),
-    "g1": Case(lambda: HumanoidRobot(g1(), speed=0), walk, break_walker("qvel")),
-    "h1, no physics": Case(lambda: HumanoidRobot(h1(), speed=0), walk, break_walker("qpos")),
+    "apartment": Case(ApartmentRobot, drive, break_wheels),
+    "apartment, furniture": Case(ApartmentRobot, drive, break_chair),
+    "irsim": Case(IrsimRobot, drive, break_irsim),
+    "panda": Case(open_panda, reach, break_arm("qpos", NAN)),
+    "panda, speed": Case(open_panda, reach, break_arm("qvel", 1e12)),
+    "g1": Case(lambda **how: HumanoidRobot(g1(), **how), walk, break_walker("qvel")),
+    "h1, no physics": Case(lambda **how: HumanoidRobot(h1(), **how), walk, break_walker("qpos")),
 }
 
 
-class Going:
-    """A goal on a thread of its own, begun and moving."""
-
-    def __init__(self, robot, goal: Callable[..., None]) -> None:
-        self.token = CancelToken()
-        self.error: BaseException | None = None
-        self._robot = robot
-        self._thread = threading.Thread(target=self._run, args=(goal,))
-        self._thread.start()
-        while robot.state()["goal"] is None and self._thread.is_alive():
-            self._thread.join(0.001)
-        while not moves(robot) and self._thread.is_alive():
-            robot.advance(STEP_S)
-
-    def _run(self, goal: Callable[..., None]) -> None:
-        try:
-            goal(self._robot, token=self.token, report=lambda **_: None)
-        except BaseException as error:  # noqa: BLE001 - the test looks at it
-            self.error = error
-
-    def end(self) -> BaseException | None:
-        self._thread.join(30)
-        assert not self._thread.is_alive()
-        return self.error
+def going(robot, case: Case) -> Asked:
+    """A goal that has begun and moves the robot."""
+    return Asked(robot, case.goal, robot).until(lambda: moves(robot))
 
 
 @pytest.fixture(params=CASES, ids=str)
@@ -120,9 +97,8 @@ def case(request, tmp_path, monkeypatch) -> Case:
 
 
 @pytest.fixture
-def robot(case):
-    with case.make() as one:
-        yield one
+def robot(case, held):
+    return held(case.make)
 
 
 def speeds(robot) -> list[float]:
@@ -148,7 +124,7 @@ def check_numbers(robot) -> None:
 
 
 def test_the_goal_fails_with_a_reason_and_the_robot_stands_within_a_step_or_two(case, robot):
-    going = Going(robot, case.goal)
+    asked = going(robot, case)
     case.poison(robot)
 
     before = robot.breaks
@@ -158,7 +134,7 @@ def test_the_goal_fails_with_a_reason_and_the_robot_stands_within_a_step_or_two(
             break
     check_numbers(robot)
 
-    error = going.end()
+    error = asked.ended()
     assert isinstance(error, SkillFailed)
     assert str(error) == BROKE
     assert robot.breaks == before + 1
@@ -172,16 +148,15 @@ def test_the_goal_fails_with_a_reason_and_the_robot_stands_within_a_step_or_two(
 
 def test_the_next_goal_is_carried_out_and_a_reset_brings_it_back_to_the_start(case, robot):
     start = robot.state()
-    going = Going(robot, case.goal)
+    first = going(robot, case)
     case.poison(robot)
     while robot.breaks == 0:
         robot.advance(STEP_S)
-    going.end()
+    first.ended()
 
-    again = Going(robot, case.goal)
-    assert moves(robot), again.error
+    again = going(robot, case)
     again.token.cancel("the test is over")
-    again.end()
+    again.ended()
 
     robot.reset()
     robot.advance(STEP_S)

@@ -1,6 +1,5 @@
 """A fall is noticed and said, nothing is done lying down, and it gets up when it is told."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import pytest
@@ -27,10 +26,9 @@ def environment() -> MujocoHumanoidEnvironment:
 
 
 @pytest.fixture
-def robot(environment) -> Iterator[HumanoidRobot]:
-    """Its time passes only as far as the test says."""
-    with HumanoidRobot(environment, speed=0) as one:
-        yield one
+def robot(environment, held) -> HumanoidRobot:
+    """Its time stands still until it is told."""
+    return held(HumanoidRobot, environment)
 
 
 def shove(robot: HumanoidRobot, environment: MujocoHumanoidEnvironment) -> None:
@@ -48,7 +46,7 @@ def test_a_walk_fails_with_a_reason_when_it_is_pushed_over(robot, environment) -
 
     shove(robot, environment)
 
-    error = going.end()
+    error = going.ended()
     assert isinstance(error, SkillFailed)
     assert str(error) == "I have fallen. Tell me to stand up."
     state = robot.state()

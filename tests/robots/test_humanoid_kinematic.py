@@ -52,6 +52,12 @@ def robot(unitree) -> HumanoidRobot:
     return unitree
 
 
+@pytest.fixture
+def held_h1(held) -> HumanoidRobot:
+    """Its time stands still until it is told."""
+    return held(HumanoidRobot, h1())
+
+
 def custom(folder: Path, text: str) -> Path:
     path = folder / "mine.xml"
     path.write_text(text)
@@ -136,33 +142,31 @@ def test_it_says_that_no_forces_move_it(robot) -> None:
     assert stand(robot) is False
 
 
-def test_a_halt_stops_the_base_at_once_and_the_feet_come_together() -> None:
-    with HumanoidRobot(h1(), speed=0) as robot:
-        going = walking(robot, 3.0)
-        robot.advance(2.0)
-        assert robot.velocity().linear_m_s > 0.5
+def test_a_halt_stops_the_base_at_once_and_the_feet_come_together(held_h1) -> None:
+    going = walking(held_h1, 3.0)
+    held_h1.advance(2.0)
+    assert held_h1.velocity().linear_m_s > 0.5
 
-        robot.halt("the stop word")
-        robot.advance(0.1)
-        before = robot.pose()
+    held_h1.halt("the stop word")
+    held_h1.advance(0.1)
+    before = held_h1.pose()
 
-        assert robot.velocity().linear_m_s == 0.0
-        assert str(going.end()) == "the stop word"
-        robot.advance(2.0)
-        assert robot.pose() == before
-        assert robot.state()["activity"] == "standing"
+    assert held_h1.velocity().linear_m_s == 0.0
+    assert str(going.ended()) == "the stop word"
+    held_h1.advance(2.0)
+    assert held_h1.pose() == before
+    assert held_h1.state()["activity"] == "standing"
 
 
-def test_a_stream_that_stops_halts_it_after_half_a_second() -> None:
-    with HumanoidRobot(h1(), speed=0) as robot:
-        robot.set_velocity(Twist2D(0.5, 0.0))
-        robot.advance(0.6)
-        assert 0.05 < robot.pose().x_m < 0.3
-        before = robot.pose()
+def test_a_stream_that_stops_halts_it_after_half_a_second(held_h1) -> None:
+    held_h1.set_velocity(Twist2D(0.5, 0.0))
+    held_h1.advance(0.6)
+    assert 0.05 < held_h1.pose().x_m < 0.3
+    before = held_h1.pose()
 
-        robot.advance(1.0)
+    held_h1.advance(1.0)
 
-        assert robot.pose() == before
+    assert held_h1.pose() == before
 
 
 def test_a_robot_of_ones_own_that_lacks_most_joints_walks_all_the_same(tmp_path) -> None:

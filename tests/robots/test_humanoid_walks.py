@@ -35,10 +35,9 @@ def robot(unitree) -> HumanoidRobot:
 
 
 @pytest.fixture
-def held() -> Iterator[HumanoidRobot]:
-    """Its time passes only as far as the test says."""
-    with HumanoidRobot(g1(), speed=0) as robot:
-        yield robot
+def held_g1(held) -> HumanoidRobot:
+    """Its time stands still until it is told."""
+    return held(HumanoidRobot, g1())
 
 
 def stream(robot: HumanoidRobot, twist: Twist2D, seconds: float) -> None:
@@ -133,58 +132,57 @@ def test_velocities_beyond_its_limits_are_clamped_and_nonsense_is_refused(robot)
 
 
 @pytest.mark.parametrize("after_s", [1.0, 1.1, 1.2, 1.3, 1.4, 1.5])
-def test_halted_in_whatever_step_it_comes_to_a_stand_on_its_feet(held, after_s) -> None:
-    going = walking(held, 5.0)
-    held.advance(after_s)
+def test_halted_in_whatever_step_it_comes_to_a_stand_on_its_feet(held_g1, after_s) -> None:
+    going = walking(held_g1, 5.0)
+    held_g1.advance(after_s)
 
-    assert held.halt("the stop word")
+    assert held_g1.halt("the stop word")
 
-    assert isinstance(going.end(), Cancelled)
-    held.advance(SETTLE_S)
-    before = held.pose()
-    held.advance(2.0)
-    assert held.state()["activity"] == "standing"
-    assert not held.state()["fallen"]
-    assert apart(before, held.pose()) < 0.05
-    assert not held.halt("again")
+    assert isinstance(going.ended(), Cancelled)
+    held_g1.advance(SETTLE_S)
+    before = held_g1.pose()
+    held_g1.advance(2.0)
+    assert held_g1.state()["activity"] == "standing"
+    assert not held_g1.state()["fallen"]
+    assert apart(before, held_g1.pose()) < 0.05
+    assert not held_g1.halt("again")
 
 
-def test_a_halt_asks_for_no_velocity_within_a_tenth_of_a_second(held) -> None:
-    going = walking(held, 5.0)
-    held.advance(3.0)
-    fast = held.velocity().linear_m_s
+def test_a_halt_asks_for_no_velocity_within_a_tenth_of_a_second(held_g1) -> None:
+    going = walking(held_g1, 5.0)
+    held_g1.advance(3.0)
+    fast = held_g1.velocity().linear_m_s
 
     going.token.cancel("never mind")
-    held.advance(0.1)
+    held_g1.advance(0.1)
 
     assert fast > 0.4
-    assert str(going.end()) == "never mind"
-    assert held.state()["goal"] is None
-    assert held._pilot.command(held.time_s, held.pose()).stands
+    assert str(going.ended()) == "never mind"
+    assert held_g1.state()["goal"] is None
+    assert held_g1._pilot.command(held_g1.time_s, held_g1.pose()).stands
 
 
-def test_a_new_request_ends_the_one_before(held) -> None:
-    first = walking(held, 3.0)
-    held.advance(0.5)
-    second = walking(held, 0.5)
-    assert isinstance(first.end(), Cancelled)
+def test_a_new_request_ends_the_one_before(held_g1) -> None:
+    first = walking(held_g1, 3.0)
+    held_g1.advance(0.5)
+    second = walking(held_g1, 0.5)
+    assert isinstance(first.ended(), Cancelled)
 
-    held.set_velocity(Twist2D(0.2, 0.0))
-    assert str(second.end()) == "somebody else steers"
+    held_g1.set_velocity(Twist2D(0.2, 0.0))
+    assert str(second.ended()) == "somebody else steers"
 
 
-def test_a_walk_tells_how_far_it_is(held) -> None:
-    going = walking(held, 1.0)
-    held.advance(1.5)
-    goal = held.state()["goal"]
-    held.advance(8.0)
+def test_a_walk_tells_how_far_it_is(held_g1) -> None:
+    going = walking(held_g1, 1.0)
+    held_g1.advance(1.5)
+    goal = held_g1.state()["goal"]
 
     assert going.end() is None
     assert goal["kind"] == "walk"
     assert 0.05 < goal["progress"] < 0.9
     assert goal["left"] == pytest.approx(1.0 - goal["progress"], abs=0.01)
     assert going.reports[-1]["progress"] > 0.9
-    assert held.state()["goal"] is None
+    assert held_g1.state()["goal"] is None
 
 
 def test_the_state_says_what_it_is_and_does(robot) -> None:

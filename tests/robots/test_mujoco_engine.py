@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 import mujoco
 import pytest
+from held_time import HUNG_S
 
 from edgevox.robots.mujoco.engine import Engine
 
@@ -23,10 +24,13 @@ class Ball:
     def __init__(self, engine: Engine, periods: int = 0) -> None:
         self.left = periods
         self.put_back_times = 0
+        self.idle = threading.Event()
         self._engine = engine
 
     def control(self) -> bool:
         self.left -= 1
+        if self.left < 0:
+            self.idle.set()
         return self.left >= 0
 
     def put_back(self) -> None:
@@ -66,9 +70,7 @@ def test_as_fast_as_it_can_it_runs_while_busy_and_no_further(engines) -> None:
     engine, ball = falling(engines, None, busy=10)
     with engine.lock:
         engine.lock.notify_all()
-    done = threading.Event()
-    while ball.left >= 0:
-        done.wait(0.001)
+    assert ball.idle.wait(HUNG_S)
 
     assert engine.time_s == pytest.approx(10 * PERIOD_S)
     engine.wake()
@@ -96,6 +98,6 @@ def test_closing_ends_an_advance_that_waits(engines) -> None:
     waiting.start()
 
     engine.close()
-    waiting.join(5)
+    waiting.join(HUNG_S)
 
     assert not waiting.is_alive()

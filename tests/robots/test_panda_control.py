@@ -4,10 +4,11 @@ import json
 from collections.abc import Iterator
 
 import pytest
-from panda_table import Asked, ask, is_lifted, open_panda, turning_rad_s
+from held_time import Asked, carry_out
+from panda_table import ask, is_lifted, moving, open_panda, turning_rad_s
 
 from edgevox.agent.skills import SkillFailed
-from edgevox.core.cancel import Cancelled
+from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.robots.panda.robot import PandaRobot
 
 BRAKE_TIME_S = 0.1
@@ -21,40 +22,41 @@ def panda() -> Iterator[PandaRobot]:
 
 
 @pytest.fixture
-def slow_panda() -> Iterator[PandaRobot]:
-    """A second takes 0.1 s: slow enough to interfere."""
-    with open_panda(speed=10.0) as robot:
-        yield robot
+def held_panda(held) -> PandaRobot:
+    """Its time stands still until it is told."""
+    return held(open_panda)
 
 
-def test_a_halt_stops_the_arm_and_keeps_what_it_holds(slow_panda) -> None:
-    ask(slow_panda.grasp, "red_cube")
-    asked = Asked(slow_panda, slow_panda.place, "red_cube", "left_bin").until("taking")
+def test_a_halt_stops_the_arm_and_keeps_what_it_holds(held_panda) -> None:
+    carry_out(held_panda, held_panda.grasp, "red_cube")
+    asked = Asked(held_panda, held_panda.place, "red_cube", "left_bin")
+    asked.until(moving(held_panda, "taking"))
 
-    assert slow_panda.halt("the stop word")
-    slow_panda.advance(BRAKE_TIME_S)
-    assert turning_rad_s(slow_panda) < STILL_RAD_S
-    before = slow_panda.end_effector()
-    slow_panda.advance(1.0)
+    assert held_panda.halt("the stop word")
+    held_panda.advance(BRAKE_TIME_S)
+    assert turning_rad_s(held_panda) < STILL_RAD_S
+    before = held_panda.end_effector()
+    held_panda.advance(1.0)
 
-    assert str(asked.end()) == "the stop word"
-    assert is_lifted(slow_panda, "red_cube")
-    assert slow_panda.state()["goal"] is None
-    after = slow_panda.end_effector()
+    assert str(asked.ended()) == "the stop word"
+    assert is_lifted(held_panda, "red_cube")
+    assert held_panda.state()["goal"] is None
+    after = held_panda.end_effector()
     assert (after.x_m, after.y_m, after.z_m) == pytest.approx(
         (before.x_m, before.y_m, before.z_m), abs=0.01
     )
 
 
-def test_after_a_halt_the_work_can_go_on(slow_panda) -> None:
-    ask(slow_panda.grasp, "red_cube")
-    asked = Asked(slow_panda, slow_panda.place, "red_cube", "left_bin").until("taking")
-    slow_panda.halt("enough")
-    asked.end()
+def test_after_a_halt_the_work_can_go_on(held_panda) -> None:
+    carry_out(held_panda, held_panda.grasp, "red_cube")
+    asked = Asked(held_panda, held_panda.place, "red_cube", "left_bin")
+    asked.until(moving(held_panda, "taking"))
+    held_panda.halt("enough")
+    asked.ended()
 
-    ask(slow_panda.place, None, "right_bin")
+    carry_out(held_panda, held_panda.place, None, "right_bin")
 
-    assert slow_panda.describe_objects()["objects"]["red_cube"]["on"] == "right_bin"
+    assert held_panda.describe_objects()["objects"]["red_cube"]["on"] == "right_bin"
 
 
 def test_halting_an_arm_at_rest_stops_nothing(panda) -> None:
@@ -69,26 +71,27 @@ def test_halting_an_arm_at_rest_stops_nothing(panda) -> None:
         (lambda robot, asked: asked.token.cancel("never mind"), "never mind"),
         (lambda robot, asked: robot.reset(), "the world was reset"),
         (lambda robot, asked: robot.close(), "the robot was switched off"),
-        (lambda robot, asked: ask(robot.release), "pre-empted by release"),
+        (lambda robot, asked: carry_out(robot, robot.release), "pre-empted by release"),
     ],
 )
-def test_what_ends_an_errand_is_its_reason(slow_panda, act, reason) -> None:
-    asked = Asked(slow_panda, slow_panda.move_to, 0.4, 0.3, 0.2).until("moving")
+def test_what_ends_an_errand_is_its_reason(held_panda, act, reason) -> None:
+    asked = Asked(held_panda, held_panda.move_to, 0.4, 0.3, 0.2)
+    asked.until(moving(held_panda, "moving"))
 
-    act(slow_panda, asked)
+    act(held_panda, asked)
 
-    error = asked.end()
+    error = asked.ended()
     assert isinstance(error, Cancelled)
     assert str(error) == reason
 
 
 def test_a_token_that_is_cancelled_already_starts_nothing(panda) -> None:
-    asked = Asked(panda, panda.go_home)
-    asked.end()
-    asked.token.cancel("too late")
+    token = CancelToken()
+    panda.go_home(token=token, report=lambda **_: None)
+    token.cancel("too late")
 
     with pytest.raises(Cancelled):
-        panda.go_home(token=asked.token, report=lambda **_: None)
+        panda.go_home(token=token, report=lambda **_: None)
 
 
 def test_a_robot_that_is_off_does_nothing() -> None:
@@ -111,27 +114,29 @@ def test_a_reset_puts_everything_back_and_time_goes_on(panda) -> None:
     assert panda.time_s > time_s
 
 
-def test_numbers_that_break_are_put_back_and_the_errand_fails(slow_panda) -> None:
-    ask(slow_panda.place, "red_cube", "left_bin")
-    asked = Asked(slow_panda, slow_panda.move_to, 0.4, 0.3, 0.2).until("moving")
+def test_numbers_that_break_are_put_back_and_the_errand_fails(held_panda) -> None:
+    carry_out(held_panda, held_panda.place, "red_cube", "left_bin")
+    asked = Asked(held_panda, held_panda.move_to, 0.4, 0.3, 0.2)
+    asked.until(moving(held_panda, "moving"))
 
-    with slow_panda._engine.lock:
-        slow_panda._engine.data.qpos[3] = float("nan")
+    with held_panda._engine.lock:
+        held_panda._engine.data.qpos[3] = float("nan")
 
     error = asked.end()
     assert isinstance(error, SkillFailed)
     assert "physics of my world broke" in str(error)
-    assert slow_panda.divergences == 1
-    assert slow_panda.describe_objects()["objects"]["red_cube"]["on"] == "table"
-    ask(slow_panda.grasp, "red_cube")
-    assert is_lifted(slow_panda, "red_cube")
+    assert held_panda.divergences == 1
+    assert held_panda.describe_objects()["objects"]["red_cube"]["on"] == "table"
+    carry_out(held_panda, held_panda.grasp, "red_cube")
+    assert is_lifted(held_panda, "red_cube")
 
 
-def test_the_state_says_what_is_going_on(slow_panda) -> None:
-    asked = Asked(slow_panda, slow_panda.place, "red_cube", "left_bin").until("reaching")
-    early = slow_panda.state()
-    asked.until("taking")
-    late = slow_panda.state()
+def test_the_state_says_what_is_going_on(held_panda) -> None:
+    asked = Asked(held_panda, held_panda.place, "red_cube", "left_bin")
+    asked.until(moving(held_panda, "reaching"))
+    early = held_panda.state()
+    asked.until(moving(held_panda, "taking"))
+    late = held_panda.state()
     asked.end()
 
     assert json.loads(json.dumps(early)) == early
@@ -145,12 +150,10 @@ def test_the_state_says_what_is_going_on(slow_panda) -> None:
     assert asked.reports[-1]["progress"] > 0.8
 
 
-def test_with_speed_zero_time_passes_only_when_asked() -> None:
-    with open_panda(speed=0.0) as robot:
-        asked = Asked(robot, robot.go_home)
-        robot.advance(0.1)
-        assert robot.time_s == pytest.approx(0.1)
-        while robot.state()["goal"] is not None:
-            robot.advance(0.1)
+def test_with_speed_zero_time_passes_only_when_asked(held_panda) -> None:
+    asked = Asked(held_panda, held_panda.go_home)
+    assert held_panda.time_s == 0.0
+    held_panda.advance(0.1)
+    assert held_panda.time_s == pytest.approx(0.1)
 
-        assert asked.end() is None
+    assert asked.end() is None

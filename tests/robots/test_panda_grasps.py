@@ -4,7 +4,8 @@ import itertools
 from collections.abc import Iterator
 
 import pytest
-from panda_table import Asked, ask, is_lifted, open_panda, put_cube
+from held_time import STEP_S, Asked, carry_out
+from panda_table import ask, is_lifted, moving, open_panda, put_cube
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.robots.panda.layout import BINS, CUBES
@@ -20,10 +21,9 @@ def panda() -> Iterator[PandaRobot]:
 
 
 @pytest.fixture
-def slow_panda() -> Iterator[PandaRobot]:
-    """A second takes 0.1 s: slow enough to interfere."""
-    with open_panda(speed=10.0) as robot:
-        yield robot
+def held_panda(held) -> PandaRobot:
+    """Its time stands still until it is told."""
+    return held(open_panda)
 
 
 def is_in(robot: PandaRobot, name: str, target: str) -> bool:
@@ -57,6 +57,22 @@ def test_the_same_seed_gives_the_same_run() -> None:
     assert ends[0] == ends[1]
 
 
+def test_where_time_is_held_a_run_is_the_same_step_by_step(held) -> None:
+    runs = []
+    for _ in range(2):
+        panda = held(open_panda, 3)
+        going = Asked(panda, panda.place, "green_cube", "right_bin")
+        states = [panda.state()]
+        while states[-1]["goal"] is not None:
+            panda.advance(STEP_S)
+            states.append(panda.state())
+        assert going.ended() is None
+        runs.append(states)
+
+    assert len(runs[0]) > 100
+    assert runs[0] == runs[1]
+
+
 def test_another_seed_puts_the_cubes_elsewhere() -> None:
     places = [open_panda(seed).state()["objects"] for seed in (0, 1, 2)]
 
@@ -88,29 +104,32 @@ def test_two_cubes_share_a_bin_and_come_out_again(panda) -> None:
     assert where == {"red_cube": "table", "green_cube": "table", "blue_cube": "right_bin"}
 
 
-def test_a_cube_that_is_moved_while_the_hand_comes_is_grasped_where_it_is(slow_panda) -> None:
-    asked = Asked(slow_panda, slow_panda.grasp, "red_cube").until("reaching")
-    put_cube(slow_panda, "red_cube", 0.56, 0.06, 0.025)
+def test_a_cube_that_is_moved_while_the_hand_comes_is_grasped_where_it_is(held_panda) -> None:
+    asked = Asked(held_panda, held_panda.grasp, "red_cube")
+    asked.until(moving(held_panda, "reaching"))
+    put_cube(held_panda, "red_cube", 0.56, 0.06, 0.025)
 
     assert asked.end() is None
-    assert is_lifted(slow_panda, "red_cube")
-    assert slow_panda.state()["pose"]["x"] == pytest.approx(0.56, abs=0.01)
+    assert is_lifted(held_panda, "red_cube")
+    assert held_panda.state()["pose"]["x"] == pytest.approx(0.56, abs=0.01)
 
 
-def test_a_cube_that_slips_out_of_the_hand_is_noticed(slow_panda) -> None:
-    ask(slow_panda.grasp, "red_cube")
-    asked = Asked(slow_panda, slow_panda.place, "red_cube", "left_bin").until("taking")
-    put_cube(slow_panda, "red_cube", 0.6, 0.0, 0.025)
+def test_a_cube_that_slips_out_of_the_hand_is_noticed(held_panda) -> None:
+    carry_out(held_panda, held_panda.grasp, "red_cube")
+    asked = Asked(held_panda, held_panda.place, "red_cube", "left_bin")
+    asked.until(moving(held_panda, "taking"))
+    put_cube(held_panda, "red_cube", 0.6, 0.0, 0.025)
 
     error = asked.end()
     assert isinstance(error, SkillFailed)
     assert str(error) == "I lost the red cube."
-    assert slow_panda.state()["held"] is None
+    assert held_panda.state()["held"] is None
 
 
-def test_a_cube_that_is_taken_away_is_not_grasped_for_ever(slow_panda) -> None:
-    asked = Asked(slow_panda, slow_panda.grasp, "red_cube").until("reaching")
-    put_cube(slow_panda, "red_cube", 0.5, 0.0, -0.6)
+def test_a_cube_that_is_taken_away_is_not_grasped_for_ever(held_panda) -> None:
+    asked = Asked(held_panda, held_panda.grasp, "red_cube")
+    asked.until(moving(held_panda, "reaching"))
+    put_cube(held_panda, "red_cube", 0.5, 0.0, -0.6)
 
     assert isinstance(asked.end(), SkillFailed)
 

@@ -4,9 +4,11 @@ import json
 import logging
 import math
 import threading
+from collections.abc import Callable
 
 import numpy as np
 import pytest
+from held_time import HUNG_S, STEP_S, Asked
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
@@ -32,23 +34,22 @@ def stands(robot: PlanarRobot) -> bool:
     return abs(twist.linear_m_s) < 0.01 and abs(twist.angular_rad_s) < 0.01
 
 
-def test_a_cancelled_drive_stops_at_once(slow_robot, driving) -> None:
-    going = driving(slow_robot, *slow_robot.places["bedroom"])
-    slow_robot.advance(3.0)
-    assert not stands(slow_robot)
+def test_a_cancelled_drive_stops_at_once(held_robot) -> None:
+    going = Asked(held_robot, held_robot.drive_to, *held_robot.places["bedroom"])
+    held_robot.advance(3.0)
+    assert not stands(held_robot)
 
     going.token.cancel("never mind")
-    slow_robot.advance(BRAKE_TIME_S)
+    held_robot.advance(BRAKE_TIME_S)
 
-    assert stands(slow_robot)
-    assert str(going.end()) == "never mind"
-    assert slow_robot.state()["goal"] is None
+    assert stands(held_robot)
+    assert str(going.ended()) == "never mind"
+    assert held_robot.state()["goal"] is None
 
 
-def test_a_token_that_is_cancelled_already_starts_nothing(robot, driving) -> None:
-    going = driving(robot, 3.0, 3.0)
-    going.end()
-    token = going.token
+def test_a_token_that_is_cancelled_already_starts_nothing(robot) -> None:
+    token = CancelToken()
+    robot.drive_to(3.0, 3.0, token=token, report=lambda **f: None)
     token.cancel()
 
     with pytest.raises(Cancelled):
@@ -64,34 +65,34 @@ def test_a_token_that_is_cancelled_already_starts_nothing(robot, driving) -> Non
         (lambda robot: robot.close(), "the robot was switched off"),
     ],
 )
-def test_what_ends_a_drive_is_its_reason(slow_robot, driving, act, reason) -> None:
-    going = driving(slow_robot, *slow_robot.places["bedroom"])
+def test_what_ends_a_drive_is_its_reason(held_robot, act, reason) -> None:
+    going = Asked(held_robot, held_robot.drive_to, *held_robot.places["bedroom"])
 
-    act(slow_robot)
+    act(held_robot)
 
-    error = going.end()
+    error = going.ended()
     assert isinstance(error, Cancelled)
     assert str(error) == reason
 
 
-def test_a_new_drive_ends_the_one_before(slow_robot, driving) -> None:
-    first = driving(slow_robot, *slow_robot.places["bedroom"])
-    second = driving(slow_robot, 4.3, 1.5)
+def test_a_new_drive_ends_the_one_before(held_robot) -> None:
+    first = Asked(held_robot, held_robot.drive_to, *held_robot.places["bedroom"])
+    second = Asked(held_robot, held_robot.drive_to, 4.3, 1.5)
 
-    assert isinstance(first.end(), Cancelled)
+    assert isinstance(first.ended(), Cancelled)
     assert second.end() is None
-    assert slow_robot.pose().y_m == pytest.approx(1.5, abs=0.15)
+    assert held_robot.pose().y_m == pytest.approx(1.5, abs=0.15)
 
 
-def test_halt_stops_a_stream_of_velocities_and_says_whether_it_did(slow_robot) -> None:
-    slow_robot.set_velocity(Twist2D(0.8, 0.0))
-    slow_robot.advance(0.4)
+def test_halt_stops_a_stream_of_velocities_and_says_whether_it_did(held_robot) -> None:
+    held_robot.set_velocity(Twist2D(0.8, 0.0))
+    held_robot.advance(0.4)
 
-    assert slow_robot.halt("enough")
-    slow_robot.advance(BRAKE_TIME_S)
+    assert held_robot.halt("enough")
+    held_robot.advance(BRAKE_TIME_S)
 
-    assert stands(slow_robot)
-    assert not slow_robot.halt("again")
+    assert stands(held_robot)
+    assert not held_robot.halt("again")
 
 
 def test_a_stream_that_falls_silent_halts_the_robot_after_half_a_second(in_hall) -> None:
@@ -149,11 +150,11 @@ def test_a_motion_that_becomes_no_number_is_logged_and_the_world_goes_on(robot, 
     assert robot.state()["room"] == "living_room"
 
 
-def test_the_state_is_json_and_says_where_it_goes(slow_robot, driving) -> None:
-    going = driving(slow_robot, *slow_robot.places["bedroom"])
-    slow_robot.advance(2.0)
+def test_the_state_is_json_and_says_where_it_goes(held_robot) -> None:
+    going = Asked(held_robot, held_robot.drive_to, *held_robot.places["bedroom"])
+    held_robot.advance(2.0)
 
-    state = json.loads(json.dumps(slow_robot.state(), allow_nan=False))
+    state = json.loads(json.dumps(held_robot.state(), allow_nan=False))
 
     assert list(state) == [
         "name",
@@ -169,15 +170,15 @@ def test_the_state_is_json_and_says_where_it_goes(slow_robot, driving) -> None:
     ]
     assert state["goal"].keys() == {"x", "y", "progress", "distance"}
     assert 0 < state["goal"]["progress"] < 1
-    slow_robot.halt("the test is over")
-    going.end()
+    held_robot.halt("the test is over")
+    going.ended()
 
 
-def test_the_map_shows_the_rooms_the_way_and_the_robot(slow_robot, driving) -> None:
-    going = driving(slow_robot, *slow_robot.places["bedroom"])
-    drawn = slow_robot.draw_map(60)
-    slow_robot.halt("the test is over")
-    going.end()
+def test_the_map_shows_the_rooms_the_way_and_the_robot(held_robot) -> None:
+    going = Asked(held_robot, held_robot.drive_to, *held_robot.places["bedroom"])
+    drawn = held_robot.draw_map(60)
+    held_robot.halt("the test is over")
+    going.ended()
 
     lines = drawn.splitlines()
     assert len(lines) == 30
@@ -223,13 +224,32 @@ def test_a_picture_shows_where_the_robot_is(robot) -> None:
     assert 30 < rows[0] - rows[1] < 80, "it drove up, 75 pixels a metre"
 
 
-def test_real_time_passes_in_real_time(make) -> None:
-    with make(speed=1.0) as robot:
-        began = threading.Event()
-        began.wait(0.3)
-        passed_s = robot.time_s
+class Watch:
+    """A clock that the test turns; it knows when somebody looked at it."""
 
-    assert 0.1 < passed_s < 0.6
+    def __init__(self) -> None:
+        self._now_s = 100.0
+        self._looked = threading.Condition()
+
+    def now(self) -> float:
+        with self._looked:
+            self._looked.notify_all()
+            return self._now_s
+
+    def turn(self, seconds: float, until: Callable[[], bool]) -> None:
+        """Later by so much; wait until this is true, which changes while it is looked at."""
+        with self._looked:
+            self._now_s += seconds
+            assert self._looked.wait_for(until, HUNG_S)
+
+
+def test_real_time_passes_as_the_clock_does(make) -> None:
+    watch = Watch()
+    with make(speed=1.0, clock=watch) as robot:
+        for turns in (1, 2, 3):
+            passed_s = 0.2 * turns
+            watch.turn(0.2, until=lambda: robot.time_s > passed_s - STEP_S / 2)  # noqa: B023
+            assert robot.time_s < passed_s + 1.5 * STEP_S
 
 
 def test_after_close_no_thread_is_left_and_closing_twice_is_fine(make) -> None:
@@ -244,17 +264,17 @@ def test_after_close_no_thread_is_left_and_closing_twice_is_fine(make) -> None:
     assert set(threading.enumerate()) == before
 
 
-def test_many_threads_may_ask_and_steer_at_once(slow_robot) -> None:
+def test_many_threads_may_ask_and_steer_at_once(robot) -> None:
     errors: list[BaseException] = []
 
     def ask() -> None:
         try:
             for i in range(30):
-                slow_robot.state()
-                slow_robot.scan()
-                slow_robot.set_velocity(Twist2D(0.3, 0.1 * (i % 3)))
+                robot.state()
+                robot.scan()
+                robot.set_velocity(Twist2D(0.3, 0.1 * (i % 3)))
                 if i % 10 == 0:
-                    slow_robot.drive_to(3.0, 3.0, token=CancelToken(), report=lambda **f: None)
+                    robot.drive_to(3.0, 3.0, token=CancelToken(), report=lambda **f: None)
         except (Cancelled, SkillFailed):
             pass
         except BaseException as error:  # noqa: BLE001 - the test looks at it
@@ -264,7 +284,7 @@ def test_many_threads_may_ask_and_steer_at_once(slow_robot) -> None:
     for thread in threads:
         thread.start()
     for thread in threads:
-        thread.join(20)
+        thread.join(HUNG_S)
 
     assert not any(thread.is_alive() for thread in threads)
     assert errors == []

@@ -5,6 +5,7 @@ import math
 from dataclasses import astuple
 
 import pytest
+from held_time import STEP_S, Asked
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
@@ -58,15 +59,15 @@ def test_every_room_is_reached_from_every_other_without_a_touch(robot) -> None:
         assert reports[-1]["progress"] == 1.0
 
 
-def test_it_drives_no_faster_and_speeds_up_no_harder_than_its_limits(in_hall, driving) -> None:
-    robot = in_hall("", speed=20.0)
-    going = driving(robot, 7.0, 2.0)
+def test_it_drives_no_faster_and_speeds_up_no_harder_than_its_limits(in_hall) -> None:
+    robot = in_hall("", speed=0.0)
+    going = Asked(robot, robot.drive_to, 7.0, 2.0)
     speeds = [robot.velocity().linear_m_s]
     while robot.state()["goal"]:
-        robot.advance(0.02)
+        robot.advance(STEP_S)
         speeds.append(robot.velocity().linear_m_s)
 
-    assert going.end() is None
+    assert going.ended() is None
     assert max(speeds) == pytest.approx(0.8, abs=0.02)
     assert robot.time_s > 6 / 0.8, "6 m take longer than at full speed all the way"
 
@@ -99,34 +100,38 @@ def test_a_goal_that_is_no_number_is_invalid(robot, x_m) -> None:
         drive(robot, x_m, 1.0)
 
 
-def test_a_refused_goal_leaves_the_running_one_alone(slow_robot, driving) -> None:
-    going = driving(slow_robot, *slow_robot.places["bedroom"])
+def test_a_refused_goal_leaves_the_running_one_alone(held_robot) -> None:
+    going = Asked(held_robot, held_robot.drive_to, *held_robot.places["bedroom"])
 
     with pytest.raises(SkillFailed):
-        drive(slow_robot, 50, 50)
+        drive(held_robot, 50, 50)
 
-    assert slow_robot.state()["goal"] is not None
+    assert held_robot.state()["goal"] is not None
     going.token.cancel()
-    assert isinstance(going.end(), Cancelled)
+    assert isinstance(going.ended(), Cancelled)
 
 
-def test_progress_is_reported_while_it_drives(slow_robot, driving) -> None:
-    going = driving(slow_robot, *slow_robot.places["bedroom"])
+def test_progress_is_reported_while_it_drives(held_robot) -> None:
+    going = Asked(held_robot, held_robot.drive_to, *held_robot.places["bedroom"])
+
+    for _ in range(3):
+        assert going.report()["progress"] < 1.0
+        held_robot.advance(1.0)
 
     assert going.end() is None
     told = [report["progress"] for report in going.reports]
-    assert len(told) >= 3
+    assert told[2] > told[0]
     assert told == sorted(told)
     assert told[-1] == 1.0
 
 
-def test_furniture_pushed_into_the_way_is_driven_around(in_hall, driving) -> None:
+def test_furniture_pushed_into_the_way_is_driven_around(in_hall) -> None:
     robot = in_hall(
         "obstacle: [{name: box, shape: {name: rectangle, length: 0.4, width: 0.4}, "
         "state: [4, 3.4, 0], mass: 2, friction: 0.3}]",
-        speed=20.0,
+        speed=0.0,
     )
-    going = driving(robot, 7.0, 2.0)
+    going = Asked(robot, robot.drive_to, 7.0, 2.0)
     with robot._lock:
         robot._engine.put(robot._run.motion.pose, [Pose2D(4.0, 2.0, 0.0)])
 
@@ -135,9 +140,9 @@ def test_furniture_pushed_into_the_way_is_driven_around(in_hall, driving) -> Non
     assert robot.state()["collisions"] == 0
 
 
-def test_a_robot_that_cannot_move_says_that_it_is_stuck(in_hall, driving) -> None:
-    robot = in_hall("", speed=50.0)
-    going = driving(robot, 7.0, 2.0)
+def test_a_robot_that_cannot_move_says_that_it_is_stuck(in_hall) -> None:
+    robot = in_hall("", speed=0.0)
+    going = Asked(robot, robot.drive_to, 7.0, 2.0)
     with robot._lock:
         stands = Motion(robot._run.motion.pose, Twist2D(0.0, 0.0), frozenset())
         robot._engine.step = lambda command: stands

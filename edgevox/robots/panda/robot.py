@@ -117,7 +117,7 @@ class PandaRobot:
 
     def advance(self, seconds: float) -> None:
         """Block until this much of the world's time has passed."""
-        self._engine.advance(seconds)
+        self._cell.advance(seconds)
 
     def end_effector(self) -> Pose3D:
         quaternion = np.zeros(4)

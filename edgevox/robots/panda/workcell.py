@@ -28,7 +28,8 @@ from edgevox.robots.stepper import BROKE
 
 PERIOD_S = 0.02
 REPORT_EVERY_S = 0.2
-_THINKING_S = 2.0
+_THINKING_S = 60.0
+"""An errand that has not made up its mind by then hangs: it holds the world no longer."""
 
 
 class Workcell:
@@ -47,9 +48,18 @@ class Workcell:
 
     def control(self) -> bool:
         """One period. Where time can be held, it does not pass while an errand is being planned."""
+        self._wait_for_a_plan()
+        return self.arm.tick()
+
+    def advance(self, seconds: float) -> None:
+        """Let time pass. Where it can be held, an errand knows how to go on when this returns."""
+        self.engine.advance(seconds)
+        with self.engine.lock:
+            self._wait_for_a_plan()
+
+    def _wait_for_a_plan(self) -> None:
         if self.engine.waits:
             self.engine.lock.wait_for(self._knows_what_to_do, _THINKING_S)
-        return self.arm.tick()
 
     def _knows_what_to_do(self) -> bool:
         return self.errand is None or self.arm.motion is not None
