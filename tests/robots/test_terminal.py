@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pexpect
 import pytest
+from held_time import HUNG_S
 
 AGENT = str(Path(sys.executable).with_name("edgevox-agent"))
 COMMAND = [AGENT, "robot-apartment", "--text-mode", "--llm=none"]
@@ -15,7 +16,7 @@ COMMAND = [AGENT, "robot-apartment", "--text-mode", "--llm=none"]
 
 def run_script(text: str | bytes, *flags: str) -> subprocess.CompletedProcess:
     data = text.encode() if isinstance(text, str) else text
-    return subprocess.run([*COMMAND, *flags], input=data, capture_output=True, timeout=60)
+    return subprocess.run([*COMMAND, *flags], input=data, capture_output=True, timeout=HUNG_S)
 
 
 def test_a_script_is_done_line_by_line_and_ends_the_program():
@@ -82,7 +83,7 @@ def test_where_there_is_a_display_the_robot_is_shown_unless_it_is_not_wanted(mon
         assert b"is ready" in agent.stdout.readline()
         if shown:
             assert b"no_window" in agent.stderr.readline()
-        _, errors = agent.communicate(b"/quit\n", timeout=20)
+        _, errors = agent.communicate(b"/quit\n", timeout=HUNG_S)
         assert agent.returncode == 0
         assert b"window" not in errors
 
@@ -109,7 +110,7 @@ def test_with_nobody_there_it_runs_until_sigterm(stdin):
     with pytest.raises(subprocess.TimeoutExpired):
         agent.wait(1)
     agent.send_signal(signal.SIGTERM)
-    assert agent.wait(2) == 0
+    assert agent.wait(HUNG_S) == 0
     assert agent.stdout.read() == b""
     agent.stdout.close()
 
@@ -120,7 +121,7 @@ def test_a_reader_that_leaves_does_not_stop_the_robot():
     agent.stdout.close()
     agent.stdin.write(b"where are you\nwhere are you\n")
     agent.stdin.close()
-    assert agent.wait(20) == 0
+    assert agent.wait(HUNG_S) == 0
 
 
 @pytest.mark.parametrize(
@@ -156,14 +157,14 @@ def test_without_its_model_it_names_the_command_that_fetches_it_and_obeys(tmp_pa
     monkeypatch.setenv("EDGEVOX_MODELS_DIR", str(tmp_path))
     done = subprocess.run(
         [AGENT, "robot-apartment", "--text-mode"], input=b"where are you\n", capture_output=True,
-        timeout=60,
+        timeout=HUNG_S,
     )  # fmt: skip
     assert done.returncode == 0
     assert "edgevox-models fetch" in done.stderr.decode()
     assert "I am in the living room" in done.stdout.decode()
 
 
-def see(terminal, text, timeout_s=15):
+def see(terminal, text, timeout_s=HUNG_S):
     """Wait until the text is on the screen, answering where the cursor is as a terminal does."""
     while terminal.expect_exact(["\x1b[6n", text], timeout=timeout_s) == 0:
         terminal.send("\x1b[10;1R")
@@ -178,7 +179,7 @@ def prompt():
         encoding="utf-8",
         env={**os.environ, "TERM": "xterm"},
     )
-    see(terminal, "is ready", timeout_s=30)
+    see(terminal, "is ready")
     see(terminal, ">")
     yield terminal
     terminal.close(force=True)
@@ -189,7 +190,7 @@ def test_the_prompt_shows_answers_and_the_skills_progress(prompt):
     see(prompt, "Going to the kitchen.")
     see(prompt, "navigate_to room=kitchen")
     see(prompt, "█")
-    see(prompt, "I am in the kitchen.", timeout_s=40)
+    see(prompt, "I am in the kitchen.")
 
 
 def test_ctrl_c_once_interrupts_and_twice_leaves(prompt):
@@ -198,21 +199,21 @@ def test_ctrl_c_once_interrupts_and_twice_leaves(prompt):
     prompt.send("\x03")
     see(prompt, "Ctrl-C once more to leave")
     prompt.send("\x03")
-    prompt.expect(pexpect.EOF, timeout=10)
+    prompt.expect(pexpect.EOF, timeout=HUNG_S)
     prompt.wait()
     assert prompt.exitstatus == 0
 
 
 def test_ctrl_d_leaves(prompt):
     prompt.send("\x04")
-    prompt.expect(pexpect.EOF, timeout=10)
+    prompt.expect(pexpect.EOF, timeout=HUNG_S)
     prompt.wait()
     assert prompt.exitstatus == 0
 
 
 def test_sigterm_at_the_prompt_leaves_the_terminal_as_it_was(prompt):
     prompt.kill(signal.SIGTERM)
-    prompt.expect(pexpect.EOF, timeout=10)
+    prompt.expect(pexpect.EOF, timeout=HUNG_S)
     prompt.wait()
     assert prompt.exitstatus == 0
     assert "Traceback" not in prompt.before
@@ -227,7 +228,7 @@ def full_screen():
         encoding="utf-8",
         env={**os.environ, "TERM": "xterm-256color"},
     )
-    see(terminal, "listening", timeout_s=30)
+    see(terminal, "listening")
     yield terminal
     terminal.close(force=True)
 
@@ -237,7 +238,7 @@ def test_the_full_screen_shows_answers_and_leaves_the_terminal_as_it_was(full_sc
     see(full_screen, "living room")
     full_screen.send("\x11")  # Ctrl-Q
     see(full_screen, "\x1b[?1049l")  # the alternate screen is left
-    full_screen.expect(pexpect.EOF, timeout=10)
+    full_screen.expect(pexpect.EOF, timeout=HUNG_S)
     full_screen.wait()
     assert full_screen.exitstatus == 0
 
@@ -245,6 +246,6 @@ def test_the_full_screen_shows_answers_and_leaves_the_terminal_as_it_was(full_sc
 def test_sigterm_ends_the_full_screen_in_order(full_screen):
     full_screen.kill(signal.SIGTERM)
     see(full_screen, "\x1b[?1049l")
-    full_screen.expect(pexpect.EOF, timeout=10)
+    full_screen.expect(pexpect.EOF, timeout=HUNG_S)
     full_screen.wait()
     assert full_screen.exitstatus == 0

@@ -5,6 +5,7 @@ import os
 import sys
 from contextlib import ExitStack, asynccontextmanager
 
+from held_time import HUNG_S
 from textual.widgets import Footer, Input, RichLog, Static
 
 from edgevox.apps.composition import build_parts, start_parts
@@ -36,7 +37,7 @@ class Screen:
         return str(self.face.query_one(f"#{name}", Static).render())
 
     async def until(self, condition):
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(HUNG_S):
             while not condition():
                 await self.pilot.pause()
                 await asyncio.sleep(0.01)

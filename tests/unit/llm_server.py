@@ -14,6 +14,9 @@ from edgevox.core.cancel import CancelToken
 CHAT = [Message("system", "Be brief."), Message("user", "Where to?")]
 ROOMS = 'root ::= "go " ("kitchen" | "bedroom") "!"'
 Chat = Callable[["Reply"], None]
+HUNG_S = 120.0
+PATIENCE_S = 60.0
+"""What answers has so long, on whatever machine; shorter where silence is the subject."""
 
 
 class Reply:
@@ -50,7 +53,7 @@ class Reply:
 
     def hang(self) -> None:
         """Until the test is over, or nobody listens any more."""
-        self.over.wait(20)
+        self.over.wait(HUNG_S)
 
 
 def good(*pieces: str) -> Chat:
@@ -94,7 +97,7 @@ class Server:
     def url(self) -> str:
         return f"http://127.0.0.1:{self.port}"
 
-    def model(self, timeout_s: float = 5.0, **address: Any) -> EndpointModel:
+    def model(self, timeout_s: float = PATIENCE_S, **address: Any) -> EndpointModel:
         """A model that asks this server; it is closed with it."""
         model = EndpointModel(Address(self.url, timeout_s=timeout_s, **address))
         self._models.append(model)

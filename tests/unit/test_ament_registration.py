@@ -146,7 +146,7 @@ class Prefix:
             env={**FOREIGN, "PATH": f"{path}:/usr/bin:/bin"},
             capture_output=True,
             text=True,
-            timeout=10,
+            timeout=60,
         )
 
 

@@ -45,7 +45,7 @@ class Body:
             self.moving = True
             self.started.set()
             forget = goal.token.on_cancel(self.arrived.set)
-            self.arrived.wait(10)
+            self.arrived.wait(60)
             forget()
             if goal.token.cancelled:
                 raise Cancelled(goal.token.reason)
@@ -77,7 +77,7 @@ class StoryTeller:
         self.begun.set()
         yield SAY
         forget = token.on_cancel(self.allowed.release)
-        while self.allowed.acquire(timeout=10) and not token.cancelled:
+        while self.allowed.acquire(timeout=60) and not token.cancelled:
             yield "Once upon a time. "
         forget()
 
@@ -153,7 +153,7 @@ def stage(open_stage):
 
 def test_a_command_is_acknowledged_at_once_and_reported_when_done(stage):
     stage.say("go to the kitchen")
-    assert stage.body.started.wait(5)
+    assert stage.body.started.wait(60)
     stage.body.arrived.set()
     stage.settle()
     assert stage.texts() == ["Going to the kitchen.", "I am in the kitchen."]
@@ -175,11 +175,11 @@ def test_a_command_is_acknowledged_at_once_and_reported_when_done(stage):
 
 def test_the_robot_answers_a_question_while_it_drives(stage):
     stage.say("go to the kitchen")
-    assert stage.body.started.wait(5)
+    assert stage.body.started.wait(60)
     stage.say("where are you")
     answered = threading.Event()
     stage.bus.subscribe(Responded, lambda e: answered.set() if "1.2" in e.text else None)
-    assert answered.wait(5)
+    assert answered.wait(60)
     assert stage.body.moving
     stage.body.arrived.set()
     stage.settle()
@@ -194,7 +194,7 @@ def test_a_failed_skill_is_said_with_its_reason(stage):
 @pytest.mark.parametrize("word", ["stop", "Halt!", "no, freeze"])
 def test_a_stop_word_halts_the_body_and_says_so(stage, word):
     stage.say("go to the kitchen")
-    assert stage.body.started.wait(5)
+    assert stage.body.started.wait(60)
     stage.say(word)
     assert not stage.body.moving
     stage.settle()
@@ -209,9 +209,9 @@ def test_stop_does_not_wait_for_a_busy_model(open_stage):
     model = StoryTeller()
     stage = open_stage(model=model)
     stage.say("go to the kitchen")
-    assert stage.body.started.wait(5)
+    assert stage.body.started.wait(60)
     stage.say("tell me a story")
-    assert model.begun.wait(5)
+    assert model.begun.wait(60)
     stage.say("stop")
     assert not stage.body.moving
     stage.settle()
@@ -225,7 +225,7 @@ def test_an_interrupted_answer_is_marked_as_cut_and_the_next_turn_is_clean(open_
     stage.bus.subscribe(TokenGenerated, lambda e: heard.set())
     stage.say("tell me a story")
     model.allowed.release(3)
-    assert heard.wait(5)
+    assert heard.wait(60)
     stage.conversation.submit(Interrupt())
     stage.settle()
     assert all(e.cut for e in stage.events if isinstance(e, Responded))
@@ -240,7 +240,7 @@ def test_what_waited_before_a_stop_is_forgotten(open_stage):
     model = StoryTeller()
     stage = open_stage(model=model)
     stage.say("tell me a story")
-    assert model.begun.wait(5)
+    assert model.begun.wait(60)
     stage.say("go to the kitchen")
     stage.say("stop")
     stage.settle()
@@ -288,7 +288,7 @@ def test_without_a_model_an_unknown_sentence_is_answered_with_what_the_robot_can
 
 def test_reset_stops_the_robot_and_forgets(stage):
     stage.say("go to the kitchen")
-    assert stage.body.started.wait(5)
+    assert stage.body.started.wait(60)
     stage.conversation.submit(Reset())
     assert not stage.body.moving
     stage.settle()
@@ -331,7 +331,7 @@ def test_a_flood_is_bounded_and_the_next_command_works(open_stage):
     model = StoryTeller()
     stage = open_stage(model=model)
     stage.say("tell me a story")
-    assert model.begun.wait(5)
+    assert model.begun.wait(60)
     for _ in range(1000):
         stage.say("where are you")
     assert stage.conversation.refused == 1000 - MAX_WAITING

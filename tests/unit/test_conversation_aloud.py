@@ -35,7 +35,7 @@ class Saying:
 
     def finish(self):
         forget = self.token.on_cancel(self._played.set)
-        assert self._played.wait(10)
+        assert self._played.wait(60)
         forget()
         if self.token.cancelled:
             return Spoken("Once upon", cut=True, first_audible_s=self._clock.now())
@@ -100,7 +100,7 @@ class Stage:
             """Drive until told otherwise."""
             self.goal_token = goal.token
             self.driving.set()
-            goal.token.wait(10)
+            goal.token.wait(60)
             raise Cancelled(goal.token.reason)
 
         self.conversation = Conversation(
@@ -135,7 +135,7 @@ class Stage:
 def test_it_speaks_until_the_mouth_has_played_all():
     with Stage() as stage:
         stage.conversation.submit(Speak("Hello there."))
-        assert stage.spoken.wait(10)
+        assert stage.spoken.wait(60)
         assert not stage.of(Responded)
         stage.mouth.played.set()
         assert stage.conversation.wait_idle(10)
@@ -183,7 +183,7 @@ def test_silence_that_was_taken_for_speech_is_not_answered():
 def test_history_holds_what_was_heard_with_a_mark_that_it_was_cut():
     with Stage() as stage:
         stage.conversation.submit(TextInput("tell me a story"))
-        assert stage.spoken.wait(10)
+        assert stage.spoken.wait(60)
         stage.conversation.submit(Interrupt("spoken over", motion=False))
         assert stage.conversation.wait_idle(10)
         assert stage.of(Responded) == [Responded("Once upon", 1, cut=True)]
@@ -198,8 +198,8 @@ def test_history_holds_what_was_heard_with_a_mark_that_it_was_cut():
 def test_speaking_over_the_robot_cuts_its_words_but_not_its_drive():
     with Stage() as stage:
         stage.conversation.submit(TextInput("drive on"))
-        assert stage.driving.wait(10)
-        assert stage.spoken.wait(10)
+        assert stage.driving.wait(60)
+        assert stage.spoken.wait(60)
         stage.conversation.submit(Interrupt("spoken over", motion=False))
         assert stage.mouth.utterances[0].token.cancelled
         assert not stage.goal_token.cancelled
@@ -210,8 +210,8 @@ def test_speaking_over_the_robot_cuts_its_words_but_not_its_drive():
 def test_an_interrupt_cuts_words_and_drive():
     with Stage() as stage:
         stage.conversation.submit(TextInput("drive on"))
-        assert stage.driving.wait(10)
-        assert stage.spoken.wait(10)
+        assert stage.driving.wait(60)
+        assert stage.spoken.wait(60)
         stage.conversation.submit(Interrupt())
         assert stage.mouth.utterances[0].token.cancelled
         assert stage.goal_token.cancelled

@@ -35,7 +35,7 @@ class Model:
         if self.fails:
             raise ModelFailed("out of memory")
         if self.waits:
-            token.wait(20)
+            token.wait(60)
 
     def count_tokens(self, text: str) -> int:
         return len(text.split())
@@ -100,7 +100,7 @@ def test_what_is_cut_was_interrupted_whatever_it_said_before(stage) -> None:
     model = Model(SAY, "Hello. ", waits=True)
     one = stage(model)
     one.conversation.submit(TextInput("who are you"))
-    assert model.begun.wait(20)
+    assert model.begun.wait(60)
     one.conversation.submit(Interrupt(cause=Cause.BARGE_IN, motion=False))
     assert one.conversation.wait_idle(20)
 

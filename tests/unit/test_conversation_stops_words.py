@@ -27,7 +27,7 @@ class Stage:
         def think(goal):
             """Think for a while."""
             self.busy.set()
-            assert self.go_on.wait(10)
+            assert self.go_on.wait(60)
 
         for kind in (Responded, StateChanged, Transcribed):
             self.bus.subscribe(kind, self.events.append)
@@ -94,7 +94,7 @@ def test_what_was_said_after_a_spoken_stop_is_done_though_that_was_understood_la
 def test_a_language_that_was_set_is_not_forgotten_by_a_stop():
     with Stage() as stage:
         stage.conversation.submit(TextInput("think"))
-        assert stage.busy.wait(10)
+        assert stage.busy.wait(60)
         stage.conversation.set_language("fr")
         stage.conversation.submit(Reset())
         stage.go_on.set()

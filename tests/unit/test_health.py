@@ -41,7 +41,7 @@ def server(health):
 
 
 def ask(server, path="/live", method="GET"):
-    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=10)
+    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=60)
     connection.request(method, path)
     answer = connection.getresponse()
     text = answer.read()
@@ -141,13 +141,13 @@ def test_a_step_that_blocks_is_a_stall_and_ends_with_it():
 
     def step():
         entered.set()
-        released.wait(20)
+        released.wait(60)
         return False
 
     stepper = Stepper(step, period_s=0.02, speed=None, clock=clock)
     assert stepper.stalled_s == 0.0
     stepper.start()
-    assert entered.wait(10)
+    assert entered.wait(60)
     clock.now_s = 7.0
     assert stepper.stalled_s == 7.0
     released.set()
@@ -169,7 +169,7 @@ def test_steps_that_all_fail_are_a_stall():
     stepper = Stepper(step, period_s=0.02, speed=None, clock=clock, sleep=lambda _: None)
     stepper.start()
     for _ in range(4):
-        assert failed.acquire(timeout=10)
+        assert failed.acquire(timeout=60)
     assert stepper.stalled_s >= 3.0
     stepper.close()
 

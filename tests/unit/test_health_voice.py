@@ -83,7 +83,7 @@ def test_ears_that_lost_their_source_for_good_are_not(ears, source):
     assert ears.wait_over(10)
     for thread in threading.enumerate():
         if thread.name == "edgevox-ears":
-            thread.join(10)
+            thread.join(60)
     assert not ears.alive
 
 
@@ -100,7 +100,7 @@ def test_a_mouth_is_well_until_one_of_its_threads_ends():
     mouth.prepare()
     for thread in threading.enumerate():
         if thread.name == "edgevox-synthesis":
-            thread.join(10)
+            thread.join(60)
     assert not mouth.alive
     mouth.close()
     assert mouth.alive

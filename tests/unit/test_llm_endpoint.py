@@ -25,7 +25,7 @@ def test_the_first_piece_is_there_before_the_second_is_sent() -> None:
     def slowly(reply: Reply) -> None:
         reply.stream()
         reply.piece("go ")
-        assert first_heard.wait(5)
+        assert first_heard.wait(60)
         reply.piece("kitchen!", "stop")
 
     with serving(slowly) as server:

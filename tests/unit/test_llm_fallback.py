@@ -4,7 +4,7 @@ import logging
 from collections.abc import Iterator, Sequence
 
 import pytest
-from llm_server import Chat, Server, failing, good, never, serving
+from llm_server import PATIENCE_S, Chat, Server, failing, good, never, serving
 
 from edgevox.agent.llm.base import Message, ModelFailed
 from edgevox.agent.llm.endpoint import Address, EndpointModel, FallbackModel
@@ -45,9 +45,9 @@ class OnBoard:
 
 
 class Stage:
-    def __init__(self, server: Server, on_board: OnBoard | None) -> None:
+    def __init__(self, server: Server, on_board: OnBoard | None, timeout_s: float) -> None:
         self.clock = Hand()
-        self.shared = EndpointModel(Address(server.url, timeout_s=0.5), context_tokens=4096)
+        self.shared = EndpointModel(Address(server.url, timeout_s=timeout_s), context_tokens=4096)
         self.model = FallbackModel(self.shared, on_board, Breaker(self.clock))
 
     def ask(self) -> str:
@@ -56,11 +56,13 @@ class Stage:
 
 @pytest.fixture
 def stage(request: pytest.FixtureRequest):
-    def make(*chats: Chat, on_board: OnBoard | None) -> tuple[Stage, Server]:
+    def make(
+        *chats: Chat, on_board: OnBoard | None, timeout_s: float = PATIENCE_S
+    ) -> tuple[Stage, Server]:
         running = serving(*chats)
         server = running.__enter__()
         request.addfinalizer(lambda: running.__exit__(None, None, None))
-        one = Stage(server, on_board)
+        one = Stage(server, on_board, timeout_s)
         request.addfinalizer(one.model.close)
         return one, server
 
@@ -80,7 +82,7 @@ def test_a_server_that_works_is_the_one_that_answers(stage, caplog) -> None:
 
 @pytest.mark.parametrize("chat", [never, failing(500), failing(401), failing(404)])
 def test_a_server_that_fails_is_replaced_and_then_left_alone(stage, caplog, chat: Chat) -> None:
-    one, server = stage(chat, on_board=OnBoard())
+    one, server = stage(chat, on_board=OnBoard(), timeout_s=0.5 if chat is never else PATIENCE_S)
 
     assert one.ask() == "on board"
     tried = len(server.asked)

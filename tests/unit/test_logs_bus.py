@@ -40,7 +40,7 @@ def skills():
         started.set()
         ended = threading.Event()
         goal.token.on_cancel(ended.set)
-        ended.wait(10)
+        ended.wait(60)
         raise Cancelled(goal.token.reason)
 
     return SkillSet([navigate_to, look_for, wait])
@@ -103,7 +103,7 @@ def test_a_stop_word_is_told_with_what_it_stopped(ask):
     started.clear()
     with logging_to_memory() as logged:
         ask("wait for me", wait=False)
-        assert started.wait(10)
+        assert started.wait(60)
         ask("stop")
     (stop,) = logged.of("safety_stop")
     assert (stop["level"], stop["word"], stop["stopped"]) == ("info", "stop", True)

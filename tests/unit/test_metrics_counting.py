@@ -163,7 +163,7 @@ def test_two_agents_in_one_process_count_apart() -> None:
 
 
 def ask(server: MetricsServer, path: str = "/metrics") -> tuple[int, str, bytes]:
-    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=10)
+    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=60)
     connection.request("GET", path)
     answer = connection.getresponse()
     told = answer.status, answer.headers["Content-Type"], answer.read()

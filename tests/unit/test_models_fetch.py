@@ -246,7 +246,7 @@ def test_a_second_process_waits_for_the_first(wheels: Wheelhouse, tmp_path: Path
     with (here.root / ".voice.lock").open("w") as first:
         fcntl.flock(first, fcntl.LOCK_EX)
         second.start()
-        assert watched.noted.wait(10)
+        assert watched.noted.wait(60)
         assert here.missing(voice())
     second.join(30)
 

@@ -37,7 +37,7 @@ def texts(folder):
         return [raw[8:].split(b"\0")[0].rstrip(b"x").decode() for _, _, raw in bag.messages()]
 
 
-def wait_until(condition, timeout_s=10.0):
+def wait_until(condition, timeout_s=60.0):
     deadline = time.monotonic() + timeout_s
     while not condition():
         assert time.monotonic() < deadline

@@ -205,7 +205,7 @@ def test_closing_cuts_what_is_spoken_and_answers_who_waits():
     wait_for(audible)
     utterance.token.on_cancel(closing.set)
     rig.mouth.close()
-    waiter.join(20)
+    waiter.join(60)
     assert [one.cut for one in spoken] == [True]
     assert not [t for t in threading.enumerate() if t.name.startswith("edgevox-")]
 
