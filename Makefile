@@ -8,6 +8,7 @@ SHELL := /bin/bash
 PYTHON ?= python3
 AGENT ?= robot-apartment
 ARGS ?=
+WORKERS ?= 2
 TEST_MODELS ?= small quality smoke world robots
 
 VENV := .venv
@@ -37,10 +38,34 @@ run: $(DONE)/$(if $(ROS2),msgs,run) ## Start the agent, aloud and on ROS 2; the 
 	@$(BIN)/edgevox-models fetch small $(filter robot-panda robot-humanoid,$(AGENT))
 	@exec $(BIN)/edgevox-agent $(AGENT) $(if $(ROS2),--ros2) $(ARGS)
 
+# The parts of the tests, and what each needs that is fetched or built first. ARGS may name some.
+PARTS := unit robots models ros2 docs compose
+NEEDS_robots := test-models
+NEEDS_models := test-models $(DONE)/llama-cpp
+NEEDS_ros2 := test-models $(DONE)/msgs
+NEEDS_docs := test-models $(DONE)/msgs
+NEEDS_compose := test-image $(DONE)/msgs
+NAMED := $(sort $(foreach one,$(filter tests/%,$(ARGS)),$(word 2,$(subst /, ,$(one)))))
+TESTED := $(if $(filter tests tests/,$(ARGS)),$(PARTS),$(or $(filter $(PARTS),$(NAMED)),$(PARTS)))
+BESIDE := -n $(WORKERS) --dist loadfile --no-loadscope-reorder
+
 .PHONY: test
-test: $(DONE)/dev $(DONE)/msgs ## Run all tests; ARGS goes to pytest.
-	@$(MAKE) --no-print-directory -j2 $(DONE)/llama-cpp test-image
-	@$(BIN)/python -m pytest $(ARGS)
+test: ## Run all tests, or those that ARGS names; ARGS goes to pytest.
+	@PYTHON=$(PYTHON) scripts/check_machine $(TESTED)
+	@$(MAKE) --no-print-directory $(DONE)/dev
+	@$(MAKE) --no-print-directory -j2 $(DONE)/dev $(sort $(foreach part,$(TESTED),$(NEEDS_$(part))))
+	@$(BIN)/python -m pytest $(if $(NAMED),,$(BESIDE)) $(ARGS)
+
+.PHONY: unit
+unit: $(DONE)/dev ## Run what needs no model, no container, no node: in a minute.
+	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile tests/unit $(ARGS)
+
+.PHONY: steady
+steady: ## Run tests again and again, on a machine that is kept busy; hours.
+	@PYTHON=$(PYTHON) scripts/check_machine unit robots models ros2
+	@$(MAKE) --no-print-directory $(DONE)/dev
+	@$(MAKE) --no-print-directory -j2 $(NEEDS_robots) $(NEEDS_models) $(NEEDS_ros2)
+	@$(BIN)/python scripts/steady.py $(ARGS)
 
 .PHONY: test-models
 test-models: $(DONE)/dev
@@ -48,8 +73,7 @@ test-models: $(DONE)/dev
 
 .PHONY: test-image
 test-image: test-models
-	@if docker info >/dev/null 2>&1; then docker/image all; else \
-	    echo "No container engine answers: the tests that need one will fail. See .ci/engine." >&2; fi
+	@! docker info >/dev/null 2>&1 || docker/image all
 
 .PHONY: lint
 lint: $(DONE)/dev $(DONE)/compose-lint ## Check style, types, layers, locks and compose files.
@@ -122,8 +146,7 @@ clean: ## Remove .venv and caches of this folder; models stay in the user's cach
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(DONE)/tools: requirements/tools.lock
-	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON) not found: sudo apt install python3" >&2; exit 1; }
-	@$(PYTHON) scripts/check_machine.py
+	@PYTHON=$(PYTHON) scripts/check_machine
 	@echo "Creating $(VENV) with $$($(PYTHON) --version)"
 	@$(PYTHON) -m venv $(VENV)
 	@$(INSTALL) --require-hashes -r requirements/tools.lock
@@ -141,7 +164,7 @@ $(DONE)/dev: $(DONE)/run requirements/dev.lock
 	@touch $@
 
 $(DONE)/compose-lint: $(DONE)/tools compose/lint/package-lock.json
-	@command -v npm >/dev/null || { echo "npm not found: sudo apt install npm" >&2; exit 1; }
+	@PYTHON=$(PYTHON) scripts/check_machine lint
 	@mkdir -p $(VENV)/compose-lint && cp compose/lint/package*.json $(VENV)/compose-lint
 	@npm ci --prefix $(VENV)/compose-lint --ignore-scripts --no-audit --no-fund --silent
 	@touch $@

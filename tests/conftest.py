@@ -1,9 +1,39 @@
-"""What holds for all tests."""
+"""What holds for all tests: on whatever machine, and beside others in workers of pytest-xdist."""
 
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from beside import Room, in_turns
 from hypothesis import HealthCheck, settings
 
 # How long an example takes is the machine's business; what must be quick is a benchmark.
-settings.register_profile(
-    "any machine", deadline=None, suppress_health_check=[HealthCheck.too_slow]
-)
+SLOW = [HealthCheck.too_slow]
+settings.register_profile("any machine", deadline=None, suppress_health_check=SLOW)
 settings.load_profile("any machine")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", "alone: no other test runs meanwhile; it measures time")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    if hasattr(config, "workerinput"):
+        items[:] = in_turns((item.path, item) for item in items)
+
+
+@pytest.fixture(scope="session")
+def worker(request: pytest.FixtureRequest) -> tuple[int, int]:
+    """Which worker this is, from 0, and of how many; the only one where none are beside it."""
+    told = getattr(request.config, "workerinput", {"workerid": "gw0", "workercount": 1})
+    return int(told["workerid"].removeprefix("gw")), told["workercount"]
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
+    """A test that must be alone waits until the other workers' tests are over, and they for it."""
+    if not hasattr(item.config, "workerinput"):
+        return (yield)
+    room = Room(Path(item.config.option.basetemp).parent)  # where the workers' own folders lie
+    with room.alone() if item.get_closest_marker("alone") else room.shared():
+        return (yield)

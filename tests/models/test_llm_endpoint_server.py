@@ -82,6 +82,7 @@ def test_the_shared_model_understands_what_the_same_one_on_board_does(shared, on
     assert not [one.invalid for one in there if one.invalid]
 
 
+@pytest.mark.alone
 def test_a_cancelled_answer_frees_the_server_for_the_next(shared: EndpointModel) -> None:
     started_s = time.monotonic()
     whole = list(shared.generate(COUNT, grammar=NUMBERS, max_tokens=300, token=CancelToken()))

@@ -9,6 +9,7 @@ from voice_endurance import endure
 from voice_stage import Stage
 
 
+@pytest.mark.alone
 def test_five_minutes_of_talk_leave_no_thread_and_no_memory_and_make_it_no_slower(tmp_path):
     with (
         pytest.MonkeyPatch.context() as patch,

@@ -83,11 +83,6 @@ class Agent:
             self._arrived.notify_all()
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The chaos comes last: whoever waits for the other tests does not wait for it."""
-    items.sort(key=lambda item: item.path.name == "test_chaos.py")
-
-
 @pytest.fixture(scope="module", autouse=True)
 def _localhost():
     with pytest.MonkeyPatch.context() as patch:
@@ -96,9 +91,10 @@ def _localhost():
 
 
 @pytest.fixture(scope="session")
-def _domains():
+def _domains(worker):
     """Every module its own: a process that was killed haunts its domain for 20 s."""
-    domains = list(range(1, 100))
+    number, workers = worker
+    domains = list(range(1 + number, 100, workers))
     random.shuffle(domains)
     return iter(domains)
 

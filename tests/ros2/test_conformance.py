@@ -126,6 +126,7 @@ def test_text_is_said_as_it_is(live):
     assert sentence.wait_for(lambda _: True) == "The shop closes in ten minutes."
 
 
+@pytest.mark.alone
 @pytest.mark.parametrize("topic", RATES)
 def test_a_rate_holds_within_five_percent(live, topic):
     (endpoint,) = live.node.get_publishers_info_by_topic(full(topic))

@@ -1,0 +1,58 @@
+"""Tests in workers of pytest-xdist: what runs beside what, and what runs alone."""
+
+import fcntl
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from itertools import chain, zip_longest
+from pathlib import Path
+from typing import TypeVar
+
+COMPUTING = ("models", "robots", "docs", "unit")
+"""The parts of the tests that mostly compute, the longest first."""
+WAITING = ("compose", "ros2")
+"""Those that mostly wait: for containers, for the other end of a wire, for a robot to arrive."""
+LAST = "test_chaos.py"
+
+Item = TypeVar("Item")
+
+
+def in_turns(items: Iterable[tuple[Path, Item]]) -> list[Item]:
+    """What computes and what waits, a file of each in turn, so that both are under way at once."""
+    files: dict[Path, list[Item]] = {}
+    for path, item in items:
+        files.setdefault(path, []).append(item)
+    lanes = [
+        [path for part in parts for path in files if path.parent.name == part and path.name != LAST]
+        for parts in (COMPUTING, WAITING)
+    ]
+    placed = [path for path in chain(*zip_longest(*lanes)) if path is not None]
+    rest = [path for path in files if path not in placed and path.name != LAST]
+    last = [path for path in files if path.name == LAST]
+    return [item for path in (*placed, *rest, *last) for item in files[path]]
+
+
+class Room:
+    """A room that many processes share, until one of them wants it alone.
+
+    Whoever wants it alone waits at the door until those who are inside have left, and nobody else
+    comes in before him. The folder is the same for all who share it.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._door, self._room = folder / "door", folder / "room"
+
+    @contextmanager
+    def shared(self) -> Iterator[None]:
+        with self._room.open("w") as room:
+            with self._door.open("w") as door:
+                fcntl.flock(door, fcntl.LOCK_EX)
+                fcntl.flock(room, fcntl.LOCK_SH)
+            yield
+
+    @contextmanager
+    def alone(self) -> Iterator[None]:
+        with self._room.open("w") as room:
+            with self._door.open("w") as door:
+                fcntl.flock(door, fcntl.LOCK_EX)
+                fcntl.flock(room, fcntl.LOCK_EX)
+            yield

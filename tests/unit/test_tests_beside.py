@@ -1,0 +1,69 @@
+"""Tests that run beside others: their order, and that one which must be alone is."""
+
+import threading
+from pathlib import Path
+
+from beside import Room, in_turns
+
+PATIENCE_S = 60
+
+
+def files(*names: str) -> list[tuple[Path, str]]:
+    return [(Path("tests") / name, f"{name}::{test}") for name in names for test in ("a", "b")]
+
+
+def test_what_computes_and_what_waits_take_turns_file_by_file_and_chaos_comes_last():
+    found = files(
+        "compose/c.py", "ros2/r.py", "ros2/test_chaos.py", "robots/b.py", "unit/u.py", "unit/v.py"
+    )
+
+    assert [one for one in in_turns(found) if one.endswith("::a")] == [
+        "robots/b.py::a",
+        "compose/c.py::a",
+        "unit/u.py::a",
+        "ros2/r.py::a",
+        "unit/v.py::a",
+        "ros2/test_chaos.py::a",
+    ]
+
+
+def test_no_test_is_lost_and_those_of_a_file_stay_together():
+    found = files("elsewhere/e.py", "ros2/r.py", "unit/u.py", "ros2/test_chaos.py")
+
+    placed = in_turns(found)
+
+    assert sorted(placed) == sorted(test for _, test in found)
+    assert [one[:-3] for one in placed[::2]] == [one[:-3] for one in placed[1::2]]
+
+
+def test_many_share_a_room(tmp_path):
+    with Room(tmp_path).shared(), Room(tmp_path).shared():
+        pass
+
+
+def test_whoever_wants_the_room_alone_waits_until_it_is_empty_and_then_has_it(tmp_path):
+    told: list[str] = []
+    inside, waiting = threading.Event(), threading.Event()
+
+    def alone() -> None:
+        waiting.set()
+        with Room(tmp_path).alone():
+            told.append("alone")
+            inside.set()
+            after.start()
+            told.append("still alone")
+
+    def late() -> None:
+        with Room(tmp_path).shared():
+            told.append("shared again")
+
+    first, after = threading.Thread(target=alone), threading.Thread(target=late)
+    with Room(tmp_path).shared():
+        first.start()
+        assert waiting.wait(PATIENCE_S)
+        told.append("shared")
+    assert inside.wait(PATIENCE_S)
+    first.join(PATIENCE_S)
+    after.join(PATIENCE_S)
+
+    assert told == ["shared", "alone", "still alone", "shared again"]
