@@ -15,6 +15,7 @@ from dataclasses import asdict
 
 import pytest
 from chaos_actions import Actions
+from chaos_machine import busy_cores, told
 from chaos_robot import ARRIVE_S, THINK_S, Robot
 from chaos_world import Killed, ModelFiles, ModelServer
 from conftest import READY, Agent
@@ -45,8 +46,8 @@ def say(text):
 class Journal:
     """What was done, for whoever has to find out why it failed."""
 
-    def __init__(self, robot, file):
-        self._robot, self._file = robot, file
+    def __init__(self, robot, file, machine):
+        self._robot, self._file, self.machine = robot, file, machine
         self._begun_s = time.monotonic()
         self.counts = Counter()
         self.memory_mb = []
@@ -64,10 +65,16 @@ class Journal:
             return
         say(f"EDGEVOX_CHAOS_SEED={SEED}; the last of {self.counts.total()} actions:")
         say("\n".join(self.last))
+        say(f"the machine: {self.machine}")
         say(f"the node: {self._robot.how_it_is()}")
         self._file.write_text(self._robot.agent.output)
         say(f"the end of its log, which is whole in {self._file}:")
         say("\n".join(self._robot.agent.lines[-TAIL:]))
+
+
+@pytest.fixture
+def machine():
+    return told(busy_cores())
 
 
 @pytest.fixture
@@ -131,11 +138,11 @@ def run_chaos(actions, robot, killed, rng, journal, seconds):
 
 @pytest.mark.alone
 def test_after_five_minutes_of_chaos_it_answers_drives_and_stops_as_before(
-    robot, server, killed, domain, capsys, tmp_path
+    machine, robot, server, killed, domain, capsys, tmp_path
 ):
     rng = random.Random(SEED)
     actions = Actions(robot, rng, domain, server, robot.files, killed)
-    with Journal(robot, tmp_path / "node.log") as journal:
+    with Journal(robot, tmp_path / "node.log", machine) as journal:
         server.die()  # what is on board answers, before and after
         robot.settle()
         before = robot.first_minute()
@@ -154,7 +161,8 @@ def test_after_five_minutes_of_chaos_it_answers_drives_and_stops_as_before(
             tell(journal, stops, before, after, first, last, killed)
         for name, seconds in after.items():
             limit = LONGEST_S.get(name, SLOWER * before[name] + SLACK_S)
-            assert seconds < limit, f"{name} took {before[name]:.2f} s, and then {seconds:.2f} s"
+            then = f"{name} took {before[name]:.2f} s, and then {seconds:.2f} s"
+            assert seconds < limit, f"{then}; {machine}"
         assert last.own_mb < first.own_mb + MARGIN_MB, f"{first}, then {last}"
         for what in ("threads", "files"):
             wait_until(
@@ -178,6 +186,7 @@ def rest(robot, server, killed):
 
 def tell(journal, stops, before, after, first, last, killed):
     say(f"\nchaos: seed {SEED}, {journal.counts.total()} actions in {CHAOS_S:g} s")
+    say(f"  {journal.machine}")
     say("  " + ", ".join(f"{count} {name}" for name, count in journal.counts.most_common()))
     say(f"  {killed.killed} peers killed; stops in a flood, s: {[round(s, 2) for s in stops]}")
     say(f"  its own memory every {PROBE_EVERY_S:g} s, MB: {journal.memory_mb}")
