@@ -4,6 +4,7 @@ import asyncio
 import json
 import socket
 import threading
+from collections import Counter
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -14,7 +15,12 @@ from edgevox.core.errors import InvalidValue
 REQUEST_S = 2.0
 """How long a request may take to arrive and its answer to leave."""
 MOST_BYTES = 4096
-MOST_AT_ONCE = 16
+MOST_AT_ONCE = 64
+"""Of more, the address that holds most is hung up on: its oldest connection."""
+MOST_TAKEN = 16
+"""So many connections are taken up before those that are there are looked at again."""
+MOST_KNOCKING = 128
+"""So many may wait to be taken up."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +41,8 @@ class HttpServer:
     """Listens from its making on and answers from `start` to `close`, on a thread of its own.
 
     `pages` gives by path what makes a page, on that thread: quickly. Who is slow to ask or to hear
-    is hung up on. Raises `InvalidValue`, naming the setting that gave the port, where it cannot
+    is hung up on, at once where others come: whoever asks is answered, however many connections
+    somebody holds. Raises `InvalidValue`, naming the setting that gave the port, where it cannot
     listen.
     """
 
@@ -52,7 +59,7 @@ class HttpServer:
         self._socket = _listen(host, port, setting)
         self._loop = asyncio.new_event_loop()
         self._closed = asyncio.Event()
-        self._clients = 0
+        self._clients: dict[asyncio.StreamWriter, str] = {}
         self._thread = threading.Thread(target=self._serve, name=name)
 
     @property
@@ -80,23 +87,34 @@ class HttpServer:
         self._loop.run_until_complete(asyncio.gather(*left, return_exceptions=True))
 
     async def _answer_until_closed(self) -> None:
-        server = await asyncio.start_server(self._client, sock=self._socket, limit=MOST_BYTES)
+        server = await asyncio.start_server(
+            self._client, sock=self._socket, limit=MOST_BYTES, backlog=MOST_TAKEN
+        )
+        self._socket.listen(MOST_KNOCKING)
         await self._closed.wait()
         server.close()
 
     async def _client(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        self._clients += 1
+        self._make_room()
+        self._clients[writer] = str((writer.get_extra_info("peername") or ("",))[0])
         writer.transport.set_write_buffer_limits(high=0)  # what is drained has left
         try:
-            if self._clients <= MOST_AT_ONCE:
-                async with asyncio.timeout(REQUEST_S):
-                    await self._answer(reader, writer)
+            async with asyncio.timeout(REQUEST_S):
+                await self._answer(reader, writer)
         except (TimeoutError, OSError, asyncio.IncompleteReadError, asyncio.LimitOverrunError):
             writer.transport.abort()  # who asks or listens like this hears nothing
         finally:
-            self._clients -= 1
+            self._clients.pop(writer, None)
             with suppress(OSError):
                 writer.close()
+
+    def _make_room(self) -> None:
+        if len(self._clients) < MOST_AT_ONCE:
+            return
+        held = Counter(self._clients.values())
+        oldest = max(self._clients, key=lambda one: held[self._clients[one]])  # of equals the first
+        del self._clients[oldest]
+        oldest.transport.abort()
 
     async def _answer(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         head = await reader.readuntil(b"\r\n\r\n")
