@@ -80,5 +80,5 @@ def listen(
 
 def resident_kib() -> int:
     """Memory that this process has, in KiB."""
-    lines = Path("/proc/self/status").read_text().splitlines()
+    lines = Path("/proc/self/status").read_text(encoding="utf-8").splitlines()
     return next(int(line.split()[1]) for line in lines if line.startswith("VmRSS"))

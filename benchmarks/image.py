@@ -135,7 +135,7 @@ def rebuilding(times: int) -> float:
         shutil.copy(ROOT / ".dockerignore", copy)
         environment = {**os.environ, "TAG": "rebuilt"}
         for attempt in range(times):
-            with (copy / "edgevox" / "apps" / "agent.py").open("a") as code:
+            with (copy / "edgevox" / "apps" / "agent.py").open("a", encoding="utf-8") as code:
                 code.write(f"# {attempt} {time.time()}\n")
             began = time.monotonic()
             command = [copy / "docker" / "image", "edgevox"]

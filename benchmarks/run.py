@@ -73,7 +73,7 @@ def measure_here(name: str, quick: bool, file: Path) -> int:
     except (Exception, KeyboardInterrupt):  # noqa: BLE001 - whatever it was, all is told
         traceback.print_exc()
         return FAILED
-    file.write_text(found.model_dump_json())
+    file.write_text(found.model_dump_json(), encoding="utf-8")
     return OK
 
 

@@ -57,7 +57,7 @@ def _clock_of(name: str | None) -> int | None:
 
 def cpu_s(process: int) -> float:
     """Seconds that a process has worked so far, all threads together, to a hundredth."""
-    fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    fields = Path(f"/proc/{process}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
@@ -70,5 +70,5 @@ def percent_of(process: int, seconds: float) -> float:
 
 def resident_mb(process: int) -> float:
     """Memory that a process has, in MB."""
-    lines = Path(f"/proc/{process}/status").read_text().splitlines()
+    lines = Path(f"/proc/{process}/status").read_text(encoding="utf-8").splitlines()
     return next(int(x.split()[1]) for x in lines if x.startswith("VmRSS")) * 1024 / 1e6

@@ -106,7 +106,7 @@ def _package(module: str) -> str:
 
 def layers() -> list[list[str]]:
     """The packages by layer, the uppermost first."""
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     contracts = project["tool"]["importlinter"]["contracts"]
     (rows,) = (contract["layers"] for contract in contracts if contract["type"] == "layers")
     return [[one.strip().removeprefix("edgevox.") for one in row.split("|")] for row in rows]
@@ -175,7 +175,7 @@ def _fitting(about: str, characters: int) -> list[str]:
 
 def _about(package: str) -> str:
     """What a package is, in the first sentence of its own words."""
-    code = (ROOT / "edgevox" / package / "__init__.py").read_text()
+    code = (ROOT / "edgevox" / package / "__init__.py").read_text(encoding="utf-8")
     text = (ast.get_docstring(ast.parse(code)) or "").partition("\n\n")[0].replace("\n", " ")
     return re.split(r"\.(?: |$)", text)[0].replace("`", "")
 
@@ -249,15 +249,21 @@ def _told(libraries: set[str]) -> set[str]:
 def main(arguments: list[str]) -> int:
     """Run `write` or `check`; 2 for anything else."""
     imports = read_imports()
-    page = BLOCK.sub(lambda found: found[1] + table(imports) + found[2], PAGE.read_text())
+    page = BLOCK.sub(
+        lambda found: found[1] + table(imports) + found[2], PAGE.read_text(encoding="utf-8")
+    )
     wanted = {PICTURE: draw(imports), PAGE: page}
     match arguments:
         case ["write"]:
             for file, text in wanted.items():
-                file.write_text(text)
+                file.write_text(text, encoding="utf-8")
             return 0
         case ["check"]:
-            old = [f for f, text in wanted.items() if not f.is_file() or f.read_text() != text]
+            old = [
+                f
+                for f, text in wanted.items()
+                if not f.is_file() or f.read_text(encoding="utf-8") != text
+            ]
             for file in old:
                 sys.stderr.write(
                     f"{file.name}: not current; run docs/render_architecture.py write\n"

@@ -54,7 +54,7 @@ def main() -> None:
         feed = Feed(parts.bus, parts.controls)
         stack.callback(feed.close)
         start_parts(stack, parts)
-        IMAGE.write_text(FONTS.sub("", asyncio.run(screenshot(parts, feed))))
+        IMAGE.write_text(FONTS.sub("", asyncio.run(screenshot(parts, feed))), encoding="utf-8")
 
 
 async def screenshot(parts: Parts, feed: Feed) -> str:

@@ -25,7 +25,9 @@ CMAKE_ARGS = " ".join(
 
 def shelf() -> Path:
     """The folder that holds, or will hold, the wheel of this source with these options."""
-    what = f"{LOCK.read_text()}{CMAKE_ARGS}{platform.machine()}{platform.libc_ver()}"
+    what = (
+        f"{LOCK.read_text(encoding='utf-8')}{CMAKE_ARGS}{platform.machine()}{platform.libc_ver()}"
+    )
     cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     key = hashlib.sha256(what.encode()).hexdigest()[:16]
     return cache / "edgevox" / "wheels" / f"llama-cpp-python-{key}"

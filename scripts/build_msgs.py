@@ -46,10 +46,10 @@ def patch_cmake_files() -> None:
     """Point the wheels' CMake files to this machine's headers of Python and numpy."""
     python = sysconfig.get_path("include")
     for path in (PREFIX / "share").glob("*/cmake/*.cmake"):
-        old = path.read_text()
+        old = path.read_text(encoding="utf-8")
         new = BUILDERS_NUMPY.sub(np.get_include(), BUILDERS_PYTHON.sub(python, old))
         if new != old:
-            path.write_text(new)
+            path.write_text(new, encoding="utf-8")
 
 
 def environment() -> dict[str, str]:
@@ -85,7 +85,8 @@ def _run(command: list[str | Path]) -> None:
         env=environment(),
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
-        text=True,
+        encoding="utf-8",
+        errors="replace",
         check=False,
     )
     if done.returncode != 0:
@@ -94,14 +95,14 @@ def _run(command: list[str | Path]) -> None:
 
 def main() -> int:
     """Build what is not built yet from these very sources."""
-    if STAMP.is_file() and STAMP.read_text() == fingerprint():
+    if STAMP.is_file() and STAMP.read_text(encoding="utf-8") == fingerprint():
         return 0
     patch_cmake_files()
     with tempfile.TemporaryDirectory(prefix="edgevox-msgs-") as place:
         for package in PACKAGES:
             build(package, Path(place) / package)
             sys.stderr.write(f"built {package}\n")
-    STAMP.write_text(fingerprint())
+    STAMP.write_text(fingerprint(), encoding="utf-8")
     return 0
 
 

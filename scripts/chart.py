@@ -81,13 +81,13 @@ def documents(rendered: Mapping[str, str]) -> list[dict[str, Any]]:
 
 def fleet() -> str:
     """The three-robot fleet, rendered."""
-    rendered = documents(render(yaml.safe_load(FLEET.read_text())))
+    rendered = documents(render(yaml.safe_load(FLEET.read_text(encoding="utf-8"))))
     return HEAD + yaml.safe_dump_all(rendered, sort_keys=False, width=100)
 
 
 def schema() -> str:
     """The schema with its generated part as it should be."""
-    written = json.loads(SCHEMA.read_text())
+    written = json.loads(SCHEMA.read_text(encoding="utf-8"))
     kinds = {name: _allowed(VARIABLES[name]) for name in OF_THE_TABLE}
     others = sorted(ENVIRONMENT.keys() - set(VARIABLES.values()) - set(FIXED))
     written["definitions"] |= kinds | {"variable": {"enum": others}}
@@ -114,12 +114,16 @@ def main(arguments: Sequence[str]) -> int:
     """Run `write` or `check`; 2 for anything else."""
     match list(arguments):
         case ["write"]:
-            SCHEMA.write_text(schema())
-            RENDERED.write_text(fleet())
+            SCHEMA.write_text(schema(), encoding="utf-8")
+            RENDERED.write_text(fleet(), encoding="utf-8")
             return 0
         case ["check"]:
             wanted = {SCHEMA: schema(), RENDERED: fleet()}
-            old = [file.name for file, text in wanted.items() if file.read_text() != text]
+            old = [
+                file.name
+                for file, text in wanted.items()
+                if file.read_text(encoding="utf-8") != text
+            ]
             for name in old:
                 sys.stderr.write(f"{name}: not current; run scripts/chart.py write\n")
             return 1 if old else 0

@@ -118,10 +118,10 @@ def main(arguments: Sequence[str]) -> int:
     wanted = json.dumps(dashboard(), indent=2) + "\n"
     match list(arguments):
         case ["write"]:
-            FILE.write_text(wanted)
+            FILE.write_text(wanted, encoding="utf-8")
             return 0
         case ["check"]:
-            if FILE.is_file() and FILE.read_text() == wanted:
+            if FILE.is_file() and FILE.read_text(encoding="utf-8") == wanted:
                 return 0
             sys.stderr.write(f"{FILE.name}: not current; run scripts/dashboard.py write\n")
             return 1

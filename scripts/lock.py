@@ -50,11 +50,11 @@ OPTIONS = (
 
 def fingerprint(name: str) -> str:
     """What the lock of this name depends on, as one hash."""
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     declared = {key: project[key] for key in ("dependencies", "optional-dependencies")}
     overrides = (option.partition("--override=")[2] for option in SPECIAL.get(name, ()))
     sources = [REQUIREMENTS / f"{name}.in", *(ROOT / path for path in overrides if path)]
-    source = "".join(path.read_text() for path in sources)
+    source = "".join(path.read_text(encoding="utf-8") for path in sources)
     used = declared if "-e ." in source else {}
     return hashlib.sha256(f"{source}{json.dumps(used, sort_keys=True)}".encode()).hexdigest()
 
@@ -66,14 +66,19 @@ def compile_lock(name: str) -> None:
     options = (*OPTIONS, *SPECIAL.get(name, ()))
     command = [uv, "pip", "compile", *options, f"requirements/{name}.in", "-o", lock]
     subprocess.run(command, cwd=ROOT, check=True)
-    body = "".join(line for line in lock.open() if not line.startswith("#"))
-    lock.write_text(f"{MARK}{fingerprint(name)} by `make lock`. Do not edit.\n{body}")
+    body = "".join(line for line in lock.open(encoding="utf-8") if not line.startswith("#"))
+    lock.write_text(
+        f"{MARK}{fingerprint(name)} by `make lock`. Do not edit.\n{body}", encoding="utf-8"
+    )
 
 
 def stale(name: str) -> bool:
     """Whether the lock was made from something else than what is there now."""
     lock = REQUIREMENTS / f"{name}.lock"
-    return not lock.is_file() or f"{MARK}{fingerprint(name)} " not in lock.open().readline()
+    return (
+        not lock.is_file()
+        or f"{MARK}{fingerprint(name)} " not in lock.open(encoding="utf-8").readline()
+    )
 
 
 def main(arguments: list[str]) -> int:

@@ -148,13 +148,16 @@ def action() -> str:
 def launch() -> str:
     """The launch files."""
     files = sorted(LAUNCH.glob("*.launch.py"))
-    rows = ((f"`{file.name}`", ast.get_docstring(ast.parse(file.read_text()))) for file in files)
+    rows = (
+        (f"`{file.name}`", ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))))
+        for file in files
+    )
     return table(("launch file", "what"), ((name, _first_line(about)) for name, about in rows))
 
 
 def launch_arguments() -> str:
     """What all launch files take."""
-    for node in ast.parse((LAUNCH / "edgevox.launch.py").read_text()).body:
+    for node in ast.parse((LAUNCH / "edgevox.launch.py").read_text(encoding="utf-8")).body:
         if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "ARGUMENTS":
             arguments = ast.literal_eval(node.value)
     rows = ((f"`{name}`", about) for name, about in arguments.items())
@@ -250,7 +253,7 @@ def schema() -> str:
 
 def main(arguments: list[str]) -> int:
     """Run `write` or `check`; 2 for anything else."""
-    pages = {page: page.read_text() for page in PAGES}
+    pages = {page: page.read_text(encoding="utf-8") for page in PAGES}
     there = {name for text in pages.values() for _, name, _ in BLOCK.findall(text)}
     if missing := PARTS.keys() - there:
         sys.stderr.write(f"docs: no part generated: {', '.join(sorted(missing))}\n")
@@ -259,10 +262,14 @@ def main(arguments: list[str]) -> int:
     match arguments:
         case ["write"]:
             for file, text in wanted.items():
-                file.write_text(text)
+                file.write_text(text, encoding="utf-8")
             return 0
         case ["check"]:
-            old = [file.name for file, text in wanted.items() if file.read_text() != text]
+            old = [
+                file.name
+                for file, text in wanted.items()
+                if file.read_text(encoding="utf-8") != text
+            ]
             for name in old:
                 sys.stderr.write(f"{name}: not current; run scripts/reference.py write\n")
             return 1 if old else 0

@@ -86,7 +86,7 @@ def _shown(path: str) -> str:
     if file.is_dir():
         names = sorted(one.name for one in file.iterdir() if one.is_file())
         return f"{HIDDEN}# {path}\n\n" + "".join(f"- [{name}]({name})\n" for name in names)
-    text = file.read_text()
+    text = file.read_text(encoding="utf-8")
     if path.endswith(".md"):
         return text
     suffix = PurePosixPath(path).suffix

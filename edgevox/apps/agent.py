@@ -11,12 +11,14 @@ from edgevox.apps.program import run_program, set_up_logs
 from edgevox.apps.robots import build_body
 from edgevox.apps.serving import serve
 from edgevox.apps.snapshot import take_snapshot
+from edgevox.apps.streams import with_streams
 from edgevox.core.settings import load_settings
 
 IN_THE_HAND = 0.0
 """A speed of the world: time passes only when somebody lets it."""
 
 
+@with_streams("edgevox-agent")
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the agent; the process's exit code."""
     asked = parse_arguments(sys.argv[1:] if argv is None else argv)

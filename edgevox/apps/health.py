@@ -11,12 +11,15 @@ import os
 import sys
 from collections.abc import Sequence
 
+from edgevox.apps.streams import with_streams
+
 WELL, UNWELL, USAGE_ERROR = 0, 1, 2
 PORT, HOST = "EDGEVOX_HEALTH_PORT", "EDGEVOX_HEALTH_HOST"
 LOOPBACK = {4: "127.0.0.1", 6: "::1"}
 TIMEOUT_S = 3.0
 
 
+@with_streams("edgevox-health")
 def main(argv: Sequence[str] | None = None) -> int:
     """Ask; the process's exit code."""
     arguments = _parser().parse_args(argv)

@@ -5,6 +5,7 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from edgevox.apps.streams import with_streams
 from edgevox.core.errors import EdgeVoxError
 from edgevox.models import Store, UnknownModel, fetch
 from edgevox.models.fetch import OFFLINE_VARIABLE
@@ -15,6 +16,7 @@ from edgevox.models.store import ROOT_VARIABLE
 OK, FAILED, USAGE = 0, 1, 2
 
 
+@with_streams("edgevox-models", results=True)
 def main(argv: Sequence[str] | None = None, manifest: Manifest | None = None) -> int:
     """Run one command; 0 if all is well, 1 if something failed, 2 for a wrong command line."""
     options = _parser().parse_args(argv)

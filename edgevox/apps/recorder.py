@@ -13,6 +13,7 @@ from edgevox.apps.ending import Ending, Terminated
 from edgevox.apps.metrics import serve_recorders_metrics
 from edgevox.apps.program import run_program, set_up_logs
 from edgevox.apps.recorder_arguments import Asked, parse_arguments
+from edgevox.apps.streams import with_streams
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.settings import Settings
 from edgevox.ops.health import Health, lives, moves
@@ -28,6 +29,7 @@ NOT_ALL_RECORDED = 74
 """Exit code where the disk, or its speed, lost messages and nothing else went wrong."""
 
 
+@with_streams("edgevox-recorder")
 def main(argv: Sequence[str] | None = None) -> int:
     """Run it; the process's exit code."""
     lost: list[str] = []

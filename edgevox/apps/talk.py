@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from edgevox import __version__
 from edgevox.apps.flags import add_flags, given_flags
 from edgevox.apps.program import run_program, set_up_logs
+from edgevox.apps.streams import with_streams
 from edgevox.core.settings import Settings, load_settings
 from edgevox.ros2 import split_ros_args
 
@@ -39,6 +40,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         from edgevox.apps.doctor.command import main as doctor
 
         return doctor(given[1:], f"edgevox {DOCTOR}")
+    return _talk(given)
+
+
+@with_streams("edgevox")
+def _talk(given: Sequence[str]) -> int:
     own, ros = split_ros_args(given)
     arguments = _parser().parse_args(own)
 

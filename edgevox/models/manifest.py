@@ -134,7 +134,7 @@ class Manifest(Entry):
 
 def load_manifest(path: Path) -> Manifest:
     """Read a manifest from a TOML file."""
-    return parse_manifest(path.read_text())
+    return parse_manifest(path.read_text(encoding="utf-8"))
 
 
 def parse_manifest(*texts: str) -> Manifest:
@@ -158,4 +158,4 @@ def parse_manifest(*texts: str) -> Manifest:
 def builtin_manifest() -> Manifest:
     """The manifest that this EdgeVox came with."""
     folder = files("edgevox.models")
-    return parse_manifest(*(folder.joinpath(name).read_text() for name in BUILTIN))
+    return parse_manifest(*(folder.joinpath(name).read_text(encoding="utf-8") for name in BUILTIN))

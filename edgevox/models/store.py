@@ -85,8 +85,10 @@ class Store:
         texts = ["\n".join(line for line in head if line)]
         texts += [_licence_text(licence) for licence in model.licences[bool(model.licence_file) :]]
         if model.licence_file:
-            texts.insert(1, (folder / model.licence_file).read_text(errors="replace"))
-        (folder / NOTICE).write_text("\n\n".join(texts))
+            texts.insert(
+                1, (folder / model.licence_file).read_text(encoding="utf-8", errors="replace")
+            )
+        (folder / NOTICE).write_text("\n\n".join(texts), encoding="utf-8")
         shutil.rmtree(folder / PARTIAL, ignore_errors=True)
 
     @contextmanager
@@ -99,7 +101,7 @@ class Store:
         bench = self.folder(model) / PARTIAL
         try:
             bench.mkdir(parents=True, exist_ok=True)
-            lock = (self.root / f".{model.id}.lock").open("w")
+            lock = (self.root / f".{model.id}.lock").open("wb")
         except OSError as error:
             raise StoreNotWritable(
                 f"models: cannot write to {self.root}: {error.strerror}; "
@@ -119,7 +121,9 @@ class Store:
 
 
 def _licence_text(licence: str) -> str:
-    return files("edgevox.models").joinpath("licences", f"{licence}.txt").read_text()
+    return (
+        files("edgevox.models").joinpath("licences", f"{licence}.txt").read_text(encoding="utf-8")
+    )
 
 
 def _remove_empty(*folders: Path) -> None:

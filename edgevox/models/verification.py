@@ -38,7 +38,7 @@ def remember(folder: Path, file: ModelFile) -> bool:
     stamps = _read_stamps(folder) | {file.name: _stamp(folder / file.name, file)}
     fresh = folder / f"{STAMPS}.new"
     try:
-        fresh.write_text(json.dumps(stamps, indent=1))
+        fresh.write_text(json.dumps(stamps, indent=1), encoding="utf-8")
         fresh.replace(folder / STAMPS)
     except OSError as error:
         log.debug("model_not_stamped", file=str(folder / file.name), reason=str(error))
@@ -57,7 +57,7 @@ def _stamp(path: Path, file: ModelFile) -> str:
 
 def _read_stamps(folder: Path) -> dict[str, str]:
     try:
-        stamps = json.loads((folder / STAMPS).read_text())
+        stamps = json.loads((folder / STAMPS).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return {}
     return stamps if isinstance(stamps, dict) else {}

@@ -76,7 +76,7 @@ def stack(
     """The base file with these overlays, up and healthy; with `start` false only ready to go."""
     files = [BASE, *(f"compose/{name}.yml" for name in overlays)]
     environment["COMPOSE_PROJECT_NAME"] = f"edgevox-test-{secrets.token_hex(4)}"
-    with NamedTemporaryFile("w", suffix=".env") as settings:
+    with NamedTemporaryFile("w", encoding="utf-8", suffix=".env") as settings:
         settings.writelines(f"{name}={value}\n" for name, value in environment.items())
         settings.flush()
         compose = DockerCompose(ROOT, files, env_file=settings.name, services=list(services))

@@ -47,7 +47,7 @@ def proofs() -> list[Proof]:
 
 def fences(page: Path) -> list[tuple[str, str]]:
     """Language and text of every block of a page."""
-    return FENCE.findall(page.read_text())
+    return FENCE.findall(page.read_text(encoding="utf-8"))
 
 
 def commands(page: Path) -> list[str]:
@@ -58,7 +58,7 @@ def commands(page: Path) -> list[str]:
             found += _lines(text)
         elif language == "console":
             found += [line[2:] for line in text.splitlines() if line.startswith("$ ")]
-    prose = FENCE.sub("", page.read_text())
+    prose = FENCE.sub("", page.read_text(encoding="utf-8"))
     return found + [" ".join(one.replace("\\|", "|").split()) for one in _INLINE.findall(prose)]
 
 

@@ -151,5 +151,5 @@ def test_ten_minutes_leave_no_thread_and_no_memory_behind(whisper):
 
 
 def resident_kib():
-    with open("/proc/self/status") as status:
+    with open("/proc/self/status", encoding="utf-8") as status:
         return next(int(line.split()[1]) for line in status if line.startswith("VmRSS"))

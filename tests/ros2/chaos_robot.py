@@ -91,7 +91,7 @@ class Robot:
             raise AssertionError(errors(heard.messages[-1]) or "nothing on /diagnostics") from None
 
     def taken(self) -> Taken:
-        lines = Path(f"/proc/{self.pid}/status").read_text().splitlines()
+        lines = Path(f"/proc/{self.pid}/status").read_text(encoding="utf-8").splitlines()
         status = {name: rest.split() for name, _, rest in (one.partition(":") for one in lines)}
         return Taken(
             own_mb=int(status["RssAnon"][0]) / 1024,

@@ -35,7 +35,11 @@ class Robot:
         self.before = self.taken()
 
     def taken(self):
-        lines = Path(f"/proc/{self.process.process.pid}/status").read_text().splitlines()
+        lines = (
+            Path(f"/proc/{self.process.process.pid}/status")
+            .read_text(encoding="utf-8")
+            .splitlines()
+        )
         status = dict(line.split(":", 1) for line in lines)
         return int(status["VmRSS"].split()[0]) / 1024, int(status["Threads"])
 

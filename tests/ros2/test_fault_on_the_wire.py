@@ -158,7 +158,7 @@ def test_a_signal_ends_it_while_it_drives_in_a_flood(domain, peer, number):
 def test_a_signal_ends_it_before_it_has_a_handler_as_a_shell_would_say(domain):
     one = Agent("robot-panda", "--text-mode", "--ros2", "--llm", "none", domain=domain)
     maps = f"/proc/{one.process.pid}/maps"
-    while "libmujoco" not in open(maps).read():  # noqa: SIM115 - it builds its world
+    while "libmujoco" not in open(maps, encoding="utf-8").read():  # noqa: SIM115 - it builds its world
         assert one.process.poll() is None
         os.sched_yield()
 

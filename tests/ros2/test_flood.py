@@ -27,7 +27,11 @@ class Robot:
 
     def taken(self):
         """Resident memory in MB, and the number of threads."""
-        lines = Path(f"/proc/{self._process.process.pid}/status").read_text().splitlines()
+        lines = (
+            Path(f"/proc/{self._process.process.pid}/status")
+            .read_text(encoding="utf-8")
+            .splitlines()
+        )
         status = dict(line.split(":", 1) for line in lines)
         return int(status["VmRSS"].split()[0]) / 1024, int(status["Threads"])
 

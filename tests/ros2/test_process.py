@@ -17,7 +17,7 @@ SHARED_MEMORY = "/dev/shm/fastrtps"  # noqa: S108 - where the middleware puts it
 
 def shared_memory_of(process):
     """The middleware's shared memory that this process has open, its peers' included."""
-    maps = Path(f"/proc/{process.pid}/maps").read_text()
+    maps = Path(f"/proc/{process.pid}/maps").read_text(encoding="utf-8")
     return {line.split()[-1] for line in maps.splitlines() if SHARED_MEMORY in line}
 
 

@@ -148,4 +148,4 @@ def test_the_process_takes_every_setting_and_describes_it_in_the_same_words(
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
 def test_no_launch_file_touches_the_domain(file: Path) -> None:
-    assert "ROS_DOMAIN_ID" not in file.read_text()
+    assert "ROS_DOMAIN_ID" not in file.read_text(encoding="utf-8")

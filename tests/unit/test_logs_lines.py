@@ -160,7 +160,7 @@ def test_colours_are_for_terminals_and_for_who_asks(monkeypatch):
         log.warning("sound_lost")
     assert "\x1b[" in asked.text
     ours, theirs = pty.openpty()
-    with open(theirs, "w") as terminal:
+    with open(theirs, "w", encoding="utf-8") as terminal:
         set_up(Settings(log_format="auto"), terminal)
         log.warning("sound_lost")
         tear_down()
@@ -170,7 +170,7 @@ def test_colours_are_for_terminals_and_for_who_asks(monkeypatch):
 
 def test_a_reader_that_stops_reading_stops_nobody_and_is_told_what_it_missed():
     reading, writing = os.pipe()
-    with open(writing, "w") as stream, open(reading, "rb", buffering=0) as reader:
+    with open(writing, "w", encoding="utf-8") as stream, open(reading, "rb", buffering=0) as reader:
         set_up(Settings(log_format="json", log_level="info"), stream)
         for number in range(2000):
             log.info("flood", number=number, more="x" * 200)

@@ -125,7 +125,7 @@ def _allowed(field: FieldInfo) -> str:
 
 
 def _load() -> Mapping[str, Row]:
-    text = files("edgevox.apps.container").joinpath("environment.toml").read_text()
+    text = files("edgevox.apps.container").joinpath("environment.toml").read_text(encoding="utf-8")
     adapter = TypeAdapter(list[Row])
     rows = adapter.validate_python(
         [{"variable": name, **row} for name, row in tomllib.loads(text).items()]

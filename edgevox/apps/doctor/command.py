@@ -11,6 +11,7 @@ from edgevox.apps.doctor.report import as_json, print_table, worst
 from edgevox.apps.doctor.runner import ask
 from edgevox.apps.doctor.verdict import Check, Grade, Situation
 from edgevox.apps.robots import ROBOTS
+from edgevox.apps.streams import with_streams
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.settings import ENV_PREFIX, Settings, check_settings, load_settings
 
@@ -19,6 +20,7 @@ AGENT = "EDGEVOX_AGENT"
 PROGRAM = "edgevox-doctor"
 
 
+@with_streams(PROGRAM, results=True)
 def main(argv: Sequence[str] | None = None, program: str = PROGRAM) -> int:
     """Look at the machine; 0 if EdgeVox can run on it, 1 if not, 2 for a wrong command line."""
     arguments = _parser(program).parse_args(argv)

@@ -1,6 +1,5 @@
 """Chooses how to talk: a prompt on a terminal, a script from a pipe, or nobody at all."""
 
-import contextlib
 import os
 import stat
 import sys
@@ -64,7 +63,4 @@ def _has_input() -> bool:
 
 
 def _write(line: str) -> None:
-    with contextlib.suppress(
-        BrokenPipeError
-    ):  # whoever read our output has left; the robot has not
-        print(line, flush=True)
+    print(line, flush=True)

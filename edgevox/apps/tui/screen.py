@@ -21,10 +21,10 @@ def stderr_as_lines(write: Callable[[str], None]) -> Iterator[None]:
     reading, writing = os.pipe()
     os.dup2(writing, 2)
     os.close(writing)
-    sys.__stderr__ = os.fdopen(os.dup(terminal), "w")  # type: ignore[misc]
+    sys.__stderr__ = os.fdopen(os.dup(terminal), "w", encoding="utf-8")  # type: ignore[misc]
 
     def carry() -> None:
-        with os.fdopen(reading, errors="replace") as lines:
+        with os.fdopen(reading, encoding="utf-8", errors="replace") as lines:
             for line in lines:
                 write(line.rstrip())
 

@@ -26,7 +26,7 @@ class Joined:
         self.out.flush()
         self.parts, self.size = self.parts + 1, self.out.tell()
         entry = {"origin": self._origin, "parts": self.parts, "size": self.size}
-        self._ledger.write_text(json.dumps(entry))
+        self._ledger.write_text(json.dumps(entry), encoding="utf-8")
 
     def finish(self) -> Path:
         """All parts are there; the next one who joins this file starts anew."""
@@ -46,7 +46,7 @@ class Joined:
 
     def _known(self) -> tuple[int, int]:
         try:
-            entry = json.loads(self._ledger.read_text())
+            entry = json.loads(self._ledger.read_text(encoding="utf-8"))
             parts, size = int(entry["parts"]), int(entry["size"])
             fits = entry["origin"] == self._origin and self._path.stat().st_size >= size
         except (OSError, ValueError, KeyError, TypeError):

@@ -4,14 +4,11 @@ import contextlib
 import json
 import logging
 import os
-import select
 from io import UnsupportedOperation
 from typing import TextIO
 
 from edgevox.core.log import Line
-
-PATIENCE_S = 0.1
-"""So long a line waits for a reader that is behind. Lines are lost until it reads on."""
+from edgevox.core.outlet import Reader
 
 
 class LineStream(logging.Handler):
@@ -23,8 +20,7 @@ class LineStream(logging.Handler):
     def __init__(self, stream: TextIO) -> None:
         super().__init__()
         self._stream = stream
-        self._stalled = False
-        self._poll = _poll_of(stream)
+        self._reader = _reader_of(stream)
         self.lost = 0
 
     def in_colour(self) -> bool:
@@ -35,7 +31,7 @@ class LineStream(logging.Handler):
         """Write one line, or lose it."""
         try:
             text = self.format(record)
-            if not self._writable():
+            if self._reader and not self._reader.awake():
                 self.lost += 1
                 return
             if self.lost:
@@ -56,24 +52,13 @@ class LineStream(logging.Handler):
         self._stream.write(text + "\n")
         self._stream.flush()
 
-    def _writable(self) -> bool:
-        if self._poll is None:
-            return True
-        wait_s = 0.0 if self._stalled else PATIENCE_S
-        events = self._poll.poll(wait_s * 1000)
-        self._stalled = not events
-        return bool(events)
 
-
-def _poll_of(stream: TextIO) -> "select.poll | None":
-    """What tells whether the stream takes more; None where there is no file behind it."""
+def _reader_of(stream: TextIO) -> Reader | None:
+    """Who reads the stream; None where there is no file behind it."""
     try:
-        number = stream.fileno()
+        return Reader(stream.fileno())
     except (OSError, ValueError, UnsupportedOperation):
         return None
-    poll = select.poll()
-    poll.register(number, select.POLLOUT)
-    return poll
 
 
 def _is_terminal(stream: TextIO) -> bool:
