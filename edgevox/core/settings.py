@@ -5,20 +5,22 @@ variables, command line flags, and, on a running node, ROS 2 parameters.
 """
 
 import re
+import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, Field, ValidationError
 from pydantic_settings import (
     BaseSettings,
+    InitSettingsSource,
     PydanticBaseSettingsSource,
     SettingsConfigDict,
-    TomlConfigSettingsSource,
 )
 
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.languages import LANGUAGES
+from edgevox.core.user_file import read_text
 
 ENV_PREFIX = "EDGEVOX_"
 _NAMESPACE = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+|/")
@@ -62,6 +64,8 @@ class Settings(BaseSettings):
     model_config = SettingsConfigDict(
         env_prefix=ENV_PREFIX, extra="forbid", frozen=True, validate_default=True
     )
+    written: ClassVar[Mapping[str, Any]] = {}
+    """What stands in the TOML file."""
 
     language: Annotated[str, AfterValidator(_known_language)] = Field(
         "en", description="language to hear and speak, ISO 639-1 code"
@@ -190,7 +194,7 @@ class Settings(BaseSettings):
         file_secret_settings: PydanticBaseSettingsSource,  # noqa: ARG003
     ) -> tuple[PydanticBaseSettingsSource, ...]:
         """Flags, then the environment, then the TOML file that `load_settings` names."""
-        return init_settings, env_settings, TomlConfigSettingsSource(settings_cls)
+        return init_settings, env_settings, InitSettingsSource(settings_cls, dict(cls.written))
 
 
 def load_settings(flags: Mapping[str, Any], config: Path | None = None) -> Settings:
@@ -198,18 +202,21 @@ def load_settings(flags: Mapping[str, Any], config: Path | None = None) -> Setti
 
     Raises `InvalidValue` naming the field, its value, and what was expected.
     """
-    if config is not None and not config.is_file():
-        raise InvalidValue("config", str(config), "a TOML file that exists")
 
     class FromFile(Settings):
-        model_config = SettingsConfigDict(toml_file=config)
+        written = _read_config(config) if config else {}
 
     try:
         return FromFile(**flags)
     except ValidationError as error:
         raise _explain(error) from None
-    except ValueError as error:
-        raise EdgeVoxError(f"config: {config} is not valid TOML: {error}") from None
+
+
+def _read_config(file: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(read_text(file, "config"))
+    except (ValueError, RecursionError) as error:
+        raise EdgeVoxError(f"config: {file} is not valid TOML: {error}") from None
 
 
 def check_settings(values: Mapping[str, Any]) -> Settings:

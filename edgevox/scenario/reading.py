@@ -8,7 +8,8 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from edgevox.core.errors import InvalidValue
-from edgevox.core.yaml_file import parse_yaml, read_text
+from edgevox.core.user_file import read_text
+from edgevox.core.yaml_file import parse_yaml
 from edgevox.scenario.model import Scenario
 from edgevox.scenario.steps import STEPS
 

@@ -2,6 +2,7 @@
 
 import wave
 from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edgevox.core.errors import InvalidValue
+from edgevox.core.user_file import regular
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.resample import Resampler
 
@@ -36,11 +38,15 @@ def stream_wav(path: Path, rate_hz: int = RATE_HZ) -> Iterator[Samples]:
         yield resampler.flush()
 
 
-def _opened(path: Path, field: str) -> wave.Wave_read:
-    try:
-        return wave.open(str(path), "rb")
-    except (wave.Error, EOFError, OSError) as error:
-        raise InvalidValue(field, str(path), f"a WAV file of PCM ({error})") from None
+@contextmanager
+def _opened(path: Path, field: str) -> Iterator[wave.Wave_read]:
+    with ExitStack() as stack:
+        try:
+            data = stack.enter_context(open(path, "rb", opener=regular))
+            file = stack.enter_context(wave.open(data))
+        except (wave.Error, EOFError, OSError) as error:
+            raise InvalidValue(field, str(path), f"a WAV file of PCM ({error})") from None
+        yield file
 
 
 def _scaled(data: bytes, width: int) -> NDArray[np.floating[Any]]:

@@ -11,7 +11,7 @@ from edgevox.agent import deeds, mind
 from edgevox.agent.conversation import MAX_WAITING
 from edgevox.agent.llm.endpoint import exchange
 from edgevox.apps.terminal import script
-from edgevox.core import text
+from edgevox.core import text, user_file
 from edgevox.ops import http_server
 from edgevox.robots import capabilities, world
 from edgevox.ros2 import skill_requests
@@ -67,6 +67,7 @@ def test_the_page_of_robots_has_every_protocol_with_its_methods():
         ("{:,} steps", model.MAX_STEPS),
         ("{:,} things", world.MOST_THINGS),
         ("{} places", locations.MOST_LOCATIONS),
+        ("names | {} MB", user_file.LARGEST_TEXT_BYTES // 1_000_000),
         ("{:,} messages", inbox.MOST_MESSAGES),
         ("or {} MB that wait", inbox.MOST_BYTES >> 20),
     ],

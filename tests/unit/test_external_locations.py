@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from edgevox.core.errors import InvalidValue
-from edgevox.core.yaml_file import LARGEST_FILE_BYTES
+from edgevox.core.user_file import LARGEST_TEXT_BYTES
 from edgevox.ros2.external.locations import Location, load_locations, parse_locations
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "ros2" / "locations.yaml"
@@ -65,7 +65,7 @@ def test_a_file_has_a_size_that_fits_a_home(tmp_path) -> None:
     assert "1 to 200" in refused(many).expected
 
     big = tmp_path / "big.yaml"
-    big.write_text("#" * (LARGEST_FILE_BYTES + 1))
+    big.write_text("#" * (LARGEST_TEXT_BYTES + 1))
     with pytest.raises(InvalidValue, match="locations: .* at most 1000000 bytes"):
         load_locations(big)
 

@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from edgevox.core.errors import InvalidValue
-from edgevox.core.yaml_file import LARGEST_FILE_BYTES
+from edgevox.core.user_file import LARGEST_TEXT_BYTES
 from edgevox.robots.shapes import Circle, Line, Polygon
 from edgevox.robots.world import apartment_file, load_world, parse_world
 
@@ -258,7 +258,7 @@ def test_unknown_keys_that_resemble_nothing_are_ignored_as_in_irsim(
 
 def test_a_file_that_is_absent_too_large_or_no_text_is_refused(tmp_path) -> None:
     large, binary = tmp_path / "large.yaml", tmp_path / "binary.yaml"
-    large.write_bytes(b"#" * (LARGEST_FILE_BYTES + 1))
+    large.write_bytes(b"#" * (LARGEST_TEXT_BYTES + 1))
     binary.write_bytes(b"\xff\xfe\x00")
 
     for path, expected in (

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from edgevox.agent.llm.base import ModelFailed
+from edgevox.core.user_file import regular
 
 _MAGIC = b"GGUF"
 _SCALARS = {0: 1, 1: 1, 2: 2, 3: 2, 4: 4, 5: 4, 6: 4, 7: 1, 10: 8, 11: 8, 12: 8}
@@ -31,7 +32,7 @@ def check(path: Path) -> Weights:
     """What the file is. Raises `ModelFailed` if it is missing, not GGUF, or cut short."""
     try:
         size = path.stat().st_size
-        with path.open("rb") as file:
+        with open(path, "rb", opener=regular) as file:
             if file.read(4) != _MAGIC:
                 raise ModelFailed(f"{path}: not a GGUF model, its first bytes are not 'GGUF'")
             _version, tensors, values = _unpack(file, "<IQQ")

@@ -5,11 +5,13 @@ from pathlib import Path
 import mujoco
 
 from edgevox.core.errors import InvalidValue
+from edgevox.core.user_file import open_file
 
 HEAD_CAMERA = "edgevox_head_camera"
 """A camera on a mocap body of the same name: the scene's owner moves it."""
 
 _MOST_BODIES = 2000
+_LARGEST_BYTES = 50_000_000
 _GRID_M = 1.0
 
 
@@ -19,8 +21,8 @@ def read_robot(path: Path) -> tuple[mujoco.MjSpec, str]:
     Keyframes and actuators of the file are left out: who walks it brings its own. Raises
     `InvalidValue` for the field `mjcf`, with what was expected.
     """
-    if not path.is_file():
-        raise InvalidValue("mjcf", str(path), "an MJCF file that exists")
+    with open_file(path, "mjcf", _LARGEST_BYTES):
+        pass  # MuJoCo, which opens it itself, waits for a pipe and reads a device for ever
     try:
         spec = mujoco.MjSpec.from_file(str(path))
     except (ValueError, OSError) as error:

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from edgevox.core.errors import InvalidValue
-from edgevox.core.yaml_file import parse_yaml, read_text
+from edgevox.core.user_file import read_text
+from edgevox.core.yaml_file import parse_yaml
 from edgevox.robots.world_fields import Fields
 
 MOST_LOCATIONS = 200

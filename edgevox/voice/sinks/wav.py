@@ -9,6 +9,7 @@ from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
 from edgevox.core.log import get_logger
+from edgevox.core.user_file import regular
 from edgevox.voice.audio import Chunk, Samples
 from edgevox.voice.sinks.pacing import RateChanger
 
@@ -45,7 +46,7 @@ class WavFile:
         self._written = 0
         self.trouble = ""
         try:
-            self._file = path.open("wb", buffering=0)
+            self._file = open(path, "wb", buffering=0, opener=regular)  # noqa: SIM115 - until close
             self._write_all(_header(0))
         except OSError as error:
             expected = f"a WAV file that can be written ({error.strerror})"

@@ -8,12 +8,14 @@ from urllib.parse import urlsplit
 
 from edgevox.agent.llm.base import Message
 from edgevox.agent.llm.endpoint.errors import Unusable
+from edgevox.core.user_file import regular
 
 Dialect = Literal["auto", "llama-server", "vllm", "vllm-guided", "none"]
 """How a server takes a grammar, or that it takes none; auto asks it what it is."""
 
 _OWNERS: Mapping[str, Dialect] = {"llamacpp": "llama-server", "vllm": "vllm"}
 """What servers call themselves in their list of models."""
+_LONGEST_KEY = 4096
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,10 +49,11 @@ class Address:
         if self.key_file is None:
             return plain
         try:
-            key = self.key_file.read_text(encoding="ascii").strip()
+            with open(self.key_file, encoding="ascii", opener=regular) as file:
+                key = file.read(_LONGEST_KEY + 1).strip()
         except (OSError, UnicodeDecodeError):
             raise Unusable(f"llm_endpoint_key_file: {self.key_file} cannot be read") from None
-        if not key or not key.isprintable() or " " in key:
+        if not 0 < len(key) <= _LONGEST_KEY or not key.isprintable() or " " in key:
             raise Unusable(f"llm_endpoint_key_file: {self.key_file} does not hold one key")
         return plain | {"Authorization": f"Bearer {key}"}
 
