@@ -149,7 +149,13 @@ ROWS: Sequence[tuple[str, Sequence[Panel]]] = (
             ),
             Panel(
                 "Messages refused",
-                [(rate("edgevox_refused_messages_total", "topic"), "{{topic}}")],
+                [
+                    (
+                        rate("edgevox_refused_messages_total", "topic, reason"),
+                        "{{topic}} {{reason}}",
+                    ),
+                    (rate("edgevox_refused_requests_total", "reason"), "sentences {{reason}}"),
+                ],
                 "cps",
             ),
             Panel(

@@ -8,14 +8,14 @@ from typing import Any
 from edgevox.agent.agents import Agent
 from edgevox.agent.deeds import Deeds
 from edgevox.agent.goals import Goal
-from edgevox.agent.items import Announce, Forget, Item, Language, Settle
+from edgevox.agent.items import Announce, Forget, Item, Language, Settle, TooLong, asked_in_words
 from edgevox.agent.llm.base import LanguageModel
 from edgevox.agent.mind import Mind
 from edgevox.agent.safety import SafetyWords
 from edgevox.agent.skills import Call, SkillSet
 from edgevox.agent.states import StateMachine
 from edgevox.agent.turn import Asked, Turn
-from edgevox.agent.waiting import MAX_WAITING, Waiting
+from edgevox.agent.waiting import LIMITS, Waiting
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.commands import Heard, Interrupt, Reset, RunSkill, Speak, TextInput, Transcribing
@@ -78,7 +78,6 @@ class Conversation:
         self._stopped_s = float("-inf")
         self._mouth = mouth
         self._states = StateMachine(bus)
-        self.refused = 0
         self._thread = threading.Thread(target=self._work, name="edgevox-conversation")
 
     def start(self) -> None:
@@ -91,6 +90,11 @@ class Conversation:
     def alive(self) -> bool:
         """Whether its thread works, unless it was not started yet or was closed."""
         return self._closed or self._thread.ident is None or self._thread.is_alive()
+
+    @property
+    def refusals(self) -> Mapping[str, int]:
+        """How much was not taken, by `Refusal`."""
+        return self._items.refusals
 
     def close(self) -> None:
         """Stop everything and wait for the threads."""
@@ -153,8 +157,7 @@ class Conversation:
     def wait_idle(self, timeout_s: float | None = None) -> bool:
         """Block until nothing is said, thought or done any more; False after the timeout.
 
-        For scripts and tests: the answer to a command and the end of the goals it started both
-        count.
+        For scripts and tests: a command's answer and the end of the goals it started both count.
         """
         deadline_s = None if timeout_s is None else self._clock.now() + timeout_s
         while True:
@@ -181,12 +184,10 @@ class Conversation:
 
     def _put(self, item: Item) -> None:
         with self._ready:
-            full = not self._closed and not self._items.put(item)
+            refusal = None if self._closed else self._items.put(item)
             self._ready.notify_all()
-        if full:
-            self.refused += 1
-            if self.refused.bit_count() == 1:  # 1, 2, 4, 8, ...: a flood leaves a few lines
-                log.warning("utterances_refused", refused=self.refused, waiting=MAX_WAITING)
+        if refusal:
+            log.warning("request_refused", reason=refusal, limit=LIMITS[refusal])
 
     def _interrupt(self, reason: str, *, motion: bool) -> None:
         """Stop everything; without `motion` only cut what is said: somebody wants to be heard."""
@@ -239,14 +240,19 @@ class Conversation:
             log.exception("turn_failed")
             turn.say(self.mind.phrases.say("broken"), Outcome.FAILED)
         finally:
-            self._end(turn, measured=isinstance(item, TextInput | Heard))
+            self._end(turn, measured=asked_in_words(item))
 
     def _handle(self, item: Item, turn: Turn) -> None:
         match item:
             case TextInput(text=text) | Heard(text=text):
                 self._converse(text, turn)
             case Speak(text=text):
-                turn.say(clean(text)[:MAX_CHARACTERS])
+                turn.say(clean(text))
+            case TooLong(length=length):
+                if item.asked:
+                    self._bus.publish(Transcribed(item.beginning, turn.number))
+                told = self.mind.phrases.say("too_long", length=length, limit=MAX_CHARACTERS)
+                turn.say(told, Outcome.REFUSED)
             case RunSkill(name=name, arguments=arguments):
                 self._deeds.perform([Call(name, arguments)], self._skills, turn, "command")
             case Announce(text=text):
@@ -260,12 +266,9 @@ class Conversation:
 
     def _converse(self, raw: str, turn: Turn) -> None:
         text = clean(raw)
-        self._bus.publish(Transcribed(text[:MAX_CHARACTERS], turn.number))
+        self._bus.publish(Transcribed(text, turn.number))
         if not text:
             turn.say(self.mind.phrases.say("not_heard"), Outcome.NOT_UNDERSTOOD)
-        elif len(raw) > MAX_CHARACTERS:
-            length = {"length": len(raw), "limit": MAX_CHARACTERS}
-            turn.say(self.mind.phrases.say("too_long", **length), Outcome.REFUSED)
         else:
             self._states.enter(State.THINKING, turn)
             meaning = self.mind.understand(text, turn)

@@ -13,6 +13,7 @@ from edgevox.agent.skills import Skill
 from edgevox.apps.parts import Parts
 from edgevox.apps.voice import Voice, dropped_frames
 from edgevox.core.bus import Bus
+from edgevox.core.refusals import Refusal
 from edgevox.core.settings import Settings
 from edgevox.ops.health import Health
 from edgevox.robots.capabilities import CountsHalts, KeepsPace, TellsStalls
@@ -68,6 +69,7 @@ def read_parts(parts: Parts) -> None:
     metrics.read("edgevox_build_info", lambda: _build_info(parts))
     metrics.read("edgevox_muted", lambda: parts.controls.muted)
     metrics.read("edgevox_dropped_total", lambda: _dropped(parts))
+    metrics.read("edgevox_refused_requests_total", lambda: parts.conversation.refusals)
     metrics.read("edgevox_failures_total", lambda: _failures(parts))
     metrics.read("edgevox_model_weights_bytes", lambda: _weights(parts))
     _read_body(metrics, parts)
@@ -128,7 +130,7 @@ def _read_server(metrics: "Registry", parts: Parts) -> None:
 
 
 def _dropped(parts: Parts) -> Mapping[str, float]:
-    found: dict[str, float] = {"conversation": parts.conversation.refused}
+    found: dict[str, float] = {"conversation": parts.conversation.refusals[Refusal.TOO_MANY]}
     if parts.voice and parts.ears:
         found["microphone"] = dropped_frames(parts.voice.source)
         found["understanding"] = parts.ears.understanding.refused

@@ -1,5 +1,7 @@
 """The root of every error that EdgeVox raises on purpose."""
 
+from edgevox.core.refusals import Refusal
+
 
 class EdgeVoxError(Exception):
     """Something was wrong; the message says what, with which value, and what would be right."""
@@ -12,7 +14,10 @@ class InvalidValue(EdgeVoxError):
     face (a ROS 2 parameter result, the terminal) can say them its own way.
     """
 
-    def __init__(self, field: str, value: object, expected: str) -> None:
+    def __init__(
+        self, field: str, value: object, expected: str, reason: Refusal = Refusal.INVALID
+    ) -> None:
+        self.reason = reason
         self.field = field
         self.value = value
         self.expected = expected

@@ -1,11 +1,13 @@
 """A microphone on the wire: the topic `audio_in` fills a source of sound."""
 
+from collections import Counter
 from collections.abc import Mapping
 
 import numpy as np
 from rclpy.node import Node
 
 from edgevox.core.log import get_logger
+from edgevox.core.refusals import Refusal
 from edgevox.ros2.contract_rows import Qos
 from edgevox.ros2.topics import profile
 from edgevox.voice.audio import RATE_HZ
@@ -29,7 +31,7 @@ class AudioIn:
 
     def __init__(self, node: Node, source: Pushed) -> None:
         self._source = source
-        self.refused = 0
+        self.refused: Counter[Refusal] = Counter({Refusal.INVALID: 0, Refusal.TOO_LONG: 0})
         self._node = node
         self._subscription = node.create_subscription(
             AudioData, TOPIC, self._hear, profile(Qos.SENSOR)
@@ -37,9 +39,9 @@ class AudioIn:
         source.name = node.resolve_topic_name(TOPIC)
 
     @property
-    def refusals(self) -> Mapping[str, int]:
-        """How many messages were refused, by topic."""
-        return {TOPIC: self.refused}
+    def refusals(self) -> Mapping[tuple[str, ...], int]:
+        """How many messages were refused, by topic and reason."""
+        return {(TOPIC, reason): count for reason, count in self.refused.items()}
 
     def close(self) -> None:
         """Hear nothing more."""
@@ -50,12 +52,12 @@ class AudioIn:
         if 0 < size <= MAX_BYTES and size % SAMPLE_BYTES == 0:
             self._source.push(np.frombuffer(message.data, "<i2").astype(np.int16))
             return
-        self.refused += 1
-        if self.refused.bit_count() == 1:  # 1, 2, 4, 8, ...: a flood leaves a few lines
-            log.warning(
-                "sound_refused",
-                topic=self._source.name,
-                refused=self.refused,
-                last_bytes=size,
-                expected=f"16 bit samples, 1 to {MAX_BYTES} bytes",
-            )
+        reason = Refusal.TOO_LONG if size > MAX_BYTES else Refusal.INVALID
+        self.refused[reason] += 1
+        log.warning(
+            "sound_refused",
+            topic=self._source.name,
+            reason=reason,
+            bytes=size,
+            expected=f"16 bit samples, 1 to {MAX_BYTES} bytes",
+        )

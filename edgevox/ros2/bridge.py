@@ -32,8 +32,8 @@ class Refuses(Protocol):
     """Takes messages, and not every one."""
 
     @property
-    def refusals(self) -> Mapping[str, int]:
-        """How many were refused, by topic."""
+    def refusals(self) -> Mapping[tuple[str, ...], int]:
+        """How many were refused, by topic and reason."""
 
 
 class RosBridge:
@@ -86,10 +86,10 @@ class RosBridge:
         return self._node.lag_s
 
     @property
-    def refusals(self) -> Mapping[str, int]:
-        """How many messages were refused, by topic."""
+    def refusals(self) -> Mapping[tuple[str, ...], int]:
+        """How many messages were refused, by topic and reason."""
         refusing = [part for part in self._parts if isinstance(part, Refuses)]
-        return {topic: count for part in refusing for topic, count in part.refusals.items()}
+        return {which: count for part in refusing for which, count in part.refusals.items()}
 
     @property
     def failures(self) -> Mapping[str, int]:

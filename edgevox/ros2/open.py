@@ -28,8 +28,8 @@ class Bridge(Protocol):
         """The longest that callbacks had to wait in the last minute."""
 
     @property
-    def refusals(self) -> Mapping[str, int]:
-        """How many messages were refused, by topic."""
+    def refusals(self) -> Mapping[tuple[str, ...], int]:
+        """How many messages were refused, by topic and reason."""
 
     @property
     def failures(self) -> Mapping[str, int]:
@@ -52,7 +52,7 @@ class NullBridge:
     stalled_s = 0.0
     failed = 0
     lag_s = 0.0
-    refusals: Mapping[str, int] = MappingProxyType({})
+    refusals: Mapping[tuple[str, ...], int] = MappingProxyType({})
     failures: Mapping[str, int] = MappingProxyType({})
 
     def start(self) -> None:

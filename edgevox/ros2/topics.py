@@ -12,6 +12,7 @@ from std_msgs.msg import Float32, String
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import AgentEvent, RobotState
 from edgevox.core.log import get_logger
+from edgevox.core.refusals import Refusal
 from edgevox.ros2.contract import PUBLISHED, SUBSCRIBED
 from edgevox.ros2.contract_rows import STRING, Published, Qos, Subscribed
 from edgevox.ros2.ticker import Ticker
@@ -26,14 +27,16 @@ class Topics:
     """Serves the rows of `PUBLISHED` and `SUBSCRIBED` on a node.
 
     The body, if there is one, is asked for its state as often as the settings say, on the ticker.
-    `refusals` counts by topic the messages that were no valid command.
+    `refusals` counts by topic and reason the messages that were no valid command.
     """
 
     def __init__(self, node: Node, wiring: Wiring, ticker: Ticker) -> None:
         self._node = node
         self._bus = wiring.bus
         self._submit = wiring.submit
-        self.refusals = Counter({row.topic: 0 for row in SUBSCRIBED})
+        self.refusals: Counter[tuple[str, ...]] = Counter(
+            {(row.topic, Refusal.INVALID): 0 for row in SUBSCRIBED}
+        )
         self._forget: list[Callable[[], None]] = []
         body = wiring.body
         for published in PUBLISHED:
@@ -72,7 +75,7 @@ class Topics:
         try:
             self._submit(row.decode(message.data))
         except InvalidValue as error:
-            self.refusals[row.topic] += 1
+            self.refusals[row.topic, error.reason] += 1
             log.warning("message_refused", topic=row.topic, reason=str(error))
 
 

@@ -46,7 +46,9 @@ def test_a_message_that_cannot_be_sound_is_refused_and_said(robot, microphone, s
     audio_in, source = robot
 
     microphone.publish(AudioData(data=bytes(size)))
-    wait_until(lambda: audio_in.refused == 1, "refusal")
+    wait_until(lambda: sum(audio_in.refusals.values()) == 1, "refusal")
 
     assert source.read(0.0) is None
-    assert f"last_bytes={size}" in caplog.text
+    reason = "too_long" if size > MAX_BYTES else "invalid"
+    assert audio_in.refusals["audio_in", reason] == 1
+    assert f"bytes={size}" in caplog.text

@@ -34,6 +34,16 @@ def port(agent) -> int:
     return one
 
 
+@pytest.mark.parametrize("topic", ["tts_request", "text_input"])
+def test_what_is_too_long_is_answered_and_counted_by_its_reason(port, peer, topic) -> None:
+    robot = peer()
+    answers = robot.listen("response")
+    robot.send(topic, "x" * 1_000_000)
+    answers.wait_for(lambda m: m == "That is too long: 1000000 characters, and I take 2000.")
+    said = wait_until(port, lambda s: s["edgevox_refused_requests_total", "too_long"] == 1)
+    assert said["edgevox_refused_requests_total", "too_many"] == 0
+
+
 def test_what_happens_on_the_wire_is_counted(port, peer) -> None:
     robot = peer()
     drive = robot.node.create_publisher(Twist, "/edgevox/cmd_vel", 10)
@@ -48,9 +58,10 @@ def test_what_happens_on_the_wire_is_counted(port, peer) -> None:
         drive.publish(twist(0.3))
         pause.wait(0.05)
     said = wait_until(port, lambda s: s["edgevox_watchdog_halts_total",] == 1)
-    assert said[("edgevox_refused_messages_total", "cmd_vel")] == 1
-    assert said[("edgevox_refused_messages_total", "set_language")] == 1
-    assert said[("edgevox_refused_messages_total", "text_input")] == 0
+    assert said[("edgevox_refused_messages_total", "not_finite", "cmd_vel")] == 1
+    assert said[("edgevox_refused_messages_total", "invalid", "set_language")] == 1
+    assert said[("edgevox_refused_messages_total", "invalid", "text_input")] == 0
+    assert said[("edgevox_refused_requests_total", "too_long")] == 0
     assert said[("edgevox_interrupts_total", "topic")] == 1
     assert said[("edgevox_check_ok", "ros2")] == 1
     assert said[("edgevox_failures_total", "executor")] == 0

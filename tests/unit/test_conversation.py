@@ -2,11 +2,13 @@ import threading
 from typing import Annotated
 
 import pytest
+from logs_rig import logging_to_memory
 
 from edgevox.agent.agents import Agent
-from edgevox.agent.conversation import MAX_WAITING, Conversation
+from edgevox.agent.conversation import Conversation
 from edgevox.agent.grammar import SAY
 from edgevox.agent.skills import OneOf, SkillFailed, SkillSet, skill
+from edgevox.agent.waiting import MAX_WAITING
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import Cancelled
 from edgevox.core.commands import Interrupt, Reset, RunSkill, Speak, TextInput
@@ -18,6 +20,7 @@ from edgevox.core.events import (
     Transcribed,
     TurnMeasured,
 )
+from edgevox.ops.logs.limit import MOST_LINES
 
 ROOMS = OneOf(("kitchen", "bedroom"))
 
@@ -307,6 +310,40 @@ def test_speak_says_the_text_as_it_is(stage):
     assert stage.texts() == ["The shop closes in ten minutes."]
 
 
+@pytest.mark.parametrize("characters", [2001, 1_000_000, 5_000_000])
+@pytest.mark.parametrize("command", [Speak, TextInput])
+def test_what_is_too_long_is_refused_for_that_and_the_person_is_told(stage, command, characters):
+    stage.conversation.submit(command("x" * characters))
+    stage.settle()
+    told = f"That is too long: {characters} characters, and I take 2000."
+    assert stage.texts() == [told]
+    assert stage.conversation.refusals == {"too_many": 0, "too_long": 1}
+
+
+def test_what_is_just_not_too_long_is_said_whole(stage):
+    stage.conversation.submit(Speak("x" * 2000))
+    stage.settle()
+    assert stage.texts() == ["x" * 2000]
+    assert stage.conversation.refusals == {"too_many": 0, "too_long": 0}
+
+
+def test_each_reason_of_a_refusal_is_on_the_log_a_few_times_only(open_stage):
+    model = StoryTeller()
+    with logging_to_memory() as logged:
+        stage = open_stage(model=model)
+        for _ in range(20):
+            stage.conversation.submit(Speak("x" * 1_000_000))
+        stage.settle()
+        stage.say("tell me a story")
+        assert model.begun.wait(5)
+        for _ in range(1000):
+            stage.say("where are you")
+        stage.conversation.submit(Interrupt())
+        stage.settle()
+    refused = [(one["reason"], one["limit"]) for one in logged.of("request_refused")]
+    assert refused == [("too_long", 2000)] * MOST_LINES + [("too_many", MAX_WAITING)] * MOST_LINES
+
+
 def test_a_plain_command_of_another_agent_is_handed_over(open_stage):
     body_skills = Body().skills()
     talker = Agent("talker", "Talk.", SkillSet(()), handoffs=("driver",))
@@ -334,7 +371,7 @@ def test_a_flood_is_bounded_and_the_next_command_works(open_stage):
     assert model.begun.wait(60)
     for _ in range(1000):
         stage.say("where are you")
-    assert stage.conversation.refused == 1000 - MAX_WAITING
+    assert stage.conversation.refusals == {"too_many": 1000 - MAX_WAITING, "too_long": 0}
     stage.conversation.submit(Interrupt())
     stage.settle()
     stage.say("where are you")

@@ -8,8 +8,8 @@ from typing import Protocol
 import pytest
 
 from edgevox.agent import deeds, mind
-from edgevox.agent.conversation import MAX_WAITING
 from edgevox.agent.llm.endpoint import exchange
+from edgevox.agent.waiting import MAX_WAITING
 from edgevox.apps.terminal import script
 from edgevox.core import text, user_file
 from edgevox.ops import http_server

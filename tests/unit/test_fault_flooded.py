@@ -4,8 +4,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from edgevox.agent.items import Announce, Forget, Language, Settle
-from edgevox.agent.waiting import MAX_CHARACTERS, MAX_WAITING, Waiting
+from edgevox.agent.waiting import MAX_WAITING, Waiting
 from edgevox.core.commands import Heard, RunSkill, Speak, TextInput
+from edgevox.core.refusals import Refusal
+from edgevox.core.text import MAX_CHARACTERS
 
 ASKED = [TextInput("go"), Heard("go", 0.0), Speak("hello"), RunSkill("stop", {})]
 
@@ -20,17 +22,27 @@ def all_of(waiting):
 def test_what_was_asked_is_taken_in_its_order_up_to_the_limit():
     waiting = Waiting()
     kept = [waiting.put(TextInput(str(number))) for number in range(MAX_WAITING + 10)]
-    assert kept == [True] * MAX_WAITING + [False] * 10
+    assert kept == [None] * MAX_WAITING + [Refusal.TOO_MANY] * 10
     assert [one.text for one in all_of(waiting)] == [str(n) for n in range(MAX_WAITING)]
 
 
-def test_a_few_texts_of_megabytes_are_as_much_as_many_short_ones():
+def test_of_a_text_of_megabytes_only_its_beginning_waits_and_its_length():
     waiting = Waiting()
-    assert waiting.put(TextInput("x" * (MAX_CHARACTERS - 1)))
-    assert not waiting.put(TextInput("no"))
-    assert waiting.put(TextInput("x"))
-    assert waiting.put(Announce("Stopped."))
-    assert not Waiting().put(Speak("x" * (MAX_CHARACTERS + 1)))
+    for words in (TextInput, Speak):
+        assert waiting.put(words("x" * 5_000_000)) is Refusal.TOO_LONG
+        kept = waiting.take()
+        assert (kept.length, kept.asked) == (5_000_000, words is TextInput)
+        assert kept.beginning == "x" * MAX_CHARACTERS
+    assert waiting.refusals == {"too_long": 2, "too_many": 0}
+
+
+def test_it_is_said_of_one_too_many_and_too_long_that_too_many_wait():
+    waiting = Waiting()
+    for _ in range(MAX_WAITING):
+        waiting.put(TextInput("go"))
+    assert waiting.put(Speak("x" * 5_000_000)) is Refusal.TOO_MANY
+    assert waiting.put(Announce("Stopped.")) is None
+    assert waiting.refusals == {"too_long": 0, "too_many": 1}
 
 
 def test_of_languages_on_end_the_last_one_counts_and_each_sentence_keeps_its_own():

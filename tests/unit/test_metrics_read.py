@@ -45,7 +45,7 @@ def parts(tmp_path):
         name="robot-apartment",
         body=ApartmentRobot(load_world(), speed=0.0),
         controls=SimpleNamespace(language="fr", muted=True),
-        conversation=SimpleNamespace(refused=1),
+        conversation=SimpleNamespace(refusals={"too_many": 1, "too_long": 8}),
         model=FallbackModel(Server(gone=True), Server(gone=False)),
         model_path=tmp_path / "model.bin",
         voice=SimpleNamespace(
@@ -91,6 +91,8 @@ def test_what_the_parts_count_is_what_is_read(parts, registry) -> None:
     told = values(registry)
 
     assert told["edgevox_dropped_total", "conversation"] == 1
+    assert told["edgevox_refused_requests_total", "too_many"] == 1
+    assert told["edgevox_refused_requests_total", "too_long"] == 8
     assert told["edgevox_dropped_total", "understanding"] == 2
     assert told["edgevox_dropped_total", "mouth"] == 3
     assert told["edgevox_dropped_total", "microphone"] == 7

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.log import Line
+from edgevox.core.refusals import Refusal
 
 MOST_LINES = 5
 WINDOW_S = 60.0
@@ -31,9 +32,9 @@ class _Window:
 class RateLimit(logging.Filter):
     """Lets the first lines of an event pass in each window, and tells how many it held back.
 
-    Only warnings and worse are counted, each event of each logger for itself. That lines were held
-    back is told when the window is over, with the next line of whatever event. Several handlers may
-    have one each: the first that sees a record decides for all.
+    Only warnings and worse are counted, each event of each logger for itself, and each reason of a
+    refusal. That lines were held back is told when the window is over, with the next line of
+    whatever event. Several handlers may have one each: the first that sees a record decides.
     """
 
     def __init__(
@@ -100,7 +101,8 @@ class RateLimit(logging.Filter):
 
 def _key(record: logging.LogRecord) -> Key:
     if isinstance(record.msg, Line):
-        return record.name, str(record.msg.get("event"))
+        event, reason = str(record.msg.get("event")), record.msg.get("reason")
+        return record.name, f"{event} {reason}" if isinstance(reason, Refusal) else event
     return record.name, _NUMBERS.sub("#", str(record.msg)[:200])
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 from edgevox.core.events import Cause, Outcome, State
+from edgevox.core.refusals import Refusal
 from edgevox.ops.metrics.metric import Kind, Metric
 
 SKILLS, CHECKS, TOPICS = "the agent's skills", "the checks of health.md", "topics that come in"
@@ -148,9 +149,16 @@ _READ = (
     Metric(
         "edgevox_refused_messages_total",
         Kind.COUNTER,
-        "Messages that were not honoured, since what they held was no valid value",
-        {"topic": TOPICS},
+        "Messages that were not honoured, since what they held was no valid value, by why",
+        {"topic": TOPICS, "reason": (Refusal.INVALID, Refusal.NOT_FINITE, Refusal.TOO_LONG)},
         of=ON_ROS2,
+        read=True,
+    ),
+    Metric(
+        "edgevox_refused_requests_total",
+        Kind.COUNTER,
+        "Sentences, and texts to say aloud, that were not taken, by why",
+        {"reason": (Refusal.TOO_LONG, Refusal.TOO_MANY)},
         read=True,
     ),
     Metric(

@@ -1,6 +1,7 @@
 """Goals come in on `goal_pose` and become skills at once, also while a model thinks."""
 
 import math
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import astuple
 from typing import Any
@@ -10,6 +11,7 @@ from rclpy.node import Node
 
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.log import get_logger
+from edgevox.core.refusals import Refusal
 from edgevox.robots.capabilities import Body, HasEndEffector, HasPose, Pose3D
 from edgevox.ros2.interop.geometry import compose, unit
 from edgevox.ros2.interop.messages import pose_of
@@ -39,16 +41,16 @@ class GoalInput:
 
     A goal may be given in `map` or in a frame of this robot, with or without its prefix, and then
     means where that frame was at the goal's stamp (0 is now). Its orientation is not used, and on
-    the floor neither is its height. `refused` counts those in another frame, without one, of a time
-    that is not remembered, with numbers that are not finite, or which the skill refuses; each is
-    logged with its reason.
+    the floor neither is its height. `refusals` counts by reason those in another frame, without
+    one, of a time that is not remembered, with numbers that are not finite, or which the skill
+    refuses; each is logged with its reason.
     """
 
     def __init__(
         self, node: Node, skill: str, whereabouts: Whereabouts, run_skill: RunSkill
     ) -> None:
         self._skill, self._whereabouts, self._run_skill = skill, whereabouts, run_skill
-        self.refused = 0
+        self.refusals: Counter[Refusal] = Counter({Refusal.INVALID: 0, Refusal.NOT_FINITE: 0})
         self._open = True
         node.create_subscription(PoseStamped, "goal_pose", self._take, GOAL)
 
@@ -62,8 +64,9 @@ class GoalInput:
         try:
             self._run_skill(self._skill, self._arguments(message))
         except EdgeVoxError as error:
-            self.refused += 1
-            log.warning("goal_pose_refused", reason=str(error), refused=self.refused)
+            why = error.reason if isinstance(error, InvalidValue) else Refusal.INVALID
+            self.refusals[why] += 1
+            log.warning("goal_pose_refused", reason=str(error), refused=self.refusals.total())
 
     def _arguments(self, message: PoseStamped) -> dict[str, float]:
         goal = self._on_map(message)
@@ -73,7 +76,7 @@ class GoalInput:
     def _on_map(self, message: PoseStamped) -> Pose3D:
         pose = pose_of(message.pose)
         if not all(map(math.isfinite, astuple(pose))):
-            raise InvalidValue("pose", astuple(pose), "finite numbers")
+            raise InvalidValue("pose", astuple(pose), "finite numbers", Refusal.NOT_FINITE)
         frame = message.header.frame_id
         if not frame:
             raise InvalidValue("frame_id", frame, "the name of a frame, such as map")

@@ -83,7 +83,7 @@ class Interop:
     @property
     def refused_velocities(self) -> int:
         """How many `cmd_vel` messages held a number that is not finite."""
-        return self._velocity.refused if self._velocity else 0
+        return self._velocity.refusals.total() if self._velocity else 0
 
     @property
     def clamped_velocities(self) -> int:
@@ -93,13 +93,18 @@ class Interop:
     @property
     def refused_goals(self) -> int:
         """How many `goal_pose` messages could not be understood."""
-        return self._goal.refused if self._goal else 0
+        return self._goal.refusals.total() if self._goal else 0
 
     @property
-    def refusals(self) -> Mapping[str, int]:
-        """How many messages were refused, by topic; only of topics that this body has."""
-        found = {"cmd_vel": self._velocity, "goal_pose": self._goal}
-        return {topic: part.refused for topic, part in found.items() if part}
+    def refusals(self) -> Mapping[tuple[str, ...], int]:
+        """How many messages were refused, by topic and reason; only topics that this body has."""
+        parts = {"cmd_vel": self._velocity, "goal_pose": self._goal}
+        return {
+            (topic, reason): count
+            for topic, part in parts.items()
+            if part
+            for reason, count in part.refusals.items()
+        }
 
     @property
     def failed_images(self) -> int:

@@ -7,12 +7,14 @@ body halts 0.5 s after the last message.
 """
 
 import math
+from collections import Counter
 
 from geometry_msgs.msg import Twist
 from rclpy.node import Node
 
 from edgevox.core.errors import InvalidValue
 from edgevox.core.log import get_logger
+from edgevox.core.refusals import Refusal
 from edgevox.robots.capabilities import TakesVelocity, Twist2D
 from edgevox.ros2.interop.profiles import VELOCITY
 
@@ -22,13 +24,13 @@ log = get_logger(__name__)
 class VelocityInput:
     """Hands velocities to the body: `linear.x` and `angular.z`, the two it can follow.
 
-    `refused` counts messages that held a NaN or an infinity: none of their numbers is used, and the
-    body's watchdog runs on. `clamped` counts those beyond the body's limits.
+    `refusals` counts messages that held a NaN or an infinity: none of their numbers is used, and
+    the body's watchdog runs on. `clamped` counts those beyond the body's limits.
     """
 
     def __init__(self, node: Node, body: TakesVelocity) -> None:
         self._body = body
-        self.refused = 0
+        self.refusals: Counter[Refusal] = Counter({Refusal.INVALID: 0, Refusal.NOT_FINITE: 0})
         self.clamped = 0
         self._open = True
         node.create_subscription(Twist, "cmd_vel", self._take, VELOCITY)
@@ -42,7 +44,9 @@ class VelocityInput:
             return
         one, two = message.linear, message.angular
         if not all(map(math.isfinite, (one.x, one.y, one.z, two.x, two.y, two.z))):
-            self._refuse(InvalidValue("cmd_vel", _brief(message), "finite numbers"))
+            self._refuse(
+                InvalidValue("cmd_vel", _brief(message), "finite numbers", Refusal.NOT_FINITE)
+            )
             return
         too_fast = abs(one.x) > self._body.max_linear_m_s
         self.clamped += too_fast or abs(two.z) > self._body.max_angular_rad_s
@@ -52,8 +56,8 @@ class VelocityInput:
             self._refuse(error)
 
     def _refuse(self, reason: InvalidValue) -> None:
-        self.refused += 1
-        log.warning("velocity_refused", reason=str(reason), refused=self.refused)
+        self.refusals[reason.reason] += 1
+        log.warning("velocity_refused", reason=str(reason), refused=self.refusals.total())
 
 
 def _brief(message: Twist) -> tuple[float, ...]:
