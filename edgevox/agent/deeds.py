@@ -100,6 +100,9 @@ class Deeds:
         except InvalidValue as error:
             turn.say(self._phrases().say("refused", reason=_in_words(error)), Outcome.REFUSED)
             return
+        except SkillFailed as error:
+            turn.say(self._phrases().failure(str(error)), Outcome.REFUSED)
+            return
         turn.acted()
         for goal in goals:
             self._tell(goal, source)

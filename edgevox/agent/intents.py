@@ -4,7 +4,8 @@ import difflib
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from types import NoneType, UnionType
+from typing import Any, Union, get_args, get_origin
 
 from hassil import Intents, RecognizeResult, recognize_all
 
@@ -190,19 +191,22 @@ def _arguments(one: Skill, result: RecognizeResult, sentence: str) -> Mapping[st
 
     Words that stand for themselves are taken from the sentence with its accents.
     """
-    arguments: dict[str, Any] = {}
+    said: dict[str, str] = {}
     for name, entity in result.entities.items():
-        info = one.arguments_model.model_fields[name]
-        value = str(entity.value).strip()
-        if info.annotation in (int, float):
-            if not _NUMBER.fullmatch(value):
+        said[name] = str(entity.value).strip()
+        if _is_number(one.arguments_model.model_fields[name].annotation):
+            if not _NUMBER.fullmatch(said[name]):
                 return None
-            arguments[name] = float(value)
         elif entity.is_wildcard and entity.text_span:
-            arguments[name] = sentence[slice(*entity.text_span)].strip()
-        else:
-            arguments[name] = value
-    return arguments
+            said[name] = sentence[slice(*entity.text_span)].strip()
+    return one.from_words(said)
+
+
+def _is_number(annotation: Any) -> bool:
+    """Whether this type, or all of it but None, is a number."""
+    either = get_origin(annotation) in (Union, UnionType)
+    kinds = set(get_args(annotation) if either else (annotation,)) - {NoneType}
+    return bool(kinds) and kinds <= {int, float}
 
 
 def _joints(hearing: Hearing) -> re.Pattern[str]:

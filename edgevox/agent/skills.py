@@ -13,11 +13,12 @@ The first parameter is the goal that the call becomes; the others are the skill'
 import inspect
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol, get_args, get_type_hints
+from typing import Any, Protocol, get_args
 
-from pydantic import BaseModel, ConfigDict, ValidationError, create_model
+from pydantic import BaseModel
 from pydantic_core import core_schema
 
+from edgevox.agent.arguments import arguments_model, check_arguments, from_words
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 
@@ -127,7 +128,9 @@ class Skill:
     `moves`: it uses the body, so it runs beside the conversation and pre-empts whatever moves; a
     skill that does not is answered on the spot. `says` acknowledges the call, `done` reports
     success; both are formatted with the arguments, `done` also with the result's keys. `phrases`
-    are other languages by code, for a skill that no phrasebook knows.
+    are other languages by code, for a skill that no phrasebook knows. `check` takes the arguments
+    before a goal is accepted and raises `SkillFailed` for those that can never be honoured, such as
+    a point outside the world; it is quick, and does nothing else.
     """
 
     name: str
@@ -140,6 +143,7 @@ class Skill:
     done: str = ""
     moves: bool = True
     phrases: Mapping[str, SkillPhrases] = field(default_factory=dict)
+    check: Callable[..., None] | None = None
 
     @property
     def schema(self) -> dict[str, Any]:
@@ -163,12 +167,19 @@ class Skill:
         return frozenset(name for name, schema in properties.items() if _takes_any_words(schema))
 
     def validate(self, arguments: Mapping[str, Any]) -> dict[str, Any]:
-        """Checked and converted arguments. Raises `InvalidValue` naming the first wrong one."""
-        try:
-            checked = self.arguments_model.model_validate(dict(arguments))
-        except ValidationError as error:
-            raise _invalid_argument(self.name, error) from None
-        return {name: getattr(checked, name) for name in type(checked).model_fields}
+        """Checked arguments, as the function takes them.
+
+        Raises `InvalidValue` naming the first wrong one, or `SkillFailed` with the reason why
+        nothing could come of them.
+        """
+        checked = check_arguments(self.name, self.arguments_model, arguments)
+        if self.check:
+            self.check(**checked)
+        return checked
+
+    def from_words(self, said: Mapping[str, str]) -> dict[str, Any]:
+        """What the words of a sentence are as values of these arguments, where they are one."""
+        return from_words(self.arguments_model, said)
 
 
 def skill(
@@ -179,6 +190,7 @@ def skill(
     done: str = "",
     moves: bool = True,
     phrases: Mapping[str, SkillPhrases] | None = None,
+    check: Callable[..., None] | None = None,
 ) -> Callable[[Callable[..., Result | None]], Skill]:
     """Turn a function into a `Skill`; see the module's docstring."""
 
@@ -187,13 +199,14 @@ def skill(
             name=function.__name__,
             description=(inspect.getdoc(function) or "").partition("\n")[0],
             function=function,
-            arguments_model=_arguments_model(function),
+            arguments_model=arguments_model(function),
             templates=tuple(templates),
             examples=tuple(examples),
             says=says,
             done=done,
             moves=moves,
             phrases=phrases or {},
+            check=check,
         )
 
     return decorate
@@ -231,27 +244,6 @@ class Call:
 
     skill: str
     arguments: Mapping[str, Any] = field(default_factory=dict)
-
-
-def _arguments_model(function: Callable[..., Any]) -> type[BaseModel]:
-    hints = get_type_hints(function, include_extras=True)
-    parameters = list(inspect.signature(function).parameters.values())[1:]
-    fields: dict[str, Any] = {
-        p.name: (hints[p.name], ... if p.default is p.empty else p.default) for p in parameters
-    }
-    config = ConfigDict(extra="forbid", strict=False, allow_inf_nan=False)
-    return create_model(f"{function.__name__}_arguments", __config__=config, **fields)
-
-
-def _invalid_argument(name: str, error: ValidationError) -> InvalidValue:
-    first = error.errors(include_url=False)[0]
-    path = ".".join(str(part) for part in first["loc"]) or "arguments"
-    expected = {
-        "missing": "a value",
-        "extra_forbidden": "no such argument",
-    }.get(first["type"], first["msg"].removeprefix("Input should be "))
-    value = None if first["type"] == "missing" else first["input"]
-    return InvalidValue(f"{name}.{path}", value, expected)
 
 
 __all__ = [

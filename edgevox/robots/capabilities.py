@@ -165,6 +165,14 @@ class DrivesTo(Protocol):
 
 
 @runtime_checkable
+class ChecksGoals(Protocol):
+    """Knows at once of a point that no drive could ever lead there."""
+
+    def check_goal(self, x_m: float, y_m: float) -> None:
+        """Raise `SkillFailed` with the reason. Quick, and nothing happens."""
+
+
+@runtime_checkable
 class HasPlaces(Protocol):
     """Knows places by name."""
 

@@ -10,7 +10,17 @@ from pydantic import Field
 from edgevox.agent.skills import Example, GoalHandle, OneOf, Result, Skill, skill
 from edgevox.core.cancel import CancelToken
 from edgevox.robots import navigation_words as words
-from edgevox.robots.capabilities import Body, DrivesTo, HasBattery, HasPlaces, HasPose, Report
+from edgevox.robots.bounds import Bounds
+from edgevox.robots.capabilities import (
+    Body,
+    ChecksGoals,
+    DrivesTo,
+    HasBattery,
+    HasPlaces,
+    HasPose,
+    Report,
+)
+from edgevox.robots.world_fields import LARGEST
 
 
 class NavigableBody(Body, HasPose, HasPlaces, DrivesTo, Protocol):
@@ -33,6 +43,8 @@ class PlaceWord:
     being: str
 
 
+_ANYWHERE = Bounds.around("map", LARGEST)
+"""The world of a body that does not say where its own ends."""
 ROOM = PlaceWord("room", "in")
 LOCATION = PlaceWord("location", "at")
 
@@ -101,6 +113,7 @@ def _navigate_xy(body: NavigableBody, word: PlaceWord) -> Skill:
         examples=words.TO_POINT_EXAMPLES,
         says="Going to x {x:g}, y {y:g}.",
         done="I am at x {x:.1f}, y {y:.1f}.",
+        check=lambda x, y: check_goal(body, x, y),
     )
     def navigate_xy(
         goal: GoalHandle,
@@ -112,6 +125,14 @@ def _navigate_xy(body: NavigableBody, word: PlaceWord) -> Skill:
         return _where(body, word)
 
     return navigate_xy
+
+
+def check_goal(body: Body, x_m: float, y_m: float) -> None:
+    """Raise `SkillFailed` for a point that is outside this body's world, or any."""
+    if isinstance(body, ChecksGoals):
+        body.check_goal(x_m, y_m)
+    else:
+        _ANYWHERE.check(x_m, y_m)
 
 
 def _stop(body: NavigableBody) -> Skill:

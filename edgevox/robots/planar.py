@@ -165,6 +165,10 @@ class PlanarRobot(LivesByStepping):
         self._stepper.wake()
         return moved
 
+    def check_goal(self, x_m: float, y_m: float) -> None:
+        """Raise `SkillFailed` for a point outside the world."""
+        self.world.bounds.check(x_m, y_m)
+
     def drive_to(self, x_m: float, y_m: float, *, token: CancelToken, report: Report) -> None:
         """Block until there. Raises `SkillFailed` with a reason, `Cancelled` if it was ended.
 

@@ -55,12 +55,7 @@ class Planner:
 
     def _check_goal(self, goal: Point, movable: Sequence[Pose2D]) -> None:
         world = self._world
-        if not world.covers(*goal):
-            name = world.name.replace("_", " ")
-            raise SkillFailed(
-                f"That point is outside the {name}: x must be between {world.x_min_m:g} and "
-                f"{world.x_max_m:g}, and y between {world.y_min_m:g} and {world.y_max_m:g}."
-            )
+        world.bounds.check(*goal)
         places = [*((t, t.pose) for t in world.fixed), *zip(world.movable, movable, strict=True)]
         gap, thing = min(
             ((_gap(thing, pose, goal), thing) for thing, pose in places),

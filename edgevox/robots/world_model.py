@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from edgevox.robots.bounds import Bounds
 from edgevox.robots.capabilities import Pose2D
 from edgevox.robots.shapes import Floats, Point, Polygon, Shape, inside
 
@@ -150,6 +151,11 @@ class World:
         """The world's edges as segments, (4, 4)."""
         x0, y0, x1, y1 = self.x_min_m, self.y_min_m, self.x_max_m, self.y_max_m
         return np.array([[x0, y0, x1, y0], [x1, y0, x1, y1], [x1, y1, x0, y1], [x0, y1, x0, y0]])
+
+    @property
+    def bounds(self) -> Bounds:
+        """Its edges."""
+        return Bounds(self.name, self.x_min_m, self.x_max_m, self.y_min_m, self.y_max_m)
 
     def covers(self, x_m: float, y_m: float) -> bool:
         """Whether a point is within the edges."""

@@ -1,11 +1,10 @@
 """What the words on the wire of `execute_skill` mean; knows nothing of rclpy."""
 
-import json
 from collections.abc import Mapping
 from typing import Any, Protocol
 
 from edgevox.core.cancel import CancelToken
-from edgevox.core.errors import InvalidValue
+from edgevox.core.json_reader import read_json_object
 from edgevox.ros2.json_text import write
 
 MAX_ARGUMENTS_BYTES = 64 * 1024
@@ -34,21 +33,9 @@ class StartsGoals(Protocol):
 
 def read_arguments(text: str) -> dict[str, Any]:
     """The arguments in `arguments_json`; empty means none. Raises `InvalidValue`."""
-    size = len(text.encode("utf-8", "surrogatepass"))
-    if size > MAX_ARGUMENTS_BYTES:
-        raise InvalidValue(
-            "arguments_json", f"{size} bytes", f"at most {MAX_ARGUMENTS_BYTES} bytes"
-        )
     if not text.strip():
         return {}
-    try:
-        arguments = json.loads(text, parse_constant=_refuse)
-        json.dumps(arguments, ensure_ascii=False).encode()  # half a character is not Unicode
-    except (ValueError, RecursionError) as error:
-        raise InvalidValue("arguments_json", text, f"a JSON object ({error})") from None
-    if not isinstance(arguments, dict):
-        raise InvalidValue("arguments_json", text, "a JSON object, keyword to value")
-    return arguments
+    return read_json_object(text, "arguments_json", largest_bytes=MAX_ARGUMENTS_BYTES)
 
 
 def mirror(kind: str, data: Mapping[str, Any]) -> str:
@@ -56,6 +43,3 @@ def mirror(kind: str, data: Mapping[str, Any]) -> str:
     progress = data.get("feedback", {}).get("progress")
     return write({"kind": kind, **data} | ({} if progress is None else {"progress": progress}))
 
-
-def _refuse(constant: str) -> float:
-    raise ValueError(f"{constant} is not JSON")

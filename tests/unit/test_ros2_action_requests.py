@@ -39,6 +39,8 @@ def test_any_text_is_an_object_or_refused_by_name(text):
     "text",
     [
         '{"x": NaN}',
+        '{"x": 1, "x": 2}',
+        '{"x": 1e999}',
         '{"x": -Infinity}',
         '{"x": "\\ud800"}',
         "\ud800",

@@ -14,6 +14,8 @@ TABLE = "table"
 TABLE_X_M = (-0.35, 0.85)
 TABLE_HALF_WIDTH_M = 0.65
 TABLE_HEIGHT_M = 0.72
+FAR_M = 10.0
+"""The room ends here, far beyond what the arm reaches."""
 
 _RANDOM_X_M = (0.36, 0.60)
 _RANDOM_Y_M = (-0.20, 0.20)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from edgevox.agent.skills import SkillFailed
 from edgevox.robots.panda.collisions import Collisions, Touch
 from edgevox.robots.panda.kinematics import READY, HandPose, Joints, Kinematics
+from edgevox.robots.panda.layout import FAR_M
 
 Point = NDArray[np.float64]
 """(3,) metres, map frame."""
@@ -16,7 +17,6 @@ _FOUND_M = 0.004
 _SHOULDER_M = np.array([0.0, 0.0, 0.333])
 _SURELY_M = 0.55
 _LOWEST_M = 0.02
-_FAR_M = 10.0
 _BISECTIONS = 8
 _CANDIDATES = 30
 _PART = re.compile(r"link\d|hand|(left|right)_finger")
@@ -53,7 +53,7 @@ class Reach:
 
     def nearest(self, point_m: Point) -> Point:
         """A point near this one, in whole centimetres, for which `joints` has an answer."""
-        aim = np.clip(point_m, (-_FAR_M, -_FAR_M, _LOWEST_M), _FAR_M)
+        aim = np.clip(point_m, (-FAR_M, -FAR_M, _LOWEST_M), FAR_M)
         near, far = self._surely(aim), aim
         for _ in range(_BISECTIONS):
             middle = (near + far) / 2

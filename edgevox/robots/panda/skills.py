@@ -4,11 +4,11 @@ from typing import Annotated, Any, Protocol
 
 from pydantic import Field
 
-from edgevox.agent.skills import GoalHandle, OneOf, Result, Skill, skill
+from edgevox.agent.skills import GoalHandle, OneOf, Result, Skill, SkillFailed, skill
 from edgevox.core.cancel import CancelToken
 from edgevox.robots.capabilities import Body, Report
 from edgevox.robots.panda import words
-from edgevox.robots.panda.layout import BINS, CUBES, TABLE
+from edgevox.robots.panda.layout import BINS, CUBES, FAR_M, TABLE
 
 IT = "it"
 """What stands for the thing that is held."""
@@ -115,6 +115,7 @@ def _moving(body: Manipulator) -> tuple[Skill, ...]:
         examples=words.MOVE_EXAMPLES,
         says="Moving my hand to x {x:g}, y {y:g}, z {z:g}.",
         done="My hand is {where}.",
+        check=_check_point,
     )
     def move_to(
         goal: GoalHandle,
@@ -144,6 +145,12 @@ def _moving(body: Manipulator) -> tuple[Skill, ...]:
         return {"was_moving": body.halt("stop was asked")}
 
     return move_to, goto_home, stop
+
+
+def _check_point(x: float, y: float, z: float) -> None:
+    """What is nearer than this, the arm may offer another point for."""
+    if max(abs(x), abs(y), abs(z)) > FAR_M:
+        raise SkillFailed(f"x {x:g}, y {y:g}, z {z:g} is too far.")
 
 
 def _telling(body: Manipulator) -> tuple[Skill, ...]:

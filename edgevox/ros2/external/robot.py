@@ -12,11 +12,12 @@ from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
 from edgevox.core.log import get_logger
+from edgevox.robots.bounds import Bounds
 from edgevox.robots.capabilities import LidarScan, Pose2D, Report, Twist2D
 from edgevox.robots.navigation import LOCATION, navigation_skills
 from edgevox.ros2.external.drive import Drive
 from edgevox.ros2.external.link import Link
-from edgevox.ros2.external.locations import Location
+from edgevox.ros2.external.locations import FURTHEST_M, Location
 from edgevox.ros2.external.pilot import Hold
 from edgevox.ros2.external.settings import ExternalSettings
 from edgevox.ros2.external.target import Fix, Target
@@ -28,6 +29,7 @@ REPORT_EVERY_S = 0.2
 AT_LOCATION_M = 1.0
 """A robot this near to a location is at it."""
 _CLOSING_S = 1.0
+_WORLD = Bounds.around("map", FURTHEST_M)
 
 
 class ExternalRobot:
@@ -159,6 +161,10 @@ class ExternalRobot:
             "lidar": bool(link and link.senses.scan()),
         }
 
+    def check_goal(self, x_m: float, y_m: float) -> None:
+        """Raise `SkillFailed` for a point further from the map's origin than any robot drives."""
+        _WORLD.check(x_m, y_m)
+
     def drive_to(
         self,
         x_m: float,
@@ -173,6 +179,7 @@ class ExternalRobot:
         A halt or another drive ends it.
         """
         target = Target(_finite("x", x_m), _finite("y", y_m), yaw_rad)
+        self.check_goal(x_m, y_m)
         link = self._switched_on()
         stops = self._stops
         driver = link.choose(token)

@@ -13,6 +13,7 @@ from std_msgs.msg import String
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.events import AgentEventKind
+from edgevox.core.json_reader import read_json_object
 from edgevox.core.log import get_logger
 from edgevox.ros2.interop.profiles import VELOCITY
 from edgevox.ros2.node import RosNode
@@ -213,15 +214,12 @@ class RobotStage:
 
     def _read(self, text: str) -> dict[str, Any]:
         try:
-            data = json.loads(text)
-        except ValueError:
-            data = None
-        if isinstance(data, dict):
-            return data
-        self._broken += 1
-        if self._broken.bit_count() == 1:  # 1, 2, 4, 8, ...: a flood leaves a few lines
-            log.warning("messages_not_json", broken=self._broken)
-        return {}
+            return read_json_object(text, "message")
+        except InvalidValue:
+            self._broken += 1
+            if self._broken.bit_count() == 1:  # 1, 2, 4, 8, ...: a flood leaves a few lines
+                log.warning("messages_not_json", broken=self._broken)
+            return {}
 
     def _at(self, topic: str) -> str:
         return f"{self._node.get_namespace().rstrip('/')}/{topic}"

@@ -1,6 +1,5 @@
 """A language model that runs on a server of the network."""
 
-import json
 import ssl
 import threading
 import time
@@ -18,6 +17,8 @@ from edgevox.agent.llm.endpoint.exchange import Exchange
 from edgevox.agent.llm.endpoint.obedience import obedient
 from edgevox.agent.llm.endpoint.stream import pieces, refusal
 from edgevox.core.cancel import CancelToken
+from edgevox.core.errors import InvalidValue
+from edgevox.core.json_reader import read_json
 
 PAUSES_S = (0.2, 0.6)
 """Before the second and the third attempt."""
@@ -138,8 +139,8 @@ class EndpointModel:
         if token.cancelled:
             return None
         try:
-            return read_offer(json.loads(reply), address)
-        except (ValueError, RecursionError):
+            return read_offer(read_json(reply, "models"), address)
+        except InvalidValue:
             raise Unusable(f"{address.route('models')} did not answer in JSON") from None
 
     @contextmanager

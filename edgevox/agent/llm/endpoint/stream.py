@@ -1,10 +1,11 @@
 """Server-sent events of a chat, as OpenAI-compatible servers send them."""
 
-import json
 from collections.abc import Iterable, Iterator
 from typing import Any
 
 from edgevox.agent.llm.endpoint.errors import Unreachable
+from edgevox.core.errors import InvalidValue
+from edgevox.core.json_reader import read_json
 
 _DONE = "[DONE]"
 _LONGEST_LINE = 1 << 18
@@ -43,14 +44,14 @@ def _data(chunks: Iterable[bytes]) -> Iterator[str]:
 def _read(data: str) -> tuple[str, bool]:
     """The text of one event, and whether it is the last one with any."""
     try:
-        event: Any = json.loads(data)
+        event: Any = read_json(data, "event")
         if problem := event.get("error"):
             raise Unreachable(f"the server failed while it answered: {_message(problem)}")
         if not (choices := event.get("choices")):
             return "", False
         text = choices[0].get("delta", {}).get("content") or ""
         return str(text), choices[0].get("finish_reason") is not None
-    except (ValueError, RecursionError, AttributeError, LookupError, TypeError):
+    except (InvalidValue, AttributeError, LookupError, TypeError):
         raise Unreachable(f"not an answer of a language model: {data[:80]!r}") from None
 
 
@@ -63,7 +64,7 @@ def _message(problem: Any) -> str:
 def refusal(reply: bytes) -> str:
     """Why a request was refused, as far as the server says."""
     try:
-        found = json.loads(reply)
+        found = read_json(reply, "reply")
         return _message(found.get("error", found))
-    except (ValueError, RecursionError, AttributeError):
+    except (InvalidValue, AttributeError):
         return " ".join(reply[:200].decode("utf-8", "replace").split())

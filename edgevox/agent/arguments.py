@@ -1,0 +1,86 @@
+"""The arguments of a skill: their model, what fits it, and what the words of a sentence become.
+
+Arguments are JSON values, wherever they come from, and each has the type that its skill says: a
+whole number is one where a number is asked for; true, "5" and 5.5 are no whole numbers.
+"""
+
+import inspect
+import json
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, get_type_hints
+
+from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError, create_model
+
+from edgevox.core.errors import InvalidValue
+
+LARGEST_NUMBER = 2**53
+"""Beyond it JSON's numbers are not exact, and no robot can go there."""
+
+
+def arguments_model(function: Callable[..., Any]) -> type[BaseModel]:
+    """A model of all parameters but the first, which is the goal."""
+    hints = get_type_hints(function, include_extras=True)
+    parameters = list(inspect.signature(function).parameters.values())[1:]
+    fields: dict[str, Any] = {
+        p.name: (hints[p.name], ... if p.default is p.empty else p.default) for p in parameters
+    }
+    config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+    return create_model(f"{function.__name__}_arguments", __config__=config, **fields)
+
+
+def check_arguments(
+    name: str, model: type[BaseModel], arguments: Mapping[str, Any]
+) -> dict[str, Any]:
+    """The values that the skill `name` gets. Raises `InvalidValue` naming the first wrong one."""
+    try:
+        text = json.dumps(dict(arguments))
+    except (TypeError, ValueError, RecursionError) as error:
+        raise InvalidValue(f"{name}.arguments", arguments, f"JSON values ({error})") from None
+    try:
+        checked = model.model_validate_json(text)
+    except ValidationError as error:
+        raise _invalid(name, error) from None
+    for path, number in _numbers(name, arguments):
+        if abs(number) > LARGEST_NUMBER:
+            raise InvalidValue(path, number, f"a number of at most {LARGEST_NUMBER}")
+    return {field: getattr(checked, field) for field in model.model_fields}
+
+
+def from_words(model: type[BaseModel], said: Mapping[str, str]) -> dict[str, Any]:
+    """What these words of a sentence are as JSON values of their arguments' types.
+
+    What is no such value stays as it was said, for `check_arguments` to refuse by name.
+    """
+    return {name: _from_word(model, name, word) for name, word in said.items()}
+
+
+def _from_word(model: type[BaseModel], name: str, word: str) -> Any:
+    if name not in model.model_fields:
+        return word
+    kind: TypeAdapter[Any] = TypeAdapter(model.model_fields[name].annotation)
+    try:
+        return kind.dump_python(kind.validate_python(word, strict=False), mode="json")
+    except ValidationError:
+        return word
+
+
+def _numbers(path: str, value: Any) -> Iterator[tuple[str, float]]:
+    if isinstance(value, int | float):
+        yield path, value
+    elif isinstance(value, Mapping):
+        for key, inner in value.items():
+            yield from _numbers(f"{path}.{key}", inner)
+    elif isinstance(value, list | tuple):
+        for index, inner in enumerate(value):
+            yield from _numbers(f"{path}.{index}", inner)
+
+
+def _invalid(name: str, error: ValidationError) -> InvalidValue:
+    first = error.errors(include_url=False)[0]
+    path = ".".join(str(part) for part in first["loc"]) or "arguments"
+    expected = {
+        "missing": "a value",
+        "extra_forbidden": "no such argument",
+    }.get(first["type"], first["msg"].removeprefix("Input should be "))
+    value = None if first["type"] == "missing" else first["input"]
+    return InvalidValue(f"{name}.{path}", value, expected)
