@@ -40,10 +40,14 @@ def check_arguments(
         checked = model.model_validate_json(text)
     except ValidationError as error:
         raise _invalid(name, error) from None
+    return {field: getattr(checked, field) for field in model.model_fields}
+
+
+def check_numbers(name: str, arguments: Mapping[str, Any]) -> None:
+    """Raise `InvalidValue` for the first number that is too large for any skill."""
     for path, number in _numbers(name, arguments):
         if abs(number) > LARGEST_NUMBER:
             raise InvalidValue(path, number, f"a number of at most {LARGEST_NUMBER}")
-    return {field: getattr(checked, field) for field in model.model_fields}
 
 
 def from_words(model: type[BaseModel], said: Mapping[str, str]) -> dict[str, Any]:
@@ -57,7 +61,8 @@ def from_words(model: type[BaseModel], said: Mapping[str, str]) -> dict[str, Any
 def _from_word(model: type[BaseModel], name: str, word: str) -> Any:
     if name not in model.model_fields:
         return word
-    kind: TypeAdapter[Any] = TypeAdapter(model.model_fields[name].annotation)
+    annotation: Any = model.model_fields[name].annotation
+    kind: TypeAdapter[Any] = TypeAdapter(annotation)
     try:
         return kind.dump_python(kind.validate_python(word, strict=False), mode="json")
     except ValidationError:

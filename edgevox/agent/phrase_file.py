@@ -64,6 +64,7 @@ def _hearing(data: Mapping[str, Any], *, spaced: bool) -> Hearing:
         pair=data.get("pair", "and"),
         spaced=spaced,
         written=data.get("written", ""),
+        reserved=tuple(data.get("reserved", ())),
     )
 
 

@@ -53,7 +53,8 @@ class Hearing:
     `joints` are words between two commands, `articles` stand before a name, `clause_words` never
     stand in one, `pair` is what is put between two bare numbers. `spaced` is False where words have
     no spaces between them. `written` are commands in the spelling that templates understand: an
-    example for whoever writes down what is spoken.
+    example for whoever writes down what is spoken. `reserved` is what people answer with, and what
+    they say to any robot: no place or thing may be called so.
     """
 
     joints: tuple[str, ...] = ()
@@ -62,6 +63,7 @@ class Hearing:
     pair: str = "and"
     spaced: bool = True
     written: str = ""
+    reserved: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

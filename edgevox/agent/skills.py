@@ -18,7 +18,12 @@ from typing import Any, Protocol, get_args
 from pydantic import BaseModel
 from pydantic_core import core_schema
 
-from edgevox.agent.arguments import arguments_model, check_arguments, from_words
+from edgevox.agent.arguments import (
+    arguments_model,
+    check_arguments,
+    check_numbers,
+    from_words,
+)
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 
@@ -175,6 +180,7 @@ class Skill:
         checked = check_arguments(self.name, self.arguments_model, arguments)
         if self.check:
             self.check(**checked)
+        check_numbers(self.name, arguments)
         return checked
 
     def from_words(self, said: Mapping[str, str]) -> dict[str, Any]:

@@ -61,13 +61,13 @@ def _object(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def _no_constant(constant: str) -> float:
-    raise _Refused(f"JSON; {constant} is none")
+    raise _Refused(f"finite numbers; {constant} is none")
 
 
 def _finite(digits: str) -> float:
     number = float(digits)
     if number in (float("inf"), float("-inf")):
-        raise _Refused(f"finite numbers; {digits[:40]} is too large to be one")
+        raise _Refused(f"finite numbers; {digits[:40]} is none")
     return number
 
 

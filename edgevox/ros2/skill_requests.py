@@ -33,7 +33,7 @@ class StartsGoals(Protocol):
 
 def read_arguments(text: str) -> dict[str, Any]:
     """The arguments in `arguments_json`; empty means none. Raises `InvalidValue`."""
-    if not text.strip():
+    if len(text) <= MAX_ARGUMENTS_BYTES and not text.strip():
         return {}
     return read_json_object(text, "arguments_json", largest_bytes=MAX_ARGUMENTS_BYTES)
 

@@ -132,9 +132,10 @@ def test_a_stop_word_and_an_interrupt_end_a_goal_as_canceled(stage, client, stop
         ("navigate_to", "{}", "navigate_to.room: got None, expected a value"),
         ("navigate_to", '{"room": ', "arguments_json: got "),
         ("navigate_to", '["kitchen"]', "expected a JSON object, keyword to value"),
-        ("get_pose", '{"x": NaN}', "NaN is not JSON"),
-        ("get_pose", '{"x": "\\ud800"}', "expected a JSON object"),
-        ("get_pose", "[" * 60_000, "expected a JSON object"),
+        ("get_pose", '{"x": NaN}', "expected finite numbers; NaN is none"),
+        ("get_pose", '{"x": "\\ud800"}', "expected valid JSON"),
+        ("get_pose", "[" * 60_000, "expected valid JSON"),
+        ("navigate_to", '{"room": "moon", "room": "kitchen"}', "'room' is there more than once"),
         ("get_pose", " " * 70_000, "expected at most 65536 bytes"),
     ],
 )

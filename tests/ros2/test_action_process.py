@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 
+import pytest
 from action_stage import Client
 from peer import RELIABLE, STATE
 
@@ -63,6 +64,30 @@ def test_a_rejected_goal_is_in_the_log_and_in_agent_event(agent, peer):
     line = one.wait_for_line("action_goal_rejected", timeout_s=10)
     assert "skill=navigate_to" in line
     assert "navigate_to.room: got 'moon'" in line
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        ('{"x": true, "y": 1}', "navigate_xy.x: got True, expected a valid number"),
+        ('{"x": "5", "y": "1"}', "navigate_xy.x: got '5', expected a valid number"),
+        ('{"x": 2, "y": 1, "x": 3}', "'x' is there more than once"),
+        ('{"x": 1e308, "y": 1}', "outside the apartment: x must be between 0 and 10"),
+        ('{"x": 50, "y": 1}', "outside the apartment: x must be between 0 and 10"),
+    ],
+)
+def test_values_that_no_goal_can_have_are_rejected_before_the_robot_moves(
+    agent, peer, arguments, reason
+):
+    agent()
+    robot = peer()
+    event = robot.listen("agent_event", RELIABLE)
+    state = robot.listen("robot_state", STATE)
+    assert not Client(robot).send("navigate_xy", arguments).accepted
+    told = json.loads(event.wait_for(lambda m: json.loads(m).get("status") == "rejected"))
+    assert reason in told["error"]
+    state.wait_for(standing, since=len(state.messages))
+    assert all(json.loads(m).get("status") == "rejected" for m in event.messages)
 
 
 def test_the_end_of_the_agent_ends_a_goal_as_canceled_for_its_client(agent, peer):

@@ -79,10 +79,19 @@ def test_a_goal_pose_is_a_goal_like_any_other(agent, peer):
     arrived = hear(one, PoseStamped, "/edgevox/pose").wait_for(lambda m: True).pose.position
     away = ((arrived.x - here.x) ** 2 + (arrived.y - here.y) ** 2) ** 0.5
     assert away == pytest.approx(0.4, abs=0.15)
-    say(goal("map", 50.0, 50.0))
-    failed = agent_event.wait_for(is_kind("skill_goal", "failed"))
-    assert json.loads(failed)["skill"] == "navigate_xy"
-    assert json.loads(failed)["error"]
+
+
+@pytest.mark.parametrize("far", [50.0, 1e9, 1e308])
+def test_a_goal_pose_outside_the_world_is_refused_and_the_robot_stands(agent, peer, far):
+    process = agent()
+    one = peer()
+    agent_event = one.listen("agent_event")
+    robot_state = one.listen("robot_state", STATE)
+    tell(one, PoseStamped, "/edgevox/goal_pose")(goal("map", far, 2.0))
+    line = process.wait_for_line("goal_pose_refused")
+    assert "That point is outside the apartment: x must be between 0 and 10" in line
+    robot_state.wait_for(standing, since=len(robot_state.messages))
+    assert not agent_event.messages
 
 
 def test_a_goal_in_an_unknown_frame_is_refused_in_a_line_that_says_why(agent, peer):

@@ -36,6 +36,13 @@ def goal(frame, x, y, z=0.0, stamp=None):
     return message
 
 
+def turned(z, w):
+    """A goal whose orientation is this quaternion."""
+    message = goal("map", 2.0, 2.0)
+    message.pose.orientation.z, message.pose.orientation.w = z, w
+    return message
+
+
 def speed(robot):
     return abs(robot.body.velocity().linear_m_s)
 
@@ -144,8 +151,22 @@ def test_a_goal_in_the_robots_frame_means_where_it_was_at_the_goals_stamp(hall, 
         goal("odom", 2.0, 2.0),
         goal("map", math.nan, 2.0),
         goal("map", 2.0, math.inf),
+        turned(0.0, 0.0),
+        turned(0.0, 2.0),
+        turned(1e308, 1e308),
+        turned(math.nan, 1.0),
     ],
-    ids=["no frame", "another robot", "no such frame", "nan", "inf"],
+    ids=[
+        "no frame",
+        "another robot",
+        "no such frame",
+        "nan",
+        "inf",
+        "no orientation",
+        "a quaternion too long",
+        "a quaternion without bounds",
+        "an orientation that is no number",
+    ],
 )
 def test_a_goal_that_could_be_misread_is_refused(hall, peer, bad):
     one = peer()

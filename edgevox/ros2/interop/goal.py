@@ -27,6 +27,9 @@ RunSkill = Callable[[str, Mapping[str, Any]], None]
 DRIVE, REACH = "navigate_xy", "move_to"
 """The skills that a goal becomes: on the floor for what drives, in space for what has a hand."""
 
+_OFF_UNIT = 0.1
+"""So much longer or shorter than 1 a quaternion may have become by rounding."""
+
 
 def goal_skill(body: Body) -> str | None:
     """The skill that takes this body to a point, if it has one."""
@@ -42,8 +45,8 @@ class GoalInput:
     A goal may be given in `map` or in a frame of this robot, with or without its prefix, and then
     means where that frame was at the goal's stamp (0 is now). Its orientation is not used, and on
     the floor neither is its height. `refusals` counts by reason those in another frame, without
-    one, of a time that is not remembered, with numbers that are not finite, or which the skill
-    refuses; each is logged with its reason.
+    one, of a time that is not remembered, with numbers that are not finite or an orientation that
+    is none, or which the skill refuses, such as outside the world; each is logged with its reason.
     """
 
     def __init__(
@@ -77,6 +80,9 @@ class GoalInput:
         pose = pose_of(message.pose)
         if not all(map(math.isfinite, astuple(pose))):
             raise InvalidValue("pose", astuple(pose), "finite numbers", Refusal.NOT_FINITE)
+        turn = (pose.qx, pose.qy, pose.qz, pose.qw)
+        if abs(math.hypot(*turn) - 1.0) > _OFF_UNIT:
+            raise InvalidValue("orientation", turn, "a quaternion of length 1")
         frame = message.header.frame_id
         if not frame:
             raise InvalidValue("frame_id", frame, "the name of a frame, such as map")

@@ -1,0 +1,98 @@
+"""Names of places, rooms, things and skills: none may take what people need to say.
+
+The language can change while a robot runs, so every language counts, whichever is spoken now.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
+from itertools import product
+
+from hassil.expression import Alternative, Expression, RuleReference, Sequence, TextChunk
+from hassil.parse_expression import parse_sentence
+
+from edgevox.agent.phrase_file import ENGLISH, phrasebook
+from edgevox.agent.safety import SafetyWords
+from edgevox.agent.skills import Skill
+from edgevox.agent.spelling import key
+from edgevox.core.errors import InvalidValue
+from edgevox.core.languages import LANGUAGES
+
+_STOP = "stop"
+"""The skill that halts a body; it may be called what it is."""
+
+
+def check_name(field: str, name: str, stopping: Iterable[str] = ()) -> None:
+    """Raise `InvalidValue`, naming `field`, for a name that people need for something else.
+
+    That is one that holds a stop word of any language, or that is what people say to answer, or to
+    stop, in one of them. `stopping` are the English templates of the skill that stops; those of the
+    other languages are in their phrasebooks.
+    """
+    said = name.replace("_", " ")
+    for code in sorted(LANGUAGES, key=lambda code: code != ENGLISH):
+        language = LANGUAGES[code].name
+        if word := _safety(code).find(said):
+            raise InvalidValue(
+                field, name, f"a name without {word!r}, which stops the robot in {language}"
+            )
+        if key(said) in _taken(code) | _bare(tuple(stopping), code if code == ENGLISH else ""):
+            raise InvalidValue(
+                field, name, f"another name: people say {said!r} to a robot in {language}"
+            )
+
+
+def check_skills(skills: Iterable[Skill]) -> None:
+    """The same for the names of skills, and the words that their arguments may be.
+
+    Raises `InvalidValue` naming the skill, and its argument.
+    """
+    for one in skills:
+        if one.name != _STOP:
+            check_name("skill", one.name)
+        for argument, choices in one.choices.items():
+            for name in (*choices.words, *choices.aliases):
+                check_name(f"{one.name}.{argument}", name)
+
+
+@cache
+def _safety(code: str) -> SafetyWords:
+    return SafetyWords(code)
+
+
+@cache
+def _taken(code: str) -> frozenset[str]:
+    """What people say in this language that is no name, in the spelling of `key`."""
+    book = phrasebook(code)
+    stop = book.skills.get(_STOP)
+    return frozenset(map(key, book.hearing.reserved)) | _bare(stop.templates if stop else (), code)
+
+
+@cache
+def _bare(templates: tuple[str, ...], code: str) -> frozenset[str]:
+    """The sentences that these templates are, without anything that may be left out."""
+    if not code:
+        return frozenset()
+    rules = phrasebook(code).rules
+    return frozenset(
+        key(sentence)
+        for template in templates
+        for sentence in _shortest(parse_sentence(template).expression, rules)
+    )
+
+
+def _shortest(part: Expression, rules: Mapping[str, str]) -> Iterator[str]:
+    match part:
+        case TextChunk():
+            yield part.original_text
+        case Alternative(is_optional=True):
+            yield ""
+        case Alternative():
+            for item in part.items:
+                yield from _shortest(item, rules)
+        case Sequence():
+            for parts in product(*(tuple(_shortest(item, rules)) for item in part.items)):
+                yield "".join(parts)
+        case RuleReference(rule_name=rule):
+            yield from _shortest(parse_sentence(rules[rule]).expression, rules)
+        case _:
+            raise TypeError(part)
