@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from edgevox.agent.agents import Agent
+from edgevox.agent.names import check_skills
 from edgevox.agent.skills import SkillSet
 from edgevox.apps.robot import INSTRUCTIONS, Robot, installed_robots
 from edgevox.core.settings import Settings
@@ -116,7 +117,11 @@ def build_body(name: str, settings: Settings, speed: float | None = 1.0) -> Body
 
 
 def build_agents(body: Body | None) -> Sequence[Agent]:
-    """Who talks: for a body one agent that has all its skills, else one that has none."""
+    """Who talks: for a body one agent that has all its skills, else one that has none.
+
+    Raises `InvalidValue` for a skill, or a word of one, that people need for something else.
+    """
     if body is None:
         return (Agent("edgevox", TALK_INSTRUCTIONS),)
+    check_skills(body.skills)
     return (Agent(body.name, ROBOTS[body.name].instructions, SkillSet(body.skills)),)

@@ -8,6 +8,7 @@ from typing import Any
 from edgevox.core.errors import InvalidValue
 from edgevox.core.log import get_logger
 from edgevox.robots.capabilities import Pose2D
+from edgevox.robots.names import check_thing
 from edgevox.robots.shapes import Line, Polygon, Shape, reach
 from edgevox.robots.world_fields import Fields, as_number, as_numbers, words
 from edgevox.robots.world_model import LidarSpec, RobotSpec, Thing
@@ -78,7 +79,10 @@ def read_thing(fields: Fields, dice: random.Random) -> Thing | None:
         parts = tuple(hull(p) if isinstance(p, Polygon) else p for p in parts)
     color = fields.get("color")
     return Thing(
-        name=fields.text("name", "wall" if isinstance(parts[0], Line) else "obstacle"),
+        name=check_thing(
+            fields.path("name"),
+            fields.text("name", "wall" if isinstance(parts[0], Line) else "obstacle"),
+        ),
         parts=parts,
         pose=_pose(fields),
         mass_kg=mass_kg,

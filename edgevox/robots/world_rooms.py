@@ -1,16 +1,14 @@
 """Reads what only EdgeVox knows in a world file: the rooms and the battery."""
 
-import re
-
 import numpy as np
 
 from edgevox.core.errors import InvalidValue
+from edgevox.robots.names import read_name
 from edgevox.robots.shapes import Point, Polygon, inside
 from edgevox.robots.world_fields import Fields
 from edgevox.robots.world_model import BatterySpec, Room
 
 MOST_ROOMS = 200
-_NAME = re.compile(r"[^\W\d_][\w' -]{0,63}")
 
 
 def read_rooms(rooms: Fields) -> tuple[Room, ...]:
@@ -39,14 +37,14 @@ def read_battery(fields: Fields) -> BatterySpec:
 
 
 def _room(name: object, fields: Fields) -> Room:
-    if not isinstance(name, str) or not _NAME.fullmatch(name):
-        raise InvalidValue(fields.where, name, "a name of letters, digits, spaces and underscores")
+    name = read_name(fields.where, name)
     fields.check_keys(("outline", "goal", "aliases", "hints"))
     outline = Polygon(fields.points("outline", 3))
     goal = fields.point("goal") if "goal" in fields else _middle(outline)
     if not inside(outline, np.array([goal]))[0]:
         raise InvalidValue(fields.path("goal"), list(goal), "a point inside the outline")
-    return Room(name, outline, goal, fields.texts("hints"), fields.texts("aliases"))
+    aliases = tuple(read_name(fields.path("aliases"), one) for one in fields.texts("aliases"))
+    return Room(name, outline, goal, fields.texts("hints"), aliases)
 
 
 def _middle(outline: Polygon) -> Point:

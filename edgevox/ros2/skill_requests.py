@@ -42,4 +42,3 @@ def mirror(kind: str, data: Mapping[str, Any]) -> str:
     """The feedback that mirrors an `agent_event`, with its ``progress`` on top where it has one."""
     progress = data.get("feedback", {}).get("progress")
     return write({"kind": kind, **data} | ({} if progress is None else {"progress": progress}))
-

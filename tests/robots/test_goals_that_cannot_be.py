@@ -1,7 +1,6 @@
 """Before a goal is accepted, every body refuses numbers that no goal of its can have."""
 
 from collections.abc import Callable, Mapping
-from typing import Any
 
 import pytest
 
@@ -111,9 +110,9 @@ def test_a_sentence_that_asks_for_such_a_point_is_refused_before_it_is_acknowled
         assert talk.wait_idle(20)
     finally:
         talk.close()
+    reason = "outside the apartment: x must be between 0 and 10, and y between 0 and 10"
     assert said == [
-        "I could not do that: That point is outside the apartment: x must be between 0 and 10, "
-        "and y between 0 and 10.",
+        f"I could not do that: That point is {reason}.",
         "I cannot do that: x True; it should be a valid number.",
     ]
     assert ended == [Outcome.REFUSED, None]

@@ -217,7 +217,7 @@ def test_a_file_that_is_shared_with_another_simulator_has_its_world_under_irsim(
         (
             ROBOT + "custom: {edgevox: {rooms: {3: {}}}}",
             "home.yaml.custom.edgevox.rooms.3",
-            "a name of letters",
+            "a name of at most 64 letters",
         ),
         (
             ROBOT + "custom: {edgevox: {battery: {capacity: 3}}}",

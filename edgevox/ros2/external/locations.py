@@ -7,7 +7,6 @@ Metres and radians (counter-clockwise from x) in the map frame; `yaw` is the way
 """
 
 import math
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,12 +14,13 @@ from pathlib import Path
 from edgevox.core.errors import InvalidValue
 from edgevox.core.user_file import read_text
 from edgevox.core.yaml_file import parse_yaml
+from edgevox.robots.names import read_name
 from edgevox.robots.world_fields import Fields
 
 MOST_LOCATIONS = 200
 FURTHEST_M = 10_000.0
 _KEYS = ("x", "y", "yaw", "aliases")
-_NAME = re.compile(r"[^\W\d_][\w' -]{0,39}")
+LONGEST_NAME = 40
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,9 @@ def parse_locations(text: str, name: str) -> Mapping[str, Location]:
     top = Fields(name, parse_yaml(text, name))
     if not 1 <= len(top.data) <= MOST_LOCATIONS:
         raise InvalidValue(name, f"{len(top.data)} locations", f"1 to {MOST_LOCATIONS}")
-    locations = {_name(top.where, key): _location(top.sub(key)) for key in top.data}
+    locations = {
+        read_name(top.where, key, LONGEST_NAME): _location(top.sub(key)) for key in top.data
+    }
     _check_words(top, locations)
     return locations
 
@@ -61,16 +63,10 @@ def _location(fields: Fields) -> Location:
         x_m=fields.number("x", 0.0, low=-FURTHEST_M, high=FURTHEST_M),
         y_m=fields.number("y", 0.0, low=-FURTHEST_M, high=FURTHEST_M),
         yaw_rad=yaw_rad if "yaw" in fields else None,
-        aliases=tuple(_name(fields.path("aliases"), one) for one in fields.texts("aliases")),
+        aliases=tuple(
+            read_name(fields.path("aliases"), one, LONGEST_NAME) for one in fields.texts("aliases")
+        ),
     )
-
-
-def _name(where: str, value: object) -> str:
-    if not isinstance(value, str) or not _NAME.fullmatch(value):
-        raise InvalidValue(
-            where, value, "a name of at most 40 letters, digits, spaces, _ and -, a letter first"
-        )
-    return value
 
 
 def _check_words(top: Fields, locations: Mapping[str, Location]) -> None:
