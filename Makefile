@@ -152,10 +152,16 @@ $(DONE)/tools: requirements/tools.lock
 	@$(INSTALL) --require-hashes -r requirements/tools.lock
 	@mkdir -p $(DONE) && touch $@
 
-$(DONE)/run: $(DONE)/tools requirements/run.lock requirements/sdist.lock pyproject.toml $(REGISTERED)
+$(DONE)/locked: $(DONE)/tools requirements/run.lock requirements/sdist.lock
 	@echo "Installing the locked packages, ROS 2 Jazzy among them"
 	@$(INSTALL) --require-hashes $(FROM_SOURCE) -r requirements/run.lock
-	@$(INSTALL) --no-deps --no-build-isolation --editable .
+	@touch $@
+
+# What is called edgevox is EdgeVox by its name of before, or a stranger's: two of them in one
+# environment would share programs, and to remove either would remove them.
+$(DONE)/run: $(DONE)/locked pyproject.toml $(REGISTERED)
+	@$(BIN)/python -m pip uninstall -qq --yes --disable-pip-version-check edgevox
+	@$(INSTALL) --no-deps --no-index --no-build-isolation --editable .
 	@touch $@
 
 $(DONE)/dev: $(DONE)/run requirements/dev.lock

@@ -43,7 +43,7 @@ OPTIONS = (
     "--no-annotate",
     "--no-emit-index-url",
     "--no-emit-find-links",
-    "--no-emit-package=edgevox",
+    "--no-emit-package=edgevox-robot",
     "--quiet",
 )
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from edgevox.core.controls import Controls
+from edgevox.core.extras import install_extra
 from edgevox.core.languages import LANGUAGES, STT_BACKEND, Language
 from edgevox.models import Store
 from edgevox.ops.hardware import hardware_info
@@ -113,7 +114,7 @@ def _language(language: Language, find: Callable[[str], Path | None]) -> Mapping
 
 def _packages(language: Language) -> list[str]:
     """How to get the engine of a language's best voice, if it is not installed."""
-    return [] if installed(language.voices[0]) else ["pip install 'edgevox[voice]'"]
+    return [] if installed(language.voices[0]) else [install_extra("voice")]
 
 
 def fetch_commands(model_ids: Iterable[str]) -> list[str]:

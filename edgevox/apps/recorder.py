@@ -15,6 +15,7 @@ from edgevox.apps.program import run_program, set_up_logs
 from edgevox.apps.recorder_arguments import Asked, parse_arguments
 from edgevox.apps.streams import with_streams
 from edgevox.core.errors import EdgeVoxError
+from edgevox.core.extras import install_extra
 from edgevox.core.settings import Settings
 from edgevox.ops.health import Health, lives, moves
 from edgevox.scenario import Scenario, load_scenario, run_scenario
@@ -45,7 +46,7 @@ def _prepare(argv: Sequence[str], lost: list[str]) -> Callable[[], bool]:
     """What to run; it says whether the scenario went well, and in `lost` what was not recorded."""
     asked = parse_arguments(argv)
     set_up_logs("edgevox-recorder", asked.settings)
-    for module, what in (("rclpy", "ROS 2 Jazzy"), ("mcap", "pip install edgevox[recorder]")):
+    for module, what in (("rclpy", "ROS 2 Jazzy"), ("mcap", install_extra("recorder"))):
         if find_spec(module) is None:
             raise EdgeVoxError(f"{module}: got no module, expected {what}")
     scenario = load_scenario(asked.scenario) if asked.scenario else None

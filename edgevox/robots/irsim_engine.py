@@ -19,6 +19,7 @@ import numpy as np
 import yaml
 
 from edgevox.core.errors import EdgeVoxError
+from edgevox.core.extras import install_extra
 from edgevox.core.log import get_logger
 from edgevox.robots.capabilities import LidarScan, Pose2D, Twist2D
 from edgevox.robots.engine import STILL_M_S, Motion
@@ -118,7 +119,7 @@ def _import() -> Any:
     except ImportError as error:
         raise EdgeVoxError(
             f"robot-irsim needs IR-SIM, and {error.name} cannot be imported: "
-            "pip install 'edgevox[irsim]'"
+            f"{install_extra('irsim')}"
         ) from None
     for line in printed.getvalue().splitlines():
         log.info("irsim", line=line)

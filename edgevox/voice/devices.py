@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from edgevox.core.errors import EdgeVoxError
+from edgevox.core.extras import install_extra
 
 Kind = Literal["input", "output"]
 
@@ -133,7 +134,7 @@ def _sounddevice() -> Any:
     try:
         import sounddevice
     except ImportError:
-        raise DeviceMissing("sound needs the extra 'voice': pip install edgevox[voice]") from None
+        raise DeviceMissing(f"sound needs an extra: {install_extra('voice')}") from None
     except OSError:
         raise DeviceMissing("sound needs PortAudio: sudo apt install libportaudio2") from None
     return sounddevice

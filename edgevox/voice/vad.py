@@ -8,6 +8,7 @@ import numpy as np
 import onnxruntime
 
 from edgevox.core.errors import EdgeVoxError
+from edgevox.core.extras import install_extra
 from edgevox.voice.audio import FRAME_SAMPLES, Samples
 from edgevox.voice.level import FULL_SCALE
 
@@ -60,4 +61,4 @@ def bundled_vad() -> Path:
     for folder in (spec.submodule_search_locations or ()) if spec else ():
         for path in sorted(Path(folder, "assets").glob("silero_vad*.onnx")):
             return path
-    raise EdgeVoxError("voice activity: no silero_vad.onnx; pip install 'edgevox[voice]' has it")
+    raise EdgeVoxError(f"voice activity: no silero_vad.onnx; {install_extra('voice')} brings it")

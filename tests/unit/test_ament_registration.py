@@ -99,7 +99,7 @@ def test_this_environment_is_registered_as_the_wheel_would(wheel: Path) -> None:
 
 
 def test_the_package_is_called_and_counted_as_the_python_package(package: Package) -> None:
-    assert package.name == PROJECT["name"] == "edgevox"
+    assert package.name == edgevox.__name__
     assert package.version == edgevox.__version__
     assert package.licenses == [PROJECT["license"]]
 

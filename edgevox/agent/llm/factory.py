@@ -11,6 +11,7 @@ from edgevox.agent.llm.cpu import XLLAMACPP_NEEDS, missing_features
 from edgevox.agent.llm.llama_cpp_model import LlamaCppModel
 from edgevox.agent.llm.xllamacpp_model import XllamacppModel
 from edgevox.core.cgroup import memory_left
+from edgevox.core.extras import install_extra
 
 Backend = Literal["auto", "xllamacpp", "llama-cpp-python"]
 
@@ -52,11 +53,11 @@ def _choose(backend: Backend) -> str:
     if lacks:
         raise ModelFailed(
             f"xllamacpp: this processor lacks {', '.join(sorted(lacks))}; use llama-cpp-python"
-            " (pip install 'edgevox[llama-cpp]') or a shared model (llm_endpoint)"
+            f" ({install_extra('llama-cpp')}) or a shared model (llm_endpoint)"
         )
     raise ModelFailed(
         f"no engine for language models ({' or '.join(candidates)}) is installed: "
-        "pip install 'edgevox[llm]' for xllamacpp, 'edgevox[llama-cpp]' for llama-cpp-python"
+        f"{install_extra('llm')} for xllamacpp, '.[llama-cpp]' for llama-cpp-python"
     )
 
 

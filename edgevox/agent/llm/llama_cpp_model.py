@@ -13,6 +13,7 @@ from typing import Any
 from edgevox.agent.llm import tuning
 from edgevox.agent.llm.base import CONTEXT_TOKENS, Message, ModelFailed
 from edgevox.core.cancel import CancelToken
+from edgevox.core.extras import install_extra
 from edgevox.core.log import get_logger
 
 log = get_logger(__name__)
@@ -153,7 +154,7 @@ def _engine() -> Any:
         llama_cpp = importlib.import_module("llama_cpp")
     except (ImportError, RuntimeError) as error:
         raise ModelFailed(
-            f"llama-cpp-python cannot be imported ({error}): install edgevox[llama-cpp]"
+            f"llama-cpp-python cannot be imported ({error}): {install_extra('llama-cpp')}"
         ) from None
     global _native_log  # noqa: PLW0603 (C keeps its address for as long as the process lives)
     if _native_log is None:

@@ -14,6 +14,7 @@ from edgevox.agent.llm.base import CONTEXT_TOKENS, Message, ModelFailed
 from edgevox.agent.llm.socket_client import post
 from edgevox.agent.llm.socket_folder import SocketFolder
 from edgevox.core.cancel import CancelToken
+from edgevox.core.extras import install_extra
 from edgevox.core.log import get_logger
 
 log = get_logger(__name__)
@@ -155,7 +156,9 @@ def _serve(path: Path, context_tokens: int, threads: int | None, socket: Path, k
     try:
         xllamacpp = importlib.import_module("xllamacpp")
     except ImportError as error:
-        raise ModelFailed(f"xllamacpp cannot be imported ({error}): install edgevox[llm]") from None
+        raise ModelFailed(
+            f"xllamacpp cannot be imported ({error}): {install_extra('llm')}"
+        ) from None
     count = threads or tuning.default_threads()
     wanted = xllamacpp.CommonParams()
     wanted.model.path = str(path)

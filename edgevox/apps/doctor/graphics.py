@@ -1,6 +1,7 @@
 """A GPU, and OpenGL without a display."""
 
 from edgevox.apps.doctor.verdict import Facts, Situation, Verdict, ok, skipped, warning
+from edgevox.core.extras import install_extra
 
 _WITH_CAMERA = ("robot-panda", "robot-humanoid")
 
@@ -49,7 +50,7 @@ def probe_egl() -> Facts:
 def judge_egl(facts: Facts, situation: Situation) -> Verdict:
     """Without it only pictures are missing."""
     if not facts["installed"]:
-        return skipped("MuJoCo is not installed", "pip install 'edgevox[mujoco]' brings two robots")
+        return skipped("MuJoCo is not installed", f"{install_extra('mujoco')} brings two robots")
     if facts["failed"]:
         advice = "sudo apt install libegl1 libgl1 libgl1-mesa-dri"
         sees = situation.agent in _WITH_CAMERA

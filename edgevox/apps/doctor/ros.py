@@ -4,6 +4,7 @@ from pathlib import Path
 
 from edgevox.apps.container.table import ENVIRONMENT
 from edgevox.apps.doctor.verdict import Facts, Situation, Verdict, error, ok, skipped, warning
+from edgevox.core.extras import install_extra
 
 DOMAIN, RANGE = "ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE"
 _FIRST_PORT, _PORTS = 7400, 250  # of a domain, by RTPS
@@ -15,7 +16,7 @@ def judge_middleware(facts: Facts, situation: Situation) -> Verdict:
     """A ROS 2 that is missing is wrong only if it was asked for."""
     if facts["missing"]:
         found = f"ROS 2 is not installed ({facts['missing']})"
-        advice = "source /opt/ros/jazzy/setup.bash, or pip install 'edgevox[ros2]' on x86-64"
+        advice = f"source /opt/ros/jazzy/setup.bash, or {install_extra('ros2')} on x86-64"
         return (error if situation.settings.ros2 else skipped)(found, advice)
     if facts["failed"]:
         asked = situation.environment.get("RMW_IMPLEMENTATION", "")

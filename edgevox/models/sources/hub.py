@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from edgevox.core.extras import install_extra
 from edgevox.models.errors import SourceFailed
 from edgevox.models.manifest import ModelFile
 from edgevox.models.places import HubSource
@@ -78,7 +79,7 @@ def _client() -> Any:
     try:
         return _library("huggingface_hub")
     except ImportError:
-        raise SourceFailed("huggingface-hub is not installed (extra edgevox[models])") from None
+        raise SourceFailed(f"huggingface-hub is not installed: {install_extra('models')}") from None
 
 
 def _library(name: str) -> Any:

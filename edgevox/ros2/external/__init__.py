@@ -7,6 +7,7 @@ imported when it is called.
 from pathlib import Path
 
 from edgevox.core.errors import EdgeVoxError
+from edgevox.core.extras import install_extra
 from edgevox.robots.capabilities import Body
 
 
@@ -33,7 +34,7 @@ def build_external(
             raise
         raise EdgeVoxError(
             f"robot-external needs ROS 2, and {error.name} cannot be imported: source ROS 2's "
-            "setup.bash, or install edgevox[ros2]"
+            f"setup.bash, or {install_extra('ros2')}"
         ) from error
     limits = SteeringLimits(max_linear_m_s=max_linear_m_s, max_angular_rad_s=max_angular_rad_s)
     return ExternalRobot(namespace, places, ExternalSettings(steering=limits))
