@@ -128,6 +128,22 @@ def diagnostics() -> str:
     return table(("topic", "type", "QoS", "rate", "what"), [(*row, one.about)])
 
 
+def shared() -> str:
+    """What the agents of one namespace say to each other."""
+    rows = (
+        (
+            f"`{one.topic}`",
+            one.direction,
+            f"`{one.type}`",
+            f"`{one.qos.name.lower()}`",
+            f"{one.rate_hz:g} Hz" if one.rate_hz else "",
+            one.about,
+        )
+        for one in contract.SHARED
+    )
+    return table(("topic", "direction", "type", "QoS", "rate", "what"), rows)
+
+
 def components() -> str:
     """What each component says of itself on /diagnostics."""
     rows = ((f"`{one.name}`", one.about, one.warns, one.errs, one.remedy) for one in COMPONENTS)
@@ -228,6 +244,7 @@ PARTS = {
         external,
         audio,
         diagnostics,
+        shared,
         components,
         checks,
         action,

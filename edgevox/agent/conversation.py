@@ -29,6 +29,7 @@ from edgevox.core.events import (
     Transcribed,
     TurnEnded,
 )
+from edgevox.core.interlock import Interlock
 from edgevox.core.log import bound, get_logger
 from edgevox.core.speech import Mouth
 from edgevox.core.text import MAX_CHARACTERS, clean
@@ -43,7 +44,7 @@ class Conversation:
 
     Stop words, `Interrupt` and `Reset` act on the calling thread, at once: they cancel the turn
     that runs, forget the utterances that wait or are being transcribed, cancel the goals and halt
-    the body. `halt` is the body's. Without a `mouth` an answer is only written.
+    the body. `halt` is the body's, `interlock` may forbid motion. Without a `mouth` it only writes.
     """
 
     def __init__(
@@ -56,6 +57,7 @@ class Conversation:
         mouth: Mouth | None = None,
         language: str = "en",
         clock: Clock | None = None,
+        interlock: Interlock | None = None,
     ) -> None:
         self._bus = bus
         self._clock = clock or SystemClock()
@@ -66,6 +68,7 @@ class Conversation:
             halt,
             announce=lambda text: self._put(Announce(text)),
             phrases=lambda: self.mind.phrases,
+            interlock=interlock,
         )
         self.mind = Mind(agents, bus, self._clock, model, language)
         self._safety = SafetyWords(language)

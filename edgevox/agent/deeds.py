@@ -8,11 +8,12 @@ from edgevox.agent.asides import MAX_ASIDES, Asides
 from edgevox.agent.goals import Goal, GoalRunner, Status
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.phrasebook import Phrasebook
-from edgevox.agent.skills import Call, SkillFailed, SkillSet
+from edgevox.agent.skills import Call, Skill, SkillFailed, SkillSet
 from edgevox.agent.turn import Turn
 from edgevox.core.bus import Bus
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import AgentEvent, AgentEventKind, Outcome
+from edgevox.core.interlock import Interlock
 
 MAX_CALLS = 8
 """How many calls one utterance may hold."""
@@ -24,7 +25,8 @@ class Deeds:
     """Runs calls: those that move beside the conversation, the others on the spot.
 
     `stop` and `perform` exclude each other, so no motion starts for a turn that was stopped.
-    `phrases` gives the language to speak at the moment.
+    `phrases` gives the language to speak at the moment. While the `interlock` is engaged no motion
+    starts, and what moved when it was engaged is cancelled, which is said.
     """
 
     def __init__(
@@ -33,6 +35,7 @@ class Deeds:
         halt: Callable[[str], bool],
         announce: Callable[[str], None],
         phrases: Callable[[], Phrasebook] = lambda: phrasebook(ENGLISH),
+        interlock: Interlock | None = None,
     ) -> None:
         self._bus = bus
         self._halt = halt
@@ -41,6 +44,8 @@ class Deeds:
         self._gate = threading.Lock()
         self._runner = GoalRunner(on_end=self._ended)
         self._asides = Asides()
+        self._interlock = interlock or Interlock()
+        self._interlock.on_engage(self._stand)
 
     def start(self) -> None:
         self._runner.start()
@@ -74,6 +79,8 @@ class Deeds:
     def check(self, call: Call, skills: SkillSet) -> None:
         """Raise where `begin` would; nothing happens."""
         skills[call.skill].validate(call.arguments)
+        if held := self._held([skills[call.skill]]):
+            raise SkillFailed(held)
         if not skills[call.skill].moves and self._asides.full:
             raise SkillFailed(f"{call.skill}: {MAX_ASIDES} goals wait already.")
 
@@ -87,7 +94,9 @@ class Deeds:
         goal = Goal(skills[call.skill], arguments, turn=0, bus=self._bus, goal_id=goal_id)
         self._tell(goal, "action")
         with self._gate:
-            if goal.skill.moves:
+            if held := self._held([goal.skill]):
+                goal.drop(held)
+            elif goal.skill.moves:
                 self._runner.submit([goal])
             else:
                 self._asides.submit(goal)
@@ -118,11 +127,16 @@ class Deeds:
         return [Goal(skill, args, turn=turn.number, bus=self._bus) for skill, args in checked]
 
     def _run_beside(self, goals: Sequence[Goal], turn: Turn) -> None:
+        phrases = self._phrases()
         with self._gate:
             if turn.token.cancelled:
                 return
-            self._runner.submit(goals)
-        phrases = self._phrases()
+            held = self._held([goal.skill for goal in goals])
+            if not held:
+                self._runner.submit(goals)
+        if held:
+            turn.say(phrases.refusal(held), Outcome.REFUSED)
+            return
         moving = [goal for goal in goals if goal.skill.moves]
         said = [phrases.acknowledge(goal.skill, goal.arguments) for goal in moving]
         turn.say(_join(phrases, said))
@@ -134,6 +148,17 @@ class Deeds:
             goal.run(ON_THE_SPOT_S)
             forget()
             turn.say(_report(self._phrases(), goal))
+
+    def _held(self, skills: Sequence[Skill]) -> str:
+        """Why these may not run; empty if they may."""
+        return self._interlock.reason if any(skill.drives for skill in skills) else ""
+
+    def _stand(self, reason: str) -> None:
+        """End what moves. Motion that begins after this is refused."""
+        with self._gate:
+            ended = self._runner.cancel(reason)
+        if ended:
+            self._announce(self._phrases().failure(reason))
 
     def _tell(self, goal: Goal, source: str) -> None:
         data = {"skill": goal.skill.name, "arguments": goal.arguments, "source": source}

@@ -163,7 +163,11 @@ class Phrasebook:
 
     def failure(self, reason: str) -> str:
         """What is said when a call has failed, for a reason that its skill gave in English."""
-        return self.say("failed", reason=self.reason(reason).rstrip(". \u3002\u0964"))
+        return self._because("failed", reason)
+
+    def refusal(self, reason: str) -> str:
+        """What is said when a call was not begun at all, for a reason that is given in English."""
+        return self._because("refused", reason)
 
     def reason(self, english: str) -> str:
         """A reason in this language, where it is one of those that are known."""
@@ -187,6 +191,9 @@ class Phrasebook:
     def reason_patterns(self) -> Mapping[str, re.Pattern[str]]:
         """The reasons as patterns, with their values as named groups."""
         return {name: _as_pattern(text) for name, text in self.reasons.items()}
+
+    def _because(self, sentence: str, reason: str) -> str:
+        return self.say(sentence, reason=self.reason(reason).rstrip(". \u3002\u0964"))
 
     def _slots(self, template: str) -> set[str]:
         """The slots of a template and of the rules that it names."""

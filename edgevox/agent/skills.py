@@ -29,6 +29,9 @@ from edgevox.core.errors import EdgeVoxError, InvalidValue
 
 Result = Mapping[str, Any]
 
+STOP = "stop"
+"""The name of the skill that halts the body; nothing ever forbids it."""
+
 
 class SkillFailed(EdgeVoxError):
     """A skill could not do what was asked. The message is a reason that a person may hear."""
@@ -151,6 +154,11 @@ class Skill:
     check: Callable[..., None] | None = None
 
     @property
+    def drives(self) -> bool:
+        """Whether it sets the body in motion."""
+        return self.moves and self.name != STOP
+
+    @property
     def schema(self) -> dict[str, Any]:
         """JSON schema of the arguments object."""
         return self.arguments_model.model_json_schema()
@@ -253,6 +261,7 @@ class Call:
 
 
 __all__ = [
+    "STOP",
     "Call",
     "Example",
     "GoalHandle",

@@ -20,6 +20,7 @@ from edgevox.ops.diagnostics.gauges import Gauges
 from edgevox.ops.diagnostics.lately import Lately
 from edgevox.ops.diagnostics.llm import Thinking, llm
 from edgevox.ops.diagnostics.moving import Executing, World, executor, sim
+from edgevox.ops.diagnostics.presence import presence
 from edgevox.ops.diagnostics.process import process
 from edgevox.ops.diagnostics.speech import Hearing, Speaking, stt, tts
 from edgevox.ops.health import Health, lives
@@ -36,7 +37,7 @@ def off(name: str, why: str) -> Look:
 
 
 def list_components(parts: Parts, gauges: Gauges) -> Diagnostics:
-    """All of them but the executor, which is there once a bridge is: see `list_executor`."""
+    """All; executor and presence are off until a bridge is there, see below."""
     listed = Diagnostics()
     voice, ears = parts.voice, parts.ears
     looks: Mapping[str, Look] = {
@@ -46,6 +47,7 @@ def list_components(parts: Parts, gauges: Gauges) -> Diagnostics:
         "tts": _tts(parts, voice, gauges) if voice else off("tts", TYPED),
         "sim": _sim(parts.body) if parts.body else off("sim", "no robot"),
         "executor": off("executor", "no ROS 2"),
+        "presence": off("presence", "no ROS 2"),
         "disk": lambda: disk(rooms(written_folders(parts.settings.audio_out))),
         "process": _process(parts.health),
     }
@@ -63,6 +65,12 @@ def list_executor(listed: Diagnostics, bridge: Bridge) -> None:
         return executor(Executing(bridge.stalled_s, failed, lately.grew(failed), bridge.missing))
 
     listed.add("executor", look)
+
+
+def list_presence(listed: Diagnostics, bridge: Bridge) -> None:
+    """From now on, say whether another agent shares the namespace; off where there is no bridge."""
+    if not bridge.missing:
+        listed.add("presence", lambda: presence(bridge.sharing))
 
 
 def _audio(parts: Parts, voice: Voice, ears: Ears, gauges: Gauges) -> Look:

@@ -7,7 +7,7 @@ from pathlib import Path
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.llm.base import LanguageModel, ModelFailed
 from edgevox.agent.llm.primer import Primer
-from edgevox.apps.components import list_components, list_executor
+from edgevox.apps.components import list_components, list_executor, list_presence
 from edgevox.apps.free_text import free_text
 from edgevox.apps.language_model import find_weights, open_model, open_without
 from edgevox.apps.metrics import read_bridge, read_parts, serve_metrics
@@ -20,6 +20,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.commands import Speak
 from edgevox.core.controls import Controls
 from edgevox.core.events import ControlChanged
+from edgevox.core.interlock import Interlock
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
 from edgevox.models import ModelMissing
@@ -55,6 +56,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Part
     model, model_path, absent = _think(settings)
     if model:
         stack.callback(model.close)
+    interlock = Interlock()
     conversation = Conversation(
         agents,
         bus,
@@ -62,6 +64,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Part
         model=model,
         mouth=voice.mouth if voice else None,
         language=settings.language,
+        interlock=interlock,
     )
     bus.subscribe(ControlChanged, lambda change: _follow(conversation, change))
     queries = build_queries(
@@ -98,6 +101,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Part
         model_path,
         metrics,
         absent,
+        interlock,
     )
 
 
@@ -119,6 +123,7 @@ def start_parts(stack: ExitStack, parts: Parts, ros_args: Sequence[str] = ()) ->
     if parts.settings.ros2:
         bridge = open_bridge(_wiring(parts, listed), ros_args)
         list_executor(listed, bridge)
+        list_presence(listed, bridge)
         read_bridge(parts, bridge)
         start(stack, bridge)
         print(f"ROS 2: {bridge.where}", flush=True)
@@ -190,6 +195,7 @@ def _wiring(parts: Parts, listed: Diagnostics) -> Wiring:
         voice.microphone if voice else None,
         voice.relay if voice else None,
         listed,
+        parts.interlock,
     )
 
 

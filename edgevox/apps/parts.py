@@ -1,6 +1,6 @@
 """What an agent is made of."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
@@ -11,6 +11,7 @@ from edgevox.apps.switchboard import Switchboard
 from edgevox.apps.voice import Voice
 from edgevox.core.bus import Bus
 from edgevox.core.controls import Controls
+from edgevox.core.interlock import Interlock
 from edgevox.core.settings import Settings
 from edgevox.ops.health import Health
 from edgevox.robots.capabilities import Body
@@ -50,6 +51,7 @@ class Parts:
     model_path: Path | None
     metrics: "Registry | None"
     absent: str = ""
+    interlock: Interlock = field(default_factory=Interlock)
 
     @property
     def name(self) -> str:

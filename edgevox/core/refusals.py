@@ -9,4 +9,5 @@ class Refusal(StrEnum):
     TOO_LONG = "too_long"
     TOO_MANY = "too_many"
     NOT_FINITE = "not_finite"
+    FORBIDDEN = "forbidden"
     INVALID = "invalid"

@@ -7,6 +7,7 @@ from rclpy.node import Node
 
 from edgevox.core.commands import RunSkill
 from edgevox.core.errors import InvalidValue
+from edgevox.ops.diagnostics.presence import Sharing
 from edgevox.robots.capabilities import Body
 from edgevox.ros2.diagnostics import DiagnosticsPublisher
 from edgevox.ros2.external.robot import ExternalRobot
@@ -14,6 +15,7 @@ from edgevox.ros2.interop import Interop
 from edgevox.ros2.logs import Rosout
 from edgevox.ros2.node import RosBridgeFailed, RosNode
 from edgevox.ros2.parameters import Parameters, declare
+from edgevox.ros2.presence import Presence
 from edgevox.ros2.queries import QueryServices
 from edgevox.ros2.skill_action import open_skill_action
 from edgevox.ros2.ticker import Ticker
@@ -97,6 +99,11 @@ class RosBridge:
         images = sum(part.failed_images for part in self._parts if isinstance(part, Interop))
         return {"executor": self._node.failed, "ticker": self._ticker.failures, "camera": images}
 
+    @property
+    def sharing(self) -> Sharing:
+        """Who else is on the namespace."""
+        return self._presence.sharing
+
     def _open(self, wiring: Wiring) -> None:
         node, bus, controls = self._node.node, wiring.bus, wiring.controls
         values = declare(
@@ -111,7 +118,10 @@ class RosBridge:
             },
         )
         controls.change({name: values[name] for name in ("language", "voice", "muted")})
+        robot = wiring.body.name if wiring.body else ""
+        self._presence = Presence(node, robot, wiring.interlock, self._ticker)
         self._parts = [
+            self._presence,
             Rosout(node, self._ticker),
             Parameters(node, self._node.executor, controls, bus),
             Topics(node, wiring, self._ticker),
@@ -159,4 +169,5 @@ def _interop(
         odom_frame=str(values["odom_frame"]),
         frame_prefix=str(values["frame_prefix"]),
         publish_clock=bool(values["publish_clock"]),
+        interlock=wiring.interlock,
     )

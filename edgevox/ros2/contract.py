@@ -40,6 +40,7 @@ from edgevox.ros2.contract_rows import (
     Periodic,
     Published,
     Qos,
+    Shared,
     Subscribed,
 )
 from edgevox.ros2.json_text import write
@@ -242,9 +243,25 @@ DIAGNOSTICS = Periodic(
     "diagnostic_msgs/msg/DiagnosticArray",
     Qos.RELIABLE,
     1.0,
-    "how each component is: audio, stt, llm, tts, sim, executor, disk, process",
+    "how each component is: audio, stt, llm, tts, sim, executor, presence, disk, process",
 )
 """Of every agent, with a robot and without: an extra for who watches over robots."""
+
+PRESENCE = Shared(
+    "presence",
+    Qos.STATE,
+    "out, in",
+    "an agent that is here, as JSON: id, robot, host, pid, since_ns, term, leaving, in_charge",
+    1.0,
+)
+TAKE_OVER = Shared(
+    "take_over",
+    Qos.RELIABLE,
+    "in",
+    "the id of the agent that moves the robot from now on; every other one stands",
+)
+SHARED: tuple[Shared, ...] = (PRESENCE, TAKE_OVER)
+"""Which of several agents on one namespace moves the robot: an extra, additions only."""
 
 ACTION = ("execute_skill", "edgevox_msgs/action/ExecuteSkill")
 """Its name and type."""

@@ -89,6 +89,18 @@ class Interop:
 
 
 @dataclass(frozen=True, slots=True)
+class Shared:
+    """A topic on which the agents of one namespace talk to each other; `rate_hz` 0: as needed."""
+
+    topic: str
+    qos: Qos
+    direction: str
+    about: str
+    rate_hz: float = 0.0
+    type: str = STRING
+
+
+@dataclass(frozen=True, slots=True)
 class Periodic:
     """A standard topic of the node itself, published at a rate."""
 

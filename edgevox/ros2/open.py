@@ -5,6 +5,7 @@ from types import MappingProxyType
 from typing import Protocol
 
 from edgevox.core.errors import EdgeVoxError
+from edgevox.ops.diagnostics.presence import Sharing
 from edgevox.ros2.wiring import Wiring
 
 
@@ -36,6 +37,10 @@ class Bridge(Protocol):
         """What went wrong and was survived, by part."""
 
     @property
+    def sharing(self) -> Sharing:
+        """Who else is on the namespace, and whether one of them keeps this agent from moving."""
+
+    @property
     def missing(self) -> str:
         """Why it is not on ROS 2; empty if it is."""
 
@@ -54,6 +59,7 @@ class NullBridge:
     lag_s = 0.0
     refusals: Mapping[tuple[str, ...], int] = MappingProxyType({})
     failures: Mapping[str, int] = MappingProxyType({})
+    sharing = Sharing()
 
     def start(self) -> None:
         """There is nothing to start."""

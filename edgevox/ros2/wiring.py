@@ -1,10 +1,11 @@
 """What a bridge is connected to, on EdgeVox's side. Knows nothing of rclpy."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from edgevox.core.bus import Bus
 from edgevox.core.controls import Controls
+from edgevox.core.interlock import Interlock
 from edgevox.core.settings import Settings
 from edgevox.ops.diagnostics import Diagnostics
 from edgevox.robots.capabilities import Body
@@ -21,7 +22,8 @@ class Wiring:
 
     `body` and `goals` belong to an agent that has a body; without one there is neither
     `robot_state` nor `agent_event`, no robot's topics and no action. `audio_in` is filled from a
-    topic, `audio_out` is sent to one. `diagnostics` says how the components are.
+    topic, `audio_out` is sent to one. `diagnostics` says how the components are. `interlock` is
+    engaged while another agent of the namespace moves the robot.
     """
 
     settings: Settings
@@ -34,3 +36,4 @@ class Wiring:
     audio_in: Pushed | None = None
     audio_out: Relay | None = None
     diagnostics: Diagnostics | None = None
+    interlock: Interlock = field(default_factory=Interlock)

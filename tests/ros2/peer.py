@@ -73,19 +73,20 @@ class Peer:
     def name(self, topic: str) -> str:
         return f"{self._namespace}/{topic}"
 
-    def listen(self, topic: str, qos: QoSProfile = RELIABLE) -> Heard:
-        """Subscribe, and wait until the publisher is matched."""
+    def listen(self, topic: str, qos: QoSProfile = RELIABLE, *, publishers: int = 1) -> Heard:
+        """Subscribe, and wait until the publisher, or so many, are matched."""
         heard = Heard()
         subscription = self.node.create_subscription(String, self.name(topic), heard.add, qos)
-        wait_until(lambda: subscription.get_publisher_count() > 0, topic)
+        wait_until(lambda: subscription.get_publisher_count() >= publishers, topic)
         return heard
 
-    def send(self, topic: str, data: str | bytes) -> None:
-        """Publish a string, or the bytes of a serialized message, once somebody is matched."""
+    def send(self, topic: str, data: str | bytes, *, subscribers: int = 1) -> None:
+        """Publish a string, or the bytes of a serialized message, once so many are matched."""
         if topic not in self._publishers:
             publisher = self.node.create_publisher(String, self.name(topic), RELIABLE)
             self._publishers[topic] = publisher
-            wait_until(lambda: publisher.get_subscription_count() > 0, topic)
+        matched = self._publishers[topic].get_subscription_count  # type: ignore[attr-defined]
+        wait_until(lambda: matched() >= subscribers, topic)
         message = data if isinstance(data, bytes) else String(data=data)
         self._publishers[topic].publish(message)  # type: ignore[attr-defined]
 

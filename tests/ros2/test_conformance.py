@@ -85,6 +85,21 @@ def test_what_a_body_cannot_do_is_not_advertised(live, topic):
     assert live.node.count_publishers(full(topic)) == 0
 
 
+@pytest.mark.parametrize("topic", CONTRACT["shared"])
+def test_a_topic_that_agents_share_has_its_type_and_quality_of_service(live, topic):
+    row = CONTRACT["shared"][topic]
+    wait_until(lambda: live.node.count_subscribers(full(topic)) == 1, topic)
+    (endpoint,) = live.node.get_subscriptions_info_by_topic(full(topic))
+    check(endpoint, row["type"], CONTRACT["qos"][row["qos"]])
+
+
+def test_an_agent_says_that_it_is_here_once_a_second(live):
+    said = live.listen("presence", STATE)
+    wait_until(lambda: len(said.messages) > 2, "three of them")
+    assert list(json.loads(said.messages[-1])) == CONTRACT["shared"]["presence"]["json"]
+    assert json.loads(said.messages[-1])["in_charge"] is True
+
+
 @pytest.mark.parametrize("query", CONTRACT["queries"])
 def test_a_query_is_answered_with_its_keys(live, query):
     info = live.listen("info")

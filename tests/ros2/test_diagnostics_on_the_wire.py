@@ -10,7 +10,7 @@ from conftest import AGENT, READY, Agent
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from peer import RELIABLE, Peer, wait_until
 
-COMPONENTS = ["audio", "stt", "llm", "tts", "sim", "executor", "disk", "process"]
+COMPONENTS = ["audio", "stt", "llm", "tts", "sim", "executor", "presence", "disk", "process"]
 WAIT_S = 30.0
 EDGEVOX = str(Path(AGENT).with_name("edgevox"))
 

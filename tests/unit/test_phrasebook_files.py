@@ -114,9 +114,10 @@ def test_a_language_that_nobody_knows_is_refused_by_name():
 
 
 def _texts_of_bodies():
-    """Every text in the code of the bodies, with `X` for each value in it."""
+    """Every text in the code of what moves or forbids it, with `X` for each value in it."""
     root = Path(edgevox.__file__).parent
-    for file in (*root.glob("robots/**/*.py"), *root.glob("ros2/external/*.py")):
+    folders = ("robots/**", "ros2/external", "ros2/presence")
+    for file in (file for folder in folders for file in root.glob(f"{folder}/*.py")):
         for node in ast.walk(ast.parse(file.read_text("utf-8"))):
             if isinstance(node, ast.JoinedStr):
                 parts = (p.value if isinstance(p, ast.Constant) else "X" for p in node.values)

@@ -35,6 +35,16 @@ def test_the_topics_are_the_contracts(side):
     }
 
 
+def test_the_topics_that_agents_share_are_the_contracts():
+    ours = {row.topic: (row.type, row.qos.name.lower(), row.rate_hz) for row in contract.SHARED}
+    assert ours == {
+        topic: (row["type"], row["qos"], row.get("rate_hz", 0.0))
+        for topic, row in PROMISED["shared"].items()
+    }
+    for key in PROMISED["shared"]["presence"]["json"]:
+        assert key in contract.PRESENCE.about
+
+
 def test_the_parameters_of_the_contract_are_there_with_their_defaults():
     ours = {row.name: row.default for row in contract.PARAMETERS}
     for name, row in PROMISED["parameters"].items():

@@ -59,6 +59,13 @@ COMPONENTS: tuple[Row, ...] = (
         "the log has the callback that failed; health ends a process that hangs",
     ),
     Row(
+        "presence",
+        "other agents on the same namespace and domain",
+        "another one is here",
+        "another one is here and in charge: this one refuses to move",
+        "end one of them, or publish the id of the one that is to move on `take_over`",
+    ),
+    Row(
         "disk",
         "room where EdgeVox writes",
         "less than 1 GiB, of a small file system less than 10 %",

@@ -150,7 +150,7 @@ _READ = (
         "edgevox_refused_messages_total",
         Kind.COUNTER,
         "Messages that were not honoured, since what they held was no valid value, by why",
-        {"topic": TOPICS, "reason": (Refusal.INVALID, Refusal.NOT_FINITE, Refusal.TOO_LONG)},
+        {"topic": TOPICS, "reason": tuple(Refusal)},
         of=ON_ROS2,
         read=True,
     ),

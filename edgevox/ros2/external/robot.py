@@ -7,7 +7,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
-from edgevox.agent.skills import GoalHandle, Result, Skill, SkillFailed
+from edgevox.agent.skills import STOP, GoalHandle, Result, Skill, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
@@ -63,7 +63,7 @@ class ExternalRobot:
         )
         aliases = {said: name for name, one in self._locations.items() for said in one.aliases}
         self._skills = tuple(
-            replace(one, function=self._stop_and_see) if one.name == "stop" else one
+            replace(one, function=self._stop_and_see) if one.name == STOP else one
             for one in navigation_skills(self, aliases=aliases, word=LOCATION)
         )
 

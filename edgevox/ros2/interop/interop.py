@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from rclpy.node import Node
 
 from edgevox.core.errors import EdgeVoxError
+from edgevox.core.interlock import Interlock
 from edgevox.core.log import get_logger
 from edgevox.robots.capabilities import (
     Body,
@@ -41,7 +42,8 @@ class Interop:
     `run_skill` asks for a skill and must not block. `ticker`, not yet started, gives the rates; the
     camera has a thread of its own. `odom_frame` and `frame_prefix` are explained
     in `frames`, `publish_clock` in `stamps`. Raises `InvalidValue` for a frame that cannot be.
-    `failed_ticks` counts the moments at which the body could not say where it is.
+    While the `interlock` is engaged no velocity but zero is taken. `failed_ticks` counts the
+    moments at which the body could not say where it is.
     """
 
     def __init__(
@@ -54,6 +56,7 @@ class Interop:
         odom_frame: str = "",
         frame_prefix: str = "",
         publish_clock: bool = False,
+        interlock: Interlock | None = None,
     ) -> None:
         self._node, self._body = node, body
         self._frames = Frames(odom_frame, frame_prefix)
@@ -65,7 +68,9 @@ class Interop:
         self._motion = self._offer_motion()
         self._scanner = self._offer_scans()
         self._camera = self._offer_pictures()
-        self._velocity = VelocityInput(node, body) if isinstance(body, TakesVelocity) else None
+        self._velocity = (
+            VelocityInput(node, body, interlock) if isinstance(body, TakesVelocity) else None
+        )
         self._goal = self._take_goals(run_skill)
         self._place_sensors()
         self._forget = self._tick_on(ticker)
@@ -82,7 +87,7 @@ class Interop:
 
     @property
     def refused_velocities(self) -> int:
-        """How many `cmd_vel` messages held a number that is not finite."""
+        """How many `cmd_vel` messages held a number that is not finite, or may not be followed."""
         return self._velocity.refusals.total() if self._velocity else 0
 
     @property

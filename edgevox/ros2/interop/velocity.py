@@ -12,7 +12,8 @@ from collections import Counter
 from geometry_msgs.msg import Twist
 from rclpy.node import Node
 
-from edgevox.core.errors import InvalidValue
+from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.interlock import Interlock
 from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
 from edgevox.robots.capabilities import TakesVelocity, Twist2D
@@ -24,13 +25,17 @@ log = get_logger(__name__)
 class VelocityInput:
     """Hands velocities to the body: `linear.x` and `angular.z`, the two it can follow.
 
-    `refusals` counts messages that held a NaN or an infinity: none of their numbers is used, and
-    the body's watchdog runs on. `clamped` counts those beyond the body's limits.
+    `refusals` counts by reason messages that held a NaN or an infinity, or any motion while the
+    `interlock` is engaged: none of their numbers is used, and the body's watchdog runs on.
+    `clamped` counts those beyond the body's limits.
     """
 
-    def __init__(self, node: Node, body: TakesVelocity) -> None:
+    def __init__(self, node: Node, body: TakesVelocity, interlock: Interlock | None = None) -> None:
         self._body = body
-        self.refusals: Counter[Refusal] = Counter({Refusal.INVALID: 0, Refusal.NOT_FINITE: 0})
+        self._interlock = interlock or Interlock()
+        self.refusals: Counter[Refusal] = Counter(
+            dict.fromkeys((Refusal.INVALID, Refusal.NOT_FINITE, Refusal.FORBIDDEN), 0)
+        )
         self.clamped = 0
         self._open = True
         node.create_subscription(Twist, "cmd_vel", self._take, VELOCITY)
@@ -44,20 +49,22 @@ class VelocityInput:
             return
         one, two = message.linear, message.angular
         if not all(map(math.isfinite, (one.x, one.y, one.z, two.x, two.y, two.z))):
-            self._refuse(
-                InvalidValue("cmd_vel", _brief(message), "finite numbers", Refusal.NOT_FINITE)
-            )
+            wrong = InvalidValue("cmd_vel", _brief(message), "finite numbers")
+            self._refuse(wrong, Refusal.NOT_FINITE)
+            return
+        if (one.x or two.z) and (held := self._interlock.reason):
+            self._refuse(EdgeVoxError(held), Refusal.FORBIDDEN)
             return
         too_fast = abs(one.x) > self._body.max_linear_m_s
         self.clamped += too_fast or abs(two.z) > self._body.max_angular_rad_s
         try:
             self._body.set_velocity(Twist2D(one.x, two.z))
         except InvalidValue as error:
-            self._refuse(error)
+            self._refuse(error, error.reason)
 
-    def _refuse(self, reason: InvalidValue) -> None:
-        self.refusals[reason.reason] += 1
-        log.warning("velocity_refused", reason=str(reason), refused=self.refusals.total())
+    def _refuse(self, error: EdgeVoxError, reason: Refusal) -> None:
+        self.refusals[reason] += 1
+        log.warning("velocity_refused", reason=str(error), refused=self.refusals.total())
 
 
 def _brief(message: Twist) -> tuple[float, ...]:

@@ -1,0 +1,121 @@
+"""While the interlock is engaged nothing moves the body, and everything else works."""
+
+import threading
+
+import pytest
+
+from edgevox.agent.agents import Agent
+from edgevox.agent.conversation import Conversation
+from edgevox.agent.goals import Status
+from edgevox.agent.phrase_file import phrasebook
+from edgevox.agent.skills import GoalHandle, SkillFailed, SkillSet, skill
+from edgevox.core.bus import Bus
+from edgevox.core.commands import Interrupt, RunSkill, TextInput
+from edgevox.core.events import Responded
+from edgevox.core.interlock import Interlock
+from edgevox.core.languages import LANGUAGES
+from edgevox.ros2.presence.sharing import NOT_IN_CHARGE
+
+WAIT_S = 10.0
+REFUSED = "I cannot do that: Another agent is in charge of this robot."
+
+
+class Stage:
+    """A conversation with a robot that drives until it is stopped."""
+
+    def __init__(self) -> None:
+        self.interlock = Interlock()
+        self.driving = threading.Event()
+        self.halts: list[str] = []
+        self.said: list[str] = []
+        bus = Bus()
+        bus.subscribe(Responded, lambda event: self.said.append(event.text))
+
+        @skill(templates=["drive"], says="Driving.")
+        def drive(goal: GoalHandle) -> None:
+            """Drive until stopped."""
+            self.driving.set()
+            goal.token.wait()
+            goal.token.check()
+
+        @skill(templates=["hold your position"], says="Stopping.")
+        def stop(goal: GoalHandle) -> None:
+            """Stand still."""
+
+        @skill(templates=["where are you"], done="Here.", moves=False)
+        def where(goal: GoalHandle) -> None:
+            """Say where it is."""
+
+        self.talk = Conversation(
+            [Agent("robot", "Be brief.", SkillSet((drive, stop, where)))],
+            bus,
+            halt=lambda reason: bool(self.halts.append(reason)),
+            interlock=self.interlock,
+        )
+        self.talk.start()
+
+    def say(self, text: str) -> str:
+        self.talk.submit(TextInput(text))
+        assert self.talk.wait_idle(WAIT_S)
+        return self.said[-1]
+
+
+@pytest.fixture
+def stage():
+    one = Stage()
+    yield one
+    one.talk.close()
+
+
+def test_a_sentence_that_moves_is_refused_with_the_reason_and_the_others_are_answered(stage):
+    stage.interlock.engage(NOT_IN_CHARGE)
+    assert stage.say("drive") == REFUSED
+    assert stage.say("where are you") == "Here."
+    assert stage.say("hold your position") == "Stopping."
+    assert not stage.driving.is_set()
+
+
+def test_a_program_and_a_command_are_refused_too(stage):
+    stage.interlock.engage(NOT_IN_CHARGE)
+    for ask in (stage.talk.check_goal, stage.talk.start_goal):
+        with pytest.raises(SkillFailed, match="Another agent is in charge"):
+            ask("drive", {})
+    stage.talk.check_goal("stop", {})
+    stage.talk.check_goal("where", {})
+    stage.talk.submit(RunSkill("drive", {}))
+    assert stage.talk.wait_idle(WAIT_S)
+    assert stage.said == [REFUSED]
+
+
+def test_what_moves_when_it_is_engaged_ends_and_that_is_said_once(stage):
+    goal = stage.talk.start_goal("drive", {})
+    assert stage.driving.wait(WAIT_S)
+    stage.interlock.engage(NOT_IN_CHARGE)
+    stage.interlock.engage(NOT_IN_CHARGE)
+    assert goal.wait(WAIT_S)
+    assert (goal.status, goal.error) == (Status.CANCELLED, NOT_IN_CHARGE)
+    assert stage.talk.wait_idle(WAIT_S)
+    assert stage.said == ["I could not do that: Another agent is in charge of this robot."]
+
+
+def test_a_stop_word_and_an_interrupt_halt_the_body_all_the_same(stage):
+    stage.interlock.engage(NOT_IN_CHARGE)
+    assert stage.say("stop") == "I am standing still."
+    stage.talk.submit(Interrupt())
+    assert len(stage.halts) == 2
+
+
+def test_released_it_moves_when_it_is_asked_to_and_not_by_itself(stage):
+    stage.interlock.engage(NOT_IN_CHARGE)
+    stage.say("drive")
+    stage.interlock.release()
+    assert not stage.driving.is_set()
+    stage.talk.submit(TextInput("drive"))
+    assert stage.driving.wait(WAIT_S)
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_the_reason_is_said_in_every_language(code):
+    reason = phrasebook(code).reason(NOT_IN_CHARGE)
+    assert (reason == NOT_IN_CHARGE) == (code == "en")
+    assert reason.rstrip(".") in phrasebook(code).refusal(NOT_IN_CHARGE)
