@@ -12,7 +12,7 @@ IDLE_CORES = 0.3
 def _busy_s() -> float:
     """Seconds that all cores together were busy since the start of the machine."""
     user, nice, system, _, _, irq, soft_irq, *_ = map(
-        int, Path("/proc/stat").read_text().split("\n", 1)[0].split()[1:]
+        int, Path("/proc/stat").read_text(encoding="utf-8").split("\n", 1)[0].split()[1:]
     )
     return (user + nice + system + irq + soft_irq) / os.sysconf("SC_CLK_TCK")
 

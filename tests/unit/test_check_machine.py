@@ -77,7 +77,7 @@ def test_a_python_that_will_not_do_is_refused_with_those_that_will(check, tmp_pa
 
 def test_a_machine_without_an_engine_is_told_so_where_containers_are_tested(check, monkeypatch):
     monkeypatch.setenv("DOCKER_HOST", "tcp://127.0.0.1:1")
-    Path(os.environ["DEBIAN_LIST"]).write_text("")
+    Path(os.environ["DEBIAN_LIST"]).write_text("", encoding="utf-8")
 
     assert "No container engine answers" in check("compose").stderr
     assert check("unit").stderr == ""
