@@ -82,10 +82,12 @@ def hear(peer: Peer, kind: type, topic: str, qos: Any = RELIABLE) -> Messages:
     return heard
 
 
-def tell(peer: Peer, kind: type, topic: str, qos: Any = RELIABLE) -> Callable[[Any], None]:
-    """A way to publish there, once somebody listens."""
+def tell(
+    peer: Peer, kind: type, topic: str, qos: Any = RELIABLE, *, subscribers: int = 1
+) -> Callable[[Any], None]:
+    """A way to publish there, once so many listen."""
     publisher = peer.node.create_publisher(kind, topic, qos)
-    wait_until(lambda: publisher.get_subscription_count() > 0, topic)
+    wait_until(lambda: publisher.get_subscription_count() >= subscribers, topic)
     return publisher.publish
 
 

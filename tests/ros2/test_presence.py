@@ -99,6 +99,7 @@ def test_both_say_so_and_the_later_one_refuses_every_way_of_moving(first, second
     seen, wait = Seen(one), levels(hear(one, DiagnosticArray, "/diagnostics", RELIABLE))
     wait(DiagnosticStatus.OK, "alone on /edgevox")
     later = second()
+    client = Client(one)
     assert "in_charge=True" in first.wait_for_line("other_agent_here")
     assert "in_charge=False" in later.wait_for_line("other_agent_here")
     wait_until(lambda: one.node.count_publishers("/edgevox/response") == 2, "both answers")
@@ -112,7 +113,7 @@ def test_both_say_so_and_the_later_one_refuses_every_way_of_moving(first, second
     one.send("text_input", "stop")
     seen.wait_standing(FIRST)
 
-    steering = Stream(tell(one, Twist, "/edgevox/cmd_vel"), twist(SENT_M_S, 0.0))
+    steering = Stream(tell(one, Twist, "/edgevox/cmd_vel", subscribers=2), twist(SENT_M_S, 0.0))
     seen.wait_moving(FIRST)
     later.wait_for_line("velocity_refused")
     steering.end()
@@ -120,13 +121,13 @@ def test_both_say_so_and_the_later_one_refuses_every_way_of_moving(first, second
 
     goal = PoseStamped()
     goal.header.frame_id, goal.pose.position.x, goal.pose.position.y = "map", 3.0, 3.0
-    tell(one, PoseStamped, "/edgevox/goal_pose")(goal)
+    tell(one, PoseStamped, "/edgevox/goal_pose", subscribers=2)(goal)
     later.wait_for_line("goal_pose_refused")
     seen.wait_moving(FIRST)
     one.send("interrupt", "now")
     seen.wait_standing(FIRST)
 
-    Client(one).send("navigate_to", room="kitchen")
+    client.send("navigate_to", room="kitchen")
     later.wait_for_line("action_goal_rejected")
     assert not seen.moved(SECOND)
     assert any(m.child_frame_id == SECOND for m in seen.odom.messages)
@@ -147,7 +148,7 @@ def test_who_is_told_to_take_over_moves_and_the_other_one_stands(first, second, 
     later = second()
     one = peer()
     seen = Seen(one, agents=2)
-    one.send("text_input", "go to the bedroom")
+    one.send("text_input", "go to the bedroom", subscribers=2)
     seen.wait_moving(FIRST)
 
     one.send("take_over", seen.id_of(later), subscribers=2)
