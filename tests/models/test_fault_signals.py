@@ -1,4 +1,4 @@
-"""A signal in every state ends the program within five seconds, whole and without a word too much.
+"""A signal in every state ends the program in time, whole and without a word too much.
 
 It is told in which state it is by its own log, and hears a recording while it is typed to.
 """
@@ -19,7 +19,9 @@ from test_voice_program import AGENT, write_wav
 
 from edgevox.apps.ending import STUCK
 
-START_S, LEAVE_S = 40.0, 6.0  # and a busy machine's own second
+START_S, LEAVE_S = 120.0, 10.0
+"""An engine gives a container ten seconds before it kills it; a program takes 4.5 s, and what a
+busy machine adds."""
 DEAF_TO_NOTHING = ("env", "--default-signal=INT")
 """What a script starts in the background ignores Ctrl-C, and so do its children."""
 BEFORE_A_HANDLER = -signal.SIGTERM
@@ -73,7 +75,7 @@ class Program:
         """Send the signal; the exit code, and how long it took."""
         began_s = time.monotonic()
         self._process.send_signal(number)
-        code = self._process.wait(30)
+        code = self._process.wait(120)
         took_s = time.monotonic() - began_s
         self._reader.join()
         return code, took_s
@@ -168,7 +170,7 @@ def test_what_will_not_let_go_is_left_behind_in_time_and_named():
         assert process.poll() is None
     began_s = time.monotonic()
     process.send_signal(signal.SIGTERM)
-    _, errors = process.communicate(timeout=30)
+    _, errors = process.communicate(timeout=120)
 
     assert process.returncode == STUCK
     assert "leaving without what does not end: MainThread, stuck" in errors

@@ -92,7 +92,7 @@ class Stage:
         self.conversation.submit(TextInput(text))
 
     def driving(self):
-        assert self.body.started.acquire(timeout=10), "no drive began"
+        assert self.body.started.acquire(timeout=60), "no drive began"
 
     def statuses(self, skill_name):
         goals = [d for d in self.deeds if d.get("skill") == skill_name and "status" in d]

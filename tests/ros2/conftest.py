@@ -59,7 +59,7 @@ class Agent:
             assert found(), f"{text!r} was not printed; the output was:\n{self.output}"
             return found()[0]
 
-    def terminate(self, timeout_s: float = 10.0) -> int:
+    def terminate(self, timeout_s: float = START_S) -> int:
         """Send SIGTERM and wait for the end; the exit code."""
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGTERM)

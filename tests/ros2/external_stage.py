@@ -87,11 +87,11 @@ def heard(robot: ExternalRobot) -> None:
     wait_until(lambda: robot.state()["pose"] is not None, "odometry")
 
 
-def moving(robot: ExternalRobot, timeout_s: float = 20.0) -> None:
+def moving(robot: ExternalRobot, timeout_s: float = 60.0) -> None:
     wait_until(lambda: speed(robot) > 0.05, "motion", timeout_s)
 
 
-def standing(robot: ExternalRobot, timeout_s: float = 10.0) -> None:
+def standing(robot: ExternalRobot, timeout_s: float = 60.0) -> None:
     wait_until(lambda: speed(robot) < 0.01, "stillness", timeout_s)
 
 

@@ -17,7 +17,8 @@ STATE = QoSProfile(
     depth=100, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
 )
 SENSOR = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
-DISCOVERY_S = 15.0
+DISCOVERY_S = HEARD_S = 60.0
+"""For what comes, on whatever machine."""
 
 
 class Heard:
@@ -35,7 +36,7 @@ class Heard:
             self._arrived.notify_all()
 
     def wait_for(
-        self, wanted: Callable[[str], bool], timeout_s: float = 10.0, since: int = 0
+        self, wanted: Callable[[str], bool], timeout_s: float = HEARD_S, since: int = 0
     ) -> str:
         """The first message from number `since` on that is wanted; fails loudly if none comes."""
 

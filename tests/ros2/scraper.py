@@ -20,7 +20,7 @@ def free_port() -> int:
 
 def scrape(port: int) -> Scrape:
     """Each sample by its name and the values of its labels."""
-    with urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics", timeout=10) as answer:
+    with urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics", timeout=60) as answer:
         families = list(text_string_to_metric_families(answer.read().decode()))
     return {
         (sample.name, *(sample.labels[name] for name in sorted(sample.labels))): sample.value

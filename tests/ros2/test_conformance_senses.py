@@ -126,6 +126,7 @@ def test_a_model_is_heard_token_by_token(heard):
     assert all(tokens)
 
 
+@pytest.mark.alone
 def test_pictures_come_at_their_rate_with_their_camera_while_all_that_goes_on(heard):
     image = heard["image_raw"]
     begun = len(image.messages)

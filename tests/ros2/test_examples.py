@@ -35,7 +35,7 @@ class Listening:
         self._reader = threading.Thread(target=self._read, name="example-output")
         self._reader.start()
 
-    def line(self, timeout_s: float = 10.0) -> str | None:
+    def line(self, timeout_s: float = 60.0) -> str | None:
         """The next line; None if none came in time."""
         try:
             return self._lines.get(timeout=timeout_s)

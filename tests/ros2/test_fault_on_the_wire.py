@@ -21,7 +21,8 @@ from edgevox.robots.stepper import BROKE
 from edgevox.robots.world import load_world
 from tf2_msgs.msg import TFMessage
 
-LEAVE_S = 6.0
+LEAVE_S = 10.0
+"""What an engine gives a container before it kills it."""
 
 
 class Fragile(PymunkEngine):

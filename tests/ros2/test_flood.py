@@ -35,7 +35,7 @@ class Robot:
         status = dict(line.split(":", 1) for line in lines)
         return int(status["VmRSS"].split()[0]) / 1024, int(status["Threads"])
 
-    def works(self, timeout_s=10.0):
+    def works(self, timeout_s=60.0):
         """The next command is answered, by one that drives and another that stops."""
         heard = len(self.response.messages)
         self.peer.send("text_input", "what is your battery")

@@ -30,7 +30,7 @@ def free_port():
 
 
 def live(port, path="/live"):
-    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=5)
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
     connection.request("GET", path)
     answer = connection.getresponse()
     told = answer.status, json.loads(answer.read())["checks"]
@@ -91,7 +91,7 @@ def test_a_callback_that_blocks_the_executor_is_found_and_forgotten(node, peer):
     forget = parts.bus.subscribe(Answered, block)
     try:
         peer().send("command", "list_languages")
-        assert entered.wait(10)
+        assert entered.wait(60)
         took_s, checks = wait_for(port, 503, 10.0)
         assert took_s < 10.0
         assert checks["ros2"].startswith("has not moved for")
@@ -106,7 +106,7 @@ def test_a_step_of_the_world_that_blocks_is_found_and_forgotten(node):
     port, parts, engine = node
     engine.free.clear()
     parts.conversation.submit(TextInput("go to the kitchen"))
-    assert engine.stuck.wait(10)
+    assert engine.stuck.wait(60)
     took_s, checks = wait_for(port, 503, 10.0)
     assert took_s < 10.0
     assert checks["body"].startswith("has not moved for")

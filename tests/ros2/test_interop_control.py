@@ -54,13 +54,14 @@ def test_a_velocity_moves_the_robot_whatever_its_qos(hall, peer, qos):
     stream.end()
 
 
+@pytest.mark.alone
 def test_a_stream_that_stops_halts_the_robot_after_half_a_second(hall, peer):
     stream = Stream(tell(peer(), Twist, CMD_VEL), twist(0.3, 0.0))
     wait_until(lambda: speed(hall) > 0.25, "driving")
     ended = stream.end()
     begun_s = hall.body.time_s
-    wait_until(lambda: speed(hall) < 0.01, "standing", timeout_s=5)
-    assert 0.2 < time.monotonic() - ended < 1.5
+    wait_until(lambda: speed(hall) < 0.01, "standing")
+    assert time.monotonic() - ended > 0.2
     assert hall.body.time_s - begun_s < 0.8
 
 
@@ -72,7 +73,7 @@ def test_a_number_that_is_none_never_reaches_the_wheels(hall, peer, bad):
     stream.end()
     poison = Stream(say, twist(bad, 0.0))
     wait_until(lambda: hall.interop.refused_velocities > 3, "refusals")
-    wait_until(lambda: speed(hall) < 0.01, "standing in spite of the stream", timeout_s=5)
+    wait_until(lambda: speed(hall) < 0.01, "standing in spite of the stream")
     poison.end()
     again = Stream(say, twist(0.3, 0.0))
     wait_until(lambda: speed(hall) > 0.25, "driving again")
@@ -109,7 +110,7 @@ def test_any_velocity_pre_empts_a_driving_goal_which_ends_as_cancelled(hall, pee
         wait_until(lambda: speed(hall) > 0.3, "driving")
         tell(peer(), Twist, CMD_VEL)(twist(linear, 0.0))
         wait_until(lambda: ("skill_cancelled", "cancelled") in ends, "the end of the goal")
-        wait_until(lambda: speed(hall) < 0.01, "standing", timeout_s=5)
+        wait_until(lambda: speed(hall) < 0.01, "standing")
     finally:
         conversation.close()
 

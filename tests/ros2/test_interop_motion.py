@@ -124,6 +124,7 @@ def test_pose_odom_and_tf_are_the_same_pose_at_the_same_time(offer, peer):
     assert moving.twist.twist.angular.z == pytest.approx(0.5, abs=0.05)
 
 
+@pytest.mark.alone
 def test_stamps_are_now_never_later_and_never_twice(offer, peer):
     offer()
     one = peer()

@@ -12,6 +12,8 @@ import pytest
 from conftest import AGENT, READY, Agent
 from peer import STATE
 
+LEAVE_S = 10.0
+"""What an engine gives a container before it kills it."""
 SHARED_MEMORY = "/dev/shm/fastrtps"  # noqa: S108 - where the middleware puts it
 
 
@@ -21,7 +23,7 @@ def shared_memory_of(process):
     return {line.split()[-1] for line in maps.splitlines() if SHARED_MEMORY in line}
 
 
-def test_it_lives_without_a_terminal_and_leaves_within_two_seconds_of_sigterm(agent, peer):
+def test_it_lives_without_a_terminal_and_leaves_soon_after_sigterm(agent, peer):
     haunted = set(glob.glob(f"{SHARED_MEMORY}*"))  # by processes that other tests killed
     one = agent()
     robot = peer()
@@ -30,7 +32,7 @@ def test_it_lives_without_a_terminal_and_leaves_within_two_seconds_of_sigterm(ag
     assert segments
     begun = time.monotonic()
     assert one.terminate() == 0
-    assert time.monotonic() - begun < 2
+    assert time.monotonic() - begun < LEAVE_S
     robot.close()
     assert not [name for name in segments if os.path.exists(name)]
     assert "Traceback" not in one.output
@@ -41,7 +43,7 @@ def test_it_leaves_while_the_robot_drives(agent, peer):
     robot = peer()
     state = robot.listen("robot_state", STATE)
     robot.send("text_input", "go to the bedroom")
-    state.wait_for(lambda m: json.loads(m)["velocity"]["linear"] > 0.05, timeout_s=20)
+    state.wait_for(lambda m: json.loads(m)["velocity"]["linear"] > 0.05, timeout_s=60)
     assert one.terminate() == 0
     assert "Traceback" not in one.output
 
