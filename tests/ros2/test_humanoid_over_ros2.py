@@ -72,6 +72,7 @@ def test_velocities_drive_it_and_their_silence_halts_it(humanoid):
     assert not moves(humanoid.state())
 
 
+@pytest.mark.alone
 def test_its_base_is_on_tf_and_odom_thirty_times_a_second(humanoid):
     tf = hear(humanoid.peer, TFMessage, "/tf")
     pose = hear(humanoid.peer, PoseStamped, "/edgevox/pose")
@@ -88,6 +89,7 @@ def test_its_base_is_on_tf_and_odom_thirty_times_a_second(humanoid):
     assert (same.pose.position.x, same.pose.position.y) == (at.x, at.y)
 
 
+@pytest.mark.alone
 def test_it_shows_what_it_sees_five_times_a_second(humanoid):
     info = hear(humanoid.peer, CameraInfo, "/edgevox/camera_info", SENSOR)
     image = hear(humanoid.peer, Image, "/edgevox/image_raw", SENSOR)

@@ -163,6 +163,7 @@ def test_a_goal_pose_does_not_wait_for_a_model_that_thinks(agent, peer):
     assert "listening" not in state.messages[state.messages.index("thinking") :]
 
 
+@pytest.mark.alone
 def test_the_robots_time_is_on_clock_only_where_somebody_asks_for_it(agent, peer):
     agent("--ros2-namespace=/plain")
     one = peer()

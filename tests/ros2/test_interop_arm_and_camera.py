@@ -116,6 +116,7 @@ def test_an_arm_offers_its_hand_and_no_wheels(offer, peer):
     }  # fmt: skip
 
 
+@pytest.mark.alone
 def test_the_hands_true_orientation_is_on_tf_and_pose(offer, peer):
     offer(Arm(), frame_prefix="left/")
     one = peer()
@@ -132,6 +133,7 @@ def test_the_hands_true_orientation_is_on_tf_and_pose(offer, peer):
     assert (turn.x, turn.w) == (pytest.approx(math.sin(half)), pytest.approx(math.cos(half)))
 
 
+@pytest.mark.alone
 def test_pictures_come_five_times_a_second_with_their_camera(offer, peer):
     arm = offer(Arm()).body
     one = peer()

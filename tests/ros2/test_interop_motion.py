@@ -72,6 +72,7 @@ def test_the_graph_shows_what_is_listened_to(offer, peer):
         assert (info.topic_type, info.qos_profile.reliability.name) == (kind, reliability)
 
 
+@pytest.mark.alone
 def test_rates_hold_over_five_seconds(offer, peer):
     offer()
     one = peer()

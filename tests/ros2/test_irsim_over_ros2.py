@@ -60,6 +60,7 @@ def test_velocities_turn_it_and_their_silence_halts_it(irsim):
     assert turning["time"] < stood["time"] < turning["time"] + 3.0
 
 
+@pytest.mark.alone
 def test_its_base_and_its_lidar_come_at_their_rates(irsim):
     tf = hear(irsim.peer, TFMessage, "/tf")
     scan = hear(irsim.peer, LaserScan, "/edgevox/scan", SENSOR)

@@ -54,6 +54,7 @@ def test_a_stop_word_halts_the_arm_in_the_middle(panda):
     panda.say("go home").answer("I am at home.")
 
 
+@pytest.mark.alone
 def test_the_hand_is_on_tf_thirty_times_a_second_as_it_is_really_turned(panda):
     tf = hear(panda.peer, TFMessage, "/tf")
     pose = hear(panda.peer, PoseStamped, "/edgevox/pose")
@@ -72,6 +73,7 @@ def test_the_hand_is_on_tf_thirty_times_a_second_as_it_is_really_turned(panda):
     assert approach(link.transform.rotation) == pytest.approx([0, 0, -1], abs=0.02)
 
 
+@pytest.mark.alone
 def test_its_camera_stands_in_the_room_and_shows_the_table_five_times_a_second(panda):
     info = hear(panda.peer, CameraInfo, "/edgevox/camera_info", SENSOR)
     image = hear(panda.peer, Image, "/edgevox/image_raw", SENSOR)
