@@ -49,6 +49,7 @@ class RosBridge:
     def __init__(self, wiring: Wiring, ros_args: Sequence[str] = ()) -> None:
         self._node = RosNode(wiring.settings.ros2_namespace, ros_args)
         self._ticker = Ticker("edgevox-ticker")
+        self._body = wiring.body
         self._parts: list[Part] = []
         try:
             self._open(wiring)
@@ -90,7 +91,8 @@ class RosBridge:
     @property
     def refusals(self) -> Mapping[tuple[str, ...], int]:
         """How many messages were refused, by topic and reason."""
-        refusing = [part for part in self._parts if isinstance(part, Refuses)]
+        parts: tuple[object, ...] = (*self._parts, self._body)
+        refusing = [part for part in parts if isinstance(part, Refuses)]
         return {which: count for part in refusing for which, count in part.refusals.items()}
 
     @property

@@ -133,7 +133,8 @@ class StandIn:
                 return "abort"
             if left_m < 0.1:
                 return "succeed"
-            goal.publish_feedback(self._action.Feedback(distance_remaining=left_m))
+            told_m = math.nan if self.mode == "nonsense" else left_m
+            goal.publish_feedback(self._action.Feedback(distance_remaining=told_m))
             pause.wait(0.1)
         return "abort"
 
@@ -212,3 +213,23 @@ def test_a_goal_that_nav2_does_not_reach_fails_with_its_reason(stage, mode, reas
     server.mode = mode
     with pytest.raises(SkillFailed, match=reason):
         drive(robot, 2.0, 0.0).result()
+
+
+def test_a_robot_that_jumps_has_its_goal_cancelled_and_is_driven_again(stage, peer):
+    robot, server, asked = stage
+    going = drive(robot, 5.0, 0.0)
+    moving(robot)
+    peer("/robot1").send("do", "jump 5")
+    with pytest.raises(SkillFailed, match="pose jumped by 5"):
+        going.result(5)
+    wait_until(lambda: server.ends == ["canceled"], "the cancel")
+    standing(robot)
+    assert asked.moving == []
+
+
+def test_a_way_that_is_left_and_no_number_is_not_believed(stage):
+    robot, server, _ = stage
+    server.mode = "nonsense"
+    going = drive(robot, 0.6, 0.0)
+    going.result()
+    assert all(0 <= one["distance_m"] < 1 for one in going.reports)

@@ -4,7 +4,9 @@
 
 It listens to cmd_vel with a watchdog of its own and publishes odom 20 times a second. With
 --takes-goals it drives to what comes on goal_pose by itself. A string on ``do`` changes it while it
-runs: silent, heard, stuck, free, runaway, obedient, or wall with the metres to it.
+runs: silent, heard, stuck, free, runaway, obedient, spinning, wall with the metres to it, or a lie:
+claim or length (an x, or a quaternion's length, that is not so; truth ends both), jump or correct
+(so many metres in its odometry, or in map -> odom), blind (scans of no angle) or sighted.
 """
 
 import argparse
@@ -38,7 +40,9 @@ class WheeledRobot(Node):
         self.asked, self.asked_at = (0.0, 0.0), -1.0
         self.goal: tuple[float, float, float] | None = None
         self.now = 0.0
-        self.silent = self.stuck = self.runaway = False
+        self.silent = self.stuck = self.runaway = self.spinning = self.blind = False
+        self.claim: float | None = None
+        self.length, self.jumped = 1.0, 0.0
         self.wall: float | None = None
         reliability = getattr(ReliabilityPolicy, options.reliability.upper())
         quality = QoSProfile(depth=5, reliability=reliability)
@@ -49,7 +53,9 @@ class WheeledRobot(Node):
         if options.takes_goals:
             self.create_subscription(PoseStamped, "goal_pose", self.head_for, 10)
         if options.map_to_odom:
-            self.say_transform()
+            latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+            self.transforms = self.create_publisher(TFMessage, "/tf_static", latched)
+            self.say_transform(*options.map_to_odom)
         self.create_timer(STEP_S, self.step)
 
     def take(self, message: Twist) -> None:
@@ -60,8 +66,20 @@ class WheeledRobot(Node):
         self.silent = {"silent": True, "heard": False}.get(word, self.silent)
         self.stuck = {"stuck": True, "free": False}.get(word, self.stuck)
         self.runaway = {"runaway": True, "obedient": False}.get(word, self.runaway)
+        self.spinning = {"spinning": True, "obedient": False}.get(word, self.spinning)
+        self.blind = {"blind": True, "sighted": False}.get(word, self.blind)
+        value = float(number) if number else None
         if word == "wall":
-            self.wall = float(number) if number else None
+            self.wall = value
+        elif word in ("claim", "truth"):
+            self.claim, self.length = value, 1.0
+        elif word == "length":
+            self.length = value
+        elif word == "jump":
+            self.jumped += value
+        elif word == "correct":
+            x, y, yaw = self.options.map_to_odom
+            self.say_transform(x + value, y, yaw)
 
     def head_for(self, message: PoseStamped) -> None:
         at, rotation = message.pose.position, message.pose.orientation
@@ -88,7 +106,7 @@ class WheeledRobot(Node):
         if self.runaway:
             return 0.3, 0.0
         if self.now - self.asked_at < WATCHDOG_S:
-            return self.asked
+            return (0.0, 0.8) if self.spinning and self.asked != (0.0, 0.0) else self.asked
         return self.towards_goal() if self.goal else (0.0, 0.0)
 
     def towards_goal(self) -> tuple[float, float]:
@@ -109,9 +127,10 @@ class WheeledRobot(Node):
         message.header.frame_id = f"{prefix}odom"
         message.child_frame_id = f"{prefix}base_link"
         x, y, yaw = compose(invert(self.options.map_to_odom), (self.x, self.y, self.yaw))
-        message.pose.pose.position.x, message.pose.pose.position.y = x, y
-        message.pose.pose.orientation.z = math.sin(yaw / 2)
-        message.pose.pose.orientation.w = math.cos(yaw / 2)
+        message.pose.pose.position.x = x + self.jumped if self.claim is None else self.claim
+        message.pose.pose.position.y = y
+        message.pose.pose.orientation.z = self.length * math.sin(yaw / 2)
+        message.pose.pose.orientation.w = self.length * math.cos(yaw / 2)
         message.twist.twist.linear.x = self.linear
         message.twist.twist.angular.z = self.angular
         self.odom.publish(message)
@@ -121,7 +140,7 @@ class WheeledRobot(Node):
         message.header.stamp = self.get_clock().now().to_msg()
         message.header.frame_id = f"{self.options.frame_prefix}laser"
         message.angle_min, message.angle_max = -math.pi / 2, math.pi / 2
-        message.angle_increment = math.pi / (BEAMS - 1)
+        message.angle_increment = math.nan if self.blind else math.pi / (BEAMS - 1)
         message.range_min, message.range_max = 0.05, 10.0
         far = [math.inf] * BEAMS
         if self.wall is not None:
@@ -130,16 +149,13 @@ class WheeledRobot(Node):
         message.ranges = far
         self.scan.publish(message)
 
-    def say_transform(self) -> None:
-        x, y, yaw = self.options.map_to_odom
+    def say_transform(self, x: float, y: float, yaw: float) -> None:
         message = TransformStamped()
         message.header.frame_id = "map"
         message.child_frame_id = f"{self.options.frame_prefix}odom"
         message.transform.translation.x, message.transform.translation.y = x, y
         message.transform.rotation.z = math.sin(yaw / 2)
         message.transform.rotation.w = math.cos(yaw / 2)
-        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        self.transforms = self.create_publisher(TFMessage, "/tf_static", latched)
         self.transforms.publish(TFMessage(transforms=[message]))
 
 

@@ -88,7 +88,11 @@ def test_a_loop_of_transforms_ends() -> None:
         ("", "odom", moved(1, 1)),
         ("map", "odom", moved(math.nan, 1)),
         ("map", "odom", moved(math.inf, 1)),
+        ("map", "odom", moved(1e300, 1)),
+        ("map", "odom", moved(1, -1e9)),
         ("map", "odom", matrix((0, 0, 0), (0, 0, 0, 0))),
+        ("map", "odom", matrix((0, 0, 0), (0, 0, 0, 3))),
+        ("map", "odom", matrix((0, 0, 0), (0, 0, 1e300, 1e300))),
     ],
 )
 def test_what_cannot_be_a_transform_is_not_taken(parent, child, transform) -> None:

@@ -4,10 +4,14 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import SkillFailed
 from edgevox.robots.capabilities import LidarScan, Pose2D, Twist2D
 from edgevox.ros2.external.drive import Watch
+from edgevox.ros2.external.plausible import Speeds, sweeps
 from edgevox.ros2.external.settings import Patience
 from edgevox.ros2.external.sightings import Sighting, Sightings
 from edgevox.ros2.external.steering import blocked
@@ -28,14 +32,22 @@ def clock() -> HandClock:
     return HandClock()
 
 
-def see(sightings: Sightings, clock: HandClock, x_m: float = 0.0, speed_m_s: float = 0.0) -> bool:
+def see(
+    sightings: Sightings,
+    clock: HandClock,
+    x_m: float = 0.0,
+    speed_m_s: float = 0.0,
+    *,
+    yaw_rad: float = 0.0,
+    stamp_s: float = 0.0,
+) -> bool:
     return sightings.add(
         Sighting(
-            pose=Pose2D(x_m, 0.0, 0.0),
+            pose=Pose2D(x_m, 0.0, yaw_rad),
             twist=Twist2D(speed_m_s, 0.0),
             frame="odom",
             child_frame="base_link",
-            stamp_ns=0,
+            stamp_ns=round(stamp_s * 1e9),
             heard_s=clock.time_s,
         )
     )
@@ -52,13 +64,108 @@ def test_odometry_of_more_than_a_second_ago_is_no_position(clock) -> None:
     assert sightings.newest() is not None
 
 
-@pytest.mark.parametrize("wrong", [math.nan, math.inf])
-def test_odometry_that_is_no_number_is_not_taken(clock, wrong) -> None:
+@pytest.mark.parametrize("wrong", [math.nan, math.inf, 1e300, -1e300, 1e12, -10_001.0])
+def test_odometry_that_cannot_be_true_is_not_taken(clock, wrong) -> None:
     sightings = Sightings(clock)
 
     assert not see(sightings, clock, x_m=wrong)
     assert not see(sightings, clock, speed_m_s=wrong)
     assert sightings.newest() is None
+    assert sightings.refused == 2
+    assert sightings.absurd
+
+
+def test_a_robot_is_believed_again_with_the_first_thing_that_can_be_true(clock) -> None:
+    sightings = Sightings(clock)
+    see(sightings, clock)
+    see(sightings, clock, x_m=1e300)
+    assert sightings.absurd
+    assert sightings.doubt.jump is None
+    see(sightings, clock, x_m=0.01)
+    assert not sightings.absurd
+    assert sightings.fresh().pose.x_m == 0.01
+    assert sightings.doubt.number == 1
+
+
+@pytest.mark.parametrize(
+    ("seconds", "stamped_s", "x_m", "yaw_rad", "jumped"),
+    [
+        (0.05, 0.05, 0.3, 0.0, False),
+        (0.05, 0.05, 0.5, 1.0, False),
+        (0.05, 0.05, 1.0, 0.0, True),
+        (0.05, 0.05, 0.0, 2.0, True),
+        (0.05, 0.05, 5000.0, 0.0, True),
+        (1.0, 1.0, 2.0, 3.1, False),
+        (1.0, 1.0, 6.0, 0.0, True),
+        (0.0, 0.2, 1.2, 0.0, False),  # a burst: sent one by one, heard at once
+        (0.05, 1e9, 6.0, 0.0, True),  # a stamp is only the robot's word
+        (0.05, -5.0, 1.0, 0.0, True),
+        (0.0, 0.0, 0.4, 0.5, False),
+    ],
+)
+def test_what_is_further_than_a_robot_can_have_come_is_a_jump(
+    clock, seconds, stamped_s, x_m, yaw_rad, jumped
+) -> None:
+    sightings = Sightings(clock)
+    see(sightings, clock, stamp_s=100.0)
+    clock.time_s += seconds
+    assert see(sightings, clock, x_m, yaw_rad=yaw_rad, stamp_s=100.0 + stamped_s)
+
+    assert (sightings.doubt is not None) is jumped
+    assert sightings.newest().pose.x_m == x_m, "it is where the robot is from now on"
+
+
+def test_a_jump_is_said_with_how_far_it_was(clock) -> None:
+    sightings = Sightings(clock)
+    see(sightings, clock)
+    see(sightings, clock, x_m=5.04, yaw_rad=math.pi / 2)
+    said = str(sightings.doubt.jump)
+    assert said == "The robot's pose jumped by 5.0 metres and 90 degrees, so I stopped."
+    assert (
+        phrasebook("de")
+        .reason(said)
+        .startswith("die Position des Roboters ist um 5 Meter und 90 Grad")
+    )
+
+
+def test_a_fast_robot_does_not_jump_by_being_fast(clock) -> None:
+    fast = Sightings(clock, Speeds(linear_m_s=20.0))
+    for step in range(10):
+        see(fast, clock, x_m=1.0 * step, stamp_s=0.05 * step)
+        clock.time_s += 0.05
+    assert fast.doubt is None
+
+
+@given(st.lists(st.tuples(st.floats(), st.floats(), st.floats(allow_nan=True)), max_size=20))
+def test_whatever_is_heard_only_what_can_be_is_a_position(heard) -> None:
+    sightings = Sightings(HandClock())
+    for x_m, speed_m_s, yaw_rad in heard:
+        see(sightings, HandClock(), x_m, speed_m_s, yaw_rad=yaw_rad)
+    newest = sightings.newest()
+    assert newest is None or (abs(newest.pose.x_m) <= 10_000 and newest.pose.finite)
+
+
+@pytest.mark.parametrize(
+    ("beams", "angle_min", "increment", "near_m", "far_m", "can_be"),
+    [
+        (360, -math.pi, math.tau / 360, 0.05, 10.0, True),
+        (360, math.pi, -math.tau / 360, 0.0, math.inf, True),
+        (0, 0.0, 0.1, 0.05, 10.0, False),
+        (360, math.nan, 0.01, 0.05, 10.0, False),
+        (360, 0.0, math.nan, 0.05, 10.0, False),
+        (360, 0.0, 1e30, 0.05, 10.0, False),
+        (360, 1e30, 0.01, 0.05, 10.0, False),
+        (360, 0.0, 0.01, math.nan, 10.0, False),
+        (360, 0.0, 0.01, 0.05, math.nan, False),
+        (360, 0.0, 0.01, 0.0, 0.0, False),
+        (360, 0.0, 0.01, 10.0, 0.05, False),
+        (10**6, 0.0, 1e-6, 0.05, 10.0, False),
+    ],
+)
+def test_a_sweep_in_which_nothing_could_be_seen_is_none(
+    beams, angle_min, increment, near_m, far_m, can_be
+) -> None:
+    assert sweeps(beams, angle_min, increment, near_m, far_m) is can_be
 
 
 def test_a_robot_stands_when_it_was_seen_not_to_move_for_a_while(clock) -> None:
@@ -124,6 +231,22 @@ def test_a_robot_that_waits_is_not_blamed_for_standing() -> None:
     one = watch()
     one.look(30.0, Pose2D(0, 0, 0), 4.0, waiting=True)
     one.look(34.0, Pose2D(0, 0, 0), 4.0)
+
+
+def look_on(looks) -> None:
+    one = watch()
+    for now_s, pose, left_m, waiting in looks:
+        one.look(now_s, pose, left_m, waiting=waiting)
+
+
+def test_a_robot_that_waits_and_turns_by_turns_is_given_up() -> None:
+    with pytest.raises(SkillFailed, match="I am not getting closer"):
+        look_on((0.05 * tick, Pose2D(0, 0, tick % 7), 4.0, bool(tick % 2)) for tick in range(2000))
+
+
+def test_a_drive_that_comes_nearer_by_a_hair_ends_all_the_same() -> None:
+    with pytest.raises(SkillFailed, match="I am not getting closer"):
+        look_on((19.0 * n, Pose2D(0, 0, n % 7), 4.0 - 0.11 * n, False) for n in range(30))
 
 
 def scan(*points: tuple[float, float], mount: Pose2D = MIDDLE) -> LidarScan:

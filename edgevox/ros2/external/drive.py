@@ -10,6 +10,7 @@ from edgevox.robots.capabilities import Pose2D
 from edgevox.ros2.external.drivers import Driver
 from edgevox.ros2.external.settings import Patience
 from edgevox.ros2.external.target import Fix, Target
+from edgevox.ros2.external.trust import Trust
 
 _NEARER_M = 0.1
 _MOVED_M, _TURNED_RAD = 0.1, 0.35
@@ -26,18 +27,22 @@ class Progress:
 class Drive:
     """Not thread-safe, but for `done`; the body locks."""
 
-    def __init__(self, target: Target, driver: Driver, fix: Fix, now_s: float) -> None:
+    def __init__(
+        self, target: Target, driver: Driver, fix: Fix, trust: Trust, now_s: float
+    ) -> None:
         self.target = target
         self.driver = driver
         self.done = threading.Event()
         self.error: BaseException | None = None
         self._whole_m = max(target.distance_m(fix.pose), 1e-6)
         self._left_m = self._whole_m
+        self._trust = trust
         self._watch = Watch(driver.patience, fix.pose, self._whole_m, now_s)
 
     def tick(self, now_s: float, fix: Fix) -> None:
-        """Go on; ends on arrival, on a failure of the driver, or when patience is over."""
+        """Go on; ends on arrival, in doubt, when the driver fails, or when patience is over."""
         try:
+            self._trust.check(fix)
             arrived = self.driver.tick(now_s, fix)
             self._left_m = self.driver.left_m(fix)
             if not arrived:
@@ -73,25 +78,39 @@ class Drive:
 
 
 class Watch:
-    """Notices that a robot does not get on."""
+    """Notices that a robot does not get on, whatever it does instead, such as turning."""
 
     def __init__(self, patience: Patience, pose: Pose2D, left_m: float, now_s: float) -> None:
         self._patience = patience
+        self._looked_s = now_s
         self._place, self._moved_s = pose, now_s
         self._nearest_m, self._nearer_s = left_m, now_s
+        self._last_s = now_s + patience.first_s + left_m / patience.slowest_m_s
 
     def look(self, now_s: float, pose: Pose2D, left_m: float, *, waiting: bool = False) -> None:
-        """Raises `SkillFailed` when patience is over. A robot that `waiting` may stand."""
-        if waiting or _moved(pose, self._place):
+        """Raises `SkillFailed` when patience is over.
+
+        While a robot is `waiting` patience rests, and is not new afterwards: who waits and turns by
+        turns would never end.
+        """
+        if waiting:
+            self._rest(now_s - self._looked_s)
+        self._looked_s = now_s
+        if _moved(pose, self._place):
             self._place, self._moved_s = pose, now_s
-        if waiting or left_m < self._nearest_m - _NEARER_M:
-            self._nearest_m, self._nearer_s = min(left_m, self._nearest_m), now_s
+        if left_m < self._nearest_m - _NEARER_M:
+            self._nearest_m, self._nearer_s = left_m, now_s
         if now_s - self._moved_s > self._patience.unmoved_s:
             raise SkillFailed(
                 f"I am not getting closer: the robot does not move, with {left_m:.1f} metres left."
             )
-        if now_s - self._nearer_s > self._patience.no_nearer_s:
+        if now_s - self._nearer_s > self._patience.no_nearer_s or now_s > self._last_s:
             raise SkillFailed(f"I am not getting closer, with {left_m:.1f} metres left.")
+
+    def _rest(self, seconds: float) -> None:
+        self._moved_s += seconds
+        self._nearer_s += seconds
+        self._last_s += seconds
 
 
 def _moved(one: Pose2D, other: Pose2D) -> bool:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edgevox.robots.capabilities import Pose2D
+from edgevox.ros2.external.plausible import FURTHEST_FRAME_M, OFF_UNIT
 
 MAP = "map"
 MOST_FRAMES = 2000
@@ -35,7 +36,8 @@ class Frames:
         parent, child = plain(parent), plain(child)
         with self._lock:
             known = child in self._parents or len(self._parents) < MOST_FRAMES
-            good = parent and child and parent != child and np.isfinite(transform).all()
+            near = (np.abs(transform) <= FURTHEST_FRAME_M).all()  # which no NaN is
+            good = parent and child and parent != child and near
             if not (good and known):
                 return False
             self._parents[child] = (parent, transform)
@@ -76,10 +78,10 @@ class Frames:
 
 
 def matrix(translation: Vector3, rotation: Quaternion) -> Matrix:
-    """A transform of a translation (m) and a quaternion, which need not be of length 1."""
+    """A transform of a translation (m) and a quaternion; of NaN if that is not of length 1."""
     x, y, z, w = rotation
-    norm = math.sqrt(x * x + y * y + z * z + w * w)
-    if not math.isfinite(norm) or norm < 1e-9:
+    norm = math.hypot(x, y, z, w)
+    if not abs(norm - 1.0) <= OFF_UNIT:
         return np.full((4, 4), np.nan)
     x, y, z, w = x / norm, y / norm, z / norm, w / norm
     turned: Matrix = np.eye(4)

@@ -12,8 +12,9 @@ from edgevox.core.log import get_logger
 from edgevox.ros2.external.drivers import Driver, GoalTopic, Wheels
 from edgevox.ros2.external.nav2 import LOST_S, Nav2Cancel, nav2_action
 from edgevox.ros2.external.pilot import Pilot
+from edgevox.ros2.external.plausible import SPEED_M_S, SPEED_RAD_S, Speeds
 from edgevox.ros2.external.senses import Senses
-from edgevox.ros2.external.settings import ExternalSettings
+from edgevox.ros2.external.settings import ExternalSettings, SteeringLimits
 from edgevox.ros2.external.sightings import SILENT_S
 from edgevox.ros2.external.steering import OwnSteering
 from edgevox.ros2.node import RosNode
@@ -37,14 +38,14 @@ class Link:
         self._settings, self._clock, self._lock = settings, clock, lock
         self._ros = RosNode(namespace, name=NODE_NAME)
         node = self._ros.node
-        self.senses = Senses(node, clock)
+        self.senses = Senses(node, clock, _speeds(settings.steering))
         wheels = Wheels(node)
         self._cancel = Nav2Cancel(node, clock)
         goals = GoalTopic(node, self._cancel.cancel_all, settings.goal_patience)
         nav2 = nav2_action(node, self._cancel.cancel_all, settings.goal_patience)
         self._takers: list[Driver] = [nav2, goals] if nav2 else [goals]
         self._steering = OwnSteering(
-            wheels.turn, self.senses.scan, settings.steering, settings.steering_patience
+            wheels.turn, self.senses.trusted_scan, settings.steering, settings.steering_patience
         )
         self.pilot = Pilot(self.senses, wheels, goals, settings.obey_s)
         self._silent = False
@@ -101,3 +102,10 @@ class Link:
         elif self._silent and not silent:
             log.warning("odometry_back", topic=self.senses.odom_topic)
         self._silent = silent
+
+
+def _speeds(limits: SteeringLimits) -> Speeds:
+    """What no robot with these limits exceeds, with much to spare: others may drive it, too."""
+    return Speeds(
+        max(SPEED_M_S, 2 * limits.max_linear_m_s), max(SPEED_RAD_S, 2 * limits.max_angular_rad_s)
+    )

@@ -16,9 +16,9 @@ from edgevox.core.user_file import read_text
 from edgevox.core.yaml_file import parse_yaml
 from edgevox.robots.names import read_name
 from edgevox.robots.world_fields import Fields
+from edgevox.ros2.external.plausible import FURTHEST_M
 
 MOST_LOCATIONS = 200
-FURTHEST_M = 10_000.0
 _KEYS = ("x", "y", "yaw", "aliases")
 LONGEST_NAME = 40
 

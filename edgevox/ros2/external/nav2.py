@@ -27,6 +27,8 @@ log = get_logger(__name__)
 ACTION = "navigate_to_pose"
 ANSWER_S = 5.0
 """So long the server may take to accept a goal."""
+LONGEST_WAY_M = 1e6
+"""What is further, or no number, is no way that is left."""
 LOST_S = 1.0
 """An answer to a cancel that takes longer is lost."""
 
@@ -135,7 +137,8 @@ class _Run:
         self.left_m: float | None = None
 
     def hear(self, message: Any) -> None:
-        self.left_m = float(message.feedback.distance_remaining)
+        left_m = float(message.feedback.distance_remaining)
+        self.left_m = left_m if 0.0 <= left_m <= LONGEST_WAY_M else None
 
     def answered(self, answer: Future) -> None:
         self.refused = not answer.result().accepted

@@ -17,10 +17,13 @@ from edgevox.robots.capabilities import LidarScan, Pose2D, Report, Twist2D
 from edgevox.robots.navigation import LOCATION, navigation_skills
 from edgevox.ros2.external.drive import Drive
 from edgevox.ros2.external.link import Link
-from edgevox.ros2.external.locations import FURTHEST_M, Location
+from edgevox.ros2.external.locations import Location
 from edgevox.ros2.external.pilot import Hold
+from edgevox.ros2.external.plausible import FURTHEST_M
+from edgevox.ros2.external.senses import incredible
 from edgevox.ros2.external.settings import ExternalSettings
 from edgevox.ros2.external.target import Fix, Target
+from edgevox.ros2.external.trust import Trust
 from edgevox.ros2.stamps import NS_PER_S
 
 log = get_logger(__name__)
@@ -87,10 +90,19 @@ class ExternalRobot:
     def trouble(self) -> str:
         """Why it can neither be driven nor asked where it is; empty if its odometry is heard."""
         link = self._link
-        if link is None or link.senses.sightings.fresh() is not None:
+        if link is None:
+            return ""
+        if link.senses.distrusted:
+            return f"what is heard on {link.senses.distrusted} cannot be true"
+        if link.senses.sightings.fresh() is not None:
             return ""
         never = link.senses.sightings.newest() is None
         return f"{'nothing' if never else 'nothing more'} is heard on {link.senses.odom_topic}"
+
+    @property
+    def refusals(self) -> Mapping[str, int]:
+        """How many of the robot's messages could not be true, by topic."""
+        return self._link.senses.refusals if self._link else {}
 
     @property
     def places(self) -> Mapping[str, tuple[float, float]]:
@@ -147,7 +159,7 @@ class ExternalRobot:
         """As every body's; `pose` and `velocity` are None while the odometry is silent."""
         link = self._link
         seen = link.senses.sightings.newest() if link else None
-        fix = link.senses.fix() if link else None
+        fix = link.senses.fix() if link and not link.senses.distrusted else None
         with self._lock:
             drive = link.pilot.drive if link else None
             goal = drive.describe() if drive else None
@@ -188,7 +200,8 @@ class ExternalRobot:
                 raise Cancelled("it was stopped before it began")
             token.check()
             fix = self._fix()
-            drive = Drive(target, driver, fix, self._clock.now())
+            trust = Trust(link.senses, fix)
+            drive = Drive(target, driver, fix, trust, self._clock.now())
             link.pilot.follow(drive, fix)
         link.senses.say_frame_once(fix)
         log.info("driving", x_m=round(x_m, 2), y_m=round(y_m, 2), driver=driver.name)
@@ -232,6 +245,8 @@ class ExternalRobot:
 
     def _fix(self) -> Fix:
         link = self._switched_on()
+        if link.senses.distrusted:
+            raise incredible(link.senses.distrusted)
         fix = link.senses.fix()
         if fix is not None:
             return fix

@@ -1,6 +1,7 @@
 """What is heard from the robot: odometry, scans, pictures and transforms, the newest of each."""
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from geometry_msgs.msg import Quaternion, Vector3
@@ -10,10 +11,12 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import Image, LaserScan
 
+from edgevox.agent.skills import SkillFailed
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
 from edgevox.robots.capabilities import LidarScan, Pose2D, Twist2D
 from edgevox.ros2.external.frames import Frames, Matrix, flatten, matrix, plain
+from edgevox.ros2.external.plausible import Speeds, on_the_map, sweeps
 from edgevox.ros2.external.sightings import SILENT_S, Sighting, Sightings
 from edgevox.ros2.external.target import Fix
 from edgevox.ros2.stamps import NS_PER_S, to_ns
@@ -31,12 +34,14 @@ class Senses:
     /tf_static is asked for what was said before.
     """
 
-    def __init__(self, node: Node, clock: Clock) -> None:
+    def __init__(self, node: Node, clock: Clock, speeds: Speeds) -> None:
         self._clock = clock
-        self.sightings = Sightings(clock)
+        self.sightings = Sightings(clock, speeds)
         self._frames = Frames()
         self._prefix = node.get_namespace().strip("/")
         self._scan: tuple[float, LaserScan] | None = None
+        self._scan_refused_s = -math.inf
+        self._refused_scans = self._refused_transforms = 0
         self._picture: bytes | None = None
         self._said: set[tuple[str, ...]] = set()
         node.create_subscription(Odometry, "odom", self._hear_odometry, _lossy(5))
@@ -49,6 +54,17 @@ class Senses:
                 TFMessage, f"{name}_static", self._hear_transforms, _latched(_ANY_TF)
             )
         self.odom_topic = node.resolve_topic_name("odom")
+        self.scan_topic = node.resolve_topic_name("scan")
+        self.tf_topic = node.resolve_topic_name("/tf")
+
+    @property
+    def refusals(self) -> Mapping[str, int]:
+        """How many messages could not be true, by topic."""
+        return {
+            self.odom_topic: self.sightings.refused,
+            self.scan_topic: self._refused_scans,
+            self.tf_topic: self._refused_transforms,
+        }
 
     def fix(self) -> Fix | None:
         """Where the robot is now; None while its odometry is silent.
@@ -66,6 +82,14 @@ class Senses:
             return Fix(seen.pose, seen.twist, seen.frame, seen.stamp_ns)
         pose = flatten(to_map @ _matrix_of(seen.pose))
         return Fix(pose, seen.twist, frame, seen.stamp_ns)
+
+    @property
+    def distrusted(self) -> str:
+        """The topic whose news of where the robot is cannot be true; empty if there is none."""
+        if self.sightings.absurd:
+            return self.odom_topic
+        fix = self.fix()
+        return self.tf_topic if fix and not on_the_map(fix.pose) else ""
 
     def say_frame_once(self, fix: Fix) -> None:
         """Log, the first time only, that there is no map."""
@@ -89,6 +113,12 @@ class Senses:
             ranges_m=np.asarray(message.ranges, dtype=np.float32),
             mount=self._mount(message.header.frame_id),
         )
+
+    def trusted_scan(self) -> LidarScan | None:
+        """As `scan`. Raises `SkillFailed` while what the lidar says cannot be true."""
+        if self._clock.now() - self._scan_refused_s <= SILENT_S:
+            raise incredible(self.scan_topic)
+        return self.scan()
 
     def picture(self) -> Image | None:
         """The newest picture of the camera, as it came."""
@@ -126,7 +156,15 @@ class Senses:
             log.warning("odometry_impossible", topic=self.odom_topic)
 
     def _hear_scan(self, message: LaserScan) -> None:
-        self._scan = (self._clock.now(), message)
+        now_s = self._clock.now()
+        angles = message.angle_min, message.angle_increment
+        if sweeps(len(message.ranges), *angles, message.range_min, message.range_max):
+            self._scan, self._scan_refused_s = (now_s, message), -math.inf
+            return
+        self._scan, self._scan_refused_s = None, now_s
+        self._refused_scans += 1
+        if self._is_news("scan"):
+            log.warning("scan_impossible", topic=self.scan_topic)
 
     def _hear_picture(self, data: bytes) -> None:
         self._picture = data
@@ -135,6 +173,7 @@ class Senses:
         for one in message.transforms:
             transform = _matrix(one.transform.translation, one.transform.rotation)
             fits = self._frames.put(one.header.frame_id, one.child_frame_id, transform)
+            self._refused_transforms += not fits
             if not fits and self._is_news("transform", one.child_frame_id):
                 log.warning("transform_impossible", frame=one.child_frame_id)
 
@@ -142,6 +181,11 @@ class Senses:
         news = told not in self._said and len(self._said) < _ANY_TF
         self._said |= {told} if news else set()
         return news
+
+
+def incredible(topic: str) -> SkillFailed:
+    """Why nothing is done by what is heard on a topic."""
+    return SkillFailed(f"What the robot says on {topic} cannot be true.")
 
 
 def _lossy(depth: int) -> QoSProfile:

@@ -19,10 +19,13 @@ class SteeringLimits:
 
 @dataclass(frozen=True, slots=True)
 class Patience:
-    """How long a drive may go on without moving, and without coming nearer, until it has failed."""
+    """How long a drive may go on without moving, without coming nearer, and at all."""
 
     unmoved_s: float
     no_nearer_s: float
+    first_s: float = 60.0
+    slowest_m_s: float = 0.02
+    """After `first_s` seconds, a drive that was slower than this as the crow flies has failed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +35,7 @@ class ExternalSettings:
     steering: SteeringLimits = field(default_factory=SteeringLimits)
     steering_patience: Patience = Patience(unmoved_s=5.0, no_nearer_s=20.0)
     # What plans by itself may think, take a detour and recover.
-    goal_patience: Patience = Patience(unmoved_s=15.0, no_nearer_s=60.0)
+    goal_patience: Patience = Patience(unmoved_s=15.0, no_nearer_s=60.0, first_s=600.0)
     discovery_s: float = 3.0
     """So long after the start the robot may take to be discovered."""
     obey_s: float = 5.0

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 from edgevox.core.clock import Clock
 from edgevox.robots.capabilities import Pose2D, Twist2D
+from edgevox.ros2.external.plausible import Jump, Speeds, drivable, on_the_map, seconds_between
+from edgevox.ros2.stamps import NS_PER_S
 
 SILENT_S = 1.0
 """Odometry that is older than this is no position."""
@@ -35,23 +37,63 @@ class Sighting:
         return abs(twist.linear_m_s) < _STILL_M_S and abs(twist.angular_rad_s) < _STILL_RAD_S
 
 
-class Sightings:
-    """The last ones. Thread-safe."""
+@dataclass(frozen=True, slots=True)
+class Doubt:
+    """Odometry that a robot which drives must not go on by: the newest of so many.
 
-    def __init__(self, clock: Clock) -> None:
+    `jump` is how far it jumped; None for what no robot's odometry can say.
+    """
+
+    number: int
+    heard_s: float
+    jump: Jump | None = None
+
+
+class Sightings:
+    """The last ones. Thread-safe. What is faster than `speeds` is a jump.
+
+    `refused` counts those that cannot be true.
+    """
+
+    def __init__(self, clock: Clock, speeds: Speeds | None = None) -> None:
         self._clock = clock
+        self._speeds = speeds or Speeds()
         self._lock = threading.Lock()
         self._heard: deque[Sighting] = deque(maxlen=_KEPT)
+        self._doubt: Doubt | None = None
+        self._lies = False
+        self.refused = 0
 
     def add(self, sighting: Sighting) -> bool:
-        """Take one in; False, and forgotten, if it is not finite."""
-        pose, twist = sighting.pose, sighting.twist
-        numbers = (pose.x_m, pose.y_m, pose.yaw_rad, twist.linear_m_s, twist.angular_rad_s)
-        if not all(math.isfinite(number) for number in numbers):
-            return False
+        """Take one in; False, and forgotten, if it cannot be true.
+
+        One that jumped is where the robot is from now on.
+        """
         with self._lock:
+            if not (on_the_map(sighting.pose) and drivable(sighting.twist)):
+                self.refused += 1
+                self._lies = True
+                self._note(sighting, None)
+                return False
+            self._lies = False
+            jump = self._jump(sighting)
+            if jump:
+                self._note(sighting, jump)
             self._heard.append(sighting)
         return True
+
+    @property
+    def doubt(self) -> Doubt | None:
+        """The newest; what was heard since then may be good again."""
+        with self._lock:
+            return self._doubt
+
+    @property
+    def absurd(self) -> bool:
+        """Whether what is heard now cannot be true."""
+        with self._lock:
+            doubt, lies = self._doubt, self._lies
+        return bool(lies and doubt and self._clock.now() - doubt.heard_s <= SILENT_S)
 
     def newest(self) -> Sighting | None:
         """The last one, however old."""
@@ -71,6 +113,19 @@ class Sightings:
         """Whether the robot is not seen to move; a silent one is not seen."""
         seen = self.fresh()
         return seen is None or seen.still
+
+    def _note(self, sighting: Sighting, jump: Jump | None) -> None:
+        number = self._doubt.number + 1 if self._doubt else 1
+        self._doubt = Doubt(number, sighting.heard_s, jump)
+
+    def _jump(self, sighting: Sighting) -> Jump | None:
+        if not self._heard:
+            return None
+        last = self._heard[-1]
+        seconds = seconds_between(
+            sighting.heard_s - last.heard_s, (sighting.stamp_ns - last.stamp_ns) / NS_PER_S
+        )
+        return self._speeds.jump(last.pose, sighting.pose, seconds)
 
     def stands(self, since_s: float) -> bool:
         """Whether the robot was seen to stand at the end of what was heard since then.

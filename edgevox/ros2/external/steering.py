@@ -1,25 +1,30 @@
 """Steers a robot by velocities, for robots that take no goals: straight there, around nothing."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from edgevox.agent.skills import SkillFailed
-from edgevox.robots.capabilities import LidarScan, Twist2D
+from edgevox.robots.capabilities import LidarScan, Pose2D, Twist2D
 from edgevox.robots.follower import Follower
 from edgevox.ros2.external.drivers import STILL
+from edgevox.ros2.external.plausible import Jump
 from edgevox.ros2.external.settings import Patience, SteeringLimits
 from edgevox.ros2.external.target import Fix, Target
 
 _FACING_RAD = 0.05
 _TURN_GAIN = 1.5
 _STOPPED_M_S, _STOPPED_RAD_S = 0.02, 0.05
+_CORRECTED_M = 0.3
+"""Between two looks nothing drives so far; localisation has corrected the robot's place."""
 
 
 class OwnSteering:
     """Turns towards the target, drives there in a straight line, turns as asked, and stands.
 
     It plans no way. If scans arrive, it waits for what stands in its way, and gives up in time.
+    `scan` gives the newest, or raises `SkillFailed` where it cannot be believed.
     """
 
     name = "cmd_vel"
@@ -31,9 +36,11 @@ class OwnSteering:
         limits: SteeringLimits,
         patience: Patience,
     ) -> None:
-        self.patience = patience
+        slowest_m_s = min(patience.slowest_m_s, limits.max_linear_m_s / 4)
+        self.patience = replace(patience, slowest_m_s=slowest_m_s)
         self._turn, self._scan, self._limits = turn, scan, limits
         self._target = Target(0.0, 0.0)
+        self._here = Pose2D(0.0, 0.0, 0.0)
         self._follower = Follower([(0.0, 0.0)], limits)
         self._waiting_since_s: float | None = None
 
@@ -46,12 +53,14 @@ class OwnSteering:
         return True
 
     def begin(self, target: Target, fix: Fix) -> None:
-        here = (fix.pose.x_m, fix.pose.y_m)
         self._target = target
-        self._follower = Follower([here, (target.x_m, target.y_m)], self._limits)
+        self._go_from(fix.pose)
         self._waiting_since_s = None
 
     def tick(self, now_s: float, fix: Fix) -> bool:
+        if Jump.between(self._here, fix.pose).distance_m > _CORRECTED_M:
+            self._go_from(fix.pose)  # the way from where it was thought to be is no way any more
+        self._here = fix.pose
         wanted = self._follower.steer(fix.pose)
         if self._follower.arrived:
             wanted = self._face(fix)
@@ -67,6 +76,11 @@ class OwnSteering:
 
     def cancel(self, fix: Fix | None) -> None:  # noqa: ARG002 - the body holds zero
         self._waiting_since_s = None
+
+    def _go_from(self, pose: Pose2D) -> None:
+        self._here = pose
+        way = [(pose.x_m, pose.y_m), (self._target.x_m, self._target.y_m)]
+        self._follower = Follower(way, self._limits)
 
     def _face(self, fix: Fix) -> Twist2D:
         left = self._target.turn_rad(fix.pose)

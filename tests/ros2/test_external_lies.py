@@ -1,0 +1,211 @@
+"""A robot whose word cannot be true is not driven by it, and is driven again when it can."""
+
+import contextlib
+import json
+import math
+import time
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray
+from external_stage import Velocities, drive, heard, moving, standing, wheels
+from geometry_msgs.msg import PoseStamped
+from interop_rig import hear
+from peer import STATE, wait_until
+
+from edgevox.agent.skills import SkillFailed
+from edgevox.ros2.external.robot import ExternalRobot
+from edgevox.ros2.external.settings import ExternalSettings, Patience, SteeringLimits
+
+ODOM = "What the robot says on /robot1/odom cannot be true"
+QUICK = ExternalSettings(
+    steering=SteeringLimits(max_linear_m_s=0.6, max_angular_rad_s=1.5, wait_s=1.0),
+    steering_patience=Patience(unmoved_s=2.0, no_nearer_s=4.0),
+    obey_s=2.5,
+)
+NOT_SO = ("claim 1e300", "claim -10001", "claim nan", "length 3")
+STOPPED_S = 0.5
+
+
+class Stage:
+    """A robot in a process of its own, a body that drives it, and what it was asked for."""
+
+    def __init__(self, robot: ExternalRobot, control, asked: Velocities) -> None:
+        self.robot, self.asked, self._control = robot, asked, control
+
+    def tell(self, lie: str) -> float:
+        """Have the robot change; when that was."""
+        self._control.send("do", lie)
+        return time.monotonic()
+
+    def zero_since(self, begin_s: float) -> None:
+        """Zero velocity is asked for, soon after that moment and from then on."""
+
+        def late() -> list[tuple[float, float]]:
+            pairs = zip(self.asked.times, self.asked.heard, strict=False)
+            return [asked for at_s, asked in pairs if at_s > begin_s + STOPPED_S]
+
+        wait_until(lambda: len(late()) >= 5, "a stream of zeros")
+        assert set(late()) == {(0.0, 0.0)}
+
+
+@pytest.fixture
+def stage(domain, monkeypatch, peer):
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+    with contextlib.ExitStack() as stack:
+
+        def start(*arguments: str) -> Stage:
+            stack.enter_context(wheels(*arguments, domain=domain, namespace="/robot1"))
+            robot = ExternalRobot("/robot1", settings=QUICK)
+            stack.callback(robot.close)
+            robot.start()
+            heard(robot)
+            control = peer("/robot1")
+            return Stage(robot, control, Velocities(control, "/robot1/cmd_vel"))
+
+        yield start
+
+
+@pytest.mark.parametrize("lie", NOT_SO)
+def test_odometry_that_cannot_be_true_stops_the_drive_and_says_why(stage, lie, caplog):
+    one = stage()
+    going = drive(one.robot, 5.0, 0.0)
+    moving(one.robot)
+    told_s = one.tell(lie)
+    with pytest.raises(SkillFailed, match=ODOM):
+        going.result(5)
+    one.zero_since(told_s)
+    assert "odometry_impossible topic='/robot1/odom'" in caplog.text
+    assert one.robot.trouble == "what is heard on /robot1/odom cannot be true"
+    assert one.robot.state()["pose"] is None
+    assert one.robot.refusals["/robot1/odom"] > 0
+
+
+def test_a_robot_that_lies_is_not_driven_and_one_that_stops_lying_is(stage):
+    one = stage()
+    one.tell("claim 1e300")
+    wait_until(lambda: one.robot.trouble, "the lie")
+    with pytest.raises(SkillFailed, match=ODOM):
+        drive(one.robot, 1.0, 0.0).result(5)
+    assert one.asked.moving == []
+    one.tell("truth")
+    wait_until(lambda: not one.robot.trouble, "the truth")
+    drive(one.robot, 0.5, 0.0).result()
+
+
+@pytest.mark.parametrize("metres", [5, -3])
+def test_a_jump_stops_the_drive_and_the_next_goal_is_driven_from_the_new_pose(stage, metres):
+    one = stage()
+    going = drive(one.robot, 4.0, 0.0)
+    moving(one.robot)
+    told_s = one.tell(f"jump {metres}")
+    with pytest.raises(
+        SkillFailed, match=rf"pose jumped by {abs(metres)}\.\d metres and 0 degrees"
+    ):
+        going.result(5)
+    one.zero_since(told_s)
+    standing(one.robot)
+    assert one.robot.trouble == ""
+    at = one.robot.pose()
+    drive(one.robot, at.x_m + 0.4, at.y_m).result()
+    assert math.hypot(one.robot.pose().x_m - at.x_m - 0.4, one.robot.pose().y_m - at.y_m) < 0.12
+
+
+def test_a_jump_while_nothing_drives_is_only_where_the_robot_is(stage):
+    one = stage()
+    one.tell("jump 50")
+    wait_until(lambda: one.robot.pose().x_m > 49, "the new pose")
+    drive(one.robot, 50.4, 0.0).result()
+
+
+def test_a_robot_that_takes_goals_gets_its_own_place_as_its_goal_when_it_jumps(stage, peer):
+    one = stage("--takes-goals")
+    goals = hear(peer(), PoseStamped, "/robot1/goal_pose")
+    going = drive(one.robot, 5.0, 0.0)
+    moving(one.robot)
+    one.tell("jump 5")
+    with pytest.raises(SkillFailed, match="pose jumped by"):
+        going.result(5)
+    recalled = goals.wait_for(lambda m: m.pose.position.x != 5.0)
+    assert recalled.pose.position.x == pytest.approx(one.robot.pose().x_m, abs=1.0)
+
+
+def test_localisation_may_correct_a_robot_by_metres_while_it_drives(stage):
+    one = stage("--map-to-odom", "3,-2,0", "--start", "3,-2,0")
+    wait_until(lambda: one.robot.state()["frame"] == "map", "the transform")
+    going = drive(one.robot, 6.0, -2.0)
+    moving(one.robot)
+    one.tell("correct 1.5")
+    going.result()
+    assert abs(one.robot.pose().x_m - 6.0) < 0.12
+
+
+@pytest.mark.parametrize(
+    ("metres", "reason"),
+    [
+        (100, "pose jumped by 100"),
+        (20_000, "What the robot says on /tf cannot be true"),
+    ],
+)
+def test_a_correction_beyond_all_measure_stops_the_drive(stage, metres, reason):
+    one = stage("--map-to-odom", "3,-2,0", "--start", "3,-2,0")
+    wait_until(lambda: one.robot.state()["frame"] == "map", "the transform")
+    going = drive(one.robot, 6.0, -2.0)
+    moving(one.robot)
+    told_s = one.tell(f"correct {metres}")
+    with pytest.raises(SkillFailed, match=reason):
+        going.result(5)
+    one.zero_since(told_s)
+
+
+def test_a_transform_that_can_be_none_moves_nobody(stage):
+    one = stage("--map-to-odom", "3,-2,0", "--start", "3,-2,0")
+    wait_until(lambda: one.robot.state()["frame"] == "map", "the transform")
+    one.tell("correct 1e300")
+    wait_until(lambda: one.robot.refusals["/tf"] == 1, "the transform")
+    assert one.robot.pose().x_m == pytest.approx(3.0, abs=0.01)
+
+
+def test_nobody_is_steered_by_a_lidar_that_cannot_see(stage):
+    one = stage("--scan")
+    wait_until(lambda: one.robot.latest_scan() is not None, "a scan")
+    going = drive(one.robot, 5.0, 0.0)
+    moving(one.robot)
+    told_s = one.tell("blind")
+    with pytest.raises(SkillFailed, match="What the robot says on /robot1/scan cannot be true"):
+        going.result(5)
+    one.zero_since(told_s)
+    one.tell("sighted")
+    wait_until(lambda: one.robot.latest_scan() is not None, "a scan")
+    standing(one.robot)
+    at = one.robot.pose()
+    drive(one.robot, at.x_m + 0.3, at.y_m).result()
+
+
+def test_a_robot_that_only_turns_is_given_up_and_stands(stage):
+    one = stage()
+    one.tell("spinning")
+    going = drive(one.robot, 3.0, 0.0)
+    with pytest.raises(SkillFailed, match="I am not getting closer"):
+        going.result(20)
+    one.zero_since(time.monotonic())
+    standing(one.robot)
+
+
+def test_an_agent_says_so_to_people_and_to_operators(agent, peer, domain):
+    with wheels(domain=domain, namespace="/robot1"):
+        agent("--namespace=/robot1", "--language=de", robot="robot-external")
+        control, one = peer("/robot1"), peer()
+        state = one.listen("robot_state", STATE)
+        response = one.listen("response")
+        told = hear(one, DiagnosticArray, "/diagnostics")
+        state.wait_for(lambda m: json.loads(m)["pose"] is not None)
+        one.send("text_input", "fahr zu x 5, y 0")
+        state.wait_for(
+            lambda m: (json.loads(m)["velocity"] or {}).get("linear", 0) > 0.05, timeout_s=20
+        )
+        control.send("do", "claim 1e300")
+        response.wait_for(
+            lambda m: "was der Roboter auf /robot1/odom meldet, kann nicht stimmen" in m
+        )
+        reason = "what is heard on /robot1/odom cannot be true"
+        told.wait_for(lambda m: any(reason in s.message for s in m.status), timeout_s=20)
