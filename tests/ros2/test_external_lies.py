@@ -6,6 +6,7 @@ import math
 import time
 
 import pytest
+import scraper
 from diagnostic_msgs.msg import DiagnosticArray
 from external_stage import Velocities, drive, heard, moving, standing, wheels
 from geometry_msgs.msg import PoseStamped
@@ -193,7 +194,11 @@ def test_a_robot_that_only_turns_is_given_up_and_stands(stage):
 
 def test_an_agent_says_so_to_people_and_to_operators(agent, peer, domain):
     with wheels(domain=domain, namespace="/robot1"):
-        agent("--namespace=/robot1", "--language=de", robot="robot-external")
+        port = scraper.free_port()
+        agent(
+            "--namespace=/robot1", "--language=de", f"--metrics-port={port}",
+            robot="robot-external",
+        )  # fmt: skip
         control, one = peer("/robot1"), peer()
         state = one.listen("robot_state", STATE)
         response = one.listen("response")
@@ -209,3 +214,5 @@ def test_an_agent_says_so_to_people_and_to_operators(agent, peer, domain):
         )
         reason = "what is heard on /robot1/odom cannot be true"
         told.wait_for(lambda m: any(reason in s.message for s in m.status), timeout_s=20)
+        refused = ("edgevox_refused_messages_total", "/robot1/odom")
+        scraper.wait_until(port, lambda found: found.get(refused, 0) > 0)

@@ -108,7 +108,8 @@ def blocked(scan: LidarScan | None, reach_m: float, half_width_m: float) -> bool
     """Whether a scan shows anything in the strip before the robot, this far from its middle."""
     if scan is None:
         return False
-    ranges = scan.ranges_m
+    # Minus infinity is nearer than the lidar can tell (REP 117), which is near enough.
+    ranges = np.where(np.isneginf(scan.ranges_m), scan.range_min_m, scan.ranges_m)
     angles = scan.angle_min_rad + scan.angle_increment_rad * np.arange(len(ranges))
     valid = np.isfinite(ranges) & (ranges >= scan.range_min_m) & (ranges <= scan.range_max_m)
     ranges, angles = ranges[valid], angles[valid] + scan.mount.yaw_rad
