@@ -9,5 +9,6 @@ class Refusal(StrEnum):
     TOO_LONG = "too_long"
     TOO_MANY = "too_many"
     NOT_FINITE = "not_finite"
+    IMPLAUSIBLE = "implausible"
     FORBIDDEN = "forbidden"
     INVALID = "invalid"

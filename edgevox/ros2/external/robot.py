@@ -100,7 +100,7 @@ class ExternalRobot:
         return f"{'nothing' if never else 'nothing more'} is heard on {link.senses.odom_topic}"
 
     @property
-    def refusals(self) -> Mapping[str, int]:
+    def refusals(self) -> Mapping[tuple[str, ...], int]:
         """How many of the robot's messages could not be true, by topic."""
         return self._link.senses.refusals if self._link else {}
 

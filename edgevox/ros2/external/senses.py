@@ -14,6 +14,7 @@ from sensor_msgs.msg import Image, LaserScan
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
+from edgevox.core.refusals import Refusal
 from edgevox.robots.capabilities import LidarScan, Pose2D, Twist2D
 from edgevox.ros2.external.frames import Frames, Matrix, flatten, matrix, plain
 from edgevox.ros2.external.plausible import Speeds, on_the_map, sweeps
@@ -58,12 +59,12 @@ class Senses:
         self.tf_topic = node.resolve_topic_name("/tf")
 
     @property
-    def refusals(self) -> Mapping[str, int]:
-        """How many messages could not be true, by topic."""
+    def refusals(self) -> Mapping[tuple[str, ...], int]:
+        """How many messages could not be true, by topic and reason."""
         return {
-            self.odom_topic: self.sightings.refused,
-            self.scan_topic: self._refused_scans,
-            self.tf_topic: self._refused_transforms,
+            (self.odom_topic, Refusal.IMPLAUSIBLE): self.sightings.refused,
+            (self.scan_topic, Refusal.IMPLAUSIBLE): self._refused_scans,
+            (self.tf_topic, Refusal.IMPLAUSIBLE): self._refused_transforms,
         }
 
     def fix(self) -> Fix | None:

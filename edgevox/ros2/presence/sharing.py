@@ -9,6 +9,7 @@ from std_msgs.msg import String
 from edgevox.core.errors import InvalidValue
 from edgevox.core.interlock import Interlock
 from edgevox.core.log import get_logger
+from edgevox.core.refusals import Refusal
 from edgevox.ops.diagnostics.presence import Sharing
 from edgevox.ros2.contract import PRESENCE, TAKE_OVER
 from edgevox.ros2.presence.claim import Claim, Told, new_claim, read_claim, write_claim
@@ -37,7 +38,9 @@ class Presence:
         self._beat_due = False
         self._open = True
         self._told = self._standing()
-        self.refusals = Counter({PRESENCE.topic: 0, TAKE_OVER.topic: 0})
+        self.refusals: Counter[tuple[str, ...]] = Counter(
+            {(topic, Refusal.INVALID): 0 for topic in (PRESENCE.topic, TAKE_OVER.topic)}
+        )
         self._publisher = node.create_publisher(String, PRESENCE.topic, profile(PRESENCE.qos))
         of_all = profile(PRESENCE.qos)
         of_all.depth = MOST_OTHERS
@@ -93,7 +96,7 @@ class Presence:
         self._settle()
 
     def _refuse(self, topic: str, error: InvalidValue) -> None:
-        self.refusals[topic] += 1
+        self.refusals[topic, error.reason] += 1
         log.warning("message_refused", topic=topic, reason=str(error))
 
     def _standing(self) -> Told:
