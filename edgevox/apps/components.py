@@ -23,7 +23,7 @@ from edgevox.ops.diagnostics.moving import Executing, World, executor, sim
 from edgevox.ops.diagnostics.presence import presence
 from edgevox.ops.diagnostics.process import process
 from edgevox.ops.diagnostics.speech import Hearing, Speaking, stt, tts
-from edgevox.ops.health import Health, lives
+from edgevox.ops.health import lives
 from edgevox.robots.capabilities import Body, HasBattery, KeepsPace, TellsStalls
 from edgevox.ros2 import Bridge
 from edgevox.voice.ears import Ears
@@ -49,7 +49,7 @@ def list_components(parts: Parts, gauges: Gauges) -> Diagnostics:
         "executor": off("executor", "no ROS 2"),
         "presence": off("presence", "no ROS 2"),
         "disk": lambda: disk(rooms(written_folders(parts.settings.audio_out))),
-        "process": _process(parts.health),
+        "process": _process(parts),
     }
     for name, look in looks.items():
         listed.add(name, look)
@@ -189,6 +189,6 @@ def _sim(body: Body) -> Look:
     return look
 
 
-def _process(health: Health, clock: Callable[[], float] = time.monotonic) -> Look:
+def _process(parts: Parts, clock: Callable[[], float] = time.monotonic) -> Look:
     began_s = clock()
-    return lambda: process(health, began_s, __version__)
+    return lambda: process(parts.health, began_s, __version__, parts.conversation.refusals)

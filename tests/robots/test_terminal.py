@@ -134,7 +134,7 @@ def test_a_reader_that_leaves_does_not_stop_the_robot():
         (["--no-text-mode", "--audio-out=/no/x.wav"], "audio_out: got '/no/x.wav', expected"),
         (["--no-text-mode", "--audio-in=no.wav"], "audio_in: got 'no.wav', expected a WAV file"),
         (["--no-text-mode", "--wakeword=hey you"], "wakeword: got 'hey you', expected one of"),
-        (["--config", "nowhere.toml"], "config: got 'nowhere.toml', expected a TOML file"),
+        (["--config", "nowhere.toml"], "config: got 'nowhere.toml', expected a file"),
     ],
 )
 def test_a_wrong_setting_ends_it_with_the_fields_name_and_exit_code_2(flags, message):

@@ -206,17 +206,21 @@ def test_each_file_system_that_is_written_to_counts_once(tmp_path):
     assert disk([]).message == "nothing is written"
 
 
+REFUSED = {"too_long": 3, "too_many": 0}
+
+
 def test_the_process_says_what_its_health_says():
     health = Health()
     health.watch("conversation", lambda: "")
-    assert process(health, 0.0, "1").level is Level.WARN
-    assert process(health, 0.0, "1").message == "start: starting"
+    assert process(health, 0.0, "1", REFUSED).level is Level.WARN
+    assert process(health, 0.0, "1", REFUSED).message == "start: starting"
     health.started()
-    said = process(health, 0.0, "1")
+    said = process(health, 0.0, "1", REFUSED)
     assert said.level is Level.OK
     assert int(said.values["memory_mib"]) > 5
+    assert (said.values["refused_too_long"], said.values["refused_too_many"]) == ("3", "0")
     health.watch("body", lambda: "has not moved for 7.0 s")
-    assert process(health, 0.0, "1").level is Level.ERROR
+    assert process(health, 0.0, "1", REFUSED).level is Level.ERROR
 
 
 def test_gauges_keep_the_last_of_what_passed_on_the_bus():

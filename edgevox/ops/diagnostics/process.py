@@ -3,6 +3,7 @@
 import os
 import threading
 import time
+from collections.abc import Mapping
 from pathlib import Path
 
 from edgevox.ops.diagnostics.component import Component, Finding, Level, component
@@ -11,10 +12,11 @@ from edgevox.ops.health import Health
 PAGE = os.sysconf("SC_PAGE_SIZE")
 
 
-def process(health: Health, began_s: float, version: str) -> Component:
+def process(health: Health, began_s: float, version: str, refusals: Mapping[str, int]) -> Component:
     """What is not alive is an error, what is not ready a warning. `began_s` is of `time.monotonic`.
 
-    It says what /live and /ready say, so that both always agree.
+    It says what /live and /ready say, so that both always agree. `refusals` counts by reason what
+    was asked and not taken: whose fault that is nobody knows here, so it changes no level.
     """
     live, ready = health.live(), health.ready()
     found = [Finding(Level.ERROR, f"{name}: {said}") for name, said in live.checks.items() if said]
@@ -31,6 +33,7 @@ def process(health: Health, began_s: float, version: str) -> Component:
         uptime_s=round(time.monotonic() - began_s),
         memory_mib=resident_mib(),
         threads=threading.active_count(),
+        **{f"refused_{reason}": count for reason, count in refusals.items()},
     )
 
 
