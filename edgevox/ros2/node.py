@@ -16,6 +16,7 @@ from edgevox.core.heartbeat import Heartbeat
 from edgevox.core.log import get_logger
 from edgevox.ops.logs import is_set_up
 from edgevox.ros2.contract import NODE_NAME
+from edgevox.ros2.fast_dds import choose_profile
 from edgevox.ros2.logs import LoggerLevels, RcutilsStream, apply_log_levels
 
 log = get_logger(__name__)
@@ -37,6 +38,7 @@ class RosNode:
     def __init__(
         self, namespace: str, ros_args: Sequence[str] = (), *, name: str = NODE_NAME
     ) -> None:
+        choose_profile()
         self._context = Context()
         self._lines = RcutilsStream() if is_set_up() else None
         try:
