@@ -175,7 +175,6 @@ class Conversation:
 
     def _take(self, words: TextInput | Heard, text: str) -> None:
         if word := self._safety.find(text):
-            self._bus.publish(Transcribed(clean(text)))
             self._safety_stop(word, words)
         else:
             self._put(words)
@@ -206,7 +205,8 @@ class Conversation:
 
     def _safety_stop(self, word: str, words: TextInput | Heard) -> None:
         said_s = words.ended_s if isinstance(words, Heard) else self._clock.now()
-        stopped = self._stop(f"heard {word!r}", said_s)
+        stopped = self._stop(f"heard {word!r}", said_s)  # before anybody is told: telling may block
+        self._bus.publish(Transcribed(clean(words.text)))
         data = {"word": word, "stopped": stopped}
         self._bus.publish(AgentEvent(AgentEventKind.SAFETY_PREEMPT, data))
         self._put(Announce(self.mind.phrases.say("stopped" if stopped else "standing")))

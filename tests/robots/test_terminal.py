@@ -1,5 +1,6 @@
 """The program as a person meets it: at a prompt, through a pipe, and with nobody there."""
 
+import io
 import os
 import signal
 import subprocess
@@ -92,6 +93,21 @@ def test_quit_ends_a_script_early():
     done = run_script("/quit\nwhere are you\n")
     assert done.returncode == 0
     assert "I am in" not in done.stdout.decode()
+
+
+@pytest.mark.parametrize("stop", ["stop", "/stop", "/reset"])
+def test_in_a_script_nothing_before_a_stop_moves_the_robot_and_what_is_after_it_is_done(stop):
+    done = run_script(f"go to the kitchen\ngo to the bedroom\n{stop}\nwhere are you\n")
+    lines = [line.strip() for line in done.stdout.decode().splitlines()]
+    assert done.returncode == 0
+    assert f"> {stop}" in lines
+    assert "[lines before it that are not done: 2]" in lines
+    assert not any(line.startswith("Going") for line in lines)
+    assert any(line.startswith("I am in the living room") for line in lines)
+
+
+def test_a_script_that_ends_with_a_stop_is_answered():
+    assert "I am standing still." in run_script("stop\n").stdout.decode()
 
 
 @pytest.mark.parametrize("stdin", ["null", "closed", "empty pipe"])
@@ -191,6 +207,32 @@ def test_the_prompt_shows_answers_and_the_skills_progress(prompt):
     see(prompt, "navigate_to room=kitchen")
     see(prompt, "█")
     see(prompt, "I am in the kitchen.")
+
+
+@pytest.mark.parametrize("screen", [["--simple-ui"], []], ids=["prompt", "full screen"])
+def test_a_stop_that_is_typed_before_the_prompt_keeps_what_is_before_it_from_moving(screen):
+    terminal = pexpect.spawn(
+        COMMAND[0],
+        [*COMMAND[1:], *screen],
+        dimensions=(24, 80),
+        encoding="utf-8",
+        env={**os.environ, "TERM": "xterm-256color"},
+    )
+    terminal.logfile_read = shown = io.StringIO()
+    try:
+        terminal.send("go to the kitchen\rstop\rwhere are you\r")
+        see(terminal, "standing still", timeout_s=30)
+        see(terminal, "living room")
+        assert "Going to the" not in shown.getvalue()
+    finally:
+        terminal.close(force=True)
+
+
+def test_a_stop_at_the_prompt_acts_at_once_whatever_runs(prompt):
+    prompt.send("go to the bedroom\r")
+    see(prompt, "Going to the bedroom.")
+    prompt.send("stop\r")
+    see(prompt, "Stopped.")
 
 
 def test_ctrl_c_once_interrupts_and_twice_leaves(prompt):

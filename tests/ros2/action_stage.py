@@ -152,6 +152,10 @@ class Client:
         """Ask for its end; how many goals will be canceled."""
         return len(done(self._there(handle.cancel_goal_async)).goals_canceling)
 
+    def cancel_without_waiting(self, handle):
+        """Ask for its end, also of a server that does not answer now."""
+        self._there(handle.cancel_goal_async)
+
     def destroy(self):
         """Leave the graph; a client that is only forgotten is still counted there."""
         if self._client:

@@ -91,33 +91,56 @@ def _quit(_: Desk) -> str:
 class SlashCommand:
     """A slash command: what it does, in a sentence, and how.
 
-    `takes` names what may follow it; `run` gets that text as its second argument then.
+    `takes` names what may follow it; `run` gets that text as its second argument then. One that
+    `stops` never waits for what was typed before it; nothing that is typed waits for a `slow` one.
     """
 
     about: str
     run: Callable[..., str]
     takes: str = ""
+    stops: bool = False
+    slow: bool = False
 
 
 COMMANDS: Mapping[str, SlashCommand] = {
     "help": SlashCommand("show this", _help),
     "map": SlashCommand("draw the world with the robot in it", _map),
-    "picture": SlashCommand("write a picture of the robot as PNG", _picture, "[FILE]"),
+    "picture": SlashCommand("write a picture of the robot as PNG", _picture, "[FILE]", slow=True),
     "state": SlashCommand("show the robot's state", _state),
     "skills": SlashCommand("list what the robot can do", _skills),
-    "stop": SlashCommand("stop talking and moving", _stop),
-    "reset": SlashCommand("forget the conversation and stop", _reset),
+    "stop": SlashCommand("stop talking and moving", _stop, stops=True),
+    "reset": SlashCommand("forget the conversation and stop", _reset, stops=True),
     "restart": SlashCommand("put the robot and its world back to the start", _restart),
     "quit": SlashCommand("leave", _quit),
 }
 
 
+def is_stop(line: str, desk: Desk) -> bool:
+    """Whether a line that is typed stops the robot, in words or by a slash command."""
+    if not line.startswith("/"):
+        return desk.conversation.is_stop(line)
+    name, rest = _split(line)
+    return name in COMMANDS and COMMANDS[name].stops and not rest
+
+
+def is_slow(line: str) -> bool:
+    """Whether a slash command may take long."""
+    name = _split(line)[0] if line.startswith("/") else ""
+    return name in COMMANDS and COMMANDS[name].slow
+
+
 def run_command(line: str, desk: Desk) -> str:
     """Run a line that begins with a slash; what it prints. Raises `Leave`."""
-    name, _, rest = line[1:].strip().partition(" ")
-    command = COMMANDS.get(name.lower())
+    name, rest = _split(line)
+    command = COMMANDS.get(name)
     if command is None:
         return f"/{name}: no such command; expected one of /{', /'.join(COMMANDS)}"
     if rest and not command.takes:
-        return f"/{name}: got {rest.strip()!r}, expected nothing after it"
-    return command.run(desk, rest.strip()) if command.takes else command.run(desk)
+        return f"/{name}: got {rest!r}, expected nothing after it"
+    return command.run(desk, rest) if command.takes else command.run(desk)
+
+
+def _split(line: str) -> tuple[str, str]:
+    """The command's name, and what follows it."""
+    name, _, rest = line[1:].strip().partition(" ")
+    return name.lower(), rest.strip()

@@ -1,5 +1,8 @@
 """The interactive prompt: Ctrl-C once interrupts, twice leaves."""
 
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+
 from prompt_toolkit import PromptSession
 from prompt_toolkit.application import get_app_or_none
 from prompt_toolkit.formatted_text import AnyFormattedText
@@ -7,13 +10,16 @@ from prompt_toolkit.patch_stdout import patch_stdout
 from prompt_toolkit.styles import Style
 
 from edgevox.apps.ending import Ending
-from edgevox.apps.terminal.commands import Desk, Leave, run_command
+from edgevox.apps.terminal.commands import Desk, Leave, is_slow, run_command
 from edgevox.apps.terminal.twice import Twice
 from edgevox.apps.terminal.view import View
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
 from edgevox.core.commands import Interrupt, TextInput
 from edgevox.core.events import Cause
+from edgevox.core.log import get_logger
+
+log = get_logger(__name__)
 
 _STYLE = Style.from_dict({"bottom-toolbar": "noreverse fg:ansicyan", "prompt": "bold"})
 
@@ -24,36 +30,59 @@ class Prompt:
     def __init__(self, bus: Bus, desk: Desk, clock: Clock) -> None:
         self._desk = desk
         self._ctrl_c = Twice(clock)
+        self._commands = ThreadPoolExecutor(1, "edgevox-commands")
+        """Runs the slow ones: a stop that is typed meanwhile does not wait for them."""
         self._session: PromptSession[str] = PromptSession(
             "> ", bottom_toolbar=self._toolbar, style=_STYLE
         )
         self._view = View(bus, print, self._session.app.invalidate)
 
-    def run(self, ending: Ending) -> None:
-        """Read lines until the person leaves, or a signal says so."""
+    def run(self, ending: Ending, typed: Sequence[str] = ()) -> None:
+        """Do what was `typed` before, then read lines until the person leaves, or a signal says so.
+
+        Nothing that is typed waits for what a line before it does.
+        """
         from edgevox.apps.tui.screen import stderr_as_lines
 
         ending.gently = self._leave
         try:
             with patch_stdout(raw=True), stderr_as_lines(print):  # above the prompt, not into it
-                while self._step():
+                going_on = all(self._take(line.strip()) for line in typed)
+                while going_on and self._step():
                     pass
         finally:
             ending.gently = None
+            self._commands.shutdown()
             self._view.close()
 
     def _step(self) -> bool:
         try:
             line = self._session.prompt().strip()
-            if line.startswith("/"):
-                print(run_command(line, self._desk))
-            elif line:
-                self._view.expect(line)
-                self._desk.conversation.submit(TextInput(line))
         except KeyboardInterrupt:
             return self._interrupt()
-        except (EOFError, Leave):
+        except EOFError:
             return False
+        return self._take(line)
+
+    def _take(self, line: str) -> bool:
+        """Begin what a line says; False if the person wants to leave."""
+        if is_slow(line):
+            self._commands.submit(self._run_slash, line)
+        elif line.startswith("/"):
+            return self._run_slash(line)
+        elif line:
+            self._view.expect(line)
+            self._desk.conversation.submit(TextInput(line))
+        return True
+
+    def _run_slash(self, line: str) -> bool:
+        """Print its answer; False if the person wants to leave."""
+        try:
+            print(run_command(line, self._desk))
+        except Leave:
+            return False
+        except Exception:
+            log.exception("command_failed", command=line.partition(" ")[0])
         return True
 
     def _interrupt(self) -> bool:

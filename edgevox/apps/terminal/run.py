@@ -7,7 +7,8 @@ import threading
 
 from edgevox.apps.ending import Ending
 from edgevox.apps.parts import Parts
-from edgevox.apps.terminal.commands import Desk
+from edgevox.apps.terminal.ahead import typed_ahead
+from edgevox.apps.terminal.commands import Desk, is_stop
 from edgevox.apps.terminal.prompt import Prompt
 from edgevox.apps.terminal.script import run_script
 from edgevox.apps.terminal.view import View
@@ -24,13 +25,14 @@ def run_terminal(parts: Parts, ending: Ending) -> None:
     """
     desk = Desk(parts.conversation, parts.body)
     if _is_terminal():
+        typed = typed_ahead(sys.stdin.fileno(), lambda line: is_stop(line.strip(), desk))
         if parts.settings.simple_ui:
-            Prompt(parts.bus, desk, SystemClock()).run(ending)
+            Prompt(parts.bus, desk, SystemClock()).run(ending, typed)
             return
         from edgevox.apps.tui import run_tui
 
-        run_tui(parts, ending)
-    elif not (_has_input() and run_script(sys.stdin.buffer, parts.bus, desk, _write)):
+        run_tui(parts, ending, typed)
+    elif not (_has_input() and run_script(sys.stdin.fileno(), parts.bus, desk, _write)):
         _run_alone(parts)
 
 

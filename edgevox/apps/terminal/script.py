@@ -1,38 +1,46 @@
-"""Lines from a pipe or a file, one after another, each done before the next."""
+"""Lines from a pipe or a file, one after another, each done before the next; a stop at once."""
 
 from collections.abc import Callable
-from typing import BinaryIO
 
-from edgevox.apps.terminal.commands import Desk, Leave, run_command
+from edgevox.apps.terminal.commands import Desk, Leave, is_stop, run_command
+from edgevox.apps.terminal.lines import Lines
 from edgevox.apps.terminal.view import View
 from edgevox.core.bus import Bus
 from edgevox.core.commands import TextInput
-from edgevox.core.text import MAX_CHARACTERS
-
-MAX_LINE_BYTES = 1 << 20
-"""A line is read up to this length; what follows is a line of its own."""
 
 
-def run_script(lines: BinaryIO, bus: Bus, desk: Desk, write: Callable[[str], None]) -> int:
+def run_script(fd: int, bus: Bus, desk: Desk, write: Callable[[str], None]) -> int:
     """Submit every line and wait until it is answered and done. How many lines there were.
 
-    Bytes that are not UTF-8 become replacement characters; the line is still answered.
+    A line that stops does so when it is read, and the lines that wait before it are not done.
     """
     view = View(bus, write)
-    count = 0
-    try:
-        while raw := lines.readline(MAX_LINE_BYTES):
-            count += 1
-            line = raw.decode("utf-8", errors="replace").rstrip("\r\n")
-            write(f"> {line[:MAX_CHARACTERS]}")
-            if line.startswith("/"):
-                write(run_command(line, desk))
-                continue
-            view.expect(line)
+
+    def begin(line: str) -> None:
+        if not line.startswith("/"):
             desk.conversation.submit(TextInput(line))
+
+    def run_slash(line: str) -> None:
+        if line.startswith("/"):
+            answer = run_command(line, desk)
+            write(f"> {line}\n{answer}")
+
+    def stop(line: str, dropped: int) -> None:
+        begin(line)
+        run_slash(line)
+        if dropped:
+            write(f"  [lines before it that are not done: {dropped}]")
+
+    lines = Lines(fd, is_stop=lambda line: is_stop(line, desk), on_stop=stop)
+    lines.start()
+    try:
+        while (line := lines.take(begin)) is not None:
+            run_slash(line)
             desk.conversation.wait_idle()
+        desk.conversation.wait_idle()  # for the answer to a stop that was the last line
     except Leave:
         pass
     finally:
+        lines.close()
         view.close()
-    return count
+    return lines.count

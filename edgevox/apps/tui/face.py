@@ -1,7 +1,7 @@
 """The screen, in Textual: transcript, what is being said or done, a line to type, a side panel."""
 
 import asyncio
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar
 
 from rich.text import Text
@@ -12,7 +12,7 @@ from textual.message import Message
 from textual.widgets import Footer, Input, RichLog, Static
 from textual.worker import Worker
 
-from edgevox.apps.terminal.commands import Desk, Leave, run_command
+from edgevox.apps.terminal.commands import Desk, Leave, is_stop, run_command
 from edgevox.apps.terminal.twice import Twice
 from edgevox.apps.tui import panels
 from edgevox.apps.tui.feed import Feed, News
@@ -55,8 +55,11 @@ class Face(App[None]):
         queries: Queries,
         submit: Callable[[Command], None],
         clock: Clock,
+        *,
+        typed: Sequence[str] = (),
     ) -> None:
         super().__init__()
+        self._typed = typed
         self._feed, self._desk, self._queries = feed, desk, queries
         self._submit = submit
         self._ctrl_c = Twice(clock)
@@ -85,6 +88,8 @@ class Face(App[None]):
         self.query_one("#line").focus()
         self._feed.changed = lambda: self.post_message(Changed())
         self.on_changed()
+        for line in self._typed:
+            self._take(line.strip())
 
     def leave_soon(self) -> bool:
         """End, from a signal handler; False if it does not run yet."""
@@ -109,7 +114,13 @@ class Face(App[None]):
         """A line was typed."""
         line = event.value.strip()
         event.input.clear()
-        if line.startswith("/"):
+        self._take(line)
+
+    def _take(self, line: str) -> None:
+        """Begin what a line says. A stop does not wait for a thread: slow commands may have all."""
+        if line.startswith("/") and is_stop(line, self._desk):
+            self._feed.write(run_command(line, self._desk))
+        elif line.startswith("/"):
             self.run_worker(lambda: self._command(line), thread=True)
         elif line:
             self._feed.expect(line)

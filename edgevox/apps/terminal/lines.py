@@ -1,0 +1,122 @@
+"""Lines of a pipe or a file as they arrive: a stop is told at once, whatever waits before it."""
+
+import os
+import select
+import threading
+from collections import deque
+from collections.abc import Callable, Sequence
+
+MAX_LINE_BYTES = 1 << 20
+"""A line is read up to this length; what follows is a line of its own."""
+MAX_AHEAD_BYTES = 1 << 20
+"""So much may wait to be done; what is behind it stays unread, a stop, too."""
+_READ_BYTES = 1 << 16
+
+
+class Splitter:
+    """Bytes in, whole lines out: bytes that are not UTF-8 become replacement characters."""
+
+    def __init__(self) -> None:
+        self._rest = b""
+
+    def add(self, data: bytes) -> list[str]:
+        """The lines that are complete with this; with no data, what is left is the last one."""
+        *whole, self._rest = (self._rest + data).split(b"\n")
+        if self._rest and not data:
+            whole.append(self._rest)
+            self._rest = b""
+        while len(self._rest) >= MAX_LINE_BYTES:
+            whole.append(self._rest[:MAX_LINE_BYTES])
+            self._rest = self._rest[MAX_LINE_BYTES:]
+        return [line.decode("utf-8", errors="replace").rstrip("\r") for line in whole]
+
+
+def after_last_stop(lines: Sequence[str], is_stop: Callable[[str], bool]) -> int:
+    """How many of these lines are over with the last stop among them; 0 without one."""
+    stops = (number for number, line in enumerate(lines, 1) if is_stop(line))
+    return max(stops, default=0)
+
+
+class Lines:
+    """Reads a file descriptor on a thread of its own, from `start` to `close`.
+
+    `is_stop` says which lines cannot wait. Lines that are there at one moment are looked at
+    together: those before the last stop among them, and all that wait from earlier, are forgotten,
+    and `on_stop` gets that line and how many those are, on the reading thread.
+    """
+
+    def __init__(
+        self, fd: int, *, is_stop: Callable[[str], bool], on_stop: Callable[[str, int], None]
+    ) -> None:
+        self._fd = fd
+        self._is_stop, self._on_stop = is_stop, on_stop
+        self._splitter = Splitter()
+        self._changed = threading.Condition()
+        self._waiting: deque[str] = deque()
+        self._ended = False
+        self._closed = False
+        self._wake_out, self._wake_in = os.pipe()
+        self._thread = threading.Thread(target=self._read, name="edgevox-lines")
+        self.count = 0
+        """How many lines there were until now."""
+
+    def start(self) -> None:
+        self._thread.start()
+
+    def close(self) -> None:
+        """Read no more."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify_all()
+        os.write(self._wake_in, b"x")
+        if self._thread.is_alive():
+            self._thread.join()
+        os.close(self._wake_in)
+        os.close(self._wake_out)
+
+    def take(self, begin: Callable[[str], None]) -> str | None:
+        """Wait for the next line and begin it; the line, or None after the last one.
+
+        `begin` must not block: no stop is told while it works, so none can come between a line
+        and its beginning.
+        """
+        with self._changed:
+            self._changed.wait_for(lambda: self._waiting or self._ended)
+            if not self._waiting:
+                return None
+            line = self._waiting.popleft()
+            self._changed.notify_all()
+            begin(line)
+            return line
+
+    def _read(self) -> None:
+        try:
+            while self._may_read() and (data := os.read(self._fd, _READ_BYTES)):
+                self._arrived(self._splitter.add(data))
+            self._arrived(self._splitter.add(b""))
+        finally:
+            with self._changed:
+                self._ended = True
+                self._changed.notify_all()
+
+    def _may_read(self) -> bool:
+        """Wait for something to read and for room; False once it is closed."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._closed or self._has_room())
+        if not self._closed:
+            select.select([self._fd, self._wake_out], [], [])
+        return not self._closed
+
+    def _has_room(self) -> bool:
+        return sum(map(len, self._waiting)) < MAX_AHEAD_BYTES
+
+    def _arrived(self, lines: Sequence[str]) -> None:
+        over = after_last_stop(lines, self._is_stop)
+        with self._changed:
+            self.count += len(lines)
+            if over:
+                dropped = len(self._waiting) + over - 1
+                self._waiting.clear()
+                self._on_stop(lines[over - 1], dropped)
+            self._waiting.extend(lines[over:])
+            self._changed.notify_all()

@@ -1,0 +1,201 @@
+"""Every way to stop a robot, and what it may be busy with meanwhile, as tables."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+from contextlib import contextmanager
+from pathlib import Path
+
+from action_stage import Client
+from conftest import READY, Agent
+from peer import STATE, Peer, wait_until
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
+
+from llm_server import Server
+
+from edgevox.agent.grammar import SAY
+
+FREEZE_S = 3.0
+PATIENCE_S = 30.0
+TARGETS = ({"x": 3.0, "y": 4.0}, {"x": 8.0, "y": 8.0})
+SENTENCES = 80
+"""More than may wait: `MAX_WAITING` of them do."""
+BURN = "while True: pass"
+
+
+class Thinker:
+    """A model server that reads its prompt, and tells its story, until the test is over."""
+
+    def __init__(self):
+        self.primed, self.tells = threading.Event(), threading.Event()
+        self.server = Server([self._prime, self._tell], "llamacpp", "127.0.0.1")
+
+    def _prime(self, reply):
+        self.primed.set()
+        reply.over.wait()
+
+    def _tell(self, reply):
+        reply.stream()
+        reply.piece(SAY.strip())
+        reply.piece(" Once upon a time there was a robot.")
+        self.tells.set()
+        reply.over.wait()
+
+
+class Robot:
+    """A running agent with a model that never comes to an end, and a peer that talks to it."""
+
+    def __init__(self, domain):
+        self.thinker = Thinker()
+        self.agent = Agent(
+            *("robot-apartment", "--text-mode", "--ros2", "--llm", "none"),
+            *("--ros2-state-hz", "50", "--llm-endpoint", self.thinker.server.url),
+            domain=domain,
+            stdin=subprocess.PIPE,
+        )
+        self.agent.wait_for_line(READY)
+        self.peer = Peer(domain)
+        self.client = Client(self.peer)
+        self.state = self.peer.listen("robot_state", STATE)
+        self.sentence = self.peer.listen("bot_sentence")
+        self.info = self.peer.listen("info")
+        for topic in ("interrupt", "command"):  # match now: a stop must not wait for that
+            self.peer.send(topic, "unmute")
+
+    def close(self):
+        self.peer.close()
+        self.agent.process.stdin.close()
+        self.thinker.server.close()
+        assert self.agent.terminate() == 0
+
+    def newest(self):
+        """The last state that was heard: a frozen robot says no more."""
+        return json.loads(self.state.messages[-1])
+
+    def type(self, line):
+        self.agent.process.stdin.write(f"{line}\n")
+        self.agent.process.stdin.flush()
+
+    def goes(self):
+        """Ask for a drive away from here, as a program does."""
+        here = self.newest()["pose"]["x"]
+        return self.client.send("navigate_xy", json.dumps(TARGETS[here < 5.0]))
+
+    def drives(self):
+        goal = self.goes()
+        self.state.wait_for(moving, PATIENCE_S, since=len(self.state.messages))
+        return goal
+
+    def stood_after_s(self, before, since):
+        """Seconds of its own time until it stood; it still stands in the state after that."""
+        self.state.wait_for(standing, PATIENCE_S, since)
+        first = next(i for i in range(since, sys.maxsize) if standing(self.state.messages[i]))
+        assert standing(self.state.wait_for(lambda _: True, PATIENCE_S, since=first + 1))
+        return json.loads(self.state.messages[first])["time"] - before
+
+
+def moving(message):
+    return json.loads(message)["velocity"]["linear"] > 0.05
+
+
+def standing(message):
+    velocity = json.loads(message)["velocity"]
+    return abs(velocity["linear"]) < 0.01 and abs(velocity["angular"]) < 0.01
+
+
+@contextmanager
+def driving(robot):
+    yield robot.drives()
+
+
+@contextmanager
+def accepting(robot):
+    """Its goal was accepted, and does not move the robot yet."""
+    yield robot.goes()
+
+
+@contextmanager
+def priming(robot):
+    assert robot.thinker.primed.wait(PATIENCE_S)
+    yield robot.drives()
+
+
+@contextmanager
+def generating(robot):
+    goal = robot.drives()
+    robot.thinker.tells.clear()
+    robot.peer.send("text_input", "why is the sky blue")
+    assert robot.thinker.tells.wait(PATIENCE_S)
+    yield goal
+
+
+@contextmanager
+def crowded(robot):
+    """It thinks, and as many sentences wait as may."""
+    with generating(robot) as goal:
+        heard, pause = len(robot.info.messages), threading.Event()
+        for _ in range(SENTENCES):
+            robot.peer.send("text_input", "where are you")
+            pause.wait(0.005)  # a topic keeps the last 10
+        robot.peer.send("command", "list_languages")
+        robot.info.wait_for(lambda _: True, PATIENCE_S, since=heard)
+        yield goal
+
+
+@contextmanager
+def starved(robot):
+    """All of its threads share one core with a program that wants it for itself."""
+    tasks = [int(one) for one in os.listdir(f"/proc/{robot.agent.process.pid}/task")]
+    before = os.sched_getaffinity(robot.agent.process.pid)
+    core = {min(before)}
+    with subprocess.Popen([sys.executable, "-c", BURN]) as burner:
+        try:
+            for task in (burner.pid, *tasks):
+                os.sched_setaffinity(task, core)
+            yield robot.drives()
+        finally:
+            burner.kill()
+            for task in tasks:
+                _let_run(task, before)
+
+
+def _let_run(task, cores):
+    try:
+        os.sched_setaffinity(task, cores)
+    except ProcessLookupError:
+        """That thread has ended."""
+
+
+@contextmanager
+def frozen(robot):
+    """Not one of its threads runs; the word comes shortly before they go on."""
+    goal = robot.drives()
+    robot.agent.process.send_signal(signal.SIGSTOP)
+    try:
+        threading.Event().wait(FREEZE_S)
+        yield goal
+    finally:
+        robot.agent.process.send_signal(signal.SIGCONT)
+
+
+SITUATIONS = {
+    one.__name__: one for one in (driving, accepting, priming, generating, crowded, starved, frozen)
+}
+WAYS = {
+    "text_input": lambda robot, _: robot.peer.send("text_input", "stop"),
+    "interrupt": lambda robot, _: robot.peer.send("interrupt", "now"),
+    "command": lambda robot, _: robot.peer.send("command", "reset"),
+    "standard input": lambda robot, _: robot.type("stop"),
+    "action cancel": lambda robot, goal: robot.client.cancel_without_waiting(goal),
+}
+
+
+def settle(robot):
+    """Whatever was asked for before is over, and all ways are open."""
+    robot.peer.send("interrupt", "now")
+    robot.state.wait_for(standing, PATIENCE_S, since=len(robot.state.messages))
+    wait_until(lambda: robot.peer.node.count_subscribers("/edgevox/text_input") == 1, "the robot")

@@ -1,0 +1,70 @@
+"""Stop means stop: every way to say it, whatever the robot is busy with, seen from outside.
+
+How long it takes on a machine is a figure of the benchmarks. Here it must be soon in the robot's
+own time, long before the drive is over, and the goal must end as canceled for who asked for it.
+"""
+
+import pytest
+from peer import Peer
+from stop_stage import PATIENCE_S, SITUATIONS, WAYS, Robot, moving, settle, standing
+
+STOP_S = 1.0
+"""Of the robot's own time, which passes on a busy machine as it can. A drive takes many more."""
+
+
+@pytest.fixture(scope="module")
+def home(domain):
+    robot = Robot(domain)
+    yield robot
+    robot.close()
+
+
+@pytest.fixture
+def robot(home):
+    settle(home)
+    return home
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("situation", SITUATIONS)
+def test_it_stands(robot, situation, way):
+    with SITUATIONS[situation](robot) as goal:
+        since, before = len(robot.state.messages), robot.newest()["time"]
+        WAYS[way](robot, goal)
+    assert robot.client.end_of(goal)[0] == "canceled"
+    assert robot.stood_after_s(before, since) < STOP_S
+
+
+@pytest.mark.parametrize("way", [way for way in WAYS if way != "action cancel"])
+def test_said_at_rest_twice_and_by_two_people_at_once_it_is_harmless(robot, domain, way):
+    second = Peer(domain)
+    try:
+        second.send("text_input", "stop")
+        for _ in range(2):
+            WAYS[way](robot, None)
+            second.send("text_input", "stop")
+        heard = len(robot.sentence.messages)
+        robot.sentence.wait_for(lambda m: m == "I am standing still.", PATIENCE_S, since=heard - 1)
+    finally:
+        second.close()
+    goal = robot.drives()
+    WAYS[way](robot, goal)
+    assert robot.client.end_of(goal)[0] == "canceled"
+
+
+def test_a_drive_by_standard_input_is_stopped_by_the_line_after_it(robot):
+    """And what comes after the stop is done."""
+    robot.type("go to the bedroom" if robot.newest()["pose"]["x"] > 5 else "go to the kitchen")
+    robot.state.wait_for(moving, PATIENCE_S, since=len(robot.state.messages))
+    robot.type("where are you")  # waits for the end of the drive
+    heard, since = len(robot.sentence.messages), len(robot.state.messages)
+    before = robot.newest()["time"]
+
+    robot.type("stop\nwhat is your battery level")
+
+    robot.sentence.wait_for(lambda m: m == "Stopped.", PATIENCE_S, since=heard)
+    assert robot.stood_after_s(before, since) < STOP_S
+    robot.sentence.wait_for(lambda m: "percent" in m, PATIENCE_S, since=heard)
+    assert not any(m.startswith("I am in") for m in robot.sentence.messages[heard:])
+    robot.agent.wait_for_line("[lines before it that are not done: 1]")
+    assert standing(robot.state.messages[-1])
