@@ -161,3 +161,26 @@ def test_a_person_who_speaks_over_it_cuts_it_and_is_understood(stage):
     assert stage.wait_for(Responded).cut
     assert stage.wait_for(Responded, lambda event: not event.cut).text.startswith("I am in the")
     assert rms(stage.answer()) > 0.0
+
+
+@pytest.mark.parametrize(("way", "room"), [("spoken", "bedroom"), ("typed", "kitchen")])
+def test_a_stop_while_it_speaks_and_drives_halts_both(stage, way, room):
+    submit = stage.parts.switchboard.submit
+    submit(TextInput("tell me a story"))
+    stage.wait_for(StateChanged, lambda event: event.state is State.SPEAKING)
+    stage.parts.conversation.start_goal("navigate_to", {"room": room})
+    stage.wait_for(AgentEvent, lambda event: event.data.get("status") == "running")
+
+    if way == "spoken":
+        stop = loud(says_espeak("stop", "en-us"), 0.3)
+        stage.room.play(np.concatenate([silence(0.2), stop, silence(1.0)]))
+    else:
+        submit(TextInput("stop"))
+
+    halted = stage.wait_for(AgentEvent, lambda event: event.kind == "safety_preempt")
+    assert halted.data == {"word": "stop", "stopped": True}
+    stage.wait_for(AgentEvent, lambda event: event.kind == "skill_cancelled")
+    assert stage.wait_for(Responded).cut
+    assert rested(stage)
+    assert stage.body.state()["goal"] is None
+    assert stage.body.velocity().linear_m_s == pytest.approx(0.0, abs=0.01)
