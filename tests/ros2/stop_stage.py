@@ -11,7 +11,8 @@ from pathlib import Path
 
 from action_stage import Client
 from conftest import READY, Agent
-from peer import STATE, Peer, wait_until
+from peer import RELIABLE, STATE, Peer, wait_until
+from std_msgs.msg import String
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
 
@@ -28,15 +29,16 @@ BURN = "while True: pass"
 
 
 class Thinker:
-    """A model server that reads its prompt, and tells its story, until the test is over."""
+    """A model server that reads its prompt until `primed`, and tells its story to the very end."""
 
     def __init__(self):
-        self.primed, self.tells = threading.Event(), threading.Event()
+        self.primes, self.primed, self.tells = (threading.Event() for _ in range(3))
         self.server = Server([self._prime, self._tell], "llamacpp", "127.0.0.1")
 
     def _prime(self, reply):
-        self.primed.set()
-        reply.over.wait()
+        self.primes.set()
+        self.primed.wait()
+        reply.answer(["."])
 
     def _tell(self, reply):
         reply.stream()
@@ -54,6 +56,7 @@ class Robot:
         self.agent = Agent(
             *("robot-apartment", "--text-mode", "--ros2", "--llm", "none"),
             *("--ros2-state-hz", str(state_hz), "--llm-endpoint", self.thinker.server.url),
+            *("--llm-endpoint-timeout", "600"),
             domain=domain,
             stdin=subprocess.PIPE,
         )
@@ -62,19 +65,32 @@ class Robot:
         self.client = Client(self.peer)
         self.state = self.peer.listen("robot_state", STATE)
         self.sentence = self.peer.listen("bot_sentence")
+        self.words = self.peer.listen("transcription")
         self.info = self.peer.listen("info")
-        for topic in ("interrupt", "command"):  # match now: a stop must not wait for that
-            self.peer.send(topic, "unmute")
+        # Matched now: a stop must not wait for that.
+        self.interrupt = self.peer.node.create_publisher(
+            String, self.peer.name("interrupt"), RELIABLE
+        )
+        wait_until(lambda: self.interrupt.get_subscription_count() > 0, "interrupt")
+        self.peer.send("text_input", "where are you")
+        self.has_looked()
 
     def close(self):
         self.peer.close()
         self.agent.process.stdin.close()
+        self.thinker.primed.set()
         self.thinker.server.close()
         assert self.agent.terminate() == 0
 
     def newest(self):
         """The last state that was heard: a frozen robot says no more."""
         return json.loads(self.state.messages[-1])
+
+    def has_looked(self):
+        """Wait until it has looked at every command that was sent: they keep their order."""
+        heard = len(self.info.messages)
+        self.peer.send("command", "list_languages")
+        self.info.wait_for(lambda _: True, PATIENCE_S, since=heard)
 
     def type(self, line):
         self.agent.process.stdin.write(f"{line}\n")
@@ -90,12 +106,16 @@ class Robot:
         self.state.wait_for(moving, PATIENCE_S, since=len(self.state.messages))
         return goal
 
-    def stood_after_s(self, before, since):
-        """Seconds of its own time until it stood; it still stands in the state after that."""
-        self.state.wait_for(standing, PATIENCE_S, since)
-        first = next(i for i in range(since, sys.maxsize) if standing(self.state.messages[i]))
-        assert standing(self.state.wait_for(lambda _: True, PATIENCE_S, since=first + 1))
-        return json.loads(self.state.messages[first])["time"] - before
+    def stood(self, since):
+        """Now that its goal has ended: which state is the first from which on it stands."""
+        self.state.wait_for(standing, PATIENCE_S, since=len(self.state.messages))
+        heard = self.state.messages
+        moved = [number for number in range(since, len(heard)) if not standing(heard[number])]
+        return moved[-1] + 1 if moved else since
+
+    def own_time_s(self, number):
+        """What its clock said in a state."""
+        return json.loads(self.state.messages[number])["time"]
 
 
 def moving(message):
@@ -120,13 +140,14 @@ def accepting(robot):
 
 @contextmanager
 def priming(robot):
-    assert robot.thinker.primed.wait(PATIENCE_S)
+    assert robot.thinker.primes.wait(PATIENCE_S)
     yield robot.drives()
 
 
 @contextmanager
 def generating(robot):
     goal = robot.drives()
+    robot.thinker.primed.set()
     robot.thinker.tells.clear()
     robot.peer.send("text_input", "why is the sky blue")
     assert robot.thinker.tells.wait(PATIENCE_S)
@@ -137,12 +158,11 @@ def generating(robot):
 def crowded(robot):
     """It thinks, and as many sentences wait as may."""
     with generating(robot) as goal:
-        heard, pause = len(robot.info.messages), threading.Event()
+        pause = threading.Event()
         for _ in range(SENTENCES):
             robot.peer.send("text_input", "where are you")
             pause.wait(0.005)  # a topic keeps the last 10
-        robot.peer.send("command", "list_languages")
-        robot.info.wait_for(lambda _: True, PATIENCE_S, since=heard)
+        robot.has_looked()
         yield goal
 
 
@@ -187,7 +207,7 @@ SITUATIONS = {
 }
 WAYS = {
     "text_input": lambda robot, _: robot.peer.send("text_input", "stop"),
-    "interrupt": lambda robot, _: robot.peer.send("interrupt", "now"),
+    "interrupt": lambda robot, _: robot.interrupt.publish(String()),
     "command": lambda robot, _: robot.peer.send("command", "reset"),
     "standard input": lambda robot, _: robot.type("stop"),
     "action cancel": lambda robot, goal: robot.client.cancel_without_waiting(goal),
@@ -195,7 +215,7 @@ WAYS = {
 
 
 def settle(robot):
-    """Whatever was asked for before is over, and all ways are open."""
-    robot.peer.send("interrupt", "now")
+    """Whatever was asked for before is over."""
+    robot.peer.send("command", "reset")
+    robot.has_looked()
     robot.state.wait_for(standing, PATIENCE_S, since=len(robot.state.messages))
-    wait_until(lambda: robot.peer.node.count_subscribers("/edgevox/text_input") == 1, "the robot")
