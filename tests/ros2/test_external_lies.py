@@ -14,6 +14,7 @@ from interop_rig import hear
 from peer import STATE, wait_until
 
 from edgevox.agent.skills import SkillFailed
+from edgevox.core.refusals import Refusal
 from edgevox.ros2.external.robot import ExternalRobot
 from edgevox.ros2.external.settings import ExternalSettings, Patience, SteeringLimits
 
@@ -78,7 +79,7 @@ def test_odometry_that_cannot_be_true_stops_the_drive_and_says_why(stage, lie, c
     assert "odometry_impossible topic='/robot1/odom'" in caplog.text
     assert one.robot.trouble == "what is heard on /robot1/odom cannot be true"
     assert one.robot.state()["pose"] is None
-    assert one.robot.refusals["/robot1/odom"] > 0
+    assert one.robot.refusals["/robot1/odom", Refusal.IMPLAUSIBLE] > 0
 
 
 def test_a_robot_that_lies_is_not_driven_and_one_that_stops_lying_is(stage):
@@ -162,7 +163,7 @@ def test_a_transform_that_can_be_none_moves_nobody(stage):
     one = stage("--map-to-odom", "3,-2,0", "--start", "3,-2,0")
     wait_until(lambda: one.robot.state()["frame"] == "map", "the transform")
     one.tell("correct 1e300")
-    wait_until(lambda: one.robot.refusals["/tf"] == 1, "the transform")
+    wait_until(lambda: one.robot.refusals["/tf", Refusal.IMPLAUSIBLE] == 1, "the transform")
     assert one.robot.pose().x_m == pytest.approx(3.0, abs=0.01)
 
 
@@ -214,5 +215,5 @@ def test_an_agent_says_so_to_people_and_to_operators(agent, peer, domain):
         )
         reason = "what is heard on /robot1/odom cannot be true"
         told.wait_for(lambda m: any(reason in s.message for s in m.status), timeout_s=20)
-        refused = ("edgevox_refused_messages_total", "/robot1/odom")
+        refused = ("edgevox_refused_messages_total", "implausible", "/robot1/odom")
         scraper.wait_until(port, lambda found: found.get(refused, 0) > 0)

@@ -10,7 +10,7 @@ import pytest
 from edgevox.agent import deeds, mind
 from edgevox.agent.llm.endpoint import exchange
 from edgevox.agent.waiting import MAX_WAITING
-from edgevox.apps.terminal import script
+from edgevox.apps.terminal import lines
 from edgevox.core import text, user_file
 from edgevox.ops import http_server
 from edgevox.robots import capabilities, world
@@ -58,7 +58,7 @@ def test_the_page_of_robots_has_every_protocol_with_its_methods():
         ("{:,} characters", text.MAX_CHARACTERS),
         ("sentences that wait: {}", MAX_WAITING),
         ("calls in one sentence: {}", deeds.MAX_CALLS),
-        ("{} MB, of which", script.MAX_LINE_BYTES >> 20),
+        ("{} MB, of which", lines.MAX_LINE_BYTES >> 20),
         ("{} KB |", skill_requests.MAX_ARGUMENTS_BYTES >> 10),
         ("| {} KB, 2 s", http_server.MOST_BYTES >> 10),
         ("2 s, {} at once", http_server.MOST_AT_ONCE),

@@ -101,7 +101,7 @@ class ExternalRobot:
 
     @property
     def refusals(self) -> Mapping[tuple[str, ...], int]:
-        """How many of the robot's messages could not be true, by topic."""
+        """How many of the robot's messages could not be true, by topic and reason."""
         return self._link.senses.refusals if self._link else {}
 
     @property
