@@ -84,8 +84,8 @@ def test_the_error_names_the_field_the_name_and_the_language() -> None:
     assert str(error) == (
         "home.yaml: got 'Stop', expected a name without 'stop', which stops the robot in English"
     )
-    error = refused("подожди")
-    assert "people say 'подожди' to a robot in Russian" in error.expected
+    error = refused("да")
+    assert "people say 'да' to a robot in Russian" in error.expected
 
 
 @pytest.mark.parametrize("name", PLACES)
