@@ -157,7 +157,9 @@ def test_a_polygon_whose_sides_cross_is_refused_by_irsim_with_its_field():
 def test_without_irsim_the_robot_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "irsim", None)
 
-    with pytest.raises(EdgeVoxError, match=r"robot-irsim needs IR-SIM.*edgevox\[irsim\]"):
+    with pytest.raises(
+        EdgeVoxError, match=r"robot-irsim needs IR-SIM.*pip install .\.\[irsim\]. in EdgeVox"
+    ):
         IrsimRobot()
 
 
