@@ -158,7 +158,7 @@ def test_without_irsim_the_robot_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "irsim", None)
 
     with pytest.raises(
-        EdgeVoxError, match=r"robot-irsim needs IR-SIM.*pip install .\.\[irsim\]. in EdgeVox"
+        EdgeVoxError, match=r"robot-irsim needs IR-SIM.*pip install .\.\[irsim\]. in EdgeVox's"
     ):
         IrsimRobot()
 

@@ -100,7 +100,7 @@ def test_without_an_engine_the_extra_to_install_is_named(
 ) -> None:
     monkeypatch.setattr(factory.importlib.util, "find_spec", lambda name: None)
 
-    with pytest.raises(ModelFailed, match=r"pip install .\.\[llm\]. in EdgeVox"):
+    with pytest.raises(ModelFailed, match=r"pip install .\.\[llm\]. in EdgeVox's"):
         factory.load_model(path)
 
 

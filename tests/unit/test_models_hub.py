@@ -104,7 +104,7 @@ def test_without_the_client_the_hub_is_passed_over_with_a_hint(
 ) -> None:
     monkeypatch.setitem(sys.modules, "huggingface_hub", None)
 
-    with pytest.raises(SourceFailed, match=r"pip install .\.\[models\]. in EdgeVox"):
+    with pytest.raises(SourceFailed, match=r"pip install .\.\[models\]. in EdgeVox's"):
         list(Hub().provide(SPEC, voice().files, tmp_path, Silent()))
 
 
