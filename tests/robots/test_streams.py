@@ -79,6 +79,14 @@ def test_an_unwritable_log_does_not_keep_a_wrong_setting_from_its_exit_code():
     assert done.returncode == 2
 
 
+def test_nor_one_of_the_container():
+    command = [sys.executable, "-m", "edgevox.apps.container.start"]
+    wrong = {**os.environ, "EDGEVOX_AGENT": "robot-teapot"}
+    with open("/dev/full", "wb") as full:
+        done = subprocess.run(command, env=wrong, stdout=full, stderr=full, timeout=HANG_S)
+    assert done.returncode == 64
+
+
 @pytest.mark.parametrize(
     "command", [["edgevox-models", "list"], ["edgevox-models", "licences"], ["edgevox-agent", "-h"]]
 )

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from edgevox.apps.container.environment import prepared
 from edgevox.apps.container.table import NO_ROBOT
+from edgevox.apps.streams import with_streams
 from edgevox.core.cgroup import usable_cpus
 from edgevox.core.errors import InvalidValue
 
@@ -15,6 +16,7 @@ NOT_EXECUTABLE, NOT_FOUND = 126, 127
 """What shells say."""
 
 
+@with_streams("edgevox")
 def main(arguments: Sequence[str] | None = None) -> int:
     """Never returns where all is well; else the exit code, its reason on stderr."""
     given = list(sys.argv[1:] if arguments is None else arguments)
