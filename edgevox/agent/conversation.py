@@ -197,8 +197,7 @@ class Conversation:
             self._stop(reason, self._clock.now())
             self._put(Settle())
             return
-        with self._ready:
-            turn = self._turn
+        turn = self._turn
         with self._states.gate:
             if turn is not None and self._deeds.hush(reason, turn):
                 self._states.enter(State.INTERRUPTED, turn)
@@ -207,8 +206,8 @@ class Conversation:
         said_s = words.ended_s if isinstance(words, Heard) else self._clock.now()
         stopped = self._stop(f"heard {word!r}", said_s)  # before anybody is told: telling may block
         self._bus.publish(Transcribed(clean(words.text)))
-        data = {"word": word, "stopped": stopped}
-        self._bus.publish(AgentEvent(AgentEventKind.SAFETY_PREEMPT, data))
+        heard = {"word": word, "stopped": stopped}
+        self._bus.publish(AgentEvent(AgentEventKind.SAFETY_PREEMPT, heard))
         self._put(Announce(self.mind.phrases.say("stopped" if stopped else "standing")))
 
     def _stop(self, reason: str, when_s: float) -> bool:
@@ -262,10 +261,8 @@ class Conversation:
                 turn.say(text)
             case Forget():
                 self.mind.forget()
-            case Language(code=code):
+            case Language(code=code):  # `Settle` needs no more than its turn
                 self.mind.set_language(code)
-            case Settle():
-                pass
 
     def _converse(self, raw: str, turn: Turn) -> None:
         text = clean(raw)
