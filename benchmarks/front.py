@@ -84,15 +84,26 @@ THINKERS = (
 
 
 def measured_on(results: Results) -> str:
-    """The machine, the date and the commit of the newest figures."""
-    newest = max(results.runs.values(), key=lambda run: run.measured)
-    environment = results.environments[newest.environment]
-    python = environment.versions["python"]
+    """The machines, and of each the date and commit of its newest figures and what it measured."""
     quick = "**Provisional: too few rounds to be quoted.** " if results.quick() else ""
-    return (
-        f"{quick}Measured on {environment.machine}, Python {python}; "
-        f"{newest.measured:%d %B %Y}, {at_commit(newest)}.\n"
-    )
+    where: dict[str, list[str]] = {}
+    for name, run in results.runs.items():
+        environment = results.environments[run.environment]
+        machine = f"{environment.machine}, Python {environment.versions['python']}"
+        where.setdefault(machine, []).append(name)
+    most, *others = sorted(where, key=lambda machine: -len(where[machine]))
+    lines = [f"{quick}Measured on {most}; {_newest(results, where[most])}."]
+    lines += [
+        f"What `make bench` calls {', '.join(f'`{name}`' for name in where[other])} was measured "
+        f"on {other}; {_newest(results, where[other])}."
+        for other in others
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _newest(results: Results, names: Sequence[str]) -> str:
+    newest = max((results.runs[name] for name in names), key=lambda run: run.measured)
+    return f"{newest.measured:%d %B %Y}, {at_commit(newest)}"
 
 
 def answers(results: Results) -> str:
