@@ -17,6 +17,7 @@ from typing import Any
 import yaml
 from figures import Figure, Measured, NotHere
 
+from edgevox.agent.arguments import check_arguments
 from edgevox.agent.intents import Recogniser, Understood
 from edgevox.agent.llm.base import LanguageModel, Message, ModelFailed
 from edgevox.agent.llm.factory import load_model
@@ -174,7 +175,11 @@ def _judge(
 ) -> Outcome:
     made = tuple(calls)
     try:
-        checked = tuple(Call(c.skill, skills[c.skill].validate(c.arguments)) for c in made)
+        # Whether a point lies in the world is no matter of understanding.
+        checked = tuple(
+            Call(c.skill, check_arguments(c.skill, skills[c.skill].arguments_model, c.arguments))
+            for c in made
+        )
     except InvalidValue as error:
         return Outcome(command, made, words, seconds, pieces, str(error))
     invalid = "" if made or words or pieces == 0 else "neither words nor calls"
