@@ -217,7 +217,7 @@ def test_the_bill_of_materials_names_every_python_package(sbom):
     locked = set(re.findall(r"^([\w.-]+)==(\S+)", locked_text(), re.MULTILINE))
     assert ("numpy", "1.26.4") in named
     assert {(name.lower(), version) for name, version in locked} <= named
-    assert "edgevox" in {name for name, _ in named}
+    assert "edgevox-robot" in {name for name, _ in named}
 
 
 def locked_text() -> str:
