@@ -9,6 +9,7 @@ from itertools import chain
 
 from edgevox.agent.stop_spelling import Word, readings, spelled_out, words
 from edgevox.core.stop_words import STOP_SIGNS, STOP_WORDS, StopWords
+from edgevox.core.text import one_form
 
 MAX_CHARACTERS = 4000
 """How much of an utterance is searched at each end; what is longer is never done."""
@@ -60,6 +61,7 @@ class _Rules:
         self._courtesies = _index(w for table in tables for w in table.courtesies)
         self._innocent = _innocent(tables)
         self._reach = max(len(phrase) for phrase in self._innocent)
+        self._lengths = _lengths(self._innocent)
         self._whole = {
             phrase[0].bare: said
             for phrases in self._anywhere.values()
@@ -73,12 +75,13 @@ class _Rules:
 
     def find(self, reading: Phrase) -> str | None:
         """The first stop word that counts."""
+        bares = _bare(reading)
         for found in self._in(reading, self._anywhere):
-            if not self._is_innocent(reading, found):
+            if not self._is_innocent(reading, bares, found):
                 return found.word
-        return self._glued(reading) or self._spelled(reading) or self._at_an_end(reading)
+        return self._glued(reading) or self._spelled(reading) or self._at_an_end(reading, bares)
 
-    def _at_an_end(self, reading: Phrase) -> str | None:
+    def _at_an_end(self, reading: Phrase, bares: tuple[str, ...]) -> str | None:
         """A word that counts at the end of its clause, or only where it is alone in it."""
         last, alone = [[*self._in(reading, table)] for table in (self._last, self._alone)]
         if not (last or alone):
@@ -88,7 +91,7 @@ class _Rules:
         ending = (one for one in last if quiet.after(one))
         lonely = (one for one in alone if quiet.after(one) and quiet.before(one))
         for found in chain(ending, lonely):
-            if not self._is_innocent(reading, found):
+            if not self._is_innocent(reading, bares, found):
                 return found.word
         return None
 
@@ -120,14 +123,18 @@ class _Rules:
             word.bare == wanted.bare and word.exact not in self._others
         )
 
-    def _is_innocent(self, reading: Phrase, found: _Found) -> bool:
+    def _is_innocent(self, reading: Phrase, bares: tuple[str, ...], found: _Found) -> bool:
         """Whether it is within an innocent phrase that stands in one clause."""
         for start in range(max(0, found.end - self._reach), found.start + 1):
-            for end in range(found.end, min(len(reading), start + self._reach) + 1):
-                if any(word.breaks for word in reading[start + 1 : end]):
+            for length in self._lengths.get(bares[start], ()):
+                end = start + length
+                if not found.end <= end <= len(reading):
+                    continue
+                phrases = self._innocent.get(bares[start:end], ())
+                said = reading[start:end] if phrases else ()
+                if any(word.breaks for word in said[1:]):
                     break
-                said = reading[start:end]
-                for phrase, must_end in self._innocent.get(_bare(said), ()):
+                for phrase, must_end in phrases:
                     ends = not must_end or _ends_clause(reading, end)
                     if ends and all(map(self._same_innocent, said, phrase)):
                         return True
@@ -172,6 +179,14 @@ def _innocent(tables: Sequence[StopWords]) -> _Innocent:
     return dict(index)
 
 
+def _lengths(phrases: Iterable[tuple[str, ...]]) -> dict[str, tuple[int, ...]]:
+    """How many words the phrases have that begin with a bare word, the shortest first."""
+    lengths: dict[str, set[int]] = defaultdict(set)
+    for phrase in phrases:
+        lengths[phrase[0]].add(len(phrase))
+    return {word: tuple(sorted(some)) for word, some in lengths.items()}
+
+
 def _repeated(stop_words: Iterable[str]) -> re.Pattern[str]:
     """Matches a bare word again and again; where one begins and ends alike, the two are folded."""
     ways = []
@@ -213,6 +228,9 @@ def _ends_clause(reading: Phrase, end: int) -> bool:
 
 
 def _ends(text: str) -> tuple[str, ...]:
-    if len(text) <= 2 * MAX_CHARACTERS:
-        return (text,)
-    return (text[:MAX_CHARACTERS], text[-MAX_CHARACTERS:])
+    """The text, or its two ends; one character may be written as eighteen."""
+    if len(text) > 2 * MAX_CHARACTERS:
+        return (*_ends(text[:MAX_CHARACTERS]), *_ends(text[-MAX_CHARACTERS:]))
+    if len(folded := one_form(text)) > 2 * MAX_CHARACTERS:
+        return (folded[:MAX_CHARACTERS], folded[-MAX_CHARACTERS:])
+    return (text,)

@@ -19,6 +19,8 @@ from edgevox.core.text import hidden, one_form, without_hidden
 _HYPHENS = "-_\N{HYPHEN}\N{NON-BREAKING HYPHEN}"
 _ELISION = re.compile(r"^(\w{1,2}'|qu')(\w{2,})$")
 _DIGITS = "0123456789"
+_LINE_ENDS = "\n\v\f\r\x1c\x1d\x1e\x85\u2028\u2029"
+_MARKS = ("Mn", "Me")
 _KANA_LENGTH = "\u30fc\uff70\u301c"
 _SAME_LETTER = str.maketrans(
     {
@@ -31,8 +33,13 @@ _SAME_LETTER = str.maketrans(
         "\N{ARABIC TATWEEL}": None,
         "'": None,
     }
+    | dict(zip("ŧтτмкнвտ", "tttmkhbs", strict=True))  # their capitals look like Latin ones
+    | dict(zip("ᴀʙᴄᴅᴇꜰɢʜɪᴊᴋʟᴍɴᴏᴘʀꜱᴛᴜᴠᴡʏᴢ", "abcdefghijklmnoprstuvwyz", strict=True))
 )
 """Letters that have no accent to take away, and are typed as others all the same."""
+
+_FRAMED = {first + i: chr(ord("a") + i) for first in (0x1F150, 0x1F170, 0x1F1E6) for i in range(26)}
+"""Letters in black circles and squares and of flags, which have no other form in Unicode."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +61,7 @@ def readings(text: str) -> Iterator[tuple[Word, ...]]:
     Hidden characters may stand in a word or between two, and so may punctuation ("s.t.o.p",
     "don't.stop").
     """
+    text = text.translate(_FRAMED)
     seen = without_hidden(text)
     yield words(seen)
     if hidden(text):
@@ -95,6 +103,8 @@ def words(text: str) -> tuple[Word, ...]:
             if not (found and found[-1].exact == kana and not breaks):  # said long
                 found.append(Word(kana, _skeleton(kana), breaks))
             breaks = False
+        elif not letters and unicodedata.category(character) in _MARKS:
+            continue  # on nothing, or on a character that is a word
         elif _in_word(character):
             letters += character
         else:
@@ -109,7 +119,7 @@ def bare(word: str) -> str:
     """Without accents, vowel marks, digits around it and repeated letters; look-alikes as one."""
     letters = word.strip(_DIGITS) or word
     letters = "".join(
-        c for c in unicodedata.normalize("NFD", letters) if unicodedata.category(c) != "Mn"
+        c for c in unicodedata.normalize("NFD", letters) if unicodedata.category(c) not in _MARKS
     )
     letters = _skeleton(letters.translate(_SAME_LETTER)).casefold()
     return re.sub(r"(\D)\1+", r"\1", letters)
@@ -141,12 +151,12 @@ def _in_word(character: str) -> bool:
 
 
 def _joins(text: str, i: int) -> bool:
-    """White space and hyphens within words part words, not clauses."""
+    """White space but the end of a line, and hyphens within words, part words, not clauses."""
     character = text[i]
     if character in _HYPHENS:
         around = text[max(0, i - 1) : i] + text[i + 1 : i + 2]
         return len(around) == 2 and not any(c.isspace() for c in around)
-    return character.isspace()
+    return character.isspace() and character not in _LINE_ENDS
 
 
 def _stands_alone(character: str) -> bool:

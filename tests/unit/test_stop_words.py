@@ -2,6 +2,7 @@
 
 import itertools
 import string
+import time
 import tomllib
 import unicodedata
 from pathlib import Path
@@ -186,6 +187,43 @@ def test_a_stop_sign_halts(sign):
 def test_punctuation_ends_what_makes_a_stop_word_innocent(text, between):
     assert not halts("en", text)
     assert halts("en", text.replace(" ", between))
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\u2028", "\u2029", "\x85"])
+def test_the_end_of_a_line_ends_what_makes_a_stop_word_innocent(end):
+    assert halts("en", f"don't{end}stop")
+    assert halts("es", f"no{end}pare")
+    assert halts("en", f"go to the kitchen{end}stop{end}")
+
+
+@pytest.mark.parametrize(
+    "said",
+    ["ꜱᴛᴏᴘ", "🅢🅣🅞🅟", "🆂🆃🅾🅿", "🇸🇹🇴🇵", "ЅТОР", "НАLТ", "sτορ", "sŧop", "s⃝t⃝o⃝p⃝", "s⃠top", "ՏTOP"],
+)  # fmt: skip
+def test_a_stop_word_halts_in_framed_small_and_mixed_letters(said):
+    assert halts("en", said)
+
+
+def test_marks_on_characters_that_are_words_hide_nothing():
+    for code, text in (("ja", "止まれ"), ("ja", "ストップ"), ("zh", "别动"), ("zh", "站住")):
+        assert halts(code, "\u0335".join(text)), text
+
+
+@pytest.mark.parametrize(("code", "text"), HALTS)
+def test_what_halts_still_does_after_a_no_and_before_exclamation_marks(code, text):
+    assert halts(code, f"No! {text}")
+    assert halts(code, f"{text}!!!")
+
+
+@pytest.mark.parametrize("code", ["en", "de", "fr", "ja", "zh"])
+@pytest.mark.parametrize(
+    "said", ["don't stop ", "never stop ", "不停", "止まっている", "a b ", "\ufdfa"]
+)
+def test_the_longest_text_is_searched_in_a_moment(code, said):
+    text = (said * 8000)[:8000]
+    began_s = time.process_time()
+    SafetyWords(code).find(text)
+    assert time.process_time() - began_s < 1.0
 
 
 def test_a_stop_word_counts_beside_an_innocent_one():
