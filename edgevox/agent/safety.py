@@ -114,7 +114,9 @@ class _Rules:
         for start, word in enumerate(reading):
             for phrase, said in index.get(word.bare, ()):
                 end = start + len(phrase)
-                if end <= len(reading) and all(map(self._same, reading[start:end], phrase)):
+                if end > len(reading) or reading[end - 1].bare != phrase[-1].bare:
+                    continue
+                if all(map(self._same, reading[start:end], phrase)):
                     yield _Found(said, start, end)
 
     def _same(self, word: Word, wanted: Word) -> bool:
