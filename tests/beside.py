@@ -35,7 +35,7 @@ class Room:
     """A room that many processes share, until one of them wants it alone.
 
     Whoever wants it alone waits at the door until those who are inside have left, and nobody else
-    comes in before him. The folder is the same for all who share it.
+    comes in before it. The folder is the same for all who share it.
     """
 
     def __init__(self, folder: Path) -> None:
