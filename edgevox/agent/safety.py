@@ -55,22 +55,21 @@ class _Rules:
     def __init__(self, code: str) -> None:
         tables = [STOP_WORDS[c] for c in dict.fromkeys((code, "en"))]
         self._others = {other.casefold() for table in tables for other in table.others}
-        self._anywhere = _index([w for table in tables for w in table.anywhere] + [*STOP_SIGNS])
-        self._last = _index(w for table in tables for w in table.last)
-        self._alone = _index(w for table in tables for w in table.alone)
-        self._courtesies = _index(w for table in tables for w in table.courtesies)
+        self._anywhere = _index([*(table.anywhere for table in tables), STOP_SIGNS])
+        self._last = _index(table.last for table in tables)
+        self._alone = _index(table.alone for table in tables)
+        self._courtesies = _index(table.courtesies for table in tables)
         self._innocent = _innocent(tables)
         self._reach = max(len(phrase) for phrase in self._innocent)
         self._lengths = _lengths(self._innocent)
-        self._whole = {
-            phrase[0].bare: said
+        single = [
+            (phrase[0], said)
             for phrases in self._anywhere.values()
             for phrase, said in phrases
             if len(phrase) == 1
-        }
-        self._exact = {
-            phrase[0].exact for phrases in self._anywhere.values() for phrase, _ in phrases
-        }
+        ]
+        self._whole = {word.bare: said for word, said in single}
+        self._exact = {word.exact for word, _ in single}
         self._again = _repeated(self._whole)
 
     def find(self, reading: Phrase) -> str | None:
@@ -158,27 +157,42 @@ def _rules(code: str) -> _Rules:
     return _Rules(code)
 
 
-def _index(listed: Iterable[str]) -> _Index:
+def _index(listed: Iterable[tuple[str, ...]]) -> _Index:
     """Phrases and how the table spells them, by the first word's bare form."""
     index: _Index = defaultdict(list)
-    for said in listed:
-        phrase = words(said)
-        index[phrase[0].bare].append((phrase, said))
+    for rows in listed:
+        for said, phrase in zip(rows, _phrases(rows), strict=True):
+            index[phrase[0].bare].append((phrase, said))
     return dict(index)
+
+
+@lru_cache
+def _phrases(rows: tuple[str, ...]) -> tuple[Phrase, ...]:
+    return tuple(map(words, rows))
 
 
 def _innocent(tables: Sequence[StopWords]) -> _Innocent:
     """Innocent phrases, and whether each must end its clause, by their bare words."""
+    stops = {_bare(phrase) for table in tables for phrase in _phrases(table.all)}
     index: _Innocent = defaultdict(list)
-    stops = {_bare(words(word)) for table in tables for word in table.all}
-    for table in tables:
-        for row in table.innocent:
-            written = row.removesuffix(_CLAUSE_END)
-            for word in table.anywhere + table.last if "{stop}" in written else ("",):
-                phrase = words(written.replace("{stop}", word))
-                if _bare(phrase) not in stops:  # "ne {stop}" is none with "bouge plus"
-                    index[_bare(phrase)].append((phrase, written != row))
+    for phrase, must_end in chain.from_iterable(map(_innocent_phrases, tables)):
+        bares = _bare(phrase)
+        if bares not in stops:  # "ne {stop}" is none with "bouge plus"
+            index[bares].append((phrase, must_end))
     return dict(index)
+
+
+@lru_cache
+def _innocent_phrases(table: StopWords) -> tuple[tuple[Phrase, bool], ...]:
+    stops = (*_phrases(table.anywhere), *_phrases(table.last))
+    found: list[tuple[Phrase, bool]] = []
+    for row in table.innocent:
+        written = row.removesuffix(_CLAUSE_END)
+        before, slot, after = written.partition("{stop}")
+        begins, ends = words(before), words(after)
+        said = stops if slot else ((),)
+        found += [((*begins, *stop, *ends), written != row) for stop in said]
+    return tuple(found)
 
 
 def _lengths(phrases: Iterable[tuple[str, ...]]) -> dict[str, tuple[int, ...]]:
