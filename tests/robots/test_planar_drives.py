@@ -5,7 +5,7 @@ import math
 from dataclasses import astuple
 
 import pytest
-from held_time import STEP_S, Asked
+from held_time import STEP_S, Asked, carry_out
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
@@ -156,13 +156,14 @@ def test_a_robot_that_cannot_move_says_that_it_is_stuck(in_hall) -> None:
 
 def test_an_empty_battery_ends_the_drive_with_that_reason(in_hall) -> None:
     robot = in_hall(
-        "custom: {edgevox: {battery: {capacity_wh: 0.01, linear_w_per_m_s: 20, dock: [7, 3]}}}"
+        "custom: {edgevox: {battery: {capacity_wh: 0.01, linear_w_per_m_s: 20, dock: [7, 3]}}}",
+        speed=0.0,
     )
 
     with pytest.raises(SkillFailed, match="battery is empty"):
-        drive(robot, 7.0, 1.0)
+        carry_out(robot, robot.drive_to, 7.0, 1.0)
     with pytest.raises(SkillFailed, match="battery is empty"):
-        drive(robot, 7.0, 1.0)
+        carry_out(robot, robot.drive_to, 7.0, 1.0)
 
     assert robot.battery() == 0.0
     robot.reset()

@@ -82,12 +82,17 @@ class Peer:
         return heard
 
     def send(self, topic: str, data: str | bytes, *, subscribers: int = 1) -> None:
-        """Publish a string, or the bytes of a serialized message, once so many are matched."""
-        if topic not in self._publishers:
+        """Publish a string, or the bytes of a serialized message, once so many are matched.
+
+        A subscriber that was there the first time may have left since: that is not waited for.
+        """
+        known = topic in self._publishers
+        if not known:
             publisher = self.node.create_publisher(String, self.name(topic), RELIABLE)
             self._publishers[topic] = publisher
-        matched = self._publishers[topic].get_subscription_count  # type: ignore[attr-defined]
-        wait_until(lambda: matched() >= subscribers, topic)
+        if not known or subscribers > 1:
+            matched = self._publishers[topic].get_subscription_count  # type: ignore[attr-defined]
+            wait_until(lambda: matched() >= subscribers, topic)
         message = data if isinstance(data, bytes) else String(data=data)
         self._publishers[topic].publish(message)  # type: ignore[attr-defined]
 
