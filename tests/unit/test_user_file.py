@@ -62,7 +62,7 @@ def test_what_is_no_regular_file_is_refused_by_field_and_expectation(field, no_f
 @pytest.mark.parametrize("field", OTHERS)
 def test_nor_is_it_sound_a_model_or_a_key(field, no_file):
     use, error = OTHERS[field]
-    with pytest.raises(error, match=str(no_file)):
+    with pytest.raises(error, match=no_file.name):
         use(no_file)
 
 
