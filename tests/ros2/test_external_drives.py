@@ -99,7 +99,7 @@ def test_stop_recalls_the_goal_and_holds_zero_until_the_robot_stands(stage, peer
 
     assert stopped == {"was_moving": True}
     with pytest.raises(Cancelled):
-        going.result(5)
+        going.result()
     standing(robot, 1.0)
     assert asked.moving == []
     wait_until(lambda: len(asked.heard) >= 15, "a stream of zeros")
@@ -117,7 +117,7 @@ def test_a_halt_does_not_block_and_stands_a_steered_robot(stage):
     moving(robot)
     assert robot.halt("a test") is True
     with pytest.raises(Cancelled, match="a test"):
-        going.result(1.0)
+        going.result()
     standing(robot, 3.0)
     assert robot.pose().x_m < 4.0
 
@@ -128,7 +128,7 @@ def test_a_cancelled_token_ends_the_drive_and_stands_the_robot(stage):
     moving(robot)
     going.token.cancel("changed my mind")
     with pytest.raises(Cancelled, match="changed my mind"):
-        going.result(1.0)
+        going.result()
     standing(robot, 3.0)
 
 
@@ -138,7 +138,7 @@ def test_a_new_goal_ends_the_one_before(stage):
     moving(robot)
     second = drive(robot, 0.0, 0.5)
     with pytest.raises(Cancelled, match="a new goal came"):
-        first.result(10)
+        first.result()
     second.result()
     assert distance(robot, 0.0, 0.5) < 0.12
 
@@ -176,7 +176,7 @@ def test_silent_odometry_stops_the_robot_and_is_said(stage, peer, caplog):
     moving(robot)
     control.send("do", "silent")
     with pytest.raises(SkillFailed, match="I do not hear the robot on /robot1/odom any more"):
-        going.result(10)
+        going.result()
     wait_until(lambda: asked.heard[-3:] == [(0.0, 0.0)] * 3, "zero velocity")
     wait_until(lambda: "odometry_silent topic='/robot1/odom'" in caplog.text, "the log line")
     with pytest.raises(SkillFailed, match="I do not know where I am"):
@@ -260,7 +260,7 @@ def test_closing_leaves_the_robot_standing(stage, peer):
     moving(robot)
     robot.close()
     with pytest.raises(Cancelled):
-        going.result(2)
+        going.result()
     wait_until(lambda: asked.heard[-1] == (0.0, 0.0), "zero velocity")
 
 

@@ -74,7 +74,7 @@ def test_odometry_that_cannot_be_true_stops_the_drive_and_says_why(stage, lie, c
     moving(one.robot)
     told_s = one.tell(lie)
     with pytest.raises(SkillFailed, match=ODOM):
-        going.result(5)
+        going.result()
     one.zero_since(told_s)
     assert "odometry_impossible topic='/robot1/odom'" in caplog.text
     assert one.robot.trouble == "what is heard on /robot1/odom cannot be true"
@@ -87,7 +87,7 @@ def test_a_robot_that_lies_is_not_driven_and_one_that_stops_lying_is(stage):
     one.tell("claim 1e300")
     wait_until(lambda: one.robot.trouble, "the lie")
     with pytest.raises(SkillFailed, match=ODOM):
-        drive(one.robot, 1.0, 0.0).result(5)
+        drive(one.robot, 1.0, 0.0).result()
     assert one.asked.moving == []
     one.tell("truth")
     wait_until(lambda: not one.robot.trouble, "the truth")
@@ -103,7 +103,7 @@ def test_a_jump_stops_the_drive_and_the_next_goal_is_driven_from_the_new_pose(st
     with pytest.raises(
         SkillFailed, match=rf"pose jumped by {abs(metres)}\.\d metres and 0 degrees"
     ):
-        going.result(5)
+        going.result()
     one.zero_since(told_s)
     standing(one.robot)
     assert one.robot.trouble == ""
@@ -126,7 +126,7 @@ def test_a_robot_that_takes_goals_gets_its_own_place_as_its_goal_when_it_jumps(s
     moving(one.robot)
     one.tell("jump 5")
     with pytest.raises(SkillFailed, match="pose jumped by"):
-        going.result(5)
+        going.result()
     recalled = goals.wait_for(lambda m: m.pose.position.x != 5.0)
     assert recalled.pose.position.x == pytest.approx(one.robot.pose().x_m, abs=1.0)
 
@@ -155,7 +155,7 @@ def test_a_correction_beyond_all_measure_stops_the_drive(stage, metres, reason):
     moving(one.robot)
     told_s = one.tell(f"correct {metres}")
     with pytest.raises(SkillFailed, match=reason):
-        going.result(5)
+        going.result()
     one.zero_since(told_s)
 
 
@@ -174,7 +174,7 @@ def test_nobody_is_steered_by_a_lidar_that_cannot_see(stage):
     moving(one.robot)
     told_s = one.tell("blind")
     with pytest.raises(SkillFailed, match="What the robot says on /robot1/scan cannot be true"):
-        going.result(5)
+        going.result()
     one.zero_since(told_s)
     one.tell("sighted")
     wait_until(lambda: one.robot.latest_scan() is not None, "a scan")
