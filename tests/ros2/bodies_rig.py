@@ -9,7 +9,7 @@ from typing import Any
 
 import yaml
 from action_stage import Client
-from conftest import READY, Agent
+from agent_process import READY, Agent
 from geometry_msgs.msg import PoseStamped
 from interop_rig import hear
 from peer import STATE, Peer

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from action_stage import Client, done
-from conftest import Agent
+from agent_process import Agent
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Twist
 from interop_rig import Stream, hear, twist

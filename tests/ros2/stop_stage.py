@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from action_stage import Client
-from conftest import READY, Agent
+from agent_process import READY, Agent
 from peer import RELIABLE, STATE, Peer, wait_until
 from std_msgs.msg import String
 

@@ -14,11 +14,11 @@ from collections import Counter, deque
 from dataclasses import asdict
 
 import pytest
+from agent_process import READY, Agent
 from chaos_actions import Actions
 from chaos_machine import busy_cores, told
 from chaos_robot import ARRIVE_S, THINK_S, Robot
 from chaos_world import Killed, ModelFiles, ModelServer
-from conftest import READY, Agent
 from peer import wait_until
 
 CHAOS_S = float(os.environ.get("EDGEVOX_CHAOS_S", "300"))

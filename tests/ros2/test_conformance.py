@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from conftest import READY, Agent
+from agent_process import READY, Agent
 from peer import RELIABLE, STATE, Peer, wait_until
 from rclpy.action.graph import get_action_names_and_types
 from rclpy.qos import qos_profile_sensor_data

@@ -11,8 +11,8 @@ import wave
 
 import numpy as np
 import pytest
+from agent_process import Agent
 from bodies_rig import CONTRACT, full
-from conftest import Agent
 from interop_rig import hear
 from peer import SENSOR, Peer
 from piper import PiperVoice, SynthesisConfig

@@ -6,7 +6,7 @@ import threading
 from pathlib import Path
 
 import pytest
-from conftest import AGENT, READY, Agent
+from agent_process import AGENT, READY, Agent
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from peer import RELIABLE, Peer, wait_until
 

@@ -6,7 +6,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from conftest import AGENT
+from agent_process import AGENT
 
 from edgevox.apps.doctor.checks import CHECKS
 from edgevox.models import Store

@@ -5,7 +5,7 @@ import subprocess
 import sys
 
 import pytest
-from conftest import AGENT
+from agent_process import AGENT
 from external_stage import Velocities, wheels
 from peer import STATE
 

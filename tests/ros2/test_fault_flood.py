@@ -8,8 +8,8 @@ import threading
 from pathlib import Path
 
 import pytest
+from agent_process import READY, Agent
 from chaos_robot import moving, standing
-from conftest import READY, Agent
 from peer import RELIABLE, STATE, Peer, wait_until
 from std_msgs.msg import String
 

@@ -8,7 +8,7 @@ import threading
 from contextlib import ExitStack
 
 import pytest
-from conftest import READY, Agent
+from agent_process import READY, Agent
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from interop_rig import hear
 from peer import RELIABLE, STATE, Peer

@@ -4,7 +4,7 @@ import json
 import subprocess
 
 import pytest
-from conftest import AGENT
+from agent_process import AGENT
 from geometry_msgs.msg import PoseStamped, Twist
 from interop_rig import Stream, hear, tell, twist
 from peer import SENSOR, STATE, wait_until

@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 import pytest
-from conftest import AGENT, Agent
+from agent_process import AGENT, Agent
 from geometry_msgs.msg import Twist
 from scraper import PATIENCE_S, free_port, wait_until
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 from action_stage import Client
-from conftest import Agent
+from agent_process import Agent
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from external_stage import Velocities, wheels
 from geometry_msgs.msg import PoseStamped, Twist

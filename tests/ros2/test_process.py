@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 import pytest
-from conftest import AGENT, READY, Agent
+from agent_process import AGENT, READY, Agent
 from peer import STATE
 
 LEAVE_S = 10.0

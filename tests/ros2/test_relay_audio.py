@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import HEARS_CTRL_C
+from agent_process import HEARS_CTRL_C
 from peer import RELIABLE, SENSOR, wait_until
 from std_msgs.msg import UInt8MultiArray
 

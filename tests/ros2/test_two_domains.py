@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from conftest import READY, Agent
+from agent_process import READY, Agent
 from peer import STATE, Peer
 
 

@@ -5,7 +5,7 @@ import threading
 
 import numpy as np
 import pytest
-from conftest import READY, Agent
+from agent_process import READY, Agent
 from interop_rig import hear, tell
 from peer import SENSOR, STATE
 from std_msgs.msg import Float32
