@@ -14,7 +14,7 @@ from itertools import groupby
 from confusable_homoglyphs.confusables import confusables_data
 
 from edgevox.core.stop_words import STOP_SIGNS
-from edgevox.core.text import hidden, one_form, without_hidden
+from edgevox.core.text import one_form, without_hidden
 
 _HYPHENS = "-_\N{HYPHEN}\N{NON-BREAKING HYPHEN}"
 _ELISION = re.compile(r"^(\w{1,2}'|qu')(\w{2,})$")
@@ -64,7 +64,7 @@ def readings(text: str) -> Iterator[tuple[Word, ...]]:
     text = text.translate(_FRAMED)
     seen = without_hidden(text)
     yield words(seen)
-    if hidden(text):
+    if seen != text:
         yield words(without_hidden(text, " "))
     if (uncut := _uncut(seen)) != seen:
         yield words(uncut)

@@ -32,11 +32,6 @@ def one_form(text: str) -> str:
     return unicodedata.normalize("NFKC", text.translate(_APOSTROPHES))
 
 
-def hidden(text: str) -> bool:
-    """Whether it has characters that nobody sees, white space aside."""
-    return text != without_hidden(text)
-
-
 def without_hidden(text: str, instead: str = "") -> str:
     """The same text with something else for control, format and default-ignorable characters.
 

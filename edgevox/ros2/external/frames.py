@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edgevox.robots.capabilities import Pose2D
-from edgevox.ros2.external.plausible import FURTHEST_FRAME_M, OFF_UNIT
+from edgevox.ros2.external.plausible import FURTHEST_FRAME_M
+from edgevox.ros2.interop.geometry import OFF_UNIT
 
 MAP = "map"
 MOST_FRAMES = 2000

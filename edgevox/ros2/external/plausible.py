@@ -17,8 +17,6 @@ SLACK_M, SLACK_RAD = 0.5, 1.0
 """So much odometry may be off by between two messages, without being called a jump."""
 MOST_CORRECTION_M = 10.0
 """By so much localisation may correct a robot's place on the map while it drives."""
-OFF_UNIT = 0.1
-"""So much longer or shorter than 1 a quaternion may have become by rounding."""
 _MOST_STAMPED_S = 1.0
 _MOST_BEAMS = 100_000
 

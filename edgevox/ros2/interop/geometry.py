@@ -5,6 +5,8 @@ import math
 from edgevox.robots.capabilities import Pose2D, Pose3D
 
 IDENTITY = Pose3D()
+OFF_UNIT = 0.1
+"""So much longer or shorter than 1 a quaternion may have become by rounding."""
 
 
 def lift(pose: Pose2D) -> Pose3D:

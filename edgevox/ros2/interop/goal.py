@@ -13,7 +13,7 @@ from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
 from edgevox.robots.capabilities import Body, HasEndEffector, HasPose, Pose3D
-from edgevox.ros2.interop.geometry import compose, unit
+from edgevox.ros2.interop.geometry import OFF_UNIT, compose, unit
 from edgevox.ros2.interop.messages import pose_of
 from edgevox.ros2.interop.profiles import GOAL
 from edgevox.ros2.interop.whereabouts import Whereabouts
@@ -26,9 +26,6 @@ RunSkill = Callable[[str, Mapping[str, Any]], None]
 
 DRIVE, REACH = "navigate_xy", "move_to"
 """The skills that a goal becomes: on the floor for what drives, in space for what has a hand."""
-
-_OFF_UNIT = 0.1
-"""So much longer or shorter than 1 a quaternion may have become by rounding."""
 
 
 def goal_skill(body: Body) -> str | None:
@@ -81,7 +78,7 @@ class GoalInput:
         if not all(map(math.isfinite, astuple(pose))):
             raise InvalidValue("pose", astuple(pose), "finite numbers", Refusal.NOT_FINITE)
         turn = (pose.qx, pose.qy, pose.qz, pose.qw)
-        if any(turn) and abs(math.hypot(*turn) - 1.0) > _OFF_UNIT:  # all zero: none was given
+        if any(turn) and abs(math.hypot(*turn) - 1.0) > OFF_UNIT:  # all zero: none was given
             raise InvalidValue("orientation", turn, "a quaternion of length 1")
         frame = message.header.frame_id
         if not frame:
