@@ -26,6 +26,8 @@ ROS2 := $(filter x86_64,$(shell uname -m))
 # A sourced ROS 2, or another virtual environment, must not leak into this one.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
 unexport ROS_DISTRO ROS_PYTHON_VERSION ROS_VERSION VIRTUAL_ENV _ROS_WHEELS_BOOTSTRAP_COMPLETE
+# Each of some hundred programs that the tests start would else compile all modules anew.
+unexport PYTHONDONTWRITEBYTECODE
 export RMW_IMPLEMENTATION := rmw_fastrtps_cpp
 
 .PHONY: help
