@@ -1,4 +1,4 @@
-"""Words to words and deeds: conversation, intents, language models, skills, safety.
+"""Words to calls to goals: conversation, intents, language models, skills, safety.
 
 Imports core, nothing else of edgevox.
 """

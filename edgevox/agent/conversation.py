@@ -5,17 +5,17 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from edgevox.agent import inbox
 from edgevox.agent.agents import Agent
-from edgevox.agent.deeds import Deeds
 from edgevox.agent.goals import Goal
-from edgevox.agent.items import Announce, Forget, Item, Language, Settle, TooLong, asked_in_words
+from edgevox.agent.inbox import Inbox, Item
 from edgevox.agent.llm.base import LanguageModel
 from edgevox.agent.mind import Mind
 from edgevox.agent.safety import SafetyWords
+from edgevox.agent.skill_executor import SkillExecutor
 from edgevox.agent.skills import Call, SkillSet
 from edgevox.agent.states import StateMachine
 from edgevox.agent.turn import Asked, Turn
-from edgevox.agent.waiting import LIMITS, Waiting
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.commands import Heard, Interrupt, Reset, RunSkill, Speak, TextInput, Transcribing
@@ -63,17 +63,17 @@ class Conversation:
         self._clock = clock or SystemClock()
         every_skill = {name: s for agent in agents for name, s in agent.skills.items()}
         self._skills = SkillSet(every_skill.values())
-        self._deeds = Deeds(
+        self._executor = SkillExecutor(
             bus,
             halt,
-            announce=lambda text: self._put(Announce(text)),
+            announce=lambda text: self._put(inbox.Announce(text)),
             phrases=lambda: self.mind.phrases,
             interlock=interlock,
         )
         self.mind = Mind(agents, bus, self._clock, model, language)
         self._safety = SafetyWords(language)
         self._numbers = itertools.count(1)
-        self._items = Waiting()
+        self._inbox = Inbox()
         self._ready = threading.Condition()
         self._turn: Turn | None = None
         self._busy = False
@@ -85,7 +85,7 @@ class Conversation:
 
     def start(self) -> None:
         """Begin to listen."""
-        self._deeds.start()
+        self._executor.start()
         self._states.start()
         self._thread.start()
 
@@ -97,16 +97,16 @@ class Conversation:
     @property
     def refusals(self) -> Mapping[str, int]:
         """How much was not taken, by `Refusal`."""
-        return self._items.refusals
+        return self._inbox.refusals
 
     def close(self) -> None:
         """Stop everything and wait for the threads."""
         with self._ready:
             self._closed = True
-            self._items.clear()
+            self._inbox.clear()
             self._ready.notify_all()
-        self._deeds.stop("shutting down", self._turn)
-        self._deeds.close()
+        self._executor.stop("shutting down", self._turn)
+        self._executor.close()
         if self._thread.is_alive():
             self._thread.join()
 
@@ -118,7 +118,7 @@ class Conversation:
                 self._bus.publish(Interrupted(cause))
             case Reset():
                 self._stop("reset", self._clock.now())
-                self._put(Forget())
+                self._put(inbox.Forget())
                 self._bus.publish(Interrupted(Cause.RESET))
             case Transcribing():
                 self._states.transcribing()
@@ -139,11 +139,11 @@ class Conversation:
     def set_language(self, code: str) -> None:
         """Hear stop words of this language at once, and the rest from the next sentence on."""
         self._safety = SafetyWords(code)
-        self._put(Language(code))
+        self._put(inbox.Language(code))
 
     def check_goal(self, name: str, arguments: Mapping[str, Any]) -> None:
         """Raise what `start_goal` would raise; nothing happens."""
-        self._deeds.check(Call(name, arguments), self._skills)
+        self._executor.check(Call(name, arguments), self._skills)
 
     def start_goal(
         self, name: str, arguments: Mapping[str, Any], goal_id: str | None = None
@@ -155,7 +155,7 @@ class Conversation:
         thread. Raises `InvalidValue` (`UnknownSkill` for the name) or `SkillFailed` (too many
         wait), and then nothing has happened.
         """
-        return self._deeds.begin(Call(name, arguments), self._skills, goal_id)
+        return self._executor.begin(Call(name, arguments), self._skills, goal_id)
 
     def wait_idle(self, timeout_s: float | None = None) -> bool:
         """Block until nothing is said, thought or done any more; False after the timeout.
@@ -166,11 +166,11 @@ class Conversation:
         while True:
             left_s = None if deadline_s is None else max(0.0, deadline_s - self._clock.now())
             with self._ready:
-                if not self._ready.wait_for(lambda: not (self._items or self._busy), left_s):
+                if not self._ready.wait_for(lambda: not (self._inbox or self._busy), left_s):
                     return False
-            if not self._deeds.busy and not self._items:
+            if not self._executor.busy and not self._inbox:
                 return True
-            if not self._deeds.wait_idle(left_s):
+            if not self._executor.wait_idle(left_s):
                 return False
 
     def _take(self, words: TextInput | Heard, text: str) -> None:
@@ -186,20 +186,20 @@ class Conversation:
 
     def _put(self, item: Item) -> None:
         with self._ready:
-            refusal = None if self._closed else self._items.put(item)
+            refusal = None if self._closed else self._inbox.put(item)
             self._ready.notify_all()
         if refusal:
-            log.warning("request_refused", reason=refusal, limit=LIMITS[refusal])
+            log.warning("request_refused", reason=refusal, limit=inbox.LIMITS[refusal])
 
     def _interrupt(self, reason: str, *, motion: bool) -> None:
         """Stop everything; without `motion` only cut what is said: somebody wants to be heard."""
         if motion:
             self._stop(reason, self._clock.now())
-            self._put(Settle())
+            self._put(inbox.Settle())
             return
         turn = self._turn
         with self._states.gate:
-            if turn is not None and self._deeds.hush(reason, turn):
+            if turn is not None and self._executor.hush(reason, turn):
                 self._states.enter(State.INTERRUPTED, turn)
 
     def _safety_stop(self, word: str, words: TextInput | Heard) -> None:
@@ -208,16 +208,16 @@ class Conversation:
         self._bus.publish(Transcribed(clean(words.text)))
         heard = {"word": word, "stopped": stopped}
         self._bus.publish(AgentEvent(AgentEventKind.SAFETY_PREEMPT, heard))
-        self._put(Announce(self.mind.phrases.say("stopped" if stopped else "standing")))
+        self._put(inbox.Announce(self.mind.phrases.say("stopped" if stopped else "standing")))
 
     def _stop(self, reason: str, when_s: float) -> bool:
         """Whether there was anything to stop; `when_s` is when it was asked for."""
         with self._ready:
-            self._items.stop()
+            self._inbox.stop()
             self._stopped_s = max(self._stopped_s, when_s)
             turn = self._turn
         with self._states.gate:
-            stopped = self._deeds.stop(reason, turn)
+            stopped = self._executor.stop(reason, turn)
             if stopped or self._states.transcribes:
                 self._states.enter(State.INTERRUPTED, turn)
         return stopped
@@ -225,10 +225,10 @@ class Conversation:
     def _work(self) -> None:
         while True:
             with self._ready:
-                self._ready.wait_for(lambda: self._items or self._closed)
+                self._ready.wait_for(lambda: self._inbox or self._closed)
                 if self._closed:
                     return
-                item = self._items.take()
+                item = self._inbox.take()
                 self._busy = True
                 turn = self._turn = self._new_turn(item)
             with bound(turn=turn.number):
@@ -242,7 +242,7 @@ class Conversation:
             log.exception("turn_failed")
             turn.say(self.mind.phrases.say("broken"), Outcome.FAILED)
         finally:
-            self._end(turn, measured=asked_in_words(item))
+            self._end(turn, measured=inbox.asked_in_words(item))
 
     def _handle(self, item: Item, turn: Turn) -> None:
         match item:
@@ -250,18 +250,18 @@ class Conversation:
                 self._converse(text, turn)
             case Speak(text=text):
                 turn.say(clean(text))
-            case TooLong(length=length):
+            case inbox.TooLong(length=length):
                 if item.asked:
                     self._bus.publish(Transcribed(item.beginning, turn.number))
                 told = self.mind.phrases.say("too_long", length=length, limit=MAX_CHARACTERS)
                 turn.say(told, Outcome.REFUSED)
             case RunSkill(name=name, arguments=arguments):
-                self._deeds.perform([Call(name, arguments)], self._skills, turn, "command")
-            case Announce(text=text):
+                self._executor.perform([Call(name, arguments)], self._skills, turn, "command")
+            case inbox.Announce(text=text):
                 turn.say(text)
-            case Forget():
+            case inbox.Forget():
                 self.mind.forget()
-            case Language(code=code):  # `Settle` needs no more than its turn
+            case inbox.Language(code=code):  # `Settle` needs no more than its turn
                 self.mind.set_language(code)
 
     def _converse(self, raw: str, turn: Turn) -> None:
@@ -273,7 +273,7 @@ class Conversation:
             self._states.enter(State.THINKING, turn)
             meaning = self.mind.understand(text, turn)
             if meaning and not turn.token.cancelled:
-                self._deeds.perform(meaning.calls, meaning.agent.skills, turn, meaning.source)
+                self._executor.perform(meaning.calls, meaning.agent.skills, turn, meaning.source)
             turn.settle()
             self.mind.remember(text, turn, meaning)
 

@@ -7,8 +7,8 @@ from logs_rig import logging_to_memory
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.grammar import SAY
+from edgevox.agent.inbox import MAX_WAITING
 from edgevox.agent.skills import OneOf, SkillFailed, SkillSet, skill
-from edgevox.agent.waiting import MAX_WAITING
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import Cancelled
 from edgevox.core.commands import Interrupt, Reset, RunSkill, Speak, TextInput
@@ -146,7 +146,7 @@ def open_stage():
     for stage in stages:
         stage.conversation.close()
     names = {thread.name for thread in threading.enumerate()}
-    assert not names & {"edgevox-conversation", "edgevox-goals"}
+    assert not [n for n in names if n.startswith(("edgevox-conversation", "edgevox-goals"))]
 
 
 @pytest.fixture

@@ -7,9 +7,9 @@ from typing import Protocol
 
 import pytest
 
-from edgevox.agent import deeds, mind
+from edgevox.agent import mind, skill_executor
+from edgevox.agent.inbox import MAX_WAITING
 from edgevox.agent.llm.endpoint import exchange
-from edgevox.agent.waiting import MAX_WAITING
 from edgevox.apps.terminal import lines
 from edgevox.core import text, user_file
 from edgevox.ops import http_server
@@ -57,7 +57,7 @@ def test_the_page_of_robots_has_every_protocol_with_its_methods():
     [
         ("{:,} characters", text.MAX_CHARACTERS),
         ("sentences that wait: {}", MAX_WAITING),
-        ("calls in one sentence: {}", deeds.MAX_CALLS),
+        ("calls in one sentence: {}", skill_executor.MAX_CALLS),
         ("{} MB, of which", lines.MAX_LINE_BYTES >> 20),
         ("{} KB |", skill_requests.MAX_ARGUMENTS_BYTES >> 10),
         ("| {} KB, 2 s", http_server.MOST_BYTES >> 10),

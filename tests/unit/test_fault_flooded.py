@@ -3,8 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from edgevox.agent.items import Announce, Forget, Language, Settle
-from edgevox.agent.waiting import MAX_WAITING, Waiting
+from edgevox.agent.inbox import MAX_WAITING, Announce, Forget, Inbox, Language, Settle
 from edgevox.core.commands import Heard, RunSkill, Speak, TextInput
 from edgevox.core.refusals import Refusal
 from edgevox.core.text import MAX_CHARACTERS
@@ -20,14 +19,14 @@ def all_of(waiting):
 
 
 def test_what_was_asked_is_taken_in_its_order_up_to_the_limit():
-    waiting = Waiting()
+    waiting = Inbox()
     kept = [waiting.put(TextInput(str(number))) for number in range(MAX_WAITING + 10)]
     assert kept == [None] * MAX_WAITING + [Refusal.TOO_MANY] * 10
     assert [one.text for one in all_of(waiting)] == [str(n) for n in range(MAX_WAITING)]
 
 
 def test_of_a_text_of_megabytes_only_its_beginning_waits_and_its_length():
-    waiting = Waiting()
+    waiting = Inbox()
     for words in (TextInput, Speak):
         assert waiting.put(words("x" * 5_000_000)) is Refusal.TOO_LONG
         kept = waiting.take()
@@ -37,7 +36,7 @@ def test_of_a_text_of_megabytes_only_its_beginning_waits_and_its_length():
 
 
 def test_it_is_said_of_one_too_many_and_too_long_that_too_many_wait():
-    waiting = Waiting()
+    waiting = Inbox()
     for _ in range(MAX_WAITING):
         waiting.put(TextInput("go"))
     assert waiting.put(Speak("x" * 5_000_000)) is Refusal.TOO_MANY
@@ -46,14 +45,14 @@ def test_it_is_said_of_one_too_many_and_too_long_that_too_many_wait():
 
 
 def test_of_languages_on_end_the_last_one_counts_and_each_sentence_keeps_its_own():
-    waiting = Waiting()
+    waiting = Inbox()
     for item in (Language("fr"), Language("de"), TextInput("los"), Language("en"), Language("fr")):
         waiting.put(item)
     assert all_of(waiting) == [Language("de"), TextInput("los"), Language("fr")]
 
 
 def test_a_stop_forgets_what_was_asked_and_not_what_was_set():
-    waiting = Waiting()
+    waiting = Inbox()
     for item in (Language("fr"), TextInput("go"), Forget(), Announce("x"), Language("de")):
         waiting.put(item)
     waiting.stop()
@@ -69,7 +68,7 @@ _STEPS = st.lists(
 @given(_STEPS)
 def test_nothing_that_comes_from_outside_makes_it_long(steps):
     """A reset and an interrupt stop before they are put, as the conversation does it."""
-    waiting = Waiting()
+    waiting = Inbox()
     for step in steps:
         if step == "stop" or isinstance(step, Forget | Settle):
             waiting.stop()

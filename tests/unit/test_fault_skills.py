@@ -8,10 +8,10 @@ import time
 
 import pytest
 
-from edgevox.agent import deeds
+from edgevox.agent import goal_runner
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
-from edgevox.agent.goals import GRACE_S
+from edgevox.agent.lane import GRACE_S
 from edgevox.agent.skills import SkillSet, skill
 from edgevox.core.bus import Bus
 from edgevox.core.commands import TextInput
@@ -58,6 +58,7 @@ class Skills:
         @skill(templates=["wander"], says="Wandering.")
         def wander(goal):
             """Never look at the token."""
+            self.wanderer = threading.current_thread()
             self.hangs.set()
             self.free.wait(60)
 
@@ -161,7 +162,7 @@ def test_a_skill_that_never_ends_is_left_alone_when_it_is_stopped(stage, said):
 
 
 def test_an_answer_that_does_not_come_does_not_hold_up_the_next_for_ever(stage, monkeypatch):
-    monkeypatch.setattr(deeds, "ON_THE_SPOT_S", 0.2)
+    monkeypatch.setattr(goal_runner, "ANSWER_S", 0.2)
     stage.say("ponder")
 
     stage.hear("I could not do that: ponder took longer than 0 s")
@@ -177,9 +178,8 @@ def test_what_it_says_when_it_comes_back_after_all_is_not_heard(stage):
     assert stage.conversation.wait_idle(PATIENCE_S)
 
     stage.skills.free.set()
-    wandering = [t for t in threading.enumerate() if t.name == "edgevox-skill-wander"]
-    for one in wandering:
-        one.join(PATIENCE_S)
+    stage.skills.wanderer.join(PATIENCE_S)
+    assert not stage.skills.wanderer.is_alive()
 
     assert [e["status"] for e in stage.ends if e["skill"] == "wander"][-1] == "cancelled"
 

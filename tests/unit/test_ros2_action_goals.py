@@ -5,8 +5,8 @@ import threading
 import pytest
 
 from edgevox.agent.agents import Agent
-from edgevox.agent.asides import MAX_ASIDES
 from edgevox.agent.conversation import Conversation
+from edgevox.agent.goal_runner import MAX_BACKGROUND
 from edgevox.agent.goals import Status
 from edgevox.agent.skills import SkillFailed, SkillSet, UnknownSkill, skill
 from edgevox.core.bus import Bus
@@ -59,7 +59,7 @@ def stage():
     yield stage
     stage.conversation.close()
     names = {thread.name for thread in threading.enumerate()}
-    assert not names & {"edgevox-conversation", "edgevox-goals", "edgevox-asides"}
+    assert not [n for n in names if n.startswith(("edgevox-conversation", "edgevox-goals"))]
 
 
 @pytest.mark.parametrize(
@@ -136,7 +136,7 @@ def test_an_interrupt_ends_what_runs_and_waits_beside(stage):
 def test_too_many_that_wait_are_refused(stage):
     stage.conversation.start_goal("look", {})
     assert stage.began.acquire(timeout=60)
-    waiting = [stage.conversation.start_goal("look", {}) for _ in range(MAX_ASIDES)]
+    waiting = [stage.conversation.start_goal("look", {}) for _ in range(MAX_BACKGROUND)]
     with pytest.raises(SkillFailed, match="look: 64 goals wait already"):
         stage.conversation.start_goal("look", {})
     stage.conversation.check_goal("drive", {})

@@ -1,11 +1,11 @@
-"""Calls become deeds: checked, acknowledged, run, and reported when they end."""
+"""Executes calls of skills: checked, acknowledged, run as goals, and reported when they end."""
 
 import threading
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from edgevox.agent.asides import MAX_ASIDES, Asides
-from edgevox.agent.goals import Goal, GoalRunner, Status
+from edgevox.agent.goal_runner import MAX_BACKGROUND, GoalRunner
+from edgevox.agent.goals import Goal, Status
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.skills import Call, Skill, SkillFailed, SkillSet
@@ -17,11 +17,9 @@ from edgevox.core.interlock import Interlock
 
 MAX_CALLS = 8
 """How many calls one utterance may hold."""
-ON_THE_SPOT_S = 30.0
-"""A skill that is answered on the spot holds up what is said next, for so long at most."""
 
 
-class Deeds:
+class SkillExecutor:
     """Runs calls: those that move beside the conversation, the others on the spot.
 
     `stop` and `perform` exclude each other, so no motion starts for a turn that was stopped.
@@ -43,33 +41,29 @@ class Deeds:
         self._phrases = phrases
         self._gate = threading.Lock()
         self._runner = GoalRunner(on_end=self._ended)
-        self._asides = Asides()
         self._interlock = interlock or Interlock()
         self._interlock.on_engage(self._stand)
 
     def start(self) -> None:
         self._runner.start()
-        self._asides.start()
 
     def close(self) -> None:
         self._runner.close()
-        self._asides.close()
 
     @property
     def busy(self) -> bool:
-        return self._runner.busy or self._asides.busy
+        return self._runner.busy
 
     def wait_idle(self, timeout_s: float | None = None) -> bool:
-        return self._runner.wait_idle(timeout_s) and self._asides.wait_idle(timeout_s)
+        return self._runner.wait_idle(timeout_s)
 
     def stop(self, reason: str, turn: Turn | None) -> bool:
         """Cancel the turn, its goals, and all motion of the body. True if there was any of it."""
         with self._gate:
             cut = turn is not None and turn.token.cancel(reason)
             ran = self._runner.cancel(reason)
-            aside = self._asides.cancel(reason)
         moved = self._halt(reason)
-        return cut or ran or aside or moved
+        return cut or ran or moved
 
     def hush(self, reason: str, turn: Turn) -> bool:
         """Cancel the turn, and leave what moves. True if it was not cancelled yet."""
@@ -81,8 +75,8 @@ class Deeds:
         skills[call.skill].validate(call.arguments)
         if held := self._held([skills[call.skill]]):
             raise SkillFailed(held)
-        if not skills[call.skill].moves and self._asides.full:
-            raise SkillFailed(f"{call.skill}: {MAX_ASIDES} goals wait already.")
+        if not skills[call.skill].moves and self._runner.full:
+            raise SkillFailed(f"{call.skill}: {MAX_BACKGROUND} goals wait already.")
 
     def begin(self, call: Call, skills: SkillSet, goal_id: str | None) -> Goal:
         """Run one call without a turn, and so without a word said about it.
@@ -97,9 +91,9 @@ class Deeds:
             if held := self._held([goal.skill]):
                 goal.drop(held)
             elif goal.skill.moves:
-                self._runner.submit([goal])
+                self._runner.move([goal])
             else:
-                self._asides.submit(goal)
+                self._runner.run_in_background(goal)
         return goal
 
     def perform(self, calls: Sequence[Call], skills: SkillSet, turn: Turn, source: str) -> None:
@@ -133,7 +127,7 @@ class Deeds:
                 return
             held = self._held([goal.skill for goal in goals])
             if not held:
-                self._runner.submit(goals)
+                self._runner.move(goals)
         if held:
             turn.say(phrases.refusal(held), Outcome.REFUSED)
             return
@@ -143,9 +137,8 @@ class Deeds:
 
     def _run_now(self, goals: Sequence[Goal], turn: Turn) -> None:
         for goal in goals:
-            goal.accept()
             forget = turn.token.on_cancel(partial(_follow, goal, turn))
-            goal.run(ON_THE_SPOT_S)
+            self._runner.answer(goal)
             forget()
             turn.say(_report(self._phrases(), goal))
 
@@ -156,7 +149,7 @@ class Deeds:
     def _stand(self, reason: str) -> None:
         """End what moves. Motion that begins after this is refused."""
         with self._gate:
-            ended = self._runner.cancel(reason)
+            ended = self._runner.cancel_motion(reason)
         if ended:
             self._announce(self._phrases().failure(reason))
 

@@ -2,11 +2,11 @@
 
 from collections import Counter, deque
 from collections.abc import Mapping
+from dataclasses import dataclass
 
-from edgevox.agent.items import Forget, Item, Language, TooLong, bounded
 from edgevox.core.commands import Heard, RunSkill, Speak, TextInput
 from edgevox.core.refusals import Refusal
-from edgevox.core.text import MAX_CHARACTERS
+from edgevox.core.text import MAX_CHARACTERS, clean
 
 MAX_WAITING = 64
 """How many utterances may wait. One more is refused; a stop never is."""
@@ -16,10 +16,49 @@ LIMITS: Mapping[Refusal, int] = {
 }
 """Why something that is asked may not be taken, and how much is."""
 
+
+@dataclass(frozen=True, slots=True)
+class Announce:
+    """Something to say that nobody asked for now: a goal ended, the robot stopped."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Forget:
+    """Forget what was said, between turns."""
+
+
+@dataclass(frozen=True, slots=True)
+class Settle:
+    """Say that the conversation listens again, after a stop that cut no turn."""
+
+
+@dataclass(frozen=True, slots=True)
+class Language:
+    """Understand another language, between turns."""
+
+    code: str
+
+
+@dataclass(frozen=True, slots=True)
+class TooLong:
+    """Words that are more than is taken, `length` characters; `beginning` is kept of them.
+
+    `asked` says whether they were for the agent, or to be said aloud.
+    """
+
+    length: int
+    beginning: str
+    asked: bool
+
+
+Item = TextInput | Heard | Speak | RunSkill | TooLong | Announce | Forget | Settle | Language
+
 _ASKED = TextInput | Heard | Speak | RunSkill
 
 
-class Waiting:
+class Inbox:
     """A queue in the order of asking. Not thread-safe; who owns it locks."""
 
     def __init__(self) -> None:
@@ -39,7 +78,7 @@ class Waiting:
         last = self._items[-1] if self._items else None
         if isinstance(item, Language | Forget) and type(last) is type(item):
             self._items.pop()  # of two on end only the last one counts
-        self._items.append(bounded(item))
+        self._items.append(_bounded(item))
         return self._refuse(Refusal.TOO_LONG) if isinstance(self._items[-1], TooLong) else None
 
     def take(self) -> Item:
@@ -58,3 +97,16 @@ class Waiting:
     def _refuse(self, reason: Refusal) -> Refusal:
         self.refusals[reason] += 1
         return reason
+
+
+def asked_in_words(item: Item) -> bool:
+    """Whether somebody wants an answer to this."""
+    return isinstance(item, TextInput | Heard) or (isinstance(item, TooLong) and item.asked)
+
+
+def _bounded(item: Item) -> Item:
+    """The same, unless it holds more words than are taken."""
+    if not isinstance(item, TextInput | Heard | Speak) or len(item.text) <= MAX_CHARACTERS:
+        return item
+    beginning = clean(item.text)[:MAX_CHARACTERS]
+    return TooLong(len(item.text), beginning, asked=not isinstance(item, Speak))

@@ -1,0 +1,68 @@
+"""Things to do if they are not called off in time, on one thread that else sleeps."""
+
+import heapq
+import itertools
+import threading
+from collections.abc import Callable
+
+from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.log import get_logger
+
+log = get_logger(__name__)
+
+
+class Deadlines:
+    """Does each thing when its time has come, unless it was called off. From `start` to `close`.
+
+    What is to be done should be quick. One that raises is logged.
+    """
+
+    def __init__(self, name: str, clock: Clock | None = None) -> None:
+        self._clock = clock or SystemClock()
+        self._changed = threading.Condition()
+        self._set: list[tuple[float, int, Callable[[], None]]] = []
+        self._numbers = itertools.count()
+        self._closed = False
+        self._thread = threading.Thread(target=self._work, name=name)
+
+    def start(self) -> None:
+        self._thread.start()
+
+    def close(self) -> None:
+        """Do nothing more, and wait for the thread."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify_all()
+        if self._thread.is_alive():
+            self._thread.join()
+
+    def set(self, seconds: float, action: Callable[[], None]) -> Callable[[], None]:
+        """Do it after so many seconds. Returns a way to call it off; does not block."""
+        entry = (self._clock.now() + seconds, next(self._numbers), action)
+        with self._changed:
+            heapq.heappush(self._set, entry)
+            self._changed.notify_all()
+        return lambda: self._call_off(entry)
+
+    def _call_off(self, entry: tuple[float, int, Callable[[], None]]) -> None:
+        with self._changed:
+            if entry in self._set:
+                self._set.remove(entry)
+                heapq.heapify(self._set)
+
+    def _work(self) -> None:
+        while action := self._next():
+            try:
+                action()
+            except Exception:
+                log.exception("deadline_failed")
+
+    def _next(self) -> Callable[[], None] | None:
+        """What is due, once something is; None at the end."""
+        with self._changed:
+            while not self._closed:
+                left_s = self._set[0][0] - self._clock.now() if self._set else None
+                if left_s is not None and left_s <= 0:
+                    return heapq.heappop(self._set)[2]
+                self._changed.wait(left_s)
+        return None
