@@ -12,10 +12,13 @@ import json
 import re
 import sys
 from collections.abc import Iterable, Mapping
+from dataclasses import fields
 from pathlib import Path
+from typing import get_args
 
 from edgevox.apps.container import ENVIRONMENT, Row
 from edgevox.apps.doctor.checks import CHECKS
+from edgevox.core.agent_events import AgentEvent, key
 from edgevox.ops.diagnostics.table import COMPONENTS
 from edgevox.ops.logs.table import log_events
 from edgevox.ops.metrics.table import METRICS
@@ -56,6 +59,19 @@ def qos() -> str:
 def published() -> str:
     """What the node says."""
     return _topics(contract.PUBLISHED)
+
+
+def agent_events() -> str:
+    """What `agent_event` tells, by the classes that are published."""
+    rows = (
+        (
+            f"`{one.kind}`",
+            _first_line(one.__doc__),
+            ", ".join(f"`{key(each)}`" for each in fields(one)),
+        )
+        for one in get_args(AgentEvent)
+    )
+    return table(("kind", "what happened", "more keys"), rows)
 
 
 def subscribed() -> str:
@@ -237,6 +253,7 @@ PARTS = {
     for part in (
         qos,
         published,
+        agent_events,
         subscribed,
         parameters,
         queries,

@@ -16,12 +16,11 @@ from edgevox.agent.skill_executor import SkillExecutor
 from edgevox.agent.skills import Call, SkillSet
 from edgevox.agent.states import StateMachine
 from edgevox.agent.turn import Asked, Turn
+from edgevox.core.agent_events import SafetyPreempted
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.commands import Heard, Interrupt, Reset, RunSkill, Speak, TextInput, Transcribing
 from edgevox.core.events import (
-    AgentEvent,
-    AgentEventKind,
     Cause,
     Interrupted,
     Outcome,
@@ -206,8 +205,7 @@ class Conversation:
         said_s = words.ended_s if isinstance(words, Heard) else self._clock.now()
         stopped = self._stop(f"heard {word!r}", said_s)  # before anybody is told: telling may block
         self._bus.publish(Transcribed(clean(words.text)))
-        heard = {"word": word, "stopped": stopped}
-        self._bus.publish(AgentEvent(AgentEventKind.SAFETY_PREEMPT, heard))
+        self._bus.publish(SafetyPreempted(word, stopped))
         self._put(inbox.Announce(self.mind.phrases.say("stopped" if stopped else "standing")))
 
     def _stop(self, reason: str, when_s: float) -> bool:

@@ -4,30 +4,18 @@ import json
 import threading
 import uuid
 from collections.abc import Mapping
-from enum import StrEnum
 from typing import Any
 
 from edgevox.agent.skills import Skill
+from edgevox.core.agent_events import GOAL_ENDS, GoalCancelled, GoalChanged, GoalStatus
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.errors import EdgeVoxError, shorten
-from edgevox.core.events import AgentEvent, AgentEventKind
 from edgevox.core.log import bound, get_logger
 
 log = get_logger(__name__)
 
 
-class Status(StrEnum):
-    """Where a goal is in its life; the last three are its ends."""
-
-    ACCEPTED = "accepted"
-    RUNNING = "running"
-    SUCCEEDED = "succeeded"
-    FAILED = "failed"
-    CANCELLED = "cancelled"
-
-
-ENDS = frozenset({Status.SUCCEEDED, Status.FAILED, Status.CANCELLED})
 _MOST_REASON = 200
 
 
@@ -50,7 +38,7 @@ class Goal:
         self.skill = skill
         self.arguments = dict(arguments)
         self.turn = turn
-        self.status = Status.ACCEPTED
+        self.status = GoalStatus.ACCEPTED
         self.feedback: Mapping[str, Any] = {}
         self.result: Mapping[str, Any] = {}
         self.error = ""
@@ -67,8 +55,8 @@ class Goal:
         """Publish how far this goal is. Raises `TypeError` or `ValueError` for what is not JSON."""
         json.dumps(feedback)
         self.feedback = feedback
-        if self.status is Status.RUNNING:
-            self._publish(AgentEventKind.SKILL_GOAL, feedback=feedback)
+        if self.status is GoalStatus.RUNNING:
+            self._tell(feedback=feedback)
 
     def wait(self, timeout_s: float | None = None) -> bool:
         """Block until the goal has ended; False if it had not within the timeout."""
@@ -76,61 +64,62 @@ class Goal:
 
     def accept(self) -> None:
         """Say on the bus that this goal will run."""
-        self._publish(AgentEventKind.SKILL_GOAL)
+        self._tell()
 
     def run(self) -> None:
         """Run the skill on the calling thread, to one of the ends. Never raises."""
         with bound(goal=self.id, turn=self.turn):
             if self._token.cancelled:
-                self.end(Status.CANCELLED, error=self._token.reason)
+                self.end(GoalStatus.CANCELLED, error=self._token.reason)
                 return
-            self.status = Status.RUNNING
-            self._publish(AgentEventKind.SKILL_GOAL)
+            self.status = GoalStatus.RUNNING
+            self._tell()
             self._call()
 
     def _call(self) -> None:
         try:
             result = _as_json(self.skill.function(self, **self.arguments))
         except Cancelled as cancelled:
-            self.end(Status.CANCELLED, error=self._token.reason or str(cancelled))
+            self.end(GoalStatus.CANCELLED, error=self._token.reason or str(cancelled))
         except EdgeVoxError as error:  # `SkillFailed`, or what it called did
-            self.end(Status.FAILED, error=str(error))
+            self.end(GoalStatus.FAILED, error=str(error))
         except BaseException as error:
             log.exception("skill_broke", skill=self.skill.name)
             said = " ".join(str(error).split())[:_MOST_REASON] or type(error).__name__
-            self.end(Status.FAILED, error=f"{self.skill.name} broke: {said}")
+            self.end(GoalStatus.FAILED, error=f"{self.skill.name} broke: {said}")
         else:
-            self.end(Status.SUCCEEDED, result=result)
+            self.end(GoalStatus.SUCCEEDED, result=result)
 
     def drop(self, reason: str) -> None:
         """End it without ever having run."""
         self._token.cancel(reason)
-        self.end(Status.CANCELLED, error=reason)
+        self.end(GoalStatus.CANCELLED, error=reason)
 
-    def end(self, status: Status, *, result: Mapping[str, Any] = {}, error: str = "") -> None:
+    def end(self, status: GoalStatus, *, result: Mapping[str, Any] = {}, error: str = "") -> None:
         """Say how it ended; only the first end counts."""
         with self._ending:
-            if self.status in ENDS:
+            if self.status in GOAL_ENDS:
                 return
             self.result, self.error = dict(result), error
             self.status = status
-        if status is Status.CANCELLED:
-            self._publish(AgentEventKind.SKILL_CANCELLED, reason=error)
-        elif status is Status.FAILED:
-            self._publish(AgentEventKind.SKILL_GOAL, error=error)
+        if status is GoalStatus.CANCELLED:
+            told = GoalCancelled(self.id, self.skill.name, self.arguments, self.turn, error)
+            self._bus.publish(told)
+        elif status is GoalStatus.FAILED:
+            self._tell(error=error)
         else:
-            self._publish(AgentEventKind.SKILL_GOAL, result=self.result)
+            self._tell(result=self.result)
         self._ended.set()
 
-    def _publish(self, kind: AgentEventKind, **more: Any) -> None:
-        data = {
-            "goal_id": self.id,
-            "skill": self.skill.name,
-            "arguments": self.arguments,
-            "status": str(self.status),
-            "turn": self.turn,
-        }
-        self._bus.publish(AgentEvent(kind, {**data, **more}))
+    def _tell(
+        self,
+        feedback: Mapping[str, Any] | None = None,
+        result: Mapping[str, Any] | None = None,
+        error: str | None = None,
+    ) -> None:
+        """Say on the bus how far it is."""
+        what = (self.id, self.skill.name, self.arguments, self.status, self.turn)
+        self._bus.publish(GoalChanged(*what, feedback, result, error))
 
 
 def _as_json(result: Any) -> Mapping[str, Any]:

@@ -6,7 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from edgevox.agent.goals import ENDS, Goal, Status
+from edgevox.agent.goals import Goal
+from edgevox.core.agent_events import GOAL_ENDS, GoalStatus
 from edgevox.core.deadlines import Deadlines
 from edgevox.core.log import bound, get_logger
 
@@ -144,7 +145,7 @@ class Lane:
         for goal in plan.goals:
             if not self._ran_in_time(goal, plan):
                 return
-            if self._told(goal) is not Status.SUCCEEDED:
+            if self._told(goal) is not GoalStatus.SUCCEEDED:
                 break
         self._finish(plan)
 
@@ -177,10 +178,10 @@ class Lane:
         with bound(goal=goal.id, turn=goal.turn):
             log.error("skill_does_not_end", skill=goal.skill.name)
         if goal.token.cancelled:
-            goal.end(Status.CANCELLED, error=goal.token.reason)
+            goal.end(GoalStatus.CANCELLED, error=goal.token.reason)
         else:
             late = f"{goal.skill.name} took longer than {plan.limit_s:.0f} s"
-            goal.end(Status.FAILED, error=late)
+            goal.end(GoalStatus.FAILED, error=late)
             goal.token.cancel("it took too long")
         self._told(goal)
         self._finish(plan)
@@ -194,7 +195,7 @@ class Lane:
             log.error("no_thread_left", skill=goal.skill.name, reason=str(error))  # noqa: TRY400
             self._worker = left
 
-    def _told(self, goal: Goal) -> Status:
+    def _told(self, goal: Goal) -> GoalStatus:
         """How it ended, once `on_end` knows."""
         try:
             self._on_end(goal)
@@ -204,7 +205,7 @@ class Lane:
 
     def _finish(self, plan: Plan) -> None:
         """The plan is over; what is left of it ends as cancelled."""
-        ran = [goal for goal in plan.goals if goal.status in ENDS]
+        ran = [goal for goal in plan.goals if goal.status in GOAL_ENDS]
         if ran:
             _drop(plan.goals[len(ran) :], f"{ran[-1].skill.name} {ran[-1].status}")
         with self._wake:

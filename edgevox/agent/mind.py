@@ -11,9 +11,10 @@ from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.skills import Call
 from edgevox.agent.toolcalls import HANDOFF, Protocol
 from edgevox.agent.turn import Turn
+from edgevox.core.agent_events import HandedOver
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
-from edgevox.core.events import AgentEvent, AgentEventKind, Outcome
+from edgevox.core.events import Outcome
 from edgevox.core.log import get_logger
 
 log = get_logger(__name__)
@@ -129,8 +130,7 @@ class Mind:
     def _hand_over(self, agent: Agent, turn: Turn) -> None:
         if agent is self.active:
             return
-        data = {"from": self.active.name, "to": agent.name, "turn": turn.number}
-        self._bus.publish(AgentEvent(AgentEventKind.HANDOFF, data))
+        self._bus.publish(HandedOver(self.active.name, agent.name, turn.number))
         self.active = agent
 
     def _active_first(self) -> Sequence[Agent]:

@@ -5,14 +5,15 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from edgevox.agent.goal_runner import MAX_BACKGROUND, GoalRunner
-from edgevox.agent.goals import Goal, Status
+from edgevox.agent.goals import Goal
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.skills import Call, Skill, SkillFailed, SkillSet
 from edgevox.agent.turn import Turn
+from edgevox.core.agent_events import GoalStatus, ToolCalled
 from edgevox.core.bus import Bus
 from edgevox.core.errors import InvalidValue
-from edgevox.core.events import AgentEvent, AgentEventKind, Outcome
+from edgevox.core.events import Outcome
 from edgevox.core.interlock import Interlock
 
 MAX_CALLS = 8
@@ -154,8 +155,7 @@ class SkillExecutor:
             self._announce(self._phrases().failure(reason))
 
     def _tell(self, goal: Goal, source: str) -> None:
-        data = {"skill": goal.skill.name, "arguments": goal.arguments, "source": source}
-        self._bus.publish(AgentEvent(AgentEventKind.TOOL_CALL, {**data, "turn": goal.turn}))
+        self._bus.publish(ToolCalled(goal.skill.name, goal.arguments, source, goal.turn))
 
     def _ended(self, goal: Goal) -> None:
         text = _report(self._phrases(), goal) if goal.turn else ""
@@ -177,9 +177,9 @@ def _in_words(error: InvalidValue) -> str:
 
 def _report(phrases: Phrasebook, goal: Goal) -> str:
     """What to say of a goal's end; nothing for one that somebody cancelled."""
-    if goal.status is Status.SUCCEEDED:
+    if goal.status is GoalStatus.SUCCEEDED:
         return phrases.report(goal.skill, goal.arguments, goal.result)
-    if goal.status is Status.FAILED:
+    if goal.status is GoalStatus.FAILED:
         return phrases.failure(goal.error)
     return ""
 

@@ -6,10 +6,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from edgevox.agent.conversation import Conversation
+from edgevox.core.agent_events import AgentEvent, as_json
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Interrupt, TextInput
 from edgevox.core.errors import InvalidValue
-from edgevox.core.events import AgentEvent, Responded, Transcribed, TurnEnded
+from edgevox.core.events import Responded, Transcribed, TurnEnded
 from edgevox.robots.capabilities import Advances, Body, TakesVelocity, Twist2D
 from edgevox.scenario.judge import Seen, Source
 
@@ -35,7 +36,7 @@ class ConversationStage:
         self._thought = False
         self._forget = [
             bus.subscribe(Responded, lambda event: self._note(Source.ANSWER, event.text)),
-            bus.subscribe(AgentEvent, self._on_deed),
+            bus.subscribe(AgentEvent, self._on_agent_event),
             bus.subscribe(Transcribed, self._on_words),
             bus.subscribe(TurnEnded, self._on_turn_end),
         ]
@@ -113,8 +114,8 @@ class ConversationStage:
     def _note(self, source: Source, data: Any) -> None:
         self._seen.put(Seen(self.time_s, source, data))
 
-    def _on_deed(self, event: AgentEvent) -> None:
-        self._note(Source.EVENT, {"kind": str(event.kind), **event.data})
+    def _on_agent_event(self, event: AgentEvent) -> None:
+        self._note(Source.EVENT, as_json(event))
 
     def _on_words(self, event: Transcribed) -> None:
         with self._turns:

@@ -1,8 +1,9 @@
 """The bus: one place where events are published and any number of faces listen."""
 
 import threading
-from collections.abc import Callable
-from typing import Any, TypeVar
+from collections.abc import Callable, Iterable
+from types import UnionType
+from typing import Any, TypeVar, get_args, overload
 
 from edgevox.core.events import Event
 from edgevox.core.log import get_logger
@@ -25,11 +26,22 @@ class Bus:
         self._lock = threading.Lock()
         self._handlers: dict[type, tuple[Handler, ...]] = {}
 
-    def subscribe(self, kind: type[E], handler: Callable[[E], None]) -> Callable[[], None]:
-        """Call `handler` for every event of exactly this type. Returns a way to unsubscribe."""
+    @overload
+    def subscribe(self, kind: type[E], handler: Callable[[E], None]) -> Callable[[], None]: ...
+
+    @overload
+    def subscribe(self, kind: UnionType, handler: Handler) -> Callable[[], None]: ...
+
+    def subscribe(self, kind: type | UnionType, handler: Handler) -> Callable[[], None]:
+        """Call `handler` for every event of exactly this type, or of each of a union of types.
+
+        Returns a way to unsubscribe.
+        """
+        kinds = get_args(kind) or (kind,)
         with self._lock:
-            self._handlers[kind] = (*self._handlers.get(kind, ()), handler)
-        return lambda: self._unsubscribe(kind, handler)
+            for one in kinds:
+                self._handlers[one] = (*self._handlers.get(one, ()), handler)
+        return lambda: self._unsubscribe(kinds, handler)
 
     def publish(self, event: Event) -> None:
         """Hand an event to everybody who listens for it."""
@@ -39,7 +51,8 @@ class Bus:
             except Exception:
                 log.exception("subscriber_failed", on=type(event).__name__)
 
-    def _unsubscribe(self, kind: type, handler: Handler) -> None:
+    def _unsubscribe(self, kinds: Iterable[type], handler: Handler) -> None:
         with self._lock:
-            left = tuple(h for h in self._handlers.get(kind, ()) if h is not handler)
-            self._handlers[kind] = left
+            for one in kinds:
+                left = tuple(h for h in self._handlers.get(one, ()) if h is not handler)
+                self._handlers[one] = left

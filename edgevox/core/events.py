@@ -1,9 +1,11 @@
 """What happened. All that EdgeVox shows, on ROS 2 or a terminal, is one of these on the bus."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
+
+from edgevox.core.agent_events import AgentEvent
 
 
 class State(StrEnum):
@@ -14,16 +16,6 @@ class State(StrEnum):
     THINKING = "thinking"
     SPEAKING = "speaking"
     INTERRUPTED = "interrupted"
-
-
-class AgentEventKind(StrEnum):
-    """What kinds of deed `agent_event` reports."""
-
-    TOOL_CALL = "tool_call"
-    SKILL_GOAL = "skill_goal"
-    SKILL_CANCELLED = "skill_cancelled"
-    HANDOFF = "handoff"
-    SAFETY_PREEMPT = "safety_preempt"
 
 
 class Outcome(StrEnum):
@@ -117,14 +109,6 @@ class TurnMeasured:
     ttfs: float
     total: float
     turn: int = 0
-
-
-@dataclass(frozen=True, slots=True)
-class AgentEvent:
-    """A deed of the agent. `data` is JSON-ready and never holds the key ``kind``."""
-
-    kind: AgentEventKind
-    data: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from typing import Any
 
+from edgevox.core.agent_events import AgentEvent, as_json
 from edgevox.core.commands import (
     Interrupt,
     Query,
@@ -20,7 +21,6 @@ from edgevox.core.commands import (
 )
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import (
-    AgentEvent,
     Answered,
     AudioLevel,
     Cause,
@@ -71,7 +71,7 @@ def _metrics(event: TurnMeasured) -> str:
 
 
 def _agent_event(event: AgentEvent) -> str:
-    return write({"kind": str(event.kind), **event.data})
+    return write(as_json(event))
 
 
 def _robot_state(event: RobotState) -> str:
@@ -129,7 +129,7 @@ PUBLISHED: tuple[Published, ...] = (
     ),
     Published("metrics", Qos.RELIABLE, TurnMeasured, _metrics, "seconds of each stage, as JSON"),
     Published("robot_state", Qos.STATE, RobotState, _robot_state, "the body's state, as JSON"),
-    Published("agent_event", Qos.RELIABLE, AgentEvent, _agent_event, "a deed, as JSON"),
+    Published("agent_event", Qos.RELIABLE, AgentEvent, _agent_event, "what it does, as JSON"),
     Published("bot_token", Qos.SENSOR, TokenGenerated, _text, "one token as it is generated"),
     Published("bot_sentence", Qos.RELIABLE, SentenceReady, _text, "one sentence as it is spoken"),
     Published("wakeword", Qos.RELIABLE, WakeWordHeard, _wake_word, "the wake word that was heard"),

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
+from types import UnionType
 from typing import Any
 
 from edgevox.core.commands import (
@@ -48,7 +49,7 @@ class Published:
 
     topic: str
     qos: Qos
-    event: type
+    event: type | UnionType
     encode: Callable[[Any], str | float]
     about: str
     type: str = STRING

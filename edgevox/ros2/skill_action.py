@@ -15,10 +15,16 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.task import Future
 
+from edgevox.core.agent_events import (
+    GOAL_ENDS,
+    GoalCancelled,
+    GoalChanged,
+    GoalRejected,
+    GoalStatus,
+)
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import EdgeVoxError, shorten
-from edgevox.core.events import AgentEvent, AgentEventKind
 from edgevox.core.log import get_logger
 from edgevox.ros2.client_watch import ClientWatch
 from edgevox.ros2.json_text import write
@@ -33,7 +39,6 @@ REQUESTS = QoSProfile(depth=100)
 """ROS 2's own 10 would lose the eleventh request of a burst, and its client would wait for ever."""
 CLOSING_S = 1.0
 """How long `close` waits for what the executor still has to do."""
-_ENDS = frozenset({"succeeded", "failed", "cancelled"})
 
 
 class _Run:
@@ -43,7 +48,7 @@ class _Run:
         self.handle = handle
         self.goal: RunningGoal | None = None
         self.ended = Future()
-        self.status = ""
+        self.status: GoalStatus | None = None
         self.told_s = 0.0
 
 
@@ -79,7 +84,7 @@ class SkillAction:
             result_service_qos_profile=REQUESTS,
         )
         self._watch = ClientWatch(node, f"{NAME}/_action/get_result", self._client_gone)
-        self._forget = bus.subscribe(AgentEvent, self._hear)
+        self._forget = bus.subscribe(GoalChanged | GoalCancelled, self._hear)
 
     def close(self) -> None:
         """Give the ends of goals a moment to leave, then take no more."""
@@ -105,15 +110,10 @@ class SkillAction:
             self._goals.check_goal(request.skill_name, read_arguments(request.arguments_json))
         except EdgeVoxError as error:
             log.warning("action_goal_rejected", skill=request.skill_name[:80], reason=str(error))
-            data = {
-                "goal_id": None,
-                "skill": request.skill_name[:80],
-                "arguments_json": shorten(request.arguments_json),
-                "status": "rejected",
-                "error": str(error),
-                "turn": 0,
-            }
-            self._bus.publish(AgentEvent(AgentEventKind.SKILL_GOAL, data))
+            rejected = GoalRejected(
+                request.skill_name[:80], shorten(request.arguments_json), str(error)
+            )
+            self._bus.publish(rejected)
             return GoalResponse.REJECT
         return GoalResponse.ACCEPT
 
@@ -127,7 +127,9 @@ class SkillAction:
             arguments = read_arguments(handle.request.arguments_json)
             run.goal = self._goals.start_goal(handle.request.skill_name, arguments, goal_id)
         except EdgeVoxError as error:
-            self._end(run, {"status": "failed", "error": str(error)})
+            failed = GoalStatus.FAILED
+            name = handle.request.skill_name
+            self._end(run, GoalChanged(goal_id, name, {}, failed, 0, error=str(error)))
 
     def _cancel(self, handle: ServerGoalHandle) -> CancelResponse:
         run = self._runs.get(_key(handle))
@@ -144,11 +146,11 @@ class SkillAction:
     async def _execute(self, handle: ServerGoalHandle) -> Any:
         """Wait for the goal's end without holding up the executor, and say how it ended."""
         goal_id = _key(handle)
-        end = await self._runs[goal_id].ended
-        match end["status"]:
-            case "succeeded":
+        end: GoalChanged | GoalCancelled = await self._runs[goal_id].ended
+        match end.status:
+            case GoalStatus.SUCCEEDED:
                 handle.succeed()
-            case "cancelled":
+            case GoalStatus.CANCELLED:
                 _end_as_canceled(handle)
             case _:
                 handle.abort()
@@ -157,31 +159,31 @@ class SkillAction:
             self._watch.end()
             self._idle.set()
         return self._kind.Result(
-            ok=end["status"] == "succeeded",
-            result_json=write(end.get("result", {})),
-            error=str(end.get("error") or end.get("reason") or ""),
+            ok=end.status is GoalStatus.SUCCEEDED,
+            result_json=write((isinstance(end, GoalChanged) and end.result) or {}),
+            error=end.reason if isinstance(end, GoalCancelled) else end.error or "",
         )
 
-    def _hear(self, event: AgentEvent) -> None:
+    def _hear(self, event: GoalChanged | GoalCancelled) -> None:
         """Take an event of the bus, on whatever thread it happens."""
-        run = self._runs.get(event.data.get("goal_id") or "")
+        run = self._runs.get(event.goal_id)
         if run is None:
             return
         try:
             self._tell(run, event)
         finally:
-            if event.data["status"] in _ENDS:
-                self._end(run, dict(event.data))
+            if event.status in GOAL_ENDS:
+                self._end(run, event)
 
-    def _tell(self, run: _Run, event: AgentEvent) -> None:
-        now_s, status = self._clock.now(), event.data["status"]
+    def _tell(self, run: _Run, event: GoalChanged | GoalCancelled) -> None:
+        now_s, status = self._clock.now(), event.status
         if status == run.status and now_s - run.told_s < FEEDBACK_EVERY_S:
             return
         run.status, run.told_s = status, now_s
-        feedback = mirror(str(event.kind), event.data)
+        feedback = mirror(event)
         run.handle.publish_feedback(self._kind.Feedback(feedback_json=feedback))
 
-    def _end(self, run: _Run, end: dict[str, Any]) -> None:
+    def _end(self, run: _Run, end: GoalChanged | GoalCancelled) -> None:
         run.ended.set_result(end)
         if self._node.executor:
             self._node.executor.wake()  # a future that is set on another thread wakes nobody

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, Protocol
 
+from edgevox.core.agent_events import AgentEvent, as_json
 from edgevox.core.cancel import CancelToken
 from edgevox.core.json_reader import read_json_object
 from edgevox.ros2.json_text import write
@@ -38,7 +39,8 @@ def read_arguments(text: str) -> dict[str, Any]:
     return read_json_object(text, "arguments_json", largest_bytes=MAX_ARGUMENTS_BYTES)
 
 
-def mirror(kind: str, data: Mapping[str, Any]) -> str:
+def mirror(event: AgentEvent) -> str:
     """The feedback that mirrors an `agent_event`, with its ``progress`` on top where it has one."""
+    data = as_json(event)
     progress = data.get("feedback", {}).get("progress")
-    return write({"kind": kind, **data} | ({} if progress is None else {"progress": progress}))
+    return write(data | ({} if progress is None else {"progress": progress}))

@@ -9,8 +9,9 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Float32, String
 
+from edgevox.core.agent_events import AgentEvent
 from edgevox.core.errors import InvalidValue
-from edgevox.core.events import AgentEvent, RobotState
+from edgevox.core.events import RobotState
 from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
 from edgevox.ros2.contract import PUBLISHED, SUBSCRIBED

@@ -10,9 +10,10 @@ from edgevox.agent.llm.base import LanguageModel
 from edgevox.agent.llm.factory import load_model
 from edgevox.agent.skills import SkillSet
 from edgevox.apps.robots import build_agents
+from edgevox.core.agent_events import AgentEvent, GoalChanged, as_json
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Interrupt, TextInput
-from edgevox.core.events import AgentEvent, Responded, RobotState, SentenceReady, TokenGenerated
+from edgevox.core.events import Responded, RobotState, SentenceReady, TokenGenerated
 from edgevox.models import locate
 from edgevox.robots.apartment import ApartmentRobot
 
@@ -56,7 +57,7 @@ class Home:
         self.conversation.submit(TextInput(text))
 
     def deeds(self, kind):
-        return [e.data for e in self.events if isinstance(e, AgentEvent) and e.kind == kind]
+        return [as_json(e) for e in self.events if isinstance(e, AgentEvent) and e.kind == kind]
 
     def answers(self):
         return [e for e in self.events if isinstance(e, Responded)]
@@ -76,12 +77,12 @@ def home(mind_model):
 
 
 def driving(event):
-    return event.data.get("status") == "running" and event.data["feedback"]["progress"] > 0.05
+    return event.status == "running" and event.feedback["progress"] > 0.05
 
 
 def drive_off(one, room="bedroom"):
     """The robot is on its way."""
-    under_way = one.when(AgentEvent, lambda e: "feedback" in e.data and driving(e))
+    under_way = one.when(GoalChanged, lambda e: e.feedback is not None and driving(e))
     one.say(f"go to the {room}")
     assert under_way.wait(20)
 

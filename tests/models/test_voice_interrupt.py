@@ -10,8 +10,9 @@ from voice_stage import PATIENCE_S, Stage
 
 from edgevox.agent.grammar import SAY
 from edgevox.agent.history import CUT_MARK
+from edgevox.core.agent_events import AgentEvent, GoalChanged, SafetyPreempted
 from edgevox.core.commands import Interrupt, TextInput
-from edgevox.core.events import AgentEvent, Responded, State, StateChanged, Transcribed
+from edgevox.core.events import Responded, State, StateChanged, Transcribed
 from edgevox.voice.level import rms
 from edgevox.voice.sinks.wav import WavFile
 
@@ -169,7 +170,7 @@ def test_a_stop_while_it_speaks_and_drives_halts_both(stage, way, room):
     submit(TextInput("tell me a story"))
     stage.wait_for(StateChanged, lambda event: event.state is State.SPEAKING)
     stage.parts.conversation.start_goal("navigate_to", {"room": room})
-    stage.wait_for(AgentEvent, lambda event: event.data.get("status") == "running")
+    stage.wait_for(GoalChanged, lambda event: event.status == "running")
 
     if way == "spoken":
         stop = loud(says_espeak("stop", "en-us"), 0.3)
@@ -178,7 +179,7 @@ def test_a_stop_while_it_speaks_and_drives_halts_both(stage, way, room):
         submit(TextInput("stop"))
 
     halted = stage.wait_for(AgentEvent, lambda event: event.kind == "safety_preempt")
-    assert halted.data == {"word": "stop", "stopped": True}
+    assert halted == SafetyPreempted("stop", stopped=True)
     stage.wait_for(AgentEvent, lambda event: event.kind == "skill_cancelled")
     assert stage.wait_for(Responded).cut
     assert rested(stage)

@@ -11,8 +11,9 @@ from ears_rig import loud, silence
 from voice_engines import words, wrong_words
 from voice_stage import Stage, says
 
+from edgevox.core.agent_events import AgentEvent
 from edgevox.core.commands import SetLanguage
-from edgevox.core.events import AgentEvent, AudioLevel, Responded, Transcribed
+from edgevox.core.events import AudioLevel, Responded, Transcribed
 from edgevox.voice.tts.pool import VoicePool
 
 

@@ -15,10 +15,10 @@ from voice_engines import speak, voice
 from edgevox.apps import composition
 from edgevox.apps import voice as voice_app
 from edgevox.apps.robots import build_body
+from edgevox.core.agent_events import AgentEvent, ToolCalled
 from edgevox.core.clock import SystemClock
 from edgevox.core.commands import Reset
 from edgevox.core.events import (
-    AgentEvent,
     AudioLevel,
     Responded,
     StateChanged,
@@ -146,8 +146,7 @@ class Stage:
 
     def calls(self):
         """The skills that were called, with their arguments."""
-        data = [event.data for event in self.of(AgentEvent) if event.kind == "tool_call"]
-        return [(one["skill"], dict(one["arguments"])) for one in data]
+        return [(one.skill, dict(one.arguments)) for one in self.of(ToolCalled)]
 
     def answer(self):
         """What was said aloud since this was last asked, at 16 kHz."""

@@ -7,10 +7,11 @@ import pytest
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.skills import SkillFailed, SkillSet
+from edgevox.core.agent_events import AgentEvent
 from edgevox.core.bus import Bus
 from edgevox.core.commands import RunSkill, TextInput
 from edgevox.core.errors import EdgeVoxError, InvalidValue
-from edgevox.core.events import AgentEvent, Outcome, Responded, TurnEnded
+from edgevox.core.events import Outcome, Responded, TurnEnded
 from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.capabilities import Pose2D
 from edgevox.robots.humanoid.skills import walking_skills

@@ -12,10 +12,11 @@ from rclpy.qos import QoSProfile
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.skills import OneOf, SkillFailed, SkillSet, skill
+from edgevox.core.agent_events import AgentEvent, as_json
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import Cancelled
 from edgevox.core.commands import TextInput
-from edgevox.core.events import AgentEvent, Responded
+from edgevox.core.events import Responded
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.skill_action import SkillAction
 from edgevox_msgs.action import ExecuteSkill
@@ -73,7 +74,7 @@ class Stage:
     def __init__(self):
         self.bus, self.body = Bus(), Body()
         self.deeds, self.said = [], []
-        self.bus.subscribe(AgentEvent, lambda e: self.deeds.append({"kind": e.kind, **e.data}))
+        self.bus.subscribe(AgentEvent, lambda e: self.deeds.append(as_json(e)))
         self.bus.subscribe(Responded, lambda e: self.said.append(e.text))
         self.conversation = Conversation(
             [Agent("robot", "", self.body.skills())], self.bus, halt=self.body.halt

@@ -11,9 +11,9 @@ from peer import RELIABLE, SENSOR, wait_until
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.skills import SkillSet
+from edgevox.core.agent_events import AgentEvent, as_json
 from edgevox.core.bus import Bus
 from edgevox.core.commands import RunSkill
-from edgevox.core.events import AgentEvent
 from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.world import parse_world
 
@@ -101,7 +101,7 @@ def test_more_than_the_limits_is_clamped_and_counted(hall, peer):
 @pytest.mark.parametrize("linear", [0.2, 0.0])
 def test_any_velocity_pre_empts_a_driving_goal_which_ends_as_cancelled(hall, peer, linear):
     bus, ends = Bus(), []
-    bus.subscribe(AgentEvent, lambda e: ends.append((str(e.kind), e.data.get("status"))))
+    bus.subscribe(AgentEvent, lambda e: ends.append((str(e.kind), as_json(e).get("status"))))
     agent = Agent(hall.body.name, "", SkillSet(hall.body.skills))
     conversation = Conversation([agent], bus, halt=hall.body.halt)
     conversation.start()

@@ -9,11 +9,11 @@ from edgevox.agent.conversation import Conversation
 from edgevox.agent.grammar import SAY
 from edgevox.agent.inbox import MAX_WAITING
 from edgevox.agent.skills import OneOf, SkillFailed, SkillSet, skill
+from edgevox.core.agent_events import AgentEvent, as_json
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import Cancelled
 from edgevox.core.commands import Interrupt, Reset, RunSkill, Speak, TextInput
 from edgevox.core.events import (
-    AgentEvent,
     Responded,
     StateChanged,
     TokenGenerated,
@@ -129,9 +129,8 @@ class Stage:
         return [str(e.state) for e in self.events if isinstance(e, StateChanged)]
 
     def deeds(self):
-        return [
-            (str(e.kind), e.data.get("status")) for e in self.events if isinstance(e, AgentEvent)
-        ]
+        told = [as_json(event) for event in self.events if isinstance(event, AgentEvent)]
+        return [(str(one["kind"]), one.get("status")) for one in told]
 
 
 @pytest.fixture

@@ -13,9 +13,10 @@ from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.lane import GRACE_S
 from edgevox.agent.skills import SkillSet, skill
+from edgevox.core.agent_events import GoalCancelled, GoalChanged, as_json
 from edgevox.core.bus import Bus
 from edgevox.core.commands import TextInput
-from edgevox.core.events import AgentEvent, AgentEventKind, Responded
+from edgevox.core.events import Responded
 
 PATIENCE_S = 20.0
 
@@ -91,7 +92,7 @@ class Stage:
         self._told = threading.Condition()
         bus = Bus()
         bus.subscribe(Responded, lambda event: self._note(self.answers, event.text))
-        bus.subscribe(AgentEvent, self._on_deed)
+        bus.subscribe(GoalChanged | GoalCancelled, self._on_goal)
         agent = Agent("robot", "You are a robot.", self.skills.all())
         self.conversation = Conversation([agent], bus, halt=lambda _: False)
 
@@ -105,9 +106,8 @@ class Stage:
         with self._told:
             assert self._told.wait_for(found, PATIENCE_S), self.answers
 
-    def _on_deed(self, event):
-        if event.kind in (AgentEventKind.SKILL_GOAL, AgentEventKind.SKILL_CANCELLED):
-            self._note(self.ends, dict(event.data))
+    def _on_goal(self, event):
+        self._note(self.ends, as_json(event))
 
     def _note(self, where, what):
         with self._told:

@@ -6,9 +6,9 @@ import pytest
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
-from edgevox.agent.goals import Status
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import GoalHandle, SkillFailed, SkillSet, skill
+from edgevox.core.agent_events import GoalStatus
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Interrupt, RunSkill, TextInput
 from edgevox.core.events import Responded
@@ -93,7 +93,7 @@ def test_what_moves_when_it_is_engaged_ends_and_that_is_said_once(stage):
     stage.interlock.engage(NOT_IN_CHARGE)
     stage.interlock.engage(NOT_IN_CHARGE)
     assert goal.wait(WAIT_S)
-    assert (goal.status, goal.error) == (Status.CANCELLED, NOT_IN_CHARGE)
+    assert (goal.status, goal.error) == (GoalStatus.CANCELLED, NOT_IN_CHARGE)
     assert stage.talk.wait_idle(WAIT_S)
     assert stage.said == ["I could not do that: Another agent is in charge of this robot."]
 

@@ -7,11 +7,16 @@ import threading
 import pytest
 from prometheus_client.parser import text_string_to_metric_families
 
+from edgevox.core.agent_events import (
+    GoalCancelled,
+    GoalChanged,
+    GoalStatus,
+    SafetyPreempted,
+    ToolCalled,
+)
 from edgevox.core.bus import Bus
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import (
-    AgentEvent,
-    AgentEventKind,
     Cause,
     Interrupted,
     Outcome,
@@ -51,9 +56,10 @@ class Stage:
         return None
 
     def goal(self, goal_id: str, status: str, skill: str = "navigate_to") -> None:
-        ended = status == "cancelled"
-        kind = AgentEventKind.SKILL_CANCELLED if ended else AgentEventKind.SKILL_GOAL
-        self.bus.publish(AgentEvent(kind, {"goal_id": goal_id, "skill": skill, "status": status}))
+        if status == GoalStatus.CANCELLED:
+            self.bus.publish(GoalCancelled(goal_id, skill, {}, 0, "enough"))
+        else:
+            self.bus.publish(GoalChanged(goal_id, skill, {}, GoalStatus(status), 0))
 
 
 @pytest.fixture
@@ -106,8 +112,7 @@ def test_a_goal_that_never_ran_took_no_time(stage) -> None:
 def test_who_interrupts_is_counted_and_a_stop_word_twice_if_it_stopped_something(stage) -> None:
     stage.bus.publish(Interrupted(Cause.BARGE_IN))
     for stopped in (True, False):
-        data = {"word": "halt", "stopped": stopped}
-        stage.bus.publish(AgentEvent(AgentEventKind.SAFETY_PREEMPT, data))
+        stage.bus.publish(SafetyPreempted("halt", stopped))
 
     assert stage.value("edgevox_interrupts_total", cause="barge_in") == 1
     assert stage.value("edgevox_interrupts_total", cause="stop_word") == 2
@@ -124,7 +129,7 @@ def test_one_state_is_the_present_one(stage) -> None:
 
 def test_wake_words_and_who_called_are_counted(stage) -> None:
     stage.bus.publish(WakeWordHeard("hey jarvis"))
-    stage.bus.publish(AgentEvent(AgentEventKind.TOOL_CALL, {"source": "model"}))
+    stage.bus.publish(ToolCalled("navigate_to", {}, "model", 1))
 
     assert stage.value("edgevox_wake_words_total") == 1
     assert stage.value("edgevox_skill_calls_total", source="model") == 1

@@ -7,13 +7,13 @@ import pytest
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.goal_runner import MAX_BACKGROUND
-from edgevox.agent.goals import Status
 from edgevox.agent.skills import SkillFailed, SkillSet, UnknownSkill, skill
+from edgevox.core.agent_events import AgentEvent, GoalStatus, as_json
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import Cancelled
 from edgevox.core.commands import Interrupt, RunSkill
 from edgevox.core.errors import InvalidValue
-from edgevox.core.events import AgentEvent, Responded
+from edgevox.core.events import Responded
 
 
 class Stage:
@@ -78,7 +78,7 @@ def test_a_goal_that_cannot_be_changes_nothing(stage, name, arguments, error):
         with pytest.raises(error):
             refuse(name, arguments)
     assert len(stage.events) == seen
-    assert running.status is Status.RUNNING
+    assert running.status is GoalStatus.RUNNING
     stage.go_on.set()
     assert running.wait(60)
 
@@ -87,8 +87,8 @@ def test_a_goal_keeps_the_id_that_it_was_given_and_is_never_spoken_of(stage):
     stage.go_on.set()
     goal = stage.conversation.start_goal("drive", {"metres": 2}, "abc")
     assert stage.conversation.wait_idle(10)
-    assert goal.status is Status.SUCCEEDED
-    call, *lives = [event.data for event in stage.events]
+    assert goal.status is GoalStatus.SUCCEEDED
+    call, *lives = [as_json(event) for event in stage.events]
     assert (call["source"], call["arguments"], call["turn"]) == ("action", {"metres": 2}, 0)
     assert {data["goal_id"] for data in lives} == {"abc"}
     assert stage.said == []
@@ -101,11 +101,11 @@ def test_it_preempts_and_is_preempted(stage):
     assert stage.began.acquire(timeout=60)
     stage.conversation.submit(RunSkill("drive", {}))
     assert mine.wait(60)
-    assert mine.status is Status.CANCELLED
+    assert mine.status is GoalStatus.CANCELLED
     assert stage.began.acquire(timeout=60)
     stage.go_on.set()
     assert stage.conversation.wait_idle(10)
-    ends = [e.data["status"] for e in stage.events if e.data.get("status") == "cancelled"]
+    ends = [e for e in stage.events if as_json(e).get("status") == "cancelled"]
     assert len(ends) == 2
     assert stage.said[-1] == "Arrived."
 
@@ -116,11 +116,11 @@ def test_what_moves_nothing_runs_beside_and_in_order(stage):
     second = stage.conversation.start_goal("look", {})
     assert stage.began.acquire(timeout=60)
     assert stage.began.acquire(timeout=60)
-    assert (drive.status, first.status) == (Status.RUNNING, Status.RUNNING)
-    assert second.status is Status.ACCEPTED
+    assert (drive.status, first.status) == (GoalStatus.RUNNING, GoalStatus.RUNNING)
+    assert second.status is GoalStatus.ACCEPTED
     stage.go_on.set()
     assert all(goal.wait(60) for goal in (drive, first, second))
-    assert second.status is Status.SUCCEEDED
+    assert second.status is GoalStatus.SUCCEEDED
 
 
 def test_an_interrupt_ends_what_runs_and_waits_beside(stage):
@@ -130,7 +130,7 @@ def test_an_interrupt_ends_what_runs_and_waits_beside(stage):
     stage.conversation.submit(Interrupt())
     assert first.wait(60)
     assert second.wait(60)
-    assert {first.status, second.status} == {Status.CANCELLED}
+    assert {first.status, second.status} == {GoalStatus.CANCELLED}
 
 
 def test_too_many_that_wait_are_refused(stage):
@@ -149,4 +149,4 @@ def test_after_the_end_a_goal_ends_at_once(stage):
     for name in ("drive", "look"):
         goal = stage.conversation.start_goal(name, {})
         assert goal.wait(0)
-        assert (goal.status, goal.error) == (Status.CANCELLED, "shutting down")
+        assert (goal.status, goal.error) == (GoalStatus.CANCELLED, "shutting down")

@@ -1,10 +1,12 @@
 import json
 import math
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from edgevox.core.agent_events import GoalChanged, GoalStatus
 from edgevox.core.errors import InvalidValue
 from edgevox.ros2.json_text import write
 from edgevox.ros2.skill_requests import MAX_ARGUMENTS_BYTES, mirror, read_arguments
@@ -83,11 +85,17 @@ def test_what_is_not_finite_or_not_unicode_is_written_all_the_same():
 
 
 def test_feedback_mirrors_the_event_and_lifts_its_progress():
-    data = {"goal_id": "1", "status": "running", "feedback": {"progress": 0.25, "x": 1}}
-    assert json.loads(mirror("skill_goal", data)) == {"kind": "skill_goal", **data} | {
-        "progress": 0.25
-    }
-    assert json.loads(mirror("skill_goal", {"status": "accepted"})) == {
+    accepted = GoalChanged("1", "drive", {"far": 2}, GoalStatus.ACCEPTED, turn=0)
+    told = {
         "kind": "skill_goal",
+        "goal_id": "1",
+        "skill": "drive",
+        "arguments": {"far": 2},
         "status": "accepted",
+        "turn": 0,
     }
+    assert json.loads(mirror(accepted)) == told
+    feedback = {"progress": 0.25, "x": 1}
+    further = replace(accepted, status=GoalStatus.RUNNING, feedback=feedback)
+    told |= {"status": "running", "feedback": feedback, "progress": 0.25}
+    assert json.loads(mirror(further)) == told

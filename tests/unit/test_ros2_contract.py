@@ -5,9 +5,10 @@ from pathlib import Path
 import pytest
 import yaml
 
+from edgevox.core.agent_events import AgentEventKind, SafetyPreempted
 from edgevox.core.commands import Interrupt, Query, Reset, SetMuted, Speak, TextInput
 from edgevox.core.errors import InvalidValue
-from edgevox.core.events import AgentEvent, AgentEventKind, Answered, Cause, State, TurnMeasured
+from edgevox.core.events import Answered, Cause, State, TurnMeasured
 from edgevox.ros2 import contract, split_ros_args
 
 PROMISED = yaml.safe_load(
@@ -106,7 +107,10 @@ def test_an_unknown_command_is_refused_with_those_that_exist():
 @pytest.mark.parametrize(
     ("event", "text"),
     [
-        (AgentEvent(AgentEventKind.TOOL_CALL, {"a": 1}), '{"kind": "tool_call", "a": 1}'),
+        (
+            SafetyPreempted("halt", stopped=True),
+            '{"kind": "safety_preempt", "word": "halt", "stopped": true}',
+        ),
         (Answered("list_voices", {"voices": []}), '{"query": "list_voices", "voices": []}'),
         (
             TurnMeasured(0.0, 0.12345678, 0.0, 0.2, 0.3, turn=4),
@@ -115,7 +119,7 @@ def test_an_unknown_command_is_refused_with_those_that_exist():
     ],
 )
 def test_an_event_becomes_its_json(event, text):
-    (row,) = [row for row in contract.PUBLISHED if row.event is type(event)]
+    (row,) = [row for row in contract.PUBLISHED if isinstance(event, row.event)]
     assert row.encode(event) == text
 
 

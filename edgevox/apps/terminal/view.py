@@ -3,12 +3,10 @@
 import threading
 from collections import Counter
 from collections.abc import Callable
-from typing import Any
 
+from edgevox.core.agent_events import AgentEvent, GoalCancelled, GoalChanged, GoalStatus, HandedOver
 from edgevox.core.bus import Bus
 from edgevox.core.events import (
-    AgentEvent,
-    AgentEventKind,
     Responded,
     SentenceReady,
     TokenGenerated,
@@ -85,19 +83,20 @@ class View:
         self._changed()
 
     def _on_agent_event(self, event: AgentEvent) -> None:
-        if event.kind is AgentEventKind.HANDOFF:
-            self._write(f"  [{event.data['from']} hands over to {event.data['to']}]")
-        elif event.kind in (AgentEventKind.SKILL_GOAL, AgentEventKind.SKILL_CANCELLED):
-            with self._lock:
-                self._progress = _progress(event.data)
+        match event:
+            case HandedOver(giver=giver, taker=taker):
+                self._write(f"  [{giver} hands over to {taker}]")
+            case GoalChanged() | GoalCancelled():
+                with self._lock:
+                    self._progress = _progress(event)
         self._changed()
 
 
-def _progress(data: Any) -> str:
-    if data["status"] != "running":
+def _progress(goal: GoalChanged | GoalCancelled) -> str:
+    if isinstance(goal, GoalCancelled) or goal.status is not GoalStatus.RUNNING:
         return ""
-    call = " ".join([data["skill"], *(f"{k}={v}" for k, v in data["arguments"].items())])
-    done = data.get("feedback", {}).get("progress")
+    call = " ".join([goal.skill, *(f"{k}={v}" for k, v in goal.arguments.items())])
+    done = (goal.feedback or {}).get("progress")
     if done is None:
         return call
     filled = round(done * BAR_WIDTH)

@@ -1,14 +1,21 @@
 """Writes down what happens on the bus: turns, goals, stops. No stage logs any of that itself."""
 
 from collections import OrderedDict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any, TypeVar
 
+from edgevox.core.agent_events import (
+    AgentEvent,
+    GoalCancelled,
+    GoalChanged,
+    GoalStatus,
+    HandedOver,
+    SafetyPreempted,
+    ToolCalled,
+)
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.events import (
-    AgentEvent,
-    AgentEventKind,
     ControlChanged,
     Interrupted,
     Responded,
@@ -56,7 +63,7 @@ class BusLog:
             ),
             bus.subscribe(WakeWordHeard, lambda event: log.info("wake_word", phrase=event.phrase)),
             bus.subscribe(ControlChanged, self._on_change),
-            bus.subscribe(AgentEvent, self._on_deed),
+            bus.subscribe(AgentEvent, self._on_agent_event),
         ]
 
     def close(self) -> None:
@@ -94,54 +101,57 @@ class BusLog:
     def _on_change(self, event: ControlChanged) -> None:
         log.info("control_changed", control=event.name, value=event.value)
 
-    def _on_deed(self, event: AgentEvent) -> None:
-        data = event.data
-        match event.kind:
-            case AgentEventKind.TOOL_CALL:
-                if data["turn"]:
-                    _keep(self._paths, data["turn"], data["source"])
-                told = {"skill": data["skill"], "arguments": self._arguments(data)}
-                log.info("skill_called", path=data["source"], **told, **_of(data["turn"]))
-            case AgentEventKind.SKILL_GOAL | AgentEventKind.SKILL_CANCELLED:
-                self._on_goal(data)
-            case AgentEventKind.HANDOFF:
-                log.info("handed_over", giver=data["from"], taker=data["to"], **_of(data["turn"]))
-            case AgentEventKind.SAFETY_PREEMPT:
-                log.info("safety_stop", word=data["word"], stopped=data["stopped"])
+    def _on_agent_event(self, event: AgentEvent) -> None:
+        match event:
+            case ToolCalled(source=source, turn=turn):
+                if turn:
+                    _keep(self._paths, turn, source)
+                told = {"skill": event.skill, "arguments": self._arguments(event)}
+                log.info("skill_called", path=source, **told, **_of(turn))
+            case GoalChanged(feedback=None):
+                self._on_goal(event)
+            case GoalCancelled():
+                reason = self._reason(event, event.reason)
+                log.info("goal_cancelled", **_ids(event), **self._ran(event), reason=reason)
+            case HandedOver(giver=giver, taker=taker):
+                log.info("handed_over", giver=giver, taker=taker, **_of(event.turn))
+            case SafetyPreempted(word=word, stopped=stopped):
+                log.info("safety_stop", word=word, stopped=stopped)
+            case _:  # how far a goal is; and whoever rejects a goal says so itself
+                pass
 
-    def _on_goal(self, data: Mapping[str, Any]) -> None:
-        if "feedback" in data:
-            return
-        goal, status = data["goal_id"], data["status"]
-        ids = {"goal": goal, "skill": data["skill"], **_of(data["turn"])}
-        if status == "running":
-            _keep(self._began_s, goal, self._clock.now())
-            log.info("goal_started", **ids, arguments=self._arguments(data))
-            return
-        if status in ("accepted", "rejected"):  # whoever rejects a goal says so itself
-            return
-        began_s = self._began_s.pop(goal, None)
-        ran = {} if began_s is None else {"ran_s": round(self._clock.now() - began_s, _MS)}
-        if status == "succeeded":
-            log.info("goal_succeeded", **ids, **ran)
-        elif status == "failed":
-            log.warning("goal_failed", **ids, **ran, reason=self._reason(data, "error"))
-        else:
-            log.info("goal_cancelled", **ids, **ran, reason=self._reason(data, "reason"))
+    def _on_goal(self, goal: GoalChanged) -> None:
+        match goal.status:
+            case GoalStatus.RUNNING:
+                _keep(self._began_s, goal.goal_id, self._clock.now())
+                log.info("goal_started", **_ids(goal), arguments=self._arguments(goal))
+            case GoalStatus.SUCCEEDED:
+                log.info("goal_succeeded", **_ids(goal), **self._ran(goal))
+            case GoalStatus.FAILED:
+                reason = self._reason(goal, goal.error or "")
+                log.warning("goal_failed", **_ids(goal), **self._ran(goal), reason=reason)
 
-    def _arguments(self, data: Mapping[str, Any]) -> dict[str, Any]:
+    def _ran(self, goal: GoalChanged | GoalCancelled) -> dict[str, float]:
+        """How long it ran, if it did."""
+        began_s = self._began_s.pop(goal.goal_id, None)
+        return {} if began_s is None else {"ran_s": round(self._clock.now() - began_s, _MS)}
+
+    def _arguments(self, event: ToolCalled | GoalChanged | GoalCancelled) -> dict[str, Any]:
         return {
-            name: Said(str(value)) if self._free(data["skill"], name) else value
-            for name, value in data["arguments"].items()
+            name: Said(str(value)) if self._free(event.skill, name) else value
+            for name, value in event.arguments.items()
         }
 
-    def _reason(self, data: Mapping[str, Any], key: str) -> str:
+    def _reason(self, goal: GoalChanged | GoalCancelled, reason: str) -> str:
         """Why it ended, without what somebody said: a reason may quote an argument."""
-        reason = str(data.get(key, ""))
-        for value in self._arguments(data).values():
+        for value in self._arguments(goal).values():
             if isinstance(value, Said) and value.text:
                 reason = reason.replace(value.text, repr(value))
         return reason
+
+
+def _ids(goal: GoalChanged | GoalCancelled) -> dict[str, Any]:
+    return {"goal": goal.goal_id, "skill": goal.skill, **_of(goal.turn)}
 
 
 def _of(turn: int) -> dict[str, int]:

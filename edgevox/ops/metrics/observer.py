@@ -1,12 +1,19 @@
 """Counts what happens on the bus."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
+from edgevox.core.agent_events import (
+    GOAL_ENDS,
+    AgentEvent,
+    GoalCancelled,
+    GoalChanged,
+    GoalStatus,
+    SafetyPreempted,
+    ToolCalled,
+)
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.events import (
-    AgentEvent,
-    AgentEventKind,
     Cause,
     Interrupted,
     State,
@@ -16,7 +23,7 @@ from edgevox.core.events import (
     WakeWordHeard,
 )
 from edgevox.ops.metrics.registry import Registry
-from edgevox.ops.metrics.table import GOAL_ENDS, STAGES
+from edgevox.ops.metrics.table import STAGES
 
 
 def observe(bus: Bus, registry: Registry, clock: Clock | None = None) -> Callable[[], None]:
@@ -26,7 +33,7 @@ def observe(bus: Bus, registry: Registry, clock: Clock | None = None) -> Callabl
     forget = [
         bus.subscribe(TurnEnded, observer.turn_ended),
         bus.subscribe(TurnMeasured, observer.turn_measured),
-        bus.subscribe(AgentEvent, observer.deed),
+        bus.subscribe(AgentEvent, observer.agent_event),
         bus.subscribe(Interrupted, lambda event: observer.interrupted(event.cause)),
         bus.subscribe(StateChanged, observer.state_changed),
         bus.subscribe(WakeWordHeard, lambda _: wake_words.inc()),
@@ -79,19 +86,18 @@ class _Observer:
         for state, gauge in self._states.items():
             gauge.set(state is event.state)
 
-    def deed(self, event: AgentEvent) -> None:
-        match event.kind:
-            case AgentEventKind.SKILL_GOAL | AgentEventKind.SKILL_CANCELLED:
-                self._goal(event.data)
-            case AgentEventKind.TOOL_CALL:
-                self._calls.labels(event.data["source"]).inc()
-            case AgentEventKind.SAFETY_PREEMPT:
+    def agent_event(self, event: AgentEvent) -> None:
+        match event:
+            case GoalChanged() | GoalCancelled():
+                self._goal(event.goal_id, event.skill, event.status)
+            case ToolCalled(source=source):
+                self._calls.labels(source).inc()
+            case SafetyPreempted(stopped=stopped):
                 self.interrupted(Cause.STOP_WORD)
-                self._safety_stops.inc(bool(event.data["stopped"]))
+                self._safety_stops.inc(stopped)
 
-    def _goal(self, data: Mapping[str, str]) -> None:
-        goal, skill, status = data["goal_id"], data["skill"], data["status"]
-        if status == "running":
+    def _goal(self, goal: str, skill: str, status: GoalStatus) -> None:
+        if status is GoalStatus.RUNNING:
             if goal not in self._running:
                 self._running[goal] = self._clock.now()
                 self._goals_running.labels(skill).inc()

@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping
 
+from edgevox.core.agent_events import GOAL_ENDS
 from edgevox.core.events import Cause, Outcome, State
 from edgevox.core.refusals import Refusal
 from edgevox.ops.metrics.metric import Kind, Metric
 
 SKILLS, CHECKS, TOPICS = "the agent's skills", "the checks of health.md", "topics that come in"
 STAGES = ("stt", "llm", "tts", "ttfs", "total")
-GOAL_ENDS = ("succeeded", "failed", "cancelled")
 SOURCES = ("template", "model", "command", "action")
 QUEUES = ("conversation", "microphone", "understanding", "mouth", "recorder")
 PARTS = ("ears", "understanding", "mouth", "body", "executor", "ticker", "camera")

@@ -10,9 +10,9 @@ from geometry_msgs.msg import Twist
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import String
 
+from edgevox.core.agent_events import AgentEventKind
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import EdgeVoxError, InvalidValue
-from edgevox.core.events import AgentEventKind
 from edgevox.core.json_reader import read_json_object
 from edgevox.core.log import get_logger
 from edgevox.ros2.interop.profiles import VELOCITY

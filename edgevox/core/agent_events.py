@@ -1,0 +1,133 @@
+"""What the agent does, as typed events: calls of skills, goals, hand-overs, stops by a word.
+
+The class says what kind of event it is; `as_json` is the only place that makes JSON of one, for the
+topic `agent_event`, the feedback of the action, scenarios and recordings.
+"""
+
+from collections.abc import Mapping
+from dataclasses import Field, dataclass, field, fields
+from enum import StrEnum
+from typing import Any, ClassVar
+
+
+class AgentEventKind(StrEnum):
+    """The kinds that `agent_event` reports."""
+
+    TOOL_CALL = "tool_call"
+    SKILL_GOAL = "skill_goal"
+    SKILL_CANCELLED = "skill_cancelled"
+    HANDOFF = "handoff"
+    SAFETY_PREEMPT = "safety_preempt"
+
+
+class GoalStatus(StrEnum):
+    """Where a goal is in its life. A goal that was rejected never began to live."""
+
+    ACCEPTED = "accepted"
+    RUNNING = "running"
+    SUCCEEDED = "succeeded"
+    FAILED = "failed"
+    CANCELLED = "cancelled"
+    REJECTED = "rejected"
+
+
+GOAL_ENDS = (GoalStatus.SUCCEEDED, GoalStatus.FAILED, GoalStatus.CANCELLED)
+"""A goal that was accepted ends as one of these, once."""
+
+
+@dataclass(frozen=True, slots=True)
+class ToolCalled:
+    """A skill was called: by a `template`, the `model`, a `command` or an `action`."""
+
+    kind: ClassVar = AgentEventKind.TOOL_CALL
+    skill: str
+    arguments: Mapping[str, Any]
+    source: str
+    turn: int
+
+
+@dataclass(frozen=True, slots=True)
+class GoalChanged:
+    """A goal was accepted, runs, has got further, succeeded or failed. `turn` is 0 without one.
+
+    `feedback` is what the skill reports, `result` what it returned, `error` why it failed; each is
+    there only where it applies.
+    """
+
+    kind: ClassVar = AgentEventKind.SKILL_GOAL
+    goal_id: str
+    skill: str
+    arguments: Mapping[str, Any]
+    status: GoalStatus
+    turn: int
+    feedback: Mapping[str, Any] | None = None
+    result: Mapping[str, Any] | None = None
+    error: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class GoalCancelled:
+    """A goal ended without having succeeded or failed, for this reason."""
+
+    kind: ClassVar = AgentEventKind.SKILL_CANCELLED
+    goal_id: str
+    skill: str
+    arguments: Mapping[str, Any]
+    status: GoalStatus = field(init=False, default=GoalStatus.CANCELLED)
+    turn: int
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class GoalRejected:
+    """A program asked for a goal that cannot be. It has no id; its arguments are as they came."""
+
+    kind: ClassVar = AgentEventKind.SKILL_GOAL
+    goal_id: None = field(init=False, default=None, metadata={"always": True})
+    skill: str
+    arguments_json: str
+    status: GoalStatus = field(init=False, default=GoalStatus.REJECTED)
+    error: str
+    turn: int = field(init=False, default=0)
+
+
+@dataclass(frozen=True, slots=True)
+class HandedOver:
+    """One agent hands the person over to another."""
+
+    kind: ClassVar = AgentEventKind.HANDOFF
+    giver: str = field(metadata={"key": "from"})
+    taker: str = field(metadata={"key": "to"})
+    turn: int
+
+
+@dataclass(frozen=True, slots=True)
+class SafetyPreempted:
+    """A stop word was heard; `stopped` says whether there was anything to stop."""
+
+    kind: ClassVar = AgentEventKind.SAFETY_PREEMPT
+    word: str
+    stopped: bool
+
+
+AgentEvent = ToolCalled | GoalChanged | GoalCancelled | GoalRejected | HandedOver | SafetyPreempted
+"""Whoever subscribes to this on the bus hears all of them."""
+
+
+def as_json(event: AgentEvent) -> dict[str, Any]:
+    """The JSON object of an event: its kind, and its fields but those that do not apply."""
+    found: dict[str, Any] = {"kind": event.kind}
+    for one in fields(event):
+        value = getattr(event, one.name)
+        if value is not None or _is_always_there(one):
+            found[key(one)] = value
+    return found
+
+
+def key(one: "Field[Any]") -> str:
+    """What a field is called in JSON."""
+    return str(one.metadata.get("key", one.name))
+
+
+def _is_always_there(one: "Field[Any]") -> bool:
+    return bool(one.metadata.get("always"))
