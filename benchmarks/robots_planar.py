@@ -11,7 +11,8 @@ from collections.abc import Callable, Sequence
 from worlds import Row
 
 from edgevox.core.cancel import CancelToken
-from edgevox.robots.capabilities import LidarScan, Pose2D, Twist2D
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.capabilities import LidarScan, Twist2D
 from edgevox.robots.engine import STEP_S, Engine, Motion
 from edgevox.robots.irsim_engine import IrsimEngine, make_environment
 from edgevox.robots.physics import PymunkEngine

@@ -7,7 +7,8 @@ it charges with `charge_w`.
 
 import math
 
-from edgevox.robots.capabilities import Pose2D, Twist2D
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.shapes import Point
 from edgevox.robots.world_model import BatterySpec
 

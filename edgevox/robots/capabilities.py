@@ -14,33 +14,7 @@ from numpy.typing import NDArray
 
 from edgevox.agent.skills import Skill
 from edgevox.core.cancel import CancelToken
-
-
-@dataclass(frozen=True, slots=True)
-class Pose2D:
-    """Position (m) and heading (rad, -pi to pi) in the map frame."""
-
-    x_m: float
-    y_m: float
-    yaw_rad: float
-
-    @property
-    def finite(self) -> bool:
-        """Whether every number is one."""
-        return isfinite(self.x_m) and isfinite(self.y_m) and isfinite(self.yaw_rad)
-
-
-@dataclass(frozen=True, slots=True)
-class Pose3D:
-    """Position (m) and orientation (unit quaternion); the identity by default."""
-
-    x_m: float = 0.0
-    y_m: float = 0.0
-    z_m: float = 0.0
-    qx: float = 0.0
-    qy: float = 0.0
-    qz: float = 0.0
-    qw: float = 1.0
+from edgevox.core.transforms import IDENTITY, ORIGIN, Pose2D, Pose3D
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +44,7 @@ class LidarScan:
     range_min_m: float
     range_max_m: float
     ranges_m: NDArray[np.float32]
-    mount: Pose2D = Pose2D(0.0, 0.0, 0.0)
+    mount: Pose2D = ORIGIN
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +58,7 @@ class CameraSpec:
     width_px: int
     height_px: int
     vertical_fov_rad: float
-    mount: Pose3D = Pose3D()
+    mount: Pose3D = IDENTITY
     parent: Literal["body", "end_effector", "map"] = "body"
 
 

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from edgevox.agent.skills import SkillFailed
-from edgevox.robots.capabilities import Pose2D, Twist2D
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.engine import Motion
 from edgevox.robots.follower import Follower
 from edgevox.robots.planner import Planner

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from edgevox.robots.capabilities import LidarScan, Pose2D, Twist2D
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.capabilities import LidarScan, Twist2D
 
 STEP_S = 0.02
 """Physical time of one step."""

@@ -21,7 +21,8 @@ import yaml
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.extras import install_extra
 from edgevox.core.log import get_logger
-from edgevox.robots.capabilities import LidarScan, Pose2D, Twist2D
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.capabilities import LidarScan, Twist2D
 from edgevox.robots.engine import STILL_M_S, Motion
 from edgevox.robots.irsim_world import irsim_config
 from edgevox.robots.world_model import World

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from edgevox.core.errors import InvalidValue
-from edgevox.robots.capabilities import Pose2D
+from edgevox.core.transforms import Pose2D
 from edgevox.robots.engine import BRAKE_M_S2, STEP_S
 from edgevox.robots.shapes import Circle, Line, Polygon, Shape, crosses_itself
 from edgevox.robots.world_model import LidarSpec, RobotSpec, World

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from edgevox.robots.capabilities import LidarScan, Pose2D
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.capabilities import LidarScan
 from edgevox.robots.shapes import Circle, Floats, Shape, edges, place, to_map
 from edgevox.robots.world_model import LidarSpec, Thing, World
 

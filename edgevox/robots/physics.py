@@ -11,7 +11,8 @@ from collections.abc import Sequence
 
 import pymunk
 
-from edgevox.robots.capabilities import LidarScan, Pose2D, Twist2D
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.capabilities import LidarScan, Twist2D
 from edgevox.robots.engine import BRAKE_M_S2, STEP_S, STILL_M_S, Motion
 from edgevox.robots.lidar import Lidar
 from edgevox.robots.shapes import Circle, Line, Polygon, Shape, edges, is_convex, place, reach

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 from PIL import Image
 
-from edgevox.robots.capabilities import LidarScan, Pose2D
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.capabilities import LidarScan
 from edgevox.robots.picture_sheet import Color, Sheet
 from edgevox.robots.shapes import Line, Point, Polygon, Shape, place, to_map
 from edgevox.robots.world_model import LidarSpec, World

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 
 from edgevox.core.cancel import Cancelled
 from edgevox.core.log import get_logger
-from edgevox.robots.capabilities import Pose2D, Twist2D
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.drive import Drive
 from edgevox.robots.engine import STEP_S, Motion
 from edgevox.robots.world_model import RobotSpec

@@ -14,7 +14,8 @@ from edgevox.agent.skills import Skill, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.errors import InvalidValue
-from edgevox.robots.capabilities import LidarScan, Pose2D, Report, Twist2D
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.capabilities import LidarScan, Report, Twist2D
 from edgevox.robots.drive import Drive
 from edgevox.robots.engine import STEP_S, Engine
 from edgevox.robots.navigation import navigation_skills

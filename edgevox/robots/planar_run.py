@@ -4,8 +4,8 @@ import math
 from collections import deque
 
 from edgevox.agent.skills import SkillFailed
+from edgevox.core.transforms import Pose2D
 from edgevox.robots.battery import Battery
-from edgevox.robots.capabilities import Pose2D
 from edgevox.robots.engine import STEP_S, Engine, Motion
 from edgevox.robots.pilot import Pilot
 from edgevox.robots.shapes import Point

@@ -8,7 +8,7 @@ import tcod.path
 from numpy.typing import NDArray
 
 from edgevox.agent.skills import SkillFailed
-from edgevox.robots.capabilities import Pose2D
+from edgevox.core.transforms import Pose2D
 from edgevox.robots.grid import Grid, cell_size
 from edgevox.robots.shapes import Point, distance, place
 from edgevox.robots.world_model import Thing, World

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from edgevox.robots.capabilities import Pose2D
+from edgevox.core.transforms import Pose2D
 
 Point = tuple[float, float]
 Floats = NDArray[np.float64]

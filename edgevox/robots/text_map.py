@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from edgevox.robots.capabilities import Pose2D
+from edgevox.core.transforms import Pose2D
 from edgevox.robots.shapes import Floats, Line, Point, Shape, bounds, distance, inside, place
 from edgevox.robots.world_model import World
 

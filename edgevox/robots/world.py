@@ -22,9 +22,9 @@ from pathlib import Path
 import numpy as np
 
 from edgevox.core.errors import InvalidValue
+from edgevox.core.transforms import Pose2D
 from edgevox.core.user_file import read_text
 from edgevox.core.yaml_file import parse_yaml
-from edgevox.robots.capabilities import Pose2D
 from edgevox.robots.shapes import distance, place
 from edgevox.robots.world_fields import Fields, as_point, words
 from edgevox.robots.world_model import RobotSpec, Thing, World

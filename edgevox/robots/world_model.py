@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from edgevox.core.transforms import Pose2D
 from edgevox.robots.bounds import Bounds
-from edgevox.robots.capabilities import Pose2D
 from edgevox.robots.shapes import Floats, Point, Polygon, Shape, inside
 
 ORIGIN = Pose2D(0.0, 0.0, 0.0)

@@ -7,7 +7,7 @@ from typing import Any
 
 from edgevox.core.errors import InvalidValue
 from edgevox.core.log import get_logger
-from edgevox.robots.capabilities import Pose2D
+from edgevox.core.transforms import Pose2D
 from edgevox.robots.names import check_thing
 from edgevox.robots.shapes import Line, Polygon, Shape, reach
 from edgevox.robots.world_fields import Fields, as_number, as_numbers, words

@@ -5,7 +5,7 @@ import random
 from collections.abc import Sequence
 
 from edgevox.core.errors import InvalidValue
-from edgevox.robots.capabilities import Pose2D
+from edgevox.core.transforms import Pose2D
 from edgevox.robots.world_fields import Fields, as_numbers
 
 Area = tuple[Pose2D, Pose2D]

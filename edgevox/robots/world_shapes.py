@@ -6,7 +6,7 @@ import random
 import pymunk.autogeometry
 
 from edgevox.core.errors import InvalidValue
-from edgevox.robots.capabilities import Pose2D
+from edgevox.core.transforms import Pose2D
 from edgevox.robots.shapes import Circle, Line, Point, Polygon, Shape, area, is_convex, place
 from edgevox.robots.world_fields import Fields, as_number, as_numbers
 

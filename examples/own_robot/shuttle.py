@@ -15,7 +15,8 @@ from edgevox.apps.robot import Robot
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import Settings
-from edgevox.robots.capabilities import Pose2D, Report, Twist2D
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.capabilities import Report, Twist2D
 from edgevox.robots.navigation import LOCATION, navigation_skills
 from edgevox.robots.stepper import Stepper
 

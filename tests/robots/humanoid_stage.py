@@ -5,8 +5,8 @@ import math
 from held_time import Asked
 
 from edgevox.core.cancel import CancelToken
+from edgevox.core.transforms import Pose2D
 from edgevox.models import locate
-from edgevox.robots.capabilities import Pose2D
 from edgevox.robots.humanoid import (
     HumanoidRobot,
     MujocoHumanoidEnvironment,

@@ -12,8 +12,8 @@ from edgevox.core.bus import Bus
 from edgevox.core.commands import RunSkill, TextInput
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.events import Outcome, Responded, TurnEnded
+from edgevox.core.transforms import Pose2D
 from edgevox.robots.apartment import ApartmentRobot
-from edgevox.robots.capabilities import Pose2D
 from edgevox.robots.humanoid.skills import walking_skills
 from edgevox.robots.irsim import IrsimRobot
 from edgevox.robots.navigation import navigation_skills

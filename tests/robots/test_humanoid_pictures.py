@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from humanoid_stage import h1, turn, walk
 
-from edgevox.robots.capabilities import Pose3D
+from edgevox.core.transforms import Pose3D
 from edgevox.robots.humanoid import HumanoidRobot
 
 

@@ -8,12 +8,12 @@ from humanoid_stage import along, apart, g1, stand, turn, turned_deg, walk, walk
 
 from edgevox.core.cancel import Cancelled
 from edgevox.core.errors import InvalidValue
+from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import (
     DrivesTo,
     HasCamera,
     HasPicture,
     HasPose,
-    Pose2D,
     TakesVelocity,
     Twist2D,
 )

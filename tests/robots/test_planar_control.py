@@ -13,7 +13,8 @@ from held_time import HUNG_S, STEP_S, Asked
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.errors import InvalidValue
-from edgevox.robots.capabilities import Pose2D, Twist2D
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.engine import Motion
 from edgevox.robots.planar import PlanarRobot
 from edgevox.robots.world import parse_world

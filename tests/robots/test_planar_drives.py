@@ -10,6 +10,7 @@ from held_time import STEP_S, Asked, carry_out
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.errors import InvalidValue
+from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import (
     Body,
     DrivesTo,
@@ -19,7 +20,6 @@ from edgevox.robots.capabilities import (
     HasPicture,
     HasPlaces,
     HasPose,
-    Pose2D,
     TakesVelocity,
     Twist2D,
 )

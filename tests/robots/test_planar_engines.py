@@ -8,8 +8,9 @@ from dataclasses import astuple
 import pytest
 
 from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.transforms import Pose2D
 from edgevox.robots.apartment import ApartmentRobot
-from edgevox.robots.capabilities import Pose2D, Twist2D
+from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.irsim import IrsimRobot
 from edgevox.robots.irsim_engine import IrsimEngine
 from edgevox.robots.irsim_world import irsim_config

@@ -11,7 +11,8 @@ from peer import SENSOR, STATE, wait_until
 from sensor_msgs.msg import CameraInfo, Image
 
 from edgevox.agent.skills import GoalHandle, skill
-from edgevox.robots.capabilities import CameraImage, CameraSpec, Pose3D
+from edgevox.core.transforms import Pose3D
+from edgevox.robots.capabilities import CameraImage, CameraSpec
 from tf2_msgs.msg import TFMessage
 
 __all__ = ["offer"]

@@ -2,24 +2,29 @@
 
 import math
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from edgevox.ros2.external.frames import Frames, flatten, matrix
+from edgevox.core.transforms import (
+    IDENTITY,
+    Pose2D,
+    Pose3D,
+    angle,
+    compose,
+    distance,
+    lift,
+    project,
+    rigid,
+)
+from edgevox.ros2.external.frames import Frames
 
-UNTURNED = (0.0, 0.0, 0.0, 1.0)
 numbers = st.floats(-100, 100)
 angles = st.floats(-math.pi, math.pi)
 
 
-def turned(yaw_rad: float) -> tuple[float, float, float, float]:
-    return (0.0, 0.0, math.sin(yaw_rad / 2), math.cos(yaw_rad / 2))
-
-
-def moved(x_m: float, y_m: float, yaw_rad: float = 0.0):
-    return matrix((x_m, y_m, 0.0), turned(yaw_rad))
+def moved(x_m: float, y_m: float, yaw_rad: float = 0.0) -> Pose3D:
+    return lift(Pose2D(x_m, y_m, yaw_rad))
 
 
 def test_a_chain_is_followed_to_the_map() -> None:
@@ -27,7 +32,7 @@ def test_a_chain_is_followed_to_the_map() -> None:
     frames.put("map", "odom", moved(3, -2, math.pi / 2))
     frames.put("odom", "base_link", moved(1, 0))
 
-    pose = flatten(frames.lookup("map", "base_link"))
+    pose = project(frames.lookup("map", "base_link"))
 
     assert (pose.x_m, pose.y_m) == pytest.approx((3, -1))
     assert pose.yaw_rad == pytest.approx(math.pi / 2)
@@ -38,7 +43,7 @@ def test_frames_that_hang_beside_each_other_are_joined_by_what_they_hang_from() 
     frames.put("base_footprint", "base_link", moved(0.1, 0))
     frames.put("base_footprint", "laser", moved(0.3, 0.2))
 
-    pose = flatten(frames.lookup("base_link", "laser"))
+    pose = project(frames.lookup("base_link", "laser"))
 
     assert (pose.x_m, pose.y_m) == pytest.approx((0.2, 0.2))
 
@@ -90,9 +95,9 @@ def test_a_loop_of_transforms_ends() -> None:
         ("map", "odom", moved(math.inf, 1)),
         ("map", "odom", moved(1e300, 1)),
         ("map", "odom", moved(1, -1e9)),
-        ("map", "odom", matrix((0, 0, 0), (0, 0, 0, 0))),
-        ("map", "odom", matrix((0, 0, 0), (0, 0, 0, 3))),
-        ("map", "odom", matrix((0, 0, 0), (0, 0, 1e300, 1e300))),
+        ("map", "odom", rigid(Pose3D(0, 0, 0, 0, 0, 0, 0))),
+        ("map", "odom", rigid(Pose3D(0, 0, 0, 0, 0, 0, 3))),
+        ("map", "odom", rigid(Pose3D(0, 0, 0, 0, 0, 1e300, 1e300))),
     ],
 )
 def test_what_cannot_be_a_transform_is_not_taken(parent, child, transform) -> None:
@@ -107,7 +112,7 @@ def test_the_newest_transform_counts() -> None:
     frames.put("map", "odom", moved(1, 1))
     frames.put("map", "odom", moved(2, 2))
 
-    assert flatten(frames.lookup("map", "odom")).x_m == pytest.approx(2)
+    assert project(frames.lookup("map", "odom")).x_m == pytest.approx(2)
 
 
 @given(numbers, numbers, angles, numbers, numbers, angles)
@@ -119,4 +124,6 @@ def test_there_and_back_is_nowhere(x1, y1, yaw1, x2, y2, yaw2) -> None:
     there = frames.lookup("map", "base_link")
     back = frames.lookup("base_link", "map")
 
-    assert np.allclose(there @ back, np.eye(4), atol=1e-6)
+    nowhere = compose(there, back)
+    assert distance(nowhere, IDENTITY) < 1e-6
+    assert angle(nowhere, IDENTITY) < 1e-6

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import SkillFailed
-from edgevox.robots.capabilities import LidarScan, Pose2D, Twist2D
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.capabilities import LidarScan, Twist2D
 from edgevox.ros2.external.drive import Watch
 from edgevox.ros2.external.plausible import Speeds, sweeps
 from edgevox.ros2.external.settings import Patience

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.errors import InvalidValue
-from edgevox.robots.capabilities import Pose2D
+from edgevox.core.transforms import Pose2D
 from edgevox.robots.humanoid.easing import RISE_M_S2, eased
 from edgevox.robots.humanoid.manoeuvre import PATIENCE_S, Manoeuvre
 from edgevox.robots.humanoid.policy import STAND, WalkingCommand, WalkingPlan

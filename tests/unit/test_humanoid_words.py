@@ -6,7 +6,7 @@ from edgevox.agent.intents import Recogniser, Understood
 from edgevox.agent.skills import SkillSet
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue
-from edgevox.robots.capabilities import Pose2D
+from edgevox.core.transforms import Pose2D
 from edgevox.robots.humanoid.skills import walking_skills
 
 

@@ -1,8 +1,9 @@
 """A stream of velocities that stops is counted if it left the robot moving."""
 
 from edgevox.core.cancel import Cancelled
+from edgevox.core.transforms import Pose2D
 from edgevox.robots.apartment import ApartmentRobot
-from edgevox.robots.capabilities import CountsHalts, Pose2D, Twist2D
+from edgevox.robots.capabilities import CountsHalts, Twist2D
 from edgevox.robots.humanoid.pilot import WATCHDOG_S, Pilot
 from edgevox.robots.humanoid.walker import Limits
 from edgevox.robots.world import load_world

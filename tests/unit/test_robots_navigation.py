@@ -6,8 +6,8 @@ from edgevox.agent.intents import Recogniser, Understood
 from edgevox.agent.skills import Call, Skill, SkillFailed, SkillSet
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue
+from edgevox.core.transforms import Pose2D
 from edgevox.robots.apartment import ApartmentRobot
-from edgevox.robots.capabilities import Pose2D
 from edgevox.robots.navigation import navigation_skills
 from edgevox.robots.world import parse_world
 

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from edgevox.agent.skills import SkillFailed
-from edgevox.robots.capabilities import Pose2D
+from edgevox.core.transforms import Pose2D
 from edgevox.robots.planner import Planner
 from edgevox.robots.shapes import Point, distance, place
 from edgevox.robots.world import load_world, parse_world

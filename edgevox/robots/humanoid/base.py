@@ -6,7 +6,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from edgevox.robots.capabilities import Pose2D, Twist2D
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.capabilities import Twist2D
 
 FALLEN_TILT_RAD = math.radians(55.0)
 FALLEN_HEIGHT = 0.6

@@ -7,7 +7,8 @@ from typing import Literal
 import mujoco
 import numpy as np
 
-from edgevox.robots.capabilities import Pose2D, Twist2D
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.humanoid.easing import eased
 from edgevox.robots.humanoid.kinematic_walker import KinematicWalker
 from edgevox.robots.humanoid.physics_walker import PhysicsWalker, fit_servos

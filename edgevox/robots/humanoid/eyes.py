@@ -6,7 +6,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from edgevox.robots.capabilities import CameraImage, CameraSpec, Pose2D, Pose3D
+from edgevox.core.transforms import Pose2D, Pose3D
+from edgevox.robots.capabilities import CameraImage, CameraSpec
 from edgevox.robots.humanoid.environment import MujocoHumanoidEnvironment
 from edgevox.robots.humanoid.scene import HEAD_CAMERA
 from edgevox.robots.mujoco.renderer import Renderer

@@ -10,7 +10,7 @@ from typing import Literal
 import mujoco
 import numpy as np
 
-from edgevox.robots.capabilities import Pose2D
+from edgevox.core.transforms import Pose2D
 from edgevox.robots.humanoid.base import Base
 from edgevox.robots.humanoid.leg import BEND_RAD, Leg
 from edgevox.robots.humanoid.limbs import Hinge, Limbs, find_limbs

@@ -5,7 +5,7 @@ import threading
 from dataclasses import dataclass
 
 from edgevox.agent.skills import SkillFailed
-from edgevox.robots.capabilities import Pose2D
+from edgevox.core.transforms import Pose2D
 from edgevox.robots.humanoid.policy import STAND, WalkingCommand
 from edgevox.robots.humanoid.walker import Limits
 

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from edgevox.core.errors import InvalidValue
-from edgevox.robots.capabilities import Pose2D
+from edgevox.core.transforms import Pose2D
 from edgevox.robots.humanoid.base import Base
 from edgevox.robots.humanoid.policy import (
     STAND,

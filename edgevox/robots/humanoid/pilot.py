@@ -7,7 +7,8 @@ import math
 
 from edgevox.core.cancel import Cancelled
 from edgevox.core.log import get_logger
-from edgevox.robots.capabilities import Pose2D, Twist2D
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.humanoid.manoeuvre import Manoeuvre
 from edgevox.robots.humanoid.policy import STAND, WalkingCommand
 from edgevox.robots.humanoid.walker import Limits

@@ -13,7 +13,8 @@ from edgevox.agent.skills import Skill, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.errors import InvalidValue
-from edgevox.robots.capabilities import CameraImage, CameraSpec, Pose2D, Report, Twist2D
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.capabilities import CameraImage, CameraSpec, Report, Twist2D
 from edgevox.robots.humanoid.environment import MujocoHumanoidEnvironment
 from edgevox.robots.humanoid.eyes import Eyes
 from edgevox.robots.humanoid.manoeuvre import Manoeuvre

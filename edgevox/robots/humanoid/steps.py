@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from edgevox.robots.capabilities import Pose2D
+from edgevox.core.transforms import Pose2D
 from edgevox.robots.humanoid.policy import WalkingCommand
 
 CYCLE_S = 0.9

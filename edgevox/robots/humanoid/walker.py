@@ -5,7 +5,7 @@ from typing import Literal, Protocol
 
 import mujoco
 
-from edgevox.robots.capabilities import Pose2D
+from edgevox.core.transforms import Pose2D
 from edgevox.robots.humanoid.base import Base
 from edgevox.robots.humanoid.policy import WalkingCommand
 

@@ -7,7 +7,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from edgevox.robots.capabilities import CameraSpec, Pose3D
+from edgevox.core.transforms import Pose3D
+from edgevox.robots.capabilities import CameraSpec
 
 Point3 = tuple[float, float, float]
 

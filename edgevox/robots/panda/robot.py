@@ -15,7 +15,8 @@ from edgevox.agent.skills import Skill, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.errors import InvalidValue
-from edgevox.robots.capabilities import CameraImage, CameraSpec, Pose3D, Report
+from edgevox.core.transforms import Pose3D
+from edgevox.robots.capabilities import CameraImage, CameraSpec, Report
 from edgevox.robots.mujoco.renderer import Renderer
 from edgevox.robots.panda import tasks
 from edgevox.robots.panda import things as seen

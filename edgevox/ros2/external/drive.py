@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from edgevox.agent.skills import SkillFailed
-from edgevox.robots.capabilities import Pose2D
+from edgevox.core.transforms import Pose2D
 from edgevox.ros2.external.drivers import Driver
 from edgevox.ros2.external.settings import Patience
 from edgevox.ros2.external.target import Fix, Target

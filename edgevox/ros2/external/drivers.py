@@ -1,6 +1,5 @@
 """The ways to make a robot drive to a point: it takes goals, or it is steered."""
 
-import math
 from collections.abc import Callable
 from typing import Protocol
 
@@ -9,9 +8,11 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
 from edgevox.agent.skills import SkillFailed
+from edgevox.core.transforms import Pose2D, lift
 from edgevox.robots.capabilities import Twist2D
 from edgevox.ros2.external.settings import Patience
 from edgevox.ros2.external.target import Fix, Target
+from edgevox.ros2.messages import pose_msg
 from edgevox.ros2.stamps import to_msg
 
 STILL = Twist2D(0.0, 0.0)
@@ -133,11 +134,8 @@ def goal_message(target: Target, fix: Fix) -> PoseStamped:
     message = PoseStamped()
     message.header.frame_id = fix.frame
     message.header.stamp = to_msg(fix.stamp_ns)
-    message.pose.position.x = float(target.x_m)
-    message.pose.position.y = float(target.y_m)
     yaw = target.bearing_rad(fix.pose) if target.yaw_rad is None else target.yaw_rad
-    message.pose.orientation.z = math.sin(yaw / 2)
-    message.pose.orientation.w = math.cos(yaw / 2)
+    message.pose = pose_msg(lift(Pose2D(float(target.x_m), float(target.y_m), yaw)))
     return message
 
 

@@ -1,28 +1,17 @@
 """Transforms between frames, from /tf and /tf_static: the newest of each, and chains of them.
 
 No times are interpolated: what is asked is where things are now. Frame ids are compared without a
-leading slash. No ROS here; a transform is a (4, 4) matrix in metres that takes points of the child
-frame to its parent.
+leading slash. No ROS here; a transform is the child's pose in its parent.
 """
 
-import math
 import threading
 from collections.abc import Iterator
 
-import numpy as np
-from numpy.typing import NDArray
-
-from edgevox.robots.capabilities import Pose2D
+from edgevox.core.transforms import IDENTITY, Pose3D, compose, inverse
 from edgevox.ros2.external.plausible import FURTHEST_FRAME_M
-from edgevox.ros2.interop.geometry import OFF_UNIT
 
 MAP = "map"
 MOST_FRAMES = 2000
-
-Matrix = NDArray[np.float64]
-Vector3 = tuple[float, float, float]
-Quaternion = tuple[float, float, float, float]
-"""x, y, z, w."""
 
 
 class Frames:
@@ -30,14 +19,15 @@ class Frames:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._parents: dict[str, tuple[str, Matrix]] = {}
+        self._parents: dict[str, tuple[str, Pose3D]] = {}
 
-    def put(self, parent: str, child: str, transform: Matrix) -> bool:
-        """Remember it; False, and forgotten, if it cannot be one."""
+    def put(self, parent: str, child: str, transform: Pose3D) -> bool:
+        """Remember where `child` is; False, and forgotten, if it cannot be there."""
         parent, child = plain(parent), plain(child)
         with self._lock:
             known = child in self._parents or len(self._parents) < MOST_FRAMES
-            near = (np.abs(transform) <= FURTHEST_FRAME_M).all()  # which no NaN is
+            at = transform.x_m, transform.y_m, transform.z_m
+            near = all(abs(metres) <= FURTHEST_FRAME_M for metres in at)  # which no NaN is
             good = parent and child and parent != child and near
             if not (good and known):
                 return False
@@ -49,14 +39,13 @@ class Frames:
         with self._lock:
             return plain(frame) in self._parents
 
-    def lookup(self, target: str, source: str) -> Matrix | None:
-        """Takes points of `source` to `target`; None if no chain joins them."""
+    def lookup(self, target: str, source: str) -> Pose3D | None:
+        """Where `source` is in `target`; None if no chain joins them."""
         with self._lock:
             up = dict(self._climb(plain(source)))
             for frame, from_target in self._climb(plain(target)):
                 if frame in up:
-                    there: Matrix = np.linalg.inv(from_target) @ up[frame]
-                    return there
+                    return compose(inverse(from_target), up[frame])
         return None
 
     def map_above(self, frame: str) -> str | None:
@@ -64,9 +53,9 @@ class Frames:
         with self._lock:
             return next((f for f, _ in self._climb(plain(frame)) if _basename(f) == MAP), None)
 
-    def _climb(self, frame: str) -> Iterator[tuple[str, Matrix]]:
-        """A frame and all above it, each with what takes the first one's points to it."""
-        transform: Matrix = np.eye(4)
+    def _climb(self, frame: str) -> Iterator[tuple[str, Pose3D]]:
+        """A frame and all above it, each with where the first one is in it."""
+        transform = IDENTITY
         seen = {frame}
         yield frame, transform
         while frame in self._parents:
@@ -74,31 +63,8 @@ class Frames:
             if frame in seen:
                 return
             seen.add(frame)
-            transform = step @ transform
+            transform = compose(step, transform)
             yield frame, transform
-
-
-def matrix(translation: Vector3, rotation: Quaternion) -> Matrix:
-    """A transform of a translation (m) and a quaternion; of NaN if that is not of length 1."""
-    x, y, z, w = rotation
-    norm = math.hypot(x, y, z, w)
-    if not abs(norm - 1.0) <= OFF_UNIT:
-        return np.full((4, 4), np.nan)
-    x, y, z, w = x / norm, y / norm, z / norm, w / norm
-    turned: Matrix = np.eye(4)
-    turned[:3, :3] = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ]
-    turned[:3, 3] = translation
-    return turned
-
-
-def flatten(transform: Matrix) -> Pose2D:
-    """Where a transform puts its child frame on the floor, and which way that looks."""
-    yaw_rad = math.atan2(transform[1, 0], transform[0, 0])
-    return Pose2D(float(transform[0, 3]), float(transform[1, 3]), yaw_rad)
 
 
 def plain(frame: str) -> str:

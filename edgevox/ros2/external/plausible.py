@@ -3,7 +3,8 @@
 import math
 from dataclasses import dataclass
 
-from edgevox.robots.capabilities import Pose2D, Twist2D
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.capabilities import Twist2D
 
 FURTHEST_M = 10_000.0
 """No goal, place or pose is further from the map's origin, along either axis."""

@@ -12,8 +12,9 @@ from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
 from edgevox.core.log import get_logger
+from edgevox.core.transforms import Pose2D
 from edgevox.robots.bounds import Bounds
-from edgevox.robots.capabilities import LidarScan, Pose2D, Report, Twist2D
+from edgevox.robots.capabilities import LidarScan, Report, Twist2D
 from edgevox.robots.navigation import LOCATION, navigation_skills
 from edgevox.ros2.external.drive import Drive
 from edgevox.ros2.external.link import Link

@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-from geometry_msgs.msg import Quaternion, Vector3
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
@@ -15,11 +14,13 @@ from edgevox.agent.skills import SkillFailed
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
-from edgevox.robots.capabilities import LidarScan, Pose2D, Twist2D
-from edgevox.ros2.external.frames import Frames, Matrix, flatten, matrix, plain
+from edgevox.core.transforms import ORIGIN, Pose2D, compose, lift, project, rigid
+from edgevox.robots.capabilities import LidarScan, Twist2D
+from edgevox.ros2.external.frames import Frames, plain
 from edgevox.ros2.external.plausible import Speeds, on_the_map, sweeps
 from edgevox.ros2.external.sightings import SILENT_S, Sighting, Sightings
 from edgevox.ros2.external.target import Fix
+from edgevox.ros2.messages import pose_of, pose_of_transform
 from edgevox.ros2.stamps import NS_PER_S, to_ns
 from tf2_msgs.msg import TFMessage
 
@@ -81,7 +82,7 @@ class Senses:
         to_map = self._frames.lookup(frame, odom) if frame else None
         if frame is None or to_map is None:
             return Fix(seen.pose, seen.twist, seen.frame, seen.stamp_ns)
-        pose = flatten(to_map @ _matrix_of(seen.pose))
+        pose = project(compose(to_map, lift(seen.pose)))
         return Fix(pose, seen.twist, frame, seen.stamp_ns)
 
     @property
@@ -129,11 +130,11 @@ class Senses:
         """Where the lidar sits on the body; at its middle, looking ahead, if no transform says."""
         seen = self.sightings.newest()
         if seen is None:
-            return Pose2D(0.0, 0.0, 0.0)
+            return ORIGIN
         transform = self._frames.lookup(self._named(seen.child_frame), self._named(frame))
         if transform is None:
-            return Pose2D(0.0, 0.0, 0.0)
-        return flatten(transform)
+            return ORIGIN
+        return project(transform)
 
     def _named(self, frame: str) -> str:
         """The frame's name on /tf, where several robots put their namespaces before theirs."""
@@ -143,7 +144,7 @@ class Senses:
     def _hear_odometry(self, message: Odometry) -> None:
         at, speed = message.pose.pose, message.twist.twist
         sighting = Sighting(
-            pose=flatten(_matrix(at.position, at.orientation)),
+            pose=project(rigid(pose_of(at))),
             twist=Twist2D(
                 math.copysign(math.hypot(speed.linear.x, speed.linear.y), speed.linear.x),
                 speed.angular.z,
@@ -172,7 +173,7 @@ class Senses:
 
     def _hear_transforms(self, message: TFMessage) -> None:
         for one in message.transforms:
-            transform = _matrix(one.transform.translation, one.transform.rotation)
+            transform = rigid(pose_of_transform(one.transform))
             fits = self._frames.put(one.header.frame_id, one.child_frame_id, transform)
             self._refused_transforms += not fits
             if not fits and self._is_news("transform", one.child_frame_id):
@@ -205,14 +206,3 @@ def _latched(depth: int) -> QoSProfile:
         reliability=ReliabilityPolicy.RELIABLE,
         durability=DurabilityPolicy.TRANSIENT_LOCAL,
     )
-
-
-def _matrix(position: Vector3, rotation: Quaternion) -> Matrix:
-    return matrix(
-        (position.x, position.y, position.z), (rotation.x, rotation.y, rotation.z, rotation.w)
-    )
-
-
-def _matrix_of(pose: Pose2D) -> Matrix:
-    half = pose.yaw_rad / 2
-    return matrix((pose.x_m, pose.y_m, 0.0), (0.0, 0.0, math.sin(half), math.cos(half)))

@@ -6,7 +6,8 @@ from collections import deque
 from dataclasses import dataclass
 
 from edgevox.core.clock import Clock
-from edgevox.robots.capabilities import Pose2D, Twist2D
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.capabilities import Twist2D
 from edgevox.ros2.external.plausible import Jump, Speeds, drivable, on_the_map, seconds_between
 from edgevox.ros2.stamps import NS_PER_S
 

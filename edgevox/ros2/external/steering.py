@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from edgevox.agent.skills import SkillFailed
-from edgevox.robots.capabilities import LidarScan, Pose2D, Twist2D
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.capabilities import LidarScan, Twist2D
 from edgevox.robots.follower import Follower
 from edgevox.ros2.external.drivers import STILL
 from edgevox.ros2.external.plausible import Jump

@@ -3,7 +3,8 @@
 import math
 from dataclasses import dataclass
 
-from edgevox.robots.capabilities import Pose2D, Twist2D
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.capabilities import Twist2D
 
 
 @dataclass(frozen=True, slots=True)

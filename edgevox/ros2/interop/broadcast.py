@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from builtin_interfaces.msg import Time
 from rclpy.node import Node
 
-from edgevox.robots.capabilities import Pose3D
-from edgevox.ros2.interop.messages import transform_msg
+from edgevox.core.transforms import Pose3D
 from edgevox.ros2.interop.profiles import TF, TF_STATIC
+from edgevox.ros2.messages import transform_msg
 from tf2_msgs.msg import TFMessage
 
 Link = tuple[str, str, Pose3D]

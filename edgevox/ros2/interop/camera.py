@@ -12,11 +12,12 @@ from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
 
 from edgevox.core.errors import InvalidValue
-from edgevox.robots.capabilities import CameraImage, CameraSpec, HasCamera, Pose3D
+from edgevox.core.transforms import Pose3D
+from edgevox.robots.capabilities import CameraImage, CameraSpec, HasCamera
 from edgevox.ros2.interop.broadcast import Link
 from edgevox.ros2.interop.frames import Frames
-from edgevox.ros2.interop.messages import header
 from edgevox.ros2.interop.profiles import SENSOR
+from edgevox.ros2.messages import header
 from edgevox.ros2.stamps import Stamps, to_msg
 from edgevox.ros2.ticker import Ticker
 

@@ -12,11 +12,11 @@ from rclpy.node import Node
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
-from edgevox.robots.capabilities import Body, HasEndEffector, HasPose, Pose3D
-from edgevox.ros2.interop.geometry import OFF_UNIT, compose, unit
-from edgevox.ros2.interop.messages import pose_of
+from edgevox.core.transforms import OFF_UNIT, Pose3D, compose, unit
+from edgevox.robots.capabilities import Body, HasEndEffector, HasPose
 from edgevox.ros2.interop.profiles import GOAL
 from edgevox.ros2.interop.whereabouts import Whereabouts
+from edgevox.ros2.messages import pose_of
 from edgevox.ros2.stamps import to_ns
 
 log = get_logger(__name__)

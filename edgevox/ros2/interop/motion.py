@@ -10,21 +10,14 @@ from geometry_msgs.msg import PoseStamped, PoseWithCovariance, Twist, TwistWithC
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
 
-from edgevox.robots.capabilities import (
-    Body,
-    HasEndEffector,
-    HasPose,
-    Pose3D,
-    TakesVelocity,
-    Twist2D,
-)
+from edgevox.core.transforms import Pose3D, lift
+from edgevox.robots.capabilities import Body, HasEndEffector, HasPose, TakesVelocity, Twist2D
 from edgevox.ros2.interop.broadcast import Broadcaster, Link
 from edgevox.ros2.interop.frames import Frames
-from edgevox.ros2.interop.geometry import lift
-from edgevox.ros2.interop.messages import header, pose_msg
 from edgevox.ros2.interop.odometry import Odometer
 from edgevox.ros2.interop.profiles import POSE
 from edgevox.ros2.interop.whereabouts import Whereabouts
+from edgevox.ros2.messages import header, pose_msg
 from edgevox.ros2.stamps import Stamps, to_msg
 
 _FASTEST_M_S, _FASTEST_RAD_S = 2.0, 4.0

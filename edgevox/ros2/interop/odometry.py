@@ -5,8 +5,7 @@ pose on the map. The body knows its true pose, so `odom` is where the robot was 
 stays there, until somebody puts the robot elsewhere (a reset): then `odom` moves with it.
 """
 
-from edgevox.robots.capabilities import Pose3D
-from edgevox.ros2.interop.geometry import IDENTITY, angle, compose, distance, inverse
+from edgevox.core.transforms import IDENTITY, Pose3D, angle, compose, distance, inverse
 
 _SLACK_M = 0.05
 _SLACK_RAD = 0.2

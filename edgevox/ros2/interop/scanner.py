@@ -6,12 +6,12 @@ import numpy as np
 from rclpy.node import Node
 from sensor_msgs.msg import LaserScan
 
+from edgevox.core.transforms import lift
 from edgevox.robots.capabilities import HasLidar
 from edgevox.ros2.interop.broadcast import Link
 from edgevox.ros2.interop.frames import Frames
-from edgevox.ros2.interop.geometry import lift
-from edgevox.ros2.interop.messages import header
 from edgevox.ros2.interop.profiles import SENSOR
+from edgevox.ros2.messages import header
 from edgevox.ros2.stamps import Stamps, to_msg
 
 

@@ -6,10 +6,9 @@ from collections import deque
 from collections.abc import Mapping
 
 from edgevox.core.errors import InvalidValue
-from edgevox.robots.capabilities import Pose3D
+from edgevox.core.transforms import IDENTITY, Pose3D, compose
 from edgevox.ros2.interop.broadcast import Link
 from edgevox.ros2.interop.frames import Frames
-from edgevox.ros2.interop.geometry import IDENTITY, compose
 
 KEPT = 300
 """Poses that are remembered: 10 s at 30 Hz, as tf2 does."""

@@ -1,9 +1,44 @@
-"""Rigid transforms in 3D, as far as frames need them."""
+"""Poses and rigid transforms, on the floor and in space. Everybody takes them from here.
+
+A pose given in a frame is also the transform that takes points of its own frame to that frame.
+Metres and radians, axes by REP 103: x ahead (east on a map), y left (north), z up, turns
+counter-clockwise. Quaternions are x, y, z, w and of length 1. tests/unit/test_transforms.py holds
+this to SciPy.
+"""
 
 import math
+from dataclasses import dataclass
+from math import isfinite
 
-from edgevox.robots.capabilities import Pose2D, Pose3D
 
+@dataclass(frozen=True, slots=True)
+class Pose2D:
+    """Position (m) and heading (rad, -pi to pi) in the map frame."""
+
+    x_m: float
+    y_m: float
+    yaw_rad: float
+
+    @property
+    def finite(self) -> bool:
+        """Whether every number is one."""
+        return isfinite(self.x_m) and isfinite(self.y_m) and isfinite(self.yaw_rad)
+
+
+@dataclass(frozen=True, slots=True)
+class Pose3D:
+    """Position (m) and orientation (unit quaternion); the identity by default."""
+
+    x_m: float = 0.0
+    y_m: float = 0.0
+    z_m: float = 0.0
+    qx: float = 0.0
+    qy: float = 0.0
+    qz: float = 0.0
+    qw: float = 1.0
+
+
+ORIGIN = Pose2D(0.0, 0.0, 0.0)
 IDENTITY = Pose3D()
 OFF_UNIT = 0.1
 """So much longer or shorter than 1 a quaternion may have become by rounding."""
@@ -13,6 +48,12 @@ def lift(pose: Pose2D) -> Pose3D:
     """A pose on the floor as one in space."""
     half = pose.yaw_rad / 2
     return Pose3D(pose.x_m, pose.y_m, 0.0, 0.0, 0.0, math.sin(half), math.cos(half))
+
+
+def project(pose: Pose3D) -> Pose2D:
+    """A pose in space seen from above: where its origin is, and which way its x axis points."""
+    ahead_x, ahead_y, _ = _rotate(pose, 1.0, 0.0, 0.0)
+    return Pose2D(pose.x_m, pose.y_m, math.atan2(ahead_y, ahead_x))
 
 
 def compose(parent: Pose3D, child: Pose3D) -> Pose3D:
@@ -56,6 +97,12 @@ def unit(pose: Pose3D) -> Pose3D:
         return Pose3D(pose.x_m, pose.y_m, pose.z_m)
     q = (pose.qx / length, pose.qy / length, pose.qz / length, pose.qw / length)
     return Pose3D(pose.x_m, pose.y_m, pose.z_m, *q)
+
+
+def rigid(pose: Pose3D) -> Pose3D:
+    """With a quaternion of length 1; all NaN if it is further off than rounding explains."""
+    length = math.hypot(pose.qx, pose.qy, pose.qz, pose.qw)
+    return unit(pose) if abs(length - 1.0) <= OFF_UNIT else Pose3D(*(7 * [math.nan]))
 
 
 def _rotate(pose: Pose3D, x: float, y: float, z: float) -> tuple[float, float, float]:

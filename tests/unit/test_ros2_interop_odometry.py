@@ -1,4 +1,4 @@
-"""Rigid transforms, odometry and memory of poses."""
+"""Odometry and memory of poses."""
 
 import math
 
@@ -7,18 +7,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from edgevox.core.errors import InvalidValue
-from edgevox.robots.capabilities import CameraSpec, Pose2D, Pose3D
-from edgevox.ros2.interop.camera import camera_info
-from edgevox.ros2.interop.frames import Frames
-from edgevox.ros2.interop.geometry import (
+from edgevox.core.transforms import (
     IDENTITY,
+    Pose2D,
+    Pose3D,
     angle,
     compose,
     distance,
-    inverse,
     lift,
     unit,
 )
+from edgevox.robots.capabilities import CameraSpec
+from edgevox.ros2.interop.camera import camera_info
+from edgevox.ros2.interop.frames import Frames
 from edgevox.ros2.interop.odometry import Odometer
 from edgevox.ros2.interop.whereabouts import Whereabouts
 
@@ -30,29 +31,6 @@ floor = st.builds(Pose2D, near, near, st.floats(-math.pi, math.pi)).map(lift)
 
 def same(one, other):
     return distance(one, other) < 1e-6 and angle(one, other) < 1e-5
-
-
-@given(poses)
-def test_there_and_back_is_nowhere(pose):
-    assert same(compose(pose, inverse(pose)), IDENTITY)
-    assert same(compose(inverse(pose), pose), IDENTITY)
-
-
-@given(poses, poses, poses)
-def test_it_does_not_matter_which_two_are_put_together_first(one, two, three):
-    assert same(compose(compose(one, two), three), compose(one, compose(two, three)))
-
-
-def test_a_quarter_turn_left_makes_ahead_left():
-    seen = compose(lift(Pose2D(1.0, 2.0, math.pi / 2)), Pose3D(3.0))
-    assert (seen.x_m, seen.y_m) == (pytest.approx(1.0), pytest.approx(5.0))
-
-
-def test_the_optical_frame_has_its_z_ahead_and_its_y_down():
-    optical = Pose3D(0, 0, 0, -0.5, 0.5, -0.5, 0.5)
-    ahead, down = compose(optical, Pose3D(0, 0, 1)), compose(optical, Pose3D(0, 1, 0))
-    assert (ahead.x_m, ahead.y_m, ahead.z_m) == (1, 0, 0)
-    assert (down.x_m, down.y_m, down.z_m) == (0, 0, -1)
 
 
 @given(st.lists(floor, min_size=1, max_size=30))

@@ -4,7 +4,7 @@ from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, Pose, Quaternion, Transform, TransformStamped, Vector3
 from std_msgs.msg import Header
 
-from edgevox.robots.capabilities import Pose3D
+from edgevox.core.transforms import Pose3D
 
 
 def header(frame: str, stamp: Time) -> Header:
@@ -31,6 +31,12 @@ def transform_msg(parent: str, child: str, pose: Pose3D, stamp: Time) -> Transfo
 def pose_of(message: Pose) -> Pose3D:
     """A message as a pose; its quaternion as it is."""
     p, q = message.position, message.orientation
+    return Pose3D(p.x, p.y, p.z, q.x, q.y, q.z, q.w)
+
+
+def pose_of_transform(message: Transform) -> Pose3D:
+    """Where a transform puts the child in the parent; its quaternion as it is."""
+    p, q = message.translation, message.rotation
     return Pose3D(p.x, p.y, p.z, q.x, q.y, q.z, q.w)
 
 
