@@ -11,7 +11,7 @@ from hassil.expression import Alternative, Expression, RuleReference, Sequence, 
 from hassil.parse_expression import parse_sentence
 
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
-from edgevox.agent.safety import SafetyWords
+from edgevox.agent.safety import find_stop_word
 from edgevox.agent.skills import Skill
 from edgevox.agent.spelling import key
 from edgevox.core.errors import InvalidValue
@@ -31,7 +31,7 @@ def check_name(field: str, name: str, stopping: Iterable[str] = ()) -> None:
     said = name.replace("_", " ")
     for code in sorted(LANGUAGES, key=lambda code: code != ENGLISH):
         language = LANGUAGES[code].name
-        if word := _safety(code).find(said):
+        if word := find_stop_word(code, said):
             raise InvalidValue(
                 field, name, f"a name without {word!r}, which stops the robot in {language}"
             )
@@ -52,11 +52,6 @@ def check_skills(skills: Iterable[Skill]) -> None:
         for argument, choices in one.choices.items():
             for name in (*choices.words, *choices.aliases):
                 check_name(f"{one.name}.{argument}", name)
-
-
-@cache
-def _safety(code: str) -> SafetyWords:
-    return SafetyWords(code)
 
 
 @cache

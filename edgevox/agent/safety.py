@@ -1,10 +1,9 @@
 """Stop words: what halts a robot at once, whatever a model is doing."""
 
-import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import chain
 
 from edgevox.agent.stop_spelling import Word, readings, spelled_out, words
@@ -38,15 +37,21 @@ class SafetyWords:
     """
 
     def __init__(self, code: str) -> None:
-        self._rules = _rules(code)
+        self._code = code
+        _rules(code).prepare()
 
     def find(self, text: str) -> str | None:
         """The stop word that this utterance holds, as the table spells it, or None."""
-        for part in _ends(text):
-            for reading in readings(part):
-                if found := self._rules.find(reading):
-                    return found
-        return None
+        return find_stop_word(self._code, text)
+
+
+def find_stop_word(code: str, text: str) -> str | None:
+    """The same for once, of any language: what a stop needs is made ready when one is found."""
+    for part in _ends(text):
+        for reading in readings(part):
+            if found := _rules(code).find(reading):
+                return found
+    return None
 
 
 class _Rules:
@@ -59,9 +64,7 @@ class _Rules:
         self._last = _index(table.last for table in tables)
         self._alone = _index(table.alone for table in tables)
         self._courtesies = _index(table.courtesies for table in tables)
-        self._innocent = _innocent(tables)
-        self._reach = max(len(phrase) for phrase in self._innocent)
-        self._lengths = _lengths(self._innocent)
+        self._tables = tables
         single = [
             (phrase[0], said)
             for phrases in self._anywhere.values()
@@ -70,7 +73,16 @@ class _Rules:
         ]
         self._whole = {word.bare: said for word, said in single}
         self._exact = {word.exact for word, _ in single}
-        self._again = _repeated(self._whole)
+        self._longest = max(map(len, self._whole))
+
+    def prepare(self) -> None:
+        """Make ready now what the first stop word would have to wait for."""
+        self._excused.reach  # noqa: B018 - it is made when it is first looked at
+
+    @cached_property
+    def _excused(self) -> "_Excused":
+        """What takes longest to make, and only a text with a stop word needs."""
+        return _Excused(_innocent(self._tables))
 
     def find(self, reading: Phrase) -> str | None:
         """The first stop word that counts."""
@@ -97,8 +109,10 @@ class _Rules:
     def _glued(self, reading: Phrase) -> str | None:
         """One word again and again without a space, as in "stopstopstop"."""
         for word in reading:
-            if match := self._again.fullmatch(word.bare):
-                return self._whole[match[match.lastindex or 1]]
+            for length in range(1, min(self._longest, len(word.bare) - 1) + 1):
+                one = word.bare[:length]
+                if one in self._whole and _repeats(one, word.bare):
+                    return self._whole[one]
         return None
 
     def _spelled(self, reading: Phrase) -> str | None:
@@ -126,12 +140,13 @@ class _Rules:
 
     def _is_innocent(self, reading: Phrase, bares: tuple[str, ...], found: _Found) -> bool:
         """Whether it is within an innocent phrase that stands in one clause."""
-        for start in range(max(0, found.end - self._reach), found.start + 1):
-            for length in self._lengths.get(bares[start], ()):
+        excused = self._excused
+        for start in range(max(0, found.end - excused.reach), found.start + 1):
+            for length in excused.lengths.get(bares[start], ()):
                 end = start + length
                 if not found.end <= end <= len(reading):
                     continue
-                phrases = self._innocent.get(bares[start:end], ())
+                phrases = excused.phrases.get(bares[start:end], ())
                 said = reading[start:end] if phrases else ()
                 if any(word.breaks for word in said[1:]):
                     break
@@ -150,6 +165,15 @@ class _Rules:
 
 _Index = dict[str, list[tuple[Phrase, str]]]
 _Innocent = dict[tuple[str, ...], list[tuple[Phrase, bool]]]
+
+
+class _Excused:
+    """Innocent phrases, ready to be looked up."""
+
+    def __init__(self, phrases: _Innocent) -> None:
+        self.phrases = phrases
+        self.lengths = _lengths(phrases)
+        self.reach = max(map(len, phrases))
 
 
 @lru_cache
@@ -203,14 +227,11 @@ def _lengths(phrases: Iterable[tuple[str, ...]]) -> dict[str, tuple[int, ...]]:
     return {word: tuple(sorted(some)) for word, some in lengths.items()}
 
 
-def _repeated(stop_words: Iterable[str]) -> re.Pattern[str]:
-    """Matches a bare word again and again; where one begins and ends alike, the two are folded."""
-    ways = []
-    for word in stop_words:
-        more = word[1:] if word[0] == word[-1] else word
-        if more:
-            ways.append(f"({re.escape(word)})(?:{re.escape(more)})+")
-    return re.compile("|".join(ways))
+def _repeats(word: str, text: str) -> bool:
+    """Whether a bare text is this word again and again; its last letter may be its first too."""
+    more = word[1:] if word[0] == word[-1] else word
+    times, rest = divmod(len(text) - len(word), len(more) or 1)
+    return times > 0 and not rest and text == word + more * times
 
 
 def _bare(phrase: Phrase) -> tuple[str, ...]:

@@ -5,8 +5,6 @@ import platform
 from collections.abc import Mapping
 from typing import Any
 
-import pynvml
-
 _GIB = 2**30
 _MIB = 2**20
 _NO_GPU: Mapping[str, Any] = {
@@ -28,6 +26,8 @@ def hardware_info() -> dict[str, Any]:
 
 
 def _first_gpu() -> Mapping[str, Any]:
+    import pynvml
+
     try:
         pynvml.nvmlInit()
     except pynvml.NVMLError:

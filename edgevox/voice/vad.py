@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Protocol
 
 import numpy as np
-import onnxruntime
 
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.extras import install_extra
@@ -33,6 +32,8 @@ class SileroVad:
     """
 
     def __init__(self, path: Path | None = None) -> None:
+        import onnxruntime
+
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = options.inter_op_num_threads = 1
         options.add_session_config_entry("session.intra_op.allow_spinning", "0")

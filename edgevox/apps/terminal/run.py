@@ -9,7 +9,6 @@ from edgevox.apps.ending import Ending
 from edgevox.apps.parts import Parts
 from edgevox.apps.terminal.ahead import typed_ahead
 from edgevox.apps.terminal.commands import Desk, is_stop
-from edgevox.apps.terminal.prompt import Prompt
 from edgevox.apps.terminal.script import run_script
 from edgevox.apps.terminal.view import View
 from edgevox.core.clock import SystemClock
@@ -27,6 +26,8 @@ def run_terminal(parts: Parts, ending: Ending) -> None:
     if _is_terminal():
         typed = typed_ahead(sys.stdin.fileno(), lambda line: is_stop(line.strip(), desk))
         if parts.settings.simple_ui:
+            from edgevox.apps.terminal.prompt import Prompt
+
             Prompt(parts.bus, desk, SystemClock()).run(ending, typed)
             return
         from edgevox.apps.tui import run_tui
