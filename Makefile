@@ -41,7 +41,7 @@ run: $(DONE)/$(if $(ROS2),msgs,run) ## Start the agent, aloud and on ROS 2; the 
 	@exec $(BIN)/edgevox-agent $(AGENT) $(if $(ROS2),--ros2) $(ARGS)
 
 # The parts of the tests, and what each needs that is fetched or built first. ARGS may name some.
-PARTS := unit robots models ros2 docs compose
+PARTS := unit programs robots models ros2 docs compose
 NEEDS_robots := test-models
 NEEDS_models := test-models $(DONE)/llama-cpp
 NEEDS_ros2 := test-models $(DONE)/msgs
@@ -59,12 +59,12 @@ test: ## Run all tests, or those that ARGS names; ARGS goes to pytest.
 	@$(BIN)/python -m pytest $(if $(NAMED),,$(BESIDE)) $(ARGS)
 
 .PHONY: unit
-unit: $(DONE)/dev ## Run what needs no model, no container, no node: in a minute.
-	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile tests/unit $(ARGS)
+unit: $(DONE)/dev ## Run what needs no model, no container, no node, no program: in a minute.
+	@$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal tests/unit $(ARGS)
 
 .PHONY: steady
 steady: ## Run tests again and again, on a machine that is kept busy; hours.
-	@PYTHON=$(PYTHON) scripts/check_machine unit robots models ros2
+	@PYTHON=$(PYTHON) scripts/check_machine unit programs robots models ros2
 	@$(MAKE) --no-print-directory $(DONE)/dev
 	@$(MAKE) --no-print-directory -j2 $(NEEDS_robots) $(NEEDS_models) $(NEEDS_ros2)
 	@$(BIN)/python scripts/steady.py $(ARGS)

@@ -7,7 +7,7 @@ from itertools import chain, zip_longest
 from pathlib import Path
 from typing import TypeVar
 
-COMPUTING = ("models", "robots", "docs", "unit")
+COMPUTING = ("models", "robots", "programs", "docs", "unit")
 """The parts of the tests that mostly compute, the longest first."""
 WAITING = ("compose", "ros2")
 """Those that mostly wait: for containers, for the other end of a wire, for a robot to arrive."""

@@ -1,12 +1,6 @@
 """Which language model the settings give, and a robot that a shared one moves."""
 
-import os
-import subprocess
-import sys
-from pathlib import Path
-
 import pytest
-from llm_server import good, serving
 
 from edgevox.agent.llm.endpoint import FallbackModel
 from edgevox.apps.language_model import find_weights, open_model
@@ -58,27 +52,3 @@ def test_an_address_that_is_none_is_refused_without_showing_a_password(url: str)
 )
 def test_an_address_that_is_one_is_taken(url: str) -> None:
     assert load_settings({"llm_endpoint": url}).llm_endpoint == url
-
-
-def test_a_wish_moves_a_robot_by_a_shared_model(tmp_path: Path) -> None:
-    program = Path(sys.executable).with_name("edgevox-agent")
-    key = tmp_path / "key"
-    key.write_text("hunter")
-    call = good("call: ", 'navigate_to(room="kitchen"); ', "done")
-    with serving(call) as server:
-        ran = subprocess.run(
-            [str(program), "robot-apartment", "--text-mode", "--simple-ui", "--llm", "none"],
-            input=f"{WISH}\n",
-            capture_output=True,
-            text=True,
-            timeout=60,
-            env=os.environ
-            | {"EDGEVOX_LLM_ENDPOINT": server.url, "EDGEVOX_LLM_ENDPOINT_KEY_FILE": str(key)},
-        )
-
-    assert ran.returncode == 0
-    assert "I am in the kitchen." in ran.stdout
-    assert set(server.keys) == {"Bearer hunter"}
-    assert "hunter" not in ran.stdout + ran.stderr
-    # Not only in the last request: between turns the prompt's beginning is asked for, to be warm.
-    assert any(WISH in str(asked["messages"]) for asked in server.asked)

@@ -1,6 +1,5 @@
 """The robots that there are: what each needs is in the manifest, and missed in words that help."""
 
-import subprocess
 import sys
 from pathlib import Path
 
@@ -31,20 +30,6 @@ def test_a_model_that_is_missing_is_said_with_the_command_that_fetches_it(
     monkeypatch.setenv("EDGEVOX_MODELS_DIR", str(tmp_path))
     with pytest.raises(ModelMissing, match=f"edgevox-models fetch {ROBOTS[name].models[0]}"):
         build_body(name, load_settings({}))
-
-
-def test_a_robot_whose_model_is_missing_ends_the_program_with_1(tmp_path, monkeypatch):
-    monkeypatch.setenv("EDGEVOX_MODELS_DIR", str(tmp_path))
-    done = subprocess.run(
-        [AGENT, MODELLED[0], "--text-mode", "--llm=none"],
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        text=True,
-        timeout=60,
-    )
-    assert done.returncode == 1
-    assert "edgevox-models fetch" in done.stderr
-    assert "Traceback" not in done.stderr
 
 
 @pytest.mark.parametrize("name", ROBOTS)

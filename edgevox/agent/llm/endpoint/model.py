@@ -34,10 +34,17 @@ class EndpointModel:
     nothing else comes through.
     """
 
-    def __init__(self, address: Address, *, context_tokens: int = CONTEXT_TOKENS) -> None:
+    def __init__(
+        self,
+        address: Address,
+        *,
+        context_tokens: int = CONTEXT_TOKENS,
+        pauses_s: Sequence[float] = PAUSES_S,
+    ) -> None:
         self.name = address.model or address.host
         self.context_tokens = context_tokens
         self._address = address
+        self._pauses_s = pauses_s
         self._offer: Offer | None = None
         self._closed = threading.Event()
         self._lock = threading.Lock()
@@ -58,7 +65,7 @@ class EndpointModel:
     ) -> Iterator[str]:
         """See `LanguageModel.generate`."""
         deadline_s = time.monotonic() + self._address.timeout_s
-        pauses, begun = iter(PAUSES_S), False
+        pauses, begun = iter(self._pauses_s), False
         while not token.cancelled:
             try:
                 with closing(

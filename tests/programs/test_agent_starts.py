@@ -1,0 +1,102 @@
+"""How `edgevox-agent` starts: with what it needs, and what it says where that is not here."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from gguf_files import small_gguf
+
+AGENT = Path(sys.executable).with_name("edgevox-agent")
+NOT_FOR_TYPING = {"av", "onnxruntime", "prompt_toolkit", "pynvml", "rclpy", "textual"}
+
+
+def test_what_is_typed_to_loads_no_engine_of_sound_and_no_screen():
+    program = (
+        "import sys; from edgevox.apps.agent import main; main(sys.argv[1:])\n"
+        "print(*sys.modules, file=sys.stderr)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program, "robot-apartment", "--text-mode", "--llm=none"],
+        input="where are you\n",
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+
+    assert "I am in the living room" in done.stdout
+    assert not NOT_FOR_TYPING.intersection(done.stderr.split())
+
+
+def test_a_robot_whose_model_is_missing_ends_the_program_with_1(tmp_path, monkeypatch):
+    monkeypatch.setenv("EDGEVOX_MODELS_DIR", str(tmp_path))
+    done = subprocess.run(
+        [AGENT, "robot-panda", "--text-mode", "--llm=none"],
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.returncode == 1
+    assert "edgevox-models fetch" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_without_its_wake_words_it_does_not_start_and_names_the_command(tmp_path):
+    flags = ["--llm=none", "--audio-in=none", "--wakeword=hey jarvis"]
+    done = subprocess.run(
+        [AGENT, "robot-apartment", *flags, f"--audio-out={tmp_path / 'answers.wav'}"],
+        env=os.environ | {"EDGEVOX_MODELS_DIR": str(tmp_path / "models")},
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+
+    assert done.returncode == 1
+    assert "get it with: edgevox-models fetch wake-words" in done.stderr
+
+
+@pytest.mark.parametrize("flag", ["world", "scenario", "config"])
+def test_the_program_refuses_a_pipe_in_one_line(flag, tmp_path):
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    done = subprocess.run(
+        [AGENT, "robot-apartment", "--text-mode", f"--{flag}={pipe}"],
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        timeout=60,
+    )
+    expected = "a file that can be read (Not a regular file)"
+    told = f"edgevox-agent: {flag}: got '{pipe}', expected {expected}"
+    assert (done.returncode, done.stderr.decode().strip()) == (2, told)
+
+
+def test_a_process_that_may_not_have_the_memory_goes_on_without_the_model(tmp_path):
+    """Really so: the kernel gives this process no more address space."""
+    program = (
+        "import resource, sys\n"
+        "from edgevox.apps.agent import main\n"
+        "taken = int(open('/proc/self/statm').read().split()[0]) * resource.getpagesize()\n"
+        "resource.setrlimit(resource.RLIMIT_AS, (taken + (180 << 20),) * 2)\n"
+        "sys.exit(main())"
+    )
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-c",
+            program,
+            "robot-apartment",
+            "--text-mode",
+            f"--llm={small_gguf(tmp_path)}",
+        ],
+        input="where are you\n",
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+
+    assert done.returncode == 0, done.stderr
+    assert "out of memory: a context of 4096 tokens needs about 0.2 GB" in done.stderr
+    assert "I am in the living room" in done.stdout
