@@ -59,7 +59,7 @@ test: ## Run all tests, or those that ARGS names; ARGS goes to pytest.
 	@$(BIN)/python -m pytest $(if $(NAMED),,$(BESIDE)) $(ARGS)
 
 .PHONY: unit
-unit: $(DONE)/dev ## Run what needs no model, no container, no node, no program: in a minute.
+unit: $(DONE)/dev ## Run what needs no model, no container, no node, and starts nothing large: in a minute.
 	@$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal tests/unit $(ARGS)
 
 .PHONY: steady

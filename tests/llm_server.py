@@ -9,12 +9,14 @@ from typing import Any
 
 from edgevox.agent.llm.base import Message
 from edgevox.agent.llm.endpoint import Address, EndpointModel
+from edgevox.agent.llm.endpoint.model import PAUSES_S
 from edgevox.core.cancel import CancelToken
 
 CHAT = [Message("system", "Be brief."), Message("user", "Where to?")]
 ROOMS = 'root ::= "go " ("kitchen" | "bedroom") "!"'
 Chat = Callable[["Reply"], None]
 HUNG_S = 120.0
+AT_ONCE_S = [0.0 for _ in PAUSES_S]
 PATIENCE_S = 60.0
 """What answers has so long, on whatever machine; shorter where silence is the subject."""
 
@@ -98,8 +100,9 @@ class Server:
         return f"http://127.0.0.1:{self.port}"
 
     def model(self, timeout_s: float = PATIENCE_S, **address: Any) -> EndpointModel:
-        """A model that asks this server; it is closed with it."""
-        model = EndpointModel(Address(self.url, timeout_s=timeout_s, **address))
+        """A model that asks this server, again at once if that failed; it is closed with it."""
+        where = Address(self.url, timeout_s=timeout_s, **address)
+        model = EndpointModel(where, pauses_s=AT_ONCE_S)
         self._models.append(model)
         return model
 

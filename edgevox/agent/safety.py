@@ -73,7 +73,9 @@ class _Rules:
         ]
         self._whole = {word.bare: said for word, said in single}
         self._exact = {word.exact for word, _ in single}
-        self._longest = max(map(len, self._whole))
+        self._begun: dict[str, list[str]] = defaultdict(list)
+        for bare in self._whole:
+            self._begun[bare[:2]].append(bare)
 
     def prepare(self) -> None:
         """Make ready now what the first stop word would have to wait for."""
@@ -109,9 +111,8 @@ class _Rules:
     def _glued(self, reading: Phrase) -> str | None:
         """One word again and again without a space, as in "stopstopstop"."""
         for word in reading:
-            for length in range(1, min(self._longest, len(word.bare) - 1) + 1):
-                one = word.bare[:length]
-                if one in self._whole and _repeats(one, word.bare):
+            for one in self._begun.get(word.bare[:2], ()):
+                if _repeats(one, word.bare):
                     return self._whole[one]
         return None
 

@@ -108,11 +108,12 @@ def test_ci_and_make_ask_the_same_list():
     ("arguments", "parts", "built"),
     [
         ("tests/unit/test_bus.py", "unit", []),
+        ("tests/programs", "programs", []),
         ("tests/unit tests/robots/test_tui.py -x", "robots unit", ["test-models"]),
         ("tests/ros2", "ros2", [".venv/done/msgs", "test-models"]),
         (
             "--durations=20",
-            "unit robots models ros2 docs compose",
+            "unit programs robots models ros2 docs compose",
             [".venv/done/llama-cpp", ".venv/done/msgs", "test-image", "test-models"],
         ),
     ],

@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from edgevox.agent import goal_runner
+from edgevox.agent import goal_runner, lane
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.lane import GRACE_S
@@ -148,8 +148,14 @@ def test_whatever_a_skill_does_its_failure_is_spoken_and_the_next_one_runs(stage
     assert {"failed", "succeeded"} <= {end["status"] for end in stage.ends}
 
 
+@pytest.fixture
+def little_grace(monkeypatch):
+    """Nobody waits the usual two seconds for what never returns."""
+    monkeypatch.setattr(lane, "GRACE_S", 0.1)
+
+
 @pytest.mark.parametrize("said", ["wander", "ponder"])
-def test_a_skill_that_never_ends_is_left_alone_when_it_is_stopped(stage, said):
+def test_a_skill_that_never_ends_is_left_alone_when_it_is_stopped(stage, little_grace, said):
     stage.say(said)
     assert stage.skills.hangs.wait(PATIENCE_S)
 
@@ -170,7 +176,7 @@ def test_an_answer_that_does_not_come_does_not_hold_up_the_next_for_ever(stage, 
     stage.hear("I have walked.")
 
 
-def test_what_it_says_when_it_comes_back_after_all_is_not_heard(stage):
+def test_what_it_says_when_it_comes_back_after_all_is_not_heard(stage, little_grace):
     stage.say("wander")
     assert stage.skills.hangs.wait(PATIENCE_S)
     stage.say("stop")
