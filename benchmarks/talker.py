@@ -10,7 +10,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "ros2"))
 
-from conftest import AGENT, Agent
+from agent_process import AGENT, Agent
 from peer import RELIABLE, SENSOR, STATE, Heard, Peer, wait_until
 
 PLAIN = ("where are you", "go to the kitchen", "go to the bedroom", "what is your battery level")

@@ -1,14 +1,10 @@
 """What overlays give a robot: a recorder, models on a volume, a language model on a server."""
 
 import secrets
-import sys
 
 import pytest
-from stacks import ROOT, Stack, count_messages, docker, stack, wait_until
-
-sys.path.insert(0, str(ROOT / "tests" / "unit"))
-
 from llm_server import good, serving
+from stacks import Stack, count_messages, docker, stack, wait_until
 
 pytestmark = pytest.mark.usefixtures("image")
 SERVICE = "edgevox-ros2"

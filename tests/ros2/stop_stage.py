@@ -14,7 +14,7 @@ from agent_process import READY, Agent
 from peer import RELIABLE, STATE, Peer, wait_until
 from std_msgs.msg import String
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
+sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from llm_server import Server
 
