@@ -18,7 +18,7 @@ from edgevox.ros2.parameters import Parameters, declare
 from edgevox.ros2.presence import Presence
 from edgevox.ros2.queries import QueryServices
 from edgevox.ros2.skill_action import open_skill_action
-from edgevox.ros2.ticker import Ticker
+from edgevox.ros2.ticker import MakeTicker, Ticker
 from edgevox.ros2.topics import Topics
 from edgevox.ros2.wiring import Wiring
 
@@ -41,14 +41,17 @@ class Refuses(Protocol):
 class RosBridge:
     """EdgeVox as a ROS 2 node: what `contract` promises, served until `close`.
 
+    What comes at a rate is ticked by what `tickers` makes: one for all, and one for the camera.
     Raises `RosBridgeFailed` where ROS 2 does not work or a parameter cannot be honoured.
     """
 
     missing = ""
 
-    def __init__(self, wiring: Wiring, ros_args: Sequence[str] = ()) -> None:
+    def __init__(
+        self, wiring: Wiring, ros_args: Sequence[str] = (), tickers: MakeTicker = Ticker
+    ) -> None:
         self._node = RosNode(wiring.settings.ros2_namespace, ros_args)
-        self._ticker = Ticker("edgevox-ticker")
+        self._ticker, self._tickers = tickers("edgevox-ticker"), tickers
         self._body = wiring.body
         self._parts: list[Part] = []
         try:
@@ -135,8 +138,27 @@ class RosBridge:
         if wiring.goals and (action := open_skill_action(node, bus, wiring.goals)):
             self._parts.append(action)
         if wiring.body and not isinstance(wiring.body, ExternalRobot):  # it has its own topics
-            interop = _interop(self._node, wiring, wiring.body, self._ticker, values)
-            self._parts.append(interop)
+            self._parts.append(self._interop(wiring, wiring.body, values))
+
+    def _interop(self, wiring: Wiring, body: Body, values: dict[str, str | bool]) -> Interop:
+        def run_skill(name: str, arguments: Mapping[str, Any]) -> None:
+            """At once, as a program's goal; where nobody runs those, as a command."""
+            if wiring.goals:
+                wiring.goals.start_goal(name, arguments)
+            else:
+                wiring.submit(RunSkill(name, arguments))
+
+        return Interop(
+            self._node.node,
+            body,
+            run_skill,
+            self._ticker,
+            odom_frame=str(values["odom_frame"]),
+            frame_prefix=str(values["frame_prefix"]),
+            publish_clock=bool(values["publish_clock"]),
+            interlock=wiring.interlock,
+            tickers=self._tickers,
+        )
 
 
 def _audio(node: Node, wiring: Wiring) -> list[Part]:
@@ -151,25 +173,3 @@ def _audio(node: Node, wiring: Wiring) -> list[Part]:
 
         parts.append(AudioOut(node, wiring.audio_out))
     return parts
-
-
-def _interop(
-    ros: RosNode, wiring: Wiring, body: Body, ticker: Ticker, values: dict[str, str | bool]
-) -> Interop:
-    def run_skill(name: str, arguments: Mapping[str, Any]) -> None:
-        """At once, as a program's goal; where nobody runs those, as a command."""
-        if wiring.goals:
-            wiring.goals.start_goal(name, arguments)
-        else:
-            wiring.submit(RunSkill(name, arguments))
-
-    return Interop(
-        ros.node,
-        body,
-        run_skill,
-        ticker,
-        odom_frame=str(values["odom_frame"]),
-        frame_prefix=str(values["frame_prefix"]),
-        publish_clock=bool(values["publish_clock"]),
-        interlock=wiring.interlock,
-    )

@@ -128,7 +128,14 @@ PUBLISHED: tuple[Published, ...] = (
         "std_msgs/msg/Float32",
     ),
     Published("metrics", Qos.RELIABLE, TurnMeasured, _metrics, "seconds of each stage, as JSON"),
-    Published("robot_state", Qos.STATE, RobotState, _robot_state, "the body's state, as JSON"),
+    Published(
+        "robot_state",
+        Qos.STATE,
+        RobotState,
+        _robot_state,
+        "the body's state, as JSON",
+        rate_hz=10.0,  # unless the settings say otherwise
+    ),
     Published("agent_event", Qos.RELIABLE, AgentEvent, _agent_event, "what it does, as JSON"),
     Published("bot_token", Qos.SENSOR, TokenGenerated, _text, "one token as it is generated"),
     Published("bot_sentence", Qos.RELIABLE, SentenceReady, _text, "one sentence as it is spoken"),
@@ -262,6 +269,11 @@ TAKE_OVER = Shared(
 )
 SHARED: tuple[Shared, ...] = (PRESENCE, TAKE_OVER)
 """Which of several agents on one namespace moves the robot: an extra, additions only."""
+
+Rated = Published | Interop | Shared | Periodic
+_OURS: tuple[Rated, ...] = (*PUBLISHED, *INTEROP, *SHARED, DIAGNOSTICS)
+RATED: tuple[Rated, ...] = tuple(row for row in _OURS if row.rate_hz)
+"""What comes at a rate."""
 
 ACTION = ("execute_skill", "edgevox_msgs/action/ExecuteSkill")
 """Its name and type."""

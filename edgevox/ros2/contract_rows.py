@@ -45,7 +45,10 @@ class Qos(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Published:
-    """A topic that carries one kind of event; `encode` gives the message's ``data``."""
+    """A topic that carries one kind of event; `encode` gives the message's ``data``.
+
+    `rate_hz` 0 is for what comes whenever there is something to say.
+    """
 
     topic: str
     qos: Qos
@@ -53,6 +56,7 @@ class Published:
     encode: Callable[[Any], str | float]
     about: str
     type: str = STRING
+    rate_hz: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

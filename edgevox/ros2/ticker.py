@@ -13,6 +13,8 @@ from edgevox.core.log import get_logger
 
 log = get_logger(__name__)
 
+MakeTicker = Callable[[str], "Ticker"]
+"""Makes one by the name of its thread: for whoever needs one of his own."""
 TOGETHER_S = 0.001
 """What is due within this time is done at once."""
 
@@ -34,7 +36,8 @@ class Ticker:
 
     A rate does not drift. A tick that comes too late is skipped, not made up for. One that raises
     is counted in `failures`, logged, and the next one comes. Jobs should be quick: one that is not
-    makes the others late.
+    makes the others late. Whoever holds the clock in his own hand calls `begin` and then `tick`
+    instead of `start`.
     """
 
     def __init__(self, name: str, clock: Clock | None = None) -> None:
@@ -55,10 +58,25 @@ class Ticker:
         return lambda: self._forget(job)
 
     def start(self) -> None:
+        self.begin()
+        self._thread.start()
+
+    def begin(self) -> None:
+        """Every job is due now."""
         now_s = self._clock.now()
         for job in self._jobs:
             job.due_s = now_s
-        self._thread.start()
+
+    def tick(self) -> float | None:
+        """Do what is due; the seconds until something is again, None if nothing ever is."""
+        now_s = self._clock.now()
+        for job in self._jobs:
+            if job.due_s <= now_s + TOGETHER_S:
+                self._try_tick(job)
+                job.advance(self._clock.now())
+        if not self._jobs:
+            return None
+        return max(0.0, min(job.due_s for job in self._jobs) - self._clock.now())
 
     def close(self) -> None:
         """Tick no more, and wait for the tick that runs."""
@@ -67,18 +85,9 @@ class Ticker:
             self._thread.join()
 
     def _work(self) -> None:
-        while not self._closing.wait(self._wait_s()):
-            now_s = self._clock.now()
-            for job in self._jobs:
-                if job.due_s <= now_s + TOGETHER_S:
-                    self._try_tick(job)
-                    job.advance(self._clock.now())
-
-    def _wait_s(self) -> float | None:
-        """Until something is due; for ever if nothing ever is."""
-        if not self._jobs:
-            return None
-        return max(0.0, min(job.due_s for job in self._jobs) - self._clock.now())
+        wait_s: float | None = 0.0
+        while not self._closing.wait(wait_s):
+            wait_s = self.tick()
 
     def _forget(self, job: _Job) -> None:
         with self._ticking:

@@ -2,17 +2,18 @@
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import pytest
 from geometry_msgs.msg import Twist
-from peer import RELIABLE, Heard, Peer, wait_until
+from held_ticks import HeldTime
+from peer import HEARD_S, RELIABLE, Heard, Peer, wait_until
 
 from edgevox.robots.apartment import ApartmentRobot
 from edgevox.ros2.interop import Interop
 from edgevox.ros2.node import RosNode
-from edgevox.ros2.ticker import Ticker
+from edgevox.ros2.ticker import MakeTicker, Ticker
 
 HALL = """
 world: {width: 8, height: 4}
@@ -24,16 +25,31 @@ robot:
 """
 
 
-class Offered:
-    """A body with its interop on a node, and the skills that were asked for."""
+NOT_SENT = {"source_timestamp": 0}
+JITTER = 0.05
 
-    def __init__(self, body: Any, ros_args: tuple[str, ...], **options: Any) -> None:
+
+class Offered:
+    """A body with its interop on a node, and the skills that were asked for.
+
+    With a held `time` what comes at a rate comes as far as the test lets that time pass.
+    """
+
+    def __init__(
+        self, body: Any, ros_args: tuple[str, ...], time: HeldTime | None = None, **options: Any
+    ) -> None:
+        tickers: MakeTicker = time.ticker if time else Ticker
         self.body = body
         self.asked = Messages()
         self.ros = RosNode("/edgevox", ros_args)
-        self.ticker = Ticker("edgevox-ticker")
+        self.ticker = tickers("edgevox-ticker")
         self.interop = Interop(
-            self.ros.node, body, lambda *asked: self.asked.add(asked), self.ticker, **options
+            self.ros.node,
+            body,
+            lambda *asked: self.asked.add(asked),
+            self.ticker,
+            tickers=tickers,
+            **options,
         )
         body.start()
         self.ros.start()
@@ -47,37 +63,49 @@ class Offered:
 
 
 class Messages(Heard):
-    """Whole messages, not only their strings."""
+    """Whole messages, not only their strings; `sent_ns` is when each was sent, by the clock."""
 
-    def add(self, message: Any) -> None:
+    def __init__(self) -> None:
+        super().__init__()
+        self.sent_ns: list[int] = []
+
+    def add(self, message: Any, info: Mapping[str, int] = NOT_SENT) -> None:
         with self._arrived:
             self.messages.append(message)
             self.times.append(time.monotonic())
+            self.sent_ns.append(info["source_timestamp"])
             self._arrived.notify_all()
 
-    def wait_for_seconds(self, seconds: float) -> "Messages":
-        """Until messages have come for so long."""
-        last = self.times[-1] + seconds if self.times else None
+    def take(self, message: Any, info: Mapping[str, int]) -> None:
+        """What a subscription calls: rclpy counts the arguments that have no default."""
+        self.add(message, info)
 
-        def long_enough() -> bool:
-            nonlocal last
-            if last is None and self.times:
-                last = self.times[0] + seconds
-            return last is not None and self.times[-1] >= last
-
+    def wait_until(self, true: Callable[[], bool]) -> None:
+        """Until this is true of what was heard."""
         with self._arrived:
-            assert self._arrived.wait_for(long_enough, seconds + 20.0), len(self.messages)
+            assert self._arrived.wait_for(true, HEARD_S), f"{len(self.messages)} were heard"
+
+    def wait_for_more(self, number: int) -> "Messages":
+        """Until so many have come from now on."""
+        enough = len(self.messages) + number
+        self.wait_until(lambda: len(self.messages) >= enough)
         return self
 
-    @property
-    def hertz(self) -> float:
-        return (len(self.times) - 1) / (self.times[-1] - self.times[0])
+    def never_faster_than(self, rate_hz: float) -> bool:
+        """Whether those that were heard were sent at this rate at most, however late each was.
+
+        One that was late is followed by the next when that is due, so it may be nearer than a
+        period, and only that one: what was missed is not made up for.
+        """
+        periods = len(self.sent_ns) - 2
+        assert periods > 2, "too few to tell"
+        return (self.sent_ns[-1] - self.sent_ns[0]) / 1e9 > (1 - JITTER) * periods / rate_hz
 
 
 def hear(peer: Peer, kind: type, topic: str, qos: Any = RELIABLE) -> Messages:
     """Subscribe to an absolute name, and wait until somebody publishes there."""
     heard = Messages()
-    peer.node.create_subscription(kind, topic, heard.add, qos)
+    peer.node.create_subscription(kind, topic, heard.take, qos)
     wait_until(lambda: peer.node.count_publishers(topic) > 0, topic)
     return heard
 

@@ -63,11 +63,10 @@ def stamp_s(array: DiagnosticArray) -> float:
     return array.header.stamp.sec + array.header.stamp.nanosec / 1e9
 
 
-def test_each_component_says_once_a_second_how_it_is(agent, watcher):
+def test_each_component_says_once_a_second_at_most_how_it_is(agent, watcher):
     agent()
-    arrays = watcher().wait_for_arrays(4)
-    times = [stamp_s(array) for array in arrays[:4]]
-    assert 2.0 < times[3] - times[0] < 8.0  # 3 s; a loaded machine skips a tick
+    arrays = watcher().wait_for_arrays(3)
+    assert stamp_s(arrays[2]) - stamp_s(arrays[0]) > 0.95, "one may be late, and none is made up"
     last = arrays[-1].status
     assert [one.name for one in last] == [f"/edgevox/edgevox: {name}" for name in COMPONENTS]
     assert {one.hardware_id for one in last} == {"/edgevox/edgevox"}

@@ -9,11 +9,11 @@ from geometry_msgs.msg import PoseStamped, Twist
 from interop_rig import Stream, hear, tell, twist
 from peer import SENSOR, STATE, wait_until
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import LaserScan
 
+from edgevox.ros2.stamps import to_ns
 from tf2_msgs.msg import TFMessage
 
-STORY = "why is the sky blue and why do people like to look at it"
+STEP_NS = 20_000_000
 
 
 def goal(frame, x, y):
@@ -30,27 +30,6 @@ def is_kind(kind, status):
 def standing(message):
     velocity = json.loads(message)["velocity"]
     return abs(velocity["linear"]) < 0.01 and abs(velocity["angular"]) < 0.01
-
-
-@pytest.mark.alone
-def test_rates_hold_while_a_model_generates(agent, peer):
-    agent("--llm", "smollm2-135m-instruct")
-    one = peer()
-    tokens = one.listen("bot_token", SENSOR)
-    tf = hear(one, TFMessage, "/tf")
-    pose = hear(one, PoseStamped, "/edgevox/pose")
-    scan = hear(one, LaserScan, "/edgevox/scan", SENSOR)
-    questions = Stream(lambda text: one.send("text_input", text), STORY, hertz=5.0)
-    tokens.wait_for(lambda m: True, timeout_s=60)
-    begun = len(tf.messages), len(pose.messages), len(scan.messages)
-    tf.wait_for_seconds(5.0)
-    questions.end()
-    for rate, number, one_topic in zip((30, 30, 10), begun, (tf, pose, scan), strict=True):
-        times = one_topic.times[number:]
-        assert (len(times) - 1) / (times[-1] - times[0]) == pytest.approx(rate, rel=0.05)
-    begun_s, ended_s = tf.times[begun[0]], tf.times[-1]
-    busy = {int(time_s - begun_s) for time_s in tokens.times if begun_s <= time_s < ended_s}
-    assert busy >= {0, 1, 2, 3, 4}, "the model must have been generating all the time"
 
 
 def test_a_velocity_takes_over_from_a_sentence_and_the_goal_ends_as_cancelled(agent, peer):
@@ -149,21 +128,6 @@ def test_a_frame_that_cannot_be_ends_the_process_with_its_reason(domain, paramet
     assert f"{parameter.partition(':')[0]}: got" in bad.stderr
 
 
-def test_a_goal_pose_does_not_wait_for_a_model_that_thinks(agent, peer):
-    agent("--llm", "smollm2-135m-instruct")
-    one = peer()
-    tokens = one.listen("bot_token", SENSOR)
-    agent_event = one.listen("agent_event")
-    state = one.listen("state", STATE)
-    say = tell(one, PoseStamped, "/edgevox/goal_pose")
-    one.send("text_input", STORY)
-    tokens.wait_for(lambda m: True, timeout_s=60)
-    say(goal("base_link", 0.3, 0.0))
-    agent_event.wait_for(is_kind("skill_goal", "running"))
-    assert "listening" not in state.messages[state.messages.index("thinking") :]
-
-
-@pytest.mark.alone
 def test_the_robots_time_is_on_clock_only_where_somebody_asks_for_it(agent, peer):
     agent("--ros2-namespace=/plain")
     one = peer()
@@ -174,8 +138,9 @@ def test_the_robots_time_is_on_clock_only_where_somebody_asks_for_it(agent, peer
     agent("--ros-args", "-p", "publish_clock:=true")
     clock = hear(one, Clock, "/clock", SENSOR)
     pose = hear(one, PoseStamped, "/edgevox/pose")
-    clock.wait_for_seconds(3.0)
-    rate_hz = (len(clock.times) - 1) / (clock.times[-1] - clock.times[0])
-    assert rate_hz == pytest.approx(50, rel=0.1), "the robot's time has 50 steps a second"
+    clock.wait_for_more(20)
+    steps = [to_ns(m.clock) / STEP_NS for m in list(clock.messages)]
+    assert all(step.is_integer() for step in steps), "the robot's time has 50 steps a second"
+    assert steps == sorted(set(steps)), "and each is said once"
     stamp = pose.wait_for(lambda m: True).header.stamp
     assert 0 <= clock.messages[-1].clock.sec - stamp.sec < 30, "stamps are of that time"

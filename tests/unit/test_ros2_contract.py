@@ -9,6 +9,7 @@ from edgevox.core.agent_events import AgentEventKind, SafetyPreempted
 from edgevox.core.commands import Interrupt, Query, Reset, SetMuted, Speak, TextInput
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import Answered, Cause, State, TurnMeasured
+from edgevox.core.settings import Settings
 from edgevox.ros2 import contract, split_ros_args
 
 PROMISED = yaml.safe_load(
@@ -34,6 +35,18 @@ def test_the_topics_are_the_contracts(side):
     assert {row.topic: (row.type, row.qos.name.lower()) for row in rows} == {
         topic: (row["type"], row["qos"]) for topic, row in PROMISED[side].items()
     }
+
+
+def test_the_rates_are_the_contracts_and_that_of_the_robots_state_is_the_settings():
+    promised = {
+        topic: row["rate_hz"]
+        for part in ("published", "robot_interop", "shared")
+        for topic, row in PROMISED[part].items()
+        if "rate_hz" in row
+    }
+    rates_hz = {row.topic: row.rate_hz for row in contract.RATED}
+    assert promised.items() <= rates_hz.items()
+    assert rates_hz["robot_state"] == Settings().ros2_state_hz
 
 
 def test_the_topics_that_agents_share_are_the_contracts():

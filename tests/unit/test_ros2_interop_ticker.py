@@ -26,42 +26,34 @@ def test_a_tick_that_fails_is_counted_and_the_next_one_comes(caplog):
 
 
 class FakeTime:
-    """A clock that only waiting and ticking move, and that ends the ticker after some seconds."""
+    """A clock that only waiting and ticking move."""
 
-    def __init__(self, until_s: float) -> None:
-        self.time_s = 10.0
-        self.until_s = self.time_s + until_s
-        self.waits = 0
+    def __init__(self) -> None:
+        self.time_s = 0.0
 
     def now(self) -> float:
         return self.time_s
 
-    def wait(self, seconds: float) -> bool:
-        self.time_s += seconds
-        self.waits += 1
-        return self.time_s > self.until_s
-
 
 def run(jobs, until_s):
-    """What `jobs`, a period to the seconds that its ticks take, do when."""
-    time = FakeTime(until_s)
+    """What `jobs`, a period to the seconds that its ticks take, do when, and how many wakings."""
+    time, done, wakings = FakeTime(), [], 0
     ticker = Ticker("metronome", time)
-    ticker._closing = time
-    done = []
 
     def job(period_s, takes_s):
         def tick():
-            done.append((period_s, round(time.time_s - 10.0, 3)))
+            done.append((period_s, round(time.time_s, 3)))
             time.time_s += takes_s.pop(0) if takes_s else 0.0
 
         ticker.every(period_s, tick)
 
     for period_s, takes_s in jobs.items():
         job(period_s, list(takes_s))
-    for one in ticker._jobs:
-        one.due_s = time.time_s
-    ticker._work()
-    return done, time
+    ticker.begin()
+    while time.time_s <= until_s:
+        wakings += 1
+        time.time_s += ticker.tick()
+    return done, wakings
 
 
 def test_ticks_are_due_at_multiples_of_the_period_and_missed_ones_are_skipped():
@@ -70,10 +62,10 @@ def test_ticks_are_due_at_multiples_of_the_period_and_missed_ones_are_skipped():
 
 
 def test_what_is_due_together_is_done_in_one_waking():
-    done, time = run({1 / 30: [], 0.1: []}, until_s=0.99)
+    done, wakings = run({1 / 30: [], 0.1: []}, until_s=0.99)
     assert len([one for one in done if one[0] == 0.1]) == 10
     assert len([one for one in done if one[0] == 1 / 30]) == 30
-    assert time.waits == 31  # the last is the end
+    assert wakings == 30
 
 
 def test_a_job_that_is_ended_is_not_done_again_and_the_others_are():

@@ -21,12 +21,13 @@ from edgevox.ros2.messages import header
 from edgevox.ros2.stamps import Stamps, to_msg
 from edgevox.ros2.ticker import Ticker
 
+IMAGE_HZ = 5.0
 _OPTICAL = Pose3D(0.0, 0.0, 0.0, -0.5, 0.5, -0.5, 0.5)
 """From x forward, z up, to z forward, x right."""
 
 
 class Camera:
-    """Takes and publishes a picture every `period_s` while anybody looks."""
+    """Takes and publishes pictures while anybody looks, on a ticker of its own that it starts."""
 
     def __init__(
         self,
@@ -34,14 +35,14 @@ class Camera:
         body: HasCamera,
         frames: Frames,
         stamps: Stamps,
-        period_s: float,
+        ticker: Ticker,
     ) -> None:
         self._body, self._frames, self._stamps = body, frames, stamps
         self._spec = body.camera_spec
         self._images = node.create_publisher(Image, "image_raw", SENSOR)
         self._infos = node.create_publisher(CameraInfo, "camera_info", SENSOR)
-        self._ticker = Ticker("edgevox-camera")
-        self._ticker.every(period_s, self._tick)
+        self._ticker = ticker
+        ticker.every(1.0 / IMAGE_HZ, self._tick)
 
     @property
     def failures(self) -> int:

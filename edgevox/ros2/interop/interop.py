@@ -25,13 +25,12 @@ from edgevox.ros2.interop.scanner import Scanner
 from edgevox.ros2.interop.velocity import VelocityInput
 from edgevox.ros2.interop.whereabouts import Whereabouts
 from edgevox.ros2.stamps import Stamps
-from edgevox.ros2.ticker import Ticker
+from edgevox.ros2.ticker import MakeTicker, Ticker
 
 log = get_logger(__name__)
 
 TF_HZ = 30.0
 SCAN_HZ = 10.0
-IMAGE_HZ = 5.0
 CLOCK_HZ = 100.0
 _TICKS_PER_SCAN = round(TF_HZ / SCAN_HZ)
 
@@ -40,7 +39,7 @@ class Interop:
     """Offers on a node exactly what a body's capabilities allow, until `close`.
 
     `run_skill` asks for a skill and must not block. `ticker`, not yet started, gives the rates; the
-    camera has a thread of its own. `odom_frame` and `frame_prefix` are explained
+    camera has one of its own, which `tickers` makes. `odom_frame` and `frame_prefix` are explained
     in `frames`, `publish_clock` in `stamps`. Raises `InvalidValue` for a frame that cannot be.
     While the `interlock` is engaged no velocity but zero is taken. `failed_ticks` counts the
     moments at which the body could not say where it is.
@@ -57,6 +56,7 @@ class Interop:
         frame_prefix: str = "",
         publish_clock: bool = False,
         interlock: Interlock | None = None,
+        tickers: MakeTicker = Ticker,
     ) -> None:
         self._node, self._body = node, body
         self._frames = Frames(odom_frame, frame_prefix)
@@ -67,7 +67,7 @@ class Interop:
         self._clock = ClockPublisher(node, lambda: body.time_s) if publish_clock else None
         self._motion = self._offer_motion()
         self._scanner = self._offer_scans()
-        self._camera = self._offer_pictures()
+        self._camera = self._offer_pictures(tickers)
         self._velocity = (
             VelocityInput(node, body, interlock) if isinstance(body, TakesVelocity) else None
         )
@@ -147,10 +147,11 @@ class Interop:
             return None
         return Scanner(self._node, self._body, self._frames, self._stamps, 1.0 / SCAN_HZ)
 
-    def _offer_pictures(self) -> Camera | None:
+    def _offer_pictures(self, tickers: MakeTicker) -> Camera | None:
         if not isinstance(self._body, HasCamera):
             return None
-        return Camera(self._node, self._body, self._frames, self._stamps, 1.0 / IMAGE_HZ)
+        ticker = tickers("edgevox-camera")
+        return Camera(self._node, self._body, self._frames, self._stamps, ticker)
 
     def _take_goals(self, run_skill: RunSkill) -> GoalInput | None:
         skill = goal_skill(self._body)
