@@ -4,6 +4,7 @@ Peers are processes of their own, as on a real robot.
 """
 
 import array
+import importlib
 import random
 import time
 from collections.abc import Callable, Iterator
@@ -20,28 +21,31 @@ from std_msgs.msg import Float32, String
 from stopwatch import percent_of
 from talker import PLAIN, Talker, isolate, wait_until
 
-from edgevox.ros2.contract import PUBLISHED
+from edgevox.ros2.contract import PUBLISHED, RATED, Rated
 from edgevox.ros2.contract_rows import STRING, Published
 from edgevox.ros2.topics import profile
 
 MESSAGES = "Publishing one message, from the event to the wire"
 TRIPS = "Round trips over ROS 2"
 IDLE = "An idle node with the apartment robot"
+RATES = "Rates heard of an idle node, of what the contract says"
 IMAGES = "Images of 640 x 480, rgb8"
 SETTLE_S = 3.0
 """Start and discovery are no part of what an idle node costs."""
 IDLE_WANTED_PERCENT = 2.0
+RATE_WANTED_PERCENT = 95.0
 WIDTH, HEIGHT = 640, 480
 
 
 def measure(quick: bool = False) -> Measured:
-    """All four, each on a domain of its own."""
+    """All five, each on a domain of its own."""
     rounds = 2 if quick else 5
     return Measured(
         figures=(
             *messages(rounds, 200 if quick else 1000),
             *round_trips(rounds),
             *idle(4.0 if quick else 20.0),
+            *rates(5.0 if quick else 60.0),
             *images(1.0 if quick else 5.0),
         )
     )
@@ -125,6 +129,40 @@ def idle(seconds: float) -> Iterator[Figure]:
         ("idle_heard", "`/tf`, `robot_state` are heard", heard),
     ):
         yield Figure.of(identifier, IDLE, what, [share], "% of a core", wanted=IDLE_WANTED_PERCENT)
+
+
+def rates(seconds: float) -> Iterator[Figure]:
+    """What a peer hears of each topic that the robot of the apartment has, in percent."""
+    with Talker("--llm=none") as talker:
+        node = talker.peer.node
+        heard: list[tuple[Rated, list[float]]] = []
+        for row in RATED:
+            topic = row.topic if row.topic.startswith("/") else talker.peer.name(row.topic)
+            if not node.count_publishers(topic):
+                continue  # a camera; a clock that nobody asked for
+            times: list[float] = []
+            node.create_subscription(
+                message_class(row.type),
+                topic,
+                lambda _, times=times: times.append(time.monotonic()),
+                IMAGE_QOS,
+                raw=True,
+            )
+            heard.append((row, times))
+        time.sleep(SETTLE_S + seconds)
+    for row, times in heard:
+        since = [one for one in times if one >= times[-1] - seconds]
+        hz = (len(since) - 1) / (since[-1] - since[0])
+        yield Figure.of(
+            f"rate.{row.topic.strip('/')}", RATES, f"`{row.topic}`, {row.rate_hz:g} Hz",
+            [100 * hz / row.rate_hz], "%", wanted=RATE_WANTED_PERCENT, more_is_better=True,
+        )  # fmt: skip
+
+
+def message_class(kind: str) -> type:
+    """The class of a message by its full name."""
+    package, _, name = kind.split("/")
+    return getattr(importlib.import_module(f"{package}.msg"), name)
 
 
 def images(seconds: float) -> Iterator[Figure]:

@@ -29,7 +29,7 @@ BENCHMARKS = {
     "sim": "steps, scans and plans of the 2D apartment",
     "latency": "how fast a running agent answers and stops",
     "stop": "how soon a robot stands, by every way to say so",
-    "ros2": "messages, round trips, an idle robot, images",
+    "ros2": "messages, round trips, an idle robot, rates, images",
     "mind": "the language model beside plain llama-cpp-python",
     "hearing": "speech to text beside plain faster-whisper",
     "robots": "every body beside its simulator alone",
