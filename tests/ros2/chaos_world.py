@@ -11,6 +11,8 @@ import time
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
+from lease import SHORT_LEASE
+
 from edgevox.models import locate
 
 FLOODER = str(Path(__file__).with_name("chaos_flooder.py"))
@@ -155,7 +157,7 @@ class Killed:
     """Peers in processes of their own, each killed without a word when its time has come."""
 
     def __init__(self, domain: int) -> None:
-        self._environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
+        self._environment = {**os.environ, **SHORT_LEASE, "ROS_DOMAIN_ID": str(domain)}
         self._running: list[tuple[subprocess.Popen[bytes], float]] = []
         self.killed = 0
 

@@ -19,6 +19,7 @@ from chaos_actions import Actions
 from chaos_machine import busy_cores, told
 from chaos_robot import ARRIVE_S, THINK_S, Robot
 from chaos_world import Killed, ModelFiles, ModelServer
+from lease import LEASE_S
 from peer import wait_until
 
 CHAOS_S = float(os.environ.get("EDGEVOX_CHAOS_S", "300"))
@@ -30,8 +31,8 @@ PAUSE_S = 0.5
 MARGIN_MB = 60
 """What may be more at the end: the model's context, of which 4,096 tokens take 50 MB, fills as the
 conversation gets longer, and the allocator keeps some."""
-FORGOTTEN_S, GIVEN_UP_S = 25.0, 60.0
-"""The middleware gives a killed peer up after 20 s, on a busy machine a little later."""
+FORGOTTEN_S, GIVEN_UP_S = LEASE_S + 4.0, 60.0
+"""The middleware gives a killed peer up after its lease, on a busy machine a little later."""
 SLOWER, SLACK_S = 3.0, 2.0
 """How much longer something may take than in the first minute, on a machine that others share."""
 LONGEST_S = {"drive": ARRIVE_S, "model": THINK_S}
