@@ -7,7 +7,7 @@ import pytest
 from agent_process import READY, Agent
 from bodies_rig import point
 from geometry_msgs.msg import PoseStamped
-from interop_rig import Messages, hear, tell
+from interop_rig import hear, tell
 from peer import SENSOR, STATE, Peer, wait_until
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import String
@@ -20,6 +20,10 @@ ANSWERS = 10
 """So many are asked for: on a fast machine one may be over before anything was due."""
 
 
+Times = Callable[[], Sequence[Sequence[int]]]
+"""When messages were sent, a sequence for each topic."""
+
+
 class Teller:
     """An agent with a model, as a peer hears it that asks for long answers."""
 
@@ -28,32 +32,32 @@ class Teller:
         self.tokens = hear(peer, String, "/edgevox/bot_token", SENSOR)
         self._state = peer.listen("state", STATE)
 
-    def begin(self) -> Callable[[Sequence[Messages]], bool]:
+    def begin(self) -> Callable[[Times], bool]:
         """Have it begin an answer; whether one of each was sent between two tokens of it.
 
-        It is False once the answer has ended without that.
+        It is False if the answer has ended without that. In any case it listens again.
         """
-        self.hush()
         tokens, states = len(self.tokens.messages), len(self._state.messages)
         self.peer.send("text_input", STORY)
+        self._state.wait_for(lambda m: m == "thinking", since=states)
+        begun = self._state.messages.index("thinking", states)
         self.tokens.wait_for(lambda _: True, since=tokens)
-        begun_ns = self.tokens.sent_ns[tokens]
+        first_ns = self.tokens.sent_ns[tokens]
 
-        def between(heard: Sequence[Messages]) -> bool:
-            def sent_between() -> bool:
-                ended_ns = self.tokens.sent_ns[-1]
-                return all(any(begun_ns < t < ended_ns for t in one.sent_ns) for one in heard)
+        def over() -> bool:
+            return "listening" in self._state.messages[begun:]
 
-            over = "listening"
-            wait_until(lambda: sent_between() or over in self._state.messages[states:], "an end")
-            return over not in self._state.messages[states:]
+        def between(times_ns: Times) -> bool:
+            def sent() -> bool:
+                last_ns = self.tokens.sent_ns[-1]
+                return all(any(first_ns < t < last_ns for t in one) for one in times_ns())
+
+            wait_until(lambda: sent() or over(), "one of each, or the answer's end")
+            self.peer.send("interrupt", "")
+            wait_until(over, "silence")
+            return sent()
 
         return between
-
-    def hush(self) -> None:
-        """Have it listen."""
-        self.peer.send("interrupt", "")
-        self._state.wait_for(lambda m: m == "listening", since=len(self._state.messages) - 1)
 
 
 @pytest.fixture(scope="module")
@@ -76,17 +80,21 @@ def test_what_comes_at_a_rate_comes_while_a_model_generates(teller):
     )
     for one in heard:
         one.wait_for(lambda _: True)
-    assert any(teller.begin()(heard) for _ in range(ANSWERS))
+    times = [one.sent_ns for one in heard]
+    assert any(teller.begin()(lambda: times) for _ in range(ANSWERS))
 
 
 def test_a_goal_pose_does_not_wait_for_a_model_that_thinks(teller):
-    deeds = hear(teller.peer, String, "/edgevox/agent_event")
+    events = hear(teller.peer, String, "/edgevox/agent_event")
     say = tell(teller.peer, PoseStamped, "/edgevox/goal_pose")
+
+    def running_ns():
+        heard = zip(events.messages, events.sent_ns, strict=False)  # one may come meanwhile
+        return [t for event, t in heard if json.loads(event.data).get("status") == "running"]
 
     def is_obeyed_meanwhile():
         between = teller.begin()
         say(point("base_link", 0.3, 0.0))
-        return between([deeds])
+        return between(lambda: [running_ns()])
 
     assert any(is_obeyed_meanwhile() for _ in range(ANSWERS))
-    assert json.loads(deeds.messages[0].data)["kind"] == "skill_goal"
