@@ -17,10 +17,13 @@ from edgevox.apps.composition import build_parts, start_parts
 from edgevox.core.commands import TextInput
 from edgevox.core.events import Answered
 from edgevox.core.settings import load_settings
+from edgevox.ops.health import STALL_S
 from edgevox.robots.physics import PymunkEngine
 from edgevox.robots.planar import PlanarRobot
 from edgevox.robots.world import load_world
+from edgevox.ros2.node import BEAT_S
 
+HUNG_S = 60.0
 HEALTH = str(Path(sys.executable).with_name("edgevox-health"))
 
 
@@ -38,13 +41,17 @@ def live(port, path="/live"):
     return told
 
 
-def wait_for(port, status, timeout_s):
-    """Ask until that is the answer; when it came, and what was said."""
+def wait_for(port, status):
+    """Ask until that is the answer; what was said."""
     begun, pause = time.monotonic(), threading.Event()
     while (told := live(port))[0] != status:
-        assert time.monotonic() - begun < timeout_s, told
+        assert time.monotonic() - begun < HUNG_S, told
         pause.wait(0.1)
-    return time.monotonic() - begun, told[1]
+    return told[1]
+
+
+def test_what_is_frozen_is_found_within_ten_seconds():
+    assert STALL_S + BEAT_S < 10.0
 
 
 class Sticky(PymunkEngine):
@@ -92,14 +99,13 @@ def test_a_callback_that_blocks_the_executor_is_found_and_forgotten(node, peer):
     try:
         peer().send("command", "list_languages")
         assert entered.wait(60)
-        took_s, checks = wait_for(port, 503, 10.0)
-        assert took_s < 10.0
+        checks = wait_for(port, 503)
         assert checks["ros2"].startswith("has not moved for")
         assert checks["body"] == checks["conversation"] == "ok"
     finally:
         released.set()
         forget()
-    wait_for(port, 200, 10.0)
+    wait_for(port, 200)
 
 
 def test_a_step_of_the_world_that_blocks_is_found_and_forgotten(node):
@@ -107,11 +113,10 @@ def test_a_step_of_the_world_that_blocks_is_found_and_forgotten(node):
     engine.free.clear()
     parts.conversation.submit(TextInput("go to the kitchen"))
     assert engine.stuck.wait(60)
-    took_s, checks = wait_for(port, 503, 10.0)
-    assert took_s < 10.0
+    checks = wait_for(port, 503)
     assert checks["body"].startswith("has not moved for")
     engine.free.set()
-    wait_for(port, 200, 10.0)
+    wait_for(port, 200)
 
 
 def test_a_process_says_how_it_is_to_whoever_asks(agent):
