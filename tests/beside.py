@@ -7,11 +7,18 @@ from itertools import chain, zip_longest
 from pathlib import Path
 from typing import TypeVar
 
+from xdist.scheduler import LoadFileScheduling
+
 COMPUTING = ("models", "robots", "programs", "docs", "unit")
 """The parts of the tests that mostly compute, the longest first."""
 WAITING = ("compose", "ros2")
 """Those that mostly wait: for containers, for the other end of a wire, for a robot to arrive."""
 LAST = "test_chaos.py"
+SHARING = {
+    "tests/models/test_llm_endpoint_server.py": "tests/models/test_commands.py",
+    "tests/models/test_mind_and_body.py": "tests/models/test_commands.py",
+}
+"""Files that run in the worker of another one, which has already prepared what costs them most."""
 
 Item = TypeVar("Item")
 
@@ -29,6 +36,19 @@ def in_turns(items: Iterable[tuple[Path, Item]]) -> list[Item]:
     rest = [path for path in files if path not in placed and path.name != LAST]
     last = [path for path in files if path.name == LAST]
     return [item for path in (*placed, *rest, *last) for item in files[path]]
+
+
+def together(test: str) -> str:
+    """Tests for which this is the same run in one worker: those of a file, and of who shares."""
+    file = test.split("::", 1)[0]
+    return SHARING.get(file, file)
+
+
+class Scheduling(LoadFileScheduling):
+    """As `--dist loadfile`, with the files that are `SHARING`."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        return together(nodeid)
 
 
 class Room:

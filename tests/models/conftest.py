@@ -1,7 +1,7 @@
 """The models that the tests share, as `edgevox-models` keeps them."""
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
@@ -12,6 +12,42 @@ from edgevox.models import locate
 
 # The tests judge a model as the benchmark does.
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
+
+import understanding
+from understanding import Command, Outcome
+
+
+class Apartment:
+    """What the small model makes of what is said in the apartment: each command asked once."""
+
+    def __init__(self, model: LanguageModel) -> None:
+        self._model = model
+        self._known: dict[str, Outcome] = {}
+
+    def understands(self, commands: Sequence[Command]) -> list[Outcome]:
+        """Their outcomes, in their order."""
+        new = [one for one in commands if one.says not in self._known]
+        if new:
+            found = understanding.through_model(understanding.apartment_skills(), self._model, new)
+            self._known |= {outcome.command.says: outcome for outcome in found}
+        return [self._known[one.says] for one in commands]
+
+
+@pytest.fixture(scope="session")
+def small() -> Iterator[LanguageModel]:
+    """The model of the set `small`.
+
+    To read the apartment's instructions takes as long as twenty commands: `beside.SHARING` has the
+    files that ask it about the apartment run in one worker, where it reads them once.
+    """
+    model = load_model(locate("qwen2.5-coder-0.5b-instruct"))
+    yield model
+    model.close()
+
+
+@pytest.fixture(scope="session")
+def apartment(small: LanguageModel) -> Apartment:
+    return Apartment(small)
 
 
 @pytest.fixture(scope="session")

@@ -6,11 +6,9 @@ import pytest
 import understanding
 from understanding import Outcome, share_right
 
-from edgevox.agent.llm.factory import load_model
 from edgevox.agent.mind import ANSWER_TOKENS
 from edgevox.agent.toolcalls import Protocol
 from edgevox.apps.robots import INSTRUCTIONS
-from edgevox.models import locate
 
 PROMISED_SHARE = 0.95
 FLOOR_OF_SMALL_MODEL = 0.78
@@ -19,16 +17,8 @@ MOST_PROMPT_TOKENS = 1300
 
 
 @pytest.fixture(scope="module")
-def small():
-    model = load_model(locate("qwen2.5-coder-0.5b-instruct"))
-    yield model
-    model.close()
-
-
-@pytest.fixture(scope="module")
-def by_model(small) -> Sequence[Outcome]:
-    commands = [c for c in understanding.read_commands() if c.by == "model"]
-    return understanding.through_model(understanding.apartment_skills(), small, commands)
+def by_model(apartment) -> Sequence[Outcome]:
+    return apartment.understands([c for c in understanding.read_commands() if c.by == "model"])
 
 
 @pytest.fixture(scope="module")

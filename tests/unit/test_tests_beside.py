@@ -3,9 +3,10 @@
 import threading
 from pathlib import Path
 
-from beside import Room, in_turns
+from beside import SHARING, Room, in_turns, together
 
 PATIENCE_S = 60
+ROOT = Path(__file__).parents[2]
 
 
 def files(*names: str) -> list[tuple[Path, str]]:
@@ -34,6 +35,14 @@ def test_no_test_is_lost_and_those_of_a_file_stay_together():
 
     assert sorted(placed) == sorted(test for _, test in found)
     assert [one[:-3] for one in placed[::2]] == [one[:-3] for one in placed[1::2]]
+
+
+def test_files_that_share_something_costly_run_in_one_worker_and_others_by_themselves():
+    for one, other in SHARING.items():
+        assert (ROOT / one).is_file()
+        assert (ROOT / other).is_file()
+        assert together(f"{one}::test_a[x::y]") == together(f"{other}::test_b") == other
+    assert together("tests/unit/u.py::test_a") == "tests/unit/u.py"
 
 
 def test_many_share_a_room(tmp_path):
