@@ -2,9 +2,9 @@
 
 import itertools
 import logging
+import os
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -15,7 +15,6 @@ from understanding import Command, through_model
 from edgevox.agent.llm.base import LanguageModel, Message
 from edgevox.agent.llm.endpoint import Address, EndpointModel, FallbackModel
 from edgevox.agent.llm.endpoint.errors import Refused
-from edgevox.agent.llm.factory import load_model
 from edgevox.agent.prompt import examples
 from edgevox.core.cancel import CancelToken
 from edgevox.core.languages import LANGUAGES
@@ -24,7 +23,8 @@ from edgevox.models import locate
 MODEL = "qwen2.5-coder-0.5b-instruct"
 SENTENCES = 6
 COUNT = [Message("user", "Count, and do not stop.")]
-NUMBERS = 'root ::= ([0-9] " "){120}'
+NUMBERS = 'root ::= ([0-9] " "){60}'
+HUNG_S = 600.0
 
 
 class Process:
@@ -40,6 +40,12 @@ class Process:
         self.url = self._process.stdout.readline().strip()
         assert self.url.startswith("http://"), "the server did not start"
 
+    def computed_s(self) -> float:
+        """How long it has computed: what else the machine does does not matter."""
+        stat = Path(f"/proc/{self._process.pid}/stat").read_text(encoding="ascii")
+        user, system = stat.rpartition(")")[2].split()[11:13]
+        return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
+
     def kill(self) -> None:
         self._process.kill()
         self._process.communicate()
@@ -54,14 +60,7 @@ def server() -> Iterator[Process]:
 
 @pytest.fixture(scope="module")
 def shared(server: Process) -> Iterator[EndpointModel]:
-    model = EndpointModel(Address(server.url, timeout_s=60.0))
-    yield model
-    model.close()
-
-
-@pytest.fixture(scope="module")
-def on_board() -> Iterator[LanguageModel]:
-    model = load_model(locate(MODEL))
+    model = EndpointModel(Address(server.url, timeout_s=HUNG_S))
     yield model
     model.close()
 
@@ -71,34 +70,35 @@ def some_commands() -> list[Command]:
     return for_model[:: len(for_model) // SENTENCES]
 
 
-def test_the_shared_model_understands_what_the_same_one_on_board_does(shared, on_board) -> None:
+def test_the_shared_model_understands_what_the_same_one_on_board_does(shared, apartment) -> None:
     skills, commands = understanding.apartment_skills(), some_commands()
 
     there = through_model(skills, shared, commands)
-    here = through_model(skills, on_board, commands)
+    here = apartment.understands(commands)
 
     assert [one.calls for one in there] == [one.calls for one in here]
     assert sum(one.right for one in there) >= 0.7 * len(commands)
     assert not [one.invalid for one in there if one.invalid]
 
 
-@pytest.mark.alone
-def test_a_cancelled_answer_frees_the_server_for_the_next(shared: EndpointModel) -> None:
-    started_s = time.monotonic()
+def test_a_cancelled_answer_frees_the_server_for_the_next(
+    server: Process, shared: EndpointModel
+) -> None:
+    before_s = server.computed_s()
     whole = list(shared.generate(COUNT, grammar=NUMBERS, max_tokens=300, token=CancelToken()))
-    whole_s = time.monotonic() - started_s
+    whole_s = server.computed_s() - before_s
     token = CancelToken()
     answer = shared.generate(COUNT, grammar=NUMBERS, max_tokens=300, token=token)
     assert len(list(itertools.islice(answer, 3))) == 3
 
     token.cancel()
-    started_s = time.monotonic()
+    before_s = server.computed_s()
     after = list(answer)
     list(shared.generate(COUNT, grammar=NUMBERS, max_tokens=1, token=CancelToken()))
 
-    assert len(whole) > 100
+    assert len(whole) > 50
     assert len(after) <= 1
-    assert time.monotonic() - started_s < whole_s / 2
+    assert server.computed_s() - before_s < whole_s / 2
 
 
 def test_a_chat_longer_than_the_servers_context_is_refused(shared: EndpointModel) -> None:
@@ -108,17 +108,17 @@ def test_a_chat_longer_than_the_servers_context_is_refused(shared: EndpointModel
         list(shared.generate(long, grammar=None, max_tokens=1, token=CancelToken()))
 
 
-def test_tokens_are_never_counted_too_low(shared: EndpointModel, on_board: LanguageModel) -> None:
+def test_tokens_are_never_counted_too_low(shared: EndpointModel, small: LanguageModel) -> None:
     skills = understanding.apartment_skills()
     said = [one.sentence for code in LANGUAGES for one in examples(skills, (), code)]
     said += ["x 12.345, y -0.5", "🤖 🦾", "ok " * 50]
 
-    assert [t for t in said if shared.count_tokens(t) < on_board.count_tokens(t)] == []
+    assert [t for t in said if shared.count_tokens(t) < small.count_tokens(t)] == []
 
 
-def test_when_the_server_dies_the_one_on_board_answers(on_board, caplog) -> None:
+def test_when_the_server_dies_the_one_on_board_answers(small, caplog) -> None:
     server = Process(locate("smollm2-135m-instruct"))
-    model = FallbackModel(EndpointModel(Address(server.url, timeout_s=5.0)), on_board)
+    model = FallbackModel(EndpointModel(Address(server.url, timeout_s=HUNG_S)), small)
     rooms = 'root ::= "kitchen" | "bedroom"'
     chat = [Message("user", "Where do people cook? In the kitchen or in the bedroom?")]
 
