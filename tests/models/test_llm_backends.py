@@ -98,12 +98,12 @@ def test_a_cancelled_answer_frees_the_engine_at_once(model: LanguageModel) -> No
 
 
 def test_a_prompt_that_is_being_read_can_be_cancelled(model: LanguageModel) -> None:
-    whole_s = timed(lambda: ask(model, long_prompt(900, "Be"), max_tokens=1))
+    whole_s = timed(lambda: ask(model, long_prompt(600, "Be"), max_tokens=1))
     token = CancelToken()
     timer = threading.Timer(whole_s / 10, token.cancel)
     timer.start()
 
-    cut_s = timed(lambda: ask(model, long_prompt(900, "Stay"), max_tokens=1, token=token))
+    cut_s = timed(lambda: ask(model, long_prompt(600, "Stay"), max_tokens=1, token=token))
     next_s = timed(lambda: ask(model, STORY, max_tokens=1))
     timer.join()
 
@@ -130,10 +130,10 @@ def test_an_answer_that_nobody_listens_to_is_dropped(model: LanguageModel) -> No
 
 
 def test_what_was_primed_is_not_read_again(model: LanguageModel) -> None:
-    cold_s = first_piece_s(model, long_prompt(700, "Always be"))
-    model.prime(long_prompt(700, "Never be"), CancelToken())
+    cold_s = first_piece_s(model, long_prompt(300, "Always be"))
+    model.prime(long_prompt(300, "Never be"), CancelToken())
 
-    warm_s = first_piece_s(model, [*long_prompt(700, "Never be")[:1], Message("user", "Who?")])
+    warm_s = first_piece_s(model, [*long_prompt(300, "Never be")[:1], Message("user", "Who?")])
 
     assert warm_s < cold_s / 3
 
