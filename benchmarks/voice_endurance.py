@@ -6,7 +6,9 @@
 import gc
 import statistics
 import threading
+import time
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from ears import quiet_room, resident_kib
@@ -35,7 +37,8 @@ class Endured:
     Memory is the least of a quarter, which leaves out what comes and goes; "late" is against the
     third quarter: Piper's arena grows in steps until it has met its largest sound. Latency is that
     of a turn, the mean of a quarter: the two questions take unlike times, so that a median would
-    tell which of them a quarter holds one more of.
+    tell which of them a quarter holds one more of. Work is the processor's time that a turn and
+    half a minute of hearing took, which does not depend on what else the machine does.
     """
 
     minutes: int
@@ -45,6 +48,13 @@ class Endured:
     thread_growth: int
     first_latency_s: float
     last_latency_s: float
+    first_work_s: float
+    last_work_s: float
+
+
+class _Turn(NamedTuple):
+    latency_s: float
+    work_s: float
 
 
 def minute() -> Samples:
@@ -66,31 +76,38 @@ def endure(stage: Stage, minutes: int) -> Endured:
         assert stage.parts.conversation.wait_idle(PATIENCE_S)
     gc.collect()
     threads = threading.active_count()
-    latencies: list[float] = []
+    turns: list[_Turn] = []
     resident: list[int] = []
     for _ in range(minutes):
-        latencies += _hear(stage, sound)
+        turns += _hear(stage, sound)
         gc.collect()
         resident.append(resident_kib())
-    part, quarter = max(2, len(latencies) // 8 * 2), max(1, minutes // 4)
+    part, quarter = max(2, len(turns) // 8 * 2), max(1, minutes // 4)
+    first, final = turns[:part], turns[-part:]
     last = min(resident[-quarter:])
     return Endured(
         minutes,
-        len(latencies),
+        len(turns),
         last - min(resident[:quarter]),
         last - min(resident[-2 * quarter : -quarter] or resident),
         threading.active_count() - threads,
-        statistics.fmean(latencies[:part]),
-        statistics.fmean(latencies[-part:]),
+        statistics.fmean(turn.latency_s for turn in first),
+        statistics.fmean(turn.latency_s for turn in final),
+        statistics.fmean(turn.work_s for turn in first),
+        statistics.fmean(turn.work_s for turn in final),
     )
 
 
-def _hear(stage: Stage, sound: Samples) -> list[float]:
+def _hear(stage: Stage, sound: Samples) -> list[_Turn]:
     """How long each turn of a minute took, from its words being sought to its end."""
     stage.events.clear()
+    work_s: list[float] = []
     half = sound.size // len(QUESTIONS)
     for number in range(len(QUESTIONS)):
+        begun_s = time.process_time()
         stage.room.play(sound[number * half : (number + 1) * half])
         stage.wait_for(TurnMeasured, lambda _, n=number: len(stage.of(TurnMeasured)) > n)
+        work_s.append(time.process_time() - begun_s)
     assert len(stage.of(Responded)) == len(QUESTIONS), stage.of(Responded)
-    return [one.total for one in stage.of(TurnMeasured)]
+    measured = stage.of(TurnMeasured)
+    return [_Turn(one.total, work) for one, work in zip(measured, work_s, strict=True)]

@@ -9,7 +9,6 @@ from voice_endurance import endure
 from voice_stage import Stage
 
 
-@pytest.mark.alone
 def test_five_minutes_of_talk_leave_no_thread_and_no_memory_and_make_it_no_slower(tmp_path):
     with (
         pytest.MonkeyPatch.context() as patch,
@@ -20,4 +19,4 @@ def test_five_minutes_of_talk_leave_no_thread_and_no_memory_and_make_it_no_slowe
     assert endured.turns == 10
     assert endured.thread_growth == 0
     assert endured.memory_growth_kib < 20_000
-    assert endured.last_latency_s < 3 * endured.first_latency_s
+    assert endured.last_work_s < 2 * endured.first_work_s
