@@ -53,7 +53,7 @@ def listen(stt, sound, **more):
         **more,
     )
     ears.start()
-    assert ears.wait_over(120.0)
+    assert ears.wait_over(600.0)
     ears.close()
     return [command for command in said if isinstance(command, Heard)]
 

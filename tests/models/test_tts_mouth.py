@@ -16,7 +16,7 @@ from edgevox.voice.tts.pool import VoicePool
 
 KITCHEN = "The robot drives to the kitchen and picks up the red cup."
 BACK = "After that it drives back to the door."
-PATIENCE_S = 60.0
+PATIENCE_S = 600.0
 
 
 class Room:

@@ -22,7 +22,7 @@ from edgevox.voice.speaker import Speaker
 from edgevox.voice.tts.pool import VoicePool
 from edgevox.voice.vad import SileroVad
 
-PATIENCE_S = 60.0
+PATIENCE_S = 600.0
 ANSWER = "I am on my way through the long corridor to the bedroom, and I will tell you more there."
 ECHO_DELAY_S = 0.06
 PERSON_AT_S = 2.0

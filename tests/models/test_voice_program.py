@@ -43,7 +43,7 @@ def test_who_speaks_to_it_from_a_file_is_obeyed_and_answered_into_a_file(tmp_pat
         stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,
-        timeout=90,
+        timeout=600,
     )
 
     assert done.returncode == 0, done.stderr

@@ -33,7 +33,7 @@ from edgevox.voice.sinks.opening import open_sink
 from edgevox.voice.tts.pool import VoicePool
 from edgevox.voice.wav import read_wav
 
-PATIENCE_S = 60.0
+PATIENCE_S = 600.0
 SEEN = (
     AgentEvent,
     AudioLevel,
