@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from edgevox.agent.llm import tuning
 from edgevox.agent.llm.base import LanguageModel
 from edgevox.agent.llm.factory import load_model
 from edgevox.models import locate
@@ -34,13 +35,24 @@ class Apartment:
 
 
 @pytest.fixture(scope="session")
-def small() -> Iterator[LanguageModel]:
+def threads(worker: tuple[int, int]) -> int:
+    """For an engine: what one worker may use of the cores.
+
+    More would take as much from the other workers as they give, and wait for each other besides:
+    beside a busy core, two threads are slower than one (`edgevox/agent/llm/tuning.py`).
+    """
+    _, workers = worker
+    return max(1, tuning.default_threads() // workers)
+
+
+@pytest.fixture(scope="session")
+def small(threads: int) -> Iterator[LanguageModel]:
     """The model of the set `small`.
 
     To read the apartment's instructions takes as long as twenty commands: `beside.SHARING` has the
     files that ask it about the apartment run in one worker, where it reads them once.
     """
-    model = load_model(locate("qwen2.5-coder-0.5b-instruct"))
+    model = load_model(locate("qwen2.5-coder-0.5b-instruct"), threads=threads)
     yield model
     model.close()
 
@@ -56,7 +68,7 @@ def tiny_path() -> Path:
 
 
 @pytest.fixture(scope="module", params=["xllamacpp", "llama-cpp-python"])
-def model(request: pytest.FixtureRequest, tiny_path: Path) -> Iterator[LanguageModel]:
-    loaded = load_model(tiny_path, request.param, context_tokens=1024)
+def model(request: pytest.FixtureRequest, tiny_path: Path, threads: int) -> Iterator[LanguageModel]:
+    loaded = load_model(tiny_path, request.param, context_tokens=1024, threads=threads)
     yield loaded
     loaded.close()

@@ -1,4 +1,4 @@
-"""A llama-server in a process of its own, as one that a fleet shares: python llama_server.py GGUF.
+"""A llama-server in its own process, as one that a fleet shares: llama_server.py GGUF THREADS.
 
 Prints its address when it serves; ends with its stdin.
 """
@@ -8,7 +8,7 @@ import sys
 from edgevox.agent.llm import tuning
 
 
-def main(path: str) -> None:
+def main(path: str, threads: int) -> None:
     tuning.spin_briefly()
     import xllamacpp  # which reads at once what the line above says
 
@@ -17,7 +17,7 @@ def main(path: str) -> None:
     wanted.n_ctx = 4096
     wanted.n_parallel = 1
     wanted.n_batch = wanted.n_ubatch = tuning.BATCH_TOKENS
-    wanted.cpuparams.n_threads = wanted.cpuparams_batch.n_threads = tuning.default_threads()
+    wanted.cpuparams.n_threads = wanted.cpuparams_batch.n_threads = threads
     wanted.fit_params = False
     wanted.verbosity = -1
     wanted.hostnames = ["127.0.0.1"]
@@ -30,4 +30,4 @@ def main(path: str) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main(sys.argv[1], int(sys.argv[2]))

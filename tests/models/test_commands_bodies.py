@@ -25,8 +25,8 @@ def commands(robot: str) -> list[Command]:
 
 
 @pytest.fixture(scope="module")
-def outcomes() -> Sequence[Outcome]:
-    model = load_model(locate("qwen2.5-coder-0.5b-instruct"))
+def outcomes(threads: int) -> Sequence[Outcome]:
+    model = load_model(locate("qwen2.5-coder-0.5b-instruct"), threads=threads)
     try:
         return understanding.bodies_through_model(model)
     finally:

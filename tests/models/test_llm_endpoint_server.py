@@ -28,10 +28,10 @@ HUNG_S = 600.0
 
 
 class Process:
-    def __init__(self, weights: Path) -> None:
+    def __init__(self, weights: Path, threads: int) -> None:
         script = Path(__file__).with_name("llama_server.py")
         self._process = subprocess.Popen(
-            [sys.executable, str(script), str(weights)],
+            [sys.executable, str(script), str(weights), str(threads)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
@@ -52,8 +52,8 @@ class Process:
 
 
 @pytest.fixture(scope="module")
-def server() -> Iterator[Process]:
-    process = Process(locate(MODEL))
+def server(threads: int) -> Iterator[Process]:
+    process = Process(locate(MODEL), threads)
     yield process
     process.kill()
 
@@ -116,8 +116,8 @@ def test_tokens_are_never_counted_too_low(shared: EndpointModel, small: Language
     assert [t for t in said if shared.count_tokens(t) < small.count_tokens(t)] == []
 
 
-def test_when_the_server_dies_the_one_on_board_answers(small, caplog) -> None:
-    server = Process(locate("smollm2-135m-instruct"))
+def test_when_the_server_dies_the_one_on_board_answers(small, threads, caplog) -> None:
+    server = Process(locate("smollm2-135m-instruct"), threads)
     model = FallbackModel(EndpointModel(Address(server.url, timeout_s=HUNG_S)), small)
     rooms = 'root ::= "kitchen" | "bedroom"'
     chat = [Message("user", "Where do people cook? In the kitchen or in the bedroom?")]
