@@ -1,4 +1,7 @@
-"""The whole mind with its real model, and a body that drives: in one process, without ROS 2."""
+"""The whole mind with its real model, and a body that drives: in one process, without ROS 2.
+
+The robot drives as fast as it can be computed, or in a world whose time the test holds (speed 0).
+"""
 
 import threading
 
@@ -14,15 +17,19 @@ from edgevox.core.agent_events import AgentEvent, GoalChanged, as_json
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Interrupt, TextInput
 from edgevox.core.events import Responded, RobotState, SentenceReady, TokenGenerated
-from edgevox.models import locate
 from edgevox.robots.apartment import ApartmentRobot
 
 CHATTER = "Please tell me why the sky is blue and what you like about it."
+HUNG_S = 600.0
+TIGHT_TOKENS = 1536
+"""A context in which instructions and an answer leave room for a few exchanges."""
+TURNS = 6
+"""Twice as many as fit into that."""
 
 
-@pytest.fixture(scope="module")
-def mind_model():
-    model = load_model(locate("qwen2.5-coder-0.5b-instruct"))
+@pytest.fixture
+def tight(tiny_path, threads):
+    model = load_model(tiny_path, context_tokens=TIGHT_TOKENS, threads=threads)
     yield model
     model.close()
 
@@ -30,11 +37,11 @@ def mind_model():
 class Home:
     """A robot at home, with everything it said and did."""
 
-    def __init__(self, model: LanguageModel, agents=None):
+    def __init__(self, model: LanguageModel, agents=None, speed: float | None = None):
         self.bus, self.events = Bus(), []
         for kind in (AgentEvent, Responded, RobotState, SentenceReady, TokenGenerated):
             self.bus.subscribe(kind, self.events.append)
-        self.robot = ApartmentRobot()
+        self.robot = ApartmentRobot(speed=speed)
         self.conversation = Conversation(
             agents(self.robot) if agents else build_agents(self.robot),
             self.bus,
@@ -56,6 +63,11 @@ class Home:
     def say(self, text):
         self.conversation.submit(TextInput(text))
 
+    def talk(self, text):
+        """Say this, and wait for all that comes of it."""
+        self.say(text)
+        assert self.conversation.wait_idle(HUNG_S)
+
     def deeds(self, kind):
         return [as_json(e) for e in self.events if isinstance(e, AgentEvent) and e.kind == kind]
 
@@ -64,11 +76,11 @@ class Home:
 
 
 @pytest.fixture
-def home(mind_model):
+def home(small):
     homes = []
 
-    def make(**parts):
-        homes.append(Home(mind_model, **parts))
+    def make(model=small, **parts):
+        homes.append(Home(model, **parts))
         return homes[-1]
 
     yield make
@@ -76,21 +88,18 @@ def home(mind_model):
         one.close()
 
 
-def driving(event):
-    return event.status == "running" and event.feedback["progress"] > 0.05
-
-
 def drive_off(one, room="bedroom"):
-    """The robot is on its way."""
-    under_way = one.when(GoalChanged, lambda e: e.feedback is not None and driving(e))
+    """The robot is on its way, in a world whose time is held."""
+    under_way = one.when(GoalChanged, lambda e: e.feedback is not None)
     one.say(f"go to the {room}")
-    assert under_way.wait(20)
+    assert under_way.wait(HUNG_S)
+    one.robot.advance(2.0)
+    assert one.robot.velocity().linear_m_s > 0.1
 
 
 def test_an_indirect_wish_moves_the_robot(home):
     one = home()
-    one.say("I'd really appreciate it if you went to the kitchen now")
-    assert one.conversation.wait_idle(90)
+    one.talk("I'd really appreciate it if you went to the kitchen now")
     (call,) = one.deeds("tool_call")
     assert (call["skill"], call["source"]) == ("navigate_to", "model")
     assert call["arguments"] == {"room": "kitchen"}
@@ -100,8 +109,7 @@ def test_an_indirect_wish_moves_the_robot(home):
 
 def test_an_answer_streams_in_tokens_that_add_up_to_it(home):
     one = home()
-    one.say("thank you, you are a good robot")
-    assert one.conversation.wait_idle(60)
+    one.talk("thank you, you are a good robot")
     tokens = [e.text for e in one.events if isinstance(e, TokenGenerated)]
     (answer,) = one.answers()
     assert len(tokens) > 2
@@ -110,60 +118,61 @@ def test_an_answer_streams_in_tokens_that_add_up_to_it(home):
 
 
 def test_stop_halts_the_robot_while_the_model_is_busy(home):
-    one = home()
+    one = home(speed=0.0)
     drive_off(one)
     thinking = one.when(TokenGenerated)
     one.say(CHATTER)
-    assert thinking.wait(60)
+    assert thinking.wait(HUNG_S)
     one.say("stop")
     assert one.robot.state()["goal"] is None
     one.robot.advance(0.12)
     assert one.robot.velocity().linear_m_s == pytest.approx(0, abs=0.01)
-    assert one.conversation.wait_idle(30)
+    assert one.conversation.wait_idle(HUNG_S)
     assert one.answers()[-1].text == "Stopped."
     assert one.deeds("skill_cancelled")
 
 
 def test_an_interrupt_cuts_the_answer_and_the_next_one_is_whole(home):
     one = home()
-    thinking = one.when(TokenGenerated)
+    thinking, interrupted = one.when(TokenGenerated), threading.Event()
+    one.bus.subscribe(TokenGenerated, lambda _: interrupted.wait(HUNG_S))
     one.say(CHATTER)
-    assert thinking.wait(60)
+    assert thinking.wait(HUNG_S)
     one.conversation.submit(Interrupt())
-    assert one.conversation.wait_idle(30)
-    tokens = len([e for e in one.events if isinstance(e, TokenGenerated)])
-    assert tokens < 40
-    one.say("thank you, you are a good robot")
-    assert one.conversation.wait_idle(60)
+    interrupted.set()
+    assert one.conversation.wait_idle(HUNG_S)
+    assert len([e for e in one.events if isinstance(e, TokenGenerated)]) <= 2
+    one.talk("thank you, you are a good robot")
     assert not one.answers()[-1].cut
 
 
 def test_the_robot_is_asked_something_else_while_it_drives(home):
-    one = home()
+    one = home(speed=0.0)
     drive_off(one)
-    one.say("where are you")
     answered = one.when(Responded, lambda e: e.text.startswith("I am in the"))
-    assert answered.wait(10) or one.answers()[-1].text.startswith("I am in the")
+    one.say("where are you")
+    assert answered.wait(HUNG_S)
     assert one.robot.state()["goal"] is not None
 
 
 def test_a_model_hands_over_to_the_agent_that_can_do_it(home):
     def two(robot):
-        skills = SkillSet(robot.skills)
+        skills = SkillSet(one for one in robot.skills if one.name == "navigate_to")
         talker = Agent("host", "You are a host who talks.", SkillSet(()), handoffs=("driver",))
         return [talker, Agent("driver", "You drive a robot.", skills, handoffs=("host",))]
 
     one = home(agents=two)
-    one.say("let me speak with the driver please")
-    assert one.conversation.wait_idle(120)
+    one.talk("let me speak with the driver please")
     assert one.deeds("handoff")[0] | {"turn": 1} == {"from": "host", "to": "driver", "turn": 1}
     assert one.conversation.mind.active.name == "driver"
 
 
-def test_a_long_conversation_stays_within_the_context_window(home):
-    one = home()
-    for number in range(12):
-        one.say(f"number {number}: " + "the weather was nice and we talked about it. " * 8)
-        assert one.conversation.wait_idle(90)
+def test_a_long_conversation_stays_within_the_context_window(home, tight):
+    one = home(model=tight, agents=lambda _: [Agent("talker", "You talk.")])
+    for number in range(TURNS):
+        one.talk(f"number {number}: " + "the weather was nice and we talked about it. " * 8)
+    known = [message.content for message in one.conversation.mind.chat()]
+    assert not any("number 0:" in said for said in known), "it was too short to forget anything"
+    assert any(f"number {TURNS - 1}:" in said for said in known)
     assert not [a for a in one.answers() if "language model failed" in a.text]
-    assert len(one.answers()) == 12
+    assert len(one.answers()) == TURNS
