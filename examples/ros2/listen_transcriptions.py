@@ -13,12 +13,11 @@ def main() -> None:
     parser.add_argument("--namespace", default="/edgevox", help="where the robot's topics are")
     arguments = parser.parse_args()
 
-    rclpy.init()
+    rclpy.init()  # Ctrl-C shuts it down; to do so here, too, would race with that
     with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
         node = rclpy.create_node("listen_transcriptions", namespace=arguments.namespace)
         node.create_subscription(String, "transcription", heard, 10)
         rclpy.spin(node)
-    rclpy.try_shutdown()
 
 
 def heard(message: String) -> None:

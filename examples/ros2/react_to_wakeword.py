@@ -16,12 +16,11 @@ def main() -> None:
     parser.add_argument("--namespace", default="/edgevox", help="where the robot's topics are")
     arguments = parser.parse_args()
 
-    rclpy.init()
+    rclpy.init()  # Ctrl-C shuts it down; to do so here, too, would race with that
     with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
         node = rclpy.create_node("react_to_wakeword", namespace=arguments.namespace)
         node.create_subscription(String, "wakeword", react, 10)
         rclpy.spin(node)
-    rclpy.try_shutdown()
 
 
 def react(phrase: String) -> None:

@@ -17,13 +17,12 @@ def main() -> None:
     parser.add_argument("--namespace", default="/edgevox", help="where the robot's topics are")
     arguments = parser.parse_args()
 
-    rclpy.init()
+    rclpy.init()  # Ctrl-C shuts it down; to do so here, too, would race with that
     with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
         node = rclpy.create_node("show_tokens", namespace=arguments.namespace)
         node.create_subscription(String, "bot_token", show, qos_profile_sensor_data)
         node.create_subscription(String, "response", end_line, 10)
         rclpy.spin(node)
-    rclpy.try_shutdown()
 
 
 def show(token: String) -> None:
