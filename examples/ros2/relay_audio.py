@@ -24,7 +24,7 @@ def main() -> None:
     parser.add_argument("--namespace", default="/edgevox", help="where the robot's topics are")
     arguments = parser.parse_args()
 
-    rclpy.init()
+    rclpy.init()  # Ctrl-C shuts it down; to do so here, too, would race with that
     with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
         node = rclpy.create_node("relay_audio", namespace=arguments.namespace)
         theirs, ours = message_type(arguments.type), message_type(SOUND)
@@ -34,7 +34,6 @@ def main() -> None:
         if arguments.speaker:
             relay(node, (ours, "audio_out"), (theirs, arguments.speaker), 10)
         rclpy.spin(node)
-    rclpy.try_shutdown()
 
 
 def relay(node, source, target, qos) -> None:
