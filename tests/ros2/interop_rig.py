@@ -3,12 +3,13 @@
 import threading
 import time
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 from geometry_msgs.msg import Twist
 from held_ticks import HeldTime
 from peer import HEARD_S, RELIABLE, Heard, Peer, wait_until
+from rclpy.subscription import Subscription
 
 from edgevox.robots.apartment import ApartmentRobot
 from edgevox.ros2.interop import Interop
@@ -32,8 +33,11 @@ JITTER = 0.05
 class Offered:
     """A body with its interop on a node, and the skills that were asked for.
 
-    With a held `time` what comes at a rate comes as far as the test lets that time pass.
+    With a held `time` what comes at a rate comes as far as the test lets that time pass. `live` are
+    all that are on ROS 2 in this process.
     """
+
+    live: ClassVar[list["Offered"]] = []
 
     def __init__(
         self, body: Any, ros_args: tuple[str, ...], time: HeldTime | None = None, **options: Any
@@ -54,8 +58,21 @@ class Offered:
         body.start()
         self.ros.start()
         self.ticker.start()
+        self.live.append(self)
+
+    def listens(self, topic: str) -> bool:
+        """Whether it has a subscription there."""
+        return bool(self._subscriptions(topic))
+
+    def publishers(self, topic: str) -> int:
+        """How many publishers its subscriptions there are matched with: those that it can hear."""
+        return sum(one.get_publisher_count() for one in self._subscriptions(topic))
+
+    def _subscriptions(self, topic: str) -> list[Subscription]:
+        return [one for one in self.ros.node.subscriptions if one.topic_name == topic]
 
     def close(self) -> None:
+        self.live.remove(self)
         self.interop.close()
         self.ticker.close()
         self.ros.close()
@@ -113,9 +130,16 @@ def hear(peer: Peer, kind: type, topic: str, qos: Any = RELIABLE) -> Messages:
 def tell(
     peer: Peer, kind: type, topic: str, qos: Any = RELIABLE, *, subscribers: int = 1
 ) -> Callable[[Any], None]:
-    """A way to publish there, once so many listen."""
+    """A way to publish there, once so many listen.
+
+    Those of this process have matched it too: a publisher that knows its listener may still not be
+    known to it, and the first message is lost then.
+    """
+    known = {one: one.publishers(topic) for one in Offered.live}
     publisher = peer.node.create_publisher(kind, topic, qos)
     wait_until(lambda: publisher.get_subscription_count() >= subscribers, topic)
+    listeners = [one for one in known if one.listens(topic)]
+    wait_until(lambda: all(one.publishers(topic) > known[one] for one in listeners), topic)
     return publisher.publish
 
 

@@ -108,7 +108,7 @@ def test_what_a_microphone_node_hears_is_done_and_answered_on_a_speaker_node(voi
     state.wait_for(lambda m: m == "listening", since=len(state.messages) - 1)
     turn = state.messages[state.messages.index("transcribing") :]
     assert turn[:4] == ["transcribing", "thinking", "speaking", "listening"]
-    assert level.wait_for_seconds(1.0).hertz > 5.0
+    level.wait_for_more(10)
     assert all(0.0 <= one.data <= 1.0 for one in level.messages)
     assert max(one.data for one in level.messages) > 0.02
     assert heard_of(speech) == ["going", "to", "the", "kitchen"]
@@ -127,7 +127,7 @@ def test_with_a_wake_word_it_obeys_who_says_it_and_hears_nothing_while_muted(voi
     transcription, wakeword = peer.listen("transcription"), peer.listen("wakeword")
     info = peer.listen("info")
     level = hear(peer, Float32, peer.name("audio_level"), SENSOR)
-    level.wait_for_seconds(0.5)
+    level.wait_for_more(5)
 
     peer.send("command", "mute")
     peer.send("command", "list_voices")  # the two are taken in this order
