@@ -13,7 +13,7 @@ from edgevox.agent.llm.base import LanguageModel
 from edgevox.agent.llm.factory import load_model
 from edgevox.agent.skills import SkillSet
 from edgevox.apps.robots import build_agents
-from edgevox.core.agent_events import AgentEvent, GoalChanged, as_json
+from edgevox.core.agent_events import AgentEvent, GoalChanged, HandedOver, as_json
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Interrupt, TextInput
 from edgevox.core.events import Responded, RobotState, SentenceReady, TokenGenerated
@@ -163,7 +163,7 @@ def test_a_model_hands_over_to_the_agent_that_can_do_it(home):
 
     one = home(agents=two)
     one.talk("let me speak with the driver please")
-    assert one.deeds("handoff")[0] | {"turn": 1} == {"from": "host", "to": "driver", "turn": 1}
+    assert HandedOver("host", "driver", turn=1) in one.events
     assert one.conversation.mind.active.name == "driver"
 
 
