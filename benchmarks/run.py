@@ -28,6 +28,7 @@ from results import FILE, IDLE_LOAD, BadResults, read, write
 BENCHMARKS = {
     "sim": "steps, scans and plans of the 2D apartment",
     "latency": "how fast a running agent answers and stops",
+    "spine": "through how much code a sentence passes before a wheel turns",
     "stop": "how soon a robot stands, by every way to say so",
     "ros2": "messages, round trips, an idle robot, rates, images",
     "mind": "the language model beside plain llama-cpp-python",
