@@ -18,7 +18,7 @@ from typing import get_args
 
 from edgevox.apps.container import ENVIRONMENT, Row
 from edgevox.apps.doctor.checks import CHECKS
-from edgevox.core.agent_events import AgentEvent, key
+from edgevox.core.agent_events import AgentEvent, keys
 from edgevox.ops.diagnostics.table import COMPONENTS
 from edgevox.ops.logs.table import log_events
 from edgevox.ops.metrics.table import METRICS
@@ -67,7 +67,7 @@ def agent_events() -> str:
         (
             f"`{one.kind}`",
             _first_line(one.__doc__),
-            ", ".join(f"`{key(each)}`" for each in fields(one)),
+            ", ".join(f"`{key}`" for each in fields(one) for key in keys(each)),
         )
         for one in get_args(AgentEvent)
     )

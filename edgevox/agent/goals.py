@@ -6,12 +6,14 @@ import uuid
 from collections.abc import Mapping
 from typing import Any
 
-from edgevox.agent.skills import Skill
+from edgevox.agent.reasons import because
+from edgevox.agent.skills import Skill, reason_of
 from edgevox.core.agent_events import GOAL_ENDS, GoalCancelled, GoalChanged, GoalStatus
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.errors import EdgeVoxError, shorten
 from edgevox.core.log import bound, get_logger
+from edgevox.core.reasons import NO_REASON, Reason
 
 log = get_logger(__name__)
 
@@ -41,11 +43,16 @@ class Goal:
         self.status = GoalStatus.ACCEPTED
         self.feedback: Mapping[str, Any] = {}
         self.result: Mapping[str, Any] = {}
-        self.error = ""
+        self.reason = NO_REASON
         self._bus = bus
         self._token = CancelToken()
         self._ending = threading.Lock()
         self._ended = threading.Event()
+
+    @property
+    def error(self) -> str:
+        """Why it did not succeed, in English; empty if it did, or has not ended."""
+        return str(self.reason)
 
     @property
     def token(self) -> CancelToken:
@@ -70,7 +77,7 @@ class Goal:
         """Run the skill on the calling thread, to one of the ends. Never raises."""
         with bound(goal=self.id, turn=self.turn):
             if self._token.cancelled:
-                self.end(GoalStatus.CANCELLED, error=self._token.reason)
+                self.end(GoalStatus.CANCELLED, Reason(self._token.reason))
                 return
             self.status = GoalStatus.RUNNING
             self._tell()
@@ -80,33 +87,39 @@ class Goal:
         try:
             result = _as_json(self.skill.function(self, **self.arguments))
         except Cancelled as cancelled:
-            self.end(GoalStatus.CANCELLED, error=self._token.reason or str(cancelled))
+            self.end(GoalStatus.CANCELLED, Reason(self._token.reason or str(cancelled)))
         except EdgeVoxError as error:  # `SkillFailed`, or what it called did
-            self.end(GoalStatus.FAILED, error=str(error))
+            self.end(GoalStatus.FAILED, reason_of(error))
         except BaseException as error:
             log.exception("skill_broke", skill=self.skill.name)
             said = " ".join(str(error).split())[:_MOST_REASON] or type(error).__name__
-            self.end(GoalStatus.FAILED, error=f"{self.skill.name} broke: {said}")
+            self.end(GoalStatus.FAILED, because("skill_broke", skill=self.skill.name, why=said))
         else:
             self.end(GoalStatus.SUCCEEDED, result=result)
 
     def drop(self, reason: str) -> None:
         """End it without ever having run."""
         self._token.cancel(reason)
-        self.end(GoalStatus.CANCELLED, error=reason)
+        self.end(GoalStatus.CANCELLED, Reason(reason))
 
-    def end(self, status: GoalStatus, *, result: Mapping[str, Any] = {}, error: str = "") -> None:
+    def end(
+        self,
+        status: GoalStatus,
+        reason: Reason = NO_REASON,
+        *,
+        result: Mapping[str, Any] = {},
+    ) -> None:
         """Say how it ended; only the first end counts."""
         with self._ending:
             if self.status in GOAL_ENDS:
                 return
-            self.result, self.error = dict(result), error
+            self.result, self.reason = dict(result), reason
             self.status = status
         if status is GoalStatus.CANCELLED:
-            told = GoalCancelled(self.id, self.skill.name, self.arguments, self.turn, error)
+            told = GoalCancelled(self.id, self.skill.name, self.arguments, self.turn, str(reason))
             self._bus.publish(told)
         elif status is GoalStatus.FAILED:
-            self._tell(error=error)
+            self._tell(reason=reason)
         else:
             self._tell(result=self.result)
         self._ended.set()
@@ -115,11 +128,11 @@ class Goal:
         self,
         feedback: Mapping[str, Any] | None = None,
         result: Mapping[str, Any] | None = None,
-        error: str | None = None,
+        reason: Reason | None = None,
     ) -> None:
         """Say on the bus how far it is."""
         what = (self.id, self.skill.name, self.arguments, self.status, self.turn)
-        self._bus.publish(GoalChanged(*what, feedback, result, error))
+        self._bus.publish(GoalChanged(*what, feedback, result, reason))
 
 
 def _as_json(result: Any) -> Mapping[str, Any]:

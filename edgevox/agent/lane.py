@@ -7,9 +7,11 @@ from dataclasses import dataclass
 from functools import partial
 
 from edgevox.agent.goals import Goal
+from edgevox.agent.reasons import because
 from edgevox.core.agent_events import GOAL_ENDS, GoalStatus
 from edgevox.core.deadlines import Deadlines
 from edgevox.core.log import bound, get_logger
+from edgevox.core.reasons import Reason
 
 log = get_logger(__name__)
 
@@ -178,10 +180,11 @@ class Lane:
         with bound(goal=goal.id, turn=goal.turn):
             log.error("skill_does_not_end", skill=goal.skill.name)
         if goal.token.cancelled:
-            goal.end(GoalStatus.CANCELLED, error=goal.token.reason)
+            goal.end(GoalStatus.CANCELLED, Reason(goal.token.reason))
         else:
-            late = f"{goal.skill.name} took longer than {plan.limit_s:.0f} s"
-            goal.end(GoalStatus.FAILED, error=late)
+            limit = f"{plan.limit_s:.0f}"
+            late = because("took_too_long", skill=goal.skill.name, seconds=limit)
+            goal.end(GoalStatus.FAILED, late)
             goal.token.cancel("it took too long")
         self._told(goal)
         self._finish(plan)

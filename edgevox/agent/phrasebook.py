@@ -3,13 +3,13 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from itertools import zip_longest
 from string import Formatter
 from typing import Any
 
 from edgevox.agent.skills import Example, OneOf, Skill, SkillPhrases
 from edgevox.agent.spelling import key
+from edgevox.core.reasons import Reason
 
 Rewriting = tuple[re.Pattern[str], str]
 """A pattern and what it is replaced with."""
@@ -161,22 +161,20 @@ class Phrasebook:
         """What is said when this call has succeeded; empty if nothing is."""
         return self._speak(self._phrases(one).done, one.done, {**arguments, **result})
 
-    def failure(self, reason: str) -> str:
-        """What is said when a call has failed, for a reason that its skill gave in English."""
+    def failure(self, reason: Reason) -> str:
+        """What is said when a call has failed, for this reason."""
         return self._because("failed", reason)
 
-    def refusal(self, reason: str) -> str:
-        """What is said when a call was not begun at all, for a reason that is given in English."""
+    def refusal(self, reason: Reason) -> str:
+        """What is said when a call was not begun at all, for this reason."""
         return self._because("refused", reason)
 
-    def reason(self, english: str) -> str:
-        """A reason in this language, where it is one of those that are known."""
-        for name, pattern in (self.fallback or self).reason_patterns.items():
-            match = pattern.fullmatch(english.strip())
-            if match and name in self.reasons:
-                values = {name: self.word(said) for name, said in match.groupdict().items()}
-                return self._smooth(self.reasons[name].format(**values))
-        return english
+    def reason(self, why: Reason) -> str:
+        """A reason in this language; somebody's own sentence as it is."""
+        if why.code not in self.reasons or self.fallback is None:
+            return why.text
+        values = {name: self._told(value) for name, value in why.values.items()}
+        return self._smooth(self.reasons[why.code].format(**values))
 
     def abilities(self, skills: Sequence[Skill]) -> str:
         """What a robot with these skills can do, in one sentence; empty if it can do nothing."""
@@ -187,13 +185,12 @@ class Phrasebook:
         """Some words as one: "the kitchen, the bedroom and the office"."""
         return self._join([str(self.word(name)) for name in names])
 
-    @cached_property
-    def reason_patterns(self) -> Mapping[str, re.Pattern[str]]:
-        """The reasons as patterns, with their values as named groups."""
-        return {name: _as_pattern(text) for name, text in self.reasons.items()}
+    def _because(self, sentence: str, reason: Reason) -> str:
+        return self.say(sentence, reason=_bare(self.reason(reason)))
 
-    def _because(self, sentence: str, reason: str) -> str:
-        return self.say(sentence, reason=self.reason(reason).rstrip(". \u3002\u0964"))
+    def _told(self, value: str | Reason) -> Word | str:
+        """What a reason is about: a word with its forms, or another reason."""
+        return _bare(self.reason(value)) if isinstance(value, Reason) else self.word(value)
 
     def _slots(self, template: str) -> set[str]:
         """The slots of a template and of the rules that it names."""
@@ -265,11 +262,9 @@ def _renamed_example(example: Example, arguments: Mapping[str, str]) -> Example:
     return Example(example.sentence, {arguments[n]: v for n, v in example.arguments.items()})
 
 
-def _as_pattern(text: str) -> re.Pattern[str]:
-    parts = re.split(r"\{(\w+)\}", text)
-    return re.compile(
-        "".join(f"(?P<{p}>.+?)" if i % 2 else re.escape(p) for i, p in enumerate(parts))
-    )
+def _bare(sentence: str) -> str:
+    """Without the full stop: it becomes part of another sentence."""
+    return sentence.rstrip(". \u3002\u0964")
 
 
 def _as_part(sentence: str) -> str:

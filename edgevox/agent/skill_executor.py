@@ -8,6 +8,7 @@ from edgevox.agent.goal_runner import MAX_BACKGROUND, GoalRunner
 from edgevox.agent.goals import Goal
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.phrasebook import Phrasebook
+from edgevox.agent.reasons import because
 from edgevox.agent.skills import Call, Skill, SkillFailed, SkillSet
 from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import GoalStatus, ToolCalled
@@ -15,6 +16,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import Outcome
 from edgevox.core.interlock import Interlock
+from edgevox.core.reasons import NO_REASON, Reason
 
 MAX_CALLS = 8
 """How many calls one utterance may hold."""
@@ -77,7 +79,7 @@ class SkillExecutor:
         if held := self._held([skills[call.skill]]):
             raise SkillFailed(held)
         if not skills[call.skill].moves and self._runner.full:
-            raise SkillFailed(f"{call.skill}: {MAX_BACKGROUND} goals wait already.")
+            raise SkillFailed(because("goals_wait", skill=call.skill, count=str(MAX_BACKGROUND)))
 
     def begin(self, call: Call, skills: SkillSet, goal_id: str | None) -> Goal:
         """Run one call without a turn, and so without a word said about it.
@@ -90,7 +92,7 @@ class SkillExecutor:
         self._tell(goal, "action")
         with self._gate:
             if held := self._held([goal.skill]):
-                goal.drop(held)
+                goal.drop(str(held))
             elif goal.skill.moves:
                 self._runner.move([goal])
             else:
@@ -105,7 +107,7 @@ class SkillExecutor:
             turn.say(self._phrases().say("refused", reason=_in_words(error)), Outcome.REFUSED)
             return
         except SkillFailed as error:
-            turn.say(self._phrases().failure(str(error)), Outcome.REFUSED)
+            turn.say(self._phrases().failure(error.reason), Outcome.REFUSED)
             return
         turn.acted()
         for goal in goals:
@@ -143,14 +145,14 @@ class SkillExecutor:
             forget()
             turn.say(_report(self._phrases(), goal))
 
-    def _held(self, skills: Sequence[Skill]) -> str:
-        """Why these may not run; empty if they may."""
-        return self._interlock.reason if any(skill.drives for skill in skills) else ""
+    def _held(self, skills: Sequence[Skill]) -> Reason:
+        """Why these may not run; none if they may."""
+        return self._interlock.reason if any(skill.drives for skill in skills) else NO_REASON
 
-    def _stand(self, reason: str) -> None:
+    def _stand(self, reason: Reason) -> None:
         """End what moves. Motion that begins after this is refused."""
         with self._gate:
-            ended = self._runner.cancel_motion(reason)
+            ended = self._runner.cancel_motion(str(reason))
         if ended:
             self._announce(self._phrases().failure(reason))
 
@@ -180,7 +182,7 @@ def _report(phrases: Phrasebook, goal: Goal) -> str:
     if goal.status is GoalStatus.SUCCEEDED:
         return phrases.report(goal.skill, goal.arguments, goal.result)
     if goal.status is GoalStatus.FAILED:
-        return phrases.failure(goal.error)
+        return phrases.failure(goal.reason)
     return ""
 
 

@@ -26,6 +26,7 @@ from edgevox.agent.arguments import (
 )
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.reasons import Reason
 
 Result = Mapping[str, Any]
 
@@ -34,7 +35,19 @@ STOP = "stop"
 
 
 class SkillFailed(EdgeVoxError):
-    """A skill could not do what was asked. The message is a reason that a person may hear."""
+    """A skill could not do what was asked. The message is a reason that a person may hear.
+
+    A `Reason` with a code is said in the language that is spoken, a plain sentence as it is.
+    """
+
+    def __init__(self, reason: Reason | str) -> None:
+        self.reason = reason if isinstance(reason, Reason) else Reason(reason)
+        super().__init__(self.reason.text)
+
+
+def reason_of(error: EdgeVoxError) -> Reason:
+    """Why something was not done, from what was raised."""
+    return error.reason if isinstance(error, SkillFailed) else Reason(str(error))
 
 
 class UnknownSkill(InvalidValue):

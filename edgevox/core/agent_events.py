@@ -9,6 +9,8 @@ from dataclasses import Field, dataclass, field, fields
 from enum import StrEnum
 from typing import Any, ClassVar
 
+from edgevox.core.reasons import Reason
+
 
 class AgentEventKind(StrEnum):
     """The kinds that `agent_event` reports."""
@@ -50,8 +52,9 @@ class ToolCalled:
 class GoalChanged:
     """A goal was accepted, runs, has got further, succeeded or failed. `turn` is 0 without one.
 
-    `feedback` is what the skill reports, `result` what it returned, `error` why it failed; each is
-    there only where it applies.
+    `feedback` is what the skill reports, `result` what it returned, `reason` why it failed; each is
+    there only where it applies. In JSON a reason is an `error`, an English sentence, and where it
+    has a code also `code` and `values`.
     """
 
     kind: ClassVar = AgentEventKind.SKILL_GOAL
@@ -62,7 +65,7 @@ class GoalChanged:
     turn: int
     feedback: Mapping[str, Any] | None = None
     result: Mapping[str, Any] | None = None
-    error: str | None = None
+    reason: Reason | None = field(default=None, metadata={"keys": ("error", "code", "values")})
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +90,7 @@ class GoalRejected:
     skill: str
     arguments_json: str
     status: GoalStatus = field(init=False, default=GoalStatus.REJECTED)
-    error: str
+    reason: Reason = field(metadata={"keys": ("error", "code", "values")})
     turn: int = field(init=False, default=0)
 
 
@@ -96,8 +99,8 @@ class HandedOver:
     """One agent hands the person over to another."""
 
     kind: ClassVar = AgentEventKind.HANDOFF
-    giver: str = field(metadata={"key": "from"})
-    taker: str = field(metadata={"key": "to"})
+    giver: str = field(metadata={"keys": ("from",)})
+    taker: str = field(metadata={"keys": ("to",)})
     turn: int
 
 
@@ -119,14 +122,26 @@ def as_json(event: AgentEvent) -> dict[str, Any]:
     found: dict[str, Any] = {"kind": event.kind}
     for one in fields(event):
         value = getattr(event, one.name)
-        if value is not None or _is_always_there(one):
-            found[key(one)] = value
+        if isinstance(value, Reason):
+            found |= reason_json(value)
+        elif value is not None or _is_always_there(one):
+            (name,) = keys(one)
+            found[name] = value
     return found
 
 
-def key(one: "Field[Any]") -> str:
-    """What a field is called in JSON."""
-    return str(one.metadata.get("key", one.name))
+def reason_json(reason: Reason) -> dict[str, Any]:
+    """A reason as the keys of a JSON object."""
+    found: dict[str, Any] = {"error": reason.text}
+    if reason.code:
+        said = {name: str(value) for name, value in reason.values.items()}
+        found |= {"code": reason.code, "values": said}
+    return found
+
+
+def keys(one: "Field[Any]") -> tuple[str, ...]:
+    """What a field is in JSON: one key, or several."""
+    return tuple(one.metadata.get("keys", (one.name,)))
 
 
 def _is_always_there(one: "Field[Any]") -> bool:

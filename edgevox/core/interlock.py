@@ -3,6 +3,8 @@
 import threading
 from collections.abc import Callable
 
+from edgevox.core.reasons import NO_REASON, Reason
+
 
 class Interlock:
     """Whoever would move the body asks `reason` first; whoever forbids it calls `engage`.
@@ -12,15 +14,15 @@ class Interlock:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._reason = ""
-        self._listeners: tuple[Callable[[str], None], ...] = ()
+        self._reason = NO_REASON
+        self._listeners: tuple[Callable[[Reason], None], ...] = ()
 
     @property
-    def reason(self) -> str:
-        """Why the body may not be moved, fit for being spoken; empty if it may."""
+    def reason(self) -> Reason:
+        """Why the body may not be moved; none if it may."""
         return self._reason
 
-    def engage(self, reason: str) -> None:
+    def engage(self, reason: Reason) -> None:
         """Forbid motion from now on, and have what moves already ended."""
         with self._lock:
             engaged, self._reason = bool(self._reason), reason
@@ -31,9 +33,9 @@ class Interlock:
     def release(self) -> None:
         """Allow motion again; nothing moves by itself."""
         with self._lock:
-            self._reason = ""
+            self._reason = NO_REASON
 
-    def on_engage(self, listener: Callable[[str], None]) -> None:
+    def on_engage(self, listener: Callable[[Reason], None]) -> None:
         """Call it with the reason whenever motion was allowed and is no more."""
         with self._lock:
             self._listeners = (*self._listeners, listener)

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 
 
@@ -24,8 +25,7 @@ class Bounds:
         """Raise `SkillFailed` with the reason, fit for being said, if a point is not within."""
         if self.x_min_m <= x_m <= self.x_max_m and self.y_min_m <= y_m <= self.y_max_m:
             return
-        raise SkillFailed(
-            f"That point is outside the {self.name.replace('_', ' ')}: x must be between "
-            f"{self.x_min_m:g} and {self.x_max_m:g}, and y between {self.y_min_m:g} and "
-            f"{self.y_max_m:g}."
-        )
+        edges = ("x_min", "x_max", "y_min", "y_max")
+        metres = (self.x_min_m, self.x_max_m, self.y_min_m, self.y_max_m)
+        values = {name: f"{value:g}" for name, value in zip(edges, metres, strict=True)}
+        raise SkillFailed(because("outside", place=self.name.replace("_", " "), **values))

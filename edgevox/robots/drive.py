@@ -5,6 +5,7 @@ import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import Twist2D
@@ -96,7 +97,7 @@ class Drive:
             self._place, self._since_s, self._tries_left = pose, time_s, TRIES
         stalled = time_s - self._since_s >= PATIENCE_S
         if (stalled and self._tries_left == 0) or time_s > self._last_try_s:
-            self.end(SkillFailed("I am stuck and cannot get there."))
+            self.end(SkillFailed(because("stuck")))
             return
         if stalled:
             self._tries_left -= 1

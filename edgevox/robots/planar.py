@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from edgevox.agent.reasons import because
 from edgevox.agent.skills import Skill, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
@@ -234,9 +235,9 @@ class PlanarRobot(LivesByStepping):
     def _begin(self, goal: Point) -> Drive:
         with self._lock:
             if not self._stepper.running:
-                raise SkillFailed("I am switched off.")
+                raise SkillFailed(because("switched_off"))
             if self._run.battery.empty:
-                raise SkillFailed("My battery is empty.")
+                raise SkillFailed(because("battery_empty"))
             drive = Drive(
                 goal,
                 self._planner,

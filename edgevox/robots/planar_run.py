@@ -3,6 +3,7 @@
 import math
 from collections import deque
 
+from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.battery import Battery
@@ -48,7 +49,7 @@ class PlanarRun:
         """
         self._steps += 1
         if self.battery.empty and self.pilot.busy:
-            self.pilot.stand(SkillFailed("My battery is empty."))
+            self.pilot.stand(SkillFailed(because("battery_empty")))
         try:
             self._move(time_s)
         except Exception:

@@ -7,6 +7,7 @@ import numpy as np
 import tcod.path
 from numpy.typing import NDArray
 
+from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.grid import Grid, cell_size
@@ -50,8 +51,8 @@ class Planner:
         if path:
             return path
         if shapes and self._search(self._fixed, start, goal):
-            raise SkillFailed("I cannot get there, because furniture is in the way.")
-        raise SkillFailed("I cannot get there, because no way leads there.")
+            raise SkillFailed(because("furniture"))
+        raise SkillFailed(because("no_way"))
 
     def _check_goal(self, goal: Point, movable: Sequence[Pose2D]) -> None:
         world = self._world
@@ -63,11 +64,11 @@ class Planner:
             default=(np.inf, None),
         )
         if thing and gap == 0.0:
-            raise SkillFailed(f"That point is taken: there is {thing.mentioned}.")
+            raise SkillFailed(because("taken", thing=thing.mentioned))
         if thing and gap < self._radius_m:
-            raise SkillFailed(f"That point is too close to {thing.mentioned} for me.")
+            raise SkillFailed(because("too_close", thing=thing.mentioned))
         if self._to_edge(goal) < self._radius_m:
-            raise SkillFailed("That point is too close to the edge of the world for me.")
+            raise SkillFailed(because("at_the_edge"))
 
     def _to_edge(self, goal: Point) -> float:
         world = self._world

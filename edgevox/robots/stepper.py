@@ -4,6 +4,7 @@ import math
 import threading
 from collections.abc import Callable
 
+from edgevox.agent.reasons import because
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
 from edgevox.core.log import get_logger
@@ -12,7 +13,7 @@ log = get_logger(__name__)
 
 MOST_LAG_S = 0.25
 """A thread that was stalled catches up this much; what is older is dropped, not run after."""
-BROKE = "the physics of my world broke, and I was put back."
+BROKE = because("broke")
 """Why a goal fails when a step did, as it is spoken."""
 _LOG_EVERY_S = 10.0
 _PAUSE_AFTER_FAILURE_S = 0.05

@@ -1,7 +1,7 @@
 """The action `execute_skill`: one skill, run for a program, with feedback, a result and cancel."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from rclpy.action.server import (
@@ -15,12 +15,14 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.task import Future
 
+from edgevox.agent.skills import reason_of
 from edgevox.core.agent_events import (
     GOAL_ENDS,
     GoalCancelled,
     GoalChanged,
     GoalRejected,
     GoalStatus,
+    reason_json,
 )
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
@@ -111,7 +113,7 @@ class SkillAction:
         except EdgeVoxError as error:
             log.warning("action_goal_rejected", skill=request.skill_name[:80], reason=str(error))
             rejected = GoalRejected(
-                request.skill_name[:80], shorten(request.arguments_json), str(error)
+                request.skill_name[:80], shorten(request.arguments_json), reason_of(error)
             )
             self._bus.publish(rejected)
             return GoalResponse.REJECT
@@ -129,7 +131,7 @@ class SkillAction:
         except EdgeVoxError as error:
             failed = GoalStatus.FAILED
             name = handle.request.skill_name
-            self._end(run, GoalChanged(goal_id, name, {}, failed, 0, error=str(error)))
+            self._end(run, GoalChanged(goal_id, name, {}, failed, 0, reason=reason_of(error)))
 
     def _cancel(self, handle: ServerGoalHandle) -> CancelResponse:
         run = self._runs.get(_key(handle))
@@ -160,8 +162,8 @@ class SkillAction:
             self._idle.set()
         return self._kind.Result(
             ok=end.status is GoalStatus.SUCCEEDED,
-            result_json=write((isinstance(end, GoalChanged) and end.result) or {}),
-            error=end.reason if isinstance(end, GoalCancelled) else end.error or "",
+            result_json=write(_result(end)),
+            error=str(end.reason or ""),
         )
 
     def _hear(self, event: GoalChanged | GoalCancelled) -> None:
@@ -200,6 +202,17 @@ def open_skill_action(node: Node, bus: Bus, goals: StartsGoals) -> SkillAction |
         log.warning("action_off", action=NAME, reason=reason)
         return None
     return SkillAction(node, bus, goals, ExecuteSkill)
+
+
+def _result(end: GoalChanged | GoalCancelled) -> Mapping[str, Any]:
+    """What a skill returned; of one that failed, the code of its reason and what that is about."""
+    if isinstance(end, GoalCancelled):
+        return {}
+    if end.reason is None:
+        return end.result or {}
+    found = reason_json(end.reason)
+    del found["error"]
+    return found
 
 
 def _key(handle: ServerGoalHandle) -> str:

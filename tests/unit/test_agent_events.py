@@ -18,6 +18,7 @@ from edgevox.core.agent_events import (
     as_json,
 )
 from edgevox.core.bus import Bus
+from edgevox.core.reasons import Reason
 
 EVENTS = (
     (
@@ -42,10 +43,18 @@ EVENTS = (
         ),
     ),
     (
-        GoalChanged("a", "drive", {}, GoalStatus.FAILED, 0, error="stuck"),
+        GoalChanged(
+            "a",
+            "drive",
+            {},
+            GoalStatus.FAILED,
+            0,
+            reason=Reason("I am at {x}.", "stuck", {"x": Reason("sea")}),
+        ),
         (
             '{"kind": "skill_goal", "goal_id": "a", "skill": "drive", "arguments": {}, '
-            '"status": "failed", "turn": 0, "error": "stuck"}'
+            '"status": "failed", "turn": 0, "error": "I am at {x}.", "code": "stuck", '
+            '"values": {"x": "sea"}}'
         ),
     ),
     (
@@ -56,7 +65,7 @@ EVENTS = (
         ),
     ),
     (
-        GoalRejected("fly", "{", "no such skill"),
+        GoalRejected("fly", "{", Reason("no such skill")),
         (
             '{"kind": "skill_goal", "goal_id": null, "skill": "fly", "arguments_json": "{", '
             '"status": "rejected", "error": "no such skill", "turn": 0}'

@@ -120,8 +120,8 @@ def test_a_jump_is_said_with_how_far_it_was(clock) -> None:
     sightings = Sightings(clock)
     see(sightings, clock)
     see(sightings, clock, x_m=5.04, yaw_rad=math.pi / 2)
-    said = str(sightings.doubt.jump)
-    assert said == "The robot's pose jumped by 5.0 metres and 90 degrees, so I stopped."
+    said = sightings.doubt.jump.reason
+    assert str(said) == "The robot's pose jumped by 5.0 metres and 90 degrees, so I stopped."
     assert (
         phrasebook("de")
         .reason(said)

@@ -4,11 +4,13 @@ from phrasebook_bodies import BODIES, SKILLS
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
+from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed, SkillSet, skill
 from edgevox.core.bus import Bus
 from edgevox.core.commands import TextInput
 from edgevox.core.events import Responded
 from edgevox.core.languages import LANGUAGES
+from edgevox.core.reasons import Reason
 
 OTHERS = [code for code in LANGUAGES if code != ENGLISH]
 RESULTS = {
@@ -105,22 +107,22 @@ def test_a_skill_without_phrases_speaks_english():
 
 
 @pytest.mark.parametrize(
-    ("english", "french"),
+    ("reason", "french"),
     [
-        ("I cannot get there, because no way leads there.", "aucun chemin n'y mène"),
+        (because("no_way"), "aucun chemin n'y mène"),
         (
-            "That point is outside the flat: x must be between 0 and 9.5, and y between 0 and 10.",
+            because("outside", place="flat", x_min="0", x_max="9.5", y_min="0", y_max="10"),
             "ce point est en dehors de la carte : x doit être entre 0 et 9,5, et y entre 0 et 10",
         ),
         (
-            "I hold the red cube. It has to be put down first.",
+            because("hand_full", thing="red cube"),
             "je tiens le cube rouge, il faut d'abord le poser",
         ),
-        ("The moon is in the way.", "The moon is in the way"),
+        (Reason("The moon is in the way."), "The moon is in the way"),
     ],
 )
-def test_a_reason_is_said_in_the_language_if_it_is_a_known_one(english, french):
-    assert phrasebook("fr").failure(english) == f"Je n'ai pas pu le faire : {french}."
+def test_a_reason_is_said_in_the_language_if_it_is_a_known_one(reason, french):
+    assert phrasebook("fr").failure(reason) == f"Je n'ai pas pu le faire : {french}."
 
 
 def test_a_conversation_is_understood_and_answered_in_the_language_it_is_set_to():
@@ -135,7 +137,7 @@ def test_a_conversation_is_understood_and_answered_in_the_language_it_is_set_to(
     @skill(templates=["battery"], done="{percent}", moves=False)
     def battery(goal):
         """Say how full the battery is."""
-        raise SkillFailed("I am switched off.")
+        raise SkillFailed(because("switched_off"))
 
     agent = Agent("robot", "", SkillSet([get_pose, battery]))
     talk = Conversation([agent], bus, halt=lambda reason: False, language="fr")

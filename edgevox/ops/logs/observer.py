@@ -128,7 +128,7 @@ class BusLog:
             case GoalStatus.SUCCEEDED:
                 log.info("goal_succeeded", **_ids(goal), **self._ran(goal))
             case GoalStatus.FAILED:
-                reason = self._reason(goal, goal.error or "")
+                reason = self._reason(goal, str(goal.reason or ""))
                 log.warning("goal_failed", **_ids(goal), **self._ran(goal), reason=reason)
 
     def _ran(self, goal: GoalChanged | GoalCancelled) -> dict[str, float]:

@@ -4,6 +4,7 @@ import math
 import threading
 from dataclasses import dataclass
 
+from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.humanoid.policy import STAND, WalkingCommand
@@ -142,7 +143,7 @@ class Manoeuvre:
         if left < self._best - _NEARER:
             self._best, self._since_best_s = left, 0.0
         if self._since_best_s > PATIENCE_S:
-            self.end(SkillFailed("I cannot get any further."))
+            self.end(SkillFailed(because("no_further")))
 
     def _walk(self) -> WalkingCommand:
         """Along the way, back onto it from aside, and straight ahead; a turn stays on the spot."""

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from edgevox.agent.reasons import because
 from edgevox.agent.skills import Skill, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
@@ -24,7 +25,7 @@ from edgevox.robots.humanoid.state import describe
 from edgevox.robots.stepper import BROKE, LivesByStepping, Stepper
 
 REPORT_EVERY_S = 0.2
-FALLEN = "I have fallen. Tell me to stand up."
+FALLEN = because("fallen")
 
 
 class HumanoidRobot(LivesByStepping):
@@ -211,7 +212,7 @@ class HumanoidRobot(LivesByStepping):
     def _begin(self, distance_m: float, angle_rad: float) -> Manoeuvre:
         with self._lock:
             if not self._stepper.running:
-                raise SkillFailed("I am switched off.")
+                raise SkillFailed(because("switched_off"))
             if self._environment.fallen:
                 raise SkillFailed(FALLEN)
             manoeuvre = Manoeuvre(

@@ -3,6 +3,7 @@
 import mujoco
 import numpy as np
 
+from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.robots.panda.hand import Hand
 from edgevox.robots.panda.kinematics import ARM_JOINTS, READY, Joints
@@ -55,7 +56,7 @@ class Arm:
     def follow(self, rows: Rows, end: Joints) -> Motion:
         """Move. Fails if something holds the arm back."""
         self._end = end
-        blocked = SkillFailed("something holds my arm back.")
+        blocked = SkillFailed(because("held_back"))
         return self._begin(
             Motion(rows, settled=self._arrived, patience=_IMPATIENT, impatient=blocked)
         )
@@ -133,12 +134,12 @@ class Arm:
 
     def _watch(self) -> None:
         if not self._lost() and np.abs(self._control - self._joints).max() > _STRAINED_RAD:
-            self.freeze(SkillFailed("something holds my arm back."))
+            self.freeze(SkillFailed(because("held_back")))
 
     def _lost(self) -> bool:
         """Notice that what was held slipped away, and stop."""
         lost = self.hand.lost()
         if lost is None:
             return False
-        self.freeze(SkillFailed(f"I lost the {lost.replace('_', ' ')}."))
+        self.freeze(SkillFailed(because("dropped", thing=lost.replace("_", " "))))
         return True

@@ -10,6 +10,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
+from edgevox.agent.reasons import because
 from edgevox.robots.mujoco.snapshot import Snapshot
 from edgevox.robots.panda.collisions import Collisions, Touch
 from edgevox.robots.panda.kinematics import READY, HandPose, Joints, Kinematics
@@ -108,7 +109,9 @@ class Planner:
     def _solved(self, pose: HandPose, seed: Joints) -> Joints:
         joints = self._kinematics.solve(pose, seed)
         if joints is None:
-            raise OutOfReach(f"x {pose.x_m:.2f}, y {pose.y_m:.2f}, z {pose.z_m:.2f} is too far.")
+            at = {"x": pose.x_m, "y": pose.y_m, "z": pose.z_m}
+            point = {axis: f"{metres:.2f}" for axis, metres in at.items()}
+            raise OutOfReach(because("point_too_far", **point))
         return joints
 
     def _leg(self, knots: Sequence[Joints], pace: Pace, allowed: frozenset[Touch]) -> Leg:

@@ -5,6 +5,7 @@ import re
 import numpy as np
 from numpy.typing import NDArray
 
+from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.robots.panda.collisions import Collisions, Touch
 from edgevox.robots.panda.kinematics import READY, HandPose, Joints, Kinematics
@@ -49,7 +50,7 @@ class Reach:
                     return joints
         if touched:
             raise in_the_way(min(touched))
-        raise OutOfReach("that is too far away.")
+        raise OutOfReach(because("too_far"))
 
     def nearest(self, point_m: Point) -> Point:
         """A point near this one, in whole centimetres, for which `joints` has an answer."""
@@ -91,11 +92,11 @@ def in_the_way(touched: Touch) -> InTheWay:
     """What would touch what, as a person says it: the arm's parts first, by their common names."""
     mine = [name for name in touched if _PART.fullmatch(name)]
     if len(mine) == len(touched):
-        return InTheWay("my arm would touch itself.")
+        return InTheWay(because("would_touch_itself"))
     other = next(name for name in reversed(touched) if name not in mine)
     part = mine[0] if mine else touched[0]
     said = "arm" if part.startswith("link") else spoken(part)
-    return InTheWay(f"my {said} would touch the {spoken(other)}.")
+    return InTheWay(because("would_touch", part=said, thing=spoken(other)))
 
 
 def spoken(name: str) -> str:

@@ -11,10 +11,12 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from edgevox.agent.reasons import because
 from edgevox.agent.skills import Skill, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.errors import InvalidValue
+from edgevox.core.reasons import Reason
 from edgevox.core.transforms import Pose3D
 from edgevox.robots.capabilities import CameraImage, CameraSpec, Report
 from edgevox.robots.mujoco.renderer import Renderer
@@ -213,7 +215,7 @@ class PandaRobot:
         held = self._cell.arm.hand.held
         name = name or held
         if name is None:
-            raise SkillFailed("I hold nothing.")
+            raise SkillFailed(because("holds_nothing"))
         if held != name:
             tasks.check_pick(self._cell, name)
         tasks.spot_for(self._cell, name, target)
@@ -240,12 +242,13 @@ def _point(one: seen.Placed) -> dict[str, float]:
     return {"x": round(one.x_m, 4), "y": round(one.y_m, 4), "z": round(one.z_m, 4)}
 
 
-def _refusal(goal: NDArray[np.float64], near: NDArray[np.float64], failure: SkillFailed) -> str:
-    why = "is out of my reach" if isinstance(failure, OutOfReach) else f"will not do: {failure}"
+def _refusal(goal: NDArray[np.float64], near: NDArray[np.float64], failure: SkillFailed) -> Reason:
     asked, offered = (
         f"x {point[0]:.2f}, y {point[1]:.2f}, z {point[2]:.2f}" for point in (goal, near)
     )
-    return f"{asked} {why.rstrip('.')}. The nearest point that I can reach is {offered}."
+    if isinstance(failure, OutOfReach):
+        return because("beyond", point=asked, nearest=offered)
+    return because("blocked", point=asked, why=failure.reason, nearest=offered)
 
 
 def _finite(field: str, value: float) -> float:

@@ -4,6 +4,7 @@ from typing import Annotated, Any, Protocol
 
 from pydantic import Field
 
+from edgevox.agent.reasons import because
 from edgevox.agent.skills import GoalHandle, OneOf, Result, Skill, SkillFailed, skill
 from edgevox.core.cancel import CancelToken
 from edgevox.robots.capabilities import Body, Report
@@ -150,7 +151,7 @@ def _moving(body: Manipulator) -> tuple[Skill, ...]:
 def _check_point(x: float, y: float, z: float) -> None:
     """What is nearer than this, the arm may offer another point for."""
     if max(abs(x), abs(y), abs(z)) > FAR_M:
-        raise SkillFailed(f"x {x:g}, y {y:g}, z {z:g} is too far.")
+        raise SkillFailed(because("point_too_far", x=f"{x:g}", y=f"{y:g}", z=f"{z:g}"))
 
 
 def _telling(body: Manipulator) -> tuple[Skill, ...]:

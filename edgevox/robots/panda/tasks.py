@@ -6,7 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
+from edgevox.core.reasons import Reason
 from edgevox.robots.panda import things as seen
 from edgevox.robots.panda.collisions import Touch, touch
 from edgevox.robots.panda.errand import Errand
@@ -36,7 +38,7 @@ def pick(cell: Workcell, errand: Errand, name: str) -> None:
         if _try_pick(cell, errand, name):
             return
         errand.restart()
-    raise SkillFailed(f"I could not get hold of the {spoken(name)}.")
+    raise SkillFailed(because("slipped", thing=spoken(name)))
 
 
 def place(cell: Workcell, errand: Errand, name: str, target: str) -> None:
@@ -55,7 +57,7 @@ def place(cell: Workcell, errand: Errand, name: str, target: str) -> None:
     cell.rest(errand, _SETTLE_S)
     there = seen.where(name, cell.things(), None)
     if there != target:
-        raise SkillFailed(f"the {spoken(name)} did not stay there; it is {being(there)}.")
+        raise SkillFailed(because("not_stayed", thing=spoken(name), place=being(there)))
 
 
 def release(cell: Workcell, errand: Errand) -> str | None:
@@ -89,21 +91,21 @@ def check_pick(cell: Workcell, name: str) -> None:
     """Raises `SkillFailed` with the reason why this cube cannot be grasped."""
     things, held = cell.things(), cell.arm.hand.held
     if held == name:
-        raise SkillFailed(f"I hold the {spoken(name)} already.")
+        raise SkillFailed(because("held_already", thing=spoken(name)))
     if held is not None:
-        raise SkillFailed(f"I hold the {spoken(held)}. It has to be put down first.")
+        raise SkillFailed(because("hand_full", thing=spoken(held)))
     if seen.where(name, things, held) == seen.FLOOR:
-        raise SkillFailed(f"the {spoken(name)} fell off the table, and I cannot reach the floor.")
+        raise SkillFailed(because("out_of_reach", thing=spoken(name)))
     upper = seen.on_top(name, things)
     if upper is not None:
-        raise SkillFailed(f"the {spoken(upper)} stands on the {spoken(name)}.")
+        raise SkillFailed(because("stands_on", upper=spoken(upper), thing=spoken(name)))
 
 
 def spot_for(cell: Workcell, name: str, target: str) -> Placed:
     """Where the middle of this cube comes to lie. Raises `SkillFailed` if there is no room."""
     things, half = cell.things(), CUBE_SIZE_M / 2
     if target == name:
-        raise SkillFailed(f"the {spoken(name)} cannot stand on itself.")
+        raise SkillFailed(because("on_itself", thing=spoken(name)))
     if target in CUBES:
         return _spot_on(cell, name, target)
     if target == TABLE:
@@ -112,7 +114,7 @@ def spot_for(cell: Workcell, name: str, target: str) -> Placed:
     else:
         spot, floor_m = seen.free_spot(name, BINS[target], things), BINS[target].floor_m
     if spot is None:
-        raise SkillFailed(f"there is no room left: {being(target)}.")
+        raise SkillFailed(because("no_room", place=being(target)))
     return Placed(*spot, floor_m + half)
 
 
@@ -120,9 +122,9 @@ def _spot_on(cell: Workcell, name: str, target: str) -> Placed:
     things = cell.things()
     lower, upper = things[target], seen.on_top(target, things)
     if seen.where(target, things, None) == seen.FLOOR:
-        raise SkillFailed(f"the {spoken(target)} fell off the table.")
+        raise SkillFailed(because("fell_off", thing=spoken(target)))
     if upper not in (None, name):
-        raise SkillFailed(f"the {spoken(target)} is occupied: the {spoken(upper)} stands on it.")
+        raise SkillFailed(because("occupied", thing=spoken(target), upper=spoken(upper)))
     return replace(lower, z_m=lower.z_m + CUBE_SIZE_M)
 
 
@@ -160,20 +162,20 @@ def _approach(
     cell: Workcell, errand: Errand, poses: Sequence[HandPose], allowed: frozenset[Touch], to: str
 ) -> tuple[HandPose, Leg]:
     """Go above the first of these poses that can be reached from above; it, and the way down."""
-    failure = ""
+    failure: Reason | None = None
     for hand in poses:
         try:
             across, down = cell.plan(
                 (above(hand, hand.z_m + _ABOVE_M), BRISK, NOTHING), (hand, CAREFUL, allowed)
             )
         except OutOfReach:
-            failure = failure or f"the {spoken(to)} is out of my reach."
+            failure = failure or because("thing_too_far", thing=spoken(to))
         except InTheWay as error:
-            failure = f"I cannot get at the {spoken(to)}: {error}"
+            failure = because("not_accessible", thing=spoken(to), why=error.reason)
         else:
             cell.follow(errand, across)
             return hand, down
-    raise SkillFailed(failure)
+    raise SkillFailed(failure or because("no_further"))
 
 
 def _rise(cell: Workcell, errand: Errand) -> None:

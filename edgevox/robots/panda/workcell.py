@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
@@ -100,7 +101,7 @@ class Workcell:
         errand = Errand(skill, about, motions=motions, token=token, report=report)
         with self.engine.lock:
             if not self.engine.running:
-                raise SkillFailed("I am switched off.")
+                raise SkillFailed(because("switched_off"))
             if self.errand is not None:
                 self.end(Cancelled(f"pre-empted by {skill}"))
             self.errand = errand

@@ -5,6 +5,7 @@ import threading
 from dataclasses import dataclass
 from typing import Any
 
+from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.transforms import Pose2D
 from edgevox.ros2.external.drivers import Driver
@@ -101,11 +102,9 @@ class Watch:
         if left_m < self._nearest_m - _NEARER_M:
             self._nearest_m, self._nearer_s = left_m, now_s
         if now_s - self._moved_s > self._patience.unmoved_s:
-            raise SkillFailed(
-                f"I am not getting closer: the robot does not move, with {left_m:.1f} metres left."
-            )
+            raise SkillFailed(because("not_moving", left=f"{left_m:.1f}"))
         if now_s - self._nearer_s > self._patience.no_nearer_s or now_s > self._last_s:
-            raise SkillFailed(f"I am not getting closer, with {left_m:.1f} metres left.")
+            raise SkillFailed(because("not_closer", left=f"{left_m:.1f}"))
 
     def _rest(self, seconds: float) -> None:
         self._moved_s += seconds

@@ -7,6 +7,7 @@ from geometry_msgs.msg import PoseStamped, Twist
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
+from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.transforms import Pose2D, lift
 from edgevox.robots.capabilities import Twist2D
@@ -91,7 +92,7 @@ class GoalTopic:
             self._begun_s = now_s
         if not self._send_once(fix):
             if now_s - self._begun_s > self.MATCH_S:
-                raise SkillFailed(f"What takes goals on {self._topic} does not hear me.")
+                raise SkillFailed(because("goals_unheard", topic=self._topic))
             return False
         near = self._target.distance_m(fix.pose) < self.ARRIVED_M
         if not (near and _still(fix.twist)):

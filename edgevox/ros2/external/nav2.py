@@ -15,6 +15,7 @@ from rclpy.qos import qos_profile_action_status_default
 from rclpy.task import Future
 from unique_identifier_msgs.msg import UUID
 
+from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
@@ -103,12 +104,12 @@ class Nav2Action:
             return False
         self._begun_s = now_s if self._begun_s is None else self._begun_s
         if run.refused or (not run.accepted and now_s - self._begun_s > ANSWER_S):
-            raise SkillFailed("Nav2 does not accept this goal.")
+            raise SkillFailed(because("nav2_refused"))
         if run.status is None:
             return False
         if run.status != GoalStatus.STATUS_SUCCEEDED:
             ended = "was cancelled" if run.status == GoalStatus.STATUS_CANCELED else "gave up"
-            raise SkillFailed(f"Nav2 {ended} on the way.")
+            raise SkillFailed(because("nav2_ended", how=ended))
         return True
 
     def left_m(self, fix: Fix) -> float:

@@ -6,9 +6,11 @@ robot drives by itself.
 
 import threading
 
+from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled
 from edgevox.core.log import get_logger
+from edgevox.core.reasons import NO_REASON, Reason
 from edgevox.ros2.external.drive import Drive
 from edgevox.ros2.external.drivers import STILL, GoalTopic, Wheels
 from edgevox.ros2.external.senses import Senses
@@ -31,9 +33,9 @@ class Hold:
         self.since_s = now_s
         self.recalled_s = now_s
         self.done = threading.Event()
-        self.problem = ""
+        self.problem = NO_REASON
 
-    def end(self, problem: str = "") -> None:
+    def end(self, problem: Reason = NO_REASON) -> None:
         self.problem = problem
         self.done.set()
 
@@ -88,7 +90,7 @@ class Pilot:
     def _go_on(self, drive: Drive, now_s: float) -> None:
         fix = self._senses.fix()
         if fix is None:
-            silent = SkillFailed(f"I do not hear the robot on {self._senses.odom_topic} any more.")
+            silent = SkillFailed(because("robot_silent", topic=self._senses.odom_topic))
             self.stand(silent, now_s)
             return
         drive.tick(now_s, fix)
@@ -111,13 +113,13 @@ class Pilot:
         elif held_s > self._obey_s:
             self._hold = None
             problem = self._problem()
-            log.error("robot_disobeys", reason=problem)
+            log.error("robot_disobeys", reason=str(problem))
             hold.end(problem)
 
-    def _problem(self) -> str:
+    def _problem(self) -> Reason:
         if self._senses.sightings.fresh() is None:
-            return f"I asked the robot to stop, but hear nothing on {self._senses.odom_topic}."
-        return "I asked the robot to stop, but it still moves."
+            return because("stop_unseen", topic=self._senses.odom_topic)
+        return because("still_moves")
 
     def _end_drive(self, reason: BaseException, fix: Fix | None) -> None:
         if self._drive is not None:

@@ -3,6 +3,8 @@
 import math
 from dataclasses import dataclass
 
+from edgevox.agent.reasons import because
+from edgevox.core.reasons import Reason
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import Twist2D
 
@@ -34,12 +36,11 @@ class Jump:
         turned = abs(math.remainder(other.yaw_rad - one.yaw_rad, math.tau))
         return cls(math.hypot(other.x_m - one.x_m, other.y_m - one.y_m), turned)
 
-    def __str__(self) -> str:
+    @property
+    def reason(self) -> Reason:
+        """Why nobody drives on after it."""
         degrees = math.degrees(self.turned_rad)
-        return (
-            f"The robot's pose jumped by {self.distance_m:.1f} metres and {degrees:.0f} degrees, "
-            "so I stopped."
-        )
+        return because("jumped", distance=f"{self.distance_m:.1f}", degrees=f"{degrees:.0f}")
 
 
 @dataclass(frozen=True, slots=True)

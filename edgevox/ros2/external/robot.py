@@ -7,6 +7,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
+from edgevox.agent.reasons import because
 from edgevox.agent.skills import STOP, GoalHandle, Result, Skill, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock, SystemClock
@@ -241,7 +242,7 @@ class ExternalRobot:
 
     def _switched_on(self) -> Link:
         if self._link is None:
-            raise SkillFailed("I am switched off.")
+            raise SkillFailed(because("switched_off"))
         return self._link
 
     def _fix(self) -> Fix:
@@ -253,8 +254,8 @@ class ExternalRobot:
             return fix
         topic = link.senses.odom_topic
         if link.senses.sightings.newest() is None:
-            raise SkillFailed(f"I have not heard from the robot's odometry on {topic} yet.")
-        raise SkillFailed(f"I do not know where I am: I do not hear the robot on {topic} any more.")
+            raise SkillFailed(because("robot_unheard", topic=topic))
+        raise SkillFailed(because("lost", topic=topic))
 
     def _end(self, drive: Drive, token: CancelToken) -> None:
         with self._lock:

@@ -10,6 +10,7 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import Image, LaserScan
 
+from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
@@ -187,7 +188,7 @@ class Senses:
 
 def incredible(topic: str) -> SkillFailed:
     """Why nothing is done by what is heard on a topic."""
-    return SkillFailed(f"What the robot says on {topic} cannot be true.")
+    return SkillFailed(because("incredible", topic=topic))
 
 
 def _lossy(depth: int) -> QoSProfile:

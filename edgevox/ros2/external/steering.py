@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import LidarScan, Twist2D
@@ -101,7 +102,7 @@ class OwnSteering:
         if self._waiting_since_s is None:
             self._waiting_since_s = now_s
         elif now_s - self._waiting_since_s > limits.wait_s:
-            raise SkillFailed("Something is in my way.")
+            raise SkillFailed(because("in_my_way"))
         return STILL
 
 

@@ -43,4 +43,4 @@ class Trust:
             distance_m=round(jump.distance_m, 2),
             turned_rad=round(jump.turned_rad, 2),
         )
-        return SkillFailed(str(jump))
+        return SkillFailed(jump.reason)

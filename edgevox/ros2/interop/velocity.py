@@ -53,7 +53,7 @@ class VelocityInput:
             self._refuse(wrong, Refusal.NOT_FINITE)
             return
         if (one.x or two.z) and (held := self._interlock.reason):
-            self._refuse(EdgeVoxError(held), Refusal.FORBIDDEN)
+            self._refuse(EdgeVoxError(str(held)), Refusal.FORBIDDEN)
             return
         too_fast = abs(one.x) > self._body.max_linear_m_s
         self.clamped += too_fast or abs(two.z) > self._body.max_angular_rad_s

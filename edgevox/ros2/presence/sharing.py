@@ -6,6 +6,7 @@ from dataclasses import replace
 from rclpy.node import Node
 from std_msgs.msg import String
 
+from edgevox.agent.reasons import because
 from edgevox.core.errors import InvalidValue
 from edgevox.core.interlock import Interlock
 from edgevox.core.log import get_logger
@@ -19,7 +20,7 @@ from edgevox.ros2.topics import profile
 
 log = get_logger(__name__)
 
-NOT_IN_CHARGE = "Another agent is in charge of this robot."
+NOT_IN_CHARGE = because("other_agent")
 
 
 class Presence:

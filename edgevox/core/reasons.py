@@ -1,0 +1,28 @@
+"""Why something was not done, as data: for programs a code, for people a sentence."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """`text` is English, a sentence that a person may hear; an empty one is no reason.
+
+    `code` is what the phrasebooks of all languages know it by, and `values` are what it is about:
+    names, numbers as they are said, other reasons. Without a code it is somebody's own sentence,
+    which is said as it is in every language.
+    """
+
+    text: str
+    code: str = ""
+    values: Mapping[str, Any] = field(default_factory=dict)
+
+    def __bool__(self) -> bool:
+        return bool(self.text)
+
+    def __str__(self) -> str:
+        return self.text
+
+
+NO_REASON = Reason("")
