@@ -189,8 +189,10 @@ class Phrasebook:
         return self.say(sentence, reason=_bare(self.reason(reason)))
 
     def _told(self, value: str | Reason) -> Word | str:
-        """What a reason is about: a word with its forms, or another reason."""
-        return _bare(self.reason(value)) if isinstance(value, Reason) else self.word(value)
+        """What a reason is about: another reason, a word with its forms, or a name as it is."""
+        if isinstance(value, Reason):
+            return _bare(self.reason(value))
+        return self.words.get(key(value)) or self.unknown.called(value)
 
     def _slots(self, template: str) -> set[str]:
         """The slots of a template and of the rules that it names."""

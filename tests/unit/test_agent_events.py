@@ -20,6 +20,7 @@ from edgevox.core.agent_events import (
 from edgevox.core.bus import Bus
 from edgevox.core.reasons import Reason
 
+AT_SEA = Reason("I am at sea.", "stuck", {"x": Reason("sea")})
 EVENTS = (
     (
         ToolCalled("drive", {"far": 2}, "template", 3),
@@ -49,11 +50,11 @@ EVENTS = (
             {},
             GoalStatus.FAILED,
             0,
-            reason=Reason("I am at {x}.", "stuck", {"x": Reason("sea")}),
+            reason=Reason("I am at sea.", "stuck", {"x": Reason("sea")}),
         ),
         (
             '{"kind": "skill_goal", "goal_id": "a", "skill": "drive", "arguments": {}, '
-            '"status": "failed", "turn": 0, "error": "I am at {x}.", "code": "stuck", '
+            '"status": "failed", "turn": 0, "error": "I am at sea.", "code": "stuck", '
             '"values": {"x": "sea"}}'
         ),
     ),
