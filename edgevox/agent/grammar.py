@@ -22,7 +22,8 @@ JOINT, END = "; ", "done"
 call forgot the second of two; one that has to say that it is done does not."""
 HANDOFF = "handoff"
 """The call that hands the conversation to another agent."""
-MAX_CALLS = 5
+MAX_MODEL_CALLS = 5
+"""Fewer than a sentence may hold (`MAX_CALLS`): a small model may go on and on."""
 MAX_SENTENCES = 2
 MAX_SENTENCE_CHARACTERS = 160
 MAX_STRING_CHARACTERS = 60
@@ -31,7 +32,7 @@ _FEW = 64
 """Integers between bounds are listed one by one up to this many."""
 
 _FIXED = rf"""
-calls ::= (call "{JOINT}"){{1,{MAX_CALLS}}} "{END}"
+calls ::= (call "{JOINT}"){{1,{MAX_MODEL_CALLS}}} "{END}"
 words ::= sentence (" " sentence){{0,{MAX_SENTENCES - 1}}}
 sentence ::= [^ .!?;\x00-\x1f\x7f] letter{{0,{MAX_SENTENCE_CHARACTERS - 1}}} [.!?]
 letter ::= [^.!?\x00-\x1f\x7f] | "." [0-9]

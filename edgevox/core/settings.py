@@ -19,13 +19,13 @@ from pydantic_settings import (
 )
 
 from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.frame_names import PREFIX_EXPECTED, is_prefix
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.user_file import read_text
 
 ENV_PREFIX = "EDGEVOX_"
 _NAMESPACE = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+|/")
 _ENDPOINT = re.compile(r"https?://(\[[0-9A-Fa-f:.]+\]|[A-Za-z0-9._-]+)(:[0-9]{1,5})?(/[\w./~-]*)?")
-_PREFIX = re.compile(r"[A-Za-z][A-Za-z0-9_/]*")
 
 
 def _known_language(code: str) -> str:
@@ -44,8 +44,8 @@ def _valid_namespace(namespace: str) -> str:
 
 
 def _valid_prefix(prefix: str) -> str:
-    if prefix and not _PREFIX.fullmatch(prefix):
-        raise ValueError("a prefix such as robot1/: letters, digits, underscores, slashes")
+    if not is_prefix(prefix):
+        raise ValueError(PREFIX_EXPECTED)
     return prefix
 
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import Field
 
-from edgevox.agent.grammar import HANDOFF, MAX_CALLS, grammar
+from edgevox.agent.grammar import HANDOFF, MAX_MODEL_CALLS, grammar
 from edgevox.agent.skills import GoalHandle, OneOf, SkillSet, skill
 from edgevox.agent.toolcalls import Parser, Protocol
 from edgevox.core.errors import InvalidValue
@@ -66,7 +66,7 @@ def test_calls_that_the_grammar_allows_are_accepted_by_their_skills(seed: int) -
     words, calls = read("call: " + written(seed, "calls"))
 
     assert words == ""
-    assert 1 <= len(calls) <= MAX_CALLS
+    assert 1 <= len(calls) <= MAX_MODEL_CALLS
     for call in calls:
         if call.skill == HANDOFF:
             assert call.arguments["agent"] in HANDOFFS

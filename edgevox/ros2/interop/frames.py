@@ -5,9 +5,8 @@ robot has: with ``robot1/``, `robot1/odom`, `robot1/base_link`, and so on. This 
 examples of several robots with one map and robot_state_publisher's `frame_prefix` do.
 """
 
-import re
-
 from edgevox.core.errors import InvalidValue
+from edgevox.core.frame_names import ODOM, PREFIX_EXPECTED, is_prefix
 
 MAP = "map"
 BASE = "base_link"
@@ -16,9 +15,6 @@ LIDAR = "lidar_link"
 CAMERA = "camera_link"
 CAMERA_OPTICAL = "camera_optical_frame"
 """Turned as REP 103 wants pictures: z forward, x right, y down."""
-
-_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z0-9_]+)*")
-_PREFIX = re.compile(r"([A-Za-z_][A-Za-z0-9_]*[/_]?)*")
 
 
 class Frames:
@@ -29,10 +25,10 @@ class Frames:
     """
 
     def __init__(self, odom: str = "", prefix: str = "") -> None:
-        if odom and (not _NAME.fullmatch(odom) or odom in {MAP, BASE, HAND, LIDAR, CAMERA}):
-            raise InvalidValue("odom_frame", odom, "empty, or a frame of its own such as odom")
-        if not _PREFIX.fullmatch(prefix):
-            raise InvalidValue("frame_prefix", prefix, "empty, or a prefix such as robot1/")
+        if odom not in ("", ODOM):
+            raise InvalidValue("odom_frame", odom, f"empty or {ODOM}")
+        if not is_prefix(prefix):
+            raise InvalidValue("frame_prefix", prefix, PREFIX_EXPECTED)
         self.map = MAP
         self.odom = f"{prefix}{odom}" if odom else ""
         self.base = f"{prefix}{BASE}"

@@ -1,0 +1,12 @@
+"""What the frames of a robot may be called, for the settings and for whoever puts them on /tf."""
+
+import re
+
+ODOM = "odom"
+PREFIX_EXPECTED = "empty, or a prefix such as robot1/: letters, digits, underscores and slashes"
+_PREFIX = re.compile(r"([A-Za-z_][A-Za-z0-9_]*/?)*")
+
+
+def is_prefix(text: str) -> bool:
+    """Whether frames may begin with it: names that a slash each may follow, or nothing."""
+    return _PREFIX.fullmatch(text) is not None
