@@ -136,7 +136,7 @@ def test_the_goal_fails_with_a_reason_and_the_robot_stands_within_a_step_or_two(
 
     error = asked.ended()
     assert isinstance(error, SkillFailed)
-    assert str(error) == BROKE
+    assert error.reason == BROKE
     assert robot.breaks == before + 1
     assert robot.state()["goal"] is None
     assert not moves(robot)

@@ -80,7 +80,7 @@ def test_a_world_that_diverges_fails_the_goal_aloud_and_spoils_nobodys_tree(node
 
     response.wait_for(lambda m: m == f"I could not do that: {BROKE}", 20)
     end = json.loads(event.wait_for(lambda m: json.loads(m).get("status") == "failed"))
-    assert end["error"] == BROKE
+    assert (end["error"], end["code"]) == (str(BROKE), "broke")
     broken = len(diagnostics.messages)
     assert "its numbers broke and it was put back" in wait_for("sim", DiagnosticStatus.ERROR)
     one.send("text_input", "go to the kitchen")
