@@ -1,10 +1,15 @@
 """Each test module gets an agent in a process of its own, on a domain of its own."""
 
 import random
+import socket
 
 import pytest
 from agent_process import READY, Agent
 from peer import Peer
+
+DDS_PORT, DOMAIN_GAIN = 7410, 250
+"""Where the first participant of domain 0 hears of others; the next has the port after next."""
+PARTICIPANTS = 4
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -20,7 +25,18 @@ def _domains(worker):
     number, workers = worker
     domains = list(range(1 + number, 100, workers))
     random.shuffle(domains)
-    return iter(domains)
+    return filter(_is_free, domains)
+
+
+def _is_free(domain):
+    """Whether nobody on this machine is there: somebody's robot, or one that was left behind."""
+    try:
+        for participant in range(PARTICIPANTS):
+            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
+                one.bind(("", DDS_PORT + DOMAIN_GAIN * domain + 2 * participant))
+    except OSError:
+        return False
+    return True
 
 
 @pytest.fixture(scope="module")
