@@ -101,14 +101,15 @@ def state(name: str) -> str:
     return f'"state":"{name}"'
 
 
+# An engine that is amid a piece of work on a busy machine is left behind, which is said.
 CASES = {
     # what is typed, what shows the state, the model, the exit codes
     "loading models": ("", "loading ", "smollm2-135m-instruct", {0, BEFORE_A_HANDLER}),
     "warming up": ("", "warming up", "smollm2-135m-instruct", {0, STUCK}),
     "listening": ("", state("listening"), "none", {0}),
-    "transcribing": ("", state("transcribing"), "none", {0}),
-    "thinking": (STORY, state("thinking"), "smollm2-135m-instruct", {0}),
-    "speaking": ("what can you do", state("speaking"), "none", {0}),
+    "transcribing": ("", state("transcribing"), "none", {0, STUCK}),
+    "thinking": (STORY, state("thinking"), "smollm2-135m-instruct", {0, STUCK}),
+    "speaking": ("what can you do", state("speaking"), "none", {0, STUCK}),
     "driving": ("go to the bedroom", '"goal_started"', "none", {0}),
 }
 
