@@ -16,6 +16,8 @@ from edgevox.core.events import Responded, State, StateChanged, Transcribed
 from edgevox.voice.level import rms
 from edgevox.voice.sinks.wav import WavFile
 
+QUIET = silence(3.0)
+"""So much of it teaches the echo gate that nothing of the loudspeaker comes back."""
 STORY = (
     "Once upon a time there was a robot in a house with four rooms and a corridor. ",
     "Every morning it went from one room to the next, and counted all the chairs. ",
@@ -157,7 +159,7 @@ def test_a_person_who_speaks_over_it_cuts_it_and_is_understood(stage):
     stage.wait_for(StateChanged, lambda event: event.state is State.SPEAKING)
     command = loud(says_espeak("where are you", "en-us"), 0.3)
 
-    stage.room.play(np.concatenate([silence(0.2), command, silence(1.0)]))
+    stage.room.play(np.concatenate([QUIET, command, silence(1.0)]))
 
     assert stage.wait_for(Responded).cut
     assert stage.wait_for(Responded, lambda event: not event.cut).text.startswith("I am in the")
@@ -174,7 +176,7 @@ def test_a_stop_while_it_speaks_and_drives_halts_both(stage, way, room):
 
     if way == "spoken":
         stop = loud(says_espeak("stop", "en-us"), 0.3)
-        stage.room.play(np.concatenate([silence(0.2), stop, silence(1.0)]))
+        stage.room.play(np.concatenate([QUIET, stop, silence(1.0)]))
     else:
         submit(TextInput("stop"))
 
