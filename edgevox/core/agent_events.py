@@ -119,14 +119,14 @@ AgentEvent = ToolCalled | GoalChanged | GoalCancelled | GoalRejected | HandedOve
 
 def as_json(event: AgentEvent) -> dict[str, Any]:
     """The JSON object of an event: its kind, and its fields but those that do not apply."""
-    found: dict[str, Any] = {"kind": event.kind}
+    found: dict[str, Any] = {"kind": str(event.kind)}
     for one in fields(event):
         value = getattr(event, one.name)
         if isinstance(value, Reason):
             found |= reason_json(value)
         elif value is not None or _is_always_there(one):
             (name,) = keys(one)
-            found[name] = value
+            found[name] = str(value) if isinstance(value, StrEnum) else value
     return found
 
 

@@ -86,6 +86,7 @@ EVENTS = (
 @pytest.mark.parametrize(("event", "text"), EVENTS, ids=lambda one: type(one).__name__)
 def test_an_event_is_json_by_the_names_of_the_wire(event, text) -> None:
     assert json.dumps(as_json(event)) == text
+    assert repr(as_json(event)) == repr(json.loads(text)), "plain values, as scenarios print them"
 
 
 def test_every_kind_is_told_by_some_event_and_all_are_looked_at_here() -> None:
