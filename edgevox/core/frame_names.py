@@ -4,9 +4,9 @@ import re
 
 ODOM = "odom"
 PREFIX_EXPECTED = "empty, or a prefix such as robot1/: letters, digits, underscores and slashes"
-_PREFIX = re.compile(r"([A-Za-z_][A-Za-z0-9_]*/?)*")
+_PREFIX = re.compile(r"([A-Za-z][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*/?)?")
 
 
 def is_prefix(text: str) -> bool:
-    """Whether frames may begin with it: names that a slash each may follow, or nothing."""
+    """Whether frames may begin with it: names with a slash between, a letter first, or nothing."""
     return _PREFIX.fullmatch(text) is not None
