@@ -31,7 +31,7 @@ def image():
 
 def _must(command: list[str], otherwise: str) -> None:
     try:
-        subprocess.run(command, capture_output=True, text=True, check=True, timeout=30)
+        subprocess.run(command, capture_output=True, text=True, check=True, timeout=600)
     except (OSError, subprocess.SubprocessError) as error:
         said = getattr(error, "stderr", "") or str(error)
         pytest.fail(f"{otherwise}\n{said}", pytrace=False)

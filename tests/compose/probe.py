@@ -1,8 +1,10 @@
 """Runs inside a container, by stdin: subscribes to topics, may say something, tells what it heard.
 
-Usage: python3 - SECONDS TOPIC[=TEXT] ... [--say TOPIC=WORDS]
-It ends when every topic was heard (with its text in it, if one is given) or the seconds are over,
-and writes how many messages of each came and whether the text did, as JSON.
+Usage: python3 - SECONDS TOPIC[#COUNT][=TEXT] ... [--say TOPIC=WORDS]
+It ends when every topic was heard (with its text in it, if one is given), when all the topics with
+a count were heard so often, or when the seconds are over. It writes how many messages of each came
+and whether the text did, as JSON. What it says it says again every few seconds, until it ends: a
+subscription may not know of a new publisher yet, and misses its first message.
 """
 
 import json
@@ -14,10 +16,18 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from std_msgs.msg import String
 
+SAYS_AGAIN_S = 5.0
+
 arguments = sys.argv[1:]
 said = arguments[arguments.index("--say") + 1] if "--say" in arguments else ""
 asked = arguments[1 : arguments.index("--say")] if said else arguments[1:]
-wanted = {topic: text for topic, _, text in (one.partition("=") for one in asked)}
+wanted, enough = {}, {}
+for one in asked:
+    listened, _, text = one.partition("=")
+    topic, _, number = listened.partition("#")
+    wanted[topic] = text
+    if number:
+        enough[topic] = int(number)
 count = dict.fromkeys(wanted, 0)
 found = dict.fromkeys(wanted, False)
 
@@ -28,6 +38,13 @@ def listen(node: Node, topic: str) -> None:
         found[topic] |= wanted[topic] in message.data
 
     node.create_subscription(String, topic, hear, QoSProfile(depth=10))
+
+
+def over() -> bool:
+    """Whether all was heard that it waits for."""
+    if enough:
+        return all(count[topic] >= number for topic, number in enough.items())
+    return all(found.values())
 
 
 rclpy.init()
@@ -41,9 +58,10 @@ if said:
     while not publisher.get_subscription_count() and time.monotonic() < deadline:
         time.sleep(0.02)
     publisher.publish(String(data=words))
+    node.create_timer(SAYS_AGAIN_S, lambda: publisher.publish(String(data=words)))
 executor = rclpy.executors.SingleThreadedExecutor()
 executor.add_node(node)
-while not all(found.values()) and time.monotonic() < deadline:
+while not over() and time.monotonic() < deadline:
     executor.spin_once(timeout_sec=0.1)
 sys.stdout.write(json.dumps({"count": count, "found": found}) + "\n")
 executor.shutdown()

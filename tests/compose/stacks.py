@@ -16,6 +16,10 @@ from testcontainers.compose import DockerCompose
 ROOT = Path(__file__).resolve().parents[2]
 BASE = "docker-compose.ros2.yml"
 ENTRYPOINT = "/opt/edgevox/entrypoint/entrypoint"
+HUNG_S = 600
+"""Only something that hangs takes so long."""
+PATIENCE = "500"
+"""So many seconds a probe waits for what should come."""
 PROBE = (Path(__file__).parent / "probe.py").read_text()
 
 
@@ -33,7 +37,7 @@ class Stack:
 
     def execute(self, service: str, *command: str, stdin: str = "") -> str:
         """The output of a command in a service's container, in the sourced environment."""
-        ran = self.call("exec", "-T", service, ENTRYPOINT, *command, input=stdin, timeout=90)
+        ran = self.call("exec", "-T", service, ENTRYPOINT, *command, input=stdin, timeout=HUNG_S)
         assert ran.returncode == 0, ran.stdout + ran.stderr
         return ran.stdout
 
@@ -44,7 +48,7 @@ class Stack:
     def probe_from_beside(self, service: str, *arguments: str) -> dict:
         """The same from a container of its own, made from the service."""
         run = ("run", "--rm", "--no-deps", "-T", service, "python3", "-")
-        ran = self.call(*run, *arguments, input=PROBE, timeout=90)
+        ran = self.call(*run, *arguments, input=PROBE, timeout=HUNG_S)
         assert ran.returncode == 0, ran.stdout + ran.stderr
         return _last_line(ran.stdout)
 
@@ -64,7 +68,7 @@ def _last_line(output: str) -> dict:
 
 def docker(*arguments: str) -> str:
     """The output of `docker ...`, which must go well."""
-    ran = subprocess.run(["docker", *arguments], capture_output=True, text=True, timeout=60)
+    ran = subprocess.run(["docker", *arguments], capture_output=True, text=True, timeout=HUNG_S)
     assert ran.returncode == 0, ran.stdout + ran.stderr
     return ran.stdout
 
@@ -98,11 +102,11 @@ def _start(compose: DockerCompose, one: Stack) -> None:
         raise AssertionError(f"the stack did not come up:\n{said}") from None
 
 
-def wait_until(condition: Callable[[], bool], what: str, timeout_s: float) -> None:
+def wait_until(condition: Callable[[], bool], what: str) -> None:
     """Wait for something that the engine only tells who asks."""
-    deadline = time.monotonic() + timeout_s
+    deadline = time.monotonic() + HUNG_S
     while not condition():
-        assert time.monotonic() < deadline, f"not within {timeout_s} s: {what}"
+        assert time.monotonic() < deadline, f"not within {HUNG_S} s: {what}"
         time.sleep(0.1)
 
 

@@ -3,7 +3,7 @@
 import time
 
 import pytest
-from stacks import Stack, stack, wait_until
+from stacks import HUNG_S, PATIENCE, Stack, stack, wait_until
 
 pytestmark = pytest.mark.usefixtures("image")
 SERVICE = "edgevox-ros2"
@@ -35,7 +35,7 @@ def unstarted():
 
 def test_with_nothing_configured_a_robot_is_on_the_wire(robot: Stack):
     assert robot.inspect(SERVICE)["State"]["Health"]["Status"] == "healthy"
-    assert robot.probe(SERVICE, "15", f"{ROBOT_STATE}=room")["found"][ROBOT_STATE]
+    assert robot.probe(SERVICE, PATIENCE, f"{ROBOT_STATE}=room")["found"][ROBOT_STATE]
 
 
 def test_no_process_is_root_or_has_or_can_gain_a_capability(robot: Stack):
@@ -66,8 +66,8 @@ def test_a_robot_that_is_killed_comes_back_by_itself(robot: Stack):
         restarted = now["RestartCount"] == before["RestartCount"] + 1
         return restarted and now["State"].get("Health", {}).get("Status") == "healthy"
 
-    wait_until(is_back, "restarted and healthy", 60)
-    assert robot.probe(SERVICE, "15", f"{ROBOT_STATE}=room")["found"][ROBOT_STATE]
+    wait_until(is_back, "restarted and healthy")
+    assert robot.probe(SERVICE, PATIENCE, f"{ROBOT_STATE}=room")["found"][ROBOT_STATE]
 
 
 def test_docker_stop_ends_it_cleanly_in_under_5_seconds(robot: Stack):
@@ -88,13 +88,13 @@ def test_docker_stop_ends_it_cleanly_while_it_starts(robot: Stack):
 
 def test_a_command_runs_with_ros_2_edgevox_and_the_interfaces_at_hand(unstarted: Stack):
     command = 'python3 -c "import rclpy, edgevox_msgs.action; print(rclpy)" && edgevox --version'
-    ran = unstarted.call("run", "--rm", "-T", SERVICE, "bash", "-c", command, timeout=60)
+    ran = unstarted.call("run", "--rm", "-T", SERVICE, "bash", "-c", command, timeout=HUNG_S)
     assert ran.returncode == 0, ran.stderr
     assert "<module 'rclpy'" in ran.stdout
 
 
 def test_the_doctor_finds_no_fault_in_the_container(unstarted: Stack):
-    ran = unstarted.call("run", "--rm", "-T", SERVICE, "edgevox", "doctor", timeout=120)
+    ran = unstarted.call("run", "--rm", "-T", SERVICE, "edgevox", "doctor", timeout=HUNG_S)
     assert ran.returncode == 0, ran.stdout
     assert "uid 1000, read-only root file system" in ran.stdout
     assert "two nodes met" in ran.stdout
@@ -121,7 +121,7 @@ def test_a_shell_by_exec_has_the_same_environment(robot: Stack):
 def test_nonsense_in_the_environment_stops_it_before_anything_starts(
     unstarted: Stack, variable, line
 ):
-    ran = unstarted.call("run", "--rm", "-T", "-e", variable, SERVICE, timeout=60)
+    ran = unstarted.call("run", "--rm", "-T", "-e", variable, SERVICE, timeout=HUNG_S)
     assert ran.returncode == 64
     said = [one for one in ran.stderr.splitlines() if one.startswith("edgevox")]
     assert len(said) == 1
@@ -132,5 +132,5 @@ def test_nonsense_in_the_environment_stops_it_before_anything_starts(
 def test_process_1_forwards_signals_and_reaps(unstarted: Stack):
     """Orphans of a command are taken over by process 1; none stays behind as a zombie."""
     orphan = "(sleep 0.2 &) ; sleep 1; grep -l '^State:.Z' /proc/[0-9]*/status || echo none"
-    ran = unstarted.call("run", "--rm", "-T", SERVICE, "bash", "-c", orphan, timeout=60)
+    ran = unstarted.call("run", "--rm", "-T", SERVICE, "bash", "-c", orphan, timeout=HUNG_S)
     assert ran.stdout.strip() == "none", ran.stdout

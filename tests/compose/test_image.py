@@ -8,6 +8,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from stacks import HUNG_S
 
 from edgevox import __version__
 
@@ -39,7 +40,7 @@ def inside(image):
             input=stdin,
             capture_output=True,
             text=True,
-            timeout=120,
+            timeout=HUNG_S,
         )
         assert ran.returncode == 0, ran.stdout + ran.stderr
         return ran.stdout
@@ -53,7 +54,7 @@ def found(image):
 
     def search(script: str) -> list[str]:
         command = ["docker", "run", "--rm", "--user=0", "--entrypoint=bash", image, "-c", script]
-        ran = subprocess.run(command, capture_output=True, text=True, timeout=120)
+        ran = subprocess.run(command, capture_output=True, text=True, timeout=HUNG_S)
         return ran.stdout.split("\n")[:-1]
 
     return search

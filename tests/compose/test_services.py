@@ -4,7 +4,7 @@ import secrets
 
 import pytest
 from llm_server import good, serving
-from stacks import Stack, count_messages, docker, stack, wait_until
+from stacks import HUNG_S, PATIENCE, Stack, count_messages, docker, stack, wait_until
 
 pytestmark = pytest.mark.usefixtures("image")
 SERVICE = "edgevox-ros2"
@@ -25,7 +25,7 @@ def test_a_recorder_on_the_hosts_network_hears_a_robot_there(tmp_path):
             )
             return int(sizes) > ENOUGH_BYTES
 
-        wait_until(records, "that it records", 60)
+        wait_until(records, "that it records")
         one.call("stop", "recorder")
         one.call("cp", "recorder:/recordings", str(tmp_path))
     counted = count_messages(tmp_path)
@@ -46,8 +46,8 @@ def test_a_server_is_asked_with_the_key_that_a_secret_holds(tmp_path):
         }
         with stack("llm", "llm-key", **given) as robot:
             ask = "/edgevox/text_input=could you perhaps tell me a story"
-            robot.probe(SERVICE, "20", "/edgevox/response", "--say", ask)
-            wait_until(lambda: bool(server.keys), "a request", 30)
+            robot.probe(SERVICE, PATIENCE, "/edgevox/response", "--say", ask)
+            wait_until(lambda: bool(server.keys), "a request")
             assert KEY not in str(robot.inspect(SERVICE))
             assert KEY not in robot.logs(SERVICE)
     assert set(server.keys) == {f"Bearer {KEY}"}
@@ -58,7 +58,7 @@ def test_the_slim_image_takes_its_models_from_a_volume(image):
     given = {"EDGEVOX_IMAGE": f"{image}-slim", "MODEL_SET": MODEL, "EDGEVOX_LLM": "none"}
     with stack("models", start=False, **given) as robot:
         _fill(robot, image)
-        up = robot.call("up", "--detach", "--wait", "--no-build", timeout=150)
+        up = robot.call("up", "--detach", "--wait", "--no-build", timeout=HUNG_S)
         assert robot.inspect("models")["State"]["ExitCode"] == 0
         assert robot.inspect(SERVICE)["State"]["Health"]["Status"] == "healthy", up.stderr
         assert up.returncode == 0, up.stderr
@@ -70,7 +70,7 @@ def test_the_slim_image_takes_its_models_from_a_volume(image):
 
 def _fill(robot: Stack, image: str) -> None:
     """Put a model onto the volume, as a fetch does where a network is."""
-    made = robot.call("run", "--rm", "--no-deps", "-T", "models", "true", timeout=60)
+    made = robot.call("run", "--rm", "--no-deps", "-T", "models", "true", timeout=HUNG_S)
     assert made.returncode == 0, made.stderr
     copy = ("cp", "-r", f"/opt/edgevox/models/{MODEL}", "/models/")
     docker("run", "--rm", f"--volume={robot.project}_models:/models", "--entrypoint=", image, *copy)

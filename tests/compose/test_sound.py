@@ -4,12 +4,11 @@ import time
 
 import pytest
 from sound_server import SoundServer, sound_server
-from stacks import Stack, stack
+from stacks import HUNG_S, PATIENCE, Stack, stack
 
 pytestmark = pytest.mark.usefixtures("image")
 SERVICE = "edgevox-ros2"
-SAY = ("10", "/edgevox/state=speaking", "--say", "/edgevox/tts_request=Can you hear me now")
-PATIENCE_S = 90
+SAY = (PATIENCE, "/edgevox/state=speaking", "--say", "/edgevox/tts_request=Can you hear me now")
 
 
 @pytest.fixture
@@ -20,7 +19,7 @@ def server(tmp_path):
 
 def speaks(robot: Stack, server: SoundServer) -> bool:
     """Whether the robot is heard; while it finds its loudspeaker it may have to be told again."""
-    deadline = time.monotonic() + PATIENCE_S
+    deadline = time.monotonic() + HUNG_S
     with server.heard() as loud:
         while time.monotonic() < deadline:
             assert robot.probe(SERVICE, *SAY)["found"]["/edgevox/state"]
@@ -31,7 +30,7 @@ def speaks(robot: Stack, server: SoundServer) -> bool:
 
 def is_open(server: SoundServer) -> bool:
     """Whether the robot's two streams are there: its microphone is as patient as its mouth."""
-    deadline = time.monotonic() + PATIENCE_S
+    deadline = time.monotonic() + HUNG_S
     while server.streams() != (1, 1):
         if time.monotonic() > deadline:
             return False

@@ -17,7 +17,7 @@ from edgevox.voice.level import rms
 from edgevox.voice.sinks.wav import WavFile
 
 QUIET = silence(3.0)
-"""So much of it teaches the echo gate that nothing of the loudspeaker comes back."""
+"""So much of it, while the robot is heard, teaches the echo gate that nothing of it comes back."""
 STORY = (
     "Once upon a time there was a robot in a house with four rooms and a corridor. ",
     "Every morning it went from one room to the next, and counted all the chairs. ",
@@ -25,7 +25,7 @@ STORY = (
 
 
 class Teller:
-    """A model that tells a story; asked to think, it thinks until it is stopped."""
+    """A model that tells a story for minutes; asked to think, it thinks until it is stopped."""
 
     name, context_tokens = "teller", 4096
 
@@ -39,7 +39,7 @@ class Teller:
             self.thinks.set()
             assert token.wait(PATIENCE_S)
             return
-        yield from STORY
+        yield from STORY * 10
 
     def prime(self, messages, token):
         """Nothing to read."""
@@ -94,25 +94,24 @@ def test_while_it_thinks_nothing_is_said_and_the_next_turn_is_clean(stage, telle
     assert stage.wait_for(Responded).text.startswith("I am in the")
 
 
-def played(monkeypatch, seconds):
-    """Set once so much sound went into the file."""
-    event, write, count = threading.Event(), WavFile.write, [0]
+def speaking(stage, monkeypatch, seconds=0.5):
+    """Have the robot tell a story, and wait until so much of it was heard in the room."""
+    heard, write, count = threading.Event(), WavFile.write, [0]
 
     def counted(self, samples, start_s):
         write(self, samples, start_s)
         count[0] += samples.size
         if count[0] >= seconds * self.rate_hz:
-            event.set()
+            heard.set()
 
     monkeypatch.setattr(WavFile, "write", counted)
-    return event
+    stage.parts.switchboard.submit(TextInput("tell me a story"))
+    assert heard.wait(PATIENCE_S)
 
 
 def test_while_it_speaks_what_is_remembered_is_what_was_heard(stage, teller, monkeypatch):
-    enough = played(monkeypatch, 2.0)
+    speaking(stage, monkeypatch, 2.0)
     submit = stage.parts.switchboard.submit
-    submit(TextInput("tell me a story"))
-    assert enough.wait(PATIENCE_S)
 
     submit(Interrupt("enough"))
 
@@ -120,8 +119,8 @@ def test_while_it_speaks_what_is_remembered_is_what_was_heard(stage, teller, mon
     assert cut.cut
     assert rested(stage)
     aloud = words(stage.parts.voice.stt.transcribe(stage.answer(), "en"))
-    assert 3 <= len(aloud) <= 12
-    assert words(STORY[0])[: len(words(cut.text))] == words(cut.text)
+    assert len(aloud) >= 3
+    assert words("".join(STORY * 10))[: len(words(cut.text))] == words(cut.text)
     assert abs(len(words(cut.text)) - len(aloud)) <= 2
     submit(TextInput("tell me another story"))
     stage.wait_for(StateChanged, lambda event: event.turn > cut.turn)
@@ -154,9 +153,8 @@ def test_what_is_being_transcribed_when_it_is_interrupted_is_not_done(stage, mon
     assert stage.of(AgentEvent) == []
 
 
-def test_a_person_who_speaks_over_it_cuts_it_and_is_understood(stage):
-    stage.parts.switchboard.submit(TextInput("tell me a story"))
-    stage.wait_for(StateChanged, lambda event: event.state is State.SPEAKING)
+def test_a_person_who_speaks_over_it_cuts_it_and_is_understood(stage, monkeypatch):
+    speaking(stage, monkeypatch)
     command = loud(says_espeak("where are you", "en-us"), 0.3)
 
     stage.room.play(np.concatenate([QUIET, command, silence(1.0)]))
@@ -167,10 +165,9 @@ def test_a_person_who_speaks_over_it_cuts_it_and_is_understood(stage):
 
 
 @pytest.mark.parametrize(("way", "room"), [("spoken", "bedroom"), ("typed", "kitchen")])
-def test_a_stop_while_it_speaks_and_drives_halts_both(stage, way, room):
+def test_a_stop_while_it_speaks_and_drives_halts_both(stage, way, room, monkeypatch):
     submit = stage.parts.switchboard.submit
-    submit(TextInput("tell me a story"))
-    stage.wait_for(StateChanged, lambda event: event.state is State.SPEAKING)
+    speaking(stage, monkeypatch)
     stage.parts.conversation.start_goal("navigate_to", {"room": room})
     stage.wait_for(GoalChanged, lambda event: event.status == "running")
 

@@ -5,6 +5,7 @@ a WAV file as fast as they are made, or aloud against the clock.
 """
 
 import threading
+import time
 from collections import deque
 from contextlib import ExitStack
 from pathlib import Path
@@ -27,7 +28,7 @@ from edgevox.core.events import (
     TurnMeasured,
 )
 from edgevox.core.settings import Settings
-from edgevox.voice.audio import FRAME_SAMPLES, RATE_HZ, EndOfSound, Frame
+from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, EndOfSound, Frame
 from edgevox.voice.resample import resampled
 from edgevox.voice.sinks.opening import open_sink
 from edgevox.voice.tts.pool import VoicePool
@@ -46,11 +47,15 @@ SEEN = (
 
 
 class Room:
-    """A source that hears what the test plays, as fast as it is read."""
+    """A source that hears what the test plays: as fast as it is read, or `paced` by the clock.
+
+    Where the robot's own voice counts, which is played by the clock, the room must be paced too.
+    """
 
     name = "room"
 
-    def __init__(self):
+    def __init__(self, *, paced=False):
+        self._paced = paced
         self._frames = deque()
         self._changed = threading.Condition()
         self._asked = self._closed = False
@@ -68,6 +73,8 @@ class Room:
             assert self._changed.wait_for(lambda: self._asked, PATIENCE_S), "the ears do not listen"
 
     def read(self, timeout_s):
+        if self._paced and self._frames:
+            time.sleep(FRAME_S)
         with self._changed:
             self._asked = not self._frames
             self._changed.notify_all()
@@ -88,7 +95,7 @@ class Stage:
     """The agent, what it told, and what it said aloud."""
 
     def __init__(self, patch, answers: Path, *, aloud: bool = False, robot="", model=None, **more):
-        self.room = Room()
+        self.room = Room(paced=aloud)
         patch.setattr(voice_app, "open_source", lambda _: self.room)
         patch.setattr(
             voice_app, "open_sink", lambda spec, relay: open_sink(spec, relay=relay, paced=aloud)
