@@ -60,7 +60,7 @@ test: ## Run all tests, or those that ARGS names; ARGS goes to pytest.
 
 .PHONY: unit
 unit: $(DONE)/dev ## Run what needs no model, no container, no node, and starts nothing large: in a minute.
-	@$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal tests/unit $(ARGS)
+	@$(BIN)/python -m pytest -n 3 --dist loadfile tests/unit $(ARGS)  # a third of it waits
 
 .PHONY: steady
 steady: ## Run tests again and again, on a machine that is kept busy; hours.

@@ -42,7 +42,13 @@ CONDITIONS = (
     Condition("burned", "every core burned", QUICK, 5, burners=CORES),
     Condition("core", "one core", QUICK, 5, before=("taskset", "-c", "0")),
     Condition("nice", "last in the queue, one core burned", QUICK, 5, 1, ("nice", "-n", "19")),
-    Condition("random", "in random order", QUICK, 5, options=("--random-order-seed={run}",)),
+    Condition(
+        "random",
+        "in random order, with other examples",
+        QUICK,
+        5,
+        options=("--random-order-seed={run}", "--hypothesis-profile=search"),
+    ),
     Condition(
         "wire",
         "one core burned",
