@@ -2,6 +2,7 @@
 
 import logging
 from collections import deque
+from dataclasses import dataclass
 
 from builtin_interfaces.msg import Time
 from rcl_interfaces.msg import Log
@@ -9,36 +10,54 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
+from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.log import ROOT
 from edgevox.ops.logs import RateLimit
 from edgevox.ros2.logs.rcutils import OF_RCUTILS
 from edgevox.ros2.ticker import Ticker
 
 TOPIC = "/rosout"
+LIFESPAN_S = 10.0
+MOST_WAITING = 1000
 QOS = QoSProfile(
-    depth=1000,
+    depth=MOST_WAITING,
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
-    lifespan=Duration(seconds=10),
+    lifespan=Duration(seconds=LIFESPAN_S),
 )
 """As ROS 2's own."""
 PERIOD_S = 0.1
-MOST_WAITING = 500
+
+
+@dataclass(frozen=True, slots=True)
+class _Told:
+    """What is kept of a record, `since_s` on: none of it keeps a traceback's frames alive."""
+
+    since_s: float
+    created_s: float
+    level: int
+    logger: str
+    text: str
+    file: str
+    function: str
+    line: int
 
 
 class Rosout(logging.Handler):
     """Publishes every line that our loggers show, but for what ROS 2 has published itself.
 
     Who logs only puts the line into a queue, which the ticker's thread empties: no line waits for
-    the middleware, and none comes of a line. Of too many, the oldest are dropped. What people say
-    is never in them.
+    the middleware, and none comes of a line. While nobody listens, lines wait there as long as the
+    topic would keep them, and no message is made. Of too many, the oldest are dropped. What people
+    say is never in them.
     """
 
-    def __init__(self, node: Node, ticker: Ticker) -> None:
+    def __init__(self, node: Node, ticker: Ticker, clock: Clock | None = None) -> None:
         super().__init__()
+        self._clock = clock or SystemClock()
         self._node, self._name = node, node.get_logger().name
         self._publisher = node.create_publisher(Log, TOPIC, QOS)
-        self._waiting: deque[Log] = deque(maxlen=MOST_WAITING)
+        self._waiting: deque[_Told] = deque(maxlen=MOST_WAITING)
         self.addFilter(RateLimit())
         self._stop = ticker.every(PERIOD_S, self._publish)
         logging.getLogger(ROOT).addHandler(self)
@@ -46,33 +65,56 @@ class Rosout(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         """Queue it."""
         if not hasattr(record, OF_RCUTILS):
-            self._waiting.append(_message(record, self._name))
+            self._waiting.append(_told(record, self._clock.now()))
+
+    @property
+    def listeners(self) -> int:
+        """How many subscriptions its publisher knows of."""
+        return self._publisher.get_subscription_count()
 
     def close(self) -> None:
         """Publish what waits, and no more."""
         logging.getLogger(ROOT).removeHandler(self)
         self._stop()
         self._publish()
+        self._waiting.clear()  # logging closes every handler again when the program ends
         self._node.destroy_publisher(self._publisher)
         super().close()
 
     def _publish(self) -> None:
-        while self._waiting:
-            self._publisher.publish(self._waiting.popleft())
+        oldest_s = self._clock.now() - LIFESPAN_S
+        while self._waiting and self._waiting[0].since_s < oldest_s:
+            self._waiting.popleft()
+        if self._waiting and self.listeners:
+            while self._waiting:
+                self._publisher.publish(_message(self._waiting.popleft(), self._name))
 
 
-def _message(record: logging.LogRecord, node: str) -> Log:
-    """Under the node's name, as ROS 2 knows it, and that of our module."""
-    second, part = divmod(record.created, 1.0)
+def _told(record: logging.LogRecord, now_s: float) -> _Told:
     text = record.getMessage()
     if record.exc_info and record.exc_info[1]:
         text += f": {type(record.exc_info[1]).__name__}: {record.exc_info[1]}"
+    return _Told(
+        now_s,
+        record.created,
+        record.levelno,
+        record.name,
+        text,
+        record.pathname,
+        record.funcName or "",
+        record.lineno,
+    )
+
+
+def _message(told: _Told, node: str) -> Log:
+    """Under the node's name, as ROS 2 knows it, and that of our module."""
+    second, part = divmod(told.created_s, 1.0)
     return Log(
         stamp=Time(sec=int(second), nanosec=int(part * 1e9)),
-        level=record.levelno,
-        name=node + record.name.removeprefix(ROOT),
-        msg=text,
-        file=record.pathname,
-        function=record.funcName or "",
-        line=record.lineno,
+        level=told.level,
+        name=node + told.logger.removeprefix(ROOT),
+        msg=told.text,
+        file=told.file,
+        function=told.function,
+        line=told.line,
     )
