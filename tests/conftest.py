@@ -1,5 +1,6 @@
 """What holds for all tests: on whatever machine, and beside others in workers of pytest-xdist."""
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,9 @@ settings.register_profile("search", deadline=None, suppress_health_check=SLOW)
 # searches on, with --hypothesis-profile=search.
 settings.register_profile("same", settings.get_profile("search"), derandomize=True, database=None)
 settings.load_profile("same")
+# A busy machine may take longer to leave than a container's engine waits; what hangs is found by
+# the guards of each test.
+os.environ.setdefault("EDGEVOX_LEAVE_S", "120")
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -44,14 +44,15 @@ def _prepare_scenario(asked: Asked, file: Path) -> Callable[[], bool]:
     set_up_logs("edgevox-agent", settings)
     body = build_body(asked.robot, settings, IN_THE_HAND)
     return lambda: _interruptible(
-        lambda: play(script, settings, body, snapshot=asked.snapshot, ros_args=asked.ros_args)
+        lambda: play(script, settings, body, snapshot=asked.snapshot, ros_args=asked.ros_args),
+        settings.leave_s,
     )
 
 
-def _interruptible(run: Callable[[], bool]) -> bool:
+def _interruptible(run: Callable[[], bool], leave_s: float) -> bool:
     """Run it; a signal that ends it early means that it did not go well."""
     try:
-        with Ending():
+        with Ending(leave_s):
             return run()
     except (Terminated, KeyboardInterrupt):
         return False

@@ -14,7 +14,8 @@ log = get_logger(__name__)
 
 _SIGNALS = (signal.SIGTERM, signal.SIGHUP)
 LEAVE_S = 4.5
-"""What has not left so long after a signal is left behind: container engines kill after 5 s."""
+"""What has not left so long after a signal is left behind, unless a setting says otherwise:
+container engines kill after 5 s and later."""
 STUCK = 70
 """EX_SOFTWARE of sysexits.h: asked to end, and something would not let go."""
 
@@ -28,10 +29,11 @@ class Ending:
 
     `gently`, if set, is asked to end it and says whether it will; else `Terminated` is raised,
     which an event loop would not let through. Whatever hangs then, the process is gone after
-    `LEAVE_S`, with the exit code `STUCK`.
+    `leave_s`, with the exit code `STUCK`.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, leave_s: float = LEAVE_S) -> None:
+        self._leave_s = leave_s
         self.gently: Callable[[], bool] | None = None
         self.signal = ""
         """The signal that arrived, such as SIGTERM; empty if none did."""
@@ -49,11 +51,11 @@ class Ending:
     ) -> None:
         self._ignore()
         if isinstance(error, KeyboardInterrupt):
-            _leave_in_time()
+            _leave_within(self._leave_s)
 
     def _arrived(self, number: int, _frame: FrameType | None) -> None:
         self._ignore()
-        _leave_in_time()
+        _leave_within(self._leave_s)
         self.signal = signal.Signals(number).name
         if self.gently is None or not self.gently():
             raise Terminated
@@ -63,17 +65,17 @@ class Ending:
             signal.signal(one, signal.SIG_IGN)
 
 
-def _leave_in_time() -> None:
+def _leave_within(leave_s: float) -> None:
     """End the process if it does not end by itself; a daemon, so it keeps nobody."""
-    late = threading.Timer(LEAVE_S, _give_up)
+    late = threading.Timer(leave_s, _give_up, (leave_s,))
     late.daemon = True
     late.start()
 
 
-def _give_up() -> None:
+def _give_up(waited_s: float) -> None:
     held = sorted(one.name for one in threading.enumerate() if not one.daemon)
     if logging.getLogger().handlers:
-        log.critical("leaving_late", waited_s=LEAVE_S, threads=held)
+        log.critical("leaving_late", waited_s=waited_s, threads=held)
     else:  # the program itself is over, and its log with it
         print(f"leaving without what does not end: {', '.join(held)}", file=sys.stderr)
     sys.stdout.flush()

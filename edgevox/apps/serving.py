@@ -20,7 +20,7 @@ def serve(settings: Settings, body: Body | None, ros_args: Sequence[str]) -> boo
     began_s = time.monotonic()
     with ExitStack() as stack:
         parts = build_parts(stack, settings, body)
-        with Ending() as ending:
+        with Ending(settings.leave_s) as ending:
             start_parts(stack, parts, ros_args)
             if settings.render and has_display() and isinstance(body, HasPicture):
                 start(stack, Viewer(body.picture, f"EdgeVox: {body.name}"))

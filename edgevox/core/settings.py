@@ -183,6 +183,13 @@ class Settings(BaseSettings):
     log_speech: bool = Field(
         False, description="log what people and the robot say at any level, not only at debug"
     )
+    leave_s: float = Field(
+        4.5,
+        ge=0.5,
+        le=300,
+        description="what does not let go so many seconds after SIGTERM is left behind; less than "
+        "what its supervisor waits before it kills",
+    )
 
     @classmethod
     def settings_customise_sources(

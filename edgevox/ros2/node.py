@@ -9,7 +9,6 @@ from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
-from rclpy.node import Node
 
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.heartbeat import Heartbeat
@@ -18,6 +17,7 @@ from edgevox.ops.logs import is_set_up
 from edgevox.ros2.contract import NODE_NAME
 from edgevox.ros2.fast_dds import choose_profile
 from edgevox.ros2.logs import LoggerLevels, RcutilsStream, apply_log_levels
+from edgevox.ros2.qos_events import QuietNode
 
 log = get_logger(__name__)
 
@@ -43,7 +43,7 @@ class RosNode:
         self._lines = RcutilsStream() if is_set_up() else None
         try:
             self._init(list(ros_args) or sys.argv)
-            self.node = Node(name, namespace=namespace, context=self._context)
+            self.node = QuietNode(name, namespace=namespace, context=self._context)
             LoggerLevels(self.node)
             self.executor = SingleThreadedExecutor(context=self._context)
         except Exception as error:
@@ -53,7 +53,7 @@ class RosNode:
         self._heartbeat = Heartbeat(period_s=BEAT_S)
         # Of its own clock, which goes on when that of the robot stands still.
         steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self.node.create_timer(BEAT_S, self._heartbeat.beat, clock=steady)
+        self.node.create_timer(BEAT_S, self._beat, clock=steady)
         self.failed = 0
         """Callbacks that raised."""
         self._closing = threading.Event()
@@ -93,6 +93,10 @@ class RosNode:
         """The longest that callbacks had to wait in the last minute; 0 unless it spins."""
         begun = self._thread.ident is not None and not self._closing.is_set()
         return self._heartbeat.lag_s if begun else 0.0
+
+    def _beat(self) -> None:
+        self._heartbeat.beat()
+        self.node.look()
 
     def _init(self, ros_args: list[str]) -> None:
         """Where a program's lines go to one stream, ROS 2 must not write its own beside it."""

@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 import wave
 from pathlib import Path
 
@@ -19,9 +18,7 @@ from test_voice_program import AGENT, write_wav
 
 from edgevox.apps.ending import STUCK
 
-START_S, LEAVE_S = 120.0, 10.0
-"""An engine gives a container ten seconds before it kills it; a program takes 4.5 s, and what a
-busy machine adds."""
+START_S = 120.0
 DEAF_TO_NOTHING = ("env", "--default-signal=INT")
 """What a script starts in the background ignores Ctrl-C, and so do its children."""
 BEFORE_A_HANDLER = -signal.SIGTERM
@@ -71,14 +68,12 @@ class Program:
             self._arrived.wait_for(lambda: found() or not self._reader.is_alive(), START_S)
             assert found(), self.output
 
-    def end(self, number: signal.Signals) -> tuple[int, float]:
-        """Send the signal; the exit code, and how long it took."""
-        began_s = time.monotonic()
+    def end(self, number: signal.Signals) -> int:
+        """Send the signal; the exit code."""
         self._process.send_signal(number)
-        code = self._process.wait(120)
-        took_s = time.monotonic() - began_s
+        code = self._process.wait(600)
         self._reader.join()
-        return code, took_s
+        return code
 
     def close(self) -> None:
         if self._process.poll() is None:
@@ -105,11 +100,11 @@ def state(name: str) -> str:
 CASES = {
     # what is typed, what shows the state, the model, the exit codes
     "loading models": ("", "loading ", "smollm2-135m-instruct", {0, BEFORE_A_HANDLER}),
-    "warming up": ("", "warming up", "smollm2-135m-instruct", {0, STUCK}),
+    "warming up": ("", "warming up", "smollm2-135m-instruct", {0}),
     "listening": ("", state("listening"), "none", {0}),
-    "transcribing": ("", state("transcribing"), "none", {0, STUCK}),
-    "thinking": (STORY, state("thinking"), "smollm2-135m-instruct", {0, STUCK}),
-    "speaking": ("what can you do", state("speaking"), "none", {0, STUCK}),
+    "transcribing": ("", state("transcribing"), "none", {0}),
+    "thinking": (STORY, state("thinking"), "smollm2-135m-instruct", {0}),
+    "speaking": ("what can you do", state("speaking"), "none", {0}),
     "driving": ("go to the bedroom", '"goal_started"', "none", {0}),
 }
 
@@ -135,19 +130,18 @@ def program(tmp_path):
         ("speaking", signal.SIGINT),
     ],
 )
-def test_it_leaves_in_time_from_every_state(program, name, number):
+def test_it_leaves_by_itself_from_every_state(program, name, number):
     typed, shown, llm, codes = CASES[name]
     one = program(llm)
     if typed:
         one.type(typed)
     one.wait_for(shown)
 
-    code, took_s = one.end(number)
+    code = one.end(number)
 
     assert code in codes, one.output
-    assert took_s < LEAVE_S
     assert "Traceback" not in one.output
-    assert (code == STUCK) == ("leaving_late" in one.output)
+    assert "leaving_late" not in one.output
     if one.answers.exists():
         with wave.open(str(one.answers)) as file:
             assert file.getnframes() * file.getsampwidth() <= one.answers.stat().st_size
@@ -161,7 +155,15 @@ def test_what_will_not_let_go_is_left_behind_in_time_and_named():
         "sys.exit(main())"
     )
     process = subprocess.Popen(
-        [sys.executable, "-c", program, "robot-apartment", "--text-mode", "--llm=none"],
+        [
+            sys.executable,
+            "-c",
+            program,
+            "robot-apartment",
+            "--text-mode",
+            "--llm=none",
+            "--leave-s=1",
+        ],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -169,10 +171,8 @@ def test_what_will_not_let_go_is_left_behind_in_time_and_named():
     )
     while "is ready" not in process.stdout.readline():
         assert process.poll() is None
-    began_s = time.monotonic()
     process.send_signal(signal.SIGTERM)
     _, errors = process.communicate(timeout=120)
 
     assert process.returncode == STUCK
     assert "leaving without what does not end: MainThread, stuck" in errors
-    assert time.monotonic() - began_s < 2 * LEAVE_S

@@ -7,6 +7,7 @@ from peer import STATE, wait_until
 from rcl_interfaces.msg import Log, LoggerLevel
 from rcl_interfaces.srv import GetLoggerLevels, SetLoggerLevels
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from std_msgs.msg import String
 
 ROSOUT = QoSProfile(
     depth=1000,
@@ -118,3 +119,16 @@ def test_a_whole_run_is_json_and_tells_no_words_where_levels_come_from_ros_2s_ar
     assert all(line["turn"] for line in lines if line["event"] == "goal_started")
     assert "xyzzy" not in one.output
     assert "xyzzy" not in "".join(said.msg for said in ears.heard)
+
+
+def test_a_peer_whose_qos_does_not_fit_is_warned_of_on_both_of_its_ways(agent, ears):
+    one = agent(*JSON)
+    node = ears.peer.node
+    lasting = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    careless = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+
+    node.create_subscription(String, ears.peer.name("bot_sentence"), lambda _: None, lasting)
+    node.create_publisher(String, ears.peer.name("text_input"), careless)
+
+    one.wait_for_line("New subscription discovered on topic 'bot_sentence'")
+    one.wait_for_line("New publisher discovered on topic 'text_input'")
