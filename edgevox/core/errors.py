@@ -1,5 +1,7 @@
 """The root of every error that EdgeVox raises on purpose."""
 
+import math
+
 from edgevox.core.refusals import Refusal
 
 
@@ -22,6 +24,13 @@ class InvalidValue(EdgeVoxError):
         self.value = value
         self.expected = expected
         super().__init__(f"{field}: got {shorten(value)}, expected {expected}")
+
+
+def finite(field: str, value: float) -> float:
+    """The value as a float. Raises `InvalidValue` if it is not finite."""
+    if not math.isfinite(value):
+        raise InvalidValue(field, value, "a finite number")
+    return float(value)
 
 
 def shorten(value: object, limit: int = 80) -> str:

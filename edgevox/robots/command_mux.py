@@ -1,0 +1,137 @@
+"""Who may move a body: the motion of a goal, whoever sends velocities, or nobody.
+
+The newest request wins and ends the one before, so at most one moves the body at any time.
+"""
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from typing import Generic, TypeVar
+
+from edgevox.core.cancel import Cancelled, CancelToken
+from edgevox.core.errors import finite
+from edgevox.core.log import get_logger
+from edgevox.robots.capabilities import Twist2D
+from edgevox.robots.motion import Motion
+
+log = get_logger(__name__)
+
+WATCHDOG_S = 0.5
+"""A stream of velocities that is silent for so long has stopped."""
+STILL = Twist2D(0.0, 0.0)
+M = TypeVar("M", bound=Motion)
+
+
+class CommandMux(Generic[M]):
+    """Any thread may use it. `lock` is the body's own, reentrant, and guards its motions, too.
+
+    `on_halt` brakes the body: each halt calls it, under the lock, with the motion that the halt
+    ends, if one runs, and the reason.
+    """
+
+    def __init__(
+        self,
+        lock: AbstractContextManager[object],
+        *,
+        max_linear_m_s: float = 0.0,
+        max_angular_rad_s: float = 0.0,
+        on_halt: Callable[[M | None, BaseException], object] = lambda *_: None,
+    ) -> None:
+        self._lock = lock
+        self._max_linear_m_s, self._max_angular_rad_s = max_linear_m_s, max_angular_rad_s
+        self._on_halt = on_halt
+        self._motion: M | None = None
+        self._velocity: Twist2D | None = None
+        self._velocity_until_s = 0.0
+        self.watchdog_halts = 0
+        """Streams that stopped though they had not asked for a stand."""
+
+    @property
+    def motion(self) -> M | None:
+        """The motion that moves the body; one that is over does not."""
+        motion = self._motion
+        return None if motion is None or motion.done else motion
+
+    @property
+    def velocity(self) -> Twist2D | None:
+        """The velocity that somebody asks for."""
+        return self._velocity
+
+    @property
+    def busy(self) -> bool:
+        """Whether anybody moves the body."""
+        return self._velocity is not None or self.motion is not None
+
+    def start(self, make: Callable[[], M], why: str = "a new goal came") -> M:
+        """Let this motion move the body; what moved it so far ends as cancelled because of `why`.
+
+        Where `make` refuses, by raising, nothing has changed.
+        """
+        with self._lock:
+            motion = make()
+            self._end(Cancelled(why))
+            self._motion, self._velocity = motion, None
+            return motion
+
+    def stream(self, twist: Twist2D, time_s: float) -> None:
+        """Ask for this velocity, within the limits, for `WATCHDOG_S` of the body's time.
+
+        Raises `InvalidValue` for one that is not finite; then nothing has changed.
+        """
+        linear_m_s = finite("linear_m_s", twist.linear_m_s)
+        angular_rad_s = finite("angular_rad_s", twist.angular_rad_s)
+        with self._lock:
+            self._end(Cancelled("somebody else steers"))
+            self._velocity = Twist2D(
+                clamped(linear_m_s, self._max_linear_m_s),
+                clamped(angular_rad_s, self._max_angular_rad_s),
+            )
+            self._velocity_until_s = time_s + WATCHDOG_S
+
+    def halt(self, error: BaseException, only: M | None = None) -> bool:
+        """Nobody moves the body from now on; a motion ends with `error`. True if anybody did.
+
+        With `only`, where that motion does not move it, nothing happens.
+        """
+        with self._lock:
+            motion = self.motion
+            if only is not None and motion is not only:
+                return False
+            moved, self._velocity = self.busy, None
+            try:
+                self._on_halt(motion, error)
+            finally:
+                self._end(error)
+            return moved
+
+    def tick(self, time_s: float) -> None:
+        """It is so late by the body's time: a stream that fell silent moves it no more."""
+        with self._lock:
+            if self._velocity is None or time_s < self._velocity_until_s:
+                return
+            if self._velocity != STILL:
+                self.watchdog_halts += 1
+                log.warning("watchdog_halted", silent_s=WATCHDOG_S)
+            self._velocity = None
+
+    def carry_out(self, motion: M, token: CancelToken, report: Callable[[], object]) -> None:
+        """Block until a motion that was started is over; raises what it ended with.
+
+        The token halts the body, if it is this motion that moves it. `report` is called five times
+        a second and in the end.
+        """
+        forget = token.on_cancel(lambda: self.halt(Cancelled(token.reason), only=motion))
+        try:
+            motion.wait(report)
+        finally:
+            forget()
+            report()
+
+    def _end(self, error: BaseException) -> None:
+        motion, self._motion = self._motion, None
+        if motion is not None:
+            motion.end(error)
+
+
+def clamped(value: float, most: float) -> float:
+    """The value, or the nearest one from `-most` to `most`."""
+    return min(max(value, -most), most)

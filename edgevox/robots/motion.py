@@ -1,0 +1,66 @@
+"""What a body does for a while: a drive, a walk, a grip. Every body's motions are `Motion`s."""
+
+import threading
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+
+REPORT_EVERY_S = 0.2
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """How far a motion is: 0 to 1, and what is left of it in `unit`, where that is known."""
+
+    part: float
+    left: float = 0.0
+    unit: str = ""
+
+
+class Motion(ABC):
+    """Ends exactly once: done, or with the error that is raised to whoever waits for it.
+
+    All but `progress` may be used from any thread; that one reads what the body's lock guards.
+    """
+
+    def __init__(self) -> None:
+        self._ending = threading.Lock()
+        self._over = threading.Event()
+        self._error: BaseException | None = None
+
+    @abstractmethod
+    def progress(self) -> Progress:
+        """How far it is."""
+
+    @property
+    def done(self) -> bool:
+        """Whether it is over, for whatever reason."""
+        return self._over.is_set()
+
+    @property
+    def error(self) -> BaseException | None:
+        """Why it ended before it was done."""
+        return self._error
+
+    def end(self, error: BaseException | None = None) -> bool:
+        """It is over: done, or not because of `error`. True for the first end, the one that counts.
+
+        Whether it stops the body is the business of who moves it.
+        """
+        with self._ending:
+            if self._over.is_set():
+                return False
+            self._error = error
+            self._over.set()
+            return True
+
+    def check(self) -> None:
+        """Raise what it ended with, if that was an error."""
+        if self._error is not None:
+            raise self._error
+
+    def wait(self, report: Callable[[], object]) -> None:
+        """Block until it is over, calling `report` five times a second; raises as `check`."""
+        while not self._over.wait(REPORT_EVERY_S):
+            report()
+        self.check()
