@@ -13,7 +13,7 @@ from worlds import Row
 from edgevox.core.cancel import CancelToken
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import LidarScan, Twist2D
-from edgevox.robots.engine import STEP_S, Engine, Motion
+from edgevox.robots.engine import STEP_S, Engine, MotionState
 from edgevox.robots.irsim_engine import IrsimEngine, make_environment
 from edgevox.robots.physics import PymunkEngine
 from edgevox.robots.planar import PlanarRobot
@@ -36,7 +36,7 @@ class Beside:
         self.steps = 0
         self.bare_s = 0.0
 
-    def step(self, command: Twist2D) -> Motion:
+    def step(self, command: Twist2D) -> MotionState:
         self.steps += 1
         scans = self._lidar and self.steps % SCAN_EVERY_STEPS == 0
         motion = self._engine.step(command)
@@ -49,7 +49,7 @@ class Beside:
         self.bare_s += time.thread_time() - began_s
         return motion
 
-    def motion(self) -> Motion:
+    def motion(self) -> MotionState:
         return self._engine.motion()
 
     @property

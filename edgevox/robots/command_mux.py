@@ -119,7 +119,11 @@ class CommandMux(Generic[M]):
         The token halts the body, if it is this motion that moves it. `report` is called five times
         a second and in the end.
         """
-        forget = token.on_cancel(lambda: self.halt(Cancelled(token.reason), only=motion))
+
+        def cancel() -> None:
+            self.halt(Cancelled(token.reason), only=motion)
+
+        forget = token.on_cancel(cancel)
         try:
             motion.wait(report)
         finally:

@@ -1,7 +1,7 @@
 """What a simulator does for a 2D robot: it lets time pass and says what came of it.
 
-Everything else, the planner, the pilot, the battery, the rooms, is the robot's own and the same in
-every simulator. Nothing here is safe to use from two threads at a time; the robot locks.
+Everything else, the planner, the command mux, the battery, the rooms, is the robot's own and the
+same in every simulator. Nothing here is safe to use from two threads at a time; the robot locks.
 """
 
 from collections.abc import Sequence
@@ -20,7 +20,7 @@ STILL_M_S = 1e-4
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
+class MotionState:
     """Where the robot is, how it moves, and the names of what it touches."""
 
     pose: Pose2D
@@ -36,10 +36,10 @@ class Motion:
 class Engine(Protocol):
     """One world in one simulator, stepped by hand."""
 
-    def step(self, command: Twist2D) -> Motion:
+    def step(self, command: Twist2D) -> MotionState:
         """Let `STEP_S` pass while the wheels follow the command; returns what came of it."""
 
-    def motion(self) -> Motion:
+    def motion(self) -> MotionState:
         """The robot now."""
 
     @property

@@ -11,7 +11,7 @@ class IrsimRobot(PlanarRobot):
     """A `PlanarRobot` in IR-SIM, in the apartment or any other world.
 
     Walls are solid and furniture with a mass can be pushed, by IR-SIM's own law of contacts.
-    IR-SIM's goals and behaviours are not used: who drives is our pilot. Nothing in it is random;
+    IR-SIM's goals and behaviours are not used: the drives are ours. Nothing in it is random;
     what a world file leaves to chance is decided by `load_world` and its seed.
     Raises `EdgeVoxError` where IR-SIM is not installed.
     """

@@ -23,7 +23,7 @@ from edgevox.core.extras import install_extra
 from edgevox.core.log import get_logger
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import LidarScan, Twist2D
-from edgevox.robots.engine import STILL_M_S, Motion
+from edgevox.robots.engine import STILL_M_S, MotionState
 from edgevox.robots.irsim_world import irsim_config
 from edgevox.robots.world_model import World
 
@@ -52,15 +52,15 @@ class IrsimEngine:
         for one in (self._robot, *self._movable):
             one.trajectory = deque(maxlen=1)  # IR-SIM would remember every step for ever
 
-    def step(self, command: Twist2D) -> Motion:
+    def step(self, command: Twist2D) -> MotionState:
         with _ONE_AT_A_TIME:
             self._env.step([command.linear_m_s, command.angular_rad_s])
         return self.motion()
 
-    def motion(self) -> Motion:
+    def motion(self) -> MotionState:
         linear, angular = self._robot.velocity[:2, 0]
         touching = {self._names.get(one.id, "edge") for one in self._robot.contact.partners}
-        return Motion(
+        return MotionState(
             _pose(self._robot), Twist2D(float(linear), float(angular)), frozenset(touching)
         )
 

@@ -13,7 +13,7 @@ import pymunk
 
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import LidarScan, Twist2D
-from edgevox.robots.engine import BRAKE_M_S2, STEP_S, STILL_M_S, Motion
+from edgevox.robots.engine import BRAKE_M_S2, STEP_S, STILL_M_S, MotionState
 from edgevox.robots.lidar import Lidar
 from edgevox.robots.shapes import Circle, Line, Polygon, Shape, edges, is_convex, place, reach
 from edgevox.robots.world_model import Thing, World
@@ -54,7 +54,7 @@ class PymunkEngine:
         self._robot = self._add_robot(world, robot)
         self._wheels = self._add_wheels(world)
 
-    def step(self, command: Twist2D) -> Motion:
+    def step(self, command: Twist2D) -> MotionState:
         for _ in range(_SUBSTEPS):
             heading = self._robot.rotation_vector
             self._wheels.position = self._robot.position
@@ -63,10 +63,10 @@ class PymunkEngine:
             self._space.step(STEP_S / _SUBSTEPS)
         return self.motion()
 
-    def motion(self) -> Motion:
+    def motion(self) -> MotionState:
         velocity = self._robot.velocity.dot(self._robot.rotation_vector)
         twist = Twist2D(float(velocity), float(self._robot.angular_velocity))
-        return Motion(_pose(self._robot), twist, self._touching())
+        return MotionState(_pose(self._robot), twist, self._touching())
 
     @property
     def still(self) -> bool:

@@ -1,6 +1,5 @@
 """A robot on two wheels in a flat world: what both 2D bodies are, whatever simulates them."""
 
-import math
 import threading
 from collections.abc import Mapping
 from functools import cached_property, lru_cache
@@ -14,12 +13,13 @@ from edgevox.agent.reasons import because
 from edgevox.agent.skills import Skill, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
-from edgevox.core.errors import InvalidValue
+from edgevox.core.errors import finite
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import LidarScan, Report, Twist2D
-from edgevox.robots.drive import Drive
+from edgevox.robots.command_mux import CommandMux
 from edgevox.robots.engine import STEP_S, Engine
 from edgevox.robots.navigation import navigation_skills
+from edgevox.robots.navigation_motion import NavigationMotion
 from edgevox.robots.planar_run import PlanarRun
 from edgevox.robots.planner import Planner
 from edgevox.robots.shapes import Point
@@ -31,7 +31,6 @@ from edgevox.robots.world_model import World
 if TYPE_CHECKING:
     from edgevox.robots.picture import Painter
 
-REPORT_EVERY_S = 0.2
 _PICTURE_PX = 800
 _TRAIL_SHOWN = 400  # points of 0.05 m
 
@@ -59,14 +58,19 @@ class PlanarRobot(LivesByStepping):
         self.world = world
         self.max_linear_m_s = world.robot.max_linear_m_s
         self.max_angular_rad_s = world.robot.max_angular_rad_s
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()
+        self._mux: CommandMux[NavigationMotion] = CommandMux(
+            self._lock,
+            max_linear_m_s=self.max_linear_m_s,
+            max_angular_rad_s=self.max_angular_rad_s,
+            on_halt=lambda *_: self._run.ramp.brake(),
+        )
         self._planner = Planner(world)
         self._room_at = lru_cache(maxsize=1)(world.room_at)  # a robot at rest is asked all the time
         self._places = MappingProxyType({room.name: room.goal for room in world.rooms})
         self._ticks = 0
-        self._halts_before = 0
         self._engine = engine
-        self._run = PlanarRun(world, engine)
+        self._run = PlanarRun(world, engine, self._mux)
         hints = {room.name: room.hints for room in world.rooms}
         aliases = {said: room.name for room in world.rooms for said in room.aliases}
         self._skills = navigation_skills(self, hints, aliases)
@@ -105,7 +109,7 @@ class PlanarRobot(LivesByStepping):
 
     @property
     def watchdog_halts(self) -> int:
-        return self._halts_before + self._run.pilot.watchdog_halts
+        return self._mux.watchdog_halts
 
     def start(self) -> None:
         self._stepper.start()
@@ -118,9 +122,8 @@ class PlanarRobot(LivesByStepping):
     def reset(self) -> None:
         """Everything back where it started, with a full battery; time goes on."""
         with self._lock:
-            self._run.pilot.stand(Cancelled("the world was reset"))
-            self._halts_before += self._run.pilot.watchdog_halts
-            self._run = PlanarRun(self.world, self._engine)
+            self._mux.halt(Cancelled("the world was reset"))
+            self._run = PlanarRun(self.world, self._engine, self._mux)
 
     def pose(self) -> Pose2D:
         with self._lock:
@@ -153,17 +156,14 @@ class PlanarRobot(LivesByStepping):
         return room.name if room else None
 
     def set_velocity(self, twist: Twist2D) -> None:
-        checked = Twist2D(
-            _finite("linear_m_s", twist.linear_m_s), _finite("angular_rad_s", twist.angular_rad_s)
-        )
         with self._lock:
-            self._run.pilot.take(checked, self.time_s)
+            self._mux.stream(twist, self.time_s)
         self._stepper.wake()
 
     def halt(self, reason: str) -> bool:
         with self._lock:
-            moved = self._run.pilot.busy or self._run.moving
-            self._run.pilot.stand(Cancelled(reason))
+            moved = self._run.busy or self._run.moving
+            self._mux.halt(Cancelled(reason))
         self._stepper.wake()
         return moved
 
@@ -176,24 +176,16 @@ class PlanarRobot(LivesByStepping):
 
         A halt, a velocity or another drive ends it. One that is refused disturbs nothing.
         """
-        goal = (_finite("x", x_m), _finite("y", y_m))
+        goal = (finite("x", x_m), finite("y", y_m))
         token.check()
         drive = self._begin(goal)
-        forget = token.on_cancel(lambda: self._end(drive, Cancelled(token.reason)))
-        try:
-            while not drive.done.wait(REPORT_EVERY_S):
-                self._report(drive, report)
-        finally:
-            forget()
-        self._report(drive, report)
-        if drive.error is not None:
-            raise drive.error
+        self._mux.carry_out(drive, token, lambda: self._report(drive, report))
 
     def state(self) -> Mapping[str, Any]:
         with self._lock:
-            time_s, motion, drive = self.time_s, self._run.motion, self._run.pilot.drive
+            time_s, motion = self.time_s, self._run.motion
             charge, collisions = self._run.battery.charge, self._run.collisions
-            progress = drive.progress() if drive else None
+            goal = describe_goal(self._mux.motion)
         room = self.place_at(motion.pose.x_m, motion.pose.y_m)
         return {
             "name": self.name,
@@ -202,7 +194,7 @@ class PlanarRobot(LivesByStepping):
             **describe_motion(motion),
             "room": room,
             "battery": round(charge, 4),
-            "goal": describe_goal(progress),
+            "goal": goal,
             "touching": sorted(motion.touching),
             "collisions": collisions,
         }
@@ -210,7 +202,7 @@ class PlanarRobot(LivesByStepping):
     def draw_map(self, columns: int) -> str:
         with self._lock:
             pose, movable = self._run.motion.pose, self._engine.movable_poses()
-            drive = self._run.pilot.drive
+            drive = self._mux.motion
             way = drive.way() if drive else ()
         return draw(self.world, pose, movable, way, columns)
 
@@ -232,40 +224,37 @@ class PlanarRobot(LivesByStepping):
         """Block until this much of the world's time has passed."""
         self._stepper.advance(seconds)
 
-    def _begin(self, goal: Point) -> Drive:
+    def _begin(self, goal: Point) -> NavigationMotion:
         with self._lock:
-            if not self._stepper.running:
-                raise SkillFailed(because("switched_off"))
-            if self._run.battery.empty:
-                raise SkillFailed(because("battery_empty"))
-            drive = Drive(
-                goal,
-                self._planner,
-                self.world.robot,
-                time_s=self.time_s,
-                pose=self._run.motion.pose,
-                movable=self._engine.movable_poses(),
-            )
-            self._run.pilot.follow(drive)
+            drive = self._mux.start(lambda: self._plan(goal))
+            self._run.ramp.brake()
         self._stepper.wake()
         return drive
 
-    def _end(self, drive: Drive, reason: BaseException) -> None:
-        with self._lock:
-            if self._run.pilot.drive is drive:
-                self._run.pilot.stand(reason)
+    def _plan(self, goal: Point) -> NavigationMotion:
+        if not self._stepper.running:
+            raise SkillFailed(because("switched_off"))
+        if self._run.battery.empty:
+            raise SkillFailed(because("battery_empty"))
+        return NavigationMotion(
+            goal,
+            self._planner,
+            self.world.robot,
+            time_s=self.time_s,
+            pose=self._run.motion.pose,
+            movable=self._engine.movable_poses(),
+        )
 
     def _give_up(self) -> None:
         """A step failed: nobody knows what the next one would do with this motion."""
-        with self._lock:
-            self._run.pilot.stand(SkillFailed(BROKE))
+        self._mux.halt(SkillFailed(BROKE))
 
-    def _report(self, drive: Drive, report: Report) -> None:
+    def _report(self, drive: NavigationMotion, report: Report) -> None:
         with self._lock:
             progress, pose = drive.progress(), self._run.motion.pose
         report(
-            progress=round(progress.progress, 3),
-            distance_m=round(progress.distance_m, 3),
+            progress=round(progress.part, 3),
+            distance_m=round(progress.left, 3),
             x=round(pose.x_m, 3),
             y=round(pose.y_m, 3),
         )
@@ -275,10 +264,4 @@ class PlanarRobot(LivesByStepping):
         with self._lock:
             self._ticks += 1
             self._run.step(self.time_s)
-            return (self._run.pilot.busy or self._run.moving) and not self._run.pilot.steered
-
-
-def _finite(field: str, value: float) -> float:
-    if not math.isfinite(value):
-        raise InvalidValue(field, value, "a finite number")
-    return float(value)
+            return (self._run.busy or self._run.moving) and self._mux.velocity is None

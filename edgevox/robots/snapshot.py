@@ -2,11 +2,11 @@
 
 from typing import Any
 
-from edgevox.robots.drive import Progress
-from edgevox.robots.engine import Motion
+from edgevox.robots.engine import MotionState
+from edgevox.robots.navigation_motion import NavigationMotion
 
 
-def describe_motion(motion: Motion) -> dict[str, Any]:
+def describe_motion(motion: MotionState) -> dict[str, Any]:
     """Pose (metres, radians, map frame) and velocity (m/s, rad/s, body frame)."""
     pose, twist = motion.pose, motion.twist
     return {
@@ -18,13 +18,14 @@ def describe_motion(motion: Motion) -> dict[str, Any]:
     }
 
 
-def describe_goal(progress: Progress | None) -> dict[str, float] | None:
+def describe_goal(drive: NavigationMotion | None) -> dict[str, float] | None:
     """Where a drive goes to, how far it is (0 to 1), and the metres that are left; None without."""
-    if progress is None:
+    if drive is None:
         return None
+    progress = drive.progress()
     return {
-        "x": round(progress.goal[0], 3),
-        "y": round(progress.goal[1], 3),
-        "progress": round(progress.progress, 3),
-        "distance": round(progress.distance_m, 3),
+        "x": round(drive.goal[0], 3),
+        "y": round(drive.goal[1], 3),
+        "progress": round(progress.part, 3),
+        "distance": round(progress.left, 3),
     }

@@ -15,7 +15,7 @@ from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.errors import InvalidValue
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import Twist2D
-from edgevox.robots.engine import Motion
+from edgevox.robots.engine import MotionState
 from edgevox.robots.planar import PlanarRobot
 from edgevox.robots.world import parse_world
 
@@ -135,11 +135,11 @@ def test_a_motion_that_becomes_no_number_is_logged_and_the_world_goes_on(robot, 
     real = robot._engine.step
     broken = threading.Event()
 
-    def step(command: Twist2D) -> Motion:
+    def step(command: Twist2D) -> MotionState:
         if broken.is_set():
             return real(command)
         broken.set()
-        return Motion(Pose2D(math.nan, 0.0, 0.0), Twist2D(0.0, 0.0), frozenset())
+        return MotionState(Pose2D(math.nan, 0.0, 0.0), Twist2D(0.0, 0.0), frozenset())
 
     with caplog.at_level(logging.ERROR):
         robot._engine.step = step

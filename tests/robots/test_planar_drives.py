@@ -23,7 +23,7 @@ from edgevox.robots.capabilities import (
     TakesVelocity,
     Twist2D,
 )
-from edgevox.robots.engine import Motion
+from edgevox.robots.engine import MotionState
 from edgevox.robots.planar import PlanarRobot
 
 ROOMS = ("kitchen", "bedroom", "living_room", "office")
@@ -144,7 +144,7 @@ def test_a_robot_that_cannot_move_says_that_it_is_stuck(in_hall) -> None:
     robot = in_hall("", speed=0.0)
     going = Asked(robot, robot.drive_to, 7.0, 2.0)
     with robot._lock:
-        stands = Motion(robot._run.motion.pose, Twist2D(0.0, 0.0), frozenset())
+        stands = MotionState(robot._run.motion.pose, Twist2D(0.0, 0.0), frozenset())
         robot._engine.step = lambda command: stands
 
     error = going.end()

@@ -1,16 +1,16 @@
 """One drive to a point: plans, follows, plans again when something is in the way, ends once."""
 
 import math
-import threading
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import Twist2D
-from edgevox.robots.engine import Motion
+from edgevox.robots.command_mux import STILL
+from edgevox.robots.engine import MotionState
 from edgevox.robots.follower import Follower
+from edgevox.robots.motion import Motion, Progress
 from edgevox.robots.planner import Planner
 from edgevox.robots.shapes import Point
 from edgevox.robots.world_model import RobotSpec
@@ -25,17 +25,8 @@ _PROGRESS_M = 0.1
 _STOPPED_M_S = 0.02
 
 
-@dataclass(frozen=True, slots=True)
-class Progress:
-    """How far a drive is: its goal, 0 to 1, and what is left of the way."""
-
-    goal: Point
-    progress: float
-    distance_m: float
-
-
-class Drive:
-    """Lives from the request to its end, for whatever reason. Not thread-safe, but for `done`."""
+class NavigationMotion(Motion):
+    """Lives from the request to its end, for whatever reason."""
 
     def __init__(
         self,
@@ -48,9 +39,8 @@ class Drive:
         movable: Sequence[Pose2D],
     ) -> None:
         """Raises `SkillFailed` with the reason if no way leads there."""
+        super().__init__()
         self.goal = goal
-        self.done = threading.Event()
-        self.error: BaseException | None = None
         self._planner, self._limits = planner, limits
         self._follow(pose, movable)
         self._whole_m = max(self._follower.length_m, 1e-6)
@@ -58,13 +48,13 @@ class Drive:
         self._place, self._since_s, self._tries_left = pose, time_s, TRIES
         self._look_at_s = time_s + _LOOK_EVERY_S
 
-    def steer(self, time_s: float, motion: Motion, movable: Sequence[Pose2D]) -> Twist2D:
+    def steer(self, time_s: float, motion: MotionState, movable: Sequence[Pose2D]) -> Twist2D:
         """The velocity to ask for now; ends the drive on arrival or when it is stuck."""
         if time_s >= self._look_at_s:
             self._look_at_s = time_s + _LOOK_EVERY_S
             self._look(time_s, motion.pose, movable)
-        if self.done.is_set():
-            return Twist2D(0.0, 0.0)
+        if self.done:
+            return STILL
         twist = self._follower.steer(motion.pose)
         if self._follower.arrived and abs(motion.twist.linear_m_s) < _STOPPED_M_S:
             self.end(None)
@@ -74,17 +64,11 @@ class Drive:
         """How far it is."""
         left = 0.0 if self._follower.arrived else self._follower.remaining_m
         part = 1.0 if self._follower.arrived else 1.0 - left / self._whole_m
-        return Progress(self.goal, min(max(part, 0.0), 1.0), left)
+        return Progress(min(max(part, 0.0), 1.0), left, "m")
 
     def way(self) -> tuple[Point, ...]:
         """The path that is still to come."""
         return self._follower.ahead()
-
-    def end(self, error: BaseException | None) -> None:
-        """It is over: reached, or not because of `error`. Only the first end counts."""
-        if not self.done.is_set():
-            self.error = error
-            self.done.set()
 
     def _follow(self, pose: Pose2D, movable: Sequence[Pose2D]) -> None:
         path = self._planner.plan((pose.x_m, pose.y_m), self.goal, movable)
