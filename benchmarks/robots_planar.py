@@ -1,8 +1,8 @@
 """What the 2D bodies add to the simulators under them.
 
-The whole body (planner, pilot, battery, locks, its thread) drives to two rooms. Right after each of
-its steps a second world in the bare simulator makes the same step, so that both meet the same
-machine, whatever else runs on it. Time is that of the processor.
+The whole body (planner, command mux, battery, locks, its thread) drives to two rooms. Right after
+each of its steps a second world in the bare simulator makes the same step, so that both meet the
+same machine, whatever else runs on it. Time is that of the processor.
 """
 
 import time

@@ -49,7 +49,7 @@ def _robot(spec: RobotSpec) -> Config:
         "vel_min": [-linear, -angular],
         "vel_max": [linear, angular],
         "mass": spec.mass_kg,
-        # Our pilot keeps the accelerations; the wheels grip as hard as the brakes are.
+        # Our ramp keeps the accelerations; the wheels grip as hard as the brakes are.
         "friction": BRAKE_M_S2 / GRAVITY_M_S2,
         "sensors": [_lidar(spec.lidar)],
     }

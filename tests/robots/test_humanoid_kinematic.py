@@ -10,7 +10,8 @@ from humanoid_stage import along, apart, g1, h1, stand, turn, turned_deg, walk, 
 
 from edgevox.core.errors import InvalidValue
 from edgevox.models import locate
-from edgevox.robots.capabilities import Twist2D
+from edgevox.robots.capabilities import CountsHalts, Twist2D
+from edgevox.robots.command_mux import WATCHDOG_S
 from edgevox.robots.humanoid import HumanoidRobot, MujocoHumanoidEnvironment
 from edgevox.robots.humanoid.policy import WalkingCommand
 
@@ -167,6 +168,24 @@ def test_a_stream_that_stops_halts_it_after_half_a_second(held_h1) -> None:
     held_h1.advance(1.0)
 
     assert held_h1.pose() == before
+
+
+def test_streams_that_stop_are_counted_and_a_reset_forgets_none(held_h1) -> None:
+    assert isinstance(held_h1, CountsHalts)
+    for twist in (Twist2D(0.5, 0.0), Twist2D(0.0, 0.0)):
+        held_h1.set_velocity(twist)
+        held_h1.advance(2 * WATCHDOG_S)
+    assert held_h1.watchdog_halts == 1, "the other asked for a stand"
+
+    held_h1.set_velocity(Twist2D(0.5, 0.0))
+    held_h1.halt("enough")
+    held_h1.advance(2 * WATCHDOG_S)
+    assert held_h1.watchdog_halts == 1, "somebody else halted it"
+
+    held_h1.reset()
+    held_h1.set_velocity(Twist2D(0.5, 0.0))
+    held_h1.advance(2 * WATCHDOG_S)
+    assert held_h1.watchdog_halts == 2
 
 
 def test_a_robot_of_ones_own_that_lacks_most_joints_walks_all_the_same(tmp_path) -> None:

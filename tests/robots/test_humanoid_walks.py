@@ -9,6 +9,7 @@ from humanoid_stage import along, apart, g1, stand, turn, turned_deg, walk, walk
 from edgevox.core.cancel import Cancelled
 from edgevox.core.errors import InvalidValue
 from edgevox.core.transforms import Pose2D
+from edgevox.models import locate
 from edgevox.robots.capabilities import (
     DrivesTo,
     HasCamera,
@@ -17,7 +18,12 @@ from edgevox.robots.capabilities import (
     TakesVelocity,
     Twist2D,
 )
-from edgevox.robots.humanoid import HumanoidRobot
+from edgevox.robots.humanoid import (
+    HumanoidRobot,
+    MujocoHumanoidEnvironment,
+    OnnxWalkingPolicy,
+    WalkingCommand,
+)
 
 SETTLE_S = 1.5
 
@@ -148,7 +154,20 @@ def test_halted_in_whatever_step_it_comes_to_a_stand_on_its_feet(held_g1, after_
     assert not held_g1.halt("again")
 
 
-def test_a_halt_asks_for_no_velocity_within_a_tenth_of_a_second(held_g1) -> None:
+class Listening(MujocoHumanoidEnvironment):
+    """Knows what it was asked for last."""
+
+    asked = WalkingCommand()
+
+    def step(self, wanted: WalkingCommand) -> None:
+        self.asked = wanted
+        super().step(wanted)
+
+
+def test_a_halt_asks_for_no_velocity_within_a_tenth_of_a_second(held) -> None:
+    policy = OnnxWalkingPolicy(locate("g1-walking-policy"))
+    environment = Listening(locate("unitree-g1"), policy)
+    held_g1 = held(HumanoidRobot, environment)
     going = walking(held_g1, 5.0)
     held_g1.advance(3.0)
     fast = held_g1.velocity().linear_m_s
@@ -159,7 +178,7 @@ def test_a_halt_asks_for_no_velocity_within_a_tenth_of_a_second(held_g1) -> None
     assert fast > 0.4
     assert str(going.ended()) == "never mind"
     assert held_g1.state()["goal"] is None
-    assert held_g1._pilot.command(held_g1.time_s, held_g1.pose()).stands
+    assert environment.asked.stands
 
 
 def test_a_new_request_ends_the_one_before(held_g1) -> None:

@@ -10,7 +10,7 @@ from edgevox.agent.skills import SkillFailed
 from edgevox.core.errors import InvalidValue
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.humanoid.easing import RISE_M_S2, eased
-from edgevox.robots.humanoid.manoeuvre import PATIENCE_S, Manoeuvre
+from edgevox.robots.humanoid.motion_primitive import PATIENCE_S, MotionPrimitive
 from edgevox.robots.humanoid.policy import STAND, WalkingCommand, WalkingPlan
 from edgevox.robots.humanoid.steps import LIFT_M, Steps, ahead
 from edgevox.robots.humanoid.walker import Limits
@@ -77,28 +77,28 @@ def test_a_speed_rises_evenly_and_falls_at_once(now, wanted) -> None:
 @settings(max_examples=40, deadline=None)
 @given(st.floats(-5.0, 5.0).filter(lambda metres: abs(metres) >= 0.05))
 def test_a_walk_of_an_obedient_robot_ends_exactly_where_it_should(distance_m) -> None:
-    pose, manoeuvre = START, Manoeuvre(START, LIMITS, PERIOD_S, distance_m=distance_m)
+    pose, motion = START, MotionPrimitive(START, LIMITS, PERIOD_S, distance_m=distance_m)
     fastest = 0.0
     for _ in range(3000):
-        command = manoeuvre.steer(pose)
+        command = motion.steer(pose)
         fastest = max(fastest, abs(command.forward_m_s))
         pose = ahead(pose, command, PERIOD_S)
-        if manoeuvre.done.is_set():
+        if motion.done:
             break
 
-    assert manoeuvre.error is None
+    assert motion.error is None
     assert fastest <= LIMITS.forward_m_s
     assert pose.x_m == pytest.approx(START.x_m + distance_m * math.cos(0.7), abs=1e-5)
     assert pose.y_m == pytest.approx(START.y_m + distance_m * math.sin(0.7), abs=1e-5)
-    assert manoeuvre.progress().part == pytest.approx(1.0, abs=1e-5 / abs(distance_m))
+    assert motion.progress().part == pytest.approx(1.0, abs=1e-5 / abs(distance_m))
 
 
 @pytest.mark.parametrize("degrees", [1, 90, -180, 360, -720])
 def test_a_turn_goes_all_the_way_round(degrees) -> None:
     pose, turned = START, 0.0
-    manoeuvre = Manoeuvre(START, LIMITS, PERIOD_S, angle_rad=math.radians(degrees))
-    while not manoeuvre.done.is_set():
-        command = manoeuvre.steer(pose)
+    motion = MotionPrimitive(START, LIMITS, PERIOD_S, angle_rad=math.radians(degrees))
+    while not motion.done:
+        command = motion.steer(pose)
         turned += command.turn_rad_s * PERIOD_S
         after = ahead(pose, command, PERIOD_S)
         pose = Pose2D(after.x_m, after.y_m, math.remainder(after.yaw_rad, math.tau))
@@ -107,12 +107,12 @@ def test_a_turn_goes_all_the_way_round(degrees) -> None:
 
 
 def test_a_robot_that_does_not_get_on_says_so() -> None:
-    manoeuvre = Manoeuvre(START, LIMITS, PERIOD_S, distance_m=2.0)
+    motion = MotionPrimitive(START, LIMITS, PERIOD_S, distance_m=2.0)
     for _ in range(round(2 * PATIENCE_S / PERIOD_S)):
-        manoeuvre.steer(START)
+        motion.steer(START)
 
-    assert isinstance(manoeuvre.error, SkillFailed)
-    assert str(manoeuvre.error) == "I cannot get any further."
+    assert isinstance(motion.error, SkillFailed)
+    assert str(motion.error) == "I cannot get any further."
 
 
 def test_a_plan_whose_vectors_or_rates_do_not_fit_is_refused() -> None:

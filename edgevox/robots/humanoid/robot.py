@@ -13,18 +13,18 @@ from edgevox.agent.reasons import because
 from edgevox.agent.skills import Skill, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
-from edgevox.core.errors import InvalidValue
+from edgevox.core.errors import finite
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import CameraImage, CameraSpec, Report, Twist2D
+from edgevox.robots.command_mux import CommandMux
 from edgevox.robots.humanoid.environment import MujocoHumanoidEnvironment
 from edgevox.robots.humanoid.eyes import Eyes
-from edgevox.robots.humanoid.manoeuvre import Manoeuvre
-from edgevox.robots.humanoid.pilot import Pilot
+from edgevox.robots.humanoid.motion_primitive import MotionPrimitive
 from edgevox.robots.humanoid.skills import walking_skills
 from edgevox.robots.humanoid.state import describe
+from edgevox.robots.humanoid.walk_control import WalkControl
 from edgevox.robots.stepper import BROKE, LivesByStepping, Stepper
 
-REPORT_EVERY_S = 0.2
 FALLEN = because("fallen")
 
 
@@ -33,7 +33,7 @@ class HumanoidRobot(LivesByStepping):
 
     The body owns `environment` from now on. `speed` is how many seconds pass in its world each
     second, 1 for real time. With None, for tests, they pass as fast as they can while it carries
-    out a manoeuvre or comes to a stand; otherwise, also while somebody sends velocities, only as
+    out a motion or comes to a stand; otherwise, also while somebody sends velocities, only as
     far as `advance` asks. With 0 that is always so. Every method may be called from any thread.
 
     A cancelled or halted robot is asked for zero velocity before the call returns. In physics it
@@ -54,12 +54,17 @@ class HumanoidRobot(LivesByStepping):
         self._period_s = environment.period_s
         self.max_linear_m_s = environment.limits.forward_m_s
         self.max_angular_rad_s = environment.limits.turn_rad_s
-        self._lock = threading.Lock()
-        self._pilot = Pilot(environment.limits, self._period_s)
+        self._lock = threading.RLock()
+        self._mux: CommandMux[MotionPrimitive] = CommandMux(
+            self._lock,
+            max_linear_m_s=self.max_linear_m_s,
+            max_angular_rad_s=self.max_angular_rad_s,
+            on_halt=lambda *_: self._walk.forget_heading(),
+        )
+        self._walk = WalkControl(self._mux, environment.limits, self._period_s)
         self._eyes = Eyes(environment, name=self.name)
         self._always = speed is not None
         self._ticks = 0
-        self._halts_before = 0
         self._wanted_ticks = 0
         self._skills = walking_skills(self)
         self._stepper = Stepper(
@@ -93,7 +98,7 @@ class HumanoidRobot(LivesByStepping):
 
     @property
     def watchdog_halts(self) -> int:
-        return self._halts_before + self._pilot.watchdog_halts
+        return self._mux.watchdog_halts
 
     @property
     def camera_spec(self) -> CameraSpec:
@@ -104,7 +109,7 @@ class HumanoidRobot(LivesByStepping):
         self._stepper.start()
 
     def close(self) -> None:
-        """Stop walking, join the threads. A manoeuvre that runs ends as cancelled."""
+        """Stop walking, join the threads. A motion that runs ends as cancelled."""
         self.halt("the robot was switched off")
         self._stepper.close()
         self._eyes.close()
@@ -112,9 +117,8 @@ class HumanoidRobot(LivesByStepping):
     def reset(self) -> None:
         """Back upright where it started; time goes on."""
         with self._lock:
-            self._pilot.stand(Cancelled("the world was reset"))
-            self._halts_before += self._pilot.watchdog_halts
-            self._pilot = Pilot(self._environment.limits, self._period_s)
+            self._mux.halt(Cancelled("the world was reset"))
+            self._walk = WalkControl(self._mux, self._environment.limits, self._period_s)
             self._environment.reset()
 
     def pose(self) -> Pose2D:
@@ -137,17 +141,15 @@ class HumanoidRobot(LivesByStepping):
 
     def set_velocity(self, twist: Twist2D) -> None:
         """As `TakesVelocity` has it. A robot that lies on the floor stays there."""
-        checked = Twist2D(
-            _finite("linear_m_s", twist.linear_m_s), _finite("angular_rad_s", twist.angular_rad_s)
-        )
         with self._lock:
-            self._pilot.take(checked, self.time_s)
+            self._mux.stream(twist, self.time_s)
+            self._walk.forget_heading()
         self._stepper.wake()
 
     def halt(self, reason: str) -> bool:
         with self._lock:
-            moved = self._pilot.busy
-            self._pilot.stand(Cancelled(reason))
+            moved = self._walk.busy
+            self._mux.halt(Cancelled(reason))
         self._stepper.wake()
         return moved
 
@@ -155,13 +157,13 @@ class HumanoidRobot(LivesByStepping):
         """Block until it stands that many metres ahead, or back if negative.
 
         Raises `SkillFailed` with a reason (it fell, it cannot get further), `Cancelled` if it was
-        ended: by its token, a halt, a velocity or another manoeuvre.
+        ended: by its token, a halt, a velocity or another motion.
         """
-        self._perform(token, report, distance_m=_finite("distance", distance_m))
+        self._perform(token, report, distance_m=finite("distance", distance_m))
 
     def turn(self, angle_rad: float, *, token: CancelToken, report: Report) -> None:
         """As `walk`, until it stands turned to the left by `angle_rad`, right if negative."""
-        self._perform(token, report, angle_rad=_finite("angle", angle_rad))
+        self._perform(token, report, angle_rad=finite("angle", angle_rad))
 
     def stand(self, *, token: CancelToken, report: Report) -> bool:
         """Block until it stands still. One that has fallen is put upright where it lies: True."""
@@ -178,7 +180,7 @@ class HumanoidRobot(LivesByStepping):
             return {
                 "name": self.name,
                 "time": round(self.time_s, 3),
-                **describe(self._environment, self._pilot),
+                **describe(self._environment, self._mux.motion, walking=self._walk.walking),
             }
 
     def advance(self, seconds: float) -> None:
@@ -198,47 +200,30 @@ class HumanoidRobot(LivesByStepping):
         angle_rad: float = 0.0,
     ) -> None:
         token.check()
-        manoeuvre = self._begin(distance_m, angle_rad)
-        forget = token.on_cancel(lambda: self._end(manoeuvre, Cancelled(token.reason)))
-        try:
-            while not manoeuvre.done.wait(REPORT_EVERY_S):
-                self._report(manoeuvre, report)
-        finally:
-            forget()
-        self._report(manoeuvre, report)
-        if manoeuvre.error is not None:
-            raise manoeuvre.error
-
-    def _begin(self, distance_m: float, angle_rad: float) -> Manoeuvre:
-        with self._lock:
-            if not self._stepper.running:
-                raise SkillFailed(because("switched_off"))
-            if self._environment.fallen:
-                raise SkillFailed(FALLEN)
-            manoeuvre = Manoeuvre(
-                self._pilot.aligned(self._environment.pose),
-                self._environment.limits,
-                self._period_s,
-                distance_m=distance_m,
-                angle_rad=angle_rad,
-            )
-            self._pilot.follow(manoeuvre)
+        motion = self._mux.start(lambda: self._primitive(distance_m, angle_rad))
         self._stepper.wake()
-        return manoeuvre
+        self._mux.carry_out(motion, token, lambda: self._report(motion, report))
 
-    def _end(self, manoeuvre: Manoeuvre, reason: BaseException) -> None:
-        with self._lock:
-            if self._pilot.manoeuvre is manoeuvre:
-                self._pilot.stand(reason)
+    def _primitive(self, distance_m: float, angle_rad: float) -> MotionPrimitive:
+        if not self._stepper.running:
+            raise SkillFailed(because("switched_off"))
+        if self._environment.fallen:
+            raise SkillFailed(FALLEN)
+        return MotionPrimitive(
+            self._walk.aligned(self._environment.pose),
+            self._environment.limits,
+            self._period_s,
+            distance_m=distance_m,
+            angle_rad=angle_rad,
+        )
 
     def _give_up(self) -> None:
         """A period failed: nobody knows what the next one would do with this motion."""
-        with self._lock:
-            self._pilot.stand(SkillFailed(BROKE))
+        self._mux.halt(SkillFailed(BROKE))
 
-    def _report(self, manoeuvre: Manoeuvre, report: Report) -> None:
+    def _report(self, motion: MotionPrimitive, report: Report) -> None:
         with self._lock:
-            progress, pose = manoeuvre.progress(), self._environment.pose
+            progress, pose = motion.progress(), self._environment.pose
         report(
             progress=round(progress.part, 3),
             left=round(progress.left, 3),
@@ -257,18 +242,12 @@ class HumanoidRobot(LivesByStepping):
 
     def _due(self) -> bool:
         """Whether time shall pass, if it does not pass by itself."""
-        driven = self._pilot.busy and not self._pilot.steered
+        driven = self._walk.busy and self._mux.velocity is None
         return driven or self._ticks < self._wanted_ticks
 
     def _pass_period(self) -> None:
         self._ticks += 1
-        environment, pilot = self._environment, self._pilot
-        environment.step(pilot.command(self.time_s, environment.pose))
-        if environment.fallen and pilot.busy:
-            pilot.stand(SkillFailed(FALLEN))
-
-
-def _finite(field: str, value: float) -> float:
-    if not math.isfinite(value):
-        raise InvalidValue(field, value, "a finite number")
-    return float(value)
+        environment, walk = self._environment, self._walk
+        environment.step(walk.command(self.time_s, environment.pose))
+        if environment.fallen and walk.busy:
+            self._mux.halt(SkillFailed(FALLEN))

@@ -3,11 +3,12 @@
 from typing import Any
 
 from edgevox.robots.humanoid.environment import MujocoHumanoidEnvironment
-from edgevox.robots.humanoid.manoeuvre import Manoeuvre
-from edgevox.robots.humanoid.pilot import Pilot
+from edgevox.robots.humanoid.motion_primitive import MotionPrimitive
 
 
-def describe(environment: MujocoHumanoidEnvironment, pilot: Pilot) -> dict[str, Any]:
+def describe(
+    environment: MujocoHumanoidEnvironment, motion: MotionPrimitive | None, *, walking: bool
+) -> dict[str, Any]:
     """Pose and height of the pelvis (metres, radians, map frame), velocity (m/s, rad/s), and more.
 
     `simulation` is "physics", or "kinematic" for a robot that is moved without any forces; `gait`
@@ -23,22 +24,16 @@ def describe(environment: MujocoHumanoidEnvironment, pilot: Pilot) -> dict[str, 
             "linear": round(twist.linear_m_s, 4),
             "angular": round(twist.angular_rad_s, 4),
         },
-        "activity": _activity(environment, pilot),
+        "activity": "fallen" if environment.fallen else "walking" if walking else "standing",
         "fallen": environment.fallen,
-        "goal": _goal(pilot.manoeuvre),
+        "goal": _goal(motion),
     }
 
 
-def _activity(environment: MujocoHumanoidEnvironment, pilot: Pilot) -> str:
-    if environment.fallen:
-        return "fallen"
-    return "walking" if pilot.walking else "standing"
-
-
-def _goal(manoeuvre: Manoeuvre | None) -> dict[str, Any] | None:
+def _goal(motion: MotionPrimitive | None) -> dict[str, Any] | None:
     """What it is about, how far that is (0 to 1), and the metres or degrees that are left."""
-    if manoeuvre is None:
+    if motion is None:
         return None
-    progress = manoeuvre.progress()
+    progress = motion.progress()
     kind = {"m": "walk", "deg": "turn"}.get(progress.unit, "stand")
     return {"kind": kind, "progress": round(progress.part, 3), "left": round(progress.left, 3)}

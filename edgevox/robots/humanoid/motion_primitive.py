@@ -1,14 +1,14 @@
 """What a skill asks of the legs: to walk, to turn, to stand. Ends once, for whatever reason."""
 
 import math
-import threading
-from dataclasses import dataclass
 
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.transforms import Pose2D
+from edgevox.robots.command_mux import clamped
 from edgevox.robots.humanoid.policy import STAND, WalkingCommand
 from edgevox.robots.humanoid.walker import Limits
+from edgevox.robots.motion import Motion, Progress
 
 PATIENCE_S = 6.0
 """How long it may not get any nearer before it gives up."""
@@ -23,20 +23,11 @@ _LEARN = 0.7
 _MOST_ASIDE_M = 0.1
 
 
-@dataclass(frozen=True, slots=True)
-class Progress:
-    """How far it is: 0 to 1, and the metres or degrees that are left, with their sign."""
-
-    part: float
-    left: float
-    unit: str
-
-
-class Manoeuvre:
+class MotionPrimitive(Motion):
     """Walks `distance_m` straight on (back if negative), turns `angle_rad` to the left, or stands.
 
     Closed on the robot's pose: it slows down before the end, comes to a stand, looks how far off
-    it is, and corrects that with a few more steps. Not thread-safe, but for `done`.
+    it is, and corrects that with a few more steps.
     """
 
     def __init__(
@@ -48,8 +39,7 @@ class Manoeuvre:
         distance_m: float = 0.0,
         angle_rad: float = 0.0,
     ) -> None:
-        self.done = threading.Event()
-        self.error: BaseException | None = None
+        super().__init__()
         self._start, self._limits, self._period_s = start, limits, period_s
         self._distance_m, self._angle_rad = distance_m, angle_rad
         self._yaw, self._turned = start.yaw_rad, 0.0
@@ -80,24 +70,18 @@ class Manoeuvre:
             self._settling, self._settled_s = True, 0.0
             return STAND
         self._lose_patience()
-        return STAND if self.done.is_set() else self._walk()
+        return STAND if self.done else self._walk()
 
     def progress(self) -> Progress:
         """How far it is."""
         if not self.moves:
-            part = 1.0 if self.done.is_set() else 0.0
+            part = 1.0 if self.done else 0.0
             return Progress(part, 0.0, "s")
         if self._distance_m:
             part = 1.0 - abs(self._ahead_m) / abs(self._distance_m)
             return Progress(min(max(part, 0.0), 1.0), self._ahead_m, "m")
         part = 1.0 - abs(self._turn_rad) / abs(self._angle_rad)
         return Progress(min(max(part, 0.0), 1.0), math.degrees(self._turn_rad), "deg")
-
-    def end(self, error: BaseException | None) -> None:
-        """It is over: done, or not because of `error`. Only the first end counts."""
-        if not self.done.is_set():
-            self.error = error
-            self.done.set()
 
     def _look(self, pose: Pose2D) -> None:
         """What is left: metres along and across the way that it began on, radians to the left."""
@@ -152,13 +136,13 @@ class Manoeuvre:
         along = (
             self._eased(left_m, limits.forward_m_s, limits.slowest_m_s, EASE_M_S2)
             if self._distance_m
-            else _within(_GAIN * left_m, _MOST_ASIDE_M)
+            else clamped(_GAIN * left_m, _MOST_ASIDE_M)
         )
-        across = _within(_GAIN * self._aside_m, _MOST_ASIDE_M)
+        across = clamped(_GAIN * self._aside_m, _MOST_ASIDE_M)
         turn = (
             self._eased(left_rad, limits.turn_rad_s, limits.slowest_rad_s, EASE_RAD_S2)
             if self._angle_rad
-            else _within(_GAIN * left_rad, limits.turn_rad_s)
+            else clamped(_GAIN * left_rad, limits.turn_rad_s)
         )
         off = self._yaw - self._start.yaw_rad
         cos, sin = math.cos(off), math.sin(off)
@@ -168,7 +152,3 @@ class Manoeuvre:
         """A speed towards what is left: as fast as it may, slower before the end, never past it."""
         speed = min(math.sqrt(2 * ease * abs(left)), most)
         return math.copysign(min(max(speed, slowest), abs(left) / self._period_s), left)
-
-
-def _within(value: float, most: float) -> float:
-    return min(max(value, -most), most)
