@@ -3,8 +3,8 @@
 The newest request wins and ends the one before, so at most one moves the body at any time.
 """
 
-from collections.abc import Callable
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from typing import Generic, TypeVar
 
 from edgevox.core.cancel import Cancelled, CancelToken
@@ -22,7 +22,7 @@ M = TypeVar("M", bound=Motion)
 
 
 class CommandMux(Generic[M]):
-    """Any thread may use it. `lock` is the body's own, reentrant, and guards its motions, too.
+    """Any thread may use it. `lock` is the body's own, reentrant; it guards the motions, too.
 
     `on_halt` brakes the body: each halt calls it, under the lock, with the motion that the halt
     ends, if one runs, and the reason.
@@ -59,7 +59,7 @@ class CommandMux(Generic[M]):
     @property
     def busy(self) -> bool:
         """Whether anybody moves the body."""
-        return self._velocity is not None or self.motion is not None
+        return self.motion is not None or self._velocity is not None
 
     def start(self, make: Callable[[], M], why: str = "a new goal came") -> M:
         """Let this motion move the body; what moved it so far ends as cancelled because of `why`.
@@ -104,30 +104,39 @@ class CommandMux(Generic[M]):
             return moved
 
     def tick(self, time_s: float) -> None:
-        """It is so late by the body's time: a stream that fell silent moves it no more."""
-        with self._lock:
-            if self._velocity is None or time_s < self._velocity_until_s:
-                return
-            if self._velocity != STILL:
-                self.watchdog_halts += 1
-                log.warning("watchdog_halted", silent_s=WATCHDOG_S)
-            self._velocity = None
+        """It is so late by the body's time: a stream that fell silent moves it no more.
 
-    def carry_out(self, motion: M, token: CancelToken, report: Callable[[], object]) -> None:
-        """Block until a motion that was started is over; raises what it ended with.
-
-        The token halts the body, if it is this motion that moves it. `report` is called five times
-        a second and in the end.
+        The body calls it in each of its steps, and holds the lock.
         """
+        if self._velocity is None or time_s < self._velocity_until_s:
+            return
+        if self._velocity != STILL:
+            self.watchdog_halts += 1
+            log.warning("watchdog_halted", silent_s=WATCHDOG_S)
+        self._velocity = None
+
+    @contextmanager
+    def cancelled_by(self, token: CancelToken, motion: M) -> Iterator[None]:
+        """For so long the token halts the body, if it is this motion that moves it."""
 
         def cancel() -> None:
             self.halt(Cancelled(token.reason), only=motion)
 
         forget = token.on_cancel(cancel)
         try:
-            motion.wait(report)
+            yield
         finally:
             forget()
+
+    def carry_out(self, motion: M, token: CancelToken, report: Callable[[], object]) -> None:
+        """Block until a motion that was started is over; raises what it ended with.
+
+        It is `cancelled_by` the token. `report` is called five times a second and in the end.
+        """
+        try:
+            with self.cancelled_by(token, motion):
+                motion.wait(report)
+        finally:
             report()
 
     def _end(self, error: BaseException) -> None:

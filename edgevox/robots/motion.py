@@ -26,21 +26,14 @@ class Motion(ABC):
     def __init__(self) -> None:
         self._ending = threading.Lock()
         self._over = threading.Event()
-        self._error: BaseException | None = None
+        self.done = False
+        """Whether it is over, for whatever reason."""
+        self.error: BaseException | None = None
+        """Why it ended before it was done."""
 
     @abstractmethod
     def progress(self) -> Progress:
         """How far it is."""
-
-    @property
-    def done(self) -> bool:
-        """Whether it is over, for whatever reason."""
-        return self._over.is_set()
-
-    @property
-    def error(self) -> BaseException | None:
-        """Why it ended before it was done."""
-        return self._error
 
     def end(self, error: BaseException | None = None) -> bool:
         """It is over: done, or not because of `error`. True for the first end, the one that counts.
@@ -48,16 +41,16 @@ class Motion(ABC):
         Whether it stops the body is the business of who moves it.
         """
         with self._ending:
-            if self._over.is_set():
+            if self.done:
                 return False
-            self._error = error
+            self.error, self.done = error, True
             self._over.set()
             return True
 
     def check(self) -> None:
         """Raise what it ended with, if that was an error."""
-        if self._error is not None:
-            raise self._error
+        if self.error is not None:
+            raise self.error
 
     def wait(self, report: Callable[[], object]) -> None:
         """Block until it is over, calling `report` five times a second; raises as `check`."""

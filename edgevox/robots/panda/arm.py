@@ -5,9 +5,9 @@ import numpy as np
 
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
+from edgevox.robots.panda.arm_motion import NO_ROWS, ArmMotion
 from edgevox.robots.panda.hand import Hand
 from edgevox.robots.panda.kinematics import ARM_JOINTS, READY, Joints
-from edgevox.robots.panda.motion import NO_ROWS, Motion
 from edgevox.robots.panda.path import Rows
 
 _ARRIVED_RAD = 0.006
@@ -29,7 +29,7 @@ class Arm:
         self._speeds = data.qvel[:ARM_JOINTS]
         self._control = data.ctrl[:ARM_JOINTS]
         self.target: Joints = READY.copy()
-        self.motion: Motion | None = None
+        self.motion: ArmMotion | None = None
         self._end: Joints = READY.copy()
         self._coast = 0
 
@@ -37,6 +37,11 @@ class Arm:
     def still(self) -> bool:
         """Whether no joint turns."""
         return bool(np.abs(self._speeds).max() < _STILL_RAD_S)
+
+    @property
+    def moving(self) -> bool:
+        """Whether it follows a motion, or a joint still turns."""
+        return self.motion is not None or not self.still
 
     @property
     def speeds(self) -> Joints:
@@ -51,35 +56,36 @@ class Arm:
     def put(self) -> None:
         """At home, with an open hand, at once: for the start of a world."""
         self._joints[:] = self._control[:] = self.target = READY.copy()
+        self._coast = 0  # it is at rest; what it was slowing down from is over
         self.hand.put_open()
 
-    def follow(self, rows: Rows, end: Joints) -> Motion:
+    def follow(self, rows: Rows, end: Joints) -> ArmMotion:
         """Move. Fails if something holds the arm back."""
         self._end = end
         blocked = SkillFailed(because("held_back"))
         return self._begin(
-            Motion(rows, settled=self._arrived, patience=_IMPATIENT, impatient=blocked)
+            ArmMotion(rows, settled=self._arrived, patience=_IMPATIENT, impatient=blocked)
         )
 
-    def grip(self, width_m: float) -> Motion:
+    def grip(self, width_m: float) -> ArmMotion:
         """Open or close the hand so far, or until it holds something."""
         self._end = self.target
         self.hand.command(width_m)
-        return self._begin(Motion(settled=self.hand.has_stopped, patience=_IMPATIENT, least=_GRIP))
+        return self._begin(
+            ArmMotion(settled=self.hand.has_stopped, patience=_IMPATIENT, least=_GRIP)
+        )
 
-    def rest(self, periods: int) -> Motion:
+    def rest(self, periods: int) -> ArmMotion:
         """Keep still while the world comes to rest."""
         self._end = self.target
-        return self._begin(Motion(NO_ROWS, settled=lambda: False, patience=periods))
+        return self._begin(ArmMotion(NO_ROWS, settled=lambda: False, patience=periods))
 
-    def freeze(self, error: BaseException) -> bool:
-        """Stop where it is, with what it holds. The motion ends with `error`; True if it moved."""
-        moved = self.motion is not None or not self.still
+    def freeze(self, error: BaseException) -> None:
+        """Stop where it is, with what it holds. The motion ends with `error`."""
         self.hand.freeze()
         self._coast = _COAST
         self._brake()
         self._finish(error)
-        return moved
 
     def tick(self) -> bool:
         """Set the motors for one period; True while there is more to do."""
@@ -103,12 +109,12 @@ class Arm:
         self._coast = max(0, self._coast - 1)
         return self._coast > 0
 
-    def _begin(self, motion: Motion) -> Motion:
+    def _begin(self, motion: ArmMotion) -> ArmMotion:
         self._coast = 0
         self.motion = motion
         return motion
 
-    def _settle(self, motion: Motion) -> None:
+    def _settle(self, motion: ArmMotion) -> None:
         motion.left -= 1
         if self._lost():
             return

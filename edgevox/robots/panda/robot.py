@@ -1,6 +1,5 @@
 """`robot-panda`: a body with an arm, a hand and a camera in the room, simulated with MuJoCo."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import astuple
 from pathlib import Path
@@ -15,7 +14,7 @@ from edgevox.agent.reasons import because
 from edgevox.agent.skills import Skill, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
-from edgevox.core.errors import InvalidValue
+from edgevox.core.errors import finite
 from edgevox.core.reasons import Reason
 from edgevox.core.transforms import Pose3D
 from edgevox.robots.capabilities import CameraImage, CameraSpec, Report
@@ -191,24 +190,24 @@ class PandaRobot:
         self, x_m: float, y_m: float, z_m: float, *, token: CancelToken, report: Report
     ) -> None:
         """Block until the hand is there. Raises `SkillFailed` with a reason, `Cancelled`."""
-        goal = np.array([_finite("x", x_m), _finite("y", y_m), _finite("z", z_m)])
+        goal = np.array([finite("x", x_m), finite("y", y_m), finite("z", z_m)])
         target = {name: round(float(v), 3) for name, v in zip("xyz", goal, strict=True)}
-        with self._cell.begin("move_to", {"target": target}, 1, token, report) as errand:
-            errand.phase = "moving"
+        with self._cell.begin("move_to", {"target": target}, 1, token, report) as task:
+            task.phase = "moving"
             held, scene = self._cell.arm.hand.held, self._engine.snapshot()
             try:
                 end = self._cell.planner.reach(scene, self._cell.arm.target, goal, held=held)
             except (OutOfReach, InTheWay) as failure:
                 near = self._cell.planner.nearest(scene, goal, held=held)
                 raise SkillFailed(_refusal(goal, near, failure)) from failure
-            tasks.go(self._cell, errand, end)
+            tasks.go(self._cell, task, end)
 
     def grasp(self, name: str, *, token: CancelToken, report: Report) -> None:
         """Block until this cube is held. Raises `SkillFailed` with a reason, `Cancelled`."""
         tasks.check_pick(self._cell, name)
         motions = tasks.PICK_MOTIONS
-        with self._cell.begin("grasp", {"target": name}, motions, token, report) as errand:
-            tasks.pick(self._cell, errand, name)
+        with self._cell.begin("grasp", {"target": name}, motions, token, report) as task:
+            tasks.pick(self._cell, task, name)
 
     def place(self, name: str | None, target: str, *, token: CancelToken, report: Report) -> str:
         """Block until the cube (or what is held) lies there; what to say. Raises as `grasp`."""
@@ -221,21 +220,21 @@ class PandaRobot:
         tasks.spot_for(self._cell, name, target)
         motions = tasks.PLACE_MOTIONS + (0 if held == name else tasks.PICK_MOTIONS)
         about = {"object": name, "target": target}
-        with self._cell.begin("place", about, motions, token, report) as errand:
+        with self._cell.begin("place", about, motions, token, report) as task:
             if held != name:
-                tasks.pick(self._cell, errand, name)
-            tasks.place(self._cell, errand, name, target)
+                tasks.pick(self._cell, task, name)
+            tasks.place(self._cell, task, name, target)
         return f"The {spoken(name)} is {tasks.being(target)}"
 
     def release(self, *, token: CancelToken, report: Report) -> str | None:
         """Block until the hand is open; what it held."""
-        with self._cell.begin("release", {}, 2, token, report) as errand:
-            return tasks.release(self._cell, errand)
+        with self._cell.begin("release", {}, 2, token, report) as task:
+            return tasks.release(self._cell, task)
 
     def go_home(self, *, token: CancelToken, report: Report) -> None:
         """Block until the arm is at home, with whatever it holds."""
-        with self._cell.begin("goto_home", {}, 2, token, report) as errand:
-            tasks.home(self._cell, errand)
+        with self._cell.begin("goto_home", {}, 2, token, report) as task:
+            tasks.home(self._cell, task)
 
 
 def _point(one: seen.Placed) -> dict[str, float]:
@@ -249,9 +248,3 @@ def _refusal(goal: NDArray[np.float64], near: NDArray[np.float64], failure: Skil
     if isinstance(failure, OutOfReach):
         return because("beyond", point=asked, nearest=offered)
     return because("blocked", point=asked, why=failure.reason, nearest=offered)
-
-
-def _finite(field: str, value: float) -> float:
-    if not math.isfinite(value):
-        raise InvalidValue(field, value, "a finite number")
-    return float(value)

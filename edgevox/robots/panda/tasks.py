@@ -11,13 +11,13 @@ from edgevox.agent.skills import SkillFailed
 from edgevox.core.reasons import Reason
 from edgevox.robots.panda import things as seen
 from edgevox.robots.panda.collisions import Touch, touch
-from edgevox.robots.panda.errand import Errand
 from edgevox.robots.panda.hand import FINGERS, OPEN_M
 from edgevox.robots.panda.kinematics import READY, HandPose, Joints
 from edgevox.robots.panda.layout import BINS, CUBE_SIZE_M, CUBES, TABLE
 from edgevox.robots.panda.path import BRISK, CAREFUL
 from edgevox.robots.panda.planner import NOTHING, Leg, above
 from edgevox.robots.panda.reach import InTheWay, OutOfReach, spoken
+from edgevox.robots.panda.task import Task
 from edgevox.robots.panda.things import Placed
 from edgevox.robots.panda.workcell import Workcell
 
@@ -32,59 +32,59 @@ _HALF_OPEN_M = 0.068
 _SETTLE_S = 0.3
 
 
-def pick(cell: Workcell, errand: Errand, name: str) -> None:
+def pick(cell: Workcell, task: Task, name: str) -> None:
     """Grasp this cube and lift it. It is looked at again before the hand goes down and closes."""
     for _ in range(_TRIES):
-        if _try_pick(cell, errand, name):
+        if _try_pick(cell, task, name):
             return
-        errand.restart()
+        task.restart()
     raise SkillFailed(because("slipped", thing=spoken(name)))
 
 
-def place(cell: Workcell, errand: Errand, name: str, target: str) -> None:
+def place(cell: Workcell, task: Task, name: str, target: str) -> None:
     """Put the held cube down there, and make sure that it stays."""
-    errand.phase = f"taking it to the {spoken(target)}"
+    task.phase = f"taking it to the {spoken(target)}"
     touches = _around(name, target)
-    _rise(cell, errand)
+    _rise(cell, task)
     spot = spot_for(cell, name, target)
-    hand, down = _approach(cell, errand, _hands_for(cell, name, spot), touches, target)
-    errand.phase = "putting it down"
-    cell.follow(errand, down)
+    hand, down = _approach(cell, task, _hands_for(cell, name, spot), touches, target)
+    task.phase = "putting it down"
+    cell.follow(task, down)
     cell.let_go()
-    cell.grip(errand, _HALF_OPEN_M)
-    errand.phase = "drawing back"
-    cell.move(errand, above(hand, hand.z_m + _ABOVE_M), CAREFUL, allowed=touches)
-    cell.rest(errand, _SETTLE_S)
+    cell.grip(task, _HALF_OPEN_M)
+    task.phase = "drawing back"
+    cell.move(task, above(hand, hand.z_m + _ABOVE_M), CAREFUL, allowed=touches)
+    cell.rest(task, _SETTLE_S)
     there = seen.where(name, cell.things(), None)
     if there != target:
         raise SkillFailed(because("not_stayed", thing=spoken(name), place=being(there)))
 
 
-def release(cell: Workcell, errand: Errand) -> str | None:
+def release(cell: Workcell, task: Task) -> str | None:
     """Open the hand, whatever is below. What it held."""
-    errand.phase = "opening the hand"
+    task.phase = "opening the hand"
     held = cell.let_go()
-    cell.grip(errand, OPEN_M)
-    cell.rest(errand, _SETTLE_S)
+    cell.grip(task, OPEN_M)
+    cell.rest(task, _SETTLE_S)
     return held
 
 
-def home(cell: Workcell, errand: Errand) -> None:
+def home(cell: Workcell, task: Task) -> None:
     """Back to the ready position, with whatever it holds."""
-    errand.phase = "going home"
-    go(cell, errand, READY)
+    task.phase = "going home"
+    go(cell, task, READY)
 
 
-def go(cell: Workcell, errand: Errand, end: Joints) -> None:
+def go(cell: Workcell, task: Task, end: Joints) -> None:
     """To these joints: straight if that is free, else by way of a height where all is."""
     try:
-        cell.swing(errand, end, BRISK)
+        cell.swing(task, end, BRISK)
     except InTheWay:
-        _rise(cell, errand)
+        _rise(cell, task)
         goal = cell.planner.pose_at(end)
         if goal is not None:
-            cell.move(errand, above(goal, max(goal.z_m, _TRAVEL_M)), BRISK)
-        cell.swing(errand, end, BRISK)
+            cell.move(task, above(goal, max(goal.z_m, _TRAVEL_M)), BRISK)
+        cell.swing(task, end, BRISK)
 
 
 def check_pick(cell: Workcell, name: str) -> None:
@@ -137,29 +137,29 @@ def being(there: str) -> str:
     return f"on the {spoken(there)}"
 
 
-def _try_pick(cell: Workcell, errand: Errand, name: str) -> bool:
-    errand.phase = f"reaching for the {spoken(name)}"
-    cell.grip(errand, OPEN_M)
-    _rise(cell, errand)
+def _try_pick(cell: Workcell, task: Task, name: str) -> bool:
+    task.phase = f"reaching for the {spoken(name)}"
+    cell.grip(task, OPEN_M)
+    _rise(cell, task)
     touches = _around(name)
-    hand, down = _approach(cell, errand, _hands_at(cell.things()[name]), touches, name)
+    hand, down = _approach(cell, task, _hands_at(cell.things()[name]), touches, name)
     if _moved(cell, name, hand):
         return False
-    errand.phase = f"grasping the {spoken(name)}"
-    cell.follow(errand, down)
+    task.phase = f"grasping the {spoken(name)}"
+    cell.follow(task, down)
     if not _moved(cell, name, hand):
-        cell.grip(errand, 0.0)
+        cell.grip(task, 0.0)
     if not cell.take(name):
-        cell.grip(errand, OPEN_M)
-        cell.move(errand, above(hand, hand.z_m + _ABOVE_M), CAREFUL, allowed=touches)
+        cell.grip(task, OPEN_M)
+        cell.move(task, above(hand, hand.z_m + _ABOVE_M), CAREFUL, allowed=touches)
         return False
-    errand.phase = f"lifting the {spoken(name)}"
-    cell.move(errand, above(hand, hand.z_m + _ABOVE_M), CAREFUL, allowed=touches)
+    task.phase = f"lifting the {spoken(name)}"
+    cell.move(task, above(hand, hand.z_m + _ABOVE_M), CAREFUL, allowed=touches)
     return cell.take(name)
 
 
 def _approach(
-    cell: Workcell, errand: Errand, poses: Sequence[HandPose], allowed: frozenset[Touch], to: str
+    cell: Workcell, task: Task, poses: Sequence[HandPose], allowed: frozenset[Touch], to: str
 ) -> tuple[HandPose, Leg]:
     """Go above the first of these poses that can be reached from above; it, and the way down."""
     failure: Reason | None = None
@@ -173,16 +173,16 @@ def _approach(
         except InTheWay as error:
             failure = because("not_accessible", thing=spoken(to), why=error.reason)
         else:
-            cell.follow(errand, across)
+            cell.follow(task, across)
             return hand, down
     raise SkillFailed(failure or because("no_further"))
 
 
-def _rise(cell: Workcell, errand: Errand) -> None:
+def _rise(cell: Workcell, task: Task) -> None:
     """Up to where nothing is in the way, if the hand is low."""
     pose = cell.planner.pose_at(cell.arm.target)
     if pose is not None and pose.z_m < _TRAVEL_M - 0.01:
-        cell.move(errand, above(pose, _TRAVEL_M), BRISK)
+        cell.move(task, above(pose, _TRAVEL_M), BRISK)
 
 
 def _hands_at(cube: Placed) -> list[HandPose]:

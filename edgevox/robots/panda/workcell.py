@@ -1,4 +1,4 @@
-"""The arm at its table as a worker sees it: look, move, grip, one errand at a time."""
+"""The arm at its table as a worker sees it: look, move, grip, one task at a time."""
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -14,27 +14,27 @@ from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
 from edgevox.robots.capabilities import Report
+from edgevox.robots.command_mux import CommandMux
 from edgevox.robots.mujoco.engine import Engine
 from edgevox.robots.panda import layout
 from edgevox.robots.panda.arm import Arm
+from edgevox.robots.panda.arm_motion import ArmMotion
 from edgevox.robots.panda.collisions import Touch
-from edgevox.robots.panda.errand import Errand
 from edgevox.robots.panda.kinematics import HandPose, Joints
-from edgevox.robots.panda.motion import Motion
 from edgevox.robots.panda.path import Pace
 from edgevox.robots.panda.planner import NOTHING, Leg, Planner
 from edgevox.robots.panda.scene import LEAD_S, TCP, build
+from edgevox.robots.panda.task import Task
 from edgevox.robots.panda.things import Placed, Things
 from edgevox.robots.stepper import BROKE
 
 PERIOD_S = 0.02
-REPORT_EVERY_S = 0.2
 _THINKING_S = 60.0
-"""An errand that has not made up its mind by then hangs: it holds the world no longer."""
+"""A task that has not made up its mind by then hangs: it holds the world no longer."""
 
 
 class Workcell:
-    """Owns the world and the arm in it. The motions block; they raise what ended the errand."""
+    """Owns the world and the arm in it. The motions block; they raise what ended the task."""
 
     def __init__(
         self, model_path: Path, *, seed: int, speed: float | None, clock: Clock | None, name: str
@@ -44,16 +44,16 @@ class Workcell:
         self.arm = Arm(model, self.engine.data)
         self.planner = Planner(model, model_path, period_s=PERIOD_S, lead_s=LEAD_S)
         self.starts = layout.places(seed)
-        self.errand: Errand | None = None
+        self._mux: CommandMux[Task] = CommandMux(self.engine.lock, on_halt=self._freeze)
         self._build()
 
     def control(self) -> bool:
-        """One period. Where time can be held, it does not pass while an errand is being planned."""
+        """One period. Where time can be held, it does not pass while a task is being planned."""
         self._wait_for_a_plan()
         return self.arm.tick()
 
     def advance(self, seconds: float) -> None:
-        """Let time pass. Where it can be held, an errand knows how to go on when this returns."""
+        """Let time pass. Where it can be held, a task knows how to go on when this returns."""
         self.engine.advance(seconds)
         with self.engine.lock:
             self._wait_for_a_plan()
@@ -63,7 +63,7 @@ class Workcell:
             self.engine.lock.wait_for(self._knows_what_to_do, _THINKING_S)
 
     def _knows_what_to_do(self) -> bool:
-        return self.errand is None or self.arm.motion is not None
+        return self._mux.motion is None or self.arm.motion is not None
 
     def put_back(self) -> None:
         self.end(SkillFailed(BROKE))
@@ -77,15 +77,15 @@ class Workcell:
             self._build()
 
     def end(self, error: BaseException) -> bool:
-        """End the errand and stop the arm. True if anything was going on."""
+        """End the task and stop the arm. True if anything was going on."""
         with self.engine.lock:
-            errand, self.errand = self.errand, None
-            if errand is not None:
-                errand.ended = error
-                self.engine.lock.notify_all()
-            moved = self.arm.freeze(error)
+            moved = self.arm.moving
+            return self._mux.halt(error) or moved
+
+    def _freeze(self, _task: Task | None, error: BaseException) -> None:
+        self.arm.freeze(error)
+        self.engine.lock.notify_all()
         self.engine.wake()
-        return moved or errand is not None
 
     @contextmanager
     def begin(
@@ -95,33 +95,34 @@ class Workcell:
         motions: int,
         token: CancelToken,
         report: Report,
-    ) -> Iterator[Errand]:
-        """Run an errand; it ends whatever runs. The token, a halt or the next one ends it."""
+    ) -> Iterator[Task]:
+        """Run a task; it ends whatever runs. The token, a halt or the next one ends it."""
         token.check()
-        errand = Errand(skill, about, motions=motions, token=token, report=report)
+        task = Task(skill, about, motions=motions, report=report)
         with self.engine.lock:
             if not self.engine.running:
                 raise SkillFailed(because("switched_off"))
-            if self.errand is not None:
+            if self._mux.busy:
                 self.end(Cancelled(f"pre-empted by {skill}"))
-            self.errand = errand
-        forget = token.on_cancel(lambda: self._end_if(errand, Cancelled(token.reason)))
-        try:
-            yield errand
-            token.check()
-        finally:
-            forget()
-            with self.engine.lock:
-                if self.errand is errand:
-                    self.errand = None
-                self.engine.lock.notify_all()
+            self._mux.start(lambda: task)
+        with self._mux.cancelled_by(token, task):
+            try:
+                yield task
+                token.check()
+                task.end()
+            except BaseException as error:
+                task.end(error)
+                raise
+            finally:
+                with self.engine.lock:
+                    self.engine.lock.notify_all()
 
     def move(
-        self, errand: Errand, pose: HandPose, pace: Pace, allowed: frozenset[Touch] = NOTHING
+        self, task: Task, pose: HandPose, pace: Pace, allowed: frozenset[Touch] = NOTHING
     ) -> None:
         """The hand straight there, pointing down."""
         (leg,) = self.plan((pose, pace, allowed))
-        self.follow(errand, leg)
+        self.follow(task, leg)
 
     def plan(self, *lines: tuple[HandPose, Pace, frozenset[Touch]]) -> list[Leg]:
         """Straight lines from where the arm is, one after the other, in the scene of now."""
@@ -132,22 +133,22 @@ class Workcell:
             start = legs[-1].end
         return legs
 
-    def swing(self, errand: Errand, end: Joints, pace: Pace) -> None:
+    def swing(self, task: Task, end: Joints, pace: Pace) -> None:
         """Every joint straight there."""
         scene, start, held = self.engine.snapshot(), self.arm.target, self.arm.hand.held
-        self.follow(errand, self.planner.swing(scene, start, end, pace, held=held))
+        self.follow(task, self.planner.swing(scene, start, end, pace, held=held))
 
-    def follow(self, errand: Errand, leg: Leg) -> None:
+    def follow(self, task: Task, leg: Leg) -> None:
         """A motion that was planned from where the arm is now."""
-        self._run(errand, lambda: self.arm.follow(leg.rows, leg.end))
+        self._run(task, lambda: self.arm.follow(leg.rows, leg.end))
 
-    def grip(self, errand: Errand, width_m: float) -> None:
+    def grip(self, task: Task, width_m: float) -> None:
         """Open or close the hand until it stops."""
-        self._run(errand, lambda: self.arm.grip(width_m))
+        self._run(task, lambda: self.arm.grip(width_m))
 
-    def rest(self, errand: Errand, seconds: float) -> None:
+    def rest(self, task: Task, seconds: float) -> None:
         """Let the world come to rest."""
-        self._run(errand, lambda: self.arm.rest(max(1, round(seconds / PERIOD_S))))
+        self._run(task, lambda: self.arm.rest(max(1, round(seconds / PERIOD_S))))
 
     def take(self, name: str) -> bool:
         """Make sure that the hand holds this cube."""
@@ -171,35 +172,21 @@ class Workcell:
             return np.array(self.engine.data.site(TCP).xpos)
 
     def progress(self) -> dict[str, Any] | None:
-        """What `robot_state` says of the errand, if there is one."""
+        """What `robot_state` says of the task, if there is one."""
         with self.engine.lock:
-            return self.errand.describe(self._part()) if self.errand else None
+            task = self._mux.motion
+            return task.describe() if task else None
 
-    def _run(self, errand: Errand, begin: Callable[[], Motion]) -> None:
+    def _run(self, task: Task, begin: Callable[[], ArmMotion]) -> None:
         with self.engine.lock:
-            if errand.ended is not None:
-                raise errand.ended
-            motion = begin()
+            task.check()
+            task.motion = motion = begin()
             self.engine.lock.notify_all()
         self.engine.wake()
-        while not motion.done.wait(REPORT_EVERY_S):
-            self._report(errand, motion)
-        if motion.error is not None:
-            raise motion.error
-        errand.moved()
-        self._report(errand, None)
-
-    def _report(self, errand: Errand, motion: Motion | None) -> None:
-        progress = errand.progress(motion.progress if motion else 0.0)
-        errand.report(progress=round(progress, 3), phase=errand.phase)
-
-    def _part(self) -> float:
-        return self.arm.motion.progress if self.arm.motion else 0.0
-
-    def _end_if(self, errand: Errand, error: BaseException) -> None:
+        motion.wait(task.report)
         with self.engine.lock:
-            if self.errand is errand:
-                self.end(error)
+            task.moved()
+        task.report()
 
     def _placed(self, name: str) -> Placed:
         body = self.engine.data.body(name)
