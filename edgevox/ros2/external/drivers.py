@@ -16,8 +16,6 @@ from edgevox.ros2.external.target import Fix, Target
 from edgevox.ros2.messages import pose_msg
 from edgevox.ros2.stamps import to_msg
 
-STILL = Twist2D(0.0, 0.0)
-
 
 class Driver(Protocol):
     """One way to drive. `begin`, `tick` and `cancel` are quick and called under the body's lock."""

@@ -1,7 +1,7 @@
 """The node that a robot is driven from, with all that it hears and says."""
 
-import threading
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 
 from rclpy.clock import Clock as RosClock
 from rclpy.clock_type import ClockType
@@ -9,9 +9,9 @@ from rclpy.clock_type import ClockType
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
+from edgevox.ros2.external.control_loop import ControlLoop
 from edgevox.ros2.external.drivers import Driver, GoalTopic, Wheels
 from edgevox.ros2.external.nav2 import LOST_S, Nav2Cancel, nav2_action
-from edgevox.ros2.external.pilot import Pilot
 from edgevox.ros2.external.plausible import SPEED_M_S, SPEED_RAD_S, Speeds
 from edgevox.ros2.external.senses import Senses
 from edgevox.ros2.external.settings import ExternalSettings, SteeringLimits
@@ -29,11 +29,15 @@ _LOOK_AGAIN_S = 0.05
 class Link:
     """Joins the graph in the robot's namespace, with a context and a thread of its own.
 
-    `lock` guards the pilot; the tick holds it, and never blocks under it.
+    `lock` guards what the robot is asked for; the tick holds it, and never blocks under it.
     """
 
     def __init__(
-        self, namespace: str, settings: ExternalSettings, clock: Clock, lock: threading.Lock
+        self,
+        namespace: str,
+        settings: ExternalSettings,
+        clock: Clock,
+        lock: AbstractContextManager[object],
     ) -> None:
         self._settings, self._clock, self._lock = settings, clock, lock
         self._ros = RosNode(namespace, name=NODE_NAME)
@@ -47,7 +51,9 @@ class Link:
         self._steering = OwnSteering(
             wheels.turn, self.senses.trusted_scan, settings.steering, settings.steering_patience
         )
-        self.pilot = Pilot(self.senses, wheels, goals, settings.obey_s)
+        self.control = ControlLoop(
+            lock, self.senses, wheels, goals, clock=clock, obey_s=settings.obey_s
+        )
         self._silent = False
         # Real time: a /clock that stands still or jumps must not leave a robot driving.
         steady = RosClock(clock_type=ClockType.STEADY_TIME)
@@ -88,9 +94,9 @@ class Link:
     def _tick(self) -> None:
         with self._lock:
             try:
-                self.pilot.tick(self._clock.now())
+                self.control.tick()
             except Exception as error:
-                self.pilot.stand(error, self._clock.now())
+                self.control.mux.halt(error)
                 raise
         self._notice_silence()
 

@@ -11,16 +11,16 @@ from edgevox.agent.reasons import because
 from edgevox.agent.skills import STOP, GoalHandle, Result, Skill, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock, SystemClock
-from edgevox.core.errors import InvalidValue
+from edgevox.core.errors import finite
 from edgevox.core.log import get_logger
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.bounds import Bounds
 from edgevox.robots.capabilities import LidarScan, Report, Twist2D
 from edgevox.robots.navigation import LOCATION, navigation_skills
-from edgevox.ros2.external.drive import Drive
+from edgevox.ros2.external.control_loop import Hold
 from edgevox.ros2.external.link import Link
 from edgevox.ros2.external.locations import Location
-from edgevox.ros2.external.pilot import Hold
+from edgevox.ros2.external.navigation_goal import NavigationGoal
 from edgevox.ros2.external.plausible import FURTHEST_M
 from edgevox.ros2.external.senses import incredible
 from edgevox.ros2.external.settings import ExternalSettings
@@ -30,7 +30,6 @@ from edgevox.ros2.stamps import NS_PER_S
 
 log = get_logger(__name__)
 
-REPORT_EVERY_S = 0.2
 AT_LOCATION_M = 1.0
 """A robot this near to a location is at it."""
 _CLOSING_S = 1.0
@@ -60,7 +59,7 @@ class ExternalRobot:
         self._locations = dict(locations or {})
         self._settings = settings or ExternalSettings()
         self._clock = clock or SystemClock()
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()
         self._link: Link | None = None
         self._stops = 0
         self._places = MappingProxyType(
@@ -126,8 +125,7 @@ class ExternalRobot:
         link = self._link
         if link is None:
             return
-        with self._lock:
-            moved, hold = self._stand(link, "EdgeVox was switched off")
+        moved, hold = self._stand(link, "EdgeVox was switched off")
         if moved:
             hold.done.wait(_CLOSING_S)
         self._link = None
@@ -138,8 +136,7 @@ class ExternalRobot:
         link = self._link
         if link is None:
             return False
-        with self._lock:
-            moved, _ = self._stand(link, reason)
+        moved, _ = self._stand(link, reason)
         return moved
 
     def reset(self) -> None:
@@ -163,7 +160,7 @@ class ExternalRobot:
         seen = link.senses.sightings.newest() if link else None
         fix = link.senses.fix() if link and not link.senses.distrusted else None
         with self._lock:
-            drive = link.pilot.drive if link else None
+            drive = link.control.mux.motion if link else None
             goal = drive.describe() if drive else None
         return {
             "name": self.name,
@@ -192,7 +189,7 @@ class ExternalRobot:
 
         A halt or another drive ends it.
         """
-        target = Target(_finite("x", x_m), _finite("y", y_m), yaw_rad)
+        target = Target(finite("x", x_m), finite("y", y_m), yaw_rad)
         self.check_goal(x_m, y_m)
         link = self._switched_on()
         stops = self._stops
@@ -203,19 +200,11 @@ class ExternalRobot:
             token.check()
             fix = self._fix()
             trust = Trust(link.senses, fix)
-            drive = Drive(target, driver, fix, trust, self._clock.now())
-            link.pilot.follow(drive, fix)
+            drive = NavigationGoal(target, driver, fix, trust, self._clock.now())
+            link.control.start(drive, fix)
         link.senses.say_frame_once(fix)
         log.info("driving", x_m=round(x_m, 2), y_m=round(y_m, 2), driver=driver.name)
-        forget = token.on_cancel(lambda: self._end(drive, token))
-        try:
-            while not drive.done.wait(REPORT_EVERY_S):
-                self._report(drive, report)
-        finally:
-            forget()
-        self._report(drive, report)
-        if drive.error is not None:
-            raise drive.error
+        link.control.mux.carry_out(drive, token, lambda: self._report(drive, report))
 
     def drive_to_place(self, place: str, *, token: CancelToken, report: Report) -> None:
         """Drive to a location, and look along its yaw."""
@@ -226,8 +215,7 @@ class ExternalRobot:
         """The skill `stop`: ends when the robot stands, and fails when it does not obey."""
         goal.token.check()
         link = self._switched_on()
-        with self._lock:
-            moved, hold = self._stand(link, "stop was asked")
+        moved, hold = self._stand(link, "stop was asked")
         if moved:
             hold.done.wait(self._settings.obey_s + 1.0)
         if hold.problem:
@@ -236,9 +224,11 @@ class ExternalRobot:
 
     def _stand(self, link: Link, reason: str) -> tuple[bool, Hold]:
         """Whether the robot moved or drove, and the hold that it is under now."""
-        moved = link.pilot.drive is not None or not link.senses.sightings.still()
-        self._stops += 1
-        return moved, link.pilot.stand(Cancelled(reason), self._clock.now())
+        with self._lock:
+            self._stops += 1
+            moving = not link.senses.sightings.still()
+            drove = link.control.mux.halt(Cancelled(reason))
+            return moving or drove, link.control.hold
 
     def _switched_on(self) -> Link:
         if self._link is None:
@@ -257,18 +247,13 @@ class ExternalRobot:
             raise SkillFailed(because("robot_unheard", topic=topic))
         raise SkillFailed(because("lost", topic=topic))
 
-    def _end(self, drive: Drive, token: CancelToken) -> None:
-        with self._lock:
-            if self._link and self._link.pilot.drive is drive:
-                self._link.pilot.stand(Cancelled(token.reason), self._clock.now())
-
-    def _report(self, drive: Drive, report: Report) -> None:
+    def _report(self, drive: NavigationGoal, report: Report) -> None:
         link = self._link
         fix = link.senses.fix() if link else None
         with self._lock:
             progress = drive.progress()
         where = {"x": round(fix.pose.x_m, 3), "y": round(fix.pose.y_m, 3)} if fix else {}
-        report(progress=round(progress.progress, 3), distance_m=round(progress.left_m, 3), **where)
+        report(progress=round(progress.part, 3), distance_m=round(progress.left, 3), **where)
 
 
 def _describe(fix: Fix | None) -> dict[str, Any]:
@@ -283,9 +268,3 @@ def _describe(fix: Fix | None) -> dict[str, Any]:
             "angular": round(twist.angular_rad_s, 4),
         },
     }
-
-
-def _finite(field: str, value: float) -> float:
-    if not math.isfinite(value):
-        raise InvalidValue(field, value, "a finite number")
-    return float(value)

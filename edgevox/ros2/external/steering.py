@@ -9,8 +9,8 @@ from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import LidarScan, Twist2D
+from edgevox.robots.command_mux import STILL
 from edgevox.robots.follower import Follower
-from edgevox.ros2.external.drivers import STILL
 from edgevox.ros2.external.plausible import Jump
 from edgevox.ros2.external.settings import Patience, SteeringLimits
 from edgevox.ros2.external.target import Fix, Target

@@ -1,13 +1,12 @@
 """One drive to a target: watched from its start to its end, for whatever reason it ends."""
 
 import math
-import threading
-from dataclasses import dataclass
 from typing import Any
 
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.transforms import Pose2D
+from edgevox.robots.motion import Motion, Progress
 from edgevox.ros2.external.drivers import Driver
 from edgevox.ros2.external.settings import Patience
 from edgevox.ros2.external.target import Fix, Target
@@ -17,48 +16,37 @@ _NEARER_M = 0.1
 _MOVED_M, _TURNED_RAD = 0.1, 0.35
 
 
-@dataclass(frozen=True, slots=True)
-class Progress:
-    """How far a drive is: 0 to 1, and the metres that are left."""
-
-    progress: float
-    left_m: float
-
-
-class Drive:
-    """Not thread-safe, but for `done`; the body locks."""
+class NavigationGoal(Motion):
+    """A motion of a robot that is moved by others: the driver's, as far as it is heard."""
 
     def __init__(
         self, target: Target, driver: Driver, fix: Fix, trust: Trust, now_s: float
     ) -> None:
+        super().__init__()
         self.target = target
         self.driver = driver
-        self.done = threading.Event()
-        self.error: BaseException | None = None
         self._whole_m = max(target.distance_m(fix.pose), 1e-6)
         self._left_m = self._whole_m
         self._trust = trust
         self._watch = Watch(driver.patience, fix.pose, self._whole_m, now_s)
 
     def tick(self, now_s: float, fix: Fix) -> None:
-        """Go on; ends on arrival, in doubt, when the driver fails, or when patience is over."""
-        try:
-            self._trust.check(fix)
-            arrived = self.driver.tick(now_s, fix)
-            self._left_m = self.driver.left_m(fix)
-            if not arrived:
-                self._watch.look(now_s, fix.pose, self._left_m, waiting=self.driver.waiting)
-        except SkillFailed as failure:
-            self.end(failure)
-            return
+        """Go on; ends on arrival.
+
+        Raises `SkillFailed` in doubt, when the driver fails, or when patience is over.
+        """
+        self._trust.check(fix)
+        arrived = self.driver.tick(now_s, fix)
+        self._left_m = 0.0 if arrived else self.driver.left_m(fix)
         if arrived:
-            self._left_m = 0.0
-            self.end(None)
+            self.end()
+        else:
+            self._watch.look(now_s, fix.pose, self._left_m, waiting=self.driver.waiting)
 
     def progress(self) -> Progress:
         """How far it is."""
         part = 1.0 - self._left_m / self._whole_m
-        return Progress(min(max(part, 0.0), 1.0), self._left_m)
+        return Progress(min(max(part, 0.0), 1.0), self._left_m, "m")
 
     def describe(self) -> dict[str, Any]:
         """The goal, JSON-ready, for `robot_state`."""
@@ -66,16 +54,10 @@ class Drive:
         return {
             "x": round(self.target.x_m, 3),
             "y": round(self.target.y_m, 3),
-            "progress": round(progress.progress, 3),
-            "distance": round(progress.left_m, 3),
+            "progress": round(progress.part, 3),
+            "distance": round(progress.left, 3),
             "by": self.driver.name,
         }
-
-    def end(self, error: BaseException | None) -> None:
-        """It is over: reached, or not because of `error`. Only the first end counts."""
-        if not self.done.is_set():
-            self.error = error
-            self.done.set()
 
 
 class Watch:

@@ -1,0 +1,124 @@
+"""What a robot is asked for, 20 times a second: to go on with a drive, to stand, or nothing.
+
+Velocities leave from here and from a drive that steers, never from both, and none leaves while the
+robot drives by itself.
+"""
+
+import threading
+from contextlib import AbstractContextManager
+
+from edgevox.agent.reasons import because
+from edgevox.agent.skills import SkillFailed
+from edgevox.core.clock import Clock
+from edgevox.core.log import get_logger
+from edgevox.core.reasons import NO_REASON, Reason
+from edgevox.robots.command_mux import STILL, CommandMux
+from edgevox.ros2.external.drivers import GoalTopic, Wheels
+from edgevox.ros2.external.navigation_goal import NavigationGoal
+from edgevox.ros2.external.senses import Senses
+from edgevox.ros2.external.target import Fix
+
+log = get_logger(__name__)
+
+RECALL_EVERY_S = 0.25
+"""A goal on its way when it was cancelled would survive it: so it is cancelled again."""
+HOLD_AT_LEAST_S = 1.0
+
+
+class Hold:
+    """Zero velocity until the robot is seen to stand, or until it is plain that it does not obey.
+
+    `problem` is why it ended without, once `done`; empty if it stands. Only the first end counts.
+    """
+
+    def __init__(self, now_s: float) -> None:
+        self.since_s = now_s
+        self.recalled_s = now_s
+        self.done = threading.Event()
+        self.problem = NO_REASON
+
+    def end(self, problem: Reason = NO_REASON) -> None:
+        if not self.done.is_set():
+            self.problem = problem
+            self.done.set()
+
+
+class ControlLoop:
+    """The body holds the lock for `start` and `tick`. `mux` says what moves the robot.
+
+    `hold` is the one that the newest halt asked for.
+    """
+
+    def __init__(
+        self,
+        lock: AbstractContextManager[object],
+        senses: Senses,
+        wheels: Wheels,
+        goals: GoalTopic,
+        *,
+        clock: Clock,
+        obey_s: float,
+    ) -> None:
+        self.mux: CommandMux[NavigationGoal] = CommandMux(lock, on_halt=self._stand)
+        self.hold = Hold(clock.now())
+        self.hold.end()
+        self._senses, self._wheels, self._goals = senses, wheels, goals
+        self._clock, self._obey_s = clock, obey_s
+
+    def start(self, drive: NavigationGoal, fix: Fix) -> None:
+        """Drive from now on. What takes goals drops the old one for the new one by itself."""
+        before = self.mux.motion
+        self.mux.start(lambda: drive)
+        if before is not None and before.driver is not drive.driver:
+            before.driver.cancel(fix)
+        self.hold.end()
+        drive.driver.begin(drive.target, fix)
+
+    def tick(self) -> None:
+        """Go on with what is asked."""
+        now_s, drive = self._clock.now(), self.mux.motion
+        if drive is not None:
+            self._go_on(drive, now_s)
+        elif not self.hold.done.is_set():
+            self._hold_on(self.hold, now_s)
+
+    def _go_on(self, drive: NavigationGoal, now_s: float) -> None:
+        fix = self._senses.fix()
+        try:
+            if fix is None:
+                raise SkillFailed(because("robot_silent", topic=self._senses.odom_topic))
+            drive.tick(now_s, fix)
+        except SkillFailed as failure:
+            self.mux.halt(failure)
+
+    def _stand(self, drive: NavigationGoal | None, _error: BaseException) -> None:
+        """Zero velocity at once, and until the robot is seen to stand."""
+        fix, now_s = self._senses.fix(), self._clock.now()
+        held = not self.hold.done.is_set()
+        self._wheels.turn(STILL)
+        if drive is not None:
+            drive.driver.cancel(fix)
+        else:
+            moving = not self._senses.sightings.still()
+            self._goals.recall(fix if moving and not held else None)
+        if not held:
+            self.hold = Hold(now_s)
+        self.hold.since_s = now_s
+
+    def _hold_on(self, hold: Hold, now_s: float) -> None:
+        self._wheels.turn(STILL)
+        if now_s - hold.recalled_s >= RECALL_EVERY_S:
+            hold.recalled_s = now_s
+            self._goals.recall(None)
+        held_s = now_s - hold.since_s
+        if held_s >= HOLD_AT_LEAST_S and self._senses.sightings.stands(hold.since_s):
+            hold.end()
+        elif held_s > self._obey_s:
+            problem = self._problem()
+            log.error("robot_disobeys", reason=str(problem))
+            hold.end(problem)
+
+    def _problem(self) -> Reason:
+        if self._senses.sightings.fresh() is None:
+            return because("stop_unseen", topic=self._senses.odom_topic)
+        return because("still_moves")
