@@ -13,10 +13,11 @@ from typing import Any
 from edgevox.agent.skills import Skill, SkillFailed
 from edgevox.apps.robot import Robot
 from edgevox.core.cancel import Cancelled, CancelToken
-from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import Settings
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import Report, Twist2D
+from edgevox.robots.command_mux import CommandMux
+from edgevox.robots.motion import Motion, Progress
 from edgevox.robots.navigation import LOCATION, navigation_skills
 from edgevox.robots.stepper import Stepper
 
@@ -25,21 +26,24 @@ RAIL_M = 12.0
 STATIONS = MappingProxyType({"dock": (0.0, 0.0), "press": (5.0, 0.0), "warehouse": (11.0, 0.0)})
 NEAR_M, THERE_M = 0.5, 0.005
 ACCELERATION_M_S2 = 2.0
-WATCHDOG_S = 0.5
 
 
-class Trip:
-    """A drive to a point of the rail; `error` says why it ended early."""
+class Trip(Motion):
+    """A drive to a point of the rail."""
 
     def __init__(self, goal_m: float, start_m: float) -> None:
+        super().__init__()
         self.goal_m = goal_m
-        self.length_m = abs(goal_m - start_m)
-        self.done = threading.Event()
-        self.error: BaseException | None = None
+        self._left_m = self._length_m = max(abs(goal_m - start_m), THERE_M)
 
-    def end(self, error: BaseException | None = None) -> None:
-        self.error = error
-        self.done.set()
+    def go_on(self, x_m: float) -> None:
+        """The shuttle is here now."""
+        self._left_m = abs(self.goal_m - x_m)
+        if self._left_m < THERE_M:
+            self.end()
+
+    def progress(self) -> Progress:
+        return Progress(1.0 - self._left_m / max(self._length_m, self._left_m), self._left_m, "m")
 
 
 class Shuttle:
@@ -51,11 +55,10 @@ class Shuttle:
     places: Mapping[str, tuple[float, float]] = STATIONS
 
     def __init__(self, speed: float | None = 1.0) -> None:
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()
+        self._mux: CommandMux[Trip] = CommandMux(self._lock, max_linear_m_s=self.max_linear_m_s)
         self._x_m = self._speed_m_s = 0.0
         self._ticks = 0
-        self._trip: Trip | None = None
-        self._steered_m_s, self._steered_until_s = 0.0, 0.0
         self._stepper = Stepper(self._step, period_s=STEP_S, speed=speed, name=self.name)
         self._skills = navigation_skills(self, word=LOCATION)
 
@@ -71,6 +74,10 @@ class Shuttle:
     def stalled_s(self) -> float:
         return self._stepper.stalled_s
 
+    @property
+    def watchdog_halts(self) -> int:
+        return self._mux.watchdog_halts
+
     def start(self) -> None:
         self._stepper.start()
 
@@ -83,7 +90,7 @@ class Shuttle:
 
     def reset(self) -> None:
         with self._lock:
-            self._take(None, "the world was reset")
+            self._mux.halt(Cancelled("the world was reset"))
             self._x_m = self._speed_m_s = 0.0
 
     def pose(self) -> Pose2D:
@@ -98,61 +105,32 @@ class Shuttle:
 
     def state(self) -> Mapping[str, Any]:
         with self._lock:
-            x_m, speed_m_s, trip = self._x_m, self._speed_m_s, self._trip
+            x_m, speed_m_s, trip = self._x_m, self._speed_m_s, self._mux.motion
+            left_m = trip.progress().left if trip else 0.0
         return {
             "name": self.name,
             "time": round(self.time_s, 3),
             "pose": {"x": round(x_m, 4), "y": 0.0, "yaw": 0.0},
             "velocity": {"linear": round(speed_m_s, 4), "angular": 0.0},
             "location": self.place_at(x_m, 0.0),
-            "goal": {"x": trip.goal_m, "distance": round(abs(trip.goal_m - x_m), 3)}
-            if trip
-            else None,
+            "goal": {"x": trip.goal_m, "distance": round(left_m, 3)} if trip else None,
         }
 
     def set_velocity(self, twist: Twist2D) -> None:
-        if not (math.isfinite(twist.linear_m_s) and math.isfinite(twist.angular_rad_s)):
-            raise InvalidValue("velocity", twist, "finite numbers")
         with self._lock:
-            self._take(None, "somebody else steers")
-            fastest = self.max_linear_m_s
-            self._steered_m_s = min(max(twist.linear_m_s, -fastest), fastest)
-            self._steered_until_s = self.time_s + WATCHDOG_S
+            self._mux.stream(twist, self.time_s)
         self._stepper.wake()
 
     def halt(self, reason: str) -> bool:
         with self._lock:
-            moved = self._trip is not None or self._speed_m_s != 0.0
-            self._take(None, reason)
-        return moved
+            return self._mux.halt(Cancelled(reason)) or self._speed_m_s != 0.0
 
     def drive_to(self, x_m: float, y_m: float, *, token: CancelToken, report: Report) -> None:
         if y_m != 0.0 or not 0.0 <= x_m <= RAIL_M:
             raise SkillFailed(f"My rail goes from x 0 to x {RAIL_M:g}, with y at 0.")
-        with self._lock:
-            trip = Trip(x_m, self._x_m)
-            self._take(trip, "a new goal came")
+        trip = self._mux.start(lambda: Trip(x_m, self._x_m))
         self._stepper.wake()
-        forget = token.on_cancel(lambda: self._give_up(trip, token.reason))
-        try:
-            while not trip.done.wait(0.1):
-                left_m = abs(trip.goal_m - self._x_m)
-                report(progress=round(1.0 - left_m / max(trip.length_m, left_m, THERE_M), 3))
-        finally:
-            forget()
-        if trip.error is not None:
-            raise trip.error
-
-    def _take(self, trip: Trip | None, why: str) -> None:
-        """Something else is wanted from now on; what was wanted so far is over."""
-        if self._trip is not None:
-            self._trip.end(Cancelled(why))
-        self._trip, self._steered_until_s = trip, 0.0
-
-    def _give_up(self, trip: Trip, why: str) -> None:
-        with self._lock:
-            if self._trip is trip:
-                self._take(None, why)
+        self._mux.carry_out(trip, token, lambda: report(progress=round(trip.progress().part, 3)))
 
     def _step(self) -> bool:
         """Let 0.02 s pass, on the stepper's thread. True if more is to come."""
@@ -161,17 +139,21 @@ class Shuttle:
             change = ACCELERATION_M_S2 * STEP_S
             self._speed_m_s += min(max(self._wanted_m_s() - self._speed_m_s, -change), change)
             self._x_m = min(max(self._x_m + self._speed_m_s * STEP_S, 0.0), RAIL_M)
-            if self._trip and abs(self._trip.goal_m - self._x_m) < THERE_M:
-                self._trip.end()
-                self._trip, self._speed_m_s = None, 0.0
-            return self._trip is not None or self._speed_m_s != 0.0
+            trip = self._mux.motion
+            if trip is not None:
+                trip.go_on(self._x_m)
+                if trip.done:
+                    self._speed_m_s = 0.0
+            return self._mux.motion is not None or self._speed_m_s != 0.0
 
     def _wanted_m_s(self) -> float:
-        if self._trip is not None:
-            left_m = self._trip.goal_m - self._x_m
+        self._mux.tick(self.time_s)
+        trip, velocity = self._mux.motion, self._mux.velocity
+        if trip is not None:
+            left_m = trip.goal_m - self._x_m
             braking_m_s = math.sqrt(ACCELERATION_M_S2 * abs(left_m))
             return math.copysign(min(self.max_linear_m_s, braking_m_s), left_m)
-        return self._steered_m_s if self.time_s < self._steered_until_s else 0.0
+        return velocity.linear_m_s if velocity else 0.0
 
 
 def _build(_settings: Settings, speed: float | None) -> Shuttle:
