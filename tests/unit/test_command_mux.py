@@ -133,7 +133,7 @@ class Requests(RuleBasedStateMachine):
     def finish_what_is_over(self) -> None:
         assert not any(motion.end(SkillFailed("again")) for motion in self.ended)
 
-    @rule(steps=st.integers(1, WATCHDOG_STEPS + 5))
+    @rule(steps=st.just(WATCHDOG_STEPS) | st.integers(1, WATCHDOG_STEPS + 5))
     def advance(self, steps: int) -> None:
         for _ in range(steps):
             self.steps += 1
@@ -278,9 +278,13 @@ def test_a_body_that_cannot_brake_still_ends_what_moved_it() -> None:
     assert not mux.busy
 
 
-def test_a_watchdog_that_bites_is_logged(caplog) -> None:
+def test_a_watchdog_that_bites_is_logged_and_counted_but_not_after_a_stand(caplog) -> None:
     mux = mux_of()
-    mux.stream(AHEAD, 0.0)
+    mux.stream(STILL, 0.0)
     mux.tick(WATCHDOG_S)
+    assert "watchdog_halted" not in caplog.text
 
+    mux.stream(AHEAD, WATCHDOG_S)
+    mux.tick(2 * WATCHDOG_S)
     assert "watchdog_halted" in caplog.text
+    assert mux.watchdog_halts == 1
