@@ -11,7 +11,7 @@ from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import LidarScan, Twist2D
-from edgevox.ros2.external.navigation_goal import Watch
+from edgevox.ros2.external.navigation import Watch
 from edgevox.ros2.external.plausible import Speeds, sweeps
 from edgevox.ros2.external.settings import Patience
 from edgevox.ros2.external.sightings import Sighting, Sightings

@@ -14,7 +14,7 @@ from edgevox.core.log import get_logger
 from edgevox.core.reasons import NO_REASON, Reason
 from edgevox.robots.command_mux import STILL, CommandMux
 from edgevox.ros2.external.drivers import GoalTopic, Wheels
-from edgevox.ros2.external.navigation_goal import NavigationGoal
+from edgevox.ros2.external.navigation import ExternalNavigation
 from edgevox.ros2.external.senses import Senses
 from edgevox.ros2.external.target import Fix
 
@@ -59,13 +59,13 @@ class ControlLoop:
         clock: Clock,
         obey_s: float,
     ) -> None:
-        self.mux: CommandMux[NavigationGoal] = CommandMux(lock, on_halt=self._stand)
+        self.mux: CommandMux[ExternalNavigation] = CommandMux(lock, on_halt=self._stand)
         self.hold = Hold(clock.now())
         self.hold.end()
         self._senses, self._wheels, self._goals = senses, wheels, goals
         self._clock, self._obey_s = clock, obey_s
 
-    def start(self, drive: NavigationGoal, fix: Fix) -> None:
+    def start(self, drive: ExternalNavigation, fix: Fix) -> None:
         """Drive from now on. What takes goals drops the old one for the new one by itself."""
         before = self.mux.motion
         self.mux.start(lambda: drive)
@@ -82,7 +82,7 @@ class ControlLoop:
         elif not self.hold.done.is_set():
             self._hold_on(self.hold, now_s)
 
-    def _go_on(self, drive: NavigationGoal, now_s: float) -> None:
+    def _go_on(self, drive: ExternalNavigation, now_s: float) -> None:
         fix = self._senses.fix()
         try:
             if fix is None:
@@ -91,7 +91,7 @@ class ControlLoop:
         except SkillFailed as failure:
             self.mux.halt(failure)
 
-    def _stand(self, drive: NavigationGoal | None, _error: BaseException) -> None:
+    def _stand(self, drive: ExternalNavigation | None, _error: BaseException) -> None:
         """Zero velocity at once, and until the robot is seen to stand."""
         fix, now_s = self._senses.fix(), self._clock.now()
         held = not self.hold.done.is_set()

@@ -20,7 +20,7 @@ from edgevox.robots.navigation import LOCATION, navigation_skills
 from edgevox.ros2.external.control_loop import Hold
 from edgevox.ros2.external.link import Link
 from edgevox.ros2.external.locations import Location
-from edgevox.ros2.external.navigation_goal import NavigationGoal
+from edgevox.ros2.external.navigation import ExternalNavigation
 from edgevox.ros2.external.plausible import FURTHEST_M
 from edgevox.ros2.external.senses import incredible
 from edgevox.ros2.external.settings import ExternalSettings
@@ -200,7 +200,7 @@ class ExternalRobot:
             token.check()
             fix = self._fix()
             trust = Trust(link.senses, fix)
-            drive = NavigationGoal(target, driver, fix, trust, self._clock.now())
+            drive = ExternalNavigation(target, driver, fix, trust, self._clock.now())
             link.control.start(drive, fix)
         link.senses.say_frame_once(fix)
         log.info("driving", x_m=round(x_m, 2), y_m=round(y_m, 2), driver=driver.name)
@@ -247,7 +247,7 @@ class ExternalRobot:
             raise SkillFailed(because("robot_unheard", topic=topic))
         raise SkillFailed(because("lost", topic=topic))
 
-    def _report(self, drive: NavigationGoal, report: Report) -> None:
+    def _report(self, drive: ExternalNavigation, report: Report) -> None:
         link = self._link
         fix = link.senses.fix() if link else None
         with self._lock:

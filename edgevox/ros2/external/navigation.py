@@ -16,7 +16,7 @@ _NEARER_M = 0.1
 _MOVED_M, _TURNED_RAD = 0.1, 0.35
 
 
-class NavigationGoal(Motion):
+class ExternalNavigation(Motion):
     """A motion of a robot that is moved by others: the driver's, as far as it is heard."""
 
     def __init__(
