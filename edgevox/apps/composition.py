@@ -7,7 +7,7 @@ from pathlib import Path
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.llm.base import LanguageModel, ModelFailed
 from edgevox.agent.llm.primer import Primer
-from edgevox.apps.components import list_components, list_executor, list_presence
+from edgevox.apps.components import list_components
 from edgevox.apps.free_text import free_text
 from edgevox.apps.language_model import find_weights, open_model, open_without
 from edgevox.apps.metrics import read_bridge, read_parts, serve_metrics
@@ -20,15 +20,15 @@ from edgevox.core.bus import Bus
 from edgevox.core.commands import Speak
 from edgevox.core.controls import Controls
 from edgevox.core.events import ControlChanged
+from edgevox.core.gauges import Gauges
 from edgevox.core.interlock import Interlock
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
+from edgevox.core.status import Check, Components, lives
 from edgevox.models import ModelMissing
-from edgevox.ops.diagnostics import Diagnostics
-from edgevox.ops.diagnostics.gauges import Gauges
-from edgevox.ops.health import Health, lives, moves
+from edgevox.ops.health import Health
 from edgevox.ops.logs import BusLog
-from edgevox.robots.capabilities import Body, TellsStalls
+from edgevox.robots.capabilities import Body
 from edgevox.ros2 import Wiring, open_bridge
 
 log = get_logger(__name__)
@@ -39,11 +39,13 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Part
 
     Only health and metrics are served from now on: a model may take long to load.
     """
-    health = _serve_health(stack, settings)
+    components = Components()
+    health = _serve_health(stack, settings, components)
     bus = Bus()
     agents = build_agents(body)
     stack.callback(BusLog(bus, free_text(agents)).close)
-    metrics = serve_metrics(stack, settings, bus, health, body.skills if body else ())
+    skills = body.skills if body else ()
+    metrics = serve_metrics(stack, settings, bus, components, health, skills=skills)
     controls = Controls(
         bus,
         language=settings.language,
@@ -97,6 +99,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Part
         model,
         voice,
         ears,
+        components,
         health,
         model_path,
         metrics,
@@ -115,20 +118,17 @@ def start_parts(stack: ExitStack, parts: Parts, ros_args: Sequence[str] = ()) ->
         start(stack, parts.body)
     if parts.voice:
         start(stack, parts.voice.mouth)
-    _watch(parts)
     read_parts(parts)
     gauges = Gauges(parts.bus)
     stack.callback(gauges.close)
-    listed = list_components(parts, gauges)
+    list_components(parts, gauges)
+    parts.health.add(Check("conversation", lives(lambda: parts.conversation.alive)))
     if parts.settings.ros2:
-        bridge = open_bridge(_wiring(parts, listed), ros_args)
-        list_executor(listed, bridge)
-        list_presence(listed, bridge)
+        bridge = open_bridge(_wiring(parts), ros_args)
+        parts.components.add(*bridge.components)
         read_bridge(parts, bridge)
         start(stack, bridge)
         print(f"ROS 2: {bridge.where}", flush=True)
-        parts.health.watch("ros2", moves(lambda: bridge.stalled_s))
-        parts.health.require("rclpy", lambda: bridge.missing)
     primer = Primer(parts.model, parts.conversation.mind.chat()) if parts.model else None
     if primer:
         start(stack, primer)
@@ -141,7 +141,6 @@ def start_parts(stack: ExitStack, parts: Parts, ros_args: Sequence[str] = ()) ->
     if parts.ears:
         start(stack, parts.ears)
     if parts.absent:
-        parts.health.require("llm", lambda: parts.absent)
         phrases = parts.conversation.mind.phrases
         parts.conversation.submit(Speak(phrases.say("model_failed")))
     parts.health.started()
@@ -161,8 +160,8 @@ def _think(settings: Settings) -> tuple[LanguageModel | None, Path | None, str]:
         return open_without(settings, absent), None, absent
 
 
-def _serve_health(stack: ExitStack, settings: Settings) -> Health:
-    health = Health()
+def _serve_health(stack: ExitStack, settings: Settings, components: Components) -> Health:
+    health = Health(components)
     if settings.health_port:
         from edgevox.ops.health_server import HealthServer
 
@@ -170,19 +169,7 @@ def _serve_health(stack: ExitStack, settings: Settings) -> Health:
     return health
 
 
-def _watch(parts: Parts) -> None:
-    """What the process cannot do its work without."""
-    health, body, voice, ears = parts.health, parts.body, parts.voice, parts.ears
-    health.watch("conversation", lives(lambda: parts.conversation.alive))
-    if isinstance(body, TellsStalls):
-        health.watch("body", moves(lambda: body.stalled_s))
-    if voice:
-        health.watch("mouth", lives(lambda: voice.mouth.alive))
-    if ears:
-        health.watch("ears", lives(lambda: ears.alive))
-
-
-def _wiring(parts: Parts, listed: Diagnostics) -> Wiring:
+def _wiring(parts: Parts) -> Wiring:
     voice = parts.voice
     return Wiring(
         parts.settings,
@@ -194,7 +181,7 @@ def _wiring(parts: Parts, listed: Diagnostics) -> Wiring:
         parts.conversation if parts.body else None,
         voice.microphone if voice else None,
         voice.relay if voice else None,
-        listed,
+        parts.components,
         parts.interlock,
     )
 

@@ -13,6 +13,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.controls import Controls
 from edgevox.core.interlock import Interlock
 from edgevox.core.settings import Settings
+from edgevox.core.status import Components
 from edgevox.ops.health import Health
 from edgevox.robots.capabilities import Body
 from edgevox.voice.ears import Ears
@@ -47,6 +48,7 @@ class Parts:
     model: LanguageModel | None
     voice: Voice | None
     ears: Ears | None
+    components: Components
     health: Health
     model_path: Path | None
     metrics: "Registry | None"

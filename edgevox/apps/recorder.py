@@ -17,7 +17,8 @@ from edgevox.apps.streams import with_streams
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.extras import install_extra
 from edgevox.core.settings import Settings
-from edgevox.ops.health import Health, lives, moves
+from edgevox.core.status import Components
+from edgevox.ops.health import Health
 from edgevox.scenario import Scenario, load_scenario, run_scenario
 from edgevox.scenario.report import heading, line, summary
 from edgevox.scenario.run import Outcome
@@ -63,13 +64,13 @@ def _record(asked: Asked, scenario: Scenario | None, lost: list[str]) -> bool:
     folder = asked.output / f"edgevox-{datetime.now(UTC):%Y%m%d-%H%M%S}"
     disk = Disk(folder, round(asked.max_size_mb * MB), round(asked.spare_mb * MB))
     topics = choose_topics(namespace, asked.topics)
-    health = Health()
     try:
         with ExitStack() as stack, Ending():
             recorder = Recorder(namespace, topics, disk, asked.ros_args)
             stack.callback(_conclude, recorder, folder, lost)
             stack.callback(recorder.close)
-            _serve_health(stack, asked.settings, health, recorder)
+            health = Health(Components(recorder))
+            _serve_health(stack, asked.settings, health)
             serve_recorders_metrics(stack, asked.settings, health, recorder)
             play = _stage(stack, recorder, asked, scenario) if scenario else None
             recorder.start()
@@ -109,12 +110,7 @@ def _stage(
     return play
 
 
-def _serve_health(
-    stack: ExitStack, settings: Settings, health: Health, recorder: "Recorder"
-) -> None:
-    health.watch("recording", lives(lambda: recorder.alive))
-    health.watch("ros2", moves(lambda: recorder.stalled_s))
-    health.require("disk", lambda: recorder.trouble)
+def _serve_health(stack: ExitStack, settings: Settings, health: Health) -> None:
     if settings.health_port:
         from edgevox.ops.health_server import HealthServer
 

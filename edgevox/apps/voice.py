@@ -63,11 +63,6 @@ class Voice:
         }
 
 
-def dropped_frames(source: AudioSource) -> int:
-    """Frames of sound that nobody read in time; 0 for a source that cannot lose any."""
-    return int(getattr(source, "dropped", 0))
-
-
 def build_voice(
     stack: ExitStack,
     settings: Settings,

@@ -4,15 +4,10 @@ Alive means not frozen: a long answer or a slow model is work, and no reason to 
 means alive, everything loaded and started, and nothing missing that it was asked to have.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
-Look = Callable[[], str]
-"""Says what is wrong, in a few words; empty if nothing is. Quick, and from any thread."""
-
-STALL_S = 6.0
-"""What should move and has not for this long is frozen."""
-STARTING = "starting"
+from edgevox.core.status import Check, Components
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,50 +30,31 @@ class Report:
 
 
 class Health:
-    """Checks by name, added as parts start. It is ready only once `started` was called."""
+    """Shows the checks of components, after those that were added and are of none.
 
-    def __init__(self) -> None:
-        self._live: dict[str, Look] = {}
-        self._ready: dict[str, Look] = {"start": lambda: STARTING}
+    It is ready only once `started` was called.
+    """
 
-    def watch(self, name: str, look: Look) -> None:
-        """Without this the process cannot do its work, and should be started again."""
-        self._live = {**self._live, name: look}
+    def __init__(self, components: Components) -> None:
+        self._components = components
+        self._own: tuple[Check, ...] = (Check("start", lambda: "starting", vital=False),)
 
-    def require(self, name: str, look: Look) -> None:
-        """Without this it is not ready, but a new start would not help."""
-        self._ready = {**self._ready, name: look}
+    def add(self, check: Check) -> None:
+        """Ask this, too."""
+        self._own = (*self._own, check)
 
     def started(self) -> None:
         """Everything is loaded and started."""
-        self._ready = {name: look for name, look in self._ready.items() if name != "start"}
+        self._own = tuple(one for one in self._own if one.name != "start")
 
     def live(self) -> Report:
         """Whether it can do its work."""
-        return Report({name: _ask(look) for name, look in self._live.items()})
+        return Report({one.name: one.said() for one in self._checks() if one.vital})
 
     def ready(self) -> Report:
         """Whether it can be used."""
-        return Report({name: _ask(look) for name, look in {**self._live, **self._ready}.items()})
+        vital_first = sorted(self._checks(), key=lambda one: not one.vital)
+        return Report({one.name: one.said() for one in vital_first})
 
-
-def moves(stalled_s: Callable[[], float], limit_s: float = STALL_S) -> Look:
-    """A check of something that says for how long it has stalled."""
-
-    def look() -> str:
-        seconds = stalled_s()
-        return f"has not moved for {seconds:.1f} s" if seconds > limit_s else ""
-
-    return look
-
-
-def lives(alive: Callable[[], bool]) -> Look:
-    """A check of something with threads."""
-    return lambda: "" if alive() else "its thread has ended"
-
-
-def _ask(look: Look) -> str:
-    try:
-        return look()
-    except Exception as error:  # noqa: BLE001 - a check that breaks is a finding like any other
-        return f"the check failed: {error!r}"
+    def _checks(self) -> list[Check]:
+        return [*self._own, *self._components.checks]

@@ -134,8 +134,7 @@ class PlanarRobot(LivesByStepping):
             return self._run.motion.twist
 
     def battery(self) -> float:
-        with self._lock:
-            return self._run.battery.charge
+        return self._run.battery.charge  # not locked: a step that hangs must not hide how it is
 
     def trail(self) -> tuple[Point, ...]:
         """Where the robot has been since the start or a reset, at most the last 5000 points."""

@@ -7,7 +7,7 @@ from rclpy.node import Node
 
 from edgevox.core.commands import RunSkill
 from edgevox.core.errors import InvalidValue
-from edgevox.ops.diagnostics.presence import Sharing
+from edgevox.core.status import Component
 from edgevox.robots.capabilities import Body
 from edgevox.ros2.diagnostics import DiagnosticsPublisher
 from edgevox.ros2.external.robot import ExternalRobot
@@ -18,6 +18,7 @@ from edgevox.ros2.parameters import Parameters, declare
 from edgevox.ros2.presence import Presence
 from edgevox.ros2.queries import QueryServices
 from edgevox.ros2.skill_action import open_skill_action
+from edgevox.ros2.status import Executor
 from edgevox.ros2.ticker import MakeTicker, Ticker
 from edgevox.ros2.topics import Topics
 from edgevox.ros2.wiring import Wiring
@@ -99,15 +100,19 @@ class RosBridge:
         return {which: count for part in refusing for which, count in part.refusals.items()}
 
     @property
-    def failures(self) -> Mapping[str, int]:
-        """What went wrong and was survived, by part."""
-        images = sum(part.failed_images for part in self._parts if isinstance(part, Interop))
-        return {"executor": self._node.failed, "ticker": self._ticker.failures, "camera": images}
+    def failed_ticks(self) -> int:
+        """Jobs of the ticker that raised."""
+        return self._ticker.failures
 
     @property
-    def sharing(self) -> Sharing:
-        """Who else is on the namespace."""
-        return self._presence.sharing
+    def failed_images(self) -> int:
+        """Pictures that could not be taken."""
+        return sum(part.failed_images for part in self._parts if isinstance(part, Interop))
+
+    @property
+    def components(self) -> Sequence[Component]:
+        """What says how it is."""
+        return (Executor(self), self._presence)
 
     def _open(self, wiring: Wiring) -> None:
         node, bus, controls = self._node.node, wiring.bus, wiring.controls
@@ -133,8 +138,8 @@ class RosBridge:
             QueryServices(node, wiring.queries),
         ]
         self._parts += _audio(node, wiring)
-        if wiring.diagnostics:
-            self._parts.append(DiagnosticsPublisher(node, wiring.diagnostics, self._ticker))
+        if wiring.components:
+            self._parts.append(DiagnosticsPublisher(node, wiring.components, self._ticker))
         if wiring.goals and (action := open_skill_action(node, bus, wiring.goals)):
             self._parts.append(action)
         if wiring.body and not isinstance(wiring.body, ExternalRobot):  # it has its own topics

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
-from edgevox.ops.diagnostics import Component, Diagnostics
+from edgevox.core.status import Components, Status
 from edgevox.ros2.contract import DIAGNOSTICS
 from edgevox.ros2.ticker import Ticker
 from edgevox.ros2.topics import profile
@@ -19,9 +19,9 @@ from edgevox.ros2.topics import profile
 class DiagnosticsPublisher:
     """Publishes the report of all components, on the ticker: also when the executor hangs."""
 
-    def __init__(self, node: Node, listed: Diagnostics, ticker: Ticker) -> None:
+    def __init__(self, node: Node, components: Components, ticker: Ticker) -> None:
         self._node = node
-        self._listed = listed
+        self._components = components
         self._name = str(node.get_fully_qualified_name())
         row = DIAGNOSTICS
         self._publisher = node.create_publisher(DiagnosticArray, row.topic, profile(row.qos))
@@ -33,17 +33,17 @@ class DiagnosticsPublisher:
 
     def _publish(self) -> None:
         message = DiagnosticArray()
-        message.status = [status(self._name, one) for one in self._listed.report()]
+        message.status = [as_message(self._name, one) for one in self._components.statuses()]
         message.header.stamp = self._node.get_clock().now().to_msg()
         self._publisher.publish(message)
 
 
-def status(node: str, component: Component) -> DiagnosticStatus:
-    """A component as ROS 2 writes it."""
+def as_message(node: str, status: Status) -> DiagnosticStatus:
+    """A component's status as ROS 2 writes it."""
     return DiagnosticStatus(
-        level=bytes([component.level]),
-        name=f"{node}: {component.name}",
-        message=component.message,
+        level=bytes([status.level]),
+        name=f"{node}: {status.name}",
+        message=status.message,
         hardware_id=node,
-        values=[KeyValue(key=key, value=value) for key, value in component.values.items()],
+        values=[KeyValue(key=key, value=value) for key, value in status.texts.items()],
     )

@@ -5,7 +5,8 @@ from types import MappingProxyType
 from typing import Protocol
 
 from edgevox.core.errors import EdgeVoxError
-from edgevox.ops.diagnostics.presence import Sharing
+from edgevox.core.status import Component
+from edgevox.ros2.status import Executor
 from edgevox.ros2.wiring import Wiring
 
 
@@ -17,32 +18,12 @@ class Bridge(Protocol):
         """Where to find it, for people."""
 
     @property
-    def stalled_s(self) -> float:
-        """For how long nothing has moved in it though it should."""
-
-    @property
-    def failed(self) -> int:
-        """Callbacks that raised."""
-
-    @property
-    def lag_s(self) -> float:
-        """The longest that callbacks had to wait in the last minute."""
+    def components(self) -> Sequence[Component]:
+        """What says how it is."""
 
     @property
     def refusals(self) -> Mapping[tuple[str, ...], int]:
         """How many messages were refused, by topic and reason."""
-
-    @property
-    def failures(self) -> Mapping[str, int]:
-        """What went wrong and was survived, by part."""
-
-    @property
-    def sharing(self) -> Sharing:
-        """Who else is on the namespace, and whether one of them keeps this agent from moving."""
-
-    @property
-    def missing(self) -> str:
-        """Why it is not on ROS 2; empty if it is."""
 
     def start(self) -> None: ...
 
@@ -55,11 +36,14 @@ class NullBridge:
     missing = "rclpy cannot be imported"
     where = f"off, since {missing}"
     stalled_s = 0.0
-    failed = 0
+    failed = failed_ticks = failed_images = 0
     lag_s = 0.0
     refusals: Mapping[tuple[str, ...], int] = MappingProxyType({})
-    failures: Mapping[str, int] = MappingProxyType({})
-    sharing = Sharing()
+
+    @property
+    def components(self) -> Sequence[Component]:
+        """That there is none."""
+        return (Executor(self),)
 
     def start(self) -> None:
         """There is nothing to start."""

@@ -7,7 +7,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.controls import Controls
 from edgevox.core.interlock import Interlock
 from edgevox.core.settings import Settings
-from edgevox.ops.diagnostics import Diagnostics
+from edgevox.core.status import Components
 from edgevox.robots.capabilities import Body
 from edgevox.ros2.contract import Queries
 from edgevox.ros2.contract_rows import Incoming
@@ -22,7 +22,7 @@ class Wiring:
 
     `body` and `goals` belong to an agent that has a body; without one there is neither
     `robot_state` nor `agent_event`, no robot's topics and no action. `audio_in` is filled from a
-    topic, `audio_out` is sent to one. `diagnostics` says how the components are. `interlock` is
+    topic, `audio_out` is sent to one. `components` say how they are. `interlock` is
     engaged while another agent of the namespace moves the robot.
     """
 
@@ -35,5 +35,5 @@ class Wiring:
     goals: StartsGoals | None = None
     audio_in: Pushed | None = None
     audio_out: Relay | None = None
-    diagnostics: Diagnostics | None = None
+    components: Components | None = None
     interlock: Interlock = field(default_factory=Interlock)

@@ -17,7 +17,7 @@ from edgevox.apps.composition import build_parts, start_parts
 from edgevox.core.commands import TextInput
 from edgevox.core.events import Answered
 from edgevox.core.settings import load_settings
-from edgevox.ops.health import STALL_S
+from edgevox.core.status import STALL_S
 from edgevox.robots.physics import PymunkEngine
 from edgevox.robots.planar import PlanarRobot
 from edgevox.robots.world import load_world

@@ -20,7 +20,7 @@ from rclpy.qos import QoSProfile
 from edgevox.core.bus import Bus
 from edgevox.core.controls import Controls
 from edgevox.core.settings import Settings
-from edgevox.ops.diagnostics import Diagnostics
+from edgevox.core.status import Components
 from edgevox.robots.capabilities import (
     CameraImage,
     CameraSpec,
@@ -91,7 +91,7 @@ def stage(domain):
                 controls=Controls(bus, language="en", voices=lambda _: ()),
                 queries=dict.fromkeys(QUERIES, dict),
                 body=Equipped(held),
-                diagnostics=Diagnostics(),
+                components=Components(),
             ),
             tickers=held.ticker,
         )

@@ -8,13 +8,13 @@ import yaml
 
 from edgevox.agent.llm.base import ModelFailed
 from edgevox.agent.llm.endpoint import FallbackModel
-from edgevox.apps.components import list_components, list_executor
+from edgevox.apps.components import list_components
 from edgevox.apps.composition import build_parts
 from edgevox.apps.folders import written_folders
 from edgevox.core.cancel import CancelToken
+from edgevox.core.gauges import Gauges
 from edgevox.core.settings import check_settings
-from edgevox.ops.diagnostics import Level
-from edgevox.ops.diagnostics.gauges import Gauges
+from edgevox.core.status import Level
 from edgevox.ops.diagnostics.table import COMPONENTS
 from edgevox.robots.apartment import ApartmentRobot
 from edgevox.ros2.contract import DIAGNOSTICS
@@ -30,13 +30,14 @@ def listed():
         def build(body=None):
             settings = check_settings({"text_mode": True, "llm": "none"})
             parts = build_parts(stack, settings, body)
-            return list_components(parts, Gauges(parts.bus))
+            list_components(parts, Gauges(parts.bus))
+            return parts.components
 
         yield build
 
 
 def test_every_agent_lists_the_same_components_and_what_is_off_is_well(listed):
-    report = listed().report()
+    report = listed().statuses()
     assert [one.name for one in report] == [row.name for row in COMPONENTS]
     off = {one.name: one.level for one in report if one.message.startswith("off")}
     assert off == dict.fromkeys(
@@ -47,16 +48,16 @@ def test_every_agent_lists_the_same_components_and_what_is_off_is_well(listed):
 
 def test_a_body_tells_its_kind_pace_and_battery(listed):
     body = ApartmentRobot(speed=0.0)
-    sim = {one.name: one for one in listed(body).report()}["sim"]
+    sim = {one.name: one for one in listed(body).statuses()}["sim"]
     assert (sim.level, sim.message) == (Level.OK, "runs")
     assert sim.values["body"] == "robot-apartment"
-    assert sim.values["battery"] == "1"
+    assert sim.texts["battery"] == "1"
 
 
 def test_a_bridge_that_is_not_on_ros2_is_an_error(listed):
     components = listed()
-    list_executor(components, NullBridge())
-    executor = {one.name: one for one in components.report()}["executor"]
+    components.add(*NullBridge().components)
+    executor = {one.name: one for one in components.statuses()}["executor"]
     assert executor.level is Level.ERROR
     assert "rclpy" in executor.message
 

@@ -9,7 +9,7 @@ import yaml
 from chart_rig import ONE, chart, environment, objects, pods, solo
 
 from edgevox import __version__
-from edgevox.ops.health import STALL_S
+from edgevox.core.status import STALL_S
 
 FLEET = yaml.safe_load(chart.FLEET.read_text())
 OLDEST, NEWEST = "1.27", "1.37"

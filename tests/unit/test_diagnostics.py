@@ -1,24 +1,41 @@
-"""What components say of themselves, from plain values."""
+"""What components say of themselves, from whatever they are made of."""
 
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+from edgevox.agent.llm.status import Thinking
 from edgevox.core.bus import Bus
 from edgevox.core.events import AudioLevel, Outcome, TokenGenerated, TurnEnded, TurnMeasured
-from edgevox.ops.diagnostics import Component, Diagnostics, Finding, Level, component
-from edgevox.ops.diagnostics.audio import Sound, audio
-from edgevox.ops.diagnostics.disk import MIB, Room, disk, room, rooms
-from edgevox.ops.diagnostics.gauges import Gauges
-from edgevox.ops.diagnostics.lately import LATELY_S, Lately
-from edgevox.ops.diagnostics.llm import Thinking, llm
-from edgevox.ops.diagnostics.moving import Executing, World, executor, sim
-from edgevox.ops.diagnostics.process import process
-from edgevox.ops.diagnostics.speech import Hearing, Speaking, stt, tts
-from edgevox.ops.health import STALL_S, Health
+from edgevox.core.gauges import Gauges
+from edgevox.core.languages import LANGUAGES
+from edgevox.core.lately import LATELY_S, Lately
+from edgevox.core.status import (
+    STALL_S,
+    Check,
+    Components,
+    Finding,
+    Level,
+    Off,
+    Status,
+)
+from edgevox.ops.diagnostics.disk import MIB, Room, judge_disk, room, rooms
+from edgevox.ops.diagnostics.process import Process
+from edgevox.ops.health import Health
+from edgevox.robots.capabilities import Twist2D
+from edgevox.robots.physics import PymunkEngine
+from edgevox.robots.planar import PlanarRobot
+from edgevox.robots.status import Moving
+from edgevox.robots.world import load_world
+from edgevox.ros2.status import Executor
+from edgevox.voice.status import Audio, Hearing, Speaking
 
 GIB = 1024 * MIB
+CONTROLS = SimpleNamespace(language="en", voice="", muted=False)
 
 
 class Clock:
@@ -29,28 +46,40 @@ class Clock:
         return self.now_s
 
 
+class Broken:
+    name, checks = "sim", ()
+
+    def status(self):
+        raise ZeroDivisionError
+
+
+def a_while_later(component, clock):
+    """What it says once what happened is over."""
+    component.status()
+    clock.now_s += LATELY_S + 1
+    return component.status()
+
+
 def test_components_are_listed_in_the_order_in_which_they_were_added():
-    listed = Diagnostics()
-    for name in ("audio", "llm", "audio"):
-        listed.add(name, lambda name=name: Component(name, Level.OK, "works"))
-    assert [one.name for one in listed.report()] == ["audio", "llm"]
+    listed = Components(Off("audio", "text is typed"))
+    listed.add(Off("llm", "none was asked for"), Off("audio", "muted for good"))
+    said = [(one.name, one.message) for one in listed.statuses()]
+    assert said == [("audio", "off: muted for good"), ("llm", "off: none was asked for")]
+    assert [one.name for one in listed.statuses({"llm"})] == ["llm"]
 
 
-def test_a_look_that_breaks_is_an_error_with_its_reason_and_hides_no_other():
-    listed = Diagnostics()
-    listed.add("sim", lambda: 1 / 0)
-    listed.add("disk", lambda: component("disk"))
-    broken, fine = listed.report()
+def test_a_component_that_breaks_is_an_error_with_its_reason_and_hides_no_other():
+    broken, fine = Components(Broken(), Off("disk", "nothing is written")).statuses()
     assert (broken.name, broken.level) == ("sim", Level.ERROR)
     assert "ZeroDivisionError" in broken.message
-    assert fine == Component("disk", Level.OK, "works")
+    assert fine == Status("disk", Level.OK, "off: nothing is written")
 
 
-def test_the_worst_finding_decides_and_comes_first_and_unknown_values_are_left_out():
+def test_the_worst_finding_decides_and_comes_first_and_unknown_values_are_not_shown():
     found = [Finding(Level.WARN, "slow"), Finding(Level.ERROR, "stuck")]
-    said = component("sim", found, pace=0.51234, muted=True, battery=None)
+    said = Status.judged("sim", found, pace=0.51234, muted=True, battery=None)
     assert (said.level, said.message) == (Level.ERROR, "stuck; slow")
-    assert said.values == {"pace": "0.5123", "muted": "true"}
+    assert said.texts == {"pace": "0.5123", "muted": "true"}
 
 
 def test_what_happened_is_shown_for_a_while_and_then_over():
@@ -66,7 +95,16 @@ def test_what_happened_is_shown_for_a_while_and_then_over():
     assert lately.grew(3)
 
 
-SOUND = Sound("a microphone", "a loudspeaker")
+def sound(clock, *, alive=True, muted=False, source_trouble="", sink_trouble="", dropped=0):
+    return Audio(
+        SimpleNamespace(name="a microphone", trouble=source_trouble, dropped=dropped),
+        SimpleNamespace(name="a loudspeaker", trouble=sink_trouble),
+        SimpleNamespace(alive=alive, failed=0),
+        SimpleNamespace(alive=alive),
+        controls=SimpleNamespace(muted=muted),
+        gauges=Gauges(Bus()),
+        clock=clock,
+    )
 
 
 @pytest.mark.parametrize(
@@ -76,73 +114,103 @@ SOUND = Sound("a microphone", "a loudspeaker")
         ({"muted": True}, Level.OK, "muted"),
         ({"source_trouble": "unplugged"}, Level.ERROR, "microphone: unplugged"),
         ({"sink_trouble": "unplugged"}, Level.ERROR, "loudspeaker: unplugged"),
-        ({"ears": "its thread has ended"}, Level.ERROR, "ears: its thread"),
-        ({"dropped": 9, "losing": True}, Level.WARN, "9 by now"),
-        ({"dropped": 9}, Level.OK, "hears"),
+        ({"alive": False}, Level.ERROR, "ears: its thread has ended; mouth: its thread has ended"),
+        ({"dropped": 9}, Level.WARN, "9 by now"),
     ],
 )
 def test_audio_says_what_is_wrong_with_its_devices(changed, level, said):
-    seen = audio(replace(SOUND, **changed))
+    seen = sound(Clock(), **changed).status()
     assert seen.level is level
     assert said in seen.message
     wrong = "source_trouble" in changed
     assert seen.values["source_state"] == ("retrying" if wrong else "open")
 
 
+def test_frames_that_were_dropped_some_time_ago_are_only_counted():
+    clock = Clock()
+    seen = a_while_later(sound(clock, dropped=9), clock)
+    assert (seen.level, seen.values["dropped_frames"]) == (Level.OK, 9)
+
+
+def hearing(clock, last=None, *, refused=0, failed=0, trouble=""):
+    understanding = SimpleNamespace(last=last, refused=refused, failed=failed)
+    ears = SimpleNamespace(understanding=understanding)
+    return Hearing(SimpleNamespace(trouble=trouble), ears, CONTROLS, clock)
+
+
 @pytest.mark.parametrize(
-    ("changed", "level"),
+    ("changed", "level", "later"),
     [
-        ({}, Level.OK),
-        ({"last_s": 0.8, "last_sound_s": 0.5}, Level.OK),  # a short word takes what it takes
-        ({"last_s": 5.0, "last_sound_s": 2.0}, Level.WARN),
-        ({"last_s": 5.0, "last_sound_s": 20.0}, Level.OK),
-        ({"refused": 1, "refusing": True}, Level.WARN),
-        ({"failed": 1, "failing": True}, Level.ERROR),
-        ({"failed": 1}, Level.OK),
+        ({}, Level.OK, Level.OK),
+        ({"last": (0.8, 0.5)}, Level.OK, Level.OK),  # a short word takes what it takes
+        ({"last": (5.0, 2.0)}, Level.WARN, Level.WARN),
+        ({"last": (5.0, 20.0)}, Level.OK, Level.OK),
+        ({"refused": 1}, Level.WARN, Level.OK),
+        ({"failed": 1}, Level.ERROR, Level.OK),
+        ({"trouble": "no model"}, Level.ERROR, Level.ERROR),
     ],
 )
-def test_speech_to_text_says_when_it_is_slow_flooded_or_failing(changed, level):
-    assert stt(Hearing("whisper-tiny.en", "en", **changed)).level is level
+def test_speech_to_text_says_when_it_is_slow_flooded_or_failing(changed, level, later):
+    clock = Clock()
+    component = hearing(clock, **changed)
+    assert component.status().level is level
+    assert a_while_later(component, clock).level is later
 
 
 def test_speech_to_text_tells_its_real_time_factor():
-    said = stt(Hearing("whisper-tiny.en", "en", last_s=0.5, last_sound_s=2.0))
-    assert said.values["real_time_factor"] == "0.25"
+    assert hearing(Clock(), (0.5, 2.0)).status().texts["real_time_factor"] == "0.25"
 
 
 @pytest.mark.parametrize(
-    ("asked", "speaks", "failing", "level"),
+    ("asked", "speaks", "failures", "level"),
     [
-        ("piper", None, False, Level.OK),  # nothing is loaded yet
-        ("piper", "piper", False, Level.OK),
-        ("kokoro", "piper", False, Level.OK),
-        ("piper", "espeak", False, Level.WARN),
-        ("espeak", "espeak", False, Level.OK),
-        ("piper", "piper", True, Level.WARN),
+        ("piper", None, 0, Level.OK),  # nothing is loaded yet
+        ("piper", "piper", 0, Level.OK),
+        ("kokoro", "piper", 0, Level.OK),
+        ("piper", "espeak", 0, Level.WARN),
+        ("espeak", "espeak", 0, Level.OK),
+        ("piper", "piper", 1, Level.WARN),
     ],
 )
-def test_text_to_speech_says_when_another_voice_must_do(asked, speaks, failing, level):
-    seen = Speaking("a voice", asked, speaks, speaks, failing=failing)
-    assert tts(seen).level is level
+def test_text_to_speech_says_when_another_voice_must_do(asked, speaks, failures, level):
+    voices = {one.backend: one for row in LANGUAGES.values() for one in row.voices}
+    last = (SimpleNamespace(name=speaks, backend=speaks), 16000) if speaks else None
+    speaker = SimpleNamespace(last=last, failures=failures, trouble="")
+    language = next(code for code, row in LANGUAGES.items() if voices[asked] in row.voices)
+    controls = SimpleNamespace(language=language, voice=voices[asked].name)
+    mouth = SimpleNamespace(speaker=speaker, refused=0)
+    assert Speaking(mouth, controls, Gauges(Bus()), Clock()).status().level is level
+
+
+def thinking(clock=None, *, on_board=False, endpoint="", trouble="", failed=0):
+    model = SimpleNamespace(trouble=trouble, context_tokens=4096)
+    gauges = SimpleNamespace(model_failures=failed, tokens_per_s=None)
+    weights = Path("a.gguf") if on_board else None
+    return Thinking(model, gauges, weights=weights, endpoint=endpoint, clock=clock)
 
 
 @pytest.mark.parametrize(
     ("changed", "level", "answers"),
     [
-        ({"model": "a.gguf"}, Level.OK, "on board"),
-        ({"model": "a.gguf", "endpoint": "http://llm"}, Level.OK, "endpoint"),
+        ({"on_board": True}, Level.OK, "on board"),
+        ({"on_board": True, "endpoint": "http://llm"}, Level.OK, "endpoint"),
         (
-            {"model": "a.gguf", "endpoint": "http://llm", "endpoint_trouble": "refused"},
+            {"on_board": True, "endpoint": "http://llm", "trouble": "refused"},
             Level.WARN,
             "on board",
         ),
-        ({"endpoint": "http://llm", "endpoint_trouble": "refused"}, Level.ERROR, "on board"),
-        ({"model": "a.gguf", "failed": 1, "failing": True}, Level.ERROR, "on board"),
+        ({"endpoint": "http://llm", "trouble": "refused"}, Level.ERROR, "on board"),
+        ({"on_board": True, "failed": 1}, Level.ERROR, "on board"),
     ],
 )
 def test_the_language_model_says_who_answers(changed, level, answers):
-    said = llm(Thinking(**changed))
+    said = thinking(**changed).status()
     assert (said.level, said.values["answers"]) == (level, answers)
+
+
+def robot(clock=None, **changed):
+    at_rest = {"real_time_factor": 0.0, "pace": None, "breaks": 0, "stalled_s": 0.0, "trouble": ""}
+    return Moving(SimpleNamespace(name="robot-apartment", **{**at_rest, **changed}), clock)
 
 
 @pytest.mark.parametrize(
@@ -151,33 +219,82 @@ def test_the_language_model_says_who_answers(changed, level, answers):
         ({}, Level.OK),
         ({"pace": 0.95}, Level.OK),
         ({"pace": 0.5}, Level.WARN),
-        ({"real_time_factor": 30.0, "pace": None}, Level.OK),  # as fast as it can
+        ({"real_time_factor": 30.0}, Level.OK),  # as fast as it can
         ({"stalled_s": 2.0}, Level.WARN),
         ({"stalled_s": STALL_S + 1}, Level.ERROR),
         ({"stalled_s": float("inf")}, Level.ERROR),
-        ({"breaks": 1, "breaking": True}, Level.ERROR),
-        ({"breaks": 1}, Level.OK),
-        ({"battery": 0.1}, Level.WARN),
-        ({"battery": 0.0}, Level.ERROR),
+        ({"breaks": 1}, Level.ERROR),
+        ({"battery": lambda: 0.1}, Level.WARN),
+        ({"battery": lambda: 0.0}, Level.ERROR),
         ({"trouble": "nothing is heard on /odom"}, Level.ERROR),
     ],
 )
 def test_a_robot_says_when_its_world_stands_breaks_or_is_slow(changed, level):
-    assert sim(World("robot-apartment", **changed)).level is level
+    assert robot(**changed).status().level is level
+
+
+def test_a_world_that_broke_some_time_ago_is_well_and_its_breaks_are_counted():
+    clock = Clock()
+    seen = a_while_later(robot(clock, breaks=1), clock)
+    assert (seen.level, seen.values["broke"]) == (Level.OK, 1)
+
+
+def test_a_world_that_hangs_says_so_and_is_not_waited_for():
+    def wait_for_the_step():
+        raise AssertionError("the step that hangs holds the lock")
+
+    said = robot(stalled_s=STALL_S + 1, battery=wait_for_the_step).status()
+    assert said.message == "the world has not moved for 7.0 s"
+
+
+class Sticky(PymunkEngine):
+    """A world whose steps can be made to hang."""
+
+    def __init__(self, world):
+        super().__init__(world)
+        self.stuck, self.free = threading.Event(), threading.Event()
+        self.free.set()
+
+    def step(self, command):
+        if not self.free.is_set():
+            self.stuck.set()
+            self.free.wait(60)
+        return super().step(command)
+
+
+def test_a_step_that_hangs_keeps_nobody_from_asking_how_its_world_is():
+    world = load_world()
+    engine = Sticky(world)
+    with PlanarRobot("robot-apartment", world, engine) as body, ThreadPoolExecutor(1) as asking:
+        engine.free.clear()
+        body.set_velocity(Twist2D(0.1, 0.0))
+        assert engine.stuck.wait(60)
+        try:
+            assert asking.submit(Moving(body).status).result(30).name == "sim"
+        finally:
+            engine.free.set()
+
+
+def bridge(**changed):
+    fine = {"missing": "", "stalled_s": 0.0, "failed": 0, "lag_s": 0.0}
+    return SimpleNamespace(**{**fine, **changed}, failed_ticks=0, failed_images=0)
 
 
 @pytest.mark.parametrize(
-    ("changed", "level"),
+    ("changed", "level", "later"),
     [
-        ({}, Level.OK),
-        ({"stalled_s": 1.5}, Level.WARN),
-        ({"stalled_s": STALL_S + 1}, Level.ERROR),
-        ({"failed": 3, "failing": True}, Level.WARN),
-        ({"missing": "rclpy cannot be imported"}, Level.ERROR),
+        ({}, Level.OK, Level.OK),
+        ({"stalled_s": 1.5}, Level.WARN, Level.WARN),
+        ({"stalled_s": STALL_S + 1}, Level.ERROR, Level.ERROR),
+        ({"failed": 3}, Level.WARN, Level.OK),
+        ({"missing": "rclpy cannot be imported"}, Level.ERROR, Level.ERROR),
     ],
 )
-def test_the_executor_says_when_a_callback_holds_up_all_others(changed, level):
-    assert executor(Executing(**changed)).level is level
+def test_the_executor_says_when_a_callback_holds_up_all_others(changed, level, later):
+    clock = Clock()
+    component = Executor(bridge(**changed), clock)
+    assert component.status().level is level
+    assert a_while_later(component, clock).level is later
 
 
 @pytest.mark.parametrize(
@@ -192,9 +309,9 @@ def test_the_executor_says_when_a_callback_holds_up_all_others(changed, level):
     ],
 )
 def test_a_disk_is_full_by_what_is_left_and_a_small_one_by_which_part(free, size, level):
-    said = disk([Room(Path("/data"), 1, free, size, writable=True)])
+    said = judge_disk([Room(Path("/data"), 1, free, size, writable=True)])
     assert said.level is level
-    assert said.values == {"/data free_mib": str(free // MIB)}
+    assert said.values == {"/data free_mib": free // MIB}
 
 
 def test_each_file_system_that_is_written_to_counts_once(tmp_path):
@@ -203,24 +320,23 @@ def test_each_file_system_that_is_written_to_counts_once(tmp_path):
     assert here.size >= here.free > 0
     sealed = replace(room(tmp_path), writable=False)
     assert list(rooms([tmp_path], lambda _: sealed)) == []
-    assert disk([]).message == "nothing is written"
-
-
-REFUSED = {"too_long": 3, "too_many": 0}
+    assert judge_disk([]).message == "nothing is written"
 
 
 def test_the_process_says_what_its_health_says():
-    health = Health()
-    health.watch("conversation", lambda: "")
-    assert process(health, 0.0, "1", REFUSED).level is Level.WARN
-    assert process(health, 0.0, "1", REFUSED).message == "start: starting"
+    body = {"said": ""}
+    health = Health(Components())
+    health.add(Check("conversation", lambda: ""))
+    health.add(Check("body", lambda: body["said"]))
+    process = Process(health, "1", lambda: {"too_long": 3, "too_many": 0})
+    assert (process.status().level, process.status().message) == (Level.WARN, "start: starting")
     health.started()
-    said = process(health, 0.0, "1", REFUSED)
+    said = process.status()
     assert said.level is Level.OK
-    assert int(said.values["memory_mib"]) > 5
-    assert (said.values["refused_too_long"], said.values["refused_too_many"]) == ("3", "0")
-    health.watch("body", lambda: "has not moved for 7.0 s")
-    assert process(health, 0.0, "1", REFUSED).level is Level.ERROR
+    assert said.values["memory_mib"] > 5
+    assert (said.values["refused_too_long"], said.values["refused_too_many"]) == (3, 0)
+    body["said"] = "has not moved for 7.0 s"
+    assert process.status().level is Level.ERROR
 
 
 def test_gauges_keep_the_last_of_what_passed_on_the_bus():

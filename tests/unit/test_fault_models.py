@@ -20,7 +20,6 @@ from edgevox.agent.llm import factory, gguf
 from edgevox.agent.llm.base import ModelFailed
 from edgevox.agent.llm.endpoint import Address, EndpointModel, FallbackModel
 from edgevox.agent.llm.endpoint.breaker import FIRST_REST_S, Breaker
-from edgevox.apps.components import list_components
 from edgevox.apps.composition import build_parts, start_parts
 from edgevox.apps.queries import deafness
 from edgevox.apps.robots import build_body
@@ -30,8 +29,7 @@ from edgevox.core.controls import Controls
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.events import Responded
 from edgevox.core.settings import load_settings
-from edgevox.ops.diagnostics import Level
-from edgevox.ops.diagnostics.gauges import Gauges
+from edgevox.core.status import Level
 from edgevox.voice.stt.watched import TELL_EVERY_S, WatchedSpeechToText
 from edgevox.voice.voices import PresentVoices
 
@@ -70,10 +68,8 @@ def agent(tmp_path):
             body = build_body("robot-apartment", settings, 0.0)
             parts = build_parts(stack, settings, body)
             heard = Heard(parts.bus)
-            gauges = Gauges(parts.bus)
-            listed = list_components(parts, gauges)
             start_parts(stack, parts)
-            return parts, heard, lambda: {one.name: one for one in listed.report()}["llm"]
+            return parts, heard, lambda: parts.components.statuses({"llm"})[0]
 
         yield start
 

@@ -8,6 +8,7 @@ import threading
 
 import pytest
 
+from edgevox.core.status import Components
 from edgevox.ops.health import Health
 from edgevox.ops.health_server import HealthServer
 from edgevox.ops.http_server import MOST_AT_ONCE, MOST_BYTES, HttpServer, Page
@@ -21,7 +22,7 @@ BIG = Page(b"x" * 50_000_000, "text/plain")
 @pytest.fixture(params=["health", "metrics"])
 def server(request):
     one = (
-        HealthServer(Health(), "127.0.0.1", 0)
+        HealthServer(Health(Components()), "127.0.0.1", 0)
         if request.param == "health"
         else MetricsServer(Registry({}), "127.0.0.1", 0)
     )

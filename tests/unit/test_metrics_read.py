@@ -1,5 +1,6 @@
 """What an agent's metrics are read from: its parts, and never a value that the table has not."""
 
+from collections.abc import Mapping
 from contextlib import ExitStack
 from types import SimpleNamespace
 
@@ -9,9 +10,12 @@ from prometheus_client.parser import text_string_to_metric_families
 from edgevox.agent.llm.base import ModelFailed
 from edgevox.agent.llm.endpoint import FallbackModel
 from edgevox.apps import metrics
+from edgevox.apps.components import list_components
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import CancelToken
+from edgevox.core.gauges import Gauges
 from edgevox.core.settings import check_settings
+from edgevox.core.status import Components
 from edgevox.ops.health import Health
 from edgevox.ops.metrics.table import METRICS
 from edgevox.robots.apartment import ApartmentRobot
@@ -39,21 +43,29 @@ def parts(tmp_path):
     (tmp_path / "model.bin").write_bytes(b"x" * 1000)
     (tmp_path / "voice.onnx").write_bytes(b"x" * 20)
     settings = check_settings({"llm_endpoint": "http://llm:8080", "metrics_port": 1})
-    mouth = SimpleNamespace(refused=3, speaker=SimpleNamespace(failures=5))
+    speaker = SimpleNamespace(failures=5, last=None, trouble="")
+    components = Components()
     return SimpleNamespace(
         settings=settings,
         name="robot-apartment",
         body=ApartmentRobot(load_world(), speed=0.0),
-        controls=SimpleNamespace(language="fr", muted=True),
+        controls=SimpleNamespace(language="fr", voice="", muted=True),
         conversation=SimpleNamespace(refusals={"too_many": 1, "too_long": 8}),
         model=FallbackModel(Server(gone=True), Server(gone=False)),
         model_path=tmp_path / "model.bin",
         voice=SimpleNamespace(
-            mouth=mouth,
-            source=SimpleNamespace(dropped=7),
+            mouth=SimpleNamespace(alive=True, refused=3, speaker=speaker),
+            source=SimpleNamespace(name="a microphone", dropped=7),
+            sink=SimpleNamespace(name="a loudspeaker"),
+            stt=SimpleNamespace(),
             weights=lambda: {"stt": (tmp_path,), "tts": frozenset({tmp_path / "voice.onnx"})},
         ),
-        ears=SimpleNamespace(failed=4, understanding=SimpleNamespace(refused=2, failed=6)),
+        ears=SimpleNamespace(
+            alive=True, failed=4, understanding=SimpleNamespace(refused=2, failed=6, last=None)
+        ),
+        components=components,
+        health=Health(components),
+        absent="",
     )
 
 
@@ -63,9 +75,14 @@ def registry(parts, monkeypatch):
     with ExitStack() as stack:
         server = "edgevox.ops.metrics.MetricsServer"
         monkeypatch.setattr(server, lambda *_: SimpleNamespace(start=int, close=int))
-        registry = metrics.serve_metrics(stack, parts.settings, Bus(), Health(), parts.body.skills)
+        bus = Bus()
+        registry = metrics.serve_metrics(
+            stack, parts.settings, bus, parts.components, parts.health, skills=parts.body.skills
+        )
         parts.metrics = registry
         metrics.read_parts(parts)
+        list_components(parts, Gauges(bus))
+        parts.components.add(*NullBridge().components)
         metrics.read_bridge(parts, NullBridge())
         yield registry
 
@@ -106,7 +123,22 @@ def test_what_the_parts_count_is_what_is_read(parts, registry) -> None:
     assert told["edgevox_muted",] == 1
     assert told["edgevox_ready",] == 0, "nothing was started"
     assert told["edgevox_check_ok", "start"] == 0
+    assert told["edgevox_failures_total", "executor"] == 0
+    assert told["edgevox_executor_lag_seconds",] == 0
+    assert told["edgevox_sim_real_time_factor",] == 0, "it is not known yet"
+    assert told["edgevox_sim_stalled_seconds",] == 0
+    assert told["edgevox_watchdog_halts_total",] == 0
     assert registry.failures == 0
+
+
+def test_every_value_that_the_table_names_is_one_that_a_component_says(parts, registry) -> None:
+    said = {f"{one.name}.{name}" for one in parts.components.statuses() for name in one.values}
+    for metric in METRICS.values():
+        if isinstance(metric.read, Mapping):
+            shown = {place for place in metric.read.values() if not place.startswith("recorder.")}
+            assert shown <= said, metric.name
+            labels = [set(known) for known in metric.labels.values()] or [{""}]
+            assert labels == [set(metric.read)]
 
 
 def test_a_model_server_that_does_not_answer_is_down_and_the_fallback_counts(

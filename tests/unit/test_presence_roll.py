@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from edgevox.core.errors import InvalidValue
-from edgevox.ops.diagnostics import Level
-from edgevox.ops.diagnostics.presence import Sharing, presence
+from edgevox.core.status import Level
 from edgevox.ros2.presence.claim import Claim, Told, new_claim, read_claim, write_claim
 from edgevox.ros2.presence.roll import GONE_BEATS, MOST_OTHERS, SETTLED_BEATS, Roll
+from edgevox.ros2.status import Sharing
 
 START_NS = 1_795_000_000_000_000_000
 
@@ -166,7 +166,7 @@ def test_what_is_no_claim_is_refused(text):
     [((), False, Level.OK), (("b",), False, Level.WARN), (("b",), True, Level.ERROR)],
 )
 def test_the_component_is_as_bad_as_it_is(others, yields, level):
-    said = presence(Sharing("/robot1", "00000001", others, yields))
+    said = Sharing("/robot1", "00000001", others, yields).status()
     assert said.level == level
     assert "/robot1" in said.message
-    assert said.values["in_charge"] == str(not yields).lower()
+    assert said.texts["in_charge"] == str(not yields).lower()

@@ -11,8 +11,8 @@ from edgevox.agent.llm.cpu import XLLAMACPP_NEEDS, missing_features
 from edgevox.apps.doctor.verdict import Facts, Situation, Verdict, error, ok, warning
 from edgevox.apps.folders import written_folders
 from edgevox.core.cgroup import cpu_quota, memory_left, usable_cpus
+from edgevox.core.status import Level
 from edgevox.models import Store
-from edgevox.ops.diagnostics import Level
 from edgevox.ops.diagnostics.disk import MIB, Room, rooms
 
 PYTHONS = ((3, 11), (3, 12), (3, 13))

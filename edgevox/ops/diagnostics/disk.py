@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from edgevox.ops.diagnostics.component import Component, Finding, Level, component
+from edgevox.core.status import Check, Finding, Level, Status
 
 MIB = 2**20
 WARN_BYTES, WARN_PART = 1024 * MIB, 0.1
@@ -52,7 +52,21 @@ def rooms(folders: Iterable[Path], look: Callable[[Path], Room] = room) -> Itera
             yield one
 
 
-def disk(found: Iterable[Room]) -> Component:
+class Disk:
+    """Says whether there is room in the file systems of these folders, which are asked anew."""
+
+    name = "disk"
+    checks: tuple[Check, ...] = ()
+
+    def __init__(self, folders: Callable[[], Iterable[Path]]) -> None:
+        self._folders = folders
+
+    def status(self) -> Status:
+        """How it is now."""
+        return judge_disk(rooms(self._folders()))
+
+
+def judge_disk(found: Iterable[Room]) -> Status:
     """The component `disk`."""
     here = list(found)
     findings = [
@@ -60,4 +74,4 @@ def disk(found: Iterable[Room]) -> Component:
     ]
     values = {f"{one.path} free_mib": one.free // MIB for one in here}
     well = "enough room" if here else "nothing is written"
-    return component("disk", findings, well=well, **values)
+    return Status.judged("disk", findings, well=well, **values)

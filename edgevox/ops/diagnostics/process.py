@@ -3,38 +3,55 @@
 import os
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from edgevox.ops.diagnostics.component import Component, Finding, Level, component
+from edgevox.core.status import Check, Finding, Level, Status
 from edgevox.ops.health import Health
 
 PAGE = os.sysconf("SC_PAGE_SIZE")
+_TASKS = Path("/proc/self/task")
 
 
-def process(health: Health, began_s: float, version: str, refusals: Mapping[str, int]) -> Component:
-    """What is not alive is an error, what is not ready a warning. `began_s` is of `time.monotonic`.
+class Process:
+    """What is not alive is an error, what is not ready a warning.
 
     It says what /live and /ready say, so that both always agree. `refusals` counts by reason what
     was asked and not taken: whose fault that is nobody knows here, so it changes no level.
     """
-    live, ready = health.live(), health.ready()
-    found = [Finding(Level.ERROR, f"{name}: {said}") for name, said in live.checks.items() if said]
-    found += [
-        Finding(Level.WARN, f"{name}: {said}")
-        for name, said in ready.checks.items()
-        if said and name not in live.checks
-    ]
-    return component(
-        "process",
-        found,
-        well="ready",
-        version=version,
-        uptime_s=round(time.monotonic() - began_s),
-        memory_mib=resident_mib(),
-        threads=threading.active_count(),
-        **{f"refused_{reason}": count for reason, count in refusals.items()},
-    )
+
+    name = "process"
+    checks: tuple[Check, ...] = ()
+
+    def __init__(
+        self, health: Health, version: str, refusals: Callable[[], Mapping[str, int]]
+    ) -> None:
+        self._health, self._version, self._refusals = health, version, refusals
+        self._began_s = time.monotonic()
+
+    def status(self) -> Status:
+        """How it is now."""
+        live, ready = self._health.live(), self._health.ready()
+        found = [
+            Finding(Level.ERROR if name in live.checks else Level.WARN, f"{name}: {said}")
+            for name, said in ready.checks.items()
+            if said
+        ]
+        return Status.judged(
+            self.name,
+            found,
+            well="ready",
+            version=self._version,
+            uptime_s=round(time.monotonic() - self._began_s),
+            memory_mib=resident_mib(),
+            threads=count_threads(),
+            **{f"refused_{reason}": count for reason, count in self._refusals().items()},
+        )
+
+
+def count_threads() -> int:
+    """All threads, native ones too; where the system does not say, those of Python."""
+    return len(os.listdir(_TASKS)) if _TASKS.is_dir() else threading.active_count()
 
 
 def resident_mib() -> int | None:

@@ -20,8 +20,11 @@ class Metric:
     """One metric. `help` is a sentence without its full stop.
 
     `labels` gives by name what its values are: all of them, or a word for a set that only a running
-    agent knows, such as its skills; free text is never one. `of` says which agents have it. One
-    that is `read` is looked up when somebody asks, the others are counted as things happen.
+    agent knows, such as its skills; free text is never one. `of` says which agents have it.
+
+    One that is `read` is looked up when somebody asks, the others are counted as things happen. By
+    the values of its label (an empty one, if it has no label) `read` says which value of which
+    component's status that is, as ``sim.stalled_s``; True is for what no status can say.
     """
 
     name: str
@@ -30,7 +33,7 @@ class Metric:
     labels: Mapping[str, tuple[str, ...] | str] = field(default_factory=dict)
     buckets: tuple[float, ...] = ()
     of: str = "every agent"
-    read: bool = False
+    read: bool | Mapping[str, str] = False
 
     @property
     def series(self) -> frozenset[str]:

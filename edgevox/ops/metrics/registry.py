@@ -1,4 +1,8 @@
-"""The metrics of one agent, in a registry of their own."""
+"""The metrics of one agent, in a registry of their own.
+
+What components say of themselves is shown as the table says. What happens, and how often and how
+long, is counted here as it passes on the bus: a status says how something is now.
+"""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
@@ -15,6 +19,7 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily
 from prometheus_client.registry import Collector
 
 from edgevox.core.log import get_logger
+from edgevox.core.status import Components
 from edgevox.ops.metrics.metric import Kind, Metric
 from edgevox.ops.metrics.table import METRICS
 
@@ -24,6 +29,13 @@ Values = float | Mapping[str, float] | Mapping[tuple[str, ...], float]
 """What is read: a number, or one for each value of the label, or of all labels in their order."""
 Look = Callable[[], Values]
 """Reads a metric, quickly, without a lock that a stuck thread may hold."""
+_ASKED = frozenset(
+    place.partition(".")[0]
+    for metric in METRICS.values()
+    if isinstance(metric.read, Mapping)
+    for place in metric.read.values()
+)
+"""The components of which anything is shown: no disk is asked, which may not answer."""
 
 _FAMILIES = {Kind.COUNTER: CounterMetricFamily, Kind.GAUGE: GaugeMetricFamily}
 
@@ -31,11 +43,15 @@ _FAMILIES = {Kind.COUNTER: CounterMetricFamily, Kind.GAUGE: GaugeMetricFamily}
 class Registry(Collector):
     """Counts what `METRICS` declares, and reads the rest when it is asked for its text.
 
+    What the table has in a status is what `components` say then; a value nobody knows yet is 0.
     `sets` holds, by the words that the table has for them, the values that only an agent knows. A
     counter of a known set is there from the start, with 0. With None nothing is counted, only read.
     """
 
-    def __init__(self, sets: Mapping[str, Sequence[str]] | None) -> None:
+    def __init__(
+        self, sets: Mapping[str, Sequence[str]] | None, components: Components | None = None
+    ) -> None:
+        self._components = components or Components()
         # Else each counter has a series more, which nobody looks at.
         disable_created_metrics()  # type: ignore[no-untyped-call]
         self._registry = CollectorRegistry()
@@ -63,7 +79,7 @@ class Registry(Collector):
         return self._histograms[name]
 
     def read(self, name: str, look: Look) -> None:
-        """From now on, read this metric so."""
+        """From now on, read this metric so, and not in a status."""
         if not METRICS[name].read:
             raise ValueError(f"{name} is counted, not read")
         self._looks = {**self._looks, name: look}
@@ -78,6 +94,7 @@ class Registry(Collector):
 
     def collect(self) -> Iterator[CounterMetricFamily | GaugeMetricFamily]:
         """What is read. One that cannot be is left out; the others are still of use."""
+        yield from self._shown()
         for name, look in self._looks.items():
             try:
                 yield _family(METRICS[name], look())
@@ -85,6 +102,21 @@ class Registry(Collector):
                 self.failures += 1
                 if self.failures.bit_count() == 1:  # 1, 2, 4, 8, ...: not a line each scrape
                     log.warning("metric_unreadable", metric=name, error=repr(error))
+
+    def _shown(self) -> Iterator[CounterMetricFamily | GaugeMetricFamily]:
+        """What the table has in a status."""
+        told = {
+            f"{status.name}.{name}": float(value or 0.0)
+            for status in self._components.statuses(_ASKED)
+            for name, value in status.values.items()
+            if not isinstance(value, str)
+        }
+        for metric in METRICS.values():
+            if isinstance(metric.read, Mapping) and metric.name not in self._looks:
+                places = metric.read.items()
+                values = {label: told[place] for label, place in places if place in told}
+                if values:
+                    yield _family(metric, values.get("", values))
 
     def _make(self, metric: Metric, sets: Mapping[str, Sequence[str]]) -> None:
         name, about, labels = metric.name, metric.help, tuple(metric.labels)

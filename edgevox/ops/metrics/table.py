@@ -14,7 +14,8 @@ QUEUES = ("conversation", "microphone", "understanding", "mouth", "recorder")
 PARTS = ("ears", "understanding", "mouth", "body", "executor", "ticker", "camera")
 MODELS = ("stt", "llm", "tts")
 
-SIMULATED, ALOUD, ON_ROS2 = "a simulated body", "an agent with a voice", "an agent on ROS 2"
+SIMULATED, MOVES = "a simulated body", "an agent with a body"
+ALOUD, ON_ROS2 = "an agent with a voice", "an agent on ROS 2"
 STEERED, SHARED = "a body that takes velocities", "an agent with `llm_endpoint`"
 
 SHORT_S = (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0, 60.0)
@@ -109,14 +110,14 @@ _READ = (
         Kind.COUNTER,
         "Questions that the model server did not answer, so that the model on board had to",
         of=SHARED,
-        read=True,
+        read={"": "llm.fallbacks"},
     ),
     Metric(
         "edgevox_llm_server_up",
         Kind.GAUGE,
         "Whether the model server is asked; 0 while it rests after a failure",
         of=SHARED,
-        read=True,
+        read={"": "llm.server_up"},
     ),
     Metric(
         "edgevox_model_weights_bytes",
@@ -130,21 +131,22 @@ _READ = (
         Kind.GAUGE,
         "Seconds that pass in the simulated world each second; 0 until that is known",
         of=SIMULATED,
-        read=True,
+        read={"": "sim.real_time_factor"},
     ),
     Metric(
         "edgevox_sim_stalled_seconds",
         Kind.GAUGE,
-        "For how long a step of the simulated world is due and has not come to a good end",
-        of=SIMULATED,
-        read=True,
+        "For how long a step of the simulated world is due and has not come to a good end; of a"
+        " robot elsewhere, for how long nothing of it is taken in",
+        of=MOVES,
+        read={"": "sim.stalled_s"},
     ),
     Metric(
         "edgevox_watchdog_halts_total",
         Kind.COUNTER,
         "Streams of cmd_vel that stopped while the robot was to move, so that it was halted",
         of=STEERED,
-        read=True,
+        read={"": "sim.watchdog_halts"},
     ),
     Metric(
         "edgevox_refused_messages_total",
@@ -159,14 +161,17 @@ _READ = (
         Kind.COUNTER,
         "Sentences, and texts to say aloud, that were not taken, by why",
         {"reason": (Refusal.TOO_LONG, Refusal.TOO_MANY)},
-        read=True,
+        read={
+            Refusal.TOO_LONG: "process.refused_too_long",
+            Refusal.TOO_MANY: "process.refused_too_many",
+        },
     ),
     Metric(
         "edgevox_executor_lag_seconds",
         Kind.GAUGE,
         "The longest that callbacks of ROS 2 had to wait, in the last minute",
         of=ON_ROS2,
-        read=True,
+        read={"": "executor.lag_s"},
     ),
     Metric(
         "edgevox_dropped_total",
@@ -174,21 +179,35 @@ _READ = (
         "What was lost since a queue was full: utterances, frames of sound, sentences to say,"
         " messages to record",
         {"queue": QUEUES},
-        read=True,
+        read={
+            "conversation": "process.refused_too_many",
+            "microphone": "audio.dropped_frames",
+            "understanding": "stt.refused",
+            "mouth": "tts.refused",
+            "recorder": "recorder.dropped_messages",
+        },
     ),
     Metric(
         "edgevox_recorded_messages_total",
         Kind.COUNTER,
         "Messages that are on the disk",
         of="the recorder",
-        read=True,
+        read={"": "recorder.written_messages"},
     ),
     Metric(
         "edgevox_failures_total",
         Kind.COUNTER,
         "Errors that a part survived",
         {"part": PARTS},
-        read=True,
+        read={
+            "ears": "audio.failed_frames",
+            "understanding": "stt.failed",
+            "mouth": "tts.failed",
+            "body": "sim.broke",
+            "executor": "executor.failed_callbacks",
+            "ticker": "executor.failed_ticks",
+            "camera": "executor.failed_images",
+        },
     ),
 )
 

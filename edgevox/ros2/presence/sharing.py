@@ -11,10 +11,11 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.interlock import Interlock
 from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
-from edgevox.ops.diagnostics.presence import Sharing
+from edgevox.core.status import Check, Status
 from edgevox.ros2.contract import PRESENCE, TAKE_OVER
 from edgevox.ros2.presence.claim import Claim, Told, new_claim, read_claim, write_claim
 from edgevox.ros2.presence.roll import MOST_OTHERS, Roll
+from edgevox.ros2.status import Sharing
 from edgevox.ros2.ticker import Ticker
 from edgevox.ros2.topics import profile
 
@@ -29,6 +30,9 @@ class Presence:
     `robot` is the body's name, empty without one. What arrives is looked at on the executor's
     thread, and the beat is the ticker's, so that this agent is seen while a callback hangs.
     """
+
+    name = "presence"
+    checks: tuple[Check, ...] = ()
 
     def __init__(self, node: Node, robot: str, interlock: Interlock, ticker: Ticker) -> None:
         self._namespace = node.get_namespace()
@@ -56,13 +60,12 @@ class Presence:
         gone = Told(replace(self._told.claim, leaving=True), in_charge=False)
         self._publisher.publish(String(data=write_claim(gone)))
 
-    @property
-    def sharing(self) -> Sharing:
+    def status(self) -> Status:
         """Who shares the namespace, for people."""
         others = tuple(str(claim) for claim in self._here.values())
         claim = self._told.claim
-        able = bool(claim.robot)
-        return Sharing(self._namespace, claim.id, others, able and not self._told.in_charge)
+        yields = bool(claim.robot) and not self._told.in_charge
+        return Sharing(self._namespace, claim.id, others, yields).status()
 
     def _beat(self) -> None:
         self._beat_due = True

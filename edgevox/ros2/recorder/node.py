@@ -6,6 +6,7 @@ from typing import Any
 
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.log import get_logger
+from edgevox.core.status import Check, Finding, Level, Status, lives, moves
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.recorder.definitions import definition
 from edgevox.ros2.recorder.inbox import Inbox
@@ -24,6 +25,8 @@ class Recorder:
     A topic whose type is not installed is left out and said. Raises `RosBridgeFailed` where ROS 2
     does not work, `EdgeVoxError` where the folder cannot be made.
     """
+
+    name = "recorder"
 
     def __init__(
         self,
@@ -50,14 +53,23 @@ class Recorder:
         self._writing.close()
 
     @property
-    def stalled_s(self) -> float:
-        """For how long nothing has been taken in."""
-        return self.ros.stalled_s
+    def checks(self) -> Sequence[Check]:
+        """What health asks of it."""
+        return (
+            Check("recording", lives(lambda: self._writing.alive)),
+            Check("ros2", moves(lambda: self.ros.stalled_s)),
+            Check("disk", lambda: self.trouble, vital=False),
+        )
 
-    @property
-    def alive(self) -> bool:
-        """Whether the thread that writes works."""
-        return self._writing.alive
+    def status(self) -> Status:
+        """How it is now."""
+        return Status.judged(
+            self.name,
+            [Finding(Level.ERROR, self.trouble)] if self.trouble else (),
+            well="records",
+            written_messages=self.written,
+            dropped_messages=sum(self.dropped.values()),
+        )
 
     @property
     def trouble(self) -> str:

@@ -7,7 +7,7 @@ LATELY_S = 10.0
 
 
 class Lately:
-    """Watches a counter that only grows. Asked from one thread."""
+    """Watches a counter that only grows. Asked from any thread."""
 
     def __init__(self, clock: Clock | None = None, window_s: float = LATELY_S) -> None:
         self._clock = clock or SystemClock()
@@ -20,5 +20,5 @@ class Lately:
         now_s = self._clock.now()
         if count > self._seen:
             self._grew_s = now_s
-        self._seen = count
+        self._seen = max(self._seen, count)
         return now_s - self._grew_s < self._window_s

@@ -1,0 +1,150 @@
+"""What hearing and speaking say of themselves: the components `audio`, `stt` and `tts`."""
+
+from edgevox.core.clock import Clock
+from edgevox.core.controls import Controls
+from edgevox.core.gauges import Gauges
+from edgevox.core.languages import LANGUAGES
+from edgevox.core.lately import Lately
+from edgevox.core.status import Check, Finding, Level, Status, lives
+from edgevox.core.trouble import trouble_of
+from edgevox.voice.audio import AudioSink, AudioSource
+from edgevox.voice.ears import Ears
+from edgevox.voice.mouth import SpeakingMouth
+from edgevox.voice.stt.base import SpeechToText
+
+SLOW_S = 3.0
+"""Who waits longer to be understood, and longer than he spoke, says it again."""
+ESPEAK = "espeak"
+
+
+class Audio:
+    """A device that was asked for and is not there is an error, lost frames are a warning."""
+
+    name = "audio"
+
+    def __init__(
+        self,
+        source: AudioSource,
+        sink: AudioSink,
+        ears: Ears,
+        mouth: SpeakingMouth,
+        *,
+        controls: Controls,
+        gauges: Gauges,
+        clock: Clock | None = None,
+    ) -> None:
+        self._source, self._sink, self._ears = source, sink, ears
+        self._controls, self._gauges = controls, gauges
+        self._losing = Lately(clock)
+        self.checks = (
+            Check("ears", lives(lambda: ears.alive)),
+            Check("mouth", lives(lambda: mouth.alive)),
+        )
+
+    def status(self) -> Status:
+        """How it is now."""
+        source_trouble, sink_trouble = trouble_of(self._source), trouble_of(self._sink)
+        troubles = {check.name: check.said() for check in self.checks}
+        troubles |= {"microphone": source_trouble, "loudspeaker": sink_trouble}
+        found = [Finding(Level.ERROR, f"{what}: {why}") for what, why in troubles.items() if why]
+        dropped = int(getattr(self._source, "dropped", 0))  # of one that can lose any
+        if self._losing.grew(dropped):
+            found.append(Finding(Level.WARN, f"frames are dropped unheard, {dropped} by now"))
+        muted = self._controls.muted
+        return Status.judged(
+            self.name,
+            found,
+            well="muted" if muted else "hears and speaks",
+            source=self._source.name,
+            source_state="retrying" if source_trouble else "open",
+            sink=self._sink.name,
+            sink_state="retrying" if sink_trouble else "open",
+            level=self._gauges.level,
+            muted=muted,
+            dropped_frames=dropped,
+            failed_frames=self._ears.failed,
+        )
+
+
+class Hearing:
+    """What could not be understood for a fault is an error, being slow or flooded a warning."""
+
+    name = "stt"
+    checks: tuple[Check, ...] = ()
+
+    def __init__(
+        self, stt: SpeechToText, ears: Ears, controls: Controls, clock: Clock | None = None
+    ) -> None:
+        self._stt, self._understanding, self._controls = stt, ears.understanding, controls
+        self._failing, self._refusing = Lately(clock), Lately(clock)
+
+    def status(self) -> Status:
+        """How it is now."""
+        last_s, sound_s = self._understanding.last or (None, None)
+        failed, refused = self._understanding.failed, self._understanding.refused
+        language, found = self._controls.language, []
+        if trouble := trouble_of(self._stt):
+            found.append(Finding(Level.ERROR, trouble))
+        if self._failing.grew(failed):
+            text = f"an utterance could not be understood, {failed} by now; the log says why"
+            found.append(Finding(Level.ERROR, text))
+        if self._refusing.grew(refused):
+            text = f"more is said than can be understood, {refused} utterances refused by now"
+            found.append(Finding(Level.WARN, text))
+        if last_s and last_s > max(SLOW_S, sound_s or 0.0):
+            found.append(Finding(Level.WARN, f"slow: the last utterance took {last_s:.1f} s"))
+        return Status.judged(
+            self.name,
+            found,
+            well="understands",
+            model=LANGUAGES[language].stt_model,
+            language=language,
+            last_s=last_s,
+            real_time_factor=last_s / sound_s if last_s and sound_s else None,
+            failed=failed,
+            refused=refused,
+        )
+
+
+class Speaking:
+    """Another voice than the one that was asked for is a warning; so is one that failed."""
+
+    name = "tts"
+    checks: tuple[Check, ...] = ()
+
+    def __init__(
+        self,
+        mouth: SpeakingMouth,
+        controls: Controls,
+        gauges: Gauges,
+        clock: Clock | None = None,
+    ) -> None:
+        self._mouth, self._controls, self._gauges = mouth, controls, gauges
+        self._failing = Lately(clock)
+
+    def status(self) -> Status:
+        """How it is now."""
+        speaker, found = self._mouth.speaker, []
+        voices = LANGUAGES[self._controls.language].voices
+        asked = next((one for one in voices if self._controls.voice in ("", one.name)), voices[0])
+        last = speaker.last[0] if speaker.last else None
+        if speaker.trouble:
+            found.append(Finding(Level.ERROR, speaker.trouble))
+        if last and last.backend == ESPEAK != asked.backend:
+            text = f"espeak-ng speaks instead of {asked.name}; edgevox doctor says what is missing"
+            found.append(Finding(Level.WARN, text))
+        if self._failing.grew(speaker.failures):
+            text = f"a voice failed, {speaker.failures} times by now; another one speaks"
+            found.append(Finding(Level.WARN, text))
+        return Status.judged(
+            self.name,
+            found,
+            well="speaks",
+            voice=last.name if last else None,
+            backend=last.backend if last else None,
+            asked=asked.name,
+            last_synthesis_s=self._gauges.synthesis_s,
+            last_first_audio_s=self._gauges.first_audio_s,
+            failed=speaker.failures,
+            refused=self._mouth.refused,
+        )
