@@ -2,9 +2,14 @@
 
 import pytest
 from doctor_rig import ERROR, OK, SKIPPED, WARNING, grades, situation
+from gguf_files import small_gguf
 
+from edgevox.agent.llm import gguf, memory
+from edgevox.agent.llm.base import ModelFailed
+from edgevox.agent.llm.factory import load_model
 from edgevox.apps.doctor import graphics, machine, models, sound, surroundings
 from edgevox.models import Store
+from edgevox.ops.diagnostics.disk import MIB
 
 PC = {"version": [3, 12, 1], "system": "Linux", "release": "6.1", "machine": "x86_64"}
 
@@ -35,22 +40,45 @@ def test_a_processor_must_have_what_the_language_model_is_built_for(changed, set
     assert machine.judge_processor(CPU | changed, situation(**settings)).grade is grade
 
 
-RAM = {"total": 8000, "available": 6000, "limit_left": None, "llm": 500}
+RAM = {"total": 8000, "free": 6000, "limited_by": "", "llm": 700}
 
 
 @pytest.mark.parametrize(
     ("changed", "settings", "grade"),
     [
         ({}, {}, OK),
-        ({"available": 600}, {}, ERROR),
-        ({"limit_left": 600}, {}, ERROR),
-        ({"available": 1000}, {}, WARNING),
-        ({"available": 1000}, {"text_mode": True}, OK),
-        ({"available": 300, "llm": 0}, {"text_mode": True}, OK),
+        ({"free": 600}, {}, ERROR),
+        ({"free": 600, "limited_by": "a control group's limit"}, {}, ERROR),
+        ({"free": 1000}, {}, WARNING),
+        ({"free": 1000}, {"text_mode": True}, OK),
+        ({"free": 300, "llm": 0}, {"text_mode": True}, OK),
     ],
 )
 def test_memory_must_hold_the_models_below_the_limit_of_a_container(changed, settings, grade):
     assert machine.judge_memory(RAM | changed, situation(**settings)).grade is grade
+
+
+def test_what_the_language_model_takes_is_what_its_loader_asks_for(tmp_path, monkeypatch):
+    path = small_gguf(tmp_path)
+    here = situation(llm=str(path), llm_context=8192)
+    needed = memory.needed_bytes(gguf.check(path), 8192)
+    assert machine.probe_memory(here)["llm"] == needed // MIB
+    there = memory.Memory(8000 * MIB, (needed // MIB - 1) * MIB, "a control group's limit")
+    monkeypatch.setattr(machine, "read_memory", lambda: there)
+    monkeypatch.setattr(memory, "read_memory", lambda: there)
+    said = machine.judge_memory(machine.probe_memory(here), here)
+    assert said.grade is ERROR
+    assert "of 8000 MiB (a control group's limit); the language model takes" in said.found
+    with pytest.raises(ModelFailed, match="out of memory: a context of 8192 tokens"):
+        load_model(path, "xllamacpp", context_tokens=8192)
+
+
+def test_a_model_that_is_not_here_yet_takes_at_least_its_size(tmp_path, monkeypatch):
+    monkeypatch.setenv("EDGEVOX_MODELS_DIR", str(tmp_path))
+    here = situation()
+    size = Store().manifest.models[here.settings.llm].size
+    assert machine.probe_memory(here)["llm"] == (size + memory.BUFFERS_BYTES) // MIB
+    assert machine.probe_memory(situation(llm="none"))["llm"] == 0
 
 
 def test_a_disk_is_judged_as_on_diagnostics():

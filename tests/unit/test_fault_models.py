@@ -16,7 +16,7 @@ from llm_server import Chat, Reply, failing, good, never, serving
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.grammar import SAY
-from edgevox.agent.llm import factory, gguf
+from edgevox.agent.llm import factory, gguf, memory
 from edgevox.agent.llm.base import ModelFailed
 from edgevox.agent.llm.endpoint import Address, EndpointModel, FallbackModel
 from edgevox.agent.llm.endpoint.breaker import FIRST_REST_S, Breaker
@@ -115,8 +115,9 @@ def test_a_model_id_that_nobody_knows_is_a_mistake_and_refused(agent):
 def test_the_context_counts_as_memory_by_what_the_file_says(tmp_path, monkeypatch):
     small_file = small_gguf(tmp_path)
     assert gguf.check(small_file).bytes_per_token == 2 * 2 * 24 * 2 * 64
-    free = factory._BUFFERS_BYTES + small_file.stat().st_size + 4096 * 12288
-    monkeypatch.setattr(factory, "_available_bytes", lambda: free)
+    free = memory.needed_bytes(gguf.Weights(small_file.stat().st_size, 12288), 4096)
+    assert free == memory.BUFFERS_BYTES + small_file.stat().st_size + 4096 * 12288
+    monkeypatch.setattr(memory, "read_memory", lambda: memory.Memory(free, free))
 
     with pytest.raises(ModelFailed, match="out of memory: a context of 4097 tokens needs"):
         factory.load_model(small_file, "xllamacpp", context_tokens=4097)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from edgevox.agent.llm import factory, gguf, tuning
+from edgevox.agent.llm import factory, gguf, memory, tuning
 from edgevox.agent.llm.base import ModelFailed
 
 
@@ -89,7 +89,8 @@ def test_a_damaged_header_is_refused_or_read_but_never_crashes(
 def test_a_model_that_does_not_fit_into_memory_is_refused(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(factory, "_available_bytes", lambda: 1_000_000)
+    there = memory.Memory(1 << 34, 1_000_000)
+    monkeypatch.setattr(memory, "read_memory", lambda: there)
 
     with pytest.raises(ModelFailed, match="out of memory"):
         factory.load_model(path, "xllamacpp")

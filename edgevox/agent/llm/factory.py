@@ -1,16 +1,14 @@
 """One way to get a language model, whichever engine is installed."""
 
 import importlib.util
-import resource
 from pathlib import Path
 from typing import Literal
 
-from edgevox.agent.llm import gguf
+from edgevox.agent.llm import gguf, memory
 from edgevox.agent.llm.base import CONTEXT_TOKENS, LanguageModel, ModelFailed
 from edgevox.agent.llm.cpu import XLLAMACPP_NEEDS, missing_features
 from edgevox.agent.llm.llama_cpp_model import LlamaCppModel
 from edgevox.agent.llm.xllamacpp_model import XllamacppModel
-from edgevox.core.cgroup import memory_left
 from edgevox.core.extras import install_extra
 
 Backend = Literal["auto", "xllamacpp", "llama-cpp-python"]
@@ -20,10 +18,6 @@ _ENGINES: dict[str, tuple[str, type[XllamacppModel] | type[LlamaCppModel]]] = {
     "llama-cpp-python": ("llama_cpp", LlamaCppModel),
 }
 """Name of each backend to the module it needs and the class that drives it, best first."""
-
-_BUFFERS_BYTES = 160 << 20
-"""Beside the weights and the cache of the context: the buffers of the engine."""
-_NOBODY_NEEDS_MORE = 1 << 60
 
 
 def load_model(
@@ -63,38 +57,10 @@ def _choose(backend: Backend) -> str:
 
 def _check_memory(path: Path, weights: gguf.Weights, context_tokens: int) -> None:
     """Refuse what cannot fit: the kernel would otherwise kill the robot's process halfway."""
-    needed = weights.size + context_tokens * weights.bytes_per_token + _BUFFERS_BYTES
-    free = _available_bytes()
-    if free is not None and needed > free:
+    needed, there = memory.needed_bytes(weights, context_tokens), memory.read_memory()
+    if there and needed > there.free:
         raise ModelFailed(
             f"{path}: out of memory: a context of {context_tokens} tokens needs about"
-            f" {needed / 1e9:.1f} GB, {free / 1e9:.1f} GB are free; choose a smaller model (llm),"
-            " a smaller context (llm_context) or a server (llm_endpoint)"
+            f" {needed / 1e9:.1f} GB, {there.free / 1e9:.1f} GB are free; choose a smaller model"
+            " (llm), a smaller context (llm_context) or a server (llm_endpoint)"
         )
-
-
-def _available_bytes() -> int | None:
-    """What the kernel can give, and the limits of container and process allow; None if unknown."""
-    given = (_free_bytes(), memory_left(), _address_space_left())
-    return min((one for one in given if one is not None), default=None)
-
-
-def _address_space_left() -> int | None:
-    """What `ulimit -v` allows; None where there is no such limit."""
-    most, _ = resource.getrlimit(resource.RLIMIT_AS)
-    if not 0 <= most < _NOBODY_NEEDS_MORE:
-        return None
-    taken = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
-    return max(0, most - taken * resource.getpagesize())
-
-
-def _free_bytes() -> int | None:
-    """What the machine has without swapping."""
-    try:
-        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
-    except OSError:
-        return None
-    for line in lines:
-        if line.startswith("MemAvailable:"):
-            return int(line.split()[1]) * 1024
-    return None

@@ -7,17 +7,22 @@ import sys
 import time
 from pathlib import Path
 
+from edgevox.agent.llm import gguf
 from edgevox.agent.llm.cpu import XLLAMACPP_NEEDS, missing_features
+from edgevox.agent.llm.memory import needed_bytes, read_memory
 from edgevox.apps.doctor.verdict import Facts, Situation, Verdict, error, ok, warning
 from edgevox.apps.folders import written_folders
-from edgevox.core.cgroup import cpu_quota, memory_left, usable_cpus
+from edgevox.apps.language_model import find_weights
+from edgevox.core.cgroup import cpu_quota, usable_cpus
+from edgevox.core.errors import EdgeVoxError
+from edgevox.core.settings import Settings
 from edgevox.core.status import Level
 from edgevox.models import Store
 from edgevox.ops.diagnostics.disk import MIB, Room, rooms
 
 PYTHONS = ((3, 11), (3, 12), (3, 13))
-LLM_EXTRA_MIB, VOICE_MIB = 200, 600
-"""Beside the weights of the language model: its buffers; ears, mouth and the rest."""
+VOICE_MIB = 600
+"""Ears, mouth and the rest, beside the language model."""
 LEAST_CORES = 2
 _UNSYNCHRONISED = 0x40  # STA_UNSYNC of adjtimex(2)
 _BUILT_S = 1_704_067_200.0  # 2024: a clock before that was never set
@@ -73,26 +78,27 @@ def judge_processor(facts: Facts, situation: Situation) -> Verdict:
 
 
 def probe_memory(situation: Situation) -> Facts:
-    """MiB of all kinds, and of the language model that is asked for."""
-    lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
-    free = {line.partition(":")[0]: int(line.split()[1]) // 1024 for line in lines}
-    left = memory_left()
+    """MiB that there are, and what the language model that is asked for takes, as its loader says.
+
+    Raises `OSError` where the kernel does not tell.
+    """
+    there = read_memory()
+    if there is None:
+        raise OSError("/proc/meminfo cannot be read")
     return {
-        "total": free["MemTotal"],
-        "available": free["MemAvailable"],
-        "limit_left": None if left is None else left // MIB,
-        "llm": _llm_bytes(situation) // MIB,
+        "total": there.total // MIB,
+        "free": there.free // MIB,
+        "limited_by": there.limited_by,
+        "llm": _llm_bytes(situation.settings) // MIB,
     }
 
 
 def judge_memory(facts: Facts, situation: Situation) -> Verdict:
     """A language model that does not fit is refused at the start."""
-    limit = facts["limit_left"]
-    free = facts["available"] if limit is None else min(facts["available"], limit)
+    free, llm = facts["free"], facts["llm"]
     found = f"{free} MiB free of {facts['total']} MiB"
-    if limit is not None and limit < facts["available"]:
-        found += " (a control group's limit)"
-    llm = facts["llm"] + LLM_EXTRA_MIB if facts["llm"] else 0
+    if facts["limited_by"]:
+        found += f" ({facts['limited_by']})"
     wanted = llm + (0 if situation.settings.text_mode else VOICE_MIB)
     if llm and free < llm:
         advice = "end other programs, choose a smaller --llm, --llm-endpoint, or --llm none"
@@ -149,9 +155,11 @@ def _synchronised() -> bool | None:
     return not status & _UNSYNCHRONISED
 
 
-def _llm_bytes(situation: Situation) -> int:
-    name = situation.settings.llm
-    store = Store()
-    if model := store.manifest.models.get(name):
-        return model.size
-    return Path(name).stat().st_size if Path(name).is_file() else 0
+def _llm_bytes(settings: Settings) -> int:
+    """What the loader will ask for; of weights that are not here yet, without their context."""
+    try:
+        path = find_weights(settings)
+        return needed_bytes(gguf.check(path), settings.llm_context) if path else 0
+    except EdgeVoxError:
+        model = Store().manifest.models.get(settings.llm)
+        return needed_bytes(gguf.Weights(model.size, 0), settings.llm_context) if model else 0
