@@ -18,7 +18,7 @@ from edgevox.ros2.parameters import Parameters, declare
 from edgevox.ros2.presence import Presence
 from edgevox.ros2.queries import QueryServices
 from edgevox.ros2.skill_action import open_skill_action
-from edgevox.ros2.status import Executor
+from edgevox.ros2.status import Executor, Turning
 from edgevox.ros2.ticker import MakeTicker, Ticker
 from edgevox.ros2.topics import Topics
 from edgevox.ros2.wiring import Wiring
@@ -42,17 +42,17 @@ class Refuses(Protocol):
 class RosBridge:
     """EdgeVox as a ROS 2 node: what `contract` promises, served until `close`.
 
-    What comes at a rate is ticked by what `tickers` makes: one for all, and one for the camera.
+    What comes at a rate is ticked by what `tickers` makes: one for all, one for the camera, and one
+    for /diagnostics, which must say it when a body keeps the first one waiting.
     Raises `RosBridgeFailed` where ROS 2 does not work or a parameter cannot be honoured.
     """
-
-    missing = ""
 
     def __init__(
         self, wiring: Wiring, ros_args: Sequence[str] = (), tickers: MakeTicker = Ticker
     ) -> None:
         self._node = RosNode(wiring.settings.ros2_namespace, ros_args)
         self._ticker, self._tickers = tickers("edgevox-ticker"), tickers
+        self._watching = tickers("edgevox-diagnostics")
         self._body = wiring.body
         self._parts: list[Part] = []
         try:
@@ -64,11 +64,13 @@ class RosBridge:
     def start(self) -> None:
         self._node.start()
         self._ticker.start()
+        self._watching.start()
 
     def close(self) -> None:
         """No more messages in or out, and nothing left behind."""
         for part in reversed(self._parts):
             part.close()
+        self._watching.close()
         self._ticker.close()
         self._node.close()
 
@@ -78,21 +80,6 @@ class RosBridge:
         return self._node.name
 
     @property
-    def stalled_s(self) -> float:
-        """For how long a callback has held up all others."""
-        return self._node.stalled_s
-
-    @property
-    def failed(self) -> int:
-        """Callbacks that raised."""
-        return self._node.failed
-
-    @property
-    def lag_s(self) -> float:
-        """The longest that callbacks had to wait in the last minute."""
-        return self._node.lag_s
-
-    @property
     def refusals(self) -> Mapping[tuple[str, ...], int]:
         """How many messages were refused, by topic and reason."""
         parts: tuple[object, ...] = (*self._parts, self._body)
@@ -100,19 +87,15 @@ class RosBridge:
         return {which: count for part in refusing for which, count in part.refusals.items()}
 
     @property
-    def failed_ticks(self) -> int:
-        """Jobs of the ticker that raised."""
-        return self._ticker.failures
-
-    @property
-    def failed_images(self) -> int:
-        """Pictures that could not be taken."""
-        return sum(part.failed_images for part in self._parts if isinstance(part, Interop))
-
-    @property
     def components(self) -> Sequence[Component]:
         """What says how it is."""
-        return (Executor(self), self._presence)
+        return (Executor(self._turning), self._presence)
+
+    def _turning(self) -> Turning:
+        node = self._node
+        failed_images = (one.failed_images for one in self._parts if isinstance(one, Interop))
+        failed_ticks = self._ticker.failures + self._watching.failures
+        return Turning(node.stalled_s, node.failed, node.lag_s, failed_ticks, sum(failed_images))
 
     def _open(self, wiring: Wiring) -> None:
         node, bus, controls = self._node.node, wiring.bus, wiring.controls
@@ -139,7 +122,7 @@ class RosBridge:
         ]
         self._parts += _audio(node, wiring)
         if wiring.components:
-            self._parts.append(DiagnosticsPublisher(node, wiring.components, self._ticker))
+            self._parts.append(DiagnosticsPublisher(node, wiring.components, self._watching))
         if wiring.goals and (action := open_skill_action(node, bus, wiring.goals)):
             self._parts.append(action)
         if wiring.body and not isinstance(wiring.body, ExternalRobot):  # it has its own topics

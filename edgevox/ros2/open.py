@@ -6,7 +6,7 @@ from typing import Protocol
 
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.status import Component
-from edgevox.ros2.status import Executor
+from edgevox.ros2.status import Executor, Turning
 from edgevox.ros2.wiring import Wiring
 
 
@@ -35,15 +35,9 @@ class NullBridge:
 
     missing = "rclpy cannot be imported"
     where = f"off, since {missing}"
-    stalled_s = 0.0
-    failed = failed_ticks = failed_images = 0
-    lag_s = 0.0
     refusals: Mapping[tuple[str, ...], int] = MappingProxyType({})
 
-    @property
-    def components(self) -> Sequence[Component]:
-        """That there is none."""
-        return (Executor(self),)
+    components: Sequence[Component] = (Executor(Turning, missing),)
 
     def start(self) -> None:
         """There is nothing to start."""

@@ -1,74 +1,54 @@
 """What the bridge says of itself: the components `executor` and `presence`. Without rclpy."""
 
-from dataclasses import dataclass
-from typing import Protocol
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
 
 from edgevox.core.clock import Clock
 from edgevox.core.lately import Lately
 from edgevox.core.status import Check, Finding, Level, Status, moves, stall
 
 
-class Executes(Protocol):
-    """Runs callbacks of ROS 2, or says why it does not."""
+@dataclass(frozen=True, slots=True)
+class Turning:
+    """How ROS 2's callbacks are served: for how long one has held up all others, how many raised,
+    the longest that one had to wait in the last minute; what failed beside them.
+    """
 
-    @property
-    def missing(self) -> str:
-        """Why it is not on ROS 2; empty if it is."""
-
-    @property
-    def stalled_s(self) -> float:
-        """For how long a callback has held up all others."""
-
-    @property
-    def failed(self) -> int:
-        """Callbacks that raised."""
-
-    @property
-    def lag_s(self) -> float:
-        """The longest that callbacks had to wait in the last minute."""
-
-    @property
-    def failed_ticks(self) -> int:
-        """Jobs of the ticker that raised."""
-
-    @property
-    def failed_images(self) -> int:
-        """Pictures that could not be taken."""
+    stalled_s: float = 0.0
+    failed_callbacks: int = 0
+    lag_s: float = 0.0
+    failed_ticks: int = 0
+    failed_images: int = 0
 
 
 class Executor:
-    """A callback that holds up the others is a warning, later an error; so is one that failed."""
+    """A callback that holds up the others is a warning, later an error; so is one that failed.
+
+    `missing` says why it is not on ROS 2; empty if it is.
+    """
 
     name = "executor"
 
-    def __init__(self, bridge: Executes, clock: Clock | None = None) -> None:
-        self._bridge = bridge
+    def __init__(
+        self, look: Callable[[], Turning], missing: str = "", clock: Clock | None = None
+    ) -> None:
+        self._look, self._missing = look, missing
         self._failing = Lately(clock)
         self.checks = (
-            Check("ros2", moves(lambda: bridge.stalled_s)),
-            Check("rclpy", lambda: bridge.missing, vital=False),
+            Check("ros2", moves(lambda: look().stalled_s)),
+            Check("rclpy", lambda: missing, vital=False),
         )
 
     def status(self) -> Status:
         """How it is now."""
-        bridge = self._bridge
-        stalled_s, failed = bridge.stalled_s, bridge.failed
-        found = stall(stalled_s, "a callback holds up all others: nothing has")
-        if bridge.missing:
-            found.append(Finding(Level.ERROR, f"not on ROS 2: {bridge.missing}"))
-        if self._failing.grew(failed):
-            text = f"a callback failed, {failed} by now; the log says why"
+        now = self._look()
+        found = stall(now.stalled_s, "a callback holds up all others: nothing has")
+        if self._missing:
+            found.append(Finding(Level.ERROR, f"not on ROS 2: {self._missing}"))
+        if self._failing.grew(now.failed_callbacks):
+            text = f"a callback failed, {now.failed_callbacks} by now; the log says why"
             found.append(Finding(Level.WARN, text))
-        return Status.judged(
-            self.name,
-            found,
-            well="turns",
-            stalled_s=stalled_s,
-            lag_s=bridge.lag_s,
-            failed_callbacks=failed,
-            failed_ticks=bridge.failed_ticks,
-            failed_images=bridge.failed_images,
-        )
+        return Status.judged(self.name, found, well="turns", **asdict(now))
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,6 +12,8 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from interop_rig import hear
 
 from edgevox.apps.composition import build_parts, start_parts
 from edgevox.core.commands import TextInput
@@ -108,15 +110,23 @@ def test_a_callback_that_blocks_the_executor_is_found_and_forgotten(node, peer):
     wait_for(port, 200)
 
 
-def test_a_step_of_the_world_that_blocks_is_found_and_forgotten(node):
+def test_a_step_of_the_world_that_blocks_is_found_and_forgotten(node, peer):
     port, parts, engine = node
+    said = hear(peer(), DiagnosticArray, "/diagnostics")
+    said.wait_until(lambda: said.messages)
     engine.free.clear()
     parts.conversation.submit(TextInput("go to the kitchen"))
     assert engine.stuck.wait(60)
     checks = wait_for(port, 503)
     assert checks["body"].startswith("has not moved for")
+    said.wait_until(lambda: sim(said.messages[-1]) == DiagnosticStatus.ERROR)
     engine.free.set()
     wait_for(port, 200)
+    said.wait_until(lambda: sim(said.messages[-1]) != DiagnosticStatus.ERROR)
+
+
+def sim(array):
+    return next(one.level for one in array.status if one.name == "/edgevox/edgevox: sim")
 
 
 def test_a_process_says_how_it_is_to_whoever_asks(agent):

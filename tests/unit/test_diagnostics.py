@@ -31,7 +31,7 @@ from edgevox.robots.physics import PymunkEngine
 from edgevox.robots.planar import PlanarRobot
 from edgevox.robots.status import Moving
 from edgevox.robots.world import load_world
-from edgevox.ros2.status import Executor
+from edgevox.ros2.status import Executor, Turning
 from edgevox.voice.status import Audio, Hearing, Speaking
 
 GIB = 1024 * MIB
@@ -275,24 +275,19 @@ def test_a_step_that_hangs_keeps_nobody_from_asking_how_its_world_is():
             engine.free.set()
 
 
-def bridge(**changed):
-    fine = {"missing": "", "stalled_s": 0.0, "failed": 0, "lag_s": 0.0}
-    return SimpleNamespace(**{**fine, **changed}, failed_ticks=0, failed_images=0)
-
-
 @pytest.mark.parametrize(
-    ("changed", "level", "later"),
+    ("seen", "missing", "level", "later"),
     [
-        ({}, Level.OK, Level.OK),
-        ({"stalled_s": 1.5}, Level.WARN, Level.WARN),
-        ({"stalled_s": STALL_S + 1}, Level.ERROR, Level.ERROR),
-        ({"failed": 3}, Level.WARN, Level.OK),
-        ({"missing": "rclpy cannot be imported"}, Level.ERROR, Level.ERROR),
+        (Turning(), "", Level.OK, Level.OK),
+        (Turning(stalled_s=1.5), "", Level.WARN, Level.WARN),
+        (Turning(stalled_s=STALL_S + 1), "", Level.ERROR, Level.ERROR),
+        (Turning(failed_callbacks=3), "", Level.WARN, Level.OK),
+        (Turning(), "rclpy cannot be imported", Level.ERROR, Level.ERROR),
     ],
 )
-def test_the_executor_says_when_a_callback_holds_up_all_others(changed, level, later):
+def test_the_executor_says_when_a_callback_holds_up_all_others(seen, missing, level, later):
     clock = Clock()
-    component = Executor(bridge(**changed), clock)
+    component = Executor(lambda: seen, missing, clock)
     assert component.status().level is level
     assert a_while_later(component, clock).level is later
 
