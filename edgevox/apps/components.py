@@ -5,15 +5,15 @@ asked for is well, and says that it is off.
 """
 
 from edgevox import __version__
-from edgevox.agent.llm.status import Thinking
+from edgevox.agent.llm.status import LlmComponent
 from edgevox.apps.folders import written_folders
 from edgevox.apps.parts import Parts
 from edgevox.core.gauges import Gauges
 from edgevox.core.status import Component, Off
-from edgevox.ops.diagnostics.disk import Disk
-from edgevox.ops.diagnostics.process import Process
-from edgevox.robots.status import Moving
-from edgevox.voice.status import Audio, Hearing, Speaking
+from edgevox.ops.diagnostics.disk import DiskComponent
+from edgevox.ops.diagnostics.process import ProcessComponent
+from edgevox.robots.status import SimComponent
+from edgevox.voice.status import AudioComponent, SttComponent, TtsComponent
 
 TYPED = "text is typed"
 
@@ -26,11 +26,11 @@ def list_components(parts: Parts, gauges: Gauges) -> None:
         stt,
         _llm(parts, gauges),
         tts,
-        Moving(parts.body) if parts.body else Off("sim", "no robot"),
+        SimComponent(parts.body) if parts.body else Off("sim", "no robot"),
         Off("executor", "no ROS 2"),
         Off("presence", "no ROS 2"),
-        Disk(lambda: written_folders(parts.settings.audio_out)),
-        Process(parts.health, __version__, lambda: parts.conversation.refusals),
+        DiskComponent(lambda: written_folders(parts.settings.audio_out)),
+        ProcessComponent(parts.health, __version__, lambda: parts.conversation.refusals),
     )
 
 
@@ -39,16 +39,18 @@ def _of_voice(parts: Parts, gauges: Gauges) -> tuple[Component, Component, Compo
     if not voice or not ears:
         return Off("audio", TYPED), Off("stt", TYPED), Off("tts", TYPED)
     return (
-        Audio(voice.source, voice.sink, ears, voice.mouth, controls=controls, gauges=gauges),
-        Hearing(voice.stt, ears, controls),
-        Speaking(voice.mouth, controls, gauges),
+        AudioComponent(
+            voice.source, voice.sink, ears, voice.mouth, controls=controls, gauges=gauges
+        ),
+        SttComponent(voice.stt, ears, controls),
+        TtsComponent(voice.mouth, controls, gauges),
     )
 
 
 def _llm(parts: Parts, gauges: Gauges) -> Component:
     if not parts.model:
         return Off("llm", "none was asked for")
-    return Thinking(
+    return LlmComponent(
         parts.model,
         gauges,
         weights=parts.model_path,

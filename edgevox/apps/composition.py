@@ -24,7 +24,7 @@ from edgevox.core.gauges import Gauges
 from edgevox.core.interlock import Interlock
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
-from edgevox.core.status import Check, Components, lives
+from edgevox.core.status import Components, HealthCheck, lives
 from edgevox.models import ModelMissing
 from edgevox.ops.health import Health
 from edgevox.ops.logs import BusLog
@@ -122,7 +122,7 @@ def start_parts(stack: ExitStack, parts: Parts, ros_args: Sequence[str] = ()) ->
     gauges = Gauges(parts.bus)
     stack.callback(gauges.close)
     list_components(parts, gauges)
-    parts.health.add(Check("conversation", lives(lambda: parts.conversation.alive)))
+    parts.health.add(HealthCheck("conversation", lives(lambda: parts.conversation.alive)))
     if parts.settings.ros2:
         bridge = open_bridge(_wiring(parts), ros_args)
         parts.components.add(*bridge.components)

@@ -59,7 +59,7 @@ class Status:
 
 
 @dataclass(frozen=True, slots=True)
-class Check:
+class HealthCheck:
     """What health asks of a component: `look` says what is wrong, empty if nothing is.
 
     Without a `vital` one the process cannot do its work and should be started again; without
@@ -86,7 +86,7 @@ class Component(Protocol):
     def name(self) -> str: ...
 
     @property
-    def checks(self) -> Sequence[Check]:
+    def checks(self) -> Sequence[HealthCheck]:
         """What health asks of it."""
 
     def status(self) -> Status:
@@ -99,7 +99,7 @@ class Off:
 
     name: str
     why: str
-    checks: tuple[Check, ...] = ()
+    checks: tuple[HealthCheck, ...] = ()
 
     def status(self) -> Status:
         """That it is off."""
@@ -117,7 +117,7 @@ class Components:
         self._by_name = {**self._by_name, **{one.name: one for one in components}}
 
     @property
-    def checks(self) -> Iterable[Check]:
+    def checks(self) -> Iterable[HealthCheck]:
         """What health asks of them."""
         return (check for one in self._by_name.values() for check in one.checks)
 

@@ -7,7 +7,7 @@ means alive, everything loaded and started, and nothing missing that it was aske
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from edgevox.core.status import Check, Components
+from edgevox.core.status import Components, HealthCheck
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,9 +37,11 @@ class Health:
 
     def __init__(self, components: Components) -> None:
         self._components = components
-        self._own: tuple[Check, ...] = (Check("start", lambda: "starting", vital=False),)
+        self._own: tuple[HealthCheck, ...] = (
+            HealthCheck("start", lambda: "starting", vital=False),
+        )
 
-    def add(self, check: Check) -> None:
+    def add(self, check: HealthCheck) -> None:
         """Ask this, too."""
         self._own = (*self._own, check)
 
@@ -56,5 +58,5 @@ class Health:
         vital_first = sorted(self._checks(), key=lambda one: not one.vital)
         return Report({one.name: one.said() for one in vital_first})
 
-    def _checks(self) -> list[Check]:
+    def _checks(self) -> list[HealthCheck]:
         return [*self._own, *self._components.checks]

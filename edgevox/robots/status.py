@@ -2,7 +2,7 @@
 
 from edgevox.core.clock import Clock
 from edgevox.core.lately import Lately
-from edgevox.core.status import Check, Finding, Level, Status, moves, stall
+from edgevox.core.status import Finding, HealthCheck, Level, Status, moves, stall
 from edgevox.core.trouble import trouble_of
 from edgevox.robots.capabilities import Body, CountsHalts, HasBattery, KeepsPace, TellsStalls
 
@@ -11,7 +11,7 @@ SLOW = 0.9
 LOW_BATTERY = 0.15
 
 
-class Moving:
+class SimComponent:
     """Standing still, breaking and having no robot are errors; being slow is a warning."""
 
     name = "sim"
@@ -20,7 +20,9 @@ class Moving:
         self._body = body
         self._breaking = Lately(clock)
         self.checks = (
-            (Check("body", moves(lambda: body.stalled_s)),) if isinstance(body, TellsStalls) else ()
+            (HealthCheck("body", moves(lambda: body.stalled_s)),)
+            if isinstance(body, TellsStalls)
+            else ()
         )
 
     def status(self) -> Status:

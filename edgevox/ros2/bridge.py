@@ -18,7 +18,7 @@ from edgevox.ros2.parameters import Parameters, declare
 from edgevox.ros2.presence import Presence
 from edgevox.ros2.queries import QueryServices
 from edgevox.ros2.skill_action import open_skill_action
-from edgevox.ros2.status import Executor, Turning
+from edgevox.ros2.status import ExecutorComponent, ExecutorCounts
 from edgevox.ros2.ticker import MakeTicker, Ticker
 from edgevox.ros2.topics import Topics
 from edgevox.ros2.wiring import Wiring
@@ -89,13 +89,15 @@ class RosBridge:
     @property
     def components(self) -> Sequence[Component]:
         """What says how it is."""
-        return (Executor(self._turning), self._presence)
+        return (ExecutorComponent(self._counts), self._presence)
 
-    def _turning(self) -> Turning:
+    def _counts(self) -> ExecutorCounts:
         node = self._node
         failed_images = (one.failed_images for one in self._parts if isinstance(one, Interop))
         failed_ticks = self._ticker.failures + self._watching.failures
-        return Turning(node.stalled_s, node.failed, node.lag_s, failed_ticks, sum(failed_images))
+        return ExecutorCounts(
+            node.stalled_s, node.failed, node.lag_s, failed_ticks, sum(failed_images)
+        )
 
     def _open(self, wiring: Wiring) -> None:
         node, bus, controls = self._node.node, wiring.bus, wiring.controls

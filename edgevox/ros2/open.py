@@ -6,7 +6,7 @@ from typing import Protocol
 
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.status import Component
-from edgevox.ros2.status import Executor, Turning
+from edgevox.ros2.status import ExecutorComponent, ExecutorCounts
 from edgevox.ros2.wiring import Wiring
 
 
@@ -37,7 +37,7 @@ class NullBridge:
     where = f"off, since {missing}"
     refusals: Mapping[tuple[str, ...], int] = MappingProxyType({})
 
-    components: Sequence[Component] = (Executor(Turning, missing),)
+    components: Sequence[Component] = (ExecutorComponent(ExecutorCounts, missing),)
 
     def start(self) -> None:
         """There is nothing to start."""

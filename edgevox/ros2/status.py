@@ -5,11 +5,11 @@ from dataclasses import asdict, dataclass
 
 from edgevox.core.clock import Clock
 from edgevox.core.lately import Lately
-from edgevox.core.status import Check, Finding, Level, Status, moves, stall
+from edgevox.core.status import Finding, HealthCheck, Level, Status, moves, stall
 
 
 @dataclass(frozen=True, slots=True)
-class Turning:
+class ExecutorCounts:
     """How ROS 2's callbacks are served: for how long one has held up all others, how many raised,
     the longest that one had to wait in the last minute; what failed beside them.
     """
@@ -21,7 +21,7 @@ class Turning:
     failed_images: int = 0
 
 
-class Executor:
+class ExecutorComponent:
     """A callback that holds up the others is a warning, later an error; so is one that failed.
 
     `missing` says why it is not on ROS 2; empty if it is.
@@ -30,13 +30,13 @@ class Executor:
     name = "executor"
 
     def __init__(
-        self, look: Callable[[], Turning], missing: str = "", clock: Clock | None = None
+        self, look: Callable[[], ExecutorCounts], missing: str = "", clock: Clock | None = None
     ) -> None:
         self._look, self._missing = look, missing
         self._failing = Lately(clock)
         self.checks = (
-            Check("ros2", moves(lambda: look().stalled_s)),
-            Check("rclpy", lambda: missing, vital=False),
+            HealthCheck("ros2", moves(lambda: look().stalled_s)),
+            HealthCheck("rclpy", lambda: missing, vital=False),
         )
 
     def status(self) -> Status:

@@ -5,7 +5,7 @@ from edgevox.core.controls import Controls
 from edgevox.core.gauges import Gauges
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.lately import Lately
-from edgevox.core.status import Check, Finding, Level, Status, lives
+from edgevox.core.status import Finding, HealthCheck, Level, Status, lives
 from edgevox.core.trouble import trouble_of
 from edgevox.voice.audio import AudioSink, AudioSource
 from edgevox.voice.ears import Ears
@@ -17,7 +17,7 @@ SLOW_S = 3.0
 ESPEAK = "espeak"
 
 
-class Audio:
+class AudioComponent:
     """A device that was asked for and is not there is an error, lost frames are a warning."""
 
     name = "audio"
@@ -37,8 +37,8 @@ class Audio:
         self._controls, self._gauges = controls, gauges
         self._losing = Lately(clock)
         self.checks = (
-            Check("ears", lives(lambda: ears.alive)),
-            Check("mouth", lives(lambda: mouth.alive)),
+            HealthCheck("ears", lives(lambda: ears.alive)),
+            HealthCheck("mouth", lives(lambda: mouth.alive)),
         )
 
     def status(self) -> Status:
@@ -66,11 +66,11 @@ class Audio:
         )
 
 
-class Hearing:
+class SttComponent:
     """What could not be understood for a fault is an error, being slow or flooded a warning."""
 
     name = "stt"
-    checks: tuple[Check, ...] = ()
+    checks: tuple[HealthCheck, ...] = ()
 
     def __init__(
         self, stt: SpeechToText, ears: Ears, controls: Controls, clock: Clock | None = None
@@ -106,11 +106,11 @@ class Hearing:
         )
 
 
-class Speaking:
+class TtsComponent:
     """Another voice than the one that was asked for is a warning; so is one that failed."""
 
     name = "tts"
-    checks: tuple[Check, ...] = ()
+    checks: tuple[HealthCheck, ...] = ()
 
     def __init__(
         self,

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from edgevox.agent.llm.status import Thinking
+from edgevox.agent.llm.status import LlmComponent
 from edgevox.core.bus import Bus
 from edgevox.core.events import AudioLevel, Outcome, TokenGenerated, TurnEnded, TurnMeasured
 from edgevox.core.gauges import Gauges
@@ -16,23 +16,23 @@ from edgevox.core.languages import LANGUAGES
 from edgevox.core.lately import LATELY_S, Lately
 from edgevox.core.status import (
     STALL_S,
-    Check,
     Components,
     Finding,
+    HealthCheck,
     Level,
     Off,
     Status,
 )
-from edgevox.ops.diagnostics.disk import MIB, Room, judge_disk, room, rooms
-from edgevox.ops.diagnostics.process import Process
+from edgevox.ops.diagnostics.disk import MIB, Room, disk_status, room, rooms
+from edgevox.ops.diagnostics.process import ProcessComponent
 from edgevox.ops.health import Health
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.physics import PymunkEngine
 from edgevox.robots.planar import PlanarRobot
-from edgevox.robots.status import Moving
+from edgevox.robots.status import SimComponent
 from edgevox.robots.world import load_world
-from edgevox.ros2.status import Executor, Turning
-from edgevox.voice.status import Audio, Hearing, Speaking
+from edgevox.ros2.status import ExecutorComponent, ExecutorCounts
+from edgevox.voice.status import AudioComponent, SttComponent, TtsComponent
 
 GIB = 1024 * MIB
 CONTROLS = SimpleNamespace(language="en", voice="", muted=False)
@@ -96,7 +96,7 @@ def test_what_happened_is_shown_for_a_while_and_then_over():
 
 
 def sound(clock, *, alive=True, muted=False, source_trouble="", sink_trouble="", dropped=0):
-    return Audio(
+    return AudioComponent(
         SimpleNamespace(name="a microphone", trouble=source_trouble, dropped=dropped),
         SimpleNamespace(name="a loudspeaker", trouble=sink_trouble),
         SimpleNamespace(alive=alive, failed=0),
@@ -135,7 +135,7 @@ def test_frames_that_were_dropped_some_time_ago_are_only_counted():
 def hearing(clock, last=None, *, refused=0, failed=0, trouble=""):
     understanding = SimpleNamespace(last=last, refused=refused, failed=failed)
     ears = SimpleNamespace(understanding=understanding)
-    return Hearing(SimpleNamespace(trouble=trouble), ears, CONTROLS, clock)
+    return SttComponent(SimpleNamespace(trouble=trouble), ears, CONTROLS, clock)
 
 
 @pytest.mark.parametrize(
@@ -179,14 +179,14 @@ def test_text_to_speech_says_when_another_voice_must_do(asked, speaks, failures,
     language = next(code for code, row in LANGUAGES.items() if voices[asked] in row.voices)
     controls = SimpleNamespace(language=language, voice=voices[asked].name)
     mouth = SimpleNamespace(speaker=speaker, refused=0)
-    assert Speaking(mouth, controls, Gauges(Bus()), Clock()).status().level is level
+    assert TtsComponent(mouth, controls, Gauges(Bus()), Clock()).status().level is level
 
 
 def thinking(clock=None, *, on_board=False, endpoint="", trouble="", failed=0):
     model = SimpleNamespace(trouble=trouble, context_tokens=4096)
     gauges = SimpleNamespace(model_failures=failed, tokens_per_s=None)
     weights = Path("a.gguf") if on_board else None
-    return Thinking(model, gauges, weights=weights, endpoint=endpoint, clock=clock)
+    return LlmComponent(model, gauges, weights=weights, endpoint=endpoint, clock=clock)
 
 
 @pytest.mark.parametrize(
@@ -210,7 +210,7 @@ def test_the_language_model_says_who_answers(changed, level, answers):
 
 def robot(clock=None, **changed):
     at_rest = {"real_time_factor": 0.0, "pace": None, "breaks": 0, "stalled_s": 0.0, "trouble": ""}
-    return Moving(SimpleNamespace(name="robot-apartment", **{**at_rest, **changed}), clock)
+    return SimComponent(SimpleNamespace(name="robot-apartment", **{**at_rest, **changed}), clock)
 
 
 @pytest.mark.parametrize(
@@ -270,7 +270,7 @@ def test_a_step_that_hangs_keeps_nobody_from_asking_how_its_world_is():
         body.set_velocity(Twist2D(0.1, 0.0))
         assert engine.stuck.wait(60)
         try:
-            assert asking.submit(Moving(body).status).result(30).name == "sim"
+            assert asking.submit(SimComponent(body).status).result(30).name == "sim"
         finally:
             engine.free.set()
 
@@ -278,16 +278,16 @@ def test_a_step_that_hangs_keeps_nobody_from_asking_how_its_world_is():
 @pytest.mark.parametrize(
     ("seen", "missing", "level", "later"),
     [
-        (Turning(), "", Level.OK, Level.OK),
-        (Turning(stalled_s=1.5), "", Level.WARN, Level.WARN),
-        (Turning(stalled_s=STALL_S + 1), "", Level.ERROR, Level.ERROR),
-        (Turning(failed_callbacks=3), "", Level.WARN, Level.OK),
-        (Turning(), "rclpy cannot be imported", Level.ERROR, Level.ERROR),
+        (ExecutorCounts(), "", Level.OK, Level.OK),
+        (ExecutorCounts(stalled_s=1.5), "", Level.WARN, Level.WARN),
+        (ExecutorCounts(stalled_s=STALL_S + 1), "", Level.ERROR, Level.ERROR),
+        (ExecutorCounts(failed_callbacks=3), "", Level.WARN, Level.OK),
+        (ExecutorCounts(), "rclpy cannot be imported", Level.ERROR, Level.ERROR),
     ],
 )
 def test_the_executor_says_when_a_callback_holds_up_all_others(seen, missing, level, later):
     clock = Clock()
-    component = Executor(lambda: seen, missing, clock)
+    component = ExecutorComponent(lambda: seen, missing, clock)
     assert component.status().level is level
     assert a_while_later(component, clock).level is later
 
@@ -304,7 +304,7 @@ def test_the_executor_says_when_a_callback_holds_up_all_others(seen, missing, le
     ],
 )
 def test_a_disk_is_full_by_what_is_left_and_a_small_one_by_which_part(free, size, level):
-    said = judge_disk([Room(Path("/data"), 1, free, size, writable=True)])
+    said = disk_status([Room(Path("/data"), 1, free, size, writable=True)])
     assert said.level is level
     assert said.values == {"/data free_mib": free // MIB}
 
@@ -315,15 +315,15 @@ def test_each_file_system_that_is_written_to_counts_once(tmp_path):
     assert here.size >= here.free > 0
     sealed = replace(room(tmp_path), writable=False)
     assert list(rooms([tmp_path], lambda _: sealed)) == []
-    assert judge_disk([]).message == "nothing is written"
+    assert disk_status([]).message == "nothing is written"
 
 
 def test_the_process_says_what_its_health_says():
     body = {"said": ""}
     health = Health(Components())
-    health.add(Check("conversation", lambda: ""))
-    health.add(Check("body", lambda: body["said"]))
-    process = Process(health, "1", lambda: {"too_long": 3, "too_many": 0})
+    health.add(HealthCheck("conversation", lambda: ""))
+    health.add(HealthCheck("body", lambda: body["said"]))
+    process = ProcessComponent(health, "1", lambda: {"too_long": 3, "too_many": 0})
     assert (process.status().level, process.status().message) == (Level.WARN, "start: starting")
     health.started()
     said = process.status()

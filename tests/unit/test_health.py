@@ -13,7 +13,7 @@ from edgevox.apps import health as command
 from edgevox.core.errors import InvalidValue
 from edgevox.core.heartbeat import Heartbeat
 from edgevox.core.settings import ENV_PREFIX, Settings
-from edgevox.core.status import STALL_S, Check, Components, lives, moves
+from edgevox.core.status import STALL_S, Components, HealthCheck, lives, moves
 from edgevox.ops.health import Health
 from edgevox.ops.health_server import HealthServer
 from edgevox.ops.http_server import MOST_AT_ONCE
@@ -51,7 +51,7 @@ def ask(server, path="/live", method="GET"):
 
 
 def test_it_is_alive_but_not_ready_until_all_is_started(health, server):
-    health.add(Check("conversation", lambda: ""))
+    health.add(HealthCheck("conversation", lambda: ""))
     assert ask(server) == (200, {"status": "ok", "checks": {"conversation": "ok"}})
     status, told = ask(server, "/ready")
     assert (status, told["checks"]["start"]) == (503, "starting")
@@ -62,8 +62,8 @@ def test_it_is_alive_but_not_ready_until_all_is_started(health, server):
 def test_what_is_missing_makes_it_not_ready_and_what_is_dead_not_alive(health, server):
     health.started()
     trouble = {"rclpy": "cannot be imported", "body": ""}
-    health.add(Check("rclpy", lambda: trouble["rclpy"], vital=False))
-    health.add(Check("body", lambda: trouble["body"]))
+    health.add(HealthCheck("rclpy", lambda: trouble["rclpy"], vital=False))
+    health.add(HealthCheck("body", lambda: trouble["body"]))
     assert (ask(server)[0], ask(server, "/ready")[0]) == (200, 503)
     trouble.update(rclpy="", body="has not moved for 7.0 s")
     assert (ask(server)[0], ask(server, "/ready")[0]) == (503, 503)
@@ -71,7 +71,7 @@ def test_what_is_missing_makes_it_not_ready_and_what_is_dead_not_alive(health, s
 
 
 def test_a_check_that_breaks_is_a_finding(health, server):
-    health.add(Check("body", lambda: 1 / 0))
+    health.add(HealthCheck("body", lambda: 1 / 0))
     status, told = ask(server)
     assert status == 503
     assert "ZeroDivisionError" in told["checks"]["body"]

@@ -6,11 +6,11 @@ from edgevox.agent.llm.base import LanguageModel
 from edgevox.core.clock import Clock
 from edgevox.core.gauges import Gauges
 from edgevox.core.lately import Lately
-from edgevox.core.status import Check, Finding, Level, Status
+from edgevox.core.status import Finding, HealthCheck, Level, Status
 from edgevox.core.trouble import trouble_of
 
 
-class Thinking:
+class LlmComponent:
     """A server that is gone is a warning while the model on board answers, else an error.
 
     `weights` is the file of the model on board, None if there is none, and `absent` why there is
@@ -32,7 +32,7 @@ class Thinking:
         self._model, self._gauges, self._endpoint, self._absent = model, gauges, endpoint, absent
         self._on_board = weights.name if weights else None
         self._failing = Lately(clock)
-        self.checks = (Check("llm", lambda: absent, vital=False),) if absent else ()
+        self.checks = (HealthCheck("llm", lambda: absent, vital=False),) if absent else ()
 
     def status(self) -> Status:
         """How it is now."""

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from edgevox.core.status import Check, Finding, Level, Status
+from edgevox.core.status import Finding, HealthCheck, Level, Status
 
 MIB = 2**20
 WARN_BYTES, WARN_PART = 1024 * MIB, 0.1
@@ -52,21 +52,21 @@ def rooms(folders: Iterable[Path], look: Callable[[Path], Room] = room) -> Itera
             yield one
 
 
-class Disk:
+class DiskComponent:
     """Says whether there is room in the file systems of these folders, which are asked anew."""
 
     name = "disk"
-    checks: tuple[Check, ...] = ()
+    checks: tuple[HealthCheck, ...] = ()
 
     def __init__(self, folders: Callable[[], Iterable[Path]]) -> None:
         self._folders = folders
 
     def status(self) -> Status:
         """How it is now."""
-        return judge_disk(rooms(self._folders()))
+        return disk_status(rooms(self._folders()))
 
 
-def judge_disk(found: Iterable[Room]) -> Status:
+def disk_status(found: Iterable[Room]) -> Status:
     """The component `disk`."""
     here = list(found)
     findings = [

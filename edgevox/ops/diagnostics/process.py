@@ -6,14 +6,14 @@ import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from edgevox.core.status import Check, Finding, Level, Status
+from edgevox.core.status import Finding, HealthCheck, Level, Status
 from edgevox.ops.health import Health
 
 PAGE = os.sysconf("SC_PAGE_SIZE")
 _TASKS = Path("/proc/self/task")
 
 
-class Process:
+class ProcessComponent:
     """What is not alive is an error, what is not ready a warning.
 
     It says what /live and /ready say, so that both always agree. `refusals` counts by reason what
@@ -21,7 +21,7 @@ class Process:
     """
 
     name = "process"
-    checks: tuple[Check, ...] = ()
+    checks: tuple[HealthCheck, ...] = ()
 
     def __init__(
         self, health: Health, version: str, refusals: Callable[[], Mapping[str, int]]

@@ -11,7 +11,7 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.interlock import Interlock
 from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
-from edgevox.core.status import Check, Status
+from edgevox.core.status import HealthCheck, Status
 from edgevox.ros2.contract import PRESENCE, TAKE_OVER
 from edgevox.ros2.presence.claim import Claim, Told, new_claim, read_claim, write_claim
 from edgevox.ros2.presence.roll import MOST_OTHERS, Roll
@@ -32,7 +32,7 @@ class Presence:
     """
 
     name = "presence"
-    checks: tuple[Check, ...] = ()
+    checks: tuple[HealthCheck, ...] = ()
 
     def __init__(self, node: Node, robot: str, interlock: Interlock, ticker: Ticker) -> None:
         self._namespace = node.get_namespace()

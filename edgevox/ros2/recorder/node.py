@@ -6,7 +6,7 @@ from typing import Any
 
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.log import get_logger
-from edgevox.core.status import Check, Finding, Level, Status, lives, moves
+from edgevox.core.status import Finding, HealthCheck, Level, Status, lives, moves
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.recorder.definitions import definition
 from edgevox.ros2.recorder.inbox import Inbox
@@ -53,12 +53,12 @@ class Recorder:
         self._writing.close()
 
     @property
-    def checks(self) -> Sequence[Check]:
+    def checks(self) -> Sequence[HealthCheck]:
         """What health asks of it."""
         return (
-            Check("recording", lives(lambda: self._writing.alive)),
-            Check("ros2", moves(lambda: self.ros.stalled_s)),
-            Check("disk", lambda: self.trouble, vital=False),
+            HealthCheck("recording", lives(lambda: self._writing.alive)),
+            HealthCheck("ros2", moves(lambda: self.ros.stalled_s)),
+            HealthCheck("disk", lambda: self.trouble, vital=False),
         )
 
     def status(self) -> Status:
