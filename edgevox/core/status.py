@@ -18,7 +18,10 @@ Value = bool | int | float | str | None
 
 
 class Level(IntEnum):
-    """How well something is, in the words and numbers of `diagnostic_msgs`."""
+    """How well something is, in the words and numbers of `diagnostic_msgs`.
+
+    Stale is what nobody has looked at.
+    """
 
     OK = 0
     WARN = 1

@@ -1,9 +1,10 @@
-"""What the doctor's tests share: the grades, and a machine of which something is asked."""
+"""What the doctor's tests share: the levels, and a machine of which something is asked."""
 
-from edgevox.apps.doctor.verdict import Grade, Situation, Verdict
+from edgevox.apps.doctor.verdict import Situation, Verdict
 from edgevox.core.settings import check_settings
+from edgevox.core.status import Level
 
-OK, SKIPPED, WARNING, ERROR = Grade
+OK, SKIPPED, WARNING, ERROR = Level.OK, Level.STALE, Level.WARN, Level.ERROR
 
 
 def situation(agent="", refused="", environment=None, **settings):
@@ -11,5 +12,5 @@ def situation(agent="", refused="", environment=None, **settings):
     return Situation(given, environment or {}, agent, refused=refused)
 
 
-def grades(said):
-    return [one.grade for one in ([said] if isinstance(said, Verdict) else said)]
+def levels(said):
+    return [one.level for one in ([said] if isinstance(said, Verdict) else said)]

@@ -44,7 +44,7 @@ def test_a_check_that_breaks_is_an_error_and_what_needs_it_is_not_tried(monkeypa
         Check("clock", "", lambda _: {}, lambda *_: [ok("set"), warning("late")]),
     ]
     answers = ask(checks, situation())
-    assert [(one.check, one.verdict.grade) for one in answers] == [
+    assert [(one.check, one.verdict.level) for one in answers] == [
         ("ros2", ERROR),
         ("round trip", SKIPPED),
         ("disk", ERROR),

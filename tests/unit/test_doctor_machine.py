@@ -1,7 +1,7 @@
 """The doctor's judgement of a machine, from plain values."""
 
 import pytest
-from doctor_rig import ERROR, OK, SKIPPED, WARNING, grades, situation
+from doctor_rig import ERROR, OK, SKIPPED, WARNING, levels, situation
 from gguf_files import small_gguf
 
 from edgevox.agent.llm import gguf, memory
@@ -15,18 +15,18 @@ PC = {"version": [3, 12, 1], "system": "Linux", "release": "6.1", "machine": "x8
 
 
 @pytest.mark.parametrize(
-    ("changed", "grade"),
+    ("changed", "level"),
     [({}, OK), ({"version": [3, 10, 2]}, ERROR), ({"system": "Darwin"}, WARNING)],
 )
-def test_python_must_be_one_that_the_packages_are_built_for(changed, grade):
-    assert machine.judge_python(PC | changed, situation()).grade is grade
+def test_python_must_be_one_that_the_packages_are_built_for(changed, level):
+    assert machine.judge_python(PC | changed, situation()).level is level
 
 
 CPU = {"cores": 8, "usable": 8, "quota": None, "missing": []}
 
 
 @pytest.mark.parametrize(
-    ("changed", "settings", "grade"),
+    ("changed", "settings", "level"),
     [
         ({}, {}, OK),
         ({"missing": ["avx2"]}, {}, ERROR),
@@ -36,15 +36,15 @@ CPU = {"cores": 8, "usable": 8, "quota": None, "missing": []}
         ({"usable": 2, "quota": 2.5}, {}, OK),
     ],
 )
-def test_a_processor_must_have_what_the_language_model_is_built_for(changed, settings, grade):
-    assert machine.judge_processor(CPU | changed, situation(**settings)).grade is grade
+def test_a_processor_must_have_what_the_language_model_is_built_for(changed, settings, level):
+    assert machine.judge_processor(CPU | changed, situation(**settings)).level is level
 
 
 RAM = {"total": 8000, "free": 6000, "limited_by": "", "llm": 700}
 
 
 @pytest.mark.parametrize(
-    ("changed", "settings", "grade"),
+    ("changed", "settings", "level"),
     [
         ({}, {}, OK),
         ({"free": 600}, {}, ERROR),
@@ -54,8 +54,8 @@ RAM = {"total": 8000, "free": 6000, "limited_by": "", "llm": 700}
         ({"free": 300, "llm": 0}, {"text_mode": True}, OK),
     ],
 )
-def test_memory_must_hold_the_models_below_the_limit_of_a_container(changed, settings, grade):
-    assert machine.judge_memory(RAM | changed, situation(**settings)).grade is grade
+def test_memory_must_hold_the_models_below_the_limit_of_a_container(changed, settings, level):
+    assert machine.judge_memory(RAM | changed, situation(**settings)).level is level
 
 
 def test_what_the_language_model_takes_is_what_its_loader_asks_for(tmp_path, monkeypatch):
@@ -67,7 +67,7 @@ def test_what_the_language_model_takes_is_what_its_loader_asks_for(tmp_path, mon
     monkeypatch.setattr(machine, "read_memory", lambda: there)
     monkeypatch.setattr(memory, "read_memory", lambda: there)
     said = machine.judge_memory(machine.probe_memory(here), here)
-    assert said.grade is ERROR
+    assert said.level is ERROR
     assert "of 8000 MiB (a control group's limit); the language model takes" in said.found
     with pytest.raises(ModelFailed, match="out of memory: a context of 8192 tokens"):
         load_model(path, "xllamacpp", context_tokens=8192)
@@ -84,45 +84,45 @@ def test_a_model_that_is_not_here_yet_takes_at_least_its_size(tmp_path, monkeypa
 def test_a_disk_is_judged_as_on_diagnostics():
     gib = 2**30
     facts = {"rooms": [["/a", 1, 50 * gib, 100 * gib, True], ["/b", 2, 1000, 100 * gib, True]]}
-    assert grades(machine.judge_disk(facts, situation())) == [OK, ERROR]
+    assert levels(machine.judge_disk(facts, situation())) == [OK, ERROR]
 
 
 @pytest.mark.parametrize(
-    ("now_s", "synchronised", "grade"),
+    ("now_s", "synchronised", "level"),
     [(1.8e9, True, OK), (1.8e9, None, OK), (1.8e9, False, WARNING), (1000.0, True, ERROR)],
 )
-def test_a_clock_must_have_been_set(now_s, synchronised, grade):
+def test_a_clock_must_have_been_set(now_s, synchronised, level):
     facts = {"now": now_s, "synchronised": synchronised}
-    assert machine.judge_clock(facts, situation()).grade is grade
+    assert machine.judge_clock(facts, situation()).level is level
 
 
 def test_a_misspelled_variable_is_found_and_nonsense_is_an_error():
     here = situation(environment={"EDGEVOX_LANGAUGE": "en", "EDGEVOX_LLM": "none"})
     said = surroundings.judge_settings(surroundings.probe_settings(here), here)
-    assert grades(said) == [WARNING, OK]
+    assert levels(said) == [WARNING, OK]
     assert "did you mean EDGEVOX_LANGUAGE" in said[0].found
     refused = situation(refused="EDGEVOX_LANGUAGE: got 'xx'")
-    assert grades(surroundings.judge_settings({"given": [], "unknown": []}, refused)) == [ERROR]
+    assert levels(surroundings.judge_settings({"given": [], "unknown": []}, refused)) == [ERROR]
 
 
 @pytest.mark.parametrize(
-    ("facts", "grade"),
+    ("facts", "level"),
     [
         ({"tmp": True, "logs": True, "at": "/l"}, OK),
         ({"tmp": True, "logs": False, "at": "/l"}, WARNING),
         ({"tmp": False, "logs": True, "at": "/l"}, ERROR),
     ],
 )
-def test_files_must_be_writable_where_they_are_made(facts, grade):
-    assert surroundings.judge_folders(facts, situation()).grade is grade
+def test_files_must_be_writable_where_they_are_made(facts, level):
+    assert surroundings.judge_folders(facts, situation()).level is level
 
 
 @pytest.mark.parametrize(
-    ("inside", "uid", "grade"), [(False, 0, SKIPPED), (True, 1000, OK), (True, 0, WARNING)]
+    ("inside", "uid", "level"), [(False, 0, SKIPPED), (True, 1000, OK), (True, 0, WARNING)]
 )
-def test_a_container_needs_no_root(inside, uid, grade):
+def test_a_container_needs_no_root(inside, uid, level):
     facts = {"inside": inside, "uid": uid, "read_only": True}
-    assert surroundings.judge_container(facts, situation()).grade is grade
+    assert surroundings.judge_container(facts, situation()).level is level
 
 
 SEEN = {
@@ -148,7 +148,7 @@ SEEN = {
 )
 def test_models_that_are_needed_must_be_right(found, expected):
     said = models.judge_models(SEEN | {"found": SEEN["found"] | found}, situation())
-    assert grades(said) == expected
+    assert levels(said) == expected
     for name, state in found.items():
         if state == "damaged":
             assert f"edgevox-models verify {name}; edgevox-models fetch" in said[0].advice
@@ -174,7 +174,7 @@ def test_a_truncated_and_an_altered_file_are_damaged_and_one_that_is_gone_absent
     (folder / "model.bin").write_bytes(b"cut")
     facts = models.probe_models(here)
     assert facts["found"]["whisper-tiny.en"] == "damaged"
-    assert grades(models.judge_models(facts, here))[0] is ERROR
+    assert levels(models.judge_models(facts, here))[0] is ERROR
     (folder / "model.bin").unlink()
     file = min(Store().manifest.models["whisper-tiny.en"].files, key=lambda one: one.size)
     (folder / file.name).write_bytes(b"x" * file.size)
@@ -198,11 +198,11 @@ DEVICES = {"library": "", "inputs": ["USB microphone"], "outputs": ["HDMI"]}
     ],
 )
 def test_sound_must_be_there_as_far_as_it_is_asked_for(changed, settings, expected):
-    assert grades(sound.judge_sound(DEVICES | changed, situation(**settings))) == expected
+    assert levels(sound.judge_sound(DEVICES | changed, situation(**settings))) == expected
 
 
 @pytest.mark.parametrize(
-    ("facts", "settings", "grade"),
+    ("facts", "settings", "level"),
     [
         ({"failed": "", "samples": 100}, {}, OK),
         ({"failed": "not installed", "samples": 0}, {}, WARNING),
@@ -210,26 +210,26 @@ def test_sound_must_be_there_as_far_as_it_is_asked_for(changed, settings, expect
         ({"failed": "", "samples": 0}, {}, WARNING),
     ],
 )
-def test_the_last_resort_must_speak(facts, settings, grade):
-    assert sound.judge_espeak(facts, situation(**settings)).grade is grade
+def test_the_last_resort_must_speak(facts, settings, level):
+    assert sound.judge_espeak(facts, situation(**settings)).level is level
 
 
 @pytest.mark.parametrize(
-    ("facts", "grade"),
+    ("facts", "level"),
     [
         ({"names": [], "failed": ""}, OK),
         ({"names": ["L4"], "failed": ""}, OK),
         ({"names": [], "failed": "Driver/library version mismatch"}, WARNING),
     ],
 )
-def test_a_gpu_is_not_needed_but_a_broken_driver_is_said(facts, grade):
-    assert graphics.judge_gpu(facts, situation()).grade is grade
+def test_a_gpu_is_not_needed_but_a_broken_driver_is_said(facts, level):
+    assert graphics.judge_gpu(facts, situation()).level is level
 
 
 @pytest.mark.parametrize(
-    ("failed", "installed", "grade"),
+    ("failed", "installed", "level"),
     [("", True, OK), ("", False, SKIPPED), ("no libEGL", True, WARNING)],
 )
-def test_without_opengl_only_pictures_are_missing(failed, installed, grade):
+def test_without_opengl_only_pictures_are_missing(failed, installed, level):
     facts = {"backend": "egl", "failed": failed, "installed": installed}
-    assert graphics.judge_egl(facts, situation()).grade is grade
+    assert graphics.judge_egl(facts, situation()).level is level

@@ -1,7 +1,7 @@
 """The doctor's judgement of ROS 2 and the network below it, from plain values."""
 
 import pytest
-from doctor_rig import ERROR, OK, SKIPPED, WARNING, grades, situation
+from doctor_rig import ERROR, OK, SKIPPED, WARNING, levels, situation
 
 from edgevox.apps.doctor import network, ros
 
@@ -9,7 +9,7 @@ RCLPY = {"missing": "", "failed": "", "middleware": "rmw_fastrtps_cpp", "install
 
 
 @pytest.mark.parametrize(
-    ("changed", "settings", "grade"),
+    ("changed", "settings", "level"),
     [
         ({}, {}, OK),
         ({"missing": "no module rclpy"}, {}, SKIPPED),
@@ -17,18 +17,18 @@ RCLPY = {"missing": "", "failed": "", "middleware": "rmw_fastrtps_cpp", "install
         ({"failed": "librmw_x.so"}, {}, ERROR),
     ],
 )
-def test_a_middleware_must_load_and_ros2_be_there_if_it_is_asked_for(changed, settings, grade):
-    assert ros.judge_middleware(RCLPY | changed, situation(**settings)).grade is grade
+def test_a_middleware_must_load_and_ros2_be_there_if_it_is_asked_for(changed, settings, level):
+    assert ros.judge_middleware(RCLPY | changed, situation(**settings)).level is level
 
 
 def test_interfaces_that_are_not_built_are_named():
     said = ros.judge_interfaces({"missing": ["edgevox_msgs.action"]}, situation())
-    assert (said.grade, "edgevox_msgs" in said.found) == (WARNING, True)
-    assert ros.judge_interfaces({"missing": []}, situation()).grade is OK
+    assert (said.level, "edgevox_msgs" in said.found) == (WARNING, True)
+    assert ros.judge_interfaces({"missing": []}, situation()).level is OK
 
 
 @pytest.mark.parametrize(
-    ("domain", "grade"),
+    ("domain", "level"),
     [
         ("", OK),
         ("0", OK),
@@ -41,9 +41,9 @@ def test_interfaces_that_are_not_built_are_named():
         ("４", ERROR),
     ],
 )
-def test_a_domain_must_be_a_number_whose_ports_are_free(domain, grade):
+def test_a_domain_must_be_a_number_whose_ports_are_free(domain, level):
     facts = {"domain": domain, "low": 32768, "high": 60999}
-    assert ros.judge_domain(facts, situation()).grade is grade
+    assert ros.judge_domain(facts, situation()).level is level
 
 
 @pytest.mark.parametrize(
@@ -59,11 +59,11 @@ def test_a_domain_must_be_a_number_whose_ports_are_free(domain, grade):
 )
 def test_discovery_must_be_in_words_that_exist(environment, expected):
     here = situation(environment=environment)
-    assert grades(ros.judge_discovery(ros.probe_discovery(here), here)) == expected
+    assert levels(ros.judge_discovery(ros.probe_discovery(here), here)) == expected
 
 
 @pytest.mark.parametrize(
-    ("trip_ms", "environment", "grade"),
+    ("trip_ms", "environment", "level"),
     [
         (1.2, {}, OK),
         (500.0, {}, WARNING),
@@ -71,13 +71,13 @@ def test_discovery_must_be_in_words_that_exist(environment, expected):
         (None, {"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}, WARNING),
     ],
 )
-def test_a_message_must_come_back(trip_ms, environment, grade):
+def test_a_message_must_come_back(trip_ms, environment, level):
     facts = {"met_s": 0.4, "trip_ms": trip_ms, "tried_s": 10.0}
-    assert ros.judge_round_trip(facts, situation(environment=environment)).grade is grade
+    assert ros.judge_round_trip(facts, situation(environment=environment)).level is level
 
 
 @pytest.mark.parametrize(
-    ("interfaces", "grade"),
+    ("interfaces", "level"),
     [
         ({"lo 127.0.0.1": "", "eth0 10.0.0.2": ""}, OK),
         ({"lo 127.0.0.1": ""}, OK),
@@ -85,8 +85,8 @@ def test_a_message_must_come_back(trip_ms, environment, grade):
         ({"eth0 10.0.0.2": "nothing is heard", "wlan0 10.1.0.2": ""}, OK),
     ],
 )
-def test_multicast_must_work_on_a_network_if_there_is_one(interfaces, grade):
-    assert network.judge_multicast({"interfaces": interfaces}, situation()).grade is grade
+def test_multicast_must_work_on_a_network_if_there_is_one(interfaces, level):
+    assert network.judge_multicast({"interfaces": interfaces}, situation()).level is level
 
 
 SHM = {"there": True, "writable": True, "size_mib": 256, "free_mib": 200}
@@ -94,7 +94,7 @@ SHM |= {"stale": 0, "stale_mib": 0}
 
 
 @pytest.mark.parametrize(
-    ("changed", "grade"),
+    ("changed", "level"),
     [
         ({}, OK),
         ({"there": False}, WARNING),
@@ -105,8 +105,8 @@ SHM |= {"stale": 0, "stale_mib": 0}
         ({"size_mib": 32}, WARNING),
     ],
 )
-def test_shared_memory_must_be_large_and_free(changed, grade):
-    assert network.judge_shared_memory(SHM | changed, situation()).grade is grade
+def test_shared_memory_must_be_large_and_free(changed, level):
+    assert network.judge_shared_memory(SHM | changed, situation()).level is level
 
 
 def test_a_segment_is_stale_once_nobody_holds_its_lock(tmp_path, monkeypatch):
@@ -124,5 +124,5 @@ def test_a_segment_is_stale_once_nobody_holds_its_lock(tmp_path, monkeypatch):
 @pytest.mark.parametrize("most", [None, 212992, 4 * 2**20])
 def test_small_buffers_are_a_hint_and_no_fault(most):
     said = network.judge_buffers({"rmem_max": most}, situation())
-    assert said.grade is OK
+    assert said.level is OK
     assert bool(said.advice) == (most == 212992)

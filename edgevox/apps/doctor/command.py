@@ -9,11 +9,12 @@ from pathlib import Path
 from edgevox.apps.doctor.checks import CHECKS
 from edgevox.apps.doctor.report import as_json, print_table, worst
 from edgevox.apps.doctor.runner import ask
-from edgevox.apps.doctor.verdict import Check, Grade, Situation
+from edgevox.apps.doctor.verdict import Check, Situation
 from edgevox.apps.robots import ROBOTS
 from edgevox.apps.streams import with_streams
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.settings import ENV_PREFIX, Settings, check_settings, load_settings
+from edgevox.core.status import Level
 
 WELL, UNWELL, USAGE_ERROR = 0, 1, 2
 AGENT = "EDGEVOX_AGENT"
@@ -32,8 +33,8 @@ def main(argv: Sequence[str] | None = None, program: str = PROGRAM) -> int:
         print(as_json(answers))
     else:
         print_table(answers)
-    limit = Grade.WARNING if arguments.strict else Grade.ERROR
-    return UNWELL if worst(answers).weight >= limit.weight else WELL
+    limit = Level.WARN if arguments.strict else Level.ERROR
+    return UNWELL if worst(answers) >= limit else WELL
 
 
 def _settings(config: Path | None) -> tuple[Settings, str]:

@@ -16,7 +16,6 @@ from edgevox.apps.language_model import find_weights
 from edgevox.core.cgroup import cpu_quota, usable_cpus
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.settings import Settings
-from edgevox.core.status import Level
 from edgevox.models import Store
 from edgevox.ops.diagnostics.disk import MIB, Room, rooms
 
@@ -120,12 +119,11 @@ def probe_disk(situation: Situation) -> Facts:
 
 def judge_disk(facts: Facts, _: Situation) -> list[Verdict]:
     """By the limits that /diagnostics has, too."""
-    grades = {Level.OK: ok, Level.WARN: warning, Level.ERROR: error}
     said = []
     for path, *rest in facts["rooms"]:
         one = Room(Path(path), *rest)
         advice = f"make room in {path}" if one.level else ""
-        said.append(grades[one.level](f"{path}: {one.free // MIB} MiB free", advice))
+        said.append(Verdict(one.level, f"{path}: {one.free // MIB} MiB free", advice))
     return said or [ok("nothing that EdgeVox writes to")]
 
 

@@ -7,22 +7,24 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from edgevox.apps.doctor.verdict import Answer, Grade
+from edgevox.apps.doctor.verdict import Answer
+from edgevox.core.status import Level
 
 WIDTH = 110
 """Where there is no terminal, whose own width it would be."""
-_STYLES = {
-    Grade.OK: "green",
-    Grade.SKIPPED: "dim",
-    Grade.WARNING: "yellow",
-    Grade.ERROR: "bold red",
+_SHOWN = {
+    Level.OK: ("ok", "green"),
+    Level.STALE: ("skipped", "dim"),
+    Level.WARN: ("warning", "yellow"),
+    Level.ERROR: ("error", "bold red"),
 }
+"""Each level's word, and its style on a terminal."""
 
 
-def worst(answers: Sequence[Answer]) -> Grade:
-    """The most serious grade; what was skipped is fine."""
-    grades = {answer.verdict.grade for answer in answers} - {Grade.SKIPPED}
-    return max(grades, key=lambda grade: grade.weight, default=Grade.OK)
+def worst(answers: Sequence[Answer]) -> Level:
+    """The most serious level; what was skipped is fine."""
+    levels = {answer.verdict.level for answer in answers} - {Level.STALE}
+    return max(levels, default=Level.OK)
 
 
 def print_table(answers: Sequence[Answer]) -> None:
@@ -35,8 +37,10 @@ def print_table(answers: Sequence[Answer]) -> None:
         table.add_column(head, overflow="fold")
     for answer in answers:
         verdict = answer.verdict
-        mark = Text(verdict.grade.value, style=_STYLES[verdict.grade])
-        table.add_row(mark, answer.check, Text(verdict.found), Text(verdict.advice))
+        word, style = _SHOWN[verdict.level]
+        table.add_row(
+            Text(word, style=style), answer.check, Text(verdict.found), Text(verdict.advice)
+        )
     console.print(table)
     console.print(_counted(answers))
 
@@ -46,18 +50,18 @@ def as_json(answers: Sequence[Answer]) -> str:
     checks = [
         {
             "check": answer.check,
-            "grade": answer.verdict.grade.value,
+            "grade": _SHOWN[answer.verdict.level][0],
             "found": answer.verdict.found,
             "advice": answer.verdict.advice,
         }
         for answer in answers
     ]
-    return json.dumps({"status": worst(answers).value, "checks": checks}, indent=2)
+    return json.dumps({"status": _SHOWN[worst(answers)][0], "checks": checks}, indent=2)
 
 
 def _counted(answers: Sequence[Answer]) -> str:
-    grades = [answer.verdict.grade for answer in answers]
-    errors, warnings = grades.count(Grade.ERROR), grades.count(Grade.WARNING)
+    levels = [answer.verdict.level for answer in answers]
+    errors, warnings = levels.count(Level.ERROR), levels.count(Level.WARN)
     if not errors and not warnings:
         return "All is well."
     words = [

@@ -11,13 +11,13 @@ from edgevox.apps.doctor.verdict import (
     Answer,
     Check,
     Facts,
-    Grade,
     Situation,
     Verdict,
     error,
     skipped,
 )
 from edgevox.core.errors import EdgeVoxError
+from edgevox.core.status import Level
 
 PROBE_S = 20.0
 """A probe that takes longer hangs."""
@@ -86,7 +86,7 @@ def _unless_needed_is_missing(
 
 
 def _unusable(said: Iterable[Verdict]) -> bool:
-    return any(one.grade in (Grade.ERROR, Grade.SKIPPED) for one in said)
+    return any(one.level in (Level.ERROR, Level.STALE) for one in said)
 
 
 def _last_line(output: bytes) -> str:

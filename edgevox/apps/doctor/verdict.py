@@ -2,53 +2,39 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from enum import StrEnum
 from typing import Any
 
 from edgevox.core.settings import Settings
-
-
-class Grade(StrEnum):
-    """How serious it is."""
-
-    OK = "ok"
-    SKIPPED = "skipped"
-    WARNING = "warning"
-    ERROR = "error"
-
-    @property
-    def weight(self) -> int:
-        """The more serious, the more."""
-        return list(Grade).index(self)
+from edgevox.core.status import Level
 
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """What was found, and what to do about it."""
+    """What was found, and what to do about it. What was not looked at is stale: skipped."""
 
-    grade: Grade
+    level: Level
     found: str
     advice: str = ""
 
 
 def ok(found: str, advice: str = "") -> Verdict:
     """All is well."""
-    return Verdict(Grade.OK, found, advice)
+    return Verdict(Level.OK, found, advice)
 
 
 def skipped(found: str, advice: str = "") -> Verdict:
     """There was nothing to check."""
-    return Verdict(Grade.SKIPPED, found, advice)
+    return Verdict(Level.STALE, found, advice)
 
 
 def warning(found: str, advice: str = "") -> Verdict:
     """It works, though not as well as it could."""
-    return Verdict(Grade.WARNING, found, advice)
+    return Verdict(Level.WARN, found, advice)
 
 
 def error(found: str, advice: str = "") -> Verdict:
     """It does not work."""
-    return Verdict(Grade.ERROR, found, advice)
+    return Verdict(Level.ERROR, found, advice)
 
 
 @dataclass(frozen=True, slots=True)
