@@ -247,6 +247,16 @@ def test_a_world_that_hangs_says_so_and_is_not_waited_for():
     assert said.message == "the world has not moved for 7.0 s"
 
 
+def test_a_robot_whose_battery_cannot_be_read_is_in_trouble_and_alive():
+    def read():
+        raise OSError("no such bus")
+
+    components = Components(robot(battery=read))
+    (said,) = components.statuses()
+    assert (said.level, "no such bus" in said.message) == (Level.ERROR, True)
+    assert Health(components).live().checks == {"body": ""}
+
+
 class Sticky(PymunkEngine):
     """A world whose steps can be made to hang."""
 

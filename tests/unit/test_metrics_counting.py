@@ -28,6 +28,7 @@ from edgevox.core.events import (
     WakeWordHeard,
 )
 from edgevox.core.heartbeat import LATELY_S, Heartbeat
+from edgevox.core.status import Components, Status
 from edgevox.ops.http_server import MOST_AT_ONCE
 from edgevox.ops.metrics import MetricsServer, Registry, observe
 from edgevox.ops.metrics.table import SKILLS
@@ -158,6 +159,29 @@ def test_what_is_read_is_read_anew_and_one_that_breaks_takes_no_other_with_it(st
     assert stage.value("edgevox_threads") is None
     assert stage.value("edgevox_build_info", version="0.1", agent="robot", language="fr") == 1
     assert stage.registry.failures > 0
+
+
+class Part:
+    checks = ()
+
+    def __init__(self, name, **values):
+        self.name, self.values = name, values
+
+    def status(self):
+        if not self.values:
+            raise ZeroDivisionError
+        return Status.judged(self.name, **self.values)
+
+
+def test_what_components_say_is_read_anew_and_one_that_breaks_takes_no_other_with_it() -> None:
+    executor = Part("executor", lag_s=0.5, failed_callbacks=2)
+    registry = Registry(None, Components(Part("sim"), executor))
+    assert b"edgevox_executor_lag_seconds 0.5" in registry.text()
+    executor.values = {"lag_s": 1.5, "failed_callbacks": 2}
+    text = registry.text()
+    assert b"edgevox_executor_lag_seconds 1.5" in text
+    assert b'edgevox_failures_total{part="executor"} 2.0' in text
+    assert b"edgevox_sim_" not in text
 
 
 def test_two_agents_in_one_process_count_apart() -> None:
