@@ -43,7 +43,7 @@ def interfaces() -> dict[str, Any]:
 
 
 def round_trip() -> dict[str, Any]:
-    """A message to a node of another process and back: when the first came, and how long one takes.
+    """A message to a node of another process and back: when it came, and how long one takes.
 
     On the domain and with all settings of the environment, since those are in question.
     """
@@ -52,9 +52,11 @@ def round_trip() -> dict[str, Any]:
 
     topic = f"/edgevox_doctor/p{os.getpid()}"
     command = [sys.executable, "-m", "edgevox.ros2.probe", topic]
-    began_s = time.monotonic()
-    other = subprocess.Popen(command, stdin=subprocess.PIPE)
+    other = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     try:
+        if other.stdout:
+            other.stdout.readline()  # it is there, however long that took
+        began_s = time.monotonic()
         with _Node("edgevox_doctor") as node:
             back = threading.Event()
             node.create_subscription(
@@ -69,13 +71,15 @@ def round_trip() -> dict[str, Any]:
 
 
 def echo(topic: str) -> None:
-    """Send back what is heard, until standard input ends."""
+    """Write a line when it is there; then send back what is heard, until standard input ends."""
     from rclpy.qos import QoSProfile
     from std_msgs.msg import String
 
     with _Node("edgevox_doctor_echo") as node:
         back = node.create_publisher(String, f"{topic}/back", QoSProfile(depth=1))
         node.create_subscription(String, f"{topic}/there", back.publish, QoSProfile(depth=1))
+        sys.stdout.write("there\n")
+        sys.stdout.flush()
         sys.stdin.read()
 
 

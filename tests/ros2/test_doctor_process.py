@@ -12,7 +12,7 @@ from edgevox.apps.doctor.checks import CHECKS
 from edgevox.models import Store
 
 EDGEVOX = str(Path(AGENT).with_name("edgevox"))
-LONG_S = 120.0
+LONG_S = 600.0
 
 
 @pytest.fixture

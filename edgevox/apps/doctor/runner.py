@@ -19,7 +19,7 @@ from edgevox.apps.doctor.verdict import (
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.status import Level
 
-PROBE_S = 20.0
+PROBE_S = 60.0
 """A probe that takes longer hangs."""
 AT_ONCE = 4
 _LAST = 300
