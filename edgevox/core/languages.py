@@ -10,7 +10,6 @@ from typing import Any
 from edgevox.core.stop_words import STOP_WORDS, StopWords
 
 STT_BACKEND = "faster-whisper"
-TTS_BACKENDS = ("piper", "kokoro", "espeak")
 KOKORO_MODELS = ("kokoro-82m", "kokoro-voices")
 """The ids in edgevox-models of Kokoro's model and of all its voices."""
 
@@ -19,7 +18,7 @@ KOKORO_MODELS = ("kokoro-82m", "kokoro-voices")
 class Voice:
     """A text-to-speech voice of a language.
 
-    `backend` is one of `TTS_BACKENDS`, `key` what that backend calls the voice (espeak-ng: the
+    `backend` is piper, kokoro or espeak, `key` what that backend calls the voice (espeak-ng: the
     language). `models` are the ids in edgevox-models of what it needs.
     """
 

@@ -13,15 +13,13 @@ class Spoken:
 
     `text` is what was audible: whole sentences, and of the one that was cut the words up to the
     cut. `first_audible_s` is the clock's time of the first sample, None if nothing was played.
-    `synthesis_s` is how long the synthesiser worked for all of it, `first_chunk_s` how long after
-    the first `say` the first sound was there, None if none ever was.
+    `synthesis_s` is how long the synthesiser worked for all of it.
     """
 
     text: str
     cut: bool = False
     first_audible_s: float | None = None
     synthesis_s: float = 0.0
-    first_chunk_s: float | None = None
 
 
 class Utterance(Protocol):

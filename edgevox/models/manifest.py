@@ -132,11 +132,6 @@ class Manifest(Entry):
         return all(self.licences[licence].commercial_use for licence in model.licences)
 
 
-def load_manifest(path: Path) -> Manifest:
-    """Read a manifest from a TOML file."""
-    return parse_manifest(path.read_text(encoding="utf-8"))
-
-
 def parse_manifest(*texts: str) -> Manifest:
     """Read a manifest from TOML that may be spread over several texts.
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import LidarScan
 from edgevox.robots.shapes import Circle, Floats, Shape, edges, place, to_map
-from edgevox.robots.world_model import LidarSpec, Thing, World
+from edgevox.robots.world_model import Thing, World
 
 _PARALLEL = 1e-12
 
@@ -37,10 +37,6 @@ class Lidar:
         first_rad = -self._spec.angle_range_rad / 2
         numbers = np.arange(self._spec.beams, dtype=np.float64)
         self._angles: Floats = first_rad + self._spec.increment_rad * numbers
-
-    @property
-    def spec(self) -> LidarSpec:
-        return self._spec
 
     def scan(self, time_s: float, robot: Pose2D, movable: Sequence[Pose2D]) -> LidarScan:
         """One sweep, from where the robot and the movable things are."""

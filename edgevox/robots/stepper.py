@@ -26,13 +26,11 @@ class Pacer:
     def __init__(self, period_s: float, now_s: float) -> None:
         self._period_s = period_s
         self._due_s = now_s
-        self.dropped_s = 0.0
 
     def wait_s(self, now_s: float) -> float:
         """Seconds until the next step is due; 0 or less means now."""
         late = now_s - self._due_s
         if late > MOST_LAG_S:
-            self.dropped_s += late - MOST_LAG_S
             self._due_s = now_s - MOST_LAG_S
         return self._due_s - now_s
 

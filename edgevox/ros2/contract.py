@@ -49,7 +49,6 @@ Queries = Mapping[str, Callable[[], Mapping[str, Any]]]
 """What answers each query, by its name."""
 
 NODE_NAME = "edgevox"
-DEFAULT_NAMESPACE = "/edgevox"
 
 
 def _text(event: Transcribed | Responded | TokenGenerated | SentenceReady) -> str:

@@ -70,10 +70,6 @@ class Endpointer:
         self._early_frames = round(EARLY_S / FRAME_S)
         self.reset()
 
-    @property
-    def speaking(self) -> bool:
-        return self._speaking
-
     def reset(self) -> None:
         """Forget everything, an utterance that has begun too."""
         self._speaking = False

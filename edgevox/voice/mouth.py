@@ -99,7 +99,7 @@ class SpeakingMouth:
 
     def begin(self, token: CancelToken, on_audible: Callable[[], object]) -> Utterance:
         utterance = SpeakingUtterance(
-            token, on_audible, self._clock, self._say, lambda one: self._put(_End(one))
+            token, on_audible, self._say, lambda one: self._put(_End(one))
         )
         with self._changed:
             self._open.append(utterance)

@@ -103,7 +103,7 @@ class Speaker:
                 return False
             if chunk is None:
                 return True
-            utterance.chunk_made(self._clock.now() - began_s)
+            utterance.synthesis_s += self._clock.now() - began_s
             utterance.log.made(line, len(chunk.samples) / chunk.rate_hz, silent_end_s(chunk))
             yield chunk
 

@@ -4,7 +4,6 @@ import threading
 from collections.abc import Callable
 
 from edgevox.core.cancel import CancelToken
-from edgevox.core.clock import Clock
 from edgevox.core.log import bound_now, get_logger
 from edgevox.core.speech import Spoken
 from edgevox.voice.spoken_log import SpokenLog
@@ -22,7 +21,6 @@ class SpeakingUtterance:
         self,
         token: CancelToken,
         on_audible: Callable[[], object],
-        clock: Clock,
         say: Callable[["SpeakingUtterance", int, str], None],
         end: Callable[["SpeakingUtterance"], None],
     ) -> None:
@@ -32,17 +30,12 @@ class SpeakingUtterance:
         self.log = SpokenLog()
         self.synthesis_s = 0.0
         self._on_audible = on_audible
-        self._clock = clock
         self._say, self._end = say, end
-        self._began_s: float | None = None
-        self._first_chunk_s: float | None = None
         self._first_audible_s: float | None = None
         self._settled = threading.Event()
         self._spoken = Spoken("")
 
     def say(self, sentence: str) -> None:
-        if self._began_s is None:
-            self._began_s = self._clock.now()
         self._say(self, self.log.begin(sentence), sentence)
 
     def finish(self) -> Spoken:
@@ -54,12 +47,6 @@ class SpeakingUtterance:
     def settled(self) -> bool:
         """Whether it is known what became of it; nothing of it is played any more."""
         return self._settled.is_set()
-
-    def chunk_made(self, seconds: float) -> None:
-        """A chunk of sound is there, after so much work."""
-        self.synthesis_s += seconds
-        if self._first_chunk_s is None and self._began_s is not None:
-            self._first_chunk_s = self._clock.now() - self._began_s
 
     def audible(self, start_s: float) -> None:
         """Something that can be heard is played from this time on; only the first counts."""
@@ -78,7 +65,6 @@ class SpeakingUtterance:
             cut=cut,
             first_audible_s=self._first_audible_s,
             synthesis_s=self.synthesis_s,
-            first_chunk_s=self._first_chunk_s,
         )
         self._settled.set()
         self.token.detach()

@@ -21,16 +21,14 @@ def check_wav(path: Path, field: str = "audio_in") -> None:
         pass
 
 
-def read_wav(path: Path, rate_hz: int = RATE_HZ) -> Samples:
-    """All of a file, mono. Raises `InvalidValue` for what is not a WAV file of PCM."""
-    return np.concatenate([np.empty(0, np.int16), *stream_wav(path, rate_hz)])
+def stream_wav(path: Path) -> Iterator[Samples]:
+    """A file, mono at `RATE_HZ`, a second at a time: one of hours takes no memory.
 
-
-def stream_wav(path: Path, rate_hz: int = RATE_HZ) -> Iterator[Samples]:
-    """The same, a second at a time, so that a file of hours takes no memory."""
+    Raises `InvalidValue` for what is not a WAV file of PCM.
+    """
     with _opened(path, "audio_in") as file:
         channels, width, from_hz = file.getnchannels(), file.getsampwidth(), file.getframerate()
-        resampler = Resampler(from_hz, rate_hz)
+        resampler = Resampler(from_hz, RATE_HZ)
         while data := file.readframes(from_hz):
             whole = len(data) // (channels * width) * channels * width
             mono = _scaled(data[:whole], width).reshape(-1, channels).mean(axis=1)

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from ears_rig import loud, noises, says_espeak, silence
 from voice_engines import hear, words, wrong_words
+from voice_stage import whole_wav
 
 from edgevox.voice.audio import RATE_HZ, Chunk
-from edgevox.voice.wav import read_wav
 
 AGENT = str(Path(sys.executable).with_name("edgevox-agent"))
 
@@ -53,6 +53,6 @@ def test_who_speaks_to_it_from_a_file_is_obeyed_and_answered_into_a_file(tmp_pat
     answered = [line.strip() for line in lines if line.startswith("  ")]
     assert [words(text) for text in heard] == [words(command)]
     assert answered == [answer]
-    aloud = hear([Chunk(read_wav(answers), RATE_HZ)], "en")
+    aloud = hear([Chunk(whole_wav(answers), RATE_HZ)], "en")
     assert wrong_words(words(" ".join(answered)), aloud) <= 1
     assert done.stderr == ""

@@ -32,7 +32,7 @@ from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, EndOfSound, Fra
 from edgevox.voice.resample import resampled
 from edgevox.voice.sinks.opening import open_sink
 from edgevox.voice.tts.pool import VoicePool
-from edgevox.voice.wav import read_wav
+from edgevox.voice.wav import stream_wav
 
 PATIENCE_S = 600.0
 SEEN = (
@@ -44,6 +44,11 @@ SEEN = (
     TurnEnded,
     TurnMeasured,
 )
+
+
+def whole_wav(path):
+    """All of a WAV file, at 16 kHz."""
+    return np.concatenate([*stream_wav(path)])
 
 
 class Room:
@@ -157,7 +162,7 @@ class Stage:
 
     def answer(self):
         """What was said aloud since this was last asked, at 16 kHz."""
-        sound = read_wav(self._answers)
+        sound = whole_wav(self._answers)
         new = sound[self._heard :]
         self._heard = sound.size
         return new

@@ -125,7 +125,7 @@ def test_numbers_that_break_are_put_back_and_the_errand_fails(held_panda) -> Non
     error = asked.end()
     assert isinstance(error, SkillFailed)
     assert "physics of my world broke" in str(error)
-    assert held_panda.divergences == 1
+    assert held_panda.breaks == 1
     assert held_panda.describe_objects()["objects"]["red_cube"]["on"] == "table"
     carry_out(held_panda, held_panda.grasp, "red_cube")
     assert is_lifted(held_panda, "red_cube")

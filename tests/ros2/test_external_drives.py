@@ -16,14 +16,17 @@ from external_stage import (
     standing,
     wheels,
 )
-from peer import wait_until
+from interop_rig import hear, tell
+from peer import SENSOR, wait_until
 from rclpy.action import ActionClient, ActionServer, CancelResponse
+from sensor_msgs.msg import Image, LaserScan
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled
 from edgevox.ros2.external.locations import Location
 from edgevox.ros2.external.robot import ExternalRobot
 from edgevox.ros2.external.settings import ExternalSettings, Patience, SteeringLimits
+from edgevox.ros2.stamps import NS_PER_S, to_ns
 from edgevox_msgs.action import ExecuteSkill
 
 LOCATIONS = {"dock": Location(0.0, 0.0, math.pi), "desk": Location(1.0, 0.6, math.pi / 2)}
@@ -192,15 +195,24 @@ def test_silent_odometry_stops_the_robot_and_is_said(stage, peer, caplog):
 def test_something_in_the_way_is_waited_for_and_then_given_up(stage, peer):
     robot = stage("--scan")
     control = peer("/robot1")
-    wait_until(lambda: robot.latest_scan() is not None, "a scan")
+    scans = hear(control, LaserScan, "/robot1/scan", SENSOR)
+    wait_until(lambda: robot.state()["lidar"], "a scan")
     control.send("do", "wall 0.4")
-    wait_until(lambda: robot.latest_scan().ranges_m.min() < 1, "the wall")
+    wall = scans.wait_for(lambda scan: min(scan.ranges) < 1)
+    wait_until(lambda: robot.time_s > to_ns(wall.header.stamp) / NS_PER_S + 0.2, "the wall")
     with pytest.raises(SkillFailed, match="Something is in my way"):
         drive(robot, 3.0, 0.0).result()
     assert robot.pose().x_m < 0.2
     control.send("do", "wall")
-    wait_until(lambda: math.isinf(robot.latest_scan().ranges_m.min()), "a free way")
     drive(robot, 0.5, 0.0).result()
+
+
+def test_whether_a_camera_is_heard_is_in_its_state(stage, peer):
+    robot = stage()
+    assert robot.state()["camera"] is False
+    tell(peer(), Image, "/robot1/camera/image_raw", SENSOR)(Image())
+    wait_until(lambda: robot.state()["camera"], "a picture")
+    wait_until(lambda: not robot.state()["camera"], "a second without one")
 
 
 def test_goals_are_compared_in_the_map_where_transforms_join_it_to_odometry(stage):

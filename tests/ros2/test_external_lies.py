@@ -169,7 +169,7 @@ def test_a_transform_that_can_be_none_moves_nobody(stage):
 
 def test_nobody_is_steered_by_a_lidar_that_cannot_see(stage):
     one = stage("--scan")
-    wait_until(lambda: one.robot.latest_scan() is not None, "a scan")
+    wait_until(lambda: one.robot.state()["lidar"], "a scan")
     going = drive(one.robot, 5.0, 0.0)
     moving(one.robot)
     told_s = one.tell("blind")
@@ -177,7 +177,7 @@ def test_nobody_is_steered_by_a_lidar_that_cannot_see(stage):
         going.result()
     one.zero_since(told_s)
     one.tell("sighted")
-    wait_until(lambda: one.robot.latest_scan() is not None, "a scan")
+    wait_until(lambda: one.robot.state()["lidar"], "a scan")
     standing(one.robot)
     at = one.robot.pose()
     drive(one.robot, at.x_m + 0.3, at.y_m).result()

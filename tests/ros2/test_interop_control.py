@@ -43,6 +43,12 @@ def turned(z, w):
     return message
 
 
+def refused(robot, topic):
+    """How many messages on a topic were refused, for whatever reason."""
+    counts = robot.interop.refusals.items()
+    return sum(count for (name, _), count in counts if topic.endswith(f"/{name}"))
+
+
 def speed(robot):
     return abs(robot.body.velocity().linear_m_s)
 
@@ -65,7 +71,7 @@ def test_a_stream_that_stops_halts_the_robot_after_half_a_second(offer, peer):
 
     wait_until(drives, "driving")
     say(twist(math.nan, 0.0))
-    wait_until(lambda: robot.interop.refused_velocities, "all that was said before that, too")
+    wait_until(lambda: refused(robot, CMD_VEL), "all that was said before that, too")
     heard_s = robot.body.time_s
     while robot.body.time_s < heard_s + 0.5 - 2 * STEP_S:
         robot.body.advance(STEP_S)
@@ -81,30 +87,28 @@ def test_a_number_that_is_none_never_reaches_the_wheels(hall, peer, bad):
     wait_until(lambda: speed(hall) > 0.25, "driving")
     stream.end()
     poison = Stream(say, twist(bad, 0.0))
-    wait_until(lambda: hall.interop.refused_velocities > 3, "refusals")
+    wait_until(lambda: refused(hall, CMD_VEL) > 3, "refusals")
     wait_until(lambda: speed(hall) < 0.01, "standing in spite of the stream")
     poison.end()
     again = Stream(say, twist(0.3, 0.0))
     wait_until(lambda: speed(hall) > 0.25, "driving again")
     again.end()
-    assert hall.interop.clamped_velocities == 0
 
 
 def test_a_message_with_a_nan_in_a_number_that_is_not_used_is_refused_too(hall, peer):
     broken = twist(0.3, 0.0)
     broken.linear.z = math.nan
     tell(peer(), Twist, CMD_VEL)(broken)
-    wait_until(lambda: hall.interop.refused_velocities == 1, "a refusal")
+    wait_until(lambda: refused(hall, CMD_VEL) == 1, "a refusal")
     assert speed(hall) < 0.01
 
 
-def test_more_than_the_limits_is_clamped_and_counted(hall, peer):
+def test_more_than_the_limits_is_clamped(hall, peer):
     stream = Stream(tell(peer(), Twist, CMD_VEL), twist(1e30, 0.0))
     wait_until(lambda: speed(hall) > 0.75, "full speed")
     stream.end()
     assert speed(hall) < 0.81
-    assert hall.interop.clamped_velocities > 1
-    assert hall.interop.refused_velocities == 0
+    assert not refused(hall, CMD_VEL)
 
 
 @pytest.mark.parametrize("linear", [0.2, 0.0])
@@ -181,7 +185,7 @@ def test_a_goal_that_could_be_misread_is_refused(hall, peer, bad):
     hear(one, PoseStamped, POSE).wait_for(lambda m: True)
     say = tell(one, PoseStamped, GOAL_POSE)
     say(bad)
-    wait_until(lambda: hall.interop.refused_goals == 1, "a refusal")
+    wait_until(lambda: refused(hall, GOAL_POSE) == 1, "a refusal")
     say(goal("map", 3.0, 1.5))
     assert hall.asked.wait_for(lambda m: True) == ("navigate_xy", {"x": 3.0, "y": 1.5})
     assert len(hall.asked.messages) == 1
@@ -192,7 +196,7 @@ def test_a_goal_whose_orientation_nobody_set_is_taken(hall, peer):
     hear(one, PoseStamped, POSE).wait_for(lambda m: True)
     tell(one, PoseStamped, GOAL_POSE)(turned(0.0, 0.0))
     assert hall.asked.wait_for(lambda m: True)[0] == "navigate_xy"
-    assert hall.interop.refused_goals == 0
+    assert refused(hall, GOAL_POSE) == 0
 
 
 def test_a_goal_of_a_time_that_is_not_remembered_is_refused(hall, peer):
@@ -200,5 +204,5 @@ def test_a_goal_of_a_time_that_is_not_remembered_is_refused(hall, peer):
     now = hear(one, PoseStamped, POSE).wait_for(lambda m: True).header.stamp
     now.sec -= 3600
     tell(one, PoseStamped, GOAL_POSE)(goal("base_link", 1.0, 0.0, stamp=now))
-    wait_until(lambda: hall.interop.refused_goals == 1, "a refusal")
+    wait_until(lambda: refused(hall, GOAL_POSE) == 1, "a refusal")
     assert not hall.asked.messages

@@ -59,7 +59,6 @@ def test_after_a_stall_it_catches_up_a_little_and_drops_the_rest() -> None:
         steps += 1
 
     assert steps == pytest.approx(MOST_LAG_S / 0.02, abs=1)
-    assert pacer.dropped_s == pytest.approx(10.0 - MOST_LAG_S)
 
 
 def test_a_step_that_fails_is_logged_once_in_a_while_and_the_next_one_comes(

@@ -92,7 +92,7 @@ def test_the_action_and_the_names_are_the_contracts():
     (action,) = PROMISED["actions"].items()
     assert (action[0], action[1]["type"]) == contract.ACTION
     assert PROMISED["node"] == contract.NODE_NAME
-    assert PROMISED["default_namespace"] == contract.DEFAULT_NAMESPACE
+    assert PROMISED["default_namespace"] == Settings.model_fields["ros2_namespace"].default
 
 
 @pytest.mark.parametrize(

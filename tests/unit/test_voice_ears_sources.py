@@ -15,7 +15,7 @@ from edgevox.voice.sources.nothing import Nothing
 from edgevox.voice.sources.opening import open_source
 from edgevox.voice.sources.pushed import MAX_FRAMES, Pushed
 from edgevox.voice.sources.soundcard import SoundCard
-from edgevox.voice.wav import read_wav
+from edgevox.voice.wav import stream_wav
 
 
 class HandClock:
@@ -65,7 +65,7 @@ def test_a_wav_file_of_any_kind_is_heard_mono_at_16_khz(tmp_path, width, rate_hz
     sound = encoded(tone(rate_hz), width, channels)
     path = write_wav(tmp_path / "a.wav", sound, rate_hz, width, channels)
 
-    samples = read_wav(path)
+    samples = np.concatenate([*stream_wav(path)])
 
     spectrum = np.abs(np.fft.rfft(samples))
     assert samples.size == pytest.approx(RATE_HZ, abs=4)

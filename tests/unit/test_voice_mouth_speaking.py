@@ -105,7 +105,6 @@ def test_cutting_leaves_the_words_that_were_heard_and_falls_silent_at_once(rig: 
         cut=True,
         first_audible_s=spoken.first_audible_s,
         synthesis_s=spoken.synthesis_s,
-        first_chunk_s=spoken.first_chunk_s,
     )
     assert rig.outlet.end_s - cut_s <= 0.1
 

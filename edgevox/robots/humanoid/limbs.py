@@ -43,7 +43,6 @@ class Hinge:
 class Limbs:
     """The hinges of one side by part ("hip", "knee", ...), in the order of the model."""
 
-    side: Side
     parts: dict[str, tuple[Hinge, ...]]
 
     @property
@@ -75,7 +74,6 @@ def _limbs(model: mujoco.MjModel, data: mujoco.MjData, names: Sequence[str], sid
         if _SIDE[side].search(name) and model.jnt_type[number] == mujoco.mjtJoint.mjJNT_HINGE
     ]
     return Limbs(
-        side,
         {
             part: tuple(
                 _hinge(model, data, number) for number in own if called.search(names[number])

@@ -79,11 +79,6 @@ class Planner:
             self._collisions.look(scene, held)
             return self._reach.nearest(point_m)
 
-    def hand_at(self, joints: Joints) -> Point:
-        """(3,) metres: where these joints put the hand."""
-        with self._lock:
-            return self._kinematics.hand_at(joints)
-
     def pose_at(self, joints: Joints) -> HandPose | None:
         """The hand's pose with these joints; None unless it points down."""
         with self._lock:

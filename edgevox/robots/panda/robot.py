@@ -96,11 +96,6 @@ class PandaRobot:
     def stalled_s(self) -> float:
         return self._engine.stalled_s
 
-    @property
-    def divergences(self) -> int:
-        """How often the physics broke and was put back."""
-        return self._engine.divergences
-
     def start(self) -> None:
         self._engine.start(self._cell)
 

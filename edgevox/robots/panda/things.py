@@ -4,15 +4,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from edgevox.robots.panda.layout import (
-    BINS,
-    CUBE_SIZE_M,
-    CUBES,
-    TABLE,
-    TABLE_HALF_WIDTH_M,
-    TABLE_X_M,
-    Bin,
-)
+from edgevox.robots.panda.layout import BINS, CUBE_SIZE_M, TABLE, Bin
 
 FLOOR, HAND = "floor", "hand"
 _ROOM_M = 0.085
@@ -75,16 +67,6 @@ def free_table(name: str, things: Things, start: tuple[float, float]) -> tuple[f
     if _room(name, start, things) >= _ROOM_M:
         return start
     return _roomiest(name, list(_grid((0.48, 0.0), 0.14)), things)
-
-
-def on_table(x_m: float, y_m: float) -> bool:
-    """Whether this point is above the table."""
-    return TABLE_X_M[0] < x_m < TABLE_X_M[1] and abs(y_m) < TABLE_HALF_WIDTH_M
-
-
-def cubes() -> tuple[str, ...]:
-    """All their names."""
-    return tuple(CUBES)
 
 
 def _on(upper: Placed, lower: Placed) -> bool:

@@ -15,7 +15,7 @@ from edgevox.core.errors import finite
 from edgevox.core.log import get_logger
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.bounds import Bounds
-from edgevox.robots.capabilities import LidarScan, Report, Twist2D
+from edgevox.robots.capabilities import Report, Twist2D
 from edgevox.robots.navigation import LOCATION, navigation_skills
 from edgevox.ros2.external.control_loop import Hold
 from edgevox.ros2.external.link import Link
@@ -150,10 +150,6 @@ class ExternalRobot:
     def velocity(self) -> Twist2D:
         return self._fix().twist
 
-    def latest_scan(self) -> LidarScan | None:
-        """The newest scan of the last second, if the robot has a lidar."""
-        return self._link.senses.scan() if self._link else None
-
     def state(self) -> Mapping[str, Any]:
         """As every body's; `pose` and `velocity` are None while the odometry is silent."""
         link = self._link
@@ -170,6 +166,7 @@ class ExternalRobot:
             "goal": goal,
             "odom_age": round(link.senses.sightings.age_s(seen), 3) if link and seen else None,
             "lidar": bool(link and link.senses.scan()),
+            "camera": bool(link and link.senses.sees),
         }
 
     def check_goal(self, x_m: float, y_m: float) -> None:

@@ -1,4 +1,4 @@
-"""What is heard from the robot: odometry, scans, pictures and transforms, the newest of each."""
+"""What is heard from the robot: odometry, scans and transforms, the newest of each."""
 
 import math
 from collections.abc import Mapping
@@ -7,7 +7,6 @@ import numpy as np
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
-from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import Image, LaserScan
 
 from edgevox.agent.reasons import because
@@ -45,11 +44,11 @@ class Senses:
         self._scan: tuple[float, LaserScan] | None = None
         self._scan_refused_s = -math.inf
         self._refused_scans = self._refused_transforms = 0
-        self._picture: bytes | None = None
+        self._picture_s = -math.inf
         self._said: set[tuple[str, ...]] = set()
         node.create_subscription(Odometry, "odom", self._hear_odometry, _lossy(5))
         node.create_subscription(LaserScan, "scan", self._hear_scan, _lossy(1))
-        # Pictures stay as bytes until somebody wants one: decoding each would cost a core.
+        # Of pictures it matters that they come: decoding each would cost a core.
         node.create_subscription(Image, "camera/image_raw", self._hear_picture, _lossy(1), raw=True)
         for name in {node.resolve_topic_name(one) for one in ("/tf", "tf")}:
             node.create_subscription(TFMessage, name, self._hear_transforms, _lossy(_ANY_TF))
@@ -123,9 +122,10 @@ class Senses:
             raise incredible(self.scan_topic)
         return self.scan()
 
-    def picture(self) -> Image | None:
-        """The newest picture of the camera, as it came."""
-        return None if self._picture is None else deserialize_message(self._picture, Image)
+    @property
+    def sees(self) -> bool:
+        """Whether a picture of its camera came within the last second."""
+        return self._clock.now() - self._picture_s <= SILENT_S
 
     def _mount(self, frame: str) -> Pose2D:
         """Where the lidar sits on the body; at its middle, looking ahead, if no transform says."""
@@ -169,8 +169,8 @@ class Senses:
         if self._is_news("scan"):
             log.warning("scan_impossible", topic=self.scan_topic)
 
-    def _hear_picture(self, data: bytes) -> None:
-        self._picture = data
+    def _hear_picture(self, _: bytes) -> None:
+        self._picture_s = self._clock.now()
 
     def _hear_transforms(self, message: TFMessage) -> None:
         for one in message.transforms:

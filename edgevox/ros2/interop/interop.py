@@ -41,8 +41,7 @@ class Interop:
     `run_skill` asks for a skill and must not block. `ticker`, not yet started, gives the rates; the
     camera has one of its own, which `tickers` makes. `odom_frame` and `frame_prefix` are explained
     in `frames`, `publish_clock` in `stamps`. Raises `InvalidValue` for a frame that cannot be.
-    While the `interlock` is engaged no velocity but zero is taken. `failed_ticks` counts the
-    moments at which the body could not say where it is.
+    While the `interlock` is engaged no velocity but zero is taken.
     """
 
     def __init__(
@@ -63,7 +62,6 @@ class Interop:
         self._stamps = Stamps(node.get_clock(), lambda: body.time_s, own_clock=publish_clock)
         self._whereabouts = Whereabouts(self._frames)
         self._ticks = 0
-        self.failed_ticks = 0
         self._clock = ClockPublisher(node, lambda: body.time_s) if publish_clock else None
         self._motion = self._offer_motion()
         self._scanner = self._offer_scans()
@@ -84,21 +82,6 @@ class Interop:
         for part in (self._velocity, self._goal, self._camera):
             if part:
                 part.close()
-
-    @property
-    def refused_velocities(self) -> int:
-        """How many `cmd_vel` messages held a number that is not finite, or may not be followed."""
-        return self._velocity.refusals.total() if self._velocity else 0
-
-    @property
-    def clamped_velocities(self) -> int:
-        """How many `cmd_vel` messages asked for more than the body's limits."""
-        return self._velocity.clamped if self._velocity else 0
-
-    @property
-    def refused_goals(self) -> int:
-        """How many `goal_pose` messages could not be understood."""
-        return self._goal.refusals.total() if self._goal else 0
 
     @property
     def refusals(self) -> Mapping[tuple[str, ...], int]:
@@ -125,7 +108,6 @@ class Interop:
             if self._scanner and self._ticks % _TICKS_PER_SCAN == 0:
                 self._scanner.tick()
         except EdgeVoxError as error:  # such as a sensor that is silent
-            self.failed_ticks += 1
             log.warning("body_unobserved", body=self._body.name, reason=str(error))
 
     def _tick_on(self, ticker: Ticker) -> list[Callable[[], None]]:

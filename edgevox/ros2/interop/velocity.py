@@ -26,8 +26,8 @@ class VelocityInput:
     """Hands velocities to the body: `linear.x` and `angular.z`, the two it can follow.
 
     `refusals` counts by reason messages that held a NaN or an infinity, or any motion while the
-    `interlock` is engaged: none of their numbers is used, and the body's watchdog runs on.
-    `clamped` counts those beyond the body's limits.
+    `interlock` is engaged: none of their numbers is used, and the body's watchdog runs on. What is
+    beyond the body's limits the body clamps.
     """
 
     def __init__(self, node: Node, body: TakesVelocity, interlock: Interlock | None = None) -> None:
@@ -36,7 +36,6 @@ class VelocityInput:
         self.refusals: Counter[Refusal] = Counter(
             dict.fromkeys((Refusal.INVALID, Refusal.NOT_FINITE, Refusal.FORBIDDEN), 0)
         )
-        self.clamped = 0
         self._open = True
         node.create_subscription(Twist, "cmd_vel", self._take, VELOCITY)
 
@@ -55,8 +54,6 @@ class VelocityInput:
         if (one.x or two.z) and (held := self._interlock.reason):
             self._refuse(EdgeVoxError(str(held)), Refusal.FORBIDDEN)
             return
-        too_fast = abs(one.x) > self._body.max_linear_m_s
-        self.clamped += too_fast or abs(two.z) > self._body.max_angular_rad_s
         try:
             self._body.set_velocity(Twist2D(one.x, two.z))
         except InvalidValue as error:

@@ -9,12 +9,9 @@ import numpy as np
 
 from edgevox.core.cgroup import usable_cpus
 from edgevox.core.errors import EdgeVoxError
-from edgevox.core.log import get_logger
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.level import FULL_SCALE
 from edgevox.voice.stt.plausible import Segment, plausible, words_of
-
-log = get_logger(__name__)
 
 MAX_THREADS = 4
 """More do not help one utterance."""
