@@ -23,7 +23,7 @@ from talker import PLAIN, Talker, isolate, wait_until
 
 from edgevox.ros2.contract import PUBLISHED, RATED, Rated
 from edgevox.ros2.contract_rows import STRING, Published
-from edgevox.ros2.topics import profile
+from edgevox.ros2.qos import profile
 
 MESSAGES = "Publishing one message, from the event to the wire"
 TRIPS = "Round trips over ROS 2"

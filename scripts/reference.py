@@ -22,8 +22,8 @@ from edgevox.core.agent_events import AgentEvent, keys
 from edgevox.ops.diagnostics.table import COMPONENTS
 from edgevox.ops.logs.table import log_events
 from edgevox.ops.metrics.table import METRICS
-from edgevox.ros2 import contract
-from edgevox.ros2.contract_rows import Published, Qos, Subscribed
+from edgevox.ros2 import contract, standard_topics
+from edgevox.ros2.contract_rows import Published, Qos, QosSpec, Subscribed
 from edgevox.scenario import Scenario
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -103,6 +103,12 @@ def queries() -> str:
     return table(("query", "keys of the answer"), rows)
 
 
+def _quality(qos: QosSpec) -> str:
+    """A quality of service in a few words."""
+    durable = ", transient local" if qos.transient_local else ""
+    return f"{'reliable' if qos.reliable else 'best effort'}{durable}, {qos.depth}"
+
+
 def interop() -> str:
     """The standard topics of a body."""
     rows = (
@@ -110,29 +116,31 @@ def interop() -> str:
             f"`{one.topic}`",
             one.direction,
             f"`{one.type}`",
+            _quality(one.qos),
             f"{one.rate_hz:g} Hz" if one.rate_hz else "",
             one.about,
             one.needs,
         )
-        for one in contract.INTEROP
+        for one in standard_topics.INTEROP
     )
-    return table(("topic", "direction", "type", "rate", "what", "for a body with"), rows)
+    heads = ("topic", "direction", "type", "QoS, depth", "rate", "what", "for a body with")
+    return table(heads, rows)
 
 
 def external() -> str:
     """The topics of a robot that is driven from outside."""
     rows = (
-        (f"`{one.topic}`", one.direction, f"`{one.type}`", one.about, one.needs)
-        for one in contract.EXTERNAL
+        (f"`{one.topic}`", one.direction, f"`{one.type}`", _quality(one.qos), one.about, one.needs)
+        for one in standard_topics.EXTERNAL
     )
-    return table(("topic", "direction", "type", "what", "when"), rows)
+    return table(("topic", "direction", "type", "QoS, depth", "what", "when"), rows)
 
 
 def audio() -> str:
     """Sound on the wire."""
     rows = (
         (f"`{one.topic}`", one.direction, f"`{one.type}`", one.about, f"`{one.needs}`")
-        for one in contract.AUDIO
+        for one in standard_topics.AUDIO
     )
     return table(("topic", "direction", "type", "what", "when"), rows)
 

@@ -1,8 +1,12 @@
 """What the frames of a robot may be called, for the settings and for whoever puts them on /tf."""
 
 import re
+from typing import Literal, get_args
 
-ODOM = "odom"
+OdomFrame = Literal["", "odom"]
+"""The odometry's frame, or none: `base_link` hangs on `map` then."""
+ODOM_FRAMES: tuple[str, ...] = get_args(OdomFrame)
+ODOM_EXPECTED = "empty or odom"
 PREFIX_EXPECTED = "empty, or a prefix such as robot1/: letters, digits, underscores and slashes"
 _PREFIX = re.compile(r"([A-Za-z][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*/?)?")
 

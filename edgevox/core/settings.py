@@ -19,7 +19,7 @@ from pydantic_settings import (
 )
 
 from edgevox.core.errors import EdgeVoxError, InvalidValue
-from edgevox.core.frame_names import PREFIX_EXPECTED, is_prefix
+from edgevox.core.frame_names import PREFIX_EXPECTED, OdomFrame, is_prefix
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.user_file import read_text
 
@@ -82,7 +82,7 @@ class Settings(BaseSettings):
     ros2_state_hz: float = Field(
         10.0, ge=0.1, le=100.0, description="how often robot_state is published, in hertz"
     )
-    odom_frame: Literal["", "odom"] = Field(
+    odom_frame: OdomFrame = Field(
         "", description="empty: map -> base_link on /tf; odom: map -> odom -> base_link, for Nav2"
     )
     frame_prefix: Annotated[str, AfterValidator(_valid_prefix)] = Field(

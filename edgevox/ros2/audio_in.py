@@ -8,15 +8,15 @@ from rclpy.node import Node
 
 from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
-from edgevox.ros2.contract_rows import Qos
-from edgevox.ros2.topics import profile
+from edgevox.ros2.qos import profile
+from edgevox.ros2.standard_topics import AUDIO_IN
 from edgevox.voice.audio import RATE_HZ
 from edgevox.voice.sources.pushed import Pushed
 from edgevox_msgs.msg import AudioData
 
 log = get_logger(__name__)
 
-TOPIC = "audio_in"
+TOPIC = AUDIO_IN.topic
 SAMPLE_BYTES = 2
 MAX_BYTES = SAMPLE_BYTES * RATE_HZ
 """One second. A longer message is refused: it would be heard late."""
@@ -34,7 +34,7 @@ class AudioIn:
         self.refused: Counter[Refusal] = Counter({Refusal.INVALID: 0, Refusal.TOO_LONG: 0})
         self._node = node
         self._subscription = node.create_subscription(
-            AudioData, TOPIC, self._hear, profile(Qos.SENSOR)
+            AudioData, TOPIC, self._hear, profile(AUDIO_IN.qos)
         )
         source.name = node.resolve_topic_name(TOPIC)
 

@@ -4,13 +4,13 @@ from array import array
 
 from rclpy.node import Node
 
-from edgevox.ros2.contract_rows import Qos
-from edgevox.ros2.topics import profile
+from edgevox.ros2.qos import profile
+from edgevox.ros2.standard_topics import AUDIO_OUT
 from edgevox.voice.audio import Samples
 from edgevox.voice.sinks.relay import Relay
 from edgevox_msgs.msg import AudioData
 
-TOPIC = "audio_out"
+TOPIC = AUDIO_OUT.topic
 
 
 class AudioOut:
@@ -23,7 +23,7 @@ class AudioOut:
 
     def __init__(self, node: Node, relay: Relay) -> None:
         self._relay = relay
-        self._publisher = node.create_publisher(AudioData, TOPIC, profile(Qos.RELIABLE))
+        self._publisher = node.create_publisher(AudioData, TOPIC, profile(AUDIO_OUT.qos))
         relay.name = node.resolve_topic_name(TOPIC)
         relay.connect(self._publish)
 

@@ -9,6 +9,7 @@ from edgevox.core.commands import RunSkill
 from edgevox.core.errors import InvalidValue
 from edgevox.core.status import Component
 from edgevox.robots.capabilities import Body
+from edgevox.ros2.contract import PARAMETERS
 from edgevox.ros2.diagnostics import DiagnosticsPublisher
 from edgevox.ros2.external.robot import ExternalRobot
 from edgevox.ros2.interop import Interop
@@ -107,9 +108,11 @@ class RosBridge:
                 "language": controls.language,
                 "voice": controls.voice,
                 "muted": controls.muted,
-                "odom_frame": wiring.settings.odom_frame,
-                "frame_prefix": wiring.settings.frame_prefix,
-                "publish_clock": wiring.settings.publish_clock,
+                **{
+                    row.name: getattr(wiring.settings, row.name)
+                    for row in PARAMETERS
+                    if row.read_only
+                },
             },
         )
         controls.change({name: values[name] for name in ("language", "voice", "muted")})

@@ -33,6 +33,8 @@ from edgevox.core.events import (
     TurnMeasured,
     WakeWordHeard,
 )
+from edgevox.core.frame_names import ODOM_EXPECTED, PREFIX_EXPECTED
+from edgevox.core.settings import Settings
 from edgevox.ros2.contract_rows import (
     Incoming,
     Interop,
@@ -44,6 +46,7 @@ from edgevox.ros2.contract_rows import (
     Subscribed,
 )
 from edgevox.ros2.json_text import write
+from edgevox.ros2.standard_topics import INTEROP
 
 Queries = Mapping[str, Callable[[], Mapping[str, Any]]]
 """What answers each query, by its name."""
@@ -133,7 +136,7 @@ PUBLISHED: tuple[Published, ...] = (
         RobotState,
         _robot_state,
         "the body's state, as JSON",
-        rate_hz=10.0,  # unless the settings say otherwise
+        rate_hz=Settings.model_fields["ros2_state_hz"].default,
     ),
     Published("agent_event", Qos.RELIABLE, AgentEvent, _agent_event, "what it does, as JSON"),
     Published("bot_token", Qos.SENSOR, TokenGenerated, _text, "one token as it is generated"),
@@ -156,93 +159,24 @@ SUBSCRIBED: tuple[Subscribed, ...] = (
     Subscribed("command", Qos.RELIABLE, _command, "one of " + ", ".join(COMMANDS)),
 )
 
+
+def _setting(name: str, expected: str) -> Parameter:
+    """A setting that a parameter may overrule at the start."""
+    field = Settings.model_fields[name]
+    about = field.description or ""
+    return Parameter(name, field.default, about, f"{expected}; set at start", read_only=True)
+
+
 PARAMETERS: tuple[Parameter, ...] = (
     Parameter("language", "en", "language, ISO 639-1 code", "a code of list_languages"),
     Parameter(
         "voice", "", "TTS voice name", "empty for the language's best, or a name of list_voices"
     ),
     Parameter("muted", False, "microphone muted", "true or false"),
-    Parameter(
-        "odom_frame",
-        "",
-        "empty: map -> base_link on /tf; odom: map -> odom -> base_link",
-        "empty or odom; set at start",
-        read_only=True,
-    ),
-    Parameter(
-        "frame_prefix",
-        "",
-        "put before the robot's frames on /tf",
-        "letters, digits, underscores and slashes; set at start",
-        read_only=True,
-    ),
-    Parameter(
-        "publish_clock",
-        False,
-        "publish the robot's time on /clock, for nodes with use_sim_time",
-        "true or false; set at start",
-        read_only=True,
-    ),
+    _setting("odom_frame", ODOM_EXPECTED),
+    _setting("frame_prefix", PREFIX_EXPECTED),
+    _setting("publish_clock", "true or false"),
 )
-
-INTEROP: tuple[Interop, ...] = (
-    Interop("/tf", "tf2_msgs/msg/TFMessage", "out", "map -> base_link or ee_link", "a pose", 30.0),
-    Interop(
-        "/tf_static",
-        "tf2_msgs/msg/TFMessage",
-        "out",
-        "where its sensors are",
-        "a lidar or a camera",
-    ),
-    Interop("pose", "geometry_msgs/msg/PoseStamped", "out", "the same pose as TF", "a pose", 30.0),
-    Interop(
-        "odom", "nav_msgs/msg/Odometry", "out", "pose and velocity", "a pose and a velocity", 30.0
-    ),
-    Interop("scan", "sensor_msgs/msg/LaserScan", "out", "one sweep of the lidar", "a lidar", 10.0),
-    Interop("image_raw", "sensor_msgs/msg/Image", "out", "rgb8", "a camera", 5.0),
-    Interop(
-        "camera_info", "sensor_msgs/msg/CameraInfo", "out", "the camera's model", "a camera", 5.0
-    ),
-    Interop(
-        "cmd_vel", "geometry_msgs/msg/Twist", "in", "a stream; halts 0.5 s after its end", "wheels"
-    ),
-    Interop("goal_pose", "geometry_msgs/msg/PoseStamped", "in", "where to go", "a drive"),
-    Interop(
-        "/clock",
-        "rosgraph_msgs/msg/Clock",
-        "out",
-        "the robot's time; stamps are that time, too",
-        "`publish_clock`",
-        100.0,
-    ),
-)
-
-EXTERNAL: tuple[Interop, ...] = (
-    Interop("odom", "nav_msgs/msg/Odometry", "in", "where it is; silence is said", "always"),
-    Interop("scan", "sensor_msgs/msg/LaserScan", "in", "what is ahead makes it wait", "optional"),
-    Interop("camera/image_raw", "sensor_msgs/msg/Image", "in", "what it sees", "optional"),
-    Interop("cmd_vel", "geometry_msgs/msg/Twist", "out", "where it is steered to", "no goal_pose"),
-    Interop("goal_pose", "geometry_msgs/msg/PoseStamped", "out", "where to go", "a subscriber"),
-)
-"""The topics of a robot that `robot-external` drives, in that robot's namespace."""
-
-AUDIO: tuple[Interop, ...] = (
-    Interop(
-        "audio_in",
-        "edgevox_msgs/msg/AudioData",
-        "in",
-        "a microphone: 16 kHz mono, 16 bit little-endian, up to 1 s a message; best effort",
-        "--audio-in ros2",
-    ),
-    Interop(
-        "audio_out",
-        "edgevox_msgs/msg/AudioData",
-        "out",
-        "a loudspeaker: the same, up to 40 ms a message, 60 ms before it is due; reliable",
-        "--audio-out ros2",
-    ),
-)
-"""Sound on the wire, when the settings ask for it."""
 
 DIAGNOSTICS = Periodic(
     "/diagnostics",

@@ -35,12 +35,27 @@ class QosSpec:
     depth: int
 
 
+def reliable(depth: int) -> QosSpec:
+    """Never lost; suits best-effort subscribers, too."""
+    return QosSpec(reliable=True, transient_local=False, depth=depth)
+
+
+def latched(depth: int) -> QosSpec:
+    """Never lost, and said again to whoever joins."""
+    return QosSpec(reliable=True, transient_local=True, depth=depth)
+
+
+def lossy(depth: int) -> QosSpec:
+    """An old one is worth nothing; hears every publisher."""
+    return QosSpec(reliable=False, transient_local=False, depth=depth)
+
+
 class Qos(Enum):
     """The three qualities of service that the contract knows."""
 
-    STATE = QosSpec(reliable=True, transient_local=True, depth=1)
-    SENSOR = QosSpec(reliable=False, transient_local=False, depth=5)
-    RELIABLE = QosSpec(reliable=True, transient_local=False, depth=10)
+    STATE = latched(1)
+    SENSOR = lossy(5)
+    RELIABLE = reliable(10)
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +103,7 @@ class Interop:
     topic: str
     type: str
     direction: str
+    qos: QosSpec
     about: str
     needs: str
     rate_hz: float = 0.0

@@ -12,8 +12,8 @@ from rclpy.node import Node
 
 from edgevox.core.status import Components, Status
 from edgevox.ros2.contract import DIAGNOSTICS
+from edgevox.ros2.qos import profile
 from edgevox.ros2.ticker import Ticker
-from edgevox.ros2.topics import profile
 
 
 class DiagnosticsPublisher:

@@ -6,7 +6,6 @@ from functools import partial
 from typing import Any
 
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Float32, String
 
 from edgevox.core.agent_events import AgentEvent
@@ -15,7 +14,8 @@ from edgevox.core.events import RobotState
 from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
 from edgevox.ros2.contract import PUBLISHED, SUBSCRIBED
-from edgevox.ros2.contract_rows import STRING, Published, Qos, Subscribed
+from edgevox.ros2.contract_rows import STRING, Published, Subscribed
+from edgevox.ros2.qos import profile
 from edgevox.ros2.ticker import Ticker
 from edgevox.ros2.wiring import Wiring
 
@@ -78,16 +78,3 @@ class Topics:
         except InvalidValue as error:
             self.refusals[row.topic, error.reason] += 1
             log.warning("message_refused", topic=row.topic, reason=str(error))
-
-
-def profile(qos: Qos) -> QoSProfile:
-    """A quality of service of the contract, as rclpy wants it."""
-    spec = qos.value
-    return QoSProfile(
-        history=HistoryPolicy.KEEP_LAST,
-        depth=spec.depth,
-        reliability=ReliabilityPolicy.RELIABLE if spec.reliable else ReliabilityPolicy.BEST_EFFORT,
-        durability=(
-            DurabilityPolicy.TRANSIENT_LOCAL if spec.transient_local else DurabilityPolicy.VOLATILE
-        ),
-    )

@@ -13,7 +13,7 @@ from edgevox.apps.arguments import parse_arguments
 from edgevox.apps.robots import ROBOTS
 from edgevox.core.settings import Settings, check_settings
 from edgevox.models.manifest import builtin_manifest
-from edgevox.ros2 import contract
+from edgevox.ros2 import contract, standard_topics
 
 TABLE = proofs()
 SHOWN = {command: page for page in reversed(PAGES) for command in commands(page)}
@@ -31,7 +31,7 @@ NEEDS = {
 OF_EXAMPLES = {"robot-shuttle", "robot-watchman"}
 TYPES = {
     **{one.topic: one.type for one in (*contract.PUBLISHED, *contract.SUBSCRIBED)},
-    **{one.topic: one.type for one in contract.INTEROP},
+    **{one.topic: one.type for one in standard_topics.INTEROP},
 }
 
 

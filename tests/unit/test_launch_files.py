@@ -146,6 +146,16 @@ def test_the_process_takes_every_setting_and_describes_it_in_the_same_words(
         assert description.arguments[name].description == about
 
 
+def test_the_namespace_and_the_file_of_settings_are_described_in_the_same_words(
+    description: LaunchDescription,
+) -> None:
+    parser = argparse.ArgumentParser()
+    add_flags(parser)
+    assert f"{description.arguments['config'].description}\n" in parser.format_help()
+    about = Settings.model_fields["ros2_namespace"].description
+    assert description.arguments["namespace"].description == about
+
+
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
 def test_no_launch_file_touches_the_domain(file: Path) -> None:
     assert "ROS_DOMAIN_ID" not in file.read_text(encoding="utf-8")

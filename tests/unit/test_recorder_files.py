@@ -16,13 +16,14 @@ from rosbags.rosbag2 import Reader
 from std_msgs.msg import String
 
 from edgevox.core.errors import InvalidValue
-from edgevox.ros2.contract import AUDIO, INTEROP, PUBLISHED, SUBSCRIBED
+from edgevox.ros2.contract import PUBLISHED, SUBSCRIBED
 from edgevox.ros2.recorder.bag import Bag
 from edgevox.ros2.recorder.definitions import DefinitionMissing, definition, type_hash
 from edgevox.ros2.recorder.inbox import Inbox
 from edgevox.ros2.recorder.mcap_file import McapFile, Message
-from edgevox.ros2.recorder.topics import STANDARD_QOS, choose_topics
+from edgevox.ros2.recorder.topics import choose_topics
 from edgevox.ros2.recorder.writing import Disk, Writing
+from edgevox.ros2.standard_topics import AUDIO, INTEROP
 
 (TEXT,) = choose_topics("/robot1", ["response"])
 
@@ -80,7 +81,6 @@ def test_every_topic_of_the_contract_is_recorded_and_sound_only_when_asked_for()
     assert {f"/robot1/{row.topic}" for row in (*PUBLISHED, *SUBSCRIBED)} <= everything
     assert {row.topic for row in INTEROP if row.topic.startswith("/")} <= everything
     assert not everything & {"/robot1/audio_in", "/robot1/audio_out"}
-    assert {row.topic for row in (*INTEROP, *AUDIO)} == STANDARD_QOS.keys()
     chosen = choose_topics("/", ["audio_in", "/other:std_msgs/msg/String"])
     assert [one.name for one in chosen] == ["/audio_in", "/other"]
 

@@ -1,17 +1,22 @@
 """The table in code promises exactly what the contract's YAML file promises."""
 
+import ast
 from pathlib import Path
 
 import pytest
 import yaml
 
+import edgevox.ros2
 from edgevox.core.agent_events import AgentEventKind, SafetyPreempted
 from edgevox.core.commands import Interrupt, Query, Reset, SetMuted, Speak, TextInput
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import Answered, Cause, State, TurnMeasured
 from edgevox.core.settings import Settings
-from edgevox.ros2 import contract, split_ros_args
+from edgevox.ros2 import contract, split_ros_args, standard_topics
 
+FILES = sorted(Path(edgevox.ros2.__file__).parent.rglob("*.py"))
+OWN_QOS = {"qos.py", "rosout.py", "probe.py", "skill_action.py"}
+"""Where rclpy's class is made: of the contract's rows, and for what is no topic of the contract."""
 PROMISED = yaml.safe_load(
     (Path(__file__).parents[1] / "ros2" / "contract.yaml").read_text(encoding="utf-8")
 )
@@ -65,6 +70,23 @@ def test_the_parameters_of_the_contract_are_there_with_their_defaults():
         assert ours[name] == row["default"]
 
 
+@pytest.mark.parametrize("row", contract.PARAMETERS, ids=lambda row: row.name)
+def test_a_parameter_is_a_setting_and_begins_as_it_does(row):
+    setting = Settings.model_fields[row.name]
+    assert row.default == setting.default
+    assert row.about == setting.description or not row.read_only
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
+def test_no_module_declares_a_quality_of_service_or_a_rate_of_its_own(file):
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        match node:
+            case ast.Call(func=ast.Name(id="QoSProfile")):
+                assert file.name in OWN_QOS, f"line {node.lineno}: the contract has a row for it"
+            case ast.Assign(targets=[ast.Name(id=name)], value=ast.Constant()):
+                assert not name.endswith("_HZ"), f"{name}: the contract has a row for it"
+
+
 def test_the_commands_and_queries_are_the_contracts():
     assert set(contract.COMMANDS) == set(PROMISED["subscribed"]["command"]["values"])
     assert {name: list(keys) for name, keys in contract.QUERIES.items()} == PROMISED["queries"]
@@ -77,13 +99,13 @@ def test_the_states_and_kinds_of_events_are_the_contracts():
 
 
 def test_the_robots_topics_are_the_contracts():
-    ours = {row.topic: (row.type, row.direction, row.rate_hz) for row in contract.INTEROP}
+    ours = {row.topic: (row.type, row.direction, row.rate_hz) for row in standard_topics.INTEROP}
     for topic, row in PROMISED["robot_interop"].items():
         assert ours[topic] == (row["type"], row["dir"], row.get("rate_hz", 0.0))
 
 
 def test_the_topics_of_an_external_robot_are_the_contracts():
-    assert {row.topic: (row.type, row.direction) for row in contract.EXTERNAL} == {
+    assert {row.topic: (row.type, row.direction) for row in standard_topics.EXTERNAL} == {
         topic: (row["type"], row["dir"]) for topic, row in PROMISED["external_robot"].items()
     }
 

@@ -5,7 +5,6 @@ from typing import Protocol
 
 from geometry_msgs.msg import PoseStamped, Twist
 from rclpy.node import Node
-from rclpy.qos import QoSProfile
 
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
@@ -14,7 +13,9 @@ from edgevox.robots.capabilities import Twist2D
 from edgevox.ros2.external.settings import Patience
 from edgevox.ros2.external.target import Fix, Target
 from edgevox.ros2.messages import pose_msg
+from edgevox.ros2.qos import profile
 from edgevox.ros2.stamps import to_msg
+from edgevox.ros2.standard_topics import DRIVEN
 
 
 class Driver(Protocol):
@@ -46,7 +47,7 @@ class Wheels:
     """Publishes velocities on ``cmd_vel``."""
 
     def __init__(self, node: Node) -> None:
-        self._publisher = node.create_publisher(Twist, "cmd_vel", QoSProfile(depth=1))
+        self._publisher = node.create_publisher(Twist, "cmd_vel", profile(DRIVEN["cmd_vel"].qos))
 
     def turn(self, twist: Twist2D) -> None:
         message = Twist()
@@ -71,7 +72,9 @@ class GoalTopic:
         self._node = node
         self._cancel_all = cancel_all
         self._topic = node.resolve_topic_name("goal_pose")
-        self._publisher = node.create_publisher(PoseStamped, "goal_pose", QoSProfile(depth=1))
+        self._publisher = node.create_publisher(
+            PoseStamped, "goal_pose", profile(DRIVEN["goal_pose"].qos)
+        )
         self._target = Target(0.0, 0.0)
         self._sent = False
         self._begun_s: float | None = None

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 import numpy as np
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import Image, LaserScan
 
 from edgevox.agent.reasons import because
@@ -16,12 +15,15 @@ from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
 from edgevox.core.transforms import ORIGIN, Pose2D, compose, lift, project, rigid
 from edgevox.robots.capabilities import LidarScan, Twist2D
+from edgevox.ros2.contract_rows import latched, lossy
 from edgevox.ros2.external.frames import Frames, plain
 from edgevox.ros2.external.plausible import Speeds, on_the_map, sweeps
 from edgevox.ros2.external.sightings import SILENT_S, Sighting, Sightings
 from edgevox.ros2.external.target import Fix
 from edgevox.ros2.messages import pose_of, pose_of_transform
+from edgevox.ros2.qos import profile
 from edgevox.ros2.stamps import NS_PER_S, to_ns
+from edgevox.ros2.standard_topics import DRIVEN
 from tf2_msgs.msg import TFMessage
 
 log = get_logger(__name__)
@@ -46,14 +48,18 @@ class Senses:
         self._refused_scans = self._refused_transforms = 0
         self._picture_s = -math.inf
         self._said: set[tuple[str, ...]] = set()
-        node.create_subscription(Odometry, "odom", self._hear_odometry, _lossy(5))
-        node.create_subscription(LaserScan, "scan", self._hear_scan, _lossy(1))
+        quality = {topic: profile(row.qos) for topic, row in DRIVEN.items()}
+        node.create_subscription(Odometry, "odom", self._hear_odometry, quality["odom"])
+        node.create_subscription(LaserScan, "scan", self._hear_scan, quality["scan"])
         # Of pictures it matters that they come: decoding each would cost a core.
-        node.create_subscription(Image, "camera/image_raw", self._hear_picture, _lossy(1), raw=True)
+        camera = "camera/image_raw"
+        node.create_subscription(Image, camera, self._hear_picture, quality[camera], raw=True)
         for name in {node.resolve_topic_name(one) for one in ("/tf", "tf")}:
-            node.create_subscription(TFMessage, name, self._hear_transforms, _lossy(_ANY_TF))
             node.create_subscription(
-                TFMessage, f"{name}_static", self._hear_transforms, _latched(_ANY_TF)
+                TFMessage, name, self._hear_transforms, profile(lossy(_ANY_TF))
+            )
+            node.create_subscription(
+                TFMessage, f"{name}_static", self._hear_transforms, profile(latched(_ANY_TF))
             )
         self.odom_topic = node.resolve_topic_name("odom")
         self.scan_topic = node.resolve_topic_name("scan")
@@ -189,21 +195,3 @@ class Senses:
 def incredible(topic: str) -> SkillFailed:
     """Why nothing is done by what is heard on a topic."""
     return SkillFailed(because("incredible", topic=topic))
-
-
-def _lossy(depth: int) -> QoSProfile:
-    return QoSProfile(
-        history=HistoryPolicy.KEEP_LAST,
-        depth=depth,
-        reliability=ReliabilityPolicy.BEST_EFFORT,
-        durability=DurabilityPolicy.VOLATILE,
-    )
-
-
-def _latched(depth: int) -> QoSProfile:
-    return QoSProfile(
-        history=HistoryPolicy.KEEP_LAST,
-        depth=depth,
-        reliability=ReliabilityPolicy.RELIABLE,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL,
-    )

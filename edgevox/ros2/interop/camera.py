@@ -16,12 +16,12 @@ from edgevox.core.transforms import Pose3D
 from edgevox.robots.capabilities import CameraImage, CameraSpec, HasCamera
 from edgevox.ros2.interop.broadcast import Link
 from edgevox.ros2.interop.frames import Frames
-from edgevox.ros2.interop.profiles import SENSOR
 from edgevox.ros2.messages import header
+from edgevox.ros2.qos import profile
 from edgevox.ros2.stamps import Stamps, to_msg
+from edgevox.ros2.standard_topics import STANDARD
 from edgevox.ros2.ticker import Ticker
 
-IMAGE_HZ = 5.0
 _OPTICAL = Pose3D(0.0, 0.0, 0.0, -0.5, 0.5, -0.5, 0.5)
 """From x forward, z up, to z forward, x right."""
 
@@ -39,10 +39,12 @@ class Camera:
     ) -> None:
         self._body, self._frames, self._stamps = body, frames, stamps
         self._spec = body.camera_spec
-        self._images = node.create_publisher(Image, "image_raw", SENSOR)
-        self._infos = node.create_publisher(CameraInfo, "camera_info", SENSOR)
+        self._images = node.create_publisher(Image, "image_raw", profile(STANDARD["image_raw"].qos))
+        self._infos = node.create_publisher(
+            CameraInfo, "camera_info", profile(STANDARD["camera_info"].qos)
+        )
         self._ticker = ticker
-        ticker.every(1.0 / IMAGE_HZ, self._tick)
+        ticker.every(1.0 / STANDARD["image_raw"].rate_hz, self._tick)
 
     @property
     def failures(self) -> int:

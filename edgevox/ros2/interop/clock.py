@@ -5,8 +5,9 @@ from collections.abc import Callable
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
-from edgevox.ros2.interop.profiles import CLOCK
+from edgevox.ros2.qos import profile
 from edgevox.ros2.stamps import NS_PER_S, to_msg
+from edgevox.ros2.standard_topics import STANDARD
 
 
 class ClockPublisher:
@@ -15,7 +16,7 @@ class ClockPublisher:
     def __init__(self, node: Node, body_time: Callable[[], float]) -> None:
         self._body_time = body_time
         self._last_ns: int | None = None
-        self._publisher = node.create_publisher(Clock, "/clock", CLOCK)
+        self._publisher = node.create_publisher(Clock, "/clock", profile(STANDARD["/clock"].qos))
 
     def tick(self) -> None:
         """Look, and say it."""

@@ -6,7 +6,7 @@ examples of several robots with one map and robot_state_publisher's `frame_prefi
 """
 
 from edgevox.core.errors import InvalidValue
-from edgevox.core.frame_names import ODOM, PREFIX_EXPECTED, is_prefix
+from edgevox.core.frame_names import ODOM_EXPECTED, ODOM_FRAMES, PREFIX_EXPECTED, is_prefix
 
 MAP = "map"
 BASE = "base_link"
@@ -25,8 +25,8 @@ class Frames:
     """
 
     def __init__(self, odom: str = "", prefix: str = "") -> None:
-        if odom not in ("", ODOM):
-            raise InvalidValue("odom_frame", odom, f"empty or {ODOM}")
+        if odom not in ODOM_FRAMES:
+            raise InvalidValue("odom_frame", odom, ODOM_EXPECTED)
         if not is_prefix(prefix):
             raise InvalidValue("frame_prefix", prefix, PREFIX_EXPECTED)
         self.map = MAP

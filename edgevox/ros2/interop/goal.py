@@ -14,10 +14,11 @@ from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
 from edgevox.core.transforms import OFF_UNIT, Pose3D, compose, unit
 from edgevox.robots.capabilities import Body, HasEndEffector, HasPose
-from edgevox.ros2.interop.profiles import GOAL
 from edgevox.ros2.interop.whereabouts import Whereabouts
 from edgevox.ros2.messages import pose_of
+from edgevox.ros2.qos import profile
 from edgevox.ros2.stamps import to_ns
+from edgevox.ros2.standard_topics import STANDARD
 
 log = get_logger(__name__)
 
@@ -52,7 +53,9 @@ class GoalInput:
         self._skill, self._whereabouts, self._run_skill = skill, whereabouts, run_skill
         self.refusals: Counter[Refusal] = Counter({Refusal.INVALID: 0, Refusal.NOT_FINITE: 0})
         self._open = True
-        node.create_subscription(PoseStamped, "goal_pose", self._take, GOAL)
+        node.create_subscription(
+            PoseStamped, "goal_pose", self._take, profile(STANDARD["goal_pose"].qos)
+        )
 
     def close(self) -> None:
         """Take no more."""

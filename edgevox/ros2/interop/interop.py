@@ -25,13 +25,14 @@ from edgevox.ros2.interop.scanner import Scanner
 from edgevox.ros2.interop.velocity import VelocityInput
 from edgevox.ros2.interop.whereabouts import Whereabouts
 from edgevox.ros2.stamps import Stamps
+from edgevox.ros2.standard_topics import STANDARD
 from edgevox.ros2.ticker import MakeTicker, Ticker
 
 log = get_logger(__name__)
 
-TF_HZ = 30.0
-SCAN_HZ = 10.0
-CLOCK_HZ = 100.0
+TF_HZ = STANDARD["/tf"].rate_hz
+SCAN_HZ = STANDARD["scan"].rate_hz
+CLOCK_HZ = STANDARD["/clock"].rate_hz
 _TICKS_PER_SCAN = round(TF_HZ / SCAN_HZ)
 
 

@@ -15,10 +15,11 @@ from edgevox.robots.capabilities import Body, HasEndEffector, HasPose, TakesVelo
 from edgevox.ros2.interop.broadcast import Broadcaster, Link
 from edgevox.ros2.interop.frames import Frames
 from edgevox.ros2.interop.odometry import Odometer
-from edgevox.ros2.interop.profiles import POSE
 from edgevox.ros2.interop.whereabouts import Whereabouts
 from edgevox.ros2.messages import header, pose_msg
+from edgevox.ros2.qos import profile
 from edgevox.ros2.stamps import Stamps, to_msg
+from edgevox.ros2.standard_topics import STANDARD
 
 _FASTEST_M_S, _FASTEST_RAD_S = 2.0, 4.0
 """Limits of a body that does not say its own."""
@@ -41,8 +42,12 @@ class Motion:
         self._broadcaster, self._whereabouts = Broadcaster(node), whereabouts
         self._base = body if isinstance(body, HasPose) else None
         self._hand = body if isinstance(body, HasEndEffector) else None
-        self._pose = node.create_publisher(PoseStamped, "pose", POSE)
-        self._odom = node.create_publisher(Odometry, "odom", POSE) if self._base else None
+        self._pose = node.create_publisher(PoseStamped, "pose", profile(STANDARD["pose"].qos))
+        self._odom = (
+            node.create_publisher(Odometry, "odom", profile(STANDARD["odom"].qos))
+            if self._base
+            else None
+        )
         steered = body if isinstance(body, TakesVelocity) else None
         self._odometer = Odometer(
             steered.max_linear_m_s if steered else _FASTEST_M_S,

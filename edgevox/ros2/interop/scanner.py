@@ -10,9 +10,10 @@ from edgevox.core.transforms import lift
 from edgevox.robots.capabilities import HasLidar
 from edgevox.ros2.interop.broadcast import Link
 from edgevox.ros2.interop.frames import Frames
-from edgevox.ros2.interop.profiles import SENSOR
 from edgevox.ros2.messages import header
+from edgevox.ros2.qos import profile
 from edgevox.ros2.stamps import Stamps, to_msg
+from edgevox.ros2.standard_topics import STANDARD
 
 
 class Scanner:
@@ -23,7 +24,7 @@ class Scanner:
     ) -> None:
         self._body, self._frames, self._stamps = body, frames, stamps
         self._period_s = period_s
-        self._publisher = node.create_publisher(LaserScan, "scan", SENSOR)
+        self._publisher = node.create_publisher(LaserScan, "scan", profile(STANDARD["scan"].qos))
 
     def links(self) -> list[Link]:
         """Where the lidar sits on the body."""

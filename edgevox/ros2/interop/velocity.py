@@ -17,7 +17,8 @@ from edgevox.core.interlock import Interlock
 from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
 from edgevox.robots.capabilities import TakesVelocity, Twist2D
-from edgevox.ros2.interop.profiles import VELOCITY
+from edgevox.ros2.qos import profile
+from edgevox.ros2.standard_topics import STANDARD
 
 log = get_logger(__name__)
 
@@ -37,7 +38,7 @@ class VelocityInput:
             dict.fromkeys((Refusal.INVALID, Refusal.NOT_FINITE, Refusal.FORBIDDEN), 0)
         )
         self._open = True
-        node.create_subscription(Twist, "cmd_vel", self._take, VELOCITY)
+        node.create_subscription(Twist, "cmd_vel", self._take, profile(STANDARD["cmd_vel"].qos))
 
     def close(self) -> None:
         """Take no more."""

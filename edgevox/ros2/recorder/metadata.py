@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
+from edgevox.ros2.contract_rows import QosSpec
 from edgevox.ros2.recorder.definitions import type_hash
 from edgevox.ros2.recorder.topics import Recorded
 
@@ -39,7 +39,7 @@ class FileInfo:
         self.counts[topic] = self.counts.get(topic, 0) + 1
 
 
-def qos_yaml(qos: QoSProfile) -> str:
+def qos_yaml(qos: QosSpec) -> str:
     """An offered quality of service, as a channel of an MCAP file names it."""
     return yaml.safe_dump([_qos(qos)], sort_keys=False)
 
@@ -98,14 +98,12 @@ def _topic(topic: Recorded) -> dict[str, Any]:
     }
 
 
-def _qos(qos: QoSProfile) -> dict[str, Any]:
-    reliable = qos.reliability is ReliabilityPolicy.RELIABLE
-    latched = qos.durability is DurabilityPolicy.TRANSIENT_LOCAL
+def _qos(qos: QosSpec) -> dict[str, Any]:
     return {
         "history": "keep_last",
         "depth": qos.depth,
-        "reliability": "reliable" if reliable else "best_effort",
-        "durability": "transient_local" if latched else "volatile",
+        "reliability": "reliable" if qos.reliable else "best_effort",
+        "durability": "transient_local" if qos.transient_local else "volatile",
         "deadline": dict(_FOR_EVER),
         "lifespan": dict(_FOR_EVER),
         "liveliness": "automatic",

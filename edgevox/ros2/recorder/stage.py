@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from geometry_msgs.msg import Twist
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile
 from std_msgs.msg import String
 
 from edgevox.core.agent_events import AgentEventKind
@@ -15,9 +15,11 @@ from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.json_reader import read_json_object
 from edgevox.core.log import get_logger
-from edgevox.ros2.interop.profiles import VELOCITY
+from edgevox.ros2.contract_rows import Qos
 from edgevox.ros2.node import RosNode
+from edgevox.ros2.qos import profile
 from edgevox.ros2.recorder.skill_client import SkillClient
+from edgevox.ros2.standard_topics import STANDARD
 from edgevox.scenario import Scenario
 from edgevox.scenario.judge import Seen, Source
 from edgevox.scenario.steps import Drive, Run
@@ -25,12 +27,8 @@ from edgevox.scenario.steps import Drive, Run
 log = get_logger(__name__)
 
 DEPTH = 100
-_RELIABLE = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.RELIABLE)
-_STATE = QoSProfile(
-    depth=DEPTH,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
+_RELIABLE = profile(Qos.RELIABLE, at_least=DEPTH)
+_STATE = profile(Qos.STATE, at_least=DEPTH)
 SETTLE_S = 0.15
 """A state that came so long after a stimulus shows what it did."""
 MOST_SETTLE_S = 2.0
@@ -67,7 +65,9 @@ class RobotStage:
         self._broken = 0
         self._text = self._node.create_publisher(String, "text_input", _RELIABLE)
         self._stop = self._node.create_publisher(String, "interrupt", _RELIABLE)
-        self._velocity = self._node.create_publisher(Twist, "cmd_vel", VELOCITY)
+        self._velocity = self._node.create_publisher(
+            Twist, "cmd_vel", profile(STANDARD["cmd_vel"].qos)
+        )
         self._skills = SkillClient(self._node, ros.executor)
         self._listen("transcription", self._count)
         self._listen("metrics", self._count)

@@ -5,35 +5,19 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
-from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile
 
 from edgevox.core.errors import InvalidValue
-from edgevox.ros2.contract import AUDIO, INTEROP, PUBLISHED, SUBSCRIBED
-from edgevox.ros2.interop import profiles
-from edgevox.ros2.topics import profile
+from edgevox.ros2.contract import PUBLISHED, SUBSCRIBED
+from edgevox.ros2.contract_rows import QosSpec, lossy
+from edgevox.ros2.qos import profile
+from edgevox.ros2.standard_topics import AUDIO, INTEROP
 
 DEPTH = 50
 """How many messages of a topic may wait for the recorder's executor."""
 
-_RELIABLE = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
-_ANY = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
+_ANY = lossy(10)
 """Hears every publisher."""
-
-STANDARD_QOS: Mapping[str, QoSProfile] = {
-    "/tf": profiles.TF,
-    "/tf_static": profiles.TF_STATIC,
-    "/clock": profiles.CLOCK,
-    "pose": profiles.POSE,
-    "odom": profiles.POSE,
-    "scan": profiles.SENSOR,
-    "image_raw": profiles.SENSOR,
-    "camera_info": profiles.SENSOR,
-    "cmd_vel": profiles.VELOCITY,
-    "goal_pose": profiles.GOAL,
-    "audio_in": _ANY,
-    "audio_out": _RELIABLE,
-}
-"""How the standard topics and sound are offered, or listened to."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,17 +26,12 @@ class Recorded:
 
     name: str
     type: str
-    qos: QoSProfile
+    qos: QosSpec
 
     @property
     def listening(self) -> QoSProfile:
         """The same quality of service, with room for more messages."""
-        return QoSProfile(
-            history=HistoryPolicy.KEEP_LAST,
-            depth=max(DEPTH, self.qos.depth),
-            reliability=self.qos.reliability,
-            durability=self.qos.durability,
-        )
+        return profile(self.qos, at_least=DEPTH)
 
 
 def choose_topics(namespace: str, names: Sequence[str] = ()) -> tuple[Recorded, ...]:
@@ -78,14 +57,14 @@ def message_class(kind: str) -> Any:
 
 
 def _contract() -> dict[str, Recorded]:
-    own = [Recorded(row.topic, row.type, profile(row.qos)) for row in PUBLISHED]
-    own += [Recorded(row.topic, row.type, profile(row.qos)) for row in SUBSCRIBED]
-    standard = [Recorded(row.topic, row.type, STANDARD_QOS[row.topic]) for row in INTEROP]
+    own = [Recorded(row.topic, row.type, row.qos.value) for row in PUBLISHED]
+    own += [Recorded(row.topic, row.type, row.qos.value) for row in SUBSCRIBED]
+    standard = [Recorded(row.topic, row.type, row.qos) for row in INTEROP]
     return _by_name([*own, *standard])
 
 
 def _sound() -> dict[str, Recorded]:
-    return _by_name(Recorded(row.topic, row.type, STANDARD_QOS[row.topic]) for row in AUDIO)
+    return _by_name(Recorded(row.topic, row.type, row.qos) for row in AUDIO)
 
 
 def _by_name(topics: Iterable[Recorded]) -> dict[str, Recorded]:

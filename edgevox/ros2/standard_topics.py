@@ -1,0 +1,144 @@
+"""The standard topics of the contract: of a body, of a robot that is driven, and of sound.
+
+Each row says how surely and how often it comes, once: whoever serves it, listens to it or records
+it reads that here.
+"""
+
+from collections.abc import Mapping
+
+from edgevox.ros2.contract_rows import Interop, latched, lossy, reliable
+
+INTEROP: tuple[Interop, ...] = (
+    Interop(
+        "/tf",
+        "tf2_msgs/msg/TFMessage",
+        "out",
+        reliable(100),  # as tf2_ros broadcasts
+        "map -> base_link or ee_link",
+        "a pose",
+        30.0,
+    ),
+    Interop(
+        "/tf_static",
+        "tf2_msgs/msg/TFMessage",
+        "out",
+        latched(1),
+        "where its sensors are",
+        "a lidar or a camera",
+    ),
+    Interop(
+        "pose",
+        "geometry_msgs/msg/PoseStamped",
+        "out",
+        reliable(10),
+        "the same pose as TF",
+        "a pose",
+        30.0,
+    ),
+    Interop(
+        "odom",
+        "nav_msgs/msg/Odometry",
+        "out",
+        reliable(10),
+        "pose and velocity",
+        "a pose and a velocity",
+        30.0,
+    ),
+    Interop(
+        "scan",
+        "sensor_msgs/msg/LaserScan",
+        "out",
+        lossy(5),
+        "one sweep of the lidar",
+        "a lidar",
+        10.0,
+    ),
+    Interop("image_raw", "sensor_msgs/msg/Image", "out", lossy(5), "rgb8", "a camera", 5.0),
+    Interop(
+        "camera_info",
+        "sensor_msgs/msg/CameraInfo",
+        "out",
+        lossy(5),
+        "the camera's model",
+        "a camera",
+        5.0,
+    ),
+    Interop(
+        "cmd_vel",
+        "geometry_msgs/msg/Twist",
+        "in",
+        lossy(10),  # a velocity sent again late would be a wrong one
+        "a stream; halts 0.5 s after its end",
+        "wheels",
+    ),
+    Interop(
+        "goal_pose", "geometry_msgs/msg/PoseStamped", "in", reliable(10), "where to go", "a drive"
+    ),
+    Interop(
+        "/clock",
+        "rosgraph_msgs/msg/Clock",
+        "out",
+        reliable(1),  # suits the best-effort subscription that every node with sim time has
+        "the robot's time; stamps are that time, too",
+        "`publish_clock`",
+        100.0,
+    ),
+)
+STANDARD: Mapping[str, Interop] = {row.topic: row for row in INTEROP}
+"""The same by topic, for whoever serves them: what goes out, how often and how surely."""
+
+EXTERNAL: tuple[Interop, ...] = (
+    Interop(
+        "odom", "nav_msgs/msg/Odometry", "in", lossy(5), "where it is; silence is said", "always"
+    ),
+    Interop(
+        "scan",
+        "sensor_msgs/msg/LaserScan",
+        "in",
+        lossy(1),
+        "what is ahead makes it wait",
+        "optional",
+    ),
+    Interop(
+        "camera/image_raw", "sensor_msgs/msg/Image", "in", lossy(1), "whether it sees", "optional"
+    ),
+    Interop(
+        "cmd_vel",
+        "geometry_msgs/msg/Twist",
+        "out",
+        reliable(1),
+        "where it is steered to",
+        "no goal_pose",
+    ),
+    Interop(
+        "goal_pose",
+        "geometry_msgs/msg/PoseStamped",
+        "out",
+        reliable(1),
+        "where to go",
+        "a subscriber",
+    ),
+)
+"""The topics of a robot that `robot-external` drives, in that robot's namespace."""
+DRIVEN: Mapping[str, Interop] = {row.topic: row for row in EXTERNAL}
+
+AUDIO: tuple[Interop, ...] = (
+    Interop(
+        "audio_in",
+        "edgevox_msgs/msg/AudioData",
+        "in",
+        lossy(5),
+        "a microphone: 16 kHz mono, 16 bit little-endian, up to 1 s a message; best effort",
+        "--audio-in ros2",
+    ),
+    Interop(
+        "audio_out",
+        "edgevox_msgs/msg/AudioData",
+        "out",
+        reliable(10),
+        "a loudspeaker: the same, up to 40 ms a message, 60 ms before it is due; reliable",
+        "--audio-out ros2",
+    ),
+)
+"""Sound on the wire, when the settings ask for it."""
+AUDIO_IN, AUDIO_OUT = AUDIO
