@@ -17,7 +17,6 @@ DONE := $(VENV)/done
 INSTALL := $(BIN)/python -m pip install -qq --disable-pip-version-check --no-input
 FROM_SOURCE := --build-constraint requirements/sdist.lock
 COMPOSE := docker compose -f docker-compose.ros2.yml
-DCLINT := $(VENV)/compose-lint/node_modules/.bin/dclint
 MSGS := $(shell find edgevox_msgs tf2_msgs -type f)
 REGISTERED := $(wildcard ament/package.xml ament/*/* launch/*.launch.py)
 # ROS 2's wheels exist for x86-64; elsewhere the agent runs without them, or in the container.
@@ -78,7 +77,7 @@ test-image: test-models
 	@! docker info >/dev/null 2>&1 || docker/image all
 
 .PHONY: lint
-lint: $(DONE)/dev $(DONE)/compose-lint ## Check style, types, layers, locks and compose files.
+lint: $(DONE)/dev ## Check style, types, layers, locks and compose files.
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
@@ -89,7 +88,8 @@ lint: $(DONE)/dev $(DONE)/compose-lint ## Check style, types, layers, locks and 
 	$(BIN)/python benchmarks/render.py check
 	$(BIN)/python docs/render_architecture.py check
 	@$(MAKE) --no-print-directory docs
-	$(DCLINT) --config compose/lint/dclintrc.yaml --max-warnings 0 docker-compose.ros2.yml compose/*.yml
+	$(COMPOSE) config --quiet
+	for overlay in compose/*.yml; do $(COMPOSE) -f $$overlay --profile '*' config --quiet; done
 
 .PHONY: docs
 docs: $(DONE)/dev ## Build the documentation as a site, into build/site, and check its links.
@@ -169,12 +169,6 @@ $(DONE)/run: $(DONE)/locked pyproject.toml $(REGISTERED)
 $(DONE)/dev: $(DONE)/run requirements/dev.lock
 	@echo "Installing the tools for tests and checks"
 	@$(INSTALL) --require-hashes -r requirements/dev.lock
-	@touch $@
-
-$(DONE)/compose-lint: $(DONE)/tools compose/lint/package-lock.json
-	@PYTHON=$(PYTHON) scripts/check_machine lint
-	@mkdir -p $(VENV)/compose-lint && cp compose/lint/package*.json $(VENV)/compose-lint
-	@npm ci --prefix $(VENV)/compose-lint --ignore-scripts --no-audit --no-fund --silent
 	@touch $@
 
 $(DONE)/build: $(DONE)/run requirements/build.lock

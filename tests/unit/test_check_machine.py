@@ -9,7 +9,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 LIST = ROOT / "requirements" / "debian.list"
-PARTS = {"run", "lint", "unit", "programs", "robots", "models", "ros2", "docs", "compose"}
+PARTS = {"run", "unit", "programs", "robots", "models", "ros2", "docs", "compose"}
 LACKING = """
 # a comment
 python3-tk      robots       false
