@@ -12,6 +12,7 @@ from typing import Any
 
 from structlog.contextvars import merge_contextvars
 from structlog.dev import ConsoleRenderer, plain_traceback
+from structlog.processors import JSONRenderer
 from structlog.stdlib import ProcessorFormatter
 
 from edgevox.ops.logs.values import one_line, plain, trace
@@ -26,11 +27,8 @@ _EVENT_WIDTH = 24
 
 def json_lines(*, speech: bool) -> ProcessorFormatter:
     """One JSON object a line, in UTF-8."""
-
-    def render(_logger: object, _method: str, fields: Fields) -> str:
-        return json.dumps(fields, ensure_ascii=False, separators=(",", ":"))
-
-    return _formatter(speech, _utc, render)
+    encode = json.JSONEncoder(ensure_ascii=False, separators=(",", ":")).encode
+    return _formatter(speech, _utc, JSONRenderer(lambda fields, **_: encode(fields)))
 
 
 def console_lines(*, speech: bool, in_colour: Callable[[], bool]) -> ProcessorFormatter:
@@ -48,7 +46,7 @@ def console_lines(*, speech: bool, in_colour: Callable[[], bool]) -> ProcessorFo
 
 
 def _formatter(
-    speech: bool, stamp: Callable[[float], str], render: Callable[[object, str, Fields], str]
+    speech: bool, stamp: Callable[[float], str], render: Callable[[Any, str, Fields], str | bytes]
 ) -> ProcessorFormatter:
     def describe(_logger: object, _method: str, fields: Fields) -> Fields:
         record: LogRecord = fields.pop("_record")

@@ -1,4 +1,9 @@
-"""The handler that writes lines, and waits for nobody: a robot must not stop for its logs."""
+"""The handler that writes lines, and waits for nobody: a robot must not stop for its logs.
+
+It is our own, because behind a `logging.handlers.QueueHandler` the listener's thread would wait for
+a reader that has stopped: lines would pile up or vanish uncounted, the program's end would wait for
+that thread, and the last lines before a crash would still be in the queue.
+"""
 
 import contextlib
 import json

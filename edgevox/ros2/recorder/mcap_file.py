@@ -1,4 +1,9 @@
-"""One MCAP file, whole up to its last flush whatever happens to the process or the disk."""
+"""One MCAP file, whole up to its last flush whatever happens to the process or the disk.
+
+`mcap` makes the bytes and we bring them to the disk, because the writer of `rosbags` (whose reader
+checks our files in the tests) opens the file itself and offers no flush: a process that is killed
+would lose up to a megabyte, a full disk would leave half a record, and nothing would be split.
+"""
 
 import os
 from contextlib import suppress
