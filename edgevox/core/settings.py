@@ -24,6 +24,9 @@ from edgevox.core.languages import LANGUAGES
 from edgevox.core.user_file import read_text
 
 ENV_PREFIX = "EDGEVOX_"
+Echo = Literal["gate", "none"]
+LlmBackend = Literal["auto", "xllamacpp", "llama-cpp-python"]
+GrammarDialect = Literal["auto", "llama-server", "vllm", "vllm-guided", "none"]
 _NAMESPACE = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+|/")
 _ENDPOINT = re.compile(r"https?://(\[[0-9A-Fa-f:.]+\]|[A-Za-z0-9._-]+)(:[0-9]{1,5})?(/[\w./~-]*)?")
 
@@ -126,7 +129,7 @@ class Settings(BaseSettings):
     wakeword: str = Field(
         "", description="listen only after this wake word, such as 'hey jarvis'; empty: always"
     )
-    echo: Literal["gate", "none"] = Field(
+    echo: Echo = Field(
         "gate",
         description="own voice in the microphone: gate it by level; none where it is cancelled",
     )
@@ -134,9 +137,7 @@ class Settings(BaseSettings):
         "qwen2.5-coder-0.5b-instruct",
         description="language model: an id of edgevox-models, a GGUF file, or none",
     )
-    llm_backend: Literal["auto", "xllamacpp", "llama-cpp-python"] = Field(
-        "auto", description="library that runs the language model"
-    )
+    llm_backend: LlmBackend = Field("auto", description="library that runs the language model")
     llm_threads: int = Field(
         0, ge=0, le=256, description="threads of the language model; 0 chooses by the machine"
     )
@@ -157,7 +158,7 @@ class Settings(BaseSettings):
     llm_endpoint_key_file: Path | None = Field(
         None, description="file with the server's API key, read anew for every request"
     )
-    llm_endpoint_grammar: Literal["auto", "llama-server", "vllm", "vllm-guided", "none"] = Field(
+    llm_endpoint_grammar: GrammarDialect = Field(
         "auto", description="how the server takes a grammar; auto asks it what it is"
     )
     health_port: int = Field(

@@ -11,9 +11,10 @@ from edgevox.core.commands import Command, Interrupt
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Cause, WakeWordHeard
 from edgevox.core.log import get_logger
+from edgevox.core.settings import Echo
 from edgevox.voice.attention import Attention, Verdict
 from edgevox.voice.audio import FRAME_SAMPLES, RATE_HZ, AudioSource, EndOfSound, Frame
-from edgevox.voice.echo import Echo, EchoGate
+from edgevox.voice.echo import EchoGate
 from edgevox.voice.endpoint import Endpointer, SpeechBegan, SpeechEnded, SpeechPaused
 from edgevox.voice.meter import Meter
 from edgevox.voice.stt.base import SpeechToText

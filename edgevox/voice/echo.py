@@ -17,12 +17,9 @@ microphone of it, and `echo` is then ``none``.
 
 from collections import deque
 from collections.abc import Callable
-from typing import Literal
 
 from edgevox.voice.audio import FRAME_S, Samples
 from edgevox.voice.level import rms
-
-Echo = Literal["gate", "none"]
 
 TAIL_S = 0.25
 """The echo goes on for so long after the sound: the delay of sound card and room."""

@@ -11,13 +11,14 @@ from pathlib import Path
 import pytest
 
 from edgevox.agent.llm.base import LanguageModel, Message, ModelFailed
-from edgevox.agent.llm.factory import Backend, load_model
+from edgevox.agent.llm.factory import load_model
 from edgevox.agent.llm.llama_cpp_model import LlamaCppModel
 from edgevox.agent.llm.socket_client import post
 from edgevox.agent.llm.xllamacpp_model import XllamacppModel
 from edgevox.core.cancel import CancelToken
+from edgevox.core.settings import LlmBackend
 
-BACKENDS: tuple[Backend, ...] = ("xllamacpp", "llama-cpp-python")
+BACKENDS: tuple[LlmBackend, ...] = ("xllamacpp", "llama-cpp-python")
 STORY = [Message("user", "Tell me a long story about a robot in a kitchen.")]
 ROOMS = 'root ::= "go " ("kitchen" | "bedroom") "!"'
 
@@ -190,7 +191,7 @@ def test_two_threads_are_served_one_after_the_other(model: LanguageModel) -> Non
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
-def test_closing_ends_an_answer_and_every_thread(backend: Backend, tiny_path: Path) -> None:
+def test_closing_ends_an_answer_and_every_thread(backend: LlmBackend, tiny_path: Path) -> None:
     before = {thread.name for thread in threading.enumerate()}
     model = load_model(tiny_path, backend, context_tokens=512)
     answer = model.generate(STORY, grammar=None, max_tokens=400, token=CancelToken())
@@ -209,7 +210,7 @@ def test_closing_ends_an_answer_and_every_thread(backend: Backend, tiny_path: Pa
 
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_a_loaded_model_that_is_not_asked_anything_does_not_spin(
-    backend: Backend, tiny_path: Path
+    backend: LlmBackend, tiny_path: Path
 ) -> None:
     model = load_model(tiny_path, backend, context_tokens=512)
     ask(model, STORY, max_tokens=4)
@@ -224,7 +225,7 @@ def test_a_loaded_model_that_is_not_asked_anything_does_not_spin(
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
-def test_a_truncated_model_is_refused(backend: Backend, tiny_path: Path, tmp_path: Path) -> None:
+def test_a_truncated_model_is_refused(backend: LlmBackend, tiny_path: Path, tmp_path: Path) -> None:
     cut = tmp_path / "cut.gguf"
     with tiny_path.open("rb") as whole:
         cut.write_bytes(whole.read(4_000_000))

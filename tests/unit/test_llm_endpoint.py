@@ -8,9 +8,9 @@ import pytest
 from llm_server import CHAT, GOOD, ROOMS, Reply, ask, serving
 
 from edgevox.agent.llm.endpoint import Address
-from edgevox.agent.llm.endpoint.address import Dialect
 from edgevox.agent.llm.endpoint.errors import Unusable
 from edgevox.core.cancel import CancelToken
+from edgevox.core.settings import GrammarDialect
 
 
 def test_an_answer_comes_in_pieces() -> None:
@@ -62,7 +62,7 @@ def test_a_server_is_asked_what_it_is_only_once() -> None:
     ],
 )
 def test_each_kind_of_server_gets_the_grammar_its_own_way(
-    owner: str, dialect: Dialect, field: str, value: object
+    owner: str, dialect: GrammarDialect, field: str, value: object
 ) -> None:
     with serving(GOOD, owner=owner) as server:
         ask(server.model(dialect=dialect))

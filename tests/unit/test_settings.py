@@ -1,7 +1,13 @@
+import ast
+from collections import Counter
+from pathlib import Path
+from typing import get_args
+
 import pytest
 
+import edgevox
 from edgevox.core.errors import EdgeVoxError, InvalidValue
-from edgevox.core.settings import load_settings
+from edgevox.core.settings import Settings, load_settings
 
 
 @pytest.fixture
@@ -71,3 +77,16 @@ def test_a_missing_file_is_refused(tmp_path):
 
 def test_a_namespace_without_a_slash_is_made_absolute():
     assert load_settings({"ros2_namespace": "robot1"}).ros2_namespace == "/robot1"
+
+
+def test_what_a_setting_may_be_chosen_from_is_written_down_once():
+    choices = {get_args(field.annotation) for field in Settings.model_fields.values()} - {()}
+    written = []
+    for file in Path(edgevox.__file__).parent.rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            match node:
+                case ast.Subscript(value=ast.Name(id="Literal"), slice=ast.Tuple() as names):
+                    written.append(ast.literal_eval(names))
+    counts = Counter(written)
+    assert counts["gate", "none"] == 1
+    assert [one for one in choices if counts[one] > 1] == []

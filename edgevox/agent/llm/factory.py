@@ -2,7 +2,6 @@
 
 import importlib.util
 from pathlib import Path
-from typing import Literal
 
 from edgevox.agent.llm import gguf, memory
 from edgevox.agent.llm.base import CONTEXT_TOKENS, LanguageModel, ModelFailed
@@ -10,8 +9,7 @@ from edgevox.agent.llm.cpu import XLLAMACPP_NEEDS, missing_features
 from edgevox.agent.llm.llama_cpp_model import LlamaCppModel
 from edgevox.agent.llm.xllamacpp_model import XllamacppModel
 from edgevox.core.extras import install_extra
-
-Backend = Literal["auto", "xllamacpp", "llama-cpp-python"]
+from edgevox.core.settings import LlmBackend
 
 _ENGINES: dict[str, tuple[str, type[XllamacppModel] | type[LlamaCppModel]]] = {
     "xllamacpp": ("xllamacpp", XllamacppModel),
@@ -22,7 +20,7 @@ _ENGINES: dict[str, tuple[str, type[XllamacppModel] | type[LlamaCppModel]]] = {
 
 def load_model(
     path: Path,
-    backend: Backend = "auto",
+    backend: LlmBackend = "auto",
     *,
     context_tokens: int = CONTEXT_TOKENS,
     threads: int | None = None,
@@ -34,7 +32,7 @@ def load_model(
     return engine(path, context_tokens=context_tokens, threads=threads)
 
 
-def _choose(backend: Backend) -> str:
+def _choose(backend: LlmBackend) -> str:
     candidates = tuple(_ENGINES) if backend == "auto" else (backend,)
     lacks = missing_features(XLLAMACPP_NEEDS) if "xllamacpp" in candidates else frozenset()
     if lacks:

@@ -7,10 +7,10 @@ leading slash. No ROS here; a transform is the child's pose in its parent.
 import threading
 from collections.abc import Iterator
 
+from edgevox.core.frame_names import MAP
 from edgevox.core.transforms import IDENTITY, Pose3D, compose, inverse
 from edgevox.ros2.external.plausible import FURTHEST_FRAME_M
 
-MAP = "map"
 MOST_FRAMES = 2000
 
 

@@ -12,6 +12,7 @@ from edgevox.agent.skills import STOP, GoalHandle, Result, Skill, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import finite
+from edgevox.core.frame_names import MAP
 from edgevox.core.log import get_logger
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.bounds import Bounds
@@ -33,7 +34,7 @@ log = get_logger(__name__)
 AT_LOCATION_M = 1.0
 """A robot this near to a location is at it."""
 _CLOSING_S = 1.0
-_WORLD = Bounds.around("map", FURTHEST_M)
+_WORLD = Bounds.around(MAP, FURTHEST_M)
 
 
 class ExternalRobot:

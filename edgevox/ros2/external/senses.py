@@ -11,6 +11,7 @@ from sensor_msgs.msg import Image, LaserScan
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.clock import Clock
+from edgevox.core.frame_names import BASE, ODOM
 from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
 from edgevox.core.transforms import ORIGIN, Pose2D, compose, lift, project, rigid
@@ -156,8 +157,8 @@ class Senses:
                 math.copysign(math.hypot(speed.linear.x, speed.linear.y), speed.linear.x),
                 speed.angular.z,
             ),
-            frame=message.header.frame_id or "odom",
-            child_frame=message.child_frame_id or "base_link",
+            frame=message.header.frame_id or ODOM,
+            child_frame=message.child_frame_id or BASE,
             stamp_ns=to_ns(message.header.stamp),
             heard_s=self._clock.now(),
         )

@@ -6,10 +6,15 @@ examples of several robots with one map and robot_state_publisher's `frame_prefi
 """
 
 from edgevox.core.errors import InvalidValue
-from edgevox.core.frame_names import ODOM_EXPECTED, ODOM_FRAMES, PREFIX_EXPECTED, is_prefix
+from edgevox.core.frame_names import (
+    BASE,
+    MAP,
+    ODOM_EXPECTED,
+    ODOM_FRAMES,
+    PREFIX_EXPECTED,
+    is_prefix,
+)
 
-MAP = "map"
-BASE = "base_link"
 HAND = "ee_link"
 LIDAR = "lidar_link"
 CAMERA = "camera_link"

@@ -3,17 +3,15 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 from urllib.parse import urlsplit
 
 from edgevox.agent.llm.base import Message
 from edgevox.agent.llm.endpoint.errors import Unusable
+from edgevox.core.settings import GrammarDialect
 from edgevox.core.user_file import regular
 
-Dialect = Literal["auto", "llama-server", "vllm", "vllm-guided", "none"]
-"""How a server takes a grammar, or that it takes none; auto asks it what it is."""
-
-_OWNERS: Mapping[str, Dialect] = {"llamacpp": "llama-server", "vllm": "vllm"}
+_OWNERS: Mapping[str, GrammarDialect] = {"llamacpp": "llama-server", "vllm": "vllm"}
 """What servers call themselves in their list of models."""
 _LONGEST_KEY = 4096
 
@@ -30,7 +28,7 @@ class Address:
     model: str = ""
     timeout_s: float = 10.0
     key_file: Path | None = None
-    dialect: Dialect = "auto"
+    dialect: GrammarDialect = "auto"
 
     @property
     def host(self) -> str:
@@ -63,7 +61,7 @@ class Offer:
     """What a server said that it has: the model to ask for, and how it takes a grammar."""
 
     model: str
-    dialect: Dialect
+    dialect: GrammarDialect
 
 
 def read_offer(reply: Any, address: Address) -> Offer:
