@@ -102,11 +102,8 @@ def bound_now() -> dict[str, Any]:
 
 
 def _hand_over(
-    logger: object, method: str, fields: MutableMapping[str, Any]
+    _logger: object, _method: str, fields: MutableMapping[str, Any]
 ) -> tuple[tuple[Line], Mapping[str, Any]]:
-    """From structlog to logging, whose records know exceptions and who called.
-
-    ``_logger`` and ``_name`` are what structlog's formatter knows such records by.
-    """
+    """From structlog to logging, whose records know exceptions and who called."""
     more = {"stacklevel": _CALLER, "exc_info": fields.pop("exc_info", None)}
-    return (Line(fields),), {**more, "extra": {"_logger": logger, "_name": method}}
+    return (Line(fields),), more

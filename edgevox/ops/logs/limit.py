@@ -111,5 +111,4 @@ def _tell(key: Key, window: _Window, window_s: float) -> None:
     logger = logging.getLogger(name)
     if logger.isEnabledFor(window.level):
         line = Line(event=HELD_BACK, of=event, lines=window.held, window_s=window_s)
-        extra = {"_logger": logger, "_name": "warning"}
-        logger.log(window.level, line, extra=extra)
+        logger.log(window.level, line)

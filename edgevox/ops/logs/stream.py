@@ -76,4 +76,4 @@ def _is_terminal(stream: TextIO) -> bool:
 def _lost(lines: int) -> logging.LogRecord:
     about = {"name": __name__, "levelno": logging.WARNING, "levelname": "WARNING"}
     line = Line(event="log_lines_lost", lines=lines)
-    return logging.makeLogRecord({**about, "msg": line, "_logger": None, "_name": "warning"})
+    return logging.makeLogRecord({**about, "msg": line})
