@@ -1,7 +1,7 @@
 """What a message type is made of, as text: its own definition and all that it refers to.
 
 Read from the installed interfaces, comments and all, where `rosbags` would write its own text for
-the types that it knows, and bring three packages into the image for it.
+the types that it knows, and bring four packages into the image for it.
 """
 
 import importlib.util
