@@ -15,8 +15,8 @@ from edgevox.core.status import HealthCheck, Status
 from edgevox.ros2.contract import PRESENCE, TAKE_OVER
 from edgevox.ros2.presence.claim import Claim, Told, new_claim, read_claim, write_claim
 from edgevox.ros2.presence.roll import MOST_OTHERS, Roll
-from edgevox.ros2.status import Sharing
 from edgevox.ros2.qos import profile
+from edgevox.ros2.status import Sharing
 from edgevox.ros2.ticker import Ticker
 
 log = get_logger(__name__)
