@@ -24,13 +24,14 @@ from edgevox.agent.llm.factory import load_model
 from edgevox.agent.mind import ANSWER_TOKENS
 from edgevox.agent.skills import Call, SkillSet
 from edgevox.agent.toolcalls import Protocol
-from edgevox.apps.robots import INSTRUCTIONS, ROBOTS
+from edgevox.apps.robots import ROBOTS
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue
 from edgevox.models import ModelMissing, locate
 from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.humanoid.skills import walking_skills
 from edgevox.robots.panda.skills import manipulation_skills
+from edgevox.robots.plugin import INSTRUCTIONS
 
 ROOT = Path(__file__).parents[1]
 COMMANDS = ROOT / "tests" / "models" / "commands.yaml"

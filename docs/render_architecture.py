@@ -22,11 +22,11 @@ PICTURE = ROOT / "docs" / "images" / "architecture.svg"
 PAGE = ROOT / "docs" / "architecture.md"
 BLOCK = re.compile(r"(<!-- generated: packages -->\n).*?(<!-- end -->)", re.DOTALL)
 
-WIDTH, MARGIN, GAP = 1080, 20, 52
+WIDTH, MARGIN, GAP = 1080, 20, 84
 ROW, CHANNEL = 94, 62
 LINES = 3
-ALONE = {"ros2": (0.08, 0.24), "agent": (0.08, 0.38)}
-"""Where a package that is alone in its layer stands, and how wide, so that arrows get past it."""
+NARROW = {"ros2": (0.3, 0.24), "agent": (0.08, 0.3), "models": (0.56, 0.22)}
+"""Where a package of a layer with few stands, and how wide, so that arrows get past it."""
 SLOT, APART, CLEAR = 4, 22, 12
 COLOURS = {
     "apps": "#7e57c2",
@@ -109,7 +109,7 @@ def layers() -> list[list[str]]:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     contracts = project["tool"]["importlinter"]["contracts"]
     (rows,) = (contract["layers"] for contract in contracts if contract["type"] == "layers")
-    return [[one.strip().removeprefix("edgevox.") for one in row.split("|")] for row in rows]
+    return [[one.strip() for one in row.split("|")] for row in rows]
 
 
 def place(rows: list[list[str]]) -> dict[str, Box]:
@@ -120,7 +120,7 @@ def place(rows: list[list[str]]) -> dict[str, Box]:
         width = (inner - GAP * (len(row) - 1)) / len(row)
         for column, name in enumerate(row):
             boxes[name] = Box(name, number, MARGIN + column * (width + GAP), width)
-    for name, (left, width) in ALONE.items():
+    for name, (left, width) in NARROW.items():
         boxes[name] = Box(name, boxes[name].row, MARGIN + inner * left, inner * width)
     return boxes
 

@@ -41,15 +41,25 @@ def parse_arguments(argv: Sequence[str]) -> Asked:
     )
 
 
+class _Parser(argparse.ArgumentParser):
+    """Loads the robots, so that each says what it is, only for those who ask for help."""
+
+    def __init__(self, prog: str, description: str, epilog: str) -> None:
+        super().__init__(prog, description=description, epilog=epilog)
+        self._robot = self.add_argument("robot", choices=ROBOTS, metavar="ROBOT")
+
+    def format_help(self) -> str:
+        self._robot.help = "; ".join(f"{name}: {one.about}" for name, one in ROBOTS.items())
+        return super().format_help()
+
+
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="edgevox-agent",
         description="A voice agent with a robot's body.",
         epilog="Settings come from a --config file, then EDGEVOX_* variables, then these flags.",
     )
     parser.add_argument("--version", action="version", version=__version__)
-    robots = "; ".join(f"{name}: {robot.about}" for name, robot in ROBOTS.items())
-    parser.add_argument("robot", choices=ROBOTS, metavar="ROBOT", help=robots)
     parser.add_argument(
         "--scenario",
         type=Path,

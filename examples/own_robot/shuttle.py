@@ -11,7 +11,6 @@ from types import MappingProxyType
 from typing import Any
 
 from edgevox.agent.skills import Skill, SkillFailed
-from edgevox.apps.robot import Robot
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.settings import Settings
 from edgevox.core.transforms import Pose2D
@@ -19,6 +18,7 @@ from edgevox.robots.capabilities import Report, Twist2D
 from edgevox.robots.command_mux import CommandMux
 from edgevox.robots.motion import Motion, Progress
 from edgevox.robots.navigation import LOCATION, navigation_skills
+from edgevox.robots.plugin import Robot
 from edgevox.robots.stepper import Stepper
 
 STEP_S = 0.02

@@ -6,10 +6,10 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from edgevox.agent.skills import Example, GoalHandle, Result, Skill, SkillPhrases, skill
-from edgevox.apps.robot import Robot
 from edgevox.core.settings import Settings
 from edgevox.robots.physics import PymunkEngine
 from edgevox.robots.planar import PlanarRobot
+from edgevox.robots.plugin import Robot
 from edgevox.robots.world import load_world
 from edgevox.robots.world_model import World
 

@@ -8,7 +8,7 @@ from understanding import Outcome, share_right
 
 from edgevox.agent.mind import ANSWER_TOKENS
 from edgevox.agent.toolcalls import Protocol
-from edgevox.apps.robots import INSTRUCTIONS
+from edgevox.robots.plugin import INSTRUCTIONS
 
 PROMISED_SHARE = 0.95
 FLOOR_OF_SMALL_MODEL = 0.78

@@ -5,9 +5,9 @@ import pytest
 from edgevox.agent.llm.factory import load_model
 from edgevox.agent.skills import SkillSet
 from edgevox.agent.toolcalls import Protocol
-from edgevox.apps.robots import INSTRUCTIONS
 from edgevox.core.languages import LANGUAGES
 from edgevox.robots.apartment import ApartmentRobot
+from edgevox.robots.plugin import INSTRUCTIONS
 
 MOST_PROMPT_TOKENS = 1700
 """Two fifths of the context; scripts that the model's vocabulary is poor in take the most."""

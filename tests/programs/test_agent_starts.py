@@ -12,6 +12,26 @@ AGENT = Path(sys.executable).with_name("edgevox-agent")
 NOT_FOR_TYPING = {"av", "onnxruntime", "prompt_toolkit", "pynvml", "rclpy", "textual"}
 
 
+def test_no_other_robot_is_loaded_than_the_one_that_is_asked_for(tmp_path):
+    about = tmp_path / "someone-1.0.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: someone\nVersion: 1.0\n")
+    (about / "entry_points.txt").write_text("[edgevox.robots]\nrobot-slow = slow_to_load:ROBOT\n")
+    (tmp_path / "slow_to_load.py").write_text("print('loaded')")
+    path = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
+    done = subprocess.run(
+        [AGENT, "robot-apartment", "--text-mode", "--llm=none"],
+        env=os.environ | {"PYTHONPATH": path},
+        input="where are you\n",
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "loaded" not in done.stdout
+
+
 def test_what_is_typed_to_loads_no_engine_of_sound_and_no_screen():
     program = (
         "import sys; from edgevox.apps.agent import main; main(sys.argv[1:])\n"

@@ -77,6 +77,16 @@ def test_the_installed_package_is_in_the_ament_index(
     assert (share / "package.xml").is_file()
 
 
+def test_the_installed_package_has_the_robots_that_it_declares(prefix: Path) -> None:
+    (packages,) = prefix.glob("lib/python*/site-packages")
+    environment = {**os.environ, "PYTHONPATH": f"{packages}:{sysconfig.get_path('purelib')}"}
+    command = [prefix / "lib" / "edgevox" / "edgevox-agent", "robot-of-nobody"]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60)
+    robots = PROJECT["entry-points"]["edgevox.robots"]
+    assert done.returncode == 2
+    assert f"(choose from {', '.join(map(repr, robots))})" in done.stderr
+
+
 def test_every_program_can_be_run_from_the_installed_package(prefix: Path) -> None:
     found = {f.name for f in (prefix / "lib" / "edgevox").iterdir() if os.access(f, os.X_OK)}
     assert found == set(PROJECT["scripts"])

@@ -1,6 +1,7 @@
 """Robots that other packages bring: found by their entry points, broken ones among them."""
 
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -8,11 +9,13 @@ import pytest
 from edgevox.agent.intents import Recogniser, Understood
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import Call, SkillSet
-from edgevox.apps.robot import GROUP, Robot, installed_robots
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.settings import load_settings
+from edgevox.robots import bundled
+from edgevox.robots.plugin import GROUP, Robot, installed_robots
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / "examples"
 
 
 @pytest.fixture
@@ -20,11 +23,11 @@ def install(tmp_path, monkeypatch):
     """Makes a package whose entry point names this, out of these lines."""
     monkeypatch.syspath_prepend(tmp_path)
 
-    def make(value, code=""):
+    def make(value, code="", name="robot-someones"):
         about = tmp_path / "someone-1.0.dist-info"
         about.mkdir()
         (about / "METADATA").write_text("Metadata-Version: 2.1\nName: someone\nVersion: 1.0\n")
-        (about / "entry_points.txt").write_text(f"[{GROUP}]\nrobot-someones = {value}\n")
+        (about / "entry_points.txt").write_text(f"[{GROUP}]\n{name} = {value}\n")
         (tmp_path / "someones_robot.py").write_text(code)
         monkeypatch.delitem(sys.modules, "someones_robot", raising=False)
 
@@ -39,10 +42,11 @@ def patrol(monkeypatch):
     return watchman.patrol_skill(None)
 
 
-def test_an_installed_package_brings_its_robot(install):
+@pytest.mark.parametrize("home", ["edgevox.robots.plugin", "edgevox.apps.robot"])
+def test_an_installed_package_brings_its_robot_also_one_that_was_written_earlier(home, install):
     install(
         "someones_robot:MINE",
-        "from edgevox.apps.robot import Robot\nMINE = Robot('mine', lambda settings, speed: speed)",
+        f"from {home} import Robot\nMINE = Robot('mine', lambda settings, speed: speed)",
     )
     mine = installed_robots()["robot-someones"]
     assert mine.about == "mine"
@@ -66,9 +70,36 @@ def test_a_broken_package_says_so_only_when_its_robot_is_asked_for(install, valu
         broken.build(load_settings({}), None)
 
 
-def test_what_is_there_already_is_not_replaced(install):
-    install("someones_robot:MINE")
-    assert "robot-someones" not in installed_robots(besides={"robot-someones"})
+def test_a_package_is_not_loaded_until_its_robot_is_looked_at(install):
+    install("someones_robot:MINE", "raise SystemExit('loaded')")
+    assert "robot-someones" in list(installed_robots())
+
+
+def test_a_robot_of_ours_is_not_replaced(install):
+    install("someones_robot:MINE", name="robot-apartment")
+    assert installed_robots()["robot-apartment"] is bundled.APARTMENT
+
+
+def test_ours_are_found_as_those_of_others_are():
+    declared = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["entry-points"]
+    assert set(declared[GROUP]) <= set(installed_robots())
+    assert isinstance(installed_robots()["robot-external"], Robot)
+
+
+def test_a_checkout_that_nobody_installed_has_our_robots(monkeypatch):
+    monkeypatch.setattr(sys, "path", [])
+    assert list(installed_robots()) == [
+        "robot-apartment",
+        "robot-external",
+        "robot-humanoid",
+        "robot-irsim",
+        "robot-panda",
+    ]
+
+
+def test_no_example_imports_the_programs():
+    for example in EXAMPLES.rglob("*.py"):
+        assert "edgevox.apps" not in example.read_text(), example
 
 
 @pytest.mark.parametrize(

@@ -5,10 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from edgevox.apps.robots import INSTRUCTIONS, ROBOTS, build_agents, build_body
+from edgevox.apps.robots import ROBOTS, build_agents, build_body
 from edgevox.core.settings import load_settings
 from edgevox.models import ModelMissing
 from edgevox.models.manifest import builtin_manifest
+from edgevox.robots.plugin import INSTRUCTIONS
 
 AGENT = str(Path(sys.executable).with_name("edgevox-agent"))
 MODELLED = [name for name, robot in ROBOTS.items() if robot.models]

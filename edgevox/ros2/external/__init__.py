@@ -1,32 +1,21 @@
 """A body that lives on ROS 2: any robot that speaks the contract's `external_robot` topics.
 
-Imports core, agent.skills and robots of edgevox. Only `build_external` is for others; rclpy is
-imported when it is called.
+Imports core, agent.skills and robots of edgevox. Only `EXTERNAL` is for others; rclpy is imported
+when its body is built.
 """
-
-from pathlib import Path
 
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.extras import install_extra
+from edgevox.core.settings import Settings
 from edgevox.robots.capabilities import Body
+from edgevox.robots.plugin import Robot
 
 
-def build_external(
-    namespace: str,
-    locations: Path | None = None,
-    *,
-    max_linear_m_s: float,
-    max_angular_rad_s: float,
-) -> Body:
-    """The body of a robot whose topics are in this namespace, not yet started.
-
-    Raises `InvalidValue` naming what is wrong in the locations file, and `EdgeVoxError` where rclpy
-    cannot be imported.
-    """
+def _build(settings: Settings, _speed: float | None) -> Body:
     from edgevox.ros2.external.locations import load_locations
     from edgevox.ros2.external.settings import ExternalSettings, SteeringLimits
 
-    places = load_locations(locations) if locations else {}
+    places = load_locations(settings.locations) if settings.locations else {}
     try:
         from edgevox.ros2.external.robot import ExternalRobot
     except ModuleNotFoundError as error:
@@ -36,8 +25,12 @@ def build_external(
             f"robot-external needs ROS 2, and {error.name} cannot be imported: source ROS 2's "
             f"setup.bash, or {install_extra('ros2')}"
         ) from error
-    limits = SteeringLimits(max_linear_m_s=max_linear_m_s, max_angular_rad_s=max_angular_rad_s)
-    return ExternalRobot(namespace, places, ExternalSettings(steering=limits))
+    limits = SteeringLimits(
+        max_linear_m_s=settings.max_linear, max_angular_rad_s=settings.max_angular
+    )
+    return ExternalRobot(settings.external_namespace, places, ExternalSettings(steering=limits))
 
 
-__all__ = ["build_external"]
+EXTERNAL = Robot("any ROS 2 robot, over its odom, cmd_vel and goal_pose", _build)
+
+__all__ = ["EXTERNAL"]

@@ -1,0 +1,105 @@
+"""What a robot is to `edgevox-agent`, and how a package brings one: by an entry point, as ours do.
+
+Who brings a body needs this module, the protocols of `capabilities`, and `EdgeVoxError` of core.
+"""
+
+import tomllib
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from importlib.metadata import EntryPoint, PackageNotFoundError, distribution, entry_points
+from pathlib import Path
+
+from edgevox.core.errors import EdgeVoxError
+from edgevox.core.settings import Settings
+from edgevox.robots.capabilities import Body
+
+GROUP = "edgevox.robots"
+"""The entry points that name a `Robot` each: `robot-shuttle = "my_package:SHUTTLE"`."""
+
+INSTRUCTIONS = (
+    "You are EdgeVox, the voice of a small robot in a home. Be friendly and brief: one or two short"
+    " sentences. Only promise what your skills can do."
+)
+
+Build = Callable[[Settings, float | None], Body]
+"""Makes a body that is not yet started, in a world that runs at that multiple of real time; with
+None as fast as it can, with 0 only as far as `advance` asks. Raises `EdgeVoxError` with the reason
+where it cannot."""
+
+_OURS = "edgevox-robot"
+_PROJECT = Path(__file__).parents[2] / "pyproject.toml"
+
+
+@dataclass(frozen=True)
+class Robot:
+    """One robot: what it is, how to build it, what the language model is told of itself.
+
+    The body that `build` makes has the robot's name. `models` are the ids of edgevox-models that it
+    needs as it comes; `build` locates them.
+    """
+
+    about: str
+    build: Build
+    instructions: str = INSTRUCTIONS
+    models: tuple[str, ...] = ()
+
+
+class Robots(Mapping[str, Robot]):
+    """Robots by name, each loaded when it is first asked for.
+
+    One that cannot be loaded is there, and says so when its body is built.
+    """
+
+    def __init__(self, points: Iterable[EntryPoint]) -> None:
+        self._points = {point.name: point for point in points}
+        self._loaded: dict[str, Robot] = {}
+
+    def __getitem__(self, name: str) -> Robot:
+        if name not in self._loaded:
+            self._loaded[name] = _load(self._points[name])
+        return self._loaded[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._points)
+
+    def __len__(self) -> int:
+        return len(self._points)
+
+
+def installed_robots(project: Path = _PROJECT) -> Robots:
+    """All robots that there are: ours first, then those of other packages, which replace none.
+
+    Ours are those that were installed; in a checkout that was not, or before it had any, those that
+    `project`, its pyproject.toml, declares.
+    """
+    ours = sorted(_installed() or _declared(project))
+    names = {point.name for point in ours}
+    return Robots([*ours, *(one for one in entry_points(group=GROUP) if one.name not in names)])
+
+
+def _installed() -> tuple[EntryPoint, ...]:
+    try:
+        return tuple(distribution(_OURS).entry_points.select(group=GROUP))
+    except PackageNotFoundError:
+        return ()
+
+
+def _declared(project: Path) -> Iterator[EntryPoint]:
+    if project.is_file():
+        points = tomllib.loads(project.read_text("utf-8"))["project"]["entry-points"][GROUP]
+        yield from (EntryPoint(name, value, GROUP) for name, value in points.items())
+
+
+def _load(point: EntryPoint) -> Robot:
+    try:
+        robot = point.load()
+    except Exception as error:  # noqa: BLE001 - a package of somebody else raises what it likes
+        return _broken(f"{type(error).__name__}: {error}")
+    return robot if isinstance(robot, Robot) else _broken(f"{point.value} is no Robot")
+
+
+def _broken(reason: str) -> Robot:
+    def refuse(_settings: Settings, _speed: float | None) -> Body:
+        raise EdgeVoxError(f"the package that brings this robot is broken: {reason}")
+
+    return Robot("installed, but broken", refuse)
