@@ -12,6 +12,7 @@ from typing import Any, get_type_hints
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError, create_model
 
 from edgevox.core.errors import InvalidValue
+from edgevox.core.validation import dotted, explain
 
 LARGEST_NUMBER = 2**53
 """Beyond it JSON's numbers are not exact, and no robot can go there."""
@@ -81,11 +82,5 @@ def _numbers(path: str, value: Any) -> Iterator[tuple[str, float]]:
 
 
 def _invalid(name: str, error: ValidationError) -> InvalidValue:
-    first = error.errors(include_url=False)[0]
-    path = ".".join(str(part) for part in first["loc"]) or "arguments"
-    expected = {
-        "missing": "a value",
-        "extra_forbidden": "no such argument",
-    }.get(first["type"], first["msg"].removeprefix("Input should be "))
-    value = None if first["type"] == "missing" else first["input"]
-    return InvalidValue(f"{name}.{path}", value, expected)
+    unknown = {"extra_forbidden": "no such argument"}
+    return explain(error, lambda place: f"{name}.{dotted(place) or 'arguments'}", unknown)

@@ -22,6 +22,7 @@ from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.frame_names import PREFIX_EXPECTED, OdomFrame, is_prefix
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.user_file import read_text
+from edgevox.core.validation import dotted, explain
 
 ENV_PREFIX = "EDGEVOX_"
 Echo = Literal["gate", "none"]
@@ -249,14 +250,5 @@ def check_settings(values: Mapping[str, Any]) -> Settings:
 
 
 def _explain(error: ValidationError) -> InvalidValue:
-    first = error.errors(include_url=False)[0]
-    name = ".".join(str(part) for part in first["loc"]) or "settings"
-    if first["type"] == "extra_forbidden":
-        return InvalidValue(name, first["input"], "one of " + ", ".join(Settings.model_fields))
-    message = first["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
-    return InvalidValue(name, _without_password(first["input"]), message)
-
-
-def _without_password(value: object) -> object:
-    """A value as it may be shown: what stands before the @ of an address is nobody's business."""
-    return re.sub(r"//[^/]*@", "//***@", value) if isinstance(value, str) else value
+    known = {"extra_forbidden": "one of " + ", ".join(Settings.model_fields)}
+    return explain(error, lambda place: dotted(place) or "settings", known)

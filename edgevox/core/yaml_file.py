@@ -1,13 +1,22 @@
 """Reads YAML that people write and others send: bounded in size, also with aliases."""
 
-from typing import Any
+from collections.abc import Collection, Iterator, Mapping
+from typing import Any, TypeVar
 
 import yaml
+from pydantic import BaseModel, ValidationError
 
 from edgevox.core.errors import InvalidValue
 from edgevox.core.user_file import LARGEST_TEXT_BYTES
+from edgevox.core.validation import Place, dotted, explain
+
+M = TypeVar("M", bound=BaseModel)
 
 _MERGE = "tag:yaml.org,2002:merge"
+_MAPPING = dict.fromkeys(
+    ("model_type", "dict_type"),
+    "a mapping, key to value; YAML reads no, off, yes and on as truth: quote words",
+)
 
 
 class _KeyTwice(Exception):
@@ -53,3 +62,64 @@ def _weight(node: Any, known: dict[int, int]) -> int:
         inner = node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
         known[id(node)] = 1 + sum(_weight(one, known) for one in inner)
     return known[id(node)]
+
+
+class YamlFile:
+    """The values of a YAML text, read as models; what is wrong is said by file, line and field.
+
+    `tags` are kinds of a list's entries: pydantic puts them into a place, behind the index.
+    """
+
+    def __init__(self, text: str, name: str, tags: Collection[str] = ()) -> None:
+        self.data, self.name = parse_yaml(text, name), name
+        self._text, self._tags = text, tags
+
+    def read(self, model: type[M], data: Any, place: Place = ()) -> M:
+        """`data`, which stands at this place of the file, as such a model."""
+        try:
+            return model.model_validate(data)
+        except ValidationError as error:
+            raise explain(error, lambda inner: self.field((*place, *inner)), _MAPPING) from None
+
+    def wrong(self, place: Place, value: object, expected: str) -> InvalidValue:
+        """What to raise for a value at this place that no model can judge alone."""
+        return InvalidValue(self.field(place), value, expected)
+
+    def field(self, place: Place) -> str:
+        """What a place is called: the file, the line, and the way to it."""
+        place = tuple(self._in_the_file(place))
+        return f"{self.name}:{self._line(place)}: {dotted(place)}" if place else self.name
+
+    def _in_the_file(self, place: Place) -> Iterator[str | int]:
+        """Without what pydantic adds: tags, a mark of keys, the index of what is no list."""
+        data, before = self.data, None
+        for part in place:
+            tag = part in self._tags and isinstance(before, int)
+            index = isinstance(part, int) and isinstance(data, Mapping) and part not in data
+            before = part
+            if tag or index or part == "[key]":
+                continue
+            yield part
+            data = _inside(data, part)
+
+    def _line(self, place: Place) -> int:
+        """The line, from 1, of what is there, or of the last thing on the way that is there."""
+        node, line = yaml.compose(self._text, yaml.SafeLoader), 0
+        for part in place:
+            if isinstance(node, yaml.MappingNode):
+                found = [pair for pair in node.value if pair[0].value == str(part)]
+            elif isinstance(node, yaml.SequenceNode) and isinstance(part, int):
+                found = [(one, one) for one in node.value[part : part + 1]]
+            else:
+                break
+            if not found:
+                break
+            line, node = found[0][0].start_mark.line, found[0][1]
+        return int(line) + 1
+
+
+def _inside(data: Any, part: str | int) -> Any:
+    try:
+        return data[part]
+    except (TypeError, LookupError):
+        return None

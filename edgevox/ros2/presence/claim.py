@@ -11,6 +11,7 @@ from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass as checked
 
 from edgevox.core.errors import InvalidValue
+from edgevox.core.validation import dotted, explain
 from edgevox.ros2.json_text import write
 
 MOST_TERM = 2**31
@@ -73,6 +74,4 @@ def read_claim(text: str) -> Claim:
     try:
         return _CLAIM.validate_json(text)
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        field = ".".join(("presence", *map(str, first["loc"])))
-        raise InvalidValue(field, first["input"], first["msg"]) from None
+        raise explain(error, lambda place: dotted(("presence", *place))) from None
