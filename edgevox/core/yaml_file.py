@@ -13,10 +13,18 @@ from edgevox.core.validation import Place, dotted, explain
 M = TypeVar("M", bound=BaseModel)
 
 _MERGE = "tag:yaml.org,2002:merge"
-_MAPPING = dict.fromkeys(
-    ("model_type", "dict_type"),
-    "a mapping, key to value; YAML reads no, off, yes and on as truth: quote words",
-)
+_EXPECTED = {
+    **dict.fromkeys(
+        ("model_type", "dataclass_type", "dict_type"),
+        "a mapping, key to value; YAML reads no, off, yes and on as truth: quote words",
+    ),
+    "invalid_key": "a key that is a text",
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "string_type": "a text",
+    "bool_type": "true or false",
+}
+"""In the words of people who write YAML, not of Python."""
 
 
 class _KeyTwice(Exception):
@@ -79,7 +87,11 @@ class YamlFile:
         try:
             return model.model_validate(data)
         except ValidationError as error:
-            raise explain(error, lambda inner: self.field((*place, *inner)), _MAPPING) from None
+            raise self.explain(error, place) from None
+
+    def explain(self, error: ValidationError, place: Place) -> InvalidValue:
+        """What to raise for what is wrong in this place."""
+        return explain(error, lambda inner: self.field((*place, *inner)), _EXPECTED)
 
     def wrong(self, place: Place, value: object, expected: str) -> InvalidValue:
         """What to raise for a value at this place that no model can judge alone."""

@@ -24,9 +24,9 @@ def read_name(where: str, value: object, longest: int = LONGEST_NAME) -> str:
     return value
 
 
-def check_thing(where: str, name: str) -> str:
+def check_thing(where: str, name: object) -> str:
     """The name of a thing that is spoken of: another simulator's file may write it as it likes."""
-    if len(name) > LONGEST_NAME or not name.isprintable():
+    if not isinstance(name, str) or len(name) > LONGEST_NAME or not name.isprintable():
         raise InvalidValue(where, name, f"at most {LONGEST_NAME} characters that can be printed")
     check_name(where, name, STOP)
     return name

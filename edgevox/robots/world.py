@@ -14,31 +14,70 @@ behaviours, goals and drawing options belong to IR-SIM's own loop and change not
 
 import math
 import random
-from collections.abc import Iterator
 from importlib import resources
-from itertools import islice
 from pathlib import Path
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
+from pydantic import BeforeValidator
 
-from edgevox.core.errors import InvalidValue
 from edgevox.core.transforms import Pose2D
 from edgevox.core.user_file import read_text
-from edgevox.core.yaml_file import parse_yaml
+from edgevox.core.validation import Place
+from edgevox.core.yaml_file import YamlFile
 from edgevox.robots.shapes import distance, place
-from edgevox.robots.world_fields import Fields, as_point, words
+from edgevox.robots.world_fields import XY, Finite, Part, within, words
 from edgevox.robots.world_model import RobotSpec, Thing, World
-from edgevox.robots.world_objects import members, read_robot, read_thing
-from edgevox.robots.world_rooms import read_battery, read_rooms
+from edgevox.robots.world_objects import Entries, Member, members
+from edgevox.robots.world_places import Area
+from edgevox.robots.world_rooms import Ours
 
 MOST_THINGS = 2000
 _MARGIN_M = 0.5
-_TOP_KEYS = ("world", "robot", "obstacle", "gui", "custom")
-_WORLD_KEYS = words(
-    "name height width step_time sample_time offset step_mode control_mode collision_mode gravity "
-    "friction restitution drive_tau obstacle_map mdownsample fog_map fog_map_resolution plot "
-    "status"
-)
+
+
+def _no_map(_map: Any) -> None:
+    raise ValueError("no map, only obstacles")
+
+
+class Extent(Part):
+    """The rectangle of the map frame that is the world."""
+
+    is_open: ClassVar[bool] = True
+    also: ClassVar[frozenset[str]] = words(
+        "name step_time sample_time step_mode control_mode collision_mode gravity friction "
+        "restitution drive_tau mdownsample fog_map fog_map_resolution plot status"
+    )
+    offset: XY = (0.0, 0.0)
+    width: Annotated[Finite, within(1.0, 500.0)] = 10.0
+    height: Annotated[Finite, within(1.0, 500.0)] = 10.0
+    obstacle_map: Annotated[None, BeforeValidator(_no_map)] = None
+
+    @property
+    def area(self) -> Area:
+        """Where things are put that stand anywhere."""
+        x, y = self.offset
+        return (
+            Pose2D(x + _MARGIN_M, y + _MARGIN_M, -math.pi),
+            Pose2D(x + self.width - _MARGIN_M, y + self.height - _MARGIN_M, math.pi),
+        )
+
+
+class Custom(Part):
+    """What IR-SIM leaves to others."""
+
+    is_open: ClassVar[bool] = True
+    edgevox: Ours = Ours()
+
+
+class WorldFile(Part):
+    """A whole file."""
+
+    world: Extent = Extent()
+    robot: Entries = ()
+    obstacle: Entries = ()
+    gui: Any = None
+    custom: Custom = Custom()
 
 
 def apartment_file() -> Path:
@@ -58,79 +97,62 @@ def load_world(path: Path | None = None, *, seed: int = 0) -> World:
 
 def parse_world(text: str, name: str, *, seed: int = 0) -> World:
     """The world that this YAML text describes; `name` is the file's name in messages."""
-    top = Fields(name, parse_yaml(text, name))
-    if isinstance(top.get("irsim"), dict):
-        top = top.sub("irsim")
-    top.check_keys(_TOP_KEYS)
-    settings = top.sub("world")
-    settings.check_keys(_WORLD_KEYS, others=True)
-    if "obstacle_map" in settings:
-        raise InvalidValue(
-            settings.path("obstacle_map"), settings.get("obstacle_map"), "no map, only obstacles"
-        )
-    custom = top.sub("custom")
-    custom.check_keys(["edgevox"], others=True)
-    ours = custom.sub("edgevox")
-    ours.check_keys(["rooms", "battery"])
-    x, y, width, height = _extent(settings)
+    file = YamlFile(text, name)
+    under: Place = ()
+    if isinstance(file.data, dict) and isinstance(file.data.get("irsim"), dict):
+        under = ("irsim",)
+    whole = file.read(WorldFile, file.data["irsim"] if under else file.data, under)
+    whole.world.warn_of_others(file, (*under, "world"))
+    whole.custom.warn_of_others(file, (*under, "custom"))
     dice = random.Random(seed)  # noqa: S311 - the same file and seed are the same world
-    robot, things = _objects(top, (x, y, width, height), dice)
+    robot, things = _objects(file, whole, under, dice)
+    ours, (x, y) = whole.custom.edgevox, whole.world.offset
     world = World(
         name=name.partition(".")[0],
         x_min_m=x,
         y_min_m=y,
-        width_m=width,
-        height_m=height,
+        width_m=whole.world.width,
+        height_m=whole.world.height,
         robot=robot,
         things=things,
-        rooms=read_rooms(ours.sub("rooms")),
-        battery=read_battery(ours.sub("battery")),
+        rooms=tuple(room.named(called) for called, room in ours.rooms.items()),
+        battery=ours.battery,
     )
-    _check_start(world, top.path("robot"))
+    _check_start(world, file, (*under, "robot", 0, "state"))
     return world
 
 
-def _extent(settings: Fields) -> tuple[float, float, float, float]:
-    x, y = 0.0, 0.0
-    if "offset" in settings:
-        x, y = as_point(settings.path("offset"), settings.get("offset"))
-    width = settings.number("width", 10.0, low=1.0, high=500.0)
-    return x, y, width, settings.number("height", 10.0, low=1.0, high=500.0)
-
-
 def _objects(
-    top: Fields, extent: tuple[float, float, float, float], dice: random.Random
+    file: YamlFile, whole: WorldFile, under: Place, dice: random.Random
 ) -> tuple[RobotSpec, tuple[Thing, ...]]:
-    x, y, width, height = extent
-    area = (
-        Pose2D(x + _MARGIN_M, y + _MARGIN_M, -math.pi),
-        Pose2D(x + width - _MARGIN_M, y + height - _MARGIN_M, math.pi),
-    )
-    robots = _most(one for group in top.each("robot") for one in members(group, area, dice))
+    def read(key: str, entries: Entries) -> list[Member]:
+        found: list[Member] = []
+        for index, entry in enumerate(entries):
+            at = (*under, key, index)
+            entry.warn_of_others(file, at)
+            found += members(file, entry, at, whole.world.area, dice)
+            if len(found) > MOST_THINGS:
+                break
+        return found
+
+    robots = read("robot", whole.robot)
     if not robots:
-        raise InvalidValue(top.path("robot"), top.get("robot"), "at least one robot")
-    robot = read_robot(robots[0], dice)
-    others = _most(one for group in top.each("obstacle") for one in members(group, area, dice))
+        raise file.wrong((*under, "robot"), None, "at least one robot")
+    robot = robots[0].robot(dice)
+    others = read("obstacle", whole.obstacle)
     if len(robots) + len(others) > MOST_THINGS:
-        raise InvalidValue(
-            top.path("obstacle"), len(others), f"at most {MOST_THINGS} objects in all"
-        )
-    things = [read_thing(one, dice) for one in (*robots[1:], *others)]
+        expected = f"at most {MOST_THINGS} objects in all"
+        raise file.wrong((*under, "obstacle"), len(others), expected)
+    things = [one.thing(dice) for one in (*robots[1:], *others)]
     return robot, tuple(thing for thing in things if thing is not None)
 
 
-def _most(objects: Iterator[Fields]) -> list[Fields]:
-    return list(islice(objects, MOST_THINGS + 1))
-
-
-def _check_start(world: World, where: str) -> None:
+def _check_start(world: World, file: YamlFile, where: Place) -> None:
     start, radius = world.robot.start, world.robot.radius_m
     state = [start.x_m, start.y_m]
     if not world.covers(*state):
-        raise InvalidValue(f"{where}.state", state, "a point inside the world")
+        raise file.wrong(where, state, "a point inside the world")
     for thing in world.fixed:
         for part in thing.parts:
             if distance(place(part, thing.pose), np.array([state]))[0] < radius:
-                raise InvalidValue(
-                    f"{where}.state", state, f"a free place; {thing.mentioned} stands there"
-                )
+                raise file.wrong(where, state, f"a free place; {thing.mentioned} stands there")

@@ -8,6 +8,7 @@ import numpy as np
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.bounds import Bounds
 from edgevox.robots.shapes import Floats, Point, Polygon, Shape, inside
+from edgevox.robots.world_fields import XY, NotNegative, Positive
 
 ORIGIN = Pose2D(0.0, 0.0, 0.0)
 
@@ -106,12 +107,12 @@ class Room:
 class BatterySpec:
     """How a battery empties (see `battery.py`) and where it is charged."""
 
-    capacity_wh: float = 40.0
-    idle_w: float = 1.0
-    linear_w_per_m_s: float = 25.0
-    angular_w_per_rad_s: float = 4.0
-    charge_w: float = 60.0
-    dock: Point | None = None
+    capacity_wh: Positive = 40.0
+    idle_w: NotNegative = 1.0
+    linear_w_per_m_s: NotNegative = 25.0
+    angular_w_per_rad_s: NotNegative = 4.0
+    charge_w: NotNegative = 60.0
+    dock: XY | None = None
 
 
 @dataclass(frozen=True, slots=True)

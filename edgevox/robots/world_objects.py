@@ -1,94 +1,236 @@
-"""Reads the `robot` and `obstacle` entries of a world file, as IR-SIM means them."""
+"""The `robot` and `obstacle` entries of a world file, as IR-SIM means them."""
 
 import math
 import random
 from collections.abc import Iterator
-from typing import Any
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
 
-from edgevox.core.errors import InvalidValue
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+)
+
 from edgevox.core.log import get_logger
 from edgevox.core.transforms import Pose2D
+from edgevox.core.validation import Place
+from edgevox.core.yaml_file import YamlFile
 from edgevox.robots.names import check_thing
-from edgevox.robots.shapes import Line, Polygon, Shape, reach
-from edgevox.robots.world_fields import Fields, as_number, as_numbers, words
+from edgevox.robots.shapes import Circle, Line, Polygon, Shape, reach
+from edgevox.robots.world_fields import (
+    Finite,
+    Flag,
+    Part,
+    Positive,
+    Text,
+    ThreeOrMore,
+    Whole,
+    called,
+    listed,
+    one_or_more,
+    within,
+    words,
+)
 from edgevox.robots.world_model import LidarSpec, RobotSpec, Thing
-from edgevox.robots.world_places import poses
-from edgevox.robots.world_shapes import hull, read_shape
+from edgevox.robots.world_places import AnyDistribution, Area, Distribution, Placing, Poses
+from edgevox.robots.world_shapes import AnyShape, ShapePart, hull
 
 log = get_logger(__name__)
 
 MOST_OBJECTS = 1000
 """Of one entry; a world of more is a mistake or an attack."""
-
-OBJECT_KEYS = words(
-    "shape kinematics state velocity goal role color static mass friction inertia restitution "
-    "vel_min vel_max acce angle_range behavior group_behavior goal_threshold sensors arrive_mode "
-    "description group group_name state_dim vel_dim unobstructed fov fov_radius name plot number "
-    "distribution"
-)
 _ONE_NUMBER_EACH = frozenset({"mass", "friction", "inertia", "restitution"})
-_LIDAR_KEYS = words(
-    "name type range_min range_max angle_range number scan_time noise std angle_std offset alpha "
-    "has_velocity color"
-)
 
 
-def members(group: Fields, area: tuple[Pose2D, Pose2D], dice: random.Random) -> Iterator[Fields]:
-    """The single objects of an entry with a `number`; each has a `state` of three numbers."""
-    group.check_keys(OBJECT_KEYS, others=True)
-    number = group.whole("number", 1, low=0, high=MOST_OBJECTS)
-    for index, pose in enumerate(poses(group, number, area, dice)):
-        data = {key: _nth(key, value, index) for key, value in group.data.items()}
-        data["state"] = [pose.x_m, pose.y_m, pose.yaw_rad]
-        yield Fields(group.where, data)
+class Entry(Part):
+    """One or several objects. What is a list is that of each object, by its index."""
+
+    is_open: ClassVar[bool] = True
+    also: ClassVar[frozenset[str]] = words(
+        "shape kinematics velocity goal role color static mass friction inertia restitution "
+        "vel_min vel_max acce angle_range behavior group_behavior goal_threshold sensors "
+        "arrive_mode description group group_name state_dim vel_dim unobstructed fov "
+        "fov_radius name plot"
+    )
+    number: Annotated[Whole, within(0, MOST_OBJECTS)] = 1
+    distribution: AnyDistribution = Distribution()
+    state: Poses = (Pose2D(1.0, 1.0, 0.0),)
 
 
-def read_robot(fields: Fields, dice: random.Random) -> RobotSpec:
-    """The robot that is driven. Its shape counts as the circle around it."""
-    kind = fields.sub("kinematics").text("name", "none")
-    if kind != "diff":
-        raise InvalidValue(
-            f"{fields.path('kinematics')}.name", kind, "'diff', a robot with two driven wheels"
+Entries = Annotated[tuple[Entry, ...], BeforeValidator(one_or_more)]
+
+
+def members(
+    file: YamlFile, entry: Entry, place: Place, area: Area, dice: random.Random
+) -> Iterator["Member"]:
+    """The single objects of an entry."""
+    try:
+        poses = entry.distribution.poses(Placing(entry.state, entry.number, area, dice))
+    except ValidationError as error:
+        raise file.explain(error, place) from None
+    for index, pose in enumerate(poses):
+        data = {key: _nth(key, value, index) for key, value in (entry.model_extra or {}).items()}
+        yield Member(file, place, pose, {key: one for key, one in data.items() if one is not None})
+
+
+@dataclass(frozen=True)
+class Member:
+    """One object: what is written of it, where in the file, and where it stands."""
+
+    file: YamlFile
+    place: Place
+    pose: Pose2D
+    data: dict[str, Any]
+
+    def robot(self, dice: random.Random) -> RobotSpec:
+        """The robot that is driven. Its shape counts as the circle around it."""
+        part = self.file.read(_Driven, self.data, self.place)
+        if part.kinematics.name != "diff":
+            field, expected = ("kinematics", "name"), "'diff', a robot with two driven wheels"
+            raise self.file.wrong((*self.place, *field), part.kinematics.name or "none", expected)
+        linear, angular = part.vel_max
+        linear_acceleration, angular_acceleration = part.acce
+        return RobotSpec(
+            radius_m=reach(self._parts(part.shape, dice)),
+            start=self.pose,
+            max_linear_m_s=linear or 1.0,
+            max_angular_rad_s=angular or 1.0,
+            max_linear_m_s2=linear_acceleration or 2.0,
+            max_angular_rad_s2=angular_acceleration or 6.0,
+            mass_kg=part.mass,
+            lidar=self._lidar(part.sensors),
         )
-    linear, angular = _pair(fields, "vel_max", (1.0, 1.0))
-    linear_acceleration, angular_acceleration = _pair(fields, "acce", (2.0, 6.0))
-    return RobotSpec(
-        radius_m=reach(_parts(fields, dice)),
-        start=_pose(fields),
-        max_linear_m_s=linear,
-        max_angular_rad_s=angular,
-        max_linear_m_s2=linear_acceleration,
-        max_angular_rad_s2=angular_acceleration,
-        mass_kg=fields.positive("mass", 20.0),
-        lidar=_lidar(fields),
+
+    def thing(self, dice: random.Random) -> Thing | None:
+        """A wall or a piece of furniture; None for one that nothing touches (`unobstructed`).
+
+        What would move by itself in IR-SIM stands still here, and can be pushed.
+        """
+        if self.data.get("unobstructed") is True:
+            return None
+        part = self.file.read(_Thing, self.data, self.place)
+        parts = self._parts(part.shape, dice)
+        if math.isfinite(part.mass_kg):
+            if any(isinstance(one, Line) for one in parts):
+                expected = "no mass: a line cannot be pushed"
+                raise self.file.wrong((*self.place, "mass"), part.mass_kg, expected)
+            parts = tuple(hull(one) if isinstance(one, Polygon) else one for one in parts)
+        return Thing(
+            name=part.name or ("wall" if isinstance(parts[0], Line) else "obstacle"),
+            parts=parts,
+            pose=self.pose,
+            mass_kg=part.mass_kg,
+            friction=part.friction,
+            color=part.color if isinstance(part.color, str) else None,
+        )
+
+    def _parts(self, shape: ShapePart | None, dice: random.Random) -> tuple[Shape, ...]:
+        if shape is None:
+            where = self.file.field((*self.place, "shape"))
+            log.warning("world_shape_absent", where=where, taken="a circle of 1 m")
+            return (Circle((0.0, 0.0), 1.0),)
+        return shape.made(dice)
+
+    def _lidar(self, sensors: tuple[dict[str, Any], ...]) -> LidarSpec:
+        for index, sensor in enumerate(sensors):
+            place = (*self.place, "sensors", index)
+            if "lidar2d" not in (sensor.get("name"), sensor.get("type")):
+                log.warning("world_sensor_ignored", where=self.file.field(place))
+                continue
+            part = self.file.read(_Lidar, sensor, place)
+            part.warn_of_others(self.file, place)
+            if part.noise:
+                log.warning("world_noise_ignored", where=self.file.field((*place, "noise")))
+            return part.spec
+        return LidarSpec()
+
+
+class _Kinematics(BaseModel):
+    name: Text = ""
+
+
+Limit = Annotated[
+    Annotated[Finite, within(0.01, 100.0)] | None,
+    BeforeValidator(lambda value: None if value == math.inf else value),
+]
+Limits = Annotated[
+    tuple[Limit, Limit],
+    BeforeValidator(lambda value: value[:2]),
+    listed("two numbers [forward, turning]", 2),
+]
+
+
+class _Driven(BaseModel):
+    shape: AnyShape | None = None
+    kinematics: _Kinematics = _Kinematics()
+    vel_max: Limits = (None, None)
+    acce: Limits = (None, None)
+    mass: Positive = 20.0
+    sensors: Annotated[tuple[dict[str, Any], ...], BeforeValidator(one_or_more)] = ()
+
+
+def _weighs(mass: float, info: ValidationInfo) -> float:
+    if info.data.get("static"):
+        return math.inf
+    if mass != math.inf and not 1e-3 <= mass <= 1e5:
+        raise ValueError(f"a number from {1e-3:g} to {1e5:g}")
+    return mass
+
+
+class _Thing(BaseModel):
+    shape: AnyShape | None = None
+    kinematics: _Kinematics = _Kinematics()
+    unobstructed: Flag = False
+    static: Flag = False
+    mass: Annotated[float, Field(strict=True), AfterValidator(_weighs)] | None = None
+    name: Annotated[Text, called(check_thing)] | None = None
+    friction: Annotated[Finite, within(0.0, 10.0)] = 0.5
+    color: Any = None
+
+    @property
+    def mass_kg(self) -> float:
+        """What is driven weighs something, what is not stands fast, unless it is told."""
+        if self.mass is not None:
+            return self.mass
+        drives = self.kinematics.name not in ("", "static") and not self.static
+        return 1.0 if drives else math.inf
+
+
+class _Lidar(Part):
+    is_open: ClassVar[bool] = True
+    also: ClassVar[frozenset[str]] = words(
+        "name type scan_time std angle_std alpha has_velocity color"
     )
+    number: Annotated[Whole, within(1, 10_000)] = 100
+    angle_range: Positive = math.pi
+    range_min: Annotated[Finite, within(0.0, 1000.0)] = 0.0
+    range_max: Finite = 10.0
+    offset: ThreeOrMore = (0.0, 0.0, 0.0)
+    noise: Flag = False
 
+    @field_validator("range_max")
+    @classmethod
+    def _beyond_the_nearest(cls, furthest: float, info: ValidationInfo) -> float:
+        nearest = max(info.data.get("range_min", 0.0), 0.01)
+        if not nearest <= furthest <= 1000.0:
+            raise ValueError(f"a number from {nearest:g} to 1000")
+        return furthest
 
-def read_thing(fields: Fields, dice: random.Random) -> Thing | None:
-    """A wall or a piece of furniture; None for one that nothing touches (`unobstructed`).
-
-    What would move by itself in IR-SIM stands still here, and can be pushed.
-    """
-    if fields.flag("unobstructed"):
-        return None
-    parts = _parts(fields, dice)
-    mass_kg = _mass(fields)
-    if math.isfinite(mass_kg):
-        if any(isinstance(part, Line) for part in parts):
-            raise InvalidValue(fields.path("mass"), mass_kg, "no mass: a line cannot be pushed")
-        parts = tuple(hull(p) if isinstance(p, Polygon) else p for p in parts)
-    color = fields.get("color")
-    return Thing(
-        name=check_thing(
-            fields.path("name"),
-            fields.text("name", "wall" if isinstance(parts[0], Line) else "obstacle"),
-        ),
-        parts=parts,
-        pose=_pose(fields),
-        mass_kg=mass_kg,
-        friction=fields.number("friction", 0.5, low=0.0, high=10.0),
-        color=color if isinstance(color, str) else None,
-    )
+    @property
+    def spec(self) -> LidarSpec:
+        """As the robot carries it."""
+        return LidarSpec(
+            beams=self.number,
+            angle_range_rad=min(self.angle_range, 2 * math.pi),
+            range_min_m=self.range_min,
+            range_max_m=self.range_max,
+            mount=Pose2D(*self.offset[:3]),
+        )
 
 
 def _nth(key: str, value: Any, index: int) -> Any:
@@ -97,58 +239,3 @@ def _nth(key: str, value: Any, index: int) -> Any:
         return value
     shared = all(isinstance(v, int | float) for v in value) and key not in _ONE_NUMBER_EACH
     return value if shared else value[min(index, len(value) - 1)]
-
-
-def _pose(fields: Fields) -> Pose2D:
-    return Pose2D(*fields.get("state"))
-
-
-def _parts(fields: Fields, dice: random.Random) -> tuple[Shape, ...]:
-    if "shape" not in fields:
-        log.warning("world_shape_absent", where=fields.path("shape"), taken="a circle of 1 m")
-        return read_shape(Fields(fields.path("shape"), {"radius": 1.0}), dice)
-    return read_shape(fields.sub("shape"), dice)
-
-
-def _mass(fields: Fields) -> float:
-    if fields.flag("static"):
-        return math.inf
-    value = fields.get("mass")
-    if value is None:
-        drives = fields.sub("kinematics").text("name", "static") != "static"
-        return 1.0 if drives else math.inf
-    return math.inf if value == math.inf else as_number(fields.path("mass"), value, 1e-3, 1e5)
-
-
-def _pair(fields: Fields, key: str, default: tuple[float, float]) -> tuple[float, float]:
-    """Two limits above 0, forward and turning; an infinite one means the default."""
-    value = fields.get(key)
-    if value is None:
-        return default
-    if not isinstance(value, list) or len(value) < 2:
-        raise InvalidValue(fields.path(key), value, "two numbers [forward, turning]")
-    first, second = (
-        usual if v == math.inf else as_number(f"{fields.path(key)}[{i}]", v, 0.01, 100.0)
-        for i, (v, usual) in enumerate(zip(value[:2], default, strict=True))
-    )
-    return first, second
-
-
-def _lidar(fields: Fields) -> LidarSpec:
-    for sensor in fields.each("sensors"):
-        if "lidar2d" not in (sensor.get("name"), sensor.get("type")):
-            log.warning("world_sensor_ignored", where=sensor.where)
-            continue
-        sensor.check_keys(_LIDAR_KEYS, others=True)
-        if sensor.flag("noise"):
-            log.warning("world_noise_ignored", where=sensor.path("noise"))
-        near = sensor.number("range_min", 0.0, low=0.0, high=1000.0)
-        mount = as_numbers(sensor.path("offset"), sensor.get("offset") or [0, 0, 0], 3)
-        return LidarSpec(
-            beams=sensor.whole("number", 100, low=1, high=10_000),
-            angle_range_rad=min(sensor.positive("angle_range", math.pi), 2 * math.pi),
-            range_min_m=near,
-            range_max_m=sensor.number("range_max", 10.0, low=max(near, 0.01), high=1000.0),
-            mount=Pose2D(*mount[:3]),
-        )
-    return LidarSpec()

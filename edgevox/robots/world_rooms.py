@@ -1,52 +1,60 @@
-"""Reads what only EdgeVox knows in a world file: the rooms and the battery."""
+"""What only EdgeVox knows in a world file: the rooms and the battery."""
+
+from typing import Annotated, Any, Self
 
 import numpy as np
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from edgevox.core.errors import InvalidValue
+from edgevox.core.validation import wrong
 from edgevox.robots.names import read_name
 from edgevox.robots.shapes import Point, Polygon, inside
-from edgevox.robots.world_fields import Fields
+from edgevox.robots.world_fields import XY, Part, called, check_keys, listed
 from edgevox.robots.world_model import BatterySpec, Room
 
 MOST_ROOMS = 200
+TEXTS = listed("a list of texts", 0)
+Name = Annotated[str, called(read_name)]
 
 
-def read_rooms(rooms: Fields) -> tuple[Room, ...]:
-    """The rooms, in the file's order."""
-    if len(rooms.data) > MOST_ROOMS:
-        raise InvalidValue(rooms.where, len(rooms.data), f"at most {MOST_ROOMS} rooms")
-    return tuple(
-        _room(name, Fields(rooms.path(str(name)), data)) for name, data in rooms.data.items()
-    )
+class RoomPart(Part):
+    """A room, and the point that it is driven to: the middle, unless it is given."""
+
+    outline: Annotated[tuple[XY, ...], listed("a list of 3 to 1000 [x, y] points", 3, 1000)]
+    goal: XY | None = None
+    aliases: Annotated[tuple[Name, ...], TEXTS] = ()
+    hints: Annotated[tuple[str, ...], TEXTS] = ()
+
+    @model_validator(mode="after")
+    def _reaches_its_goal(self) -> Self:
+        if not inside(Polygon(self.outline), np.array([self._spot]))[0]:
+            raise wrong(("goal",), list(self._spot), "a point inside the outline")
+        return self
+
+    @property
+    def _spot(self) -> Point:
+        x, y = self.goal or np.mean(np.asarray(self.outline), axis=0)
+        return float(x), float(y)
+
+    def named(self, name: str) -> Room:
+        """The room of this name."""
+        return Room(name, Polygon(self.outline), self._spot, self.hints, self.aliases)
 
 
-def read_battery(fields: Fields) -> BatterySpec:
-    """The battery; what is absent is usual."""
-    usual = BatterySpec()
-    fields.check_keys(BatterySpec.__dataclass_fields__)
-    return BatterySpec(
-        capacity_wh=fields.positive("capacity_wh", usual.capacity_wh),
-        idle_w=fields.number("idle_w", usual.idle_w, low=0.0),
-        linear_w_per_m_s=fields.number("linear_w_per_m_s", usual.linear_w_per_m_s, low=0.0),
-        angular_w_per_rad_s=fields.number(
-            "angular_w_per_rad_s", usual.angular_w_per_rad_s, low=0.0
-        ),
-        charge_w=fields.number("charge_w", usual.charge_w, low=0.0),
-        dock=fields.point("dock") if "dock" in fields else None,
-    )
+def _few(rooms: dict[str, RoomPart]) -> dict[str, RoomPart]:
+    if len(rooms) > MOST_ROOMS:
+        raise ValueError(f"at most {MOST_ROOMS} rooms")
+    return rooms
 
 
-def _room(name: object, fields: Fields) -> Room:
-    name = read_name(fields.where, name)
-    fields.check_keys(("outline", "goal", "aliases", "hints"))
-    outline = Polygon(fields.points("outline", 3))
-    goal = fields.point("goal") if "goal" in fields else _middle(outline)
-    if not inside(outline, np.array([goal]))[0]:
-        raise InvalidValue(fields.path("goal"), list(goal), "a point inside the outline")
-    aliases = tuple(read_name(fields.path("aliases"), one) for one in fields.texts("aliases"))
-    return Room(name, outline, goal, fields.texts("hints"), aliases)
+def _battery(data: Any) -> Any:
+    if isinstance(data, dict):
+        check_keys(data, BatterySpec.__dataclass_fields__)
+        return {key: value for key, value in data.items() if value is not None}
+    return data
 
 
-def _middle(outline: Polygon) -> Point:
-    x, y = np.mean(np.asarray(outline.vertices), axis=0)
-    return float(x), float(y)
+class Ours(Part):
+    """All of it."""
+
+    rooms: Annotated[dict[Name, RoomPart], AfterValidator(_few)] = Field(default_factory=dict)
+    battery: Annotated[BatterySpec, BeforeValidator(_battery)] = BatterySpec()

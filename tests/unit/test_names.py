@@ -104,9 +104,9 @@ def test_a_name_is_short_and_can_be_said(name) -> None:
 @pytest.mark.parametrize(
     ("text", "field"),
     [
-        ("stop: {x: 1, y: 2}", "home.yaml"),
-        ("dock: {x: 1, y: 2, aliases: [home, halt]}", "home.yaml.dock.aliases"),
-        ("dock: {x: 1, y: 2, aliases: ['yes']}", "home.yaml.dock.aliases"),
+        ("stop: {x: 1, y: 2}", "home.yaml:1: stop"),
+        ("dock: {x: 1, y: 2, aliases: [home, halt]}", "home.yaml:1: dock.aliases.1"),
+        ("dock: {x: 1, y: 2, aliases: ['yes']}", "home.yaml:1: dock.aliases.0"),
     ],
 )
 def test_a_location_is_not_called_so(text, field) -> None:
@@ -125,11 +125,11 @@ custom: {edgevox: {rooms: {%s: {outline: [[0, 0], [9, 0], [9, 9]], aliases: [%s]
 @pytest.mark.parametrize(
     ("names", "field"),
     [
-        (("sofa", "stop", "den"), "home.yaml.custom.edgevox.rooms.stop"),
-        (("sofa", "den", "abort"), "home.yaml.custom.edgevox.rooms.den.aliases"),
-        (("sofa", "den", "'a\\nb'"), "home.yaml.custom.edgevox.rooms.den.aliases"),
-        (("stop", "den", "cave"), "home.yaml.obstacle[0].name"),
-        (("s" * 65, "den", "cave"), "home.yaml.obstacle[0].name"),
+        (("sofa", "stop", "den"), "home.yaml:4: custom.edgevox.rooms.stop"),
+        (("sofa", "den", "abort"), "home.yaml:4: custom.edgevox.rooms.den.aliases.0"),
+        (("sofa", "den", "'a\\nb'"), "home.yaml:4: custom.edgevox.rooms.den.aliases.0"),
+        (("stop", "den", "cave"), "home.yaml:3: obstacle.0.name"),
+        (("s" * 65, "den", "cave"), "home.yaml:3: obstacle.0.name"),
     ],
 )
 def test_nor_a_room_nor_a_thing_of_a_world(names, field) -> None:

@@ -1,9 +1,13 @@
 """A world file is IR-SIM's own format; what is wrong in it is said by name."""
 
 import math
+from collections.abc import Iterator
+from typing import Any
 
 import pytest
 import yaml
+from hypothesis import given
+from hypothesis import strategies as st
 
 from edgevox.core.errors import InvalidValue
 from edgevox.core.user_file import LARGEST_TEXT_BYTES
@@ -139,89 +143,89 @@ def test_a_file_that_is_shared_with_another_simulator_has_its_world_under_irsim(
 @pytest.mark.parametrize(
     ("text", "field", "expected"),
     [
-        ("obstacel: []\n" + ROBOT, "home.yaml.obstacel", "did you mean 'obstacle'?"),
-        ("world: {hight: 5}\n" + ROBOT, "home.yaml.world.hight", "did you mean 'height'?"),
-        ("world: {width: ten}\n" + ROBOT, "home.yaml.world.width", "a number"),
-        ("world: {width: .nan}\n" + ROBOT, "home.yaml.world.width", "a finite number"),
-        ("world: {width: 1.0e+9}\n" + ROBOT, "home.yaml.world.width", "a number from 1 to 500"),
-        ("world: [1]\n" + ROBOT, "home.yaml.world", "a mapping of keys to values"),
-        ("world: {offset: 3}\n" + ROBOT, "home.yaml.world.offset", "two numbers [x, y]"),
-        ("world: {obstacle_map: cave.png}\n" + ROBOT, "home.yaml.world.obstacle_map", "no map"),
-        ("world: {}", "home.yaml.robot", "at least one robot"),
-        ("robot: {kinematics: {name: acker}}", "home.yaml.robot.kinematics.name", "'diff'"),
-        ("robot: {sate: [1, 1, 0]}", "home.yaml.robot.sate", "did you mean 'state'?"),
-        (ROBOT + "obstacle: 7", "home.yaml.obstacle", "a list of mappings"),
+        ("obstacel: []\n" + ROBOT, "home.yaml:1: obstacel", "did you mean 'obstacle'?"),
+        ("world: {hight: 5}\n" + ROBOT, "home.yaml:1: world.hight", "did you mean 'height'?"),
+        ("world: {width: ten}\n" + ROBOT, "home.yaml:1: world.width", "a number"),
+        ("world: {width: .nan}\n" + ROBOT, "home.yaml:1: world.width", "a finite number"),
+        ("world: {width: 1.0e+9}\n" + ROBOT, "home.yaml:1: world.width", "a number from 1 to 500"),
+        ("world: [1]\n" + ROBOT, "home.yaml:1: world", "a mapping, key to value"),
+        ("world: {offset: 3}\n" + ROBOT, "home.yaml:1: world.offset", "two numbers [x, y]"),
+        ("world: {obstacle_map: cave.png}\n" + ROBOT, "home.yaml:1: world.obstacle_map", "no map"),
+        ("world: {}", "home.yaml:1: robot", "at least one robot"),
+        ("robot: {kinematics: {name: acker}}", "home.yaml:1: robot.kinematics.name", "'diff'"),
+        ("robot: {sate: [1, 1, 0]}", "home.yaml:1: robot.sate", "did you mean 'state'?"),
+        (ROBOT + "obstacle: 7", "home.yaml:2: obstacle", "a list of mappings"),
         (
             ROBOT + "obstacle: [{shape: {name: circel}}]",
-            "home.yaml.obstacle[0].shape.name",
+            "home.yaml:2: obstacle.0.shape.name",
             "one of circle, rectangle",
         ),
         (
             ROBOT + "obstacle: [{shape: {name: circle, radios: 1}}]",
-            "home.yaml.obstacle[0].shape.radios",
+            "home.yaml:2: obstacle.0.shape.radios",
             "did you mean 'radius'?",
         ),
         (
             ROBOT + "obstacle: [{shape: {name: circle, radius: 0}}]",
-            "home.yaml.obstacle[0].shape.radius",
-            "a number above 0",
+            "home.yaml:2: obstacle.0.shape.radius",
+            "greater than 0",
         ),
         (
             ROBOT + "obstacle: [{shape: {name: polygon, vertices: [[0, 0], [1, 1]]}}]",
-            "home.yaml.obstacle[0].shape.vertices",
+            "home.yaml:2: obstacle.0.shape.vertices",
             "a list of 3 to 1000",
         ),
         (
             ROBOT + "obstacle: [{shape: {name: polygon, vertices: [[0, 0], [1, 1], [2, 2]]}}]",
-            "home.yaml.obstacle[0].shape.vertices",
+            "home.yaml:2: obstacle.0.shape.vertices",
             "an area above 0",
         ),
         (
             ROBOT + "obstacle: [{shape: {name: circle}, state: [1, x, 0]}]",
-            "home.yaml.obstacle[0].state[1]",
+            "home.yaml:2: obstacle.0.state.1",
             "a number",
         ),
         (
             ROBOT + "obstacle: [{number: 100000, shape: {name: circle}}]",
-            "home.yaml.obstacle[0].number",
+            "home.yaml:2: obstacle.0.number",
             "a whole number from 0 to 1000",
         ),
         (
             ROBOT + "obstacle: [{distribution: {name: uniform}}]",
-            "home.yaml.obstacle[0].distribution.name",
+            "home.yaml:2: obstacle.0.distribution.name",
             "one of manual, circle, random",
         ),
         (
             ROBOT
             + "obstacle: [{name: sofa, state: [1.5, 1, 0], shape: {name: circle, radius: 1}}]",
-            "home.yaml.robot.state",
+            "home.yaml:1: robot.state",
             "a free place; a sofa stands there",
         ),
-        (ROBOT.replace("[1, 1, 0]", "[11, 1, 0]"), "home.yaml.robot.state", "inside the world"),
+        (ROBOT.replace("[1, 1, 0]", "[11, 1, 0]"), "home.yaml:1: robot.state", "inside the world"),
         (
             ROBOT + "custom: {edgevox: {room: {}}}",
-            "home.yaml.custom.edgevox.room",
+            "home.yaml:2: custom.edgevox.room",
             "did you mean 'rooms'?",
         ),
         (
             ROBOT + "custom: {edgevox: {rooms: {den: {outline: [[0, 0], [1, 0]]}}}}",
-            "home.yaml.custom.edgevox.rooms.den.outline",
+            "home.yaml:2: custom.edgevox.rooms.den.outline",
             "a list of 3",
         ),
         (
             ROBOT + "custom: {edgevox: {rooms: {den: {outline: [[0, 0], [1, 0], [1, 1]],"
             " goal: [5, 5]}}}}",
-            "home.yaml.custom.edgevox.rooms.den.goal",
+            "home.yaml:2: custom.edgevox.rooms.den.goal",
             "a point inside the outline",
         ),
         (
             ROBOT + "custom: {edgevox: {rooms: {3: {}}}}",
-            "home.yaml.custom.edgevox.rooms.3",
+            "home.yaml:2: custom.edgevox.rooms.3",
             "a name of at most 64 letters",
         ),
         (
             ROBOT + "custom: {edgevox: {battery: {capacity: 3}}}",
-            "home.yaml.custom.edgevox.battery.capacity",
+            "home.yaml:2: custom.edgevox.battery.capacity",
             "did you mean 'capacity_wh'?",
         ),
         ("robot: [", "home.yaml", "valid YAML"),
@@ -241,6 +245,55 @@ def test_what_is_wrong_in_a_world_file_is_named_with_what_would_be_right(
     assert expected in error.expected
 
 
+def test_a_fault_deep_in_a_file_is_named_by_its_line_and_the_way_to_it() -> None:
+    text = yaml.safe_dump({"irsim": yaml.safe_load(apartment_file().read_text("utf-8"))})
+    lines = text.splitlines()
+    number = next(i for i, line in enumerate(lines) if "beams" in line or "range_max" in line)
+    lines[number] = lines[number].split(":")[0] + ": -1"
+
+    error = refused("\n".join(lines))
+
+    assert error.field.startswith(f"home.yaml:{number + 1}: irsim.robot")
+    assert error.expected.startswith("a number from 0.0")
+
+
+ODD = [None, 0, -1, 1e9, math.inf, math.nan, True, "x", "", [], {}, [1], [1, 2, 3], [[1, 2]]]
+SMALL = """
+world: {height: 9, offset: [0, 0]}
+robot:
+  - {kinematics: {name: diff}, shape: {radius: 0.2}, vel_max: [1, 1], sensors: [{type: lidar2d}]}
+obstacle:
+  - {number: 2, distribution: {name: random}, shape: [{name: circle}], mass: [1, 2]}
+  - {shape: {name: polygon, vertices: [[0, 0], [1, 0], [1, 1]]}, state: [5, 5, 0], name: sofa}
+  - {shape: {name: compound, parts: [{name: circle, pose: [1, 0, 0]}]}, state: [[8, 8]]}
+custom:
+  edgevox:
+    battery: {capacity_wh: 40}
+    rooms: {den: {outline: [[0, 0], [9, 0], [9, 9]], goal: [5, 2], aliases: [cave], hints: []}}
+"""
+
+
+def places(value: object) -> Iterator[tuple[Any, Any]]:
+    """Every key and index of a file, with what it is in."""
+    if isinstance(value, dict | list):
+        for key in value if isinstance(value, dict) else range(len(value)):
+            yield value, key
+            yield from places(value[key])
+
+
+@given(st.data())
+def test_whatever_stands_in_a_file_it_is_a_world_or_refused_by_its_name(data) -> None:
+    world = yaml.safe_load(SMALL)
+    holder, key = data.draw(st.sampled_from(list(places(world))))
+    holder[key] = data.draw(st.sampled_from([*ODD, [None], {"name": "circle"}, {1: 2}, 10**400]))
+    refusals = []
+    try:
+        parse_world(yaml.safe_dump(world), "home.yaml")
+    except InvalidValue as error:
+        refusals.append(error.field)
+    assert all(field.startswith("home.yaml") for field in refusals)
+
+
 def test_aliases_that_multiply_are_refused_in_no_time() -> None:
     lines = ["a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]"]
     lines += [f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 10)}]" for i in range(1, 12)]
@@ -253,7 +306,7 @@ def test_unknown_keys_that_resemble_nothing_are_ignored_as_in_irsim(
 ) -> None:
     parse_world("world: {zzz: 1}\n" + ROBOT, "home.yaml")
 
-    assert "world_key_ignored where='home.yaml.world.zzz'" in caplog.text
+    assert "world_key_ignored where='home.yaml:1: world.zzz'" in caplog.text
 
 
 def test_a_file_that_is_absent_too_large_or_no_text_is_refused(tmp_path) -> None:

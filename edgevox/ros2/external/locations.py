@@ -7,20 +7,25 @@ Metres and radians (counter-clockwise from x) in the map frame; `yaw` is the way
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import Annotated
 
-from edgevox.core.errors import InvalidValue
+from pydantic import AfterValidator, RootModel
+
 from edgevox.core.user_file import read_text
-from edgevox.core.yaml_file import parse_yaml
+from edgevox.core.yaml_file import YamlFile
 from edgevox.robots.names import read_name
-from edgevox.robots.world_fields import Fields
+from edgevox.robots.world_fields import Finite, Part, called, listed, within
 from edgevox.ros2.external.plausible import FURTHEST_M
 
 MOST_LOCATIONS = 200
-_KEYS = ("x", "y", "yaw", "aliases")
 LONGEST_NAME = 40
+
+Metres = Annotated[Finite, within(-FURTHEST_M, FURTHEST_M)]
+Name = Annotated[str, called(partial(read_name, longest=LONGEST_NAME))]
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +38,25 @@ class Location:
     aliases: tuple[str, ...] = ()
 
 
+class Entry(Part):
+    """A location in the file."""
+
+    x: Metres | None = None
+    y: Metres | None = None
+    yaw: Annotated[Finite, within(-math.tau, math.tau)] | None = None
+    aliases: Annotated[tuple[Name, ...], listed("a list of texts", 0)] = ()
+
+
+def _home(entries: dict[str, Entry]) -> dict[str, Entry]:
+    if not 1 <= len(entries) <= MOST_LOCATIONS:
+        raise ValueError(f"1 to {MOST_LOCATIONS} locations")
+    return entries
+
+
+class Entries(RootModel[Annotated[dict[Name, Entry], AfterValidator(_home)]]):
+    """A whole file."""
+
+
 def load_locations(path: Path) -> Mapping[str, Location]:
     """Read and check a locations file.
 
@@ -43,39 +67,23 @@ def load_locations(path: Path) -> Mapping[str, Location]:
 
 def parse_locations(text: str, name: str) -> Mapping[str, Location]:
     """The locations that this YAML text describes; `name` is the file's name in messages."""
-    top = Fields(name, parse_yaml(text, name))
-    if not 1 <= len(top.data) <= MOST_LOCATIONS:
-        raise InvalidValue(name, f"{len(top.data)} locations", f"1 to {MOST_LOCATIONS}")
-    locations = {
-        read_name(top.where, key, LONGEST_NAME): _location(top.sub(key)) for key in top.data
-    }
-    _check_words(top, locations)
-    return locations
-
-
-def _location(fields: Fields) -> Location:
-    fields.check_keys(_KEYS)
-    for key in ("x", "y"):
-        if key not in fields:
-            raise InvalidValue(fields.path(key), None, "metres, map frame")
-    yaw_rad = fields.number("yaw", 0.0, low=-math.tau, high=math.tau)
-    return Location(
-        x_m=fields.number("x", 0.0, low=-FURTHEST_M, high=FURTHEST_M),
-        y_m=fields.number("y", 0.0, low=-FURTHEST_M, high=FURTHEST_M),
-        yaw_rad=yaw_rad if "yaw" in fields else None,
-        aliases=tuple(
-            read_name(fields.path("aliases"), one, LONGEST_NAME) for one in fields.texts("aliases")
-        ),
-    )
-
-
-def _check_words(top: Fields, locations: Mapping[str, Location]) -> None:
-    """Refuse what would be said of two places, as matching ignores case and underscores."""
+    file = YamlFile(text, name)
+    entries = file.read(Entries, file.data).root
     owners: dict[str, str] = {}
-    for name, location in locations.items():
-        for said in (name, *location.aliases):
-            plain = " ".join(said.casefold().replace("_", " ").split())
-            if owners.setdefault(plain, name) != name:
-                raise InvalidValue(
-                    top.path(name), said, f"a name that {owners[plain]!r} does not have"
-                )
+    for owner, said in _names(entries):
+        plain = " ".join(said.casefold().replace("_", " ").split())
+        if owners.setdefault(plain, owner) != owner:
+            raise file.wrong((owner,), said, f"a name that {owners[plain]!r} does not have")
+    return {key: _location(file, key, entry) for key, entry in entries.items()}
+
+
+def _location(file: YamlFile, name: str, entry: Entry) -> Location:
+    if entry.x is None or entry.y is None:
+        raise file.wrong((name, "x" if entry.x is None else "y"), None, "metres, map frame")
+    return Location(entry.x, entry.y, entry.yaw, entry.aliases)
+
+
+def _names(entries: Mapping[str, Entry]) -> Iterator[tuple[str, str]]:
+    """Whose, and what is said, as matching ignores case and underscores."""
+    for name, entry in entries.items():
+        yield from ((name, said) for said in (name, *entry.aliases))
