@@ -37,8 +37,9 @@ class Part(BaseModel):
 
     def warn_of_others(self, file: YamlFile, place: Place) -> None:
         """Say which keys nobody knows."""
-        for key in set(self.model_extra or ()) - self.also:
-            log.warning("world_key_ignored", where=file.field((*place, key)))
+        for key in self.model_extra or ():
+            if key not in self.also:
+                log.warning("world_key_ignored", where=file.field((*place, key)))
 
 
 def check_keys(data: Mapping[str, Any], known: Collection[str], *, is_open: bool = False) -> None:
