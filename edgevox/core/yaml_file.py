@@ -1,6 +1,7 @@
 """Reads YAML that people write and others send: bounded in size, also with aliases."""
 
 from collections.abc import Collection, Iterator, Mapping
+from functools import cached_property
 from typing import Any, TypeVar
 
 import yaml
@@ -114,9 +115,14 @@ class YamlFile:
             yield part
             data = _inside(data, part)
 
+    @cached_property
+    def _root(self) -> yaml.Node | None:
+        """The nodes, which know their lines: parsed anew, for who asks for one."""
+        return yaml.compose(self._text, yaml.SafeLoader)
+
     def _line(self, place: Place) -> int:
         """The line, from 1, of what is there, or of the last thing on the way that is there."""
-        node, line = yaml.compose(self._text, yaml.SafeLoader), 0
+        node, line = self._root, 0
         for part in place:
             if isinstance(node, yaml.MappingNode):
                 found = [pair for pair in node.value if pair[0].value == str(part)]
