@@ -86,7 +86,8 @@ def _installed() -> tuple[EntryPoint, ...]:
 
 def _declared(project: Path) -> Iterator[EntryPoint]:
     if project.is_file():
-        points = tomllib.loads(project.read_text("utf-8"))["project"]["entry-points"][GROUP]
+        about = tomllib.loads(project.read_text("utf-8")).get("project", {})
+        points = about.get("entry-points", {}).get(GROUP, {})
         yield from (EntryPoint(name, value, GROUP) for name, value in points.items())
 
 

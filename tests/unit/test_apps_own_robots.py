@@ -97,6 +97,13 @@ def test_a_checkout_that_nobody_installed_has_our_robots(monkeypatch):
     ]
 
 
+def test_the_project_of_somebody_else_beside_the_package_brings_nothing(monkeypatch, tmp_path):
+    monkeypatch.setattr(sys, "path", [])
+    project = tmp_path / "pyproject.toml"
+    project.write_text("[project]\nname = 'theirs'\n")
+    assert list(installed_robots(project)) == []
+
+
 def test_no_example_imports_the_programs():
     for example in EXAMPLES.rglob("*.py"):
         assert "edgevox.apps" not in example.read_text(), example
