@@ -47,7 +47,8 @@ CONDITIONS = (
         "in random order, with other examples",
         QUICK,
         5,
-        options=("--random-order-seed={run}", "--hypothesis-profile=search"),
+        before=("env", "TEST_EXAMPLES=search"),
+        options=("--random-order-seed={run}",),
     ),
     Condition(
         "wire",
