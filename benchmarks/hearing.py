@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from figures import Figure, Measured, NotHere
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "models"))
 
 from voice_engines import words, wrong_words

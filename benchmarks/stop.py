@@ -13,6 +13,7 @@ from pathlib import Path
 from figures import Figure, Measured
 from talker import isolate
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "ros2"))
 
 from stop_stage import SITUATIONS, WAYS, Robot, settle

@@ -7,6 +7,8 @@ from contextlib import contextmanager
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
+from guards import HUNG_S
+
 from edgevox.agent.llm.base import Message
 from edgevox.agent.llm.endpoint import Address, EndpointModel
 from edgevox.agent.llm.endpoint.model import PAUSES_S
@@ -15,7 +17,6 @@ from edgevox.core.cancel import CancelToken
 CHAT = [Message("system", "Be brief."), Message("user", "Where to?")]
 ROOMS = 'root ::= "go " ("kitchen" | "bedroom") "!"'
 Chat = Callable[["Reply"], None]
-HUNG_S = 120.0
 AT_ONCE_S = [0.0 for _ in PAUSES_S]
 PATIENCE_S = 60.0
 """What answers has so long, on whatever machine; shorter where silence is the subject."""

@@ -10,14 +10,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 
+from guards import HUNG_S
 from mcap.reader import make_reader
 from testcontainers.compose import DockerCompose
 
 ROOT = Path(__file__).resolve().parents[2]
 BASE = "docker-compose.ros2.yml"
 ENTRYPOINT = "/opt/edgevox/entrypoint/entrypoint"
-HUNG_S = 600
-"""Only something that hangs takes so long."""
 PATIENCE = "500"
 """So many seconds a probe waits for what should come."""
 PROBE = (Path(__file__).parent / "probe.py").read_text()

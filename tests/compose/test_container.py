@@ -3,7 +3,8 @@
 import signal
 
 import pytest
-from stacks import HUNG_S, PATIENCE, Stack, stack, wait_until
+from guards import HUNG_S
+from stacks import PATIENCE, Stack, stack, wait_until
 
 from edgevox.apps.ending import STUCK
 

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from stacks import HUNG_S
+from guards import HUNG_S
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCKERFILES = ("Dockerfile.ros2", "docker/base/Dockerfile")

@@ -8,7 +8,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from stacks import HUNG_S
+from guards import HUNG_S
 
 from edgevox import __version__
 

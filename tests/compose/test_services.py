@@ -3,8 +3,9 @@
 import secrets
 
 import pytest
+from guards import HUNG_S
 from llm_server import good, serving
-from stacks import HUNG_S, PATIENCE, Stack, count_messages, docker, stack, wait_until
+from stacks import PATIENCE, Stack, count_messages, docker, stack, wait_until
 
 pytestmark = pytest.mark.usefixtures("image")
 SERVICE = "edgevox-ros2"

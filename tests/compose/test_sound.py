@@ -3,8 +3,9 @@
 import time
 
 import pytest
+from guards import HUNG_S
 from sound_server import SoundServer, sound_server
-from stacks import HUNG_S, PATIENCE, Stack, stack
+from stacks import PATIENCE, Stack, stack
 
 pytestmark = pytest.mark.usefixtures("image")
 SERVICE = "edgevox-ros2"

@@ -1,7 +1,8 @@
 """Whole stacks: the smoke test, a fleet, and every way of networking delivers data."""
 
 import pytest
-from stacks import HUNG_S, PATIENCE, PROBE, Stack, count_messages, stack
+from guards import HUNG_S
+from stacks import PATIENCE, PROBE, Stack, count_messages, stack
 
 pytestmark = pytest.mark.usefixtures("image")
 STATE = "/edgevox/robot_state"

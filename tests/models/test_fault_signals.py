@@ -14,11 +14,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from ears_rig import loud, says_espeak, silence
+from guards import HUNG_S
 from test_voice_program import AGENT, write_wav
 
 from edgevox.apps.ending import STUCK
 
-START_S = 120.0
+START_S = HUNG_S
 DEAF_TO_NOTHING = ("env", "--default-signal=INT")
 """What a script starts in the background ignores Ctrl-C, and so do its children."""
 BEFORE_A_HANDLER = -signal.SIGTERM
@@ -172,7 +173,7 @@ def test_what_will_not_let_go_is_left_behind_in_time_and_named():
     while "is ready" not in process.stdout.readline():
         assert process.poll() is None
     process.send_signal(signal.SIGTERM)
-    _, errors = process.communicate(timeout=120)
+    _, errors = process.communicate(timeout=HUNG_S)
 
     assert process.returncode == STUCK
     assert "leaving without what does not end: MainThread, stuck" in errors

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 import understanding
+from guards import HUNG_S
 from understanding import Command, through_model
 
 from edgevox.agent.llm.base import LanguageModel, Message
@@ -24,7 +25,6 @@ MODEL = "qwen2.5-coder-0.5b-instruct"
 SENTENCES = 6
 COUNT = [Message("user", "Count, and do not stop.")]
 NUMBERS = 'root ::= ([0-9] " "){60}'
-HUNG_S = 600.0
 
 
 class Process:

@@ -6,6 +6,7 @@ The robot drives as fast as it can be computed, or in a world whose time the tes
 import threading
 
 import pytest
+from guards import HUNG_S
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
@@ -20,7 +21,6 @@ from edgevox.core.events import Responded, RobotState, SentenceReady, TokenGener
 from edgevox.robots.apartment import ApartmentRobot
 
 CHATTER = "Please tell me why the sky is blue and what you like about it."
-HUNG_S = 600.0
 TIGHT_TOKENS = 1536
 """A context in which instructions and an answer leave room for a few exchanges."""
 TURNS = 6

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from guards import HUNG_S
 from voice_engines import hear, voice, words, wrong_words
 
 from edgevox.core.cancel import CancelToken
@@ -16,7 +17,7 @@ from edgevox.voice.tts.pool import VoicePool
 
 KITCHEN = "The robot drives to the kitchen and picks up the red cup."
 BACK = "After that it drives back to the door."
-PATIENCE_S = 600.0
+PATIENCE_S = HUNG_S
 
 
 class Room:

@@ -9,6 +9,7 @@ import threading
 import numpy as np
 import pytest
 from ears_rig import loud, says_espeak
+from guards import HUNG_S
 from piper import PiperVoice, SynthesisConfig
 from voice_engines import voice
 
@@ -23,7 +24,7 @@ from edgevox.voice.speaker import Speaker
 from edgevox.voice.tts.pool import VoicePool
 from edgevox.voice.vad import SileroVad
 
-PATIENCE_S = 600.0
+PATIENCE_S = HUNG_S
 STEADY = SynthesisConfig(noise_scale=0.0, noise_w_scale=0.0)
 """Each run hears the same; Piper draws how it speaks."""
 ANSWER = "I am on my way through the long corridor to the bedroom, and I will tell you more there."

@@ -11,6 +11,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
+from guards import HUNG_S
 from voice_engines import speak, voice
 
 from edgevox.apps import composition
@@ -34,7 +35,7 @@ from edgevox.voice.sinks.opening import open_sink
 from edgevox.voice.tts.pool import VoicePool
 from edgevox.voice.wav import stream_wav
 
-PATIENCE_S = 600.0
+PATIENCE_S = HUNG_S
 SEEN = (
     AgentEvent,
     AudioLevel,

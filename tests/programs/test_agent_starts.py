@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from gguf_files import small_gguf
+from guards import HUNG_S
 
 AGENT = Path(sys.executable).with_name("edgevox-agent")
 NOT_FOR_TYPING = {"av", "onnxruntime", "prompt_toolkit", "pynvml", "rclpy", "textual"}
@@ -25,7 +26,7 @@ def test_no_other_robot_is_loaded_than_the_one_that_is_asked_for(tmp_path):
         input="where are you\n",
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=HUNG_S,
     )
 
     assert (done.returncode, done.stderr) == (0, "")
@@ -42,7 +43,7 @@ def test_what_is_typed_to_loads_no_engine_of_sound_and_no_screen():
         input="where are you\n",
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=HUNG_S,
     )
 
     assert "I am in the living room" in done.stdout
@@ -56,7 +57,7 @@ def test_a_robot_whose_model_is_missing_ends_the_program_with_1(tmp_path, monkey
         stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=HUNG_S,
     )
     assert done.returncode == 1
     assert "edgevox-models fetch" in done.stderr
@@ -71,7 +72,7 @@ def test_without_its_wake_words_it_does_not_start_and_names_the_command(tmp_path
         stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=HUNG_S,
     )
 
     assert done.returncode == 1
@@ -86,7 +87,7 @@ def test_the_program_refuses_a_pipe_in_one_line(flag, tmp_path):
         [AGENT, "robot-apartment", "--text-mode", f"--{flag}={pipe}"],
         stdin=subprocess.DEVNULL,
         capture_output=True,
-        timeout=60,
+        timeout=HUNG_S,
     )
     expected = "a file that can be read (Not a regular file)"
     told = f"edgevox-agent: {flag}: got '{pipe}', expected {expected}"
@@ -114,7 +115,7 @@ def test_a_process_that_may_not_have_the_memory_goes_on_without_the_model(tmp_pa
         input="where are you\n",
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=HUNG_S,
     )
 
     assert done.returncode == 0, done.stderr

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 from ament_index_python.packages import get_package_prefix, get_package_share_directory
 from catkin_pkg.package import Package, parse_package
+from guards import HUNG_S
 
 import edgevox
 
@@ -31,7 +32,7 @@ FOREIGN = {
 def build(kind: str, place: Path) -> Path:
     """A wheel of this repository, standard or editable."""
     command = [sys.executable, "-m", "hatchling", "build", "-t", f"wheel:{kind}", "-d", place]
-    subprocess.run(command, cwd=ROOT, check=True, capture_output=True, timeout=120)
+    subprocess.run(command, cwd=ROOT, check=True, capture_output=True, timeout=HUNG_S)
     (wheel,) = place.glob("*.whl")
     return wheel
 
@@ -58,7 +59,7 @@ def prefix(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     venv.create(place)
     pip = (sys.executable, "-m", "pip", "--python", place / "bin" / "python", "install")
     options = ("--no-deps", "--no-index", "--no-compile", "--disable-pip-version-check", "-q")
-    subprocess.run([*pip, *options, wheel], check=True, capture_output=True, timeout=120)
+    subprocess.run([*pip, *options, wheel], check=True, capture_output=True, timeout=HUNG_S)
     return place
 
 
@@ -81,7 +82,7 @@ def test_the_installed_package_has_the_robots_that_it_declares(prefix: Path) -> 
     (packages,) = prefix.glob("lib/python*/site-packages")
     environment = {**os.environ, "PYTHONPATH": f"{packages}:{sysconfig.get_path('purelib')}"}
     command = [prefix / "lib" / "edgevox" / "edgevox-agent", "robot-of-nobody"]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60)
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=HUNG_S)
     robots = PROJECT["entry-points"]["edgevox.robots"]
     assert done.returncode == 2
     assert f"(choose from {', '.join(map(repr, robots))})" in done.stderr
@@ -93,7 +94,9 @@ def test_every_program_can_be_run_from_the_installed_package(prefix: Path) -> No
     for name in found:
         command = [prefix / "lib" / "edgevox" / name, "--help"]
         environment = {**os.environ, "PYTHONPATH": sysconfig.get_path("purelib")}  # what it needs
-        done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60)
+        done = subprocess.run(
+            command, env=environment, capture_output=True, text=True, timeout=HUNG_S
+        )
         assert f"usage: {name}" in done.stdout, done.stderr
 
 
@@ -156,7 +159,7 @@ class Prefix:
             env={**FOREIGN, "PATH": f"{path}:/usr/bin:/bin"},
             capture_output=True,
             text=True,
-            timeout=60,
+            timeout=HUNG_S,
         )
 
 

@@ -14,6 +14,7 @@ from importlib import metadata
 from pathlib import Path
 
 import pytest
+from guards import HUNG_S
 from packaging.requirements import InvalidRequirement, Requirement
 from packaging.utils import canonicalize_name
 
@@ -149,7 +150,7 @@ class Environment:
     def install(self, folder: Path) -> None:
         pip = [self.place / "bin" / "python", "-m", "pip", "install", "--quiet", "--no-deps"]
         options = ["--no-index", "--no-build-isolation", "--editable", folder]
-        subprocess.run([*pip, *options], check=True, capture_output=True, timeout=120)
+        subprocess.run([*pip, *options], check=True, capture_output=True, timeout=HUNG_S)
 
     def distributions(self) -> list[str]:
         return [one.name for one in metadata.distributions(path=[str(self._packages)])]
@@ -175,7 +176,7 @@ def test_make_replaces_what_is_installed_by_the_old_name(tmp_path: Path) -> None
     done.mkdir()
     (done / "locked").touch()
     make = ["make", f"VENV={there.place}", "-o", done / "locked", done / "run"]
-    ran = subprocess.run(make, cwd=ROOT, capture_output=True, text=True, timeout=120)
+    ran = subprocess.run(make, cwd=ROOT, capture_output=True, text=True, timeout=HUNG_S)
     assert ran.returncode == 0, ran.stderr
     assert there.distributions() == [OURS]
     for program in project("pyproject.toml")["scripts"]:

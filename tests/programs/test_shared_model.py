@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+from guards import HUNG_S
 from llm_server import good, serving
 
 AGENT = Path(sys.executable).with_name("edgevox-agent")
@@ -21,7 +22,7 @@ def test_a_wish_moves_a_robot_by_a_shared_model(tmp_path: Path) -> None:
             input=f"{WISH}\n",
             capture_output=True,
             text=True,
-            timeout=60,
+            timeout=HUNG_S,
             env=os.environ
             | {"EDGEVOX_LLM_ENDPOINT": server.url, "EDGEVOX_LLM_ENDPOINT_KEY_FILE": str(key)},
         )

@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from guards import HUNG_S
 
 STEADY = Path(__file__).parents[2] / "scripts" / "steady.py"
 GOOD = "def test_it(): assert True\n"
@@ -13,7 +14,7 @@ BAD = "def test_it(): assert False, 'for a reason'\n"
 
 def steady(*arguments: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, STEADY, *arguments]
-    return subprocess.run(command, capture_output=True, text=True, timeout=300)
+    return subprocess.run(command, capture_output=True, text=True, timeout=HUNG_S)
 
 
 @pytest.fixture

@@ -9,11 +9,12 @@ import threading
 from collections.abc import Callable
 from typing import Any, Self
 
+from guards import HUNG_S
+
 from edgevox.core.cancel import CancelToken
 
 STEP_S = 0.02
 """The time that passes in one step of every body here."""
-HUNG_S = 120.0
 
 
 class Asked:

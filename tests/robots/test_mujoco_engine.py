@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import mujoco
 import pytest
-from held_time import HUNG_S
+from guards import HUNG_S
 
 from edgevox.robots.mujoco.engine import Engine
 

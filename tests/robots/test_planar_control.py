@@ -8,7 +8,8 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from held_time import HUNG_S, STEP_S, Asked
+from guards import HUNG_S
+from held_time import STEP_S, Asked
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken

@@ -6,6 +6,7 @@ import sys
 from dataclasses import astuple
 
 import pytest
+from guards import HUNG_S
 
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.transforms import Pose2D
@@ -177,7 +178,7 @@ with IrsimRobot(speed=None) as robot:
 assert "irsim" in sys.modules
 """
     done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, timeout=60
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=HUNG_S
     )
 
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from guards import HUNG_S
 from PIL import Image
 
 AGENT = str(Path(sys.executable).with_name("edgevox-agent"))
@@ -25,7 +26,7 @@ def play(tmp_path, monkeypatch):
             [AGENT, robot, "--scenario", str(file), *flags],
             capture_output=True,
             text=True,
-            timeout=120,
+            timeout=HUNG_S,
         )
 
     return run
@@ -176,6 +177,6 @@ def test_a_signal_ends_it_and_it_has_not_come_true(tmp_path):
     assert playing.stdout.readline()
     assert "PASS" in playing.stdout.readline()
     playing.terminate()
-    rest, _ = playing.communicate(timeout=120)
+    rest, _ = playing.communicate(timeout=HUNG_S)
     assert playing.returncode == 1
     assert "PASSED" not in rest

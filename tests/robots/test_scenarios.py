@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from guards import HUNG_S
 
 from edgevox.apps.robots import ROBOTS
 from edgevox.scenario import load_scenario
@@ -17,7 +18,7 @@ PLAYED = [(file, robot) for file in FILES for robot in load_scenario(file).agent
 @pytest.mark.parametrize(("file", "robot"), PLAYED, ids=lambda one: getattr(one, "stem", one))
 def test_a_scenario_comes_true(file, robot):
     played = subprocess.run(
-        [AGENT, robot, "--scenario", str(file)], capture_output=True, text=True, timeout=300
+        [AGENT, robot, "--scenario", str(file)], capture_output=True, text=True, timeout=HUNG_S
     )
     assert played.returncode == 0, played.stdout + played.stderr
 

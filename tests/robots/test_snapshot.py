@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from guards import HUNG_S
 from PIL import Image
 
 from edgevox.apps.snapshot import write_picture
@@ -25,7 +26,7 @@ class Painting:
 
 
 def snapshot(*arguments):
-    return subprocess.run([AGENT, *arguments], capture_output=True, text=True, timeout=120)
+    return subprocess.run([AGENT, *arguments], capture_output=True, text=True, timeout=HUNG_S)
 
 
 def test_a_snapshot_is_the_bodys_picture_and_nothing_else_is_written(tmp_path):

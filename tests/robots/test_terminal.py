@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pexpect
 import pytest
-from held_time import HUNG_S
+from guards import HUNG_S
 
 AGENT = str(Path(sys.executable).with_name("edgevox-agent"))
 COMMAND = [AGENT, "robot-apartment", "--text-mode", "--llm=none"]
@@ -221,7 +221,7 @@ def test_a_stop_that_is_typed_before_the_prompt_keeps_what_is_before_it_from_mov
     terminal.logfile_read = shown = io.StringIO()
     try:
         terminal.send("go to the kitchen\rstop\rwhere are you\r")
-        see(terminal, "standing still", timeout_s=30)
+        see(terminal, "standing still", timeout_s=HUNG_S)
         see(terminal, "living room")
         assert "Going to the" not in shown.getvalue()
     finally:

@@ -5,7 +5,7 @@ import os
 import sys
 from contextlib import ExitStack, asynccontextmanager
 
-from held_time import HUNG_S
+from guards import HUNG_S
 from textual.widgets import Footer, Input, RichLog, Static
 
 from edgevox.apps.composition import build_parts, start_parts

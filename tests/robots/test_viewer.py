@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from held_time import HUNG_S
+from guards import HUNG_S
 
 from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.viewer import Viewer

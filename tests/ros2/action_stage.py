@@ -5,6 +5,7 @@ import threading
 from typing import Annotated
 
 from action_msgs.msg import GoalStatus
+from guards import HUNG_S
 from peer import wait_until
 from rclpy.action import ActionClient
 from rclpy.qos import QoSProfile
@@ -93,7 +94,7 @@ class Stage:
         self.conversation.submit(TextInput(text))
 
     def driving(self):
-        assert self.body.started.acquire(timeout=60), "no drive began"
+        assert self.body.started.acquire(timeout=HUNG_S), "no drive began"
 
     def statuses(self, skill_name):
         goals = [d for d in self.deeds if d.get("skill") == skill_name and "status" in d]
@@ -170,7 +171,7 @@ class Client:
         self.feedback.append(json.loads(message.feedback.feedback_json))
 
 
-def done(future, timeout_s=60.0):
+def done(future, timeout_s=HUNG_S):
     """What a future holds, once another thread has filled it."""
     filled = threading.Event()
     future.add_done_callback(lambda _: filled.set())

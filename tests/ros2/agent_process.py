@@ -7,11 +7,13 @@ import sys
 import threading
 from pathlib import Path
 
+from guards import HUNG_S
+
 AGENT = str(Path(sys.executable).with_name("edgevox-agent"))
 HEARS_CTRL_C = ("env", "--default-signal=INT")
 """What a script starts in the background is deaf to Ctrl-C, and so are its children."""
 READY = "is ready"
-START_S = 60.0
+START_S = HUNG_S
 
 
 class Agent:

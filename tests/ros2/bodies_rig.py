@@ -11,6 +11,7 @@ import yaml
 from action_stage import Client
 from agent_process import READY, Agent
 from geometry_msgs.msg import PoseStamped
+from guards import HUNG_S
 from interop_rig import hear
 from peer import STATE, Peer
 
@@ -18,7 +19,7 @@ from tf2_msgs.msg import TFMessage
 
 CONTRACT = yaml.safe_load((Path(__file__).parent / "contract.yaml").read_text(encoding="utf-8"))
 OF_BODIES = {*CONTRACT["robot_interop"], "odom", "camera_info", "/tf_static"}
-MOVING_S = 60.0
+MOVING_S = HUNG_S
 """The longest that any errand of these tests may take."""
 
 

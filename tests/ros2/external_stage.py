@@ -11,6 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from geometry_msgs.msg import Twist
+from guards import HUNG_S
 from peer import Peer, wait_until
 
 from edgevox.core.cancel import CancelToken
@@ -34,7 +35,7 @@ def wheels(*arguments: str, domain: int, namespace: str = "/"):
         yield process
     finally:
         process.terminate()
-        process.wait(10)
+        process.wait(HUNG_S)
 
 
 class Velocities:

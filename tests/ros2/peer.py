@@ -5,6 +5,7 @@ import threading
 import time
 from collections.abc import Callable
 
+from guards import HUNG_S
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
@@ -17,7 +18,7 @@ STATE = QoSProfile(
     depth=100, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
 )
 SENSOR = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
-DISCOVERY_S = HEARD_S = 60.0
+DISCOVERY_S = HEARD_S = HUNG_S
 """For what comes, on whatever machine."""
 
 

@@ -6,9 +6,10 @@ import time
 import urllib.request
 from collections.abc import Callable
 
+from guards import HUNG_S
 from prometheus_client.parser import text_string_to_metric_families
 
-PATIENCE_S = 60.0
+PATIENCE_S = HUNG_S
 
 Scrape = dict[tuple[str, ...], float]
 
@@ -20,7 +21,7 @@ def free_port() -> int:
 
 def scrape(port: int) -> Scrape:
     """Each sample by its name and the values of its labels."""
-    with urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics", timeout=60) as answer:
+    with urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics", timeout=HUNG_S) as answer:
         families = list(text_string_to_metric_families(answer.read().decode()))
     return {
         (sample.name, *(sample.labels[name] for name in sorted(sample.labels))): sample.value

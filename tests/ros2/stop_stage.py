@@ -11,6 +11,7 @@ from pathlib import Path
 
 from action_stage import Client
 from agent_process import READY, Agent
+from guards import HUNG_S
 from peer import RELIABLE, STATE, Peer, wait_until
 from std_msgs.msg import String
 
@@ -21,7 +22,7 @@ from llm_server import Server
 from edgevox.agent.grammar import SAY
 
 FREEZE_S = 3.0
-PATIENCE_S = 30.0
+PATIENCE_S = HUNG_S
 TARGETS = ({"x": 3.0, "y": 4.0}, {"x": 8.0, "y": 8.0})
 SENTENCES = 80
 """More than may wait: `MAX_WAITING` of them do."""

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from action_stage import Stage
+from guards import HUNG_S
 from lease import SHORT_LEASE
 
 CLIENT = str(Path(__file__).with_name("action_client.py"))
@@ -34,7 +35,7 @@ def doomed(stage):
     assert process.stdout.readline() == "accepted\n"
     yield process
     process.kill()
-    process.wait(10)
+    process.wait(HUNG_S)
     process.stdout.close()
 
 

@@ -8,10 +8,11 @@ from pathlib import Path
 import pytest
 from agent_process import AGENT, READY, Agent
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from guards import HUNG_S
 from peer import RELIABLE, Peer, wait_until
 
 COMPONENTS = ["audio", "stt", "llm", "tts", "sim", "executor", "presence", "disk", "process"]
-WAIT_S = 30.0
+WAIT_S = HUNG_S
 EDGEVOX = str(Path(AGENT).with_name("edgevox"))
 
 

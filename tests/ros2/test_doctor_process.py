@@ -7,12 +7,13 @@ from pathlib import Path
 
 import pytest
 from agent_process import AGENT
+from guards import HUNG_S
 
 from edgevox.apps.doctor.checks import CHECKS
 from edgevox.models import Store
 
 EDGEVOX = str(Path(AGENT).with_name("edgevox"))
-LONG_S = 600.0
+LONG_S = HUNG_S
 
 
 @pytest.fixture

@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
+from guards import HUNG_S
 from peer import RELIABLE, SENSOR, STATE, wait_until
 from std_msgs.msg import String
 
@@ -19,7 +20,7 @@ from llm_server import good, serving
 from edgevox.agent.grammar import SAY
 
 EXAMPLES = Path(__file__).resolve().parent.parent.parent / "examples" / "ros2"
-END_S = 60.0
+END_S = HUNG_S
 
 
 def command(name: str, *arguments: str, namespace: str = "/edgevox") -> list[str]:

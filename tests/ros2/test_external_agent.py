@@ -7,6 +7,7 @@ import sys
 import pytest
 from agent_process import AGENT
 from external_stage import Velocities, wheels
+from guards import HUNG_S
 from peer import STATE
 
 LOCATIONS = "desk: {x: 0.8, y: 0.0, aliases: [table]}\ndock: {x: -1.0, y: 0.0}\n"
@@ -36,7 +37,7 @@ def test_a_sentence_drives_a_robot_that_only_speaks_ros_2(agent, peer, domain, l
 
         robot.send("text_input", "go to the table")
         response.wait_for(lambda m: m == "Going to the desk.")
-        response.wait_for(lambda m: m == "I am at the desk.", timeout_s=30)
+        response.wait_for(lambda m: m == "I am at the desk.", timeout_s=HUNG_S)
         robot.send("text_input", "where are you")
         response.wait_for(lambda m: m.startswith("I am at the desk, at x 0."))
         robot.send("text_input", "go to the moon")
@@ -74,7 +75,7 @@ def test_what_cannot_be_is_refused_with_its_field(arguments, said):
         [AGENT, "robot-external", "--text-mode", "--llm=none", *arguments],
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=HUNG_S,
     )
     assert bad.returncode == 2
     assert said in bad.stderr
@@ -89,7 +90,7 @@ def test_without_rclpy_it_says_what_it_needs():
         [sys.executable, "-c", program, "robot-external", "--text-mode", "--llm=none"],
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=HUNG_S,
     )
     assert done.returncode == 2
     assert "robot-external needs ROS 2, and rclpy" in done.stderr

@@ -16,6 +16,7 @@ from external_stage import (
     standing,
     wheels,
 )
+from guards import HUNG_S
 from interop_rig import hear, tell
 from peer import SENSOR, wait_until
 from rclpy.action import ActionClient, ActionServer, CancelResponse
@@ -284,7 +285,7 @@ def test_a_halt_cancels_the_goals_of_an_action_that_somebody_else_sent(stage, pe
     def run(goal):
         """Runs until it is cancelled, beside the executor's thread."""
         accepted.set()
-        wait_until(lambda: goal.is_cancel_requested, "cancel", 20)
+        wait_until(lambda: goal.is_cancel_requested, "cancel", HUNG_S)
         goal.canceled()
         cancelled.set()
         return ExecuteSkill.Result()
@@ -304,8 +305,8 @@ def test_a_halt_cancels_the_goals_of_an_action_that_somebody_else_sent(stage, pe
         wait_until(robot._link._cancel._client.service_is_ready, "the action, to the robot")
         # The server is asked, not the client: answers get lost while both discover each other.
         client.send_goal_async(ExecuteSkill.Goal(skill_name="drive"))
-        assert accepted.wait(15)
+        assert accepted.wait(HUNG_S)
         robot.halt("somebody said stop")
-        assert cancelled.wait(10)
+        assert cancelled.wait(HUNG_S)
         client.destroy()
         server.destroy()

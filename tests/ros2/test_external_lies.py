@@ -10,6 +10,7 @@ import scraper
 from diagnostic_msgs.msg import DiagnosticArray
 from external_stage import Velocities, drive, heard, moving, standing, wheels
 from geometry_msgs.msg import PoseStamped
+from guards import HUNG_S
 from interop_rig import hear
 from peer import STATE, wait_until
 
@@ -207,13 +208,13 @@ def test_an_agent_says_so_to_people_and_to_operators(agent, peer, domain):
         state.wait_for(lambda m: json.loads(m)["pose"] is not None)
         one.send("text_input", "fahr zu x 5, y 0")
         state.wait_for(
-            lambda m: (json.loads(m)["velocity"] or {}).get("linear", 0) > 0.05, timeout_s=20
+            lambda m: (json.loads(m)["velocity"] or {}).get("linear", 0) > 0.05, timeout_s=HUNG_S
         )
         control.send("do", "claim 1e300")
         response.wait_for(
             lambda m: "was der Roboter auf /robot1/odom meldet, kann nicht stimmen" in m
         )
         reason = "what is heard on /robot1/odom cannot be true"
-        told.wait_for(lambda m: any(reason in s.message for s in m.status), timeout_s=20)
+        told.wait_for(lambda m: any(reason in s.message for s in m.status), timeout_s=HUNG_S)
         refused = ("edgevox_refused_messages_total", "implausible", "/robot1/odom")
         scraper.wait_until(port, lambda found: found.get(refused, 0) > 0)

@@ -17,6 +17,7 @@ from pathlib import Path
 import pytest
 from external_stage import Velocities, drive, heard, moving, standing, wheels
 from geometry_msgs.msg import PoseStamped
+from guards import HUNG_S
 from peer import wait_until
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 
@@ -26,8 +27,8 @@ from edgevox.ros2.external.robot import ExternalRobot
 
 HERE = Path(__file__).parent
 SOURCES = HERE / "interfaces" / "nav2_msgs"
-BUILD_S = 300.0
-PATIENCE_S = 30.0
+BUILD_S = HUNG_S
+PATIENCE_S = HUNG_S
 
 
 def build(prefix: Path, place: Path) -> None:

@@ -9,6 +9,7 @@ import time
 import pytest
 from external_stage import wheels
 from geometry_msgs.msg import PoseStamped, Twist
+from guards import HUNG_S
 from interop_rig import Messages, Stream, hear, tell, twist
 from peer import SENSOR, STATE, Heard, Peer, wait_until
 from rosgraph_msgs.msg import Clock
@@ -78,7 +79,7 @@ class Driven:
         self.state: Heard = peer.listen("robot_state", STATE)
         self._velocity = tell(peer, Twist, peer.name("cmd_vel"), SENSOR)
 
-    def waits(self, wanted, timeout_s=60.0):
+    def waits(self, wanted, timeout_s=HUNG_S):
         return self.state.wait_for(wanted, timeout_s, since=len(self.state.messages))
 
     def says(self, text, part):
@@ -134,7 +135,7 @@ def test_a_clock_topic_that_is_set_back_moves_stamps_and_nothing_else(agent, pee
         now = Clock()
         now.clock.sec = seconds
         stream = Stream(tick, now)
-        poses.wait_for(lambda m, s=seconds: stamped(m) == pytest.approx(s, abs=1), 20.0)
+        poses.wait_for(lambda m, s=seconds: stamped(m) == pytest.approx(s, abs=1), HUNG_S)
         robot.waits(moving)
         stream.end()  # and it stands still
     robot.says("stop", "Stopped")

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from agent_process import READY, Agent
 from chaos_robot import moving, standing
+from guards import HUNG_S
 from peer import RELIABLE, STATE, Peer, wait_until
 from std_msgs.msg import String
 
@@ -55,7 +56,7 @@ class Robot:
 
     def works(self):
         """It answers in English, drives and stops, once what waits is done or forgotten."""
-        wait_until(self._answers, "an answer", 60)
+        wait_until(self._answers, "an answer", HUNG_S)
         target = "x 3 y 4" if self.newest()["pose"]["x"] > 5 else "x 8 y 8"
         self.peer.send("text_input", f"drive to {target}")
         self.state.wait_for(moving, 20.0, since=len(self.state.messages))
@@ -63,8 +64,8 @@ class Robot:
 
     def is_as_before(self):
         memory_mb, threads = self.before
-        wait_until(lambda: self.taken()[1] <= threads, "the threads of before", 40)
-        wait_until(lambda: self.taken()[0] < memory_mb + MARGIN_MB, "the memory of before", 40)
+        wait_until(lambda: self.taken()[1] <= threads, "the threads of before", HUNG_S)
+        wait_until(lambda: self.taken()[0] < memory_mb + MARGIN_MB, "the memory of before", HUNG_S)
 
     def _answers(self):
         heard = len(self.response.messages)
@@ -100,7 +101,7 @@ def test_a_peer_that_floods_and_is_killed(robot, domain, what):
     )
     try:
         subscriptions = robot.peer.node.get_node_names
-        wait_until(lambda: "flooder" in subscriptions(), "the flooder", 30)
+        wait_until(lambda: "flooder" in subscriptions(), "the flooder", HUNG_S)
         pause.wait(FLOOD_S)
         if what not in ("goals", "velocity"):
             assert robot.stops() < STOP_S

@@ -10,6 +10,7 @@ from contextlib import ExitStack
 import pytest
 from agent_process import READY, Agent
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from guards import HUNG_S
 from interop_rig import hear
 from peer import RELIABLE, STATE, Peer
 
@@ -21,8 +22,6 @@ from edgevox.robots.stepper import BROKE
 from edgevox.robots.world import load_world
 from tf2_msgs.msg import TFMessage
 
-HUNG_S = 600.0
-"""Only something that hangs takes so long."""
 """What an engine gives a container before it kills it."""
 
 
@@ -75,17 +74,17 @@ def test_a_world_that_diverges_fails_the_goal_aloud_and_spoils_nobodys_tree(node
     state, frames = one.listen("robot_state", STATE), hear(one, TFMessage, "/tf", RELIABLE)
     diagnostics, wait_for = listen_to_diagnostics(one)
     one.send("text_input", "go to the bedroom")
-    state.wait_for(lambda m: json.loads(m)["velocity"]["linear"] > 0.1, 20)
+    state.wait_for(lambda m: json.loads(m)["velocity"]["linear"] > 0.1, HUNG_S)
 
     node.break_it.set()
 
-    response.wait_for(lambda m: m == f"I could not do that: {BROKE}", 20)
+    response.wait_for(lambda m: m == f"I could not do that: {BROKE}", HUNG_S)
     end = json.loads(event.wait_for(lambda m: json.loads(m).get("status") == "failed"))
     assert (end["error"], end["code"]) == (str(BROKE), "broke")
     broken = len(diagnostics.messages)
     assert "its numbers broke and it was put back" in wait_for("sim", DiagnosticStatus.ERROR)
     one.send("text_input", "go to the kitchen")
-    response.wait_for(lambda m: m == "I am in the kitchen.", 60)
+    response.wait_for(lambda m: m == "I am in the kitchen.", HUNG_S)
     assert wait_for("sim", DiagnosticStatus.OK, broken) == "runs"
     for message in state.messages:
         json.loads(message, parse_constant=pytest.fail)
@@ -144,7 +143,7 @@ def test_a_signal_ends_it_while_it_drives_in_a_flood(domain, peer, number):
         other = peer()
         state = other.listen("robot_state", STATE)
         other.send("text_input", "go to the bedroom")
-        state.wait_for(lambda m: json.loads(m)["velocity"]["linear"] > 0.1, 20)
+        state.wait_for(lambda m: json.loads(m)["velocity"]["linear"] > 0.1, HUNG_S)
         flood = Flood(domain)
         state.wait_for(lambda _: True, 20, since=len(state.messages))
         try:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from action_stage import Client
+from guards import HUNG_S
 from peer import STATE, wait_until
 
 DEAF = str(Path(__file__).with_name("deaf_peer.py"))
@@ -35,7 +36,7 @@ class Robot:
         status = dict(line.split(":", 1) for line in lines)
         return int(status["VmRSS"].split()[0]) / 1024, int(status["Threads"])
 
-    def works(self, timeout_s=60.0):
+    def works(self, timeout_s=HUNG_S):
         """The next command is answered, by one that drives and another that stops."""
         heard = len(self.response.messages)
         self.peer.send("text_input", "what is your battery")
@@ -57,8 +58,8 @@ class Robot:
 
     def is_as_before(self):
         memory_mb, threads = self.before
-        wait_until(lambda: self.taken()[1] <= threads, "the threads of before", 40)
-        wait_until(lambda: self.taken()[0] < memory_mb + MARGIN_MB, "the memory of before", 40)
+        wait_until(lambda: self.taken()[1] <= threads, "the threads of before", HUNG_S)
+        wait_until(lambda: self.taken()[0] < memory_mb + MARGIN_MB, "the memory of before", HUNG_S)
 
     def heartbeat(self):
         """The ROS 2 thread is alive: a state of the robot arrives."""
@@ -153,7 +154,7 @@ def test_a_subscriber_that_never_reads_and_is_killed_in_the_middle(robot, domain
         try:
             assert deaf.stdout.readline() == "talking\n"
             heard = len(robot.response.messages)
-            robot.response.wait_for(lambda _: True, since=heard + 200, timeout_s=60)
+            robot.response.wait_for(lambda _: True, since=heard + 200, timeout_s=HUNG_S)
             robot.heartbeat()
         finally:
             deaf.kill()

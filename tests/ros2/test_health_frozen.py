@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from guards import HUNG_S
 from interop_rig import hear
 
 from edgevox.apps.composition import build_parts, start_parts
@@ -25,7 +26,6 @@ from edgevox.robots.planar import PlanarRobot
 from edgevox.robots.world import load_world
 from edgevox.ros2.node import BEAT_S
 
-HUNG_S = 60.0
 HEALTH = str(Path(sys.executable).with_name("edgevox-health"))
 
 
@@ -35,7 +35,7 @@ def free_port():
 
 
 def live(port, path="/live"):
-    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=HUNG_S)
     connection.request("GET", path)
     answer = connection.getresponse()
     told = answer.status, json.loads(answer.read())["checks"]
@@ -68,7 +68,7 @@ class Sticky(PymunkEngine):
     def step(self, command):
         if not self.free.is_set():
             self.stuck.set()
-            self.free.wait(60)
+            self.free.wait(HUNG_S)
         return super().step(command)
 
 
@@ -95,12 +95,12 @@ def test_a_callback_that_blocks_the_executor_is_found_and_forgotten(node, peer):
 
     def block(_):
         entered.set()
-        released.wait(60)
+        released.wait(HUNG_S)
 
     forget = parts.bus.subscribe(Answered, block)
     try:
         peer().send("command", "list_languages")
-        assert entered.wait(60)
+        assert entered.wait(HUNG_S)
         checks = wait_for(port, 503)
         assert checks["ros2"].startswith("has not moved for")
         assert checks["body"] == checks["conversation"] == "ok"
@@ -116,7 +116,7 @@ def test_a_step_of_the_world_that_blocks_is_found_and_forgotten(node, peer):
     said.wait_until(lambda: said.messages)
     engine.free.clear()
     parts.conversation.submit(TextInput("go to the kitchen"))
-    assert engine.stuck.wait(60)
+    assert engine.stuck.wait(HUNG_S)
     checks = wait_for(port, 503)
     assert checks["body"].startswith("has not moved for")
     said.wait_until(lambda: sim(said.messages[-1]) == DiagnosticStatus.ERROR)
@@ -136,7 +136,7 @@ def test_a_process_says_how_it_is_to_whoever_asks(agent):
 
     def ask(*flags):
         return subprocess.run(
-            [HEALTH, *flags], env=environment, capture_output=True, text=True, timeout=30
+            [HEALTH, *flags], env=environment, capture_output=True, text=True, timeout=HUNG_S
         )
 
     assert ask("--ready").stdout.startswith("ok: conversation ok, body ok, ros2 ok")
@@ -164,7 +164,7 @@ def test_without_rclpy_it_is_alive_and_never_ready():
         assert (status, checks["rclpy"]) == (503, "rclpy cannot be imported")
     finally:
         process.terminate()
-        process.communicate(timeout=20)
+        process.communicate(timeout=HUNG_S)
 
 
 def test_a_port_that_is_taken_ends_the_agent_with_its_reason(agent):
@@ -172,4 +172,4 @@ def test_a_port_that_is_taken_ends_the_agent_with_its_reason(agent):
         port = taken.getsockname()[1]
         one = agent("--health-port", str(port), wait=False)
         one.wait_for_line(f"health_port: got '127.0.0.1:{port}'")
-        assert one.process.wait(20) == 2
+        assert one.process.wait(HUNG_S) == 2

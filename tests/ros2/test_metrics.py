@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from agent_process import AGENT, Agent
 from geometry_msgs.msg import Twist
+from guards import HUNG_S
 from scraper import PATIENCE_S, free_port, wait_until
 
 from edgevox import __version__
@@ -136,7 +137,7 @@ def test_a_typed_sentence_moves_the_counters_of_a_running_agent() -> None:
     finally:
         process.stdin.close()
         process.terminate()
-        process.wait(20)
+        process.wait(HUNG_S)
     assert process.returncode == 0
 
 

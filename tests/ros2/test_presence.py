@@ -10,6 +10,7 @@ from agent_process import Agent
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from external_stage import Velocities, wheels
 from geometry_msgs.msg import PoseStamped, Twist
+from guards import HUNG_S
 from interop_rig import Messages, Stream, hear, tell, twist
 from nav_msgs.msg import Odometry
 from peer import RELIABLE, STATE, Peer, wait_until
@@ -80,7 +81,7 @@ def speed(message: Odometry) -> float:
 
 def kill(agent: Agent) -> None:
     agent.process.send_signal(signal.SIGKILL)
-    agent.process.wait(10)
+    agent.process.wait(HUNG_S)
 
 
 def levels(heard: Messages) -> Callable[[bytes, str], DiagnosticStatus]:
@@ -89,7 +90,7 @@ def levels(heard: Messages) -> Callable[[bytes, str], DiagnosticStatus]:
             named = (one for one in message.status if one.name.endswith(": presence"))
             return [one for one in named if one.level == level and words in one.message]
 
-        return found(heard.wait_for(found, 20.0))[0]
+        return found(heard.wait_for(found, HUNG_S))[0]
 
     return wait
 

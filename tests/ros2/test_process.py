@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from agent_process import AGENT, READY, Agent
+from guards import HUNG_S
 from peer import STATE
 
 """What an engine gives a container before it kills it."""
@@ -39,7 +40,7 @@ def test_it_leaves_while_the_robot_drives(agent, peer):
     robot = peer()
     state = robot.listen("robot_state", STATE)
     robot.send("text_input", "go to the bedroom")
-    state.wait_for(lambda m: json.loads(m)["velocity"]["linear"] > 0.05, timeout_s=60)
+    state.wait_for(lambda m: json.loads(m)["velocity"]["linear"] > 0.05, timeout_s=HUNG_S)
     assert one.terminate() == 0
     assert "Traceback" not in one.output
 
@@ -61,7 +62,7 @@ def test_a_bad_namespace_ends_the_process_with_its_reason(domain):
         [AGENT, "robot-apartment", "--text-mode", "--ros2-namespace", "my robot"],
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=HUNG_S,
     )
     assert bad.returncode == 2
     assert "ros2_namespace: got 'my robot', expected a ROS 2 namespace" in bad.stderr
@@ -70,7 +71,7 @@ def test_a_bad_namespace_ends_the_process_with_its_reason(domain):
 def test_a_middleware_that_is_not_there_ends_the_process_with_its_reason(domain, monkeypatch):
     monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_nowhere_cpp")
     one = Agent("robot-apartment", "--text-mode", "--ros2", "--llm", "none", domain=domain)
-    assert one.process.wait(60) != 0
+    assert one.process.wait(HUNG_S) != 0
     one.terminate()
     assert READY not in one.output
     assert "rmw_nowhere_cpp" in one.output
@@ -86,7 +87,7 @@ def test_without_rclpy_one_line_says_so_and_the_agent_works():
         input="where are you\n",
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=HUNG_S,
     )
     assert done.returncode == 0
     assert "ROS 2: off, since rclpy cannot be imported" in done.stdout
@@ -101,7 +102,10 @@ def test_ros_args_are_ros_2s_own(agent, peer):
 @pytest.mark.parametrize("flag", ["--ros2-state-hz=fast", "--ros2-state-hz=0"])
 def test_a_rate_that_cannot_be_is_refused(flag):
     bad = subprocess.run(
-        [AGENT, "robot-apartment", "--text-mode", flag], capture_output=True, text=True, timeout=60
+        [AGENT, "robot-apartment", "--text-mode", flag],
+        capture_output=True,
+        text=True,
+        timeout=HUNG_S,
     )
     assert bad.returncode == 2
     assert "ros2_state_hz: got " in bad.stderr

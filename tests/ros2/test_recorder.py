@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from guards import HUNG_S
 from mcap import records
 from mcap.exceptions import EndOfFile
 from mcap.stream_reader import StreamReader
@@ -45,7 +46,7 @@ class Recorder:
         self._reader.start()
 
     def wait_until_it_records(self):
-        assert self._began.wait(30), self.lines
+        assert self._began.wait(HUNG_S), self.lines
         return self
 
     @property
@@ -61,7 +62,7 @@ class Recorder:
             self.process.send_signal(number)
         return self.wait()
 
-    def wait(self, timeout_s=90):
+    def wait(self, timeout_s=HUNG_S):
         code = self.process.wait(timeout_s)
         self._reader.join()
         return code
@@ -129,7 +130,7 @@ def both_are_heard(robot, recorder, topics):
             robot.send("text_input", "where are you")
         return any(wanted <= set(texts_of(file)) for file in recorder.files())
 
-    wait_until(recorded, f"{wanted} in the file", 30.0)
+    wait_until(recorded, f"{wanted} in the file", HUNG_S)
 
 
 def arrived(message):
@@ -175,9 +176,9 @@ def test_when_it_is_killed_all_but_the_last_second_is_in_the_file(agent, peer, r
     state = robot.listen("robot_state", STATE)
     both_are_heard(robot, one, ())
     robot.send("text_input", "go to the bedroom")
-    state.wait_for(lambda m: json.loads(m)["velocity"]["linear"] > 0.05, 20)
+    state.wait_for(lambda m: json.loads(m)["velocity"]["linear"] > 0.05, HUNG_S)
     since = len(state.messages)
-    state.wait_for(lambda m: json.loads(m)["time"] > _time(state.messages[since - 1]) + 3, 20)
+    state.wait_for(lambda m: json.loads(m)["time"] > _time(state.messages[since - 1]) + 3, HUNG_S)
     killed_after = _time(state.messages[-1])
     assert one.end(signal.SIGKILL) == -signal.SIGKILL
     (file,) = one.files()

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from agent_process import HEARS_CTRL_C
+from guards import HUNG_S
 from peer import RELIABLE, SENSOR, wait_until
 from std_msgs.msg import UInt8MultiArray
 
@@ -25,7 +26,7 @@ def relay(domain, monkeypatch):
     process = subprocess.Popen([*HEARS_CTRL_C, sys.executable, RELAY, *arguments])
     yield process
     process.send_signal(signal.SIGINT)
-    assert process.wait(30) == 0
+    assert process.wait(HUNG_S) == 0
 
 
 def carried(node, source, target, qos):

@@ -3,6 +3,7 @@
 import json
 
 import pytest
+from guards import HUNG_S
 from peer import RELIABLE, wait_until
 from rcl_interfaces.msg import Log, ParameterType, ParameterValue
 from rcl_interfaces.msg import Parameter as ParameterMessage
@@ -169,7 +170,7 @@ def test_parameters_come_from_a_file(agent, peer, tmp_path):
 )
 def test_a_parameter_that_cannot_be_ends_the_start_with_its_reason(agent, argument, reason):
     one = agent("--ros-args", "-p", argument, wait=False)
-    assert one.process.wait(60) == 1
+    assert one.process.wait(HUNG_S) == 1
     one.terminate()
     assert reason in one.output
     assert "Traceback" not in one.output

@@ -6,6 +6,7 @@ import threading
 import numpy as np
 import pytest
 from agent_process import READY, Agent
+from guards import HUNG_S
 from interop_rig import hear, tell
 from peer import SENSOR, STATE
 from std_msgs.msg import Float32
@@ -50,7 +51,7 @@ class Microphone:
         with self._lock:
             self._left = sound
             self._over.clear()
-        assert self._over.wait(60.0)
+        assert self._over.wait(HUNG_S)
 
     def close(self):
         self._closing.set()

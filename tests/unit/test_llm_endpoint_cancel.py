@@ -4,7 +4,8 @@ import itertools
 import threading
 
 import pytest
-from llm_server import CHAT, GOOD, HUNG_S, Reply, ask, never, serving
+from guards import HUNG_S
+from llm_server import CHAT, GOOD, Reply, ask, never, serving
 
 from edgevox.agent.llm.base import ModelFailed
 from edgevox.core.cancel import CancelToken

@@ -5,7 +5,8 @@ import socket
 import time
 
 import pytest
-from llm_server import CHAT, GOOD, HUNG_S, ROOMS, Reply, ask, failing, good, never, serving
+from guards import HUNG_S
+from llm_server import CHAT, GOOD, ROOMS, Reply, ask, failing, good, never, serving
 
 from edgevox.agent.llm.base import ModelFailed
 from edgevox.agent.llm.endpoint import Address, EndpointModel
