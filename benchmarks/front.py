@@ -1,4 +1,4 @@
-"""What of the figures stands in the README, and what is drawn: the ones that people ask for."""
+"""What of the figures stands in the README and at the head of their page, and what is drawn."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -27,6 +27,18 @@ class Shown:
         return self.label or self.of(results)[0].what
 
 
+FRONT = (
+    Shown("latency", "plain_command"),
+    Shown("latency", "for_model"),
+    Shown("latency", "stop"),
+    Shown("voice", "first_sound", "end of speech to the first audible sample"),
+    Shown("voice", "barge_in", "speaking over it: first voiced to last played sample"),
+    Shown("latency", "start", "start to ready, typed"),
+    Shown("latency", "memory_small"),
+    Shown("ros2", "idle_heard", "a standing robot whose `/tf` and `robot_state` are heard"),
+    Shown("image", "image.all", "image with models and all robots"),
+)
+"""What a user decides by: they stand in the README, the others on the page of figures."""
 ANSWERS = (
     Shown("latency", "plain_command"),
     Shown("latency", "stop"),
@@ -106,6 +118,11 @@ def _newest(results: Results, names: Sequence[str]) -> str:
     return f"{newest.measured:%d %B %Y}, {at_commit(newest)}"
 
 
+def front(results: Results) -> str:
+    """What a user decides by."""
+    return _chosen(results, FRONT, {"median": measured, "largest": largest, "wanted": wanted})
+
+
 def answers(results: Results) -> str:
     """How soon it answers and stops, typed; what it takes."""
     return _chosen(results, ANSWERS, {"median": measured, "largest": largest, "wanted": wanted})
@@ -160,6 +177,7 @@ def understanding(results: Results) -> str:
 
 BLOCKS: Mapping[str, Callable[[Results], str]] = {
     "short-measured": measured_on,
+    "short-front": front,
     "short-answers": answers,
     "short-voice": voice,
     "short-overhead": overhead,
