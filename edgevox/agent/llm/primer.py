@@ -21,20 +21,31 @@ class Primer:
         self._model = model
         self._messages = messages
         self._token = CancelToken()
-        self._thread = threading.Thread(target=self._prime, name="edgevox-primer")
+        self._read = threading.Event()
+        self._thread = threading.Thread(target=self._work, name="edgevox-primer")
 
     def start(self) -> None:
         self._thread.start()
 
     def wait(self) -> None:
-        """Block until all is read."""
-        self._thread.join()
+        """Block until all is read.
+
+        A signal may end this with an exception. Python 3.11 would then take a thread that is being
+        joined for ended, and the model would be closed while it reads.
+        """
+        self._read.wait()
 
     def close(self) -> None:
         """Stop reading and wait for the thread."""
         self._token.cancel("shutting down")
         if self._thread.is_alive():
             self._thread.join()
+
+    def _work(self) -> None:
+        try:
+            self._prime()
+        finally:
+            self._read.set()
 
     def _prime(self) -> None:
         try:
