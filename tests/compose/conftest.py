@@ -10,8 +10,9 @@ OF_A_SITE = ("COMPOSE_", "EDGEVOX_", "FASTDDS_", "RMW_", "ROS_")
 """Variables that compose would pass on to the containers, or be led astray by."""
 
 
-@pytest.fixture(scope="session", autouse=True)
+@pytest.fixture(scope="module", autouse=True)
 def _no_site():
+    """Only for the tests of this folder: others of this process need what is set."""
     with pytest.MonkeyPatch.context() as patch:
         for name in list(os.environ):
             if name.startswith(OF_A_SITE) and name != IMAGE:
