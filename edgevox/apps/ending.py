@@ -13,9 +13,6 @@ from edgevox.core.log import get_logger
 log = get_logger(__name__)
 
 _SIGNALS = (signal.SIGTERM, signal.SIGHUP)
-LEAVE_S = 4.5
-"""What has not left so long after a signal is left behind, unless a setting says otherwise:
-container engines kill after 5 s and later."""
 STUCK = 70
 """EX_SOFTWARE of sysexits.h: asked to end, and something would not let go."""
 
@@ -29,10 +26,10 @@ class Ending:
 
     `gently`, if set, is asked to end it and says whether it will; else `Terminated` is raised,
     which an event loop would not let through. Whatever hangs then, the process is gone after
-    `leave_s`, with the exit code `STUCK`.
+    `leave_s` (the setting), with the exit code `STUCK`.
     """
 
-    def __init__(self, leave_s: float = LEAVE_S) -> None:
+    def __init__(self, leave_s: float) -> None:
         self._leave_s = leave_s
         self.gently: Callable[[], bool] | None = None
         self.signal = ""

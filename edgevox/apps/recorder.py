@@ -65,7 +65,7 @@ def _record(asked: Asked, scenario: Scenario | None, lost: list[str]) -> bool:
     disk = Disk(folder, round(asked.max_size_mb * MB), round(asked.spare_mb * MB))
     topics = choose_topics(namespace, asked.topics)
     try:
-        with ExitStack() as stack, Ending():
+        with ExitStack() as stack, Ending(asked.settings.leave_s):
             recorder = Recorder(namespace, topics, disk, asked.ros_args)
             stack.callback(_conclude, recorder, folder, lost)
             stack.callback(recorder.close)

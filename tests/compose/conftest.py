@@ -4,6 +4,7 @@ import os
 import subprocess
 
 import pytest
+from guards import HUNG_S
 
 IMAGE = "EDGEVOX_IMAGE"
 OF_A_SITE = ("COMPOSE_", "EDGEVOX_", "FASTDDS_", "RMW_", "ROS_")
@@ -32,7 +33,7 @@ def image():
 
 def _must(command: list[str], otherwise: str) -> None:
     try:
-        subprocess.run(command, capture_output=True, text=True, check=True, timeout=600)
+        subprocess.run(command, capture_output=True, text=True, check=True, timeout=HUNG_S)
     except (OSError, subprocess.SubprocessError) as error:
         said = getattr(error, "stderr", "") or str(error)
         pytest.fail(f"{otherwise}\n{said}", pytrace=False)

@@ -19,7 +19,6 @@ from test_voice_program import AGENT, write_wav
 
 from edgevox.apps.ending import STUCK
 
-START_S = HUNG_S
 DEAF_TO_NOTHING = ("env", "--default-signal=INT")
 """What a script starts in the background ignores Ctrl-C, and so do its children."""
 BEFORE_A_HANDLER = -signal.SIGTERM
@@ -66,13 +65,13 @@ class Program:
             return any(wanted in line for line in self.lines)
 
         with self._arrived:
-            self._arrived.wait_for(lambda: found() or not self._reader.is_alive(), START_S)
+            self._arrived.wait_for(lambda: found() or not self._reader.is_alive(), HUNG_S)
             assert found(), self.output
 
     def end(self, number: signal.Signals) -> int:
         """Send the signal; the exit code."""
         self._process.send_signal(number)
-        code = self._process.wait(600)
+        code = self._process.wait(HUNG_S)
         self._reader.join()
         return code
 

@@ -17,7 +17,6 @@ from edgevox.voice.tts.pool import VoicePool
 
 KITCHEN = "The robot drives to the kitchen and picks up the red cup."
 BACK = "After that it drives back to the door."
-PATIENCE_S = HUNG_S
 
 
 class Room:
@@ -39,7 +38,7 @@ class Room:
         return self.now_s
 
     def wait(self, token: CancelToken, seconds: float) -> bool:
-        assert self.hold.wait(PATIENCE_S), "what the loudspeaker waits for did not happen"
+        assert self.hold.wait(HUNG_S), "what the loudspeaker waits for did not happen"
         self.now_s += seconds
         if self.now_s >= self.cut_at_s:
             token.cancel("enough")
@@ -106,7 +105,7 @@ def test_the_next_sentence_is_synthesised_before_the_loudspeaker_has_played_any(
     utterance = mouth.begin(CancelToken(), lambda: None)
     utterance.say(KITCHEN)
     utterance.say(BACK)
-    assert mouth.prepare().wait(PATIENCE_S), "the synthesis waits for the loudspeaker"
+    assert mouth.prepare().wait(HUNG_S), "the synthesis waits for the loudspeaker"
     assert room.now_s == 0.0
     room.hold.set()
     assert utterance.finish().text == f"{KITCHEN} {BACK}"

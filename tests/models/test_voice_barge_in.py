@@ -24,7 +24,6 @@ from edgevox.voice.speaker import Speaker
 from edgevox.voice.tts.pool import VoicePool
 from edgevox.voice.vad import SileroVad
 
-PATIENCE_S = HUNG_S
 STEADY = SynthesisConfig(noise_scale=0.0, noise_w_scale=0.0)
 """Each run hears the same; Piper draws how it speaks."""
 ANSWER = "I am on my way through the long corridor to the bedroom, and I will tell you more there."
@@ -106,7 +105,7 @@ class EchoingRoom:
         with self._changed:
             self._frame = frame
             self._changed.notify_all()
-            asked = self._changed.wait_for(lambda: self._frame is not frame, PATIENCE_S)
+            asked = self._changed.wait_for(lambda: self._frame is not frame, HUNG_S)
         assert asked, "the ears do not listen"
 
 

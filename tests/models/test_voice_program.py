@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from ears_rig import loud, noises, says_espeak, silence
+from guards import HUNG_S
 from voice_engines import hear, words, wrong_words
 from voice_stage import whole_wav
 
@@ -49,7 +50,7 @@ def test_who_speaks_to_it_from_a_file_is_obeyed_and_answered_into_a_file(
         stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,
-        timeout=600,
+        timeout=HUNG_S,
     )
 
     assert done.returncode == 0, done.stderr

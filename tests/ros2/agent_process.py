@@ -13,7 +13,6 @@ AGENT = str(Path(sys.executable).with_name("edgevox-agent"))
 HEARS_CTRL_C = ("env", "--default-signal=INT")
 """What a script starts in the background is deaf to Ctrl-C, and so are its children."""
 READY = "is ready"
-START_S = HUNG_S
 
 
 class Agent:
@@ -48,7 +47,7 @@ class Agent:
     def output(self) -> str:
         return "\n".join(self.lines)
 
-    def wait_for_line(self, text: str, timeout_s: float = START_S) -> str:
+    def wait_for_line(self, text: str, timeout_s: float = HUNG_S) -> str:
         def found() -> list[str]:
             return [line for line in self.lines if text in line]
 
@@ -57,7 +56,7 @@ class Agent:
             assert found(), f"{text!r} was not printed; the output was:\n{self.output}"
             return found()[0]
 
-    def terminate(self, timeout_s: float = START_S) -> int:
+    def terminate(self, timeout_s: float = HUNG_S) -> int:
         """Send SIGTERM and wait for the end; the exit code."""
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGTERM)

@@ -19,8 +19,6 @@ from tf2_msgs.msg import TFMessage
 
 CONTRACT = yaml.safe_load((Path(__file__).parent / "contract.yaml").read_text(encoding="utf-8"))
 OF_BODIES = {*CONTRACT["robot_interop"], "odom", "camera_info", "/tf_static"}
-MOVING_S = HUNG_S
-"""The longest that any errand of these tests may take."""
 
 
 class Live:
@@ -69,7 +67,7 @@ class Since:
         self._event, self._events = event, events
 
     def state(
-        self, wanted: Callable[[dict[str, Any]], bool], timeout_s: float = MOVING_S
+        self, wanted: Callable[[dict[str, Any]], bool], timeout_s: float = HUNG_S
     ) -> dict[str, Any]:
         """The first state of the body that is wanted."""
         return self._data(self._state, wanted, timeout_s, self._states)
@@ -77,11 +75,11 @@ class Since:
     def event(self, kind: str, status: str | None = None, **wanted: Any) -> dict[str, Any]:
         """The first event of this kind, with this status and these other values."""
         asked = {"kind": kind, **({"status": status} if status else {}), **wanted}
-        return self._data(self._event, lambda e: asked.items() <= e.items(), MOVING_S, self._events)
+        return self._data(self._event, lambda e: asked.items() <= e.items(), HUNG_S, self._events)
 
     def answer(self, part: str) -> str:
         """The first answer that has this in it."""
-        return self._response.wait_for(lambda m: part in m, MOVING_S, self._responses)
+        return self._response.wait_for(lambda m: part in m, HUNG_S, self._responses)
 
     @staticmethod
     def _data(heard, wanted, timeout_s: float, since: int) -> dict[str, Any]:

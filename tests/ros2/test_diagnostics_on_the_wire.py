@@ -12,7 +12,6 @@ from guards import HUNG_S
 from peer import RELIABLE, Peer, wait_until
 
 COMPONENTS = ["audio", "stt", "llm", "tts", "sim", "executor", "presence", "disk", "process"]
-WAIT_S = HUNG_S
 EDGEVOX = str(Path(AGENT).with_name("edgevox"))
 
 
@@ -34,7 +33,7 @@ class Watcher:
 
     def wait_for_arrays(self, count: int) -> list[DiagnosticArray]:
         with self._arrived:
-            assert self._arrived.wait_for(lambda: len(self.arrays) >= count, WAIT_S)
+            assert self._arrived.wait_for(lambda: len(self.arrays) >= count, HUNG_S)
             return list(self.arrays)
 
     def wait_for(self, name: str, level: bytes, since: int = 0) -> DiagnosticStatus:
@@ -43,7 +42,7 @@ class Watcher:
             return [one for one in heard if (one.name, one.level) == (name, level)]
 
         with self._arrived:
-            assert self._arrived.wait_for(found, WAIT_S), self._last(name)
+            assert self._arrived.wait_for(found, HUNG_S), self._last(name)
             return found()[0]
 
     def _last(self, name: str) -> list[str]:

@@ -13,7 +13,6 @@ from edgevox.apps.doctor.checks import CHECKS
 from edgevox.models import Store
 
 EDGEVOX = str(Path(AGENT).with_name("edgevox"))
-LONG_S = HUNG_S
 
 
 @pytest.fixture
@@ -27,7 +26,7 @@ def doctor(domain, tmp_path):
             env=ours | {"ROS_DOMAIN_ID": str(domain), **environment},
             capture_output=True,
             text=True,
-            timeout=LONG_S,
+            timeout=HUNG_S,
         )
         told = json.loads(done.stdout)
         checks = {}

@@ -20,7 +20,6 @@ from llm_server import good, serving
 from edgevox.agent.grammar import SAY
 
 EXAMPLES = Path(__file__).resolve().parent.parent.parent / "examples" / "ros2"
-END_S = HUNG_S
 
 
 def command(name: str, *arguments: str, namespace: str = "/edgevox") -> list[str]:
@@ -56,7 +55,7 @@ class Listening:
         """Press Ctrl-C; the exit code."""
         self._process.send_signal(signal.SIGINT)
         try:
-            return self._process.wait(END_S)
+            return self._process.wait(HUNG_S)
         finally:
             self._process.kill()
             self._reader.join()
@@ -97,7 +96,7 @@ def run(name: str, *arguments: str, namespace: str = "/edgevox") -> tuple[int, s
         command(name, *arguments, namespace=namespace),
         capture_output=True,
         text=True,
-        timeout=END_S,
+        timeout=HUNG_S,
     )
     return done.returncode, done.stdout, done.stderr
 

@@ -27,8 +27,6 @@ from edgevox.ros2.external.robot import ExternalRobot
 
 HERE = Path(__file__).parent
 SOURCES = HERE / "interfaces" / "nav2_msgs"
-BUILD_S = HUNG_S
-PATIENCE_S = HUNG_S
 
 
 def build(prefix: Path, place: Path) -> None:
@@ -55,7 +53,7 @@ def build(prefix: Path, place: Path) -> None:
             env=build_msgs.environment(),
             capture_output=True,
             text=True,
-            timeout=BUILD_S,
+            timeout=HUNG_S,
         )
         assert done.returncode == 0, done.stdout + done.stderr
 
@@ -125,7 +123,7 @@ class StandIn:
         target = goal.request.pose
         self._goals.publish(target)
         pause = threading.Event()
-        for _ in range(round(PATIENCE_S / 0.1)):
+        for _ in range(round(HUNG_S / 0.1)):
             pose, at = self.robot.pose(), target.pose.position
             left_m = math.hypot(pose.x_m - at.x, pose.y_m - at.y)
             if goal.is_cancel_requested:
