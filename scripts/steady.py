@@ -37,6 +37,7 @@ class Condition:
 
 
 CORES = os.cpu_count() or 1
+BESIDE = ("-n", str(CORES), "--dist", "loadfile")
 CONDITIONS = (
     Condition("idle", "nothing else to do", QUICK, 5),
     Condition("burned", "every core burned", QUICK, 5, burners=CORES),
@@ -87,7 +88,7 @@ def burning(cores: int) -> Iterator[None]:
 def run(condition: Condition, number: int, tests: Sequence[str]) -> Run:
     """Run these tests once in this condition; what pytest printed last, if it failed."""
     options = [option.format(run=number) for option in condition.options]
-    command = [*condition.before, sys.executable, "-m", "pytest", "-q", *options, *tests]
+    command = [*condition.before, sys.executable, "-m", "pytest", "-q", *BESIDE, *options, *tests]
     begun_s = time.monotonic()
     with burning(condition.burners):
         done = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=False)
