@@ -1,7 +1,8 @@
 """What a body can do, as small protocols. The ROS 2 adapter offers exactly those that a body has.
 
 Units and frames: metres, radians, seconds; REP 103 axes (x forward, y left, z up, counter-clockwise
-positive); poses in the ``map`` frame. All methods may be called from any thread.
+positive); poses in the ``map`` frame, whose x is east and y is north (REP 105). All methods may be
+called from any thread.
 """
 
 from collections.abc import Callable, Mapping

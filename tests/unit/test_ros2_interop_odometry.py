@@ -1,4 +1,4 @@
-"""Odometry and memory of poses."""
+"""Odometry, the names of frames, and the camera's model."""
 
 import math
 
@@ -21,7 +21,6 @@ from edgevox.robots.capabilities import CameraSpec
 from edgevox.ros2.interop.camera import camera_info
 from edgevox.ros2.interop.frames import Frames
 from edgevox.ros2.interop.odometry import Odometer
-from edgevox.ros2.interop.whereabouts import Whereabouts
 
 near = st.floats(-100, 100)
 part = st.floats(-1, 1)
@@ -67,35 +66,6 @@ def test_map_to_odom_stands_still_while_the_robot_drives():
 def test_a_frame_that_cannot_be_is_refused(odom, prefix):
     with pytest.raises(InvalidValue, match="odom_frame|frame_prefix"):
         Frames(odom, prefix)
-
-
-def test_a_pose_of_the_past_is_the_nearest_that_is_remembered():
-    frames = Frames()
-    memory = Whereabouts(frames)
-    for number in range(400):
-        memory.note(number * 1000, {frames.base: Pose3D(float(number))})
-    assert memory.on_map("base_link", 0).x_m == 399
-    assert memory.on_map("base_link", 250_400).x_m == 250
-    assert memory.on_map("base_link", 400_000).x_m == 399
-    with pytest.raises(InvalidValue, match="stamp"):
-        memory.on_map("base_link", 99_000)
-    with pytest.raises(InvalidValue, match="stamp"):
-        memory.on_map("base_link", 10_000_000_000)
-
-
-def test_before_anything_is_known_only_the_map_is():
-    memory = Whereabouts(Frames())
-    assert memory.on_map("map", 5) == IDENTITY
-    with pytest.raises(InvalidValue, match="one of map"):
-        memory.on_map("base_link", 5)
-
-
-def test_time_that_is_set_back_forgets_what_is_later():
-    memory = Whereabouts(Frames())
-    memory.note(5000, {"base_link": Pose3D(5.0)})
-    memory.note(1000, {"base_link": Pose3D(1.0)})
-    assert memory.on_map("base_link", 1000).x_m == 1.0
-    assert memory.on_map("base_link", 5000).x_m == 1.0
 
 
 def test_the_camera_sees_its_field_of_view():

@@ -10,8 +10,6 @@ from edgevox.robots.capabilities import Twist2D
 
 FURTHEST_M = 10_000.0
 """No goal, place or pose is further from the map's origin, along either axis."""
-FURTHEST_FRAME_M = 1e7
-"""Frames may be as far apart as the earth's middle and a map on it (REP 105)."""
 FASTEST_M_S, FASTEST_RAD_S = 50.0, 50.0
 """No robot that is spoken to says that it is faster."""
 SPEED_M_S, SPEED_RAD_S = 5.0, 2 * math.pi

@@ -17,7 +17,6 @@ from edgevox.core.refusals import Refusal
 from edgevox.core.transforms import ORIGIN, Pose2D, compose, lift, project, rigid
 from edgevox.robots.capabilities import LidarScan, Twist2D
 from edgevox.ros2.contract_rows import latched, lossy
-from edgevox.ros2.external.frames import Frames, plain
 from edgevox.ros2.external.plausible import Speeds, on_the_map, sweeps
 from edgevox.ros2.external.sightings import SILENT_S, Sighting, Sightings
 from edgevox.ros2.external.target import Fix
@@ -25,6 +24,7 @@ from edgevox.ros2.messages import pose_of, pose_of_transform
 from edgevox.ros2.qos import profile
 from edgevox.ros2.stamps import NS_PER_S, to_ns
 from edgevox.ros2.standard_topics import DRIVEN
+from edgevox.ros2.tf_buffer import FramePose, TfBuffer, plain
 from tf2_msgs.msg import TFMessage
 
 log = get_logger(__name__)
@@ -42,7 +42,7 @@ class Senses:
     def __init__(self, node: Node, clock: Clock, speeds: Speeds) -> None:
         self._clock = clock
         self.sightings = Sightings(clock, speeds)
-        self._frames = Frames()
+        self._tf = TfBuffer(kept=1)  # what is asked is where things are now
         self._prefix = node.get_namespace().strip("/")
         self._scan: tuple[float, LaserScan] | None = None
         self._scan_refused_s = -math.inf
@@ -85,8 +85,8 @@ class Senses:
         if seen is None:
             return None
         odom = self._named(seen.frame)
-        frame = self._frames.map_above(odom)
-        to_map = self._frames.lookup(frame, odom) if frame else None
+        frame = self._tf.map_above(odom)
+        to_map = self._tf.lookup(frame, odom) if frame else None
         if frame is None or to_map is None:
             return Fix(seen.pose, seen.twist, seen.frame, seen.stamp_ns)
         pose = project(compose(to_map, lift(seen.pose)))
@@ -103,7 +103,7 @@ class Senses:
     def say_frame_once(self, fix: Fix) -> None:
         """Log, the first time only, that there is no map."""
         seen = self.sightings.newest()
-        mapless = seen and self._frames.map_above(self._named(seen.frame)) is None
+        mapless = seen and self._tf.map_above(self._named(seen.frame)) is None
         if mapless and self._is_news("frame", fix.frame):
             log.warning("frame_taken_for_map", frame=fix.frame)
 
@@ -139,7 +139,7 @@ class Senses:
         seen = self.sightings.newest()
         if seen is None:
             return ORIGIN
-        transform = self._frames.lookup(self._named(seen.child_frame), self._named(frame))
+        transform = self._tf.lookup(self._named(seen.child_frame), self._named(frame))
         if transform is None:
             return ORIGIN
         return project(transform)
@@ -147,7 +147,7 @@ class Senses:
     def _named(self, frame: str) -> str:
         """The frame's name on /tf, where several robots put their namespaces before theirs."""
         prefixed = f"{self._prefix}/{plain(frame)}"
-        return prefixed if self._frames.knows(prefixed) else plain(frame)
+        return prefixed if self._tf.knows(prefixed) else plain(frame)
 
     def _hear_odometry(self, message: Odometry) -> None:
         at, speed = message.pose.pose, message.twist.twist
@@ -182,7 +182,8 @@ class Senses:
     def _hear_transforms(self, message: TFMessage) -> None:
         for one in message.transforms:
             transform = rigid(pose_of_transform(one.transform))
-            fits = self._frames.put(one.header.frame_id, one.child_frame_id, transform)
+            placed = FramePose(one.header.frame_id, one.child_frame_id, transform)
+            fits = self._tf.put(to_ns(one.header.stamp), placed)
             self._refused_transforms += not fits
             if not fits and self._is_news("transform", one.child_frame_id):
                 log.warning("transform_impossible", frame=one.child_frame_id)

@@ -5,14 +5,11 @@ from collections.abc import Sequence
 from builtin_interfaces.msg import Time
 from rclpy.node import Node
 
-from edgevox.core.transforms import Pose3D
 from edgevox.ros2.messages import transform_msg
 from edgevox.ros2.qos import profile
 from edgevox.ros2.standard_topics import STANDARD
+from edgevox.ros2.tf_buffer import FramePose
 from tf2_msgs.msg import TFMessage
-
-Link = tuple[str, str, Pose3D]
-"""Parent, child, and where the child is in the parent."""
 
 
 class Broadcaster:
@@ -21,20 +18,20 @@ class Broadcaster:
     def __init__(self, node: Node) -> None:
         self._publisher = node.create_publisher(TFMessage, "/tf", profile(STANDARD["/tf"].qos))
 
-    def send(self, links: Sequence[Link], stamp: Time) -> None:
+    def send(self, placed: Sequence[FramePose], stamp: Time) -> None:
         """Where things are at this stamp."""
         if self._publisher.get_subscription_count():
-            self._publisher.publish(_message(links, stamp))
+            self._publisher.publish(_message(placed, stamp))
 
 
-def broadcast_fixed(node: Node, links: Sequence[Link]) -> None:
+def broadcast_fixed(node: Node, placed: Sequence[FramePose]) -> None:
     """Publish what never moves, for everybody who joins, now and later; call it once."""
     node.create_publisher(TFMessage, "/tf_static", profile(STANDARD["/tf_static"].qos)).publish(
-        _message(links, Time())
+        _message(placed, Time())
     )
 
 
-def _message(links: Sequence[Link], stamp: Time) -> TFMessage:
+def _message(placed: Sequence[FramePose], stamp: Time) -> TFMessage:
     return TFMessage(
-        transforms=[transform_msg(parent, child, pose, stamp) for parent, child, pose in links]
+        transforms=[transform_msg(one.parent, one.child, one.pose, stamp) for one in placed]
     )

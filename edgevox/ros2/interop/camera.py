@@ -14,12 +14,12 @@ from sensor_msgs.msg import CameraInfo, Image
 from edgevox.core.errors import InvalidValue
 from edgevox.core.transforms import Pose3D
 from edgevox.robots.capabilities import CameraImage, CameraSpec, HasCamera
-from edgevox.ros2.interop.broadcast import Link
 from edgevox.ros2.interop.frames import Frames
 from edgevox.ros2.messages import header
 from edgevox.ros2.qos import profile
 from edgevox.ros2.stamps import Stamps, to_msg
 from edgevox.ros2.standard_topics import STANDARD
+from edgevox.ros2.tf_buffer import FramePose
 from edgevox.ros2.ticker import Ticker
 
 _OPTICAL = Pose3D(0.0, 0.0, 0.0, -0.5, 0.5, -0.5, 0.5)
@@ -51,13 +51,13 @@ class Camera:
         """How many pictures could not be taken."""
         return self._ticker.failures
 
-    def links(self) -> list[Link]:
+    def links(self) -> list[FramePose]:
         """Where the camera sits, and its optical frame."""
         names = self._frames
         parent = {"map": names.map, "body": names.base, "end_effector": names.hand}
         return [
-            (parent[self._spec.parent], names.camera, self._spec.mount),
-            (names.camera, names.camera_optical, _OPTICAL),
+            FramePose(parent[self._spec.parent], names.camera, self._spec.mount),
+            FramePose(names.camera, names.camera_optical, _OPTICAL),
         ]
 
     def start(self) -> None:

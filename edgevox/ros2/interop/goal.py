@@ -14,11 +14,12 @@ from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
 from edgevox.core.transforms import OFF_UNIT, Pose3D, compose, unit
 from edgevox.robots.capabilities import Body, HasEndEffector, HasPose
-from edgevox.ros2.interop.whereabouts import Whereabouts
+from edgevox.ros2.interop.frames import Frames
 from edgevox.ros2.messages import pose_of
 from edgevox.ros2.qos import profile
 from edgevox.ros2.stamps import to_ns
 from edgevox.ros2.standard_topics import STANDARD
+from edgevox.ros2.tf_buffer import TfBuffer
 
 log = get_logger(__name__)
 
@@ -48,9 +49,10 @@ class GoalInput:
     """
 
     def __init__(
-        self, node: Node, skill: str, whereabouts: Whereabouts, run_skill: RunSkill
+        self, node: Node, skill: str, frames: Frames, tf_buffer: TfBuffer, run_skill: RunSkill
     ) -> None:
-        self._skill, self._whereabouts, self._run_skill = skill, whereabouts, run_skill
+        self._skill, self._frames, self._tf = skill, frames, tf_buffer
+        self._run_skill = run_skill
         self.refusals: Counter[Refusal] = Counter({Refusal.INVALID: 0, Refusal.NOT_FINITE: 0})
         self._open = True
         node.create_subscription(
@@ -86,5 +88,18 @@ class GoalInput:
         frame = message.header.frame_id
         if not frame:
             raise InvalidValue("frame_id", frame, "the name of a frame, such as map")
-        above = self._whereabouts.on_map(frame, to_ns(message.header.stamp))
+        above = on_map(self._tf, self._frames, frame, to_ns(message.header.stamp))
         return compose(above, unit(pose))
+
+
+def on_map(tf_buffer: TfBuffer, frames: Frames, frame: str, stamp_ns: int) -> Pose3D:
+    """Where a frame, by its name with or without prefix, was at a stamp; 0 is now.
+
+    Raises `InvalidValue` if that is not known.
+    """
+    for name in frames.names_of(frame):
+        pose = tf_buffer.lookup(frames.map, name, stamp_ns)
+        if pose is not None:
+            return pose
+    known = dict.fromkeys((frames.map, *tf_buffer.frames))
+    raise InvalidValue("frame_id", frame, "one of " + ", ".join(known))

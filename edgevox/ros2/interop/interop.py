@@ -15,7 +15,7 @@ from edgevox.robots.capabilities import (
     HasPose,
     TakesVelocity,
 )
-from edgevox.ros2.interop.broadcast import Link, broadcast_fixed
+from edgevox.ros2.interop.broadcast import broadcast_fixed
 from edgevox.ros2.interop.camera import Camera
 from edgevox.ros2.interop.clock import ClockPublisher
 from edgevox.ros2.interop.frames import Frames
@@ -23,9 +23,9 @@ from edgevox.ros2.interop.goal import GoalInput, RunSkill, goal_skill
 from edgevox.ros2.interop.motion import Motion
 from edgevox.ros2.interop.scanner import Scanner
 from edgevox.ros2.interop.velocity import VelocityInput
-from edgevox.ros2.interop.whereabouts import Whereabouts
 from edgevox.ros2.stamps import Stamps
 from edgevox.ros2.standard_topics import STANDARD
+from edgevox.ros2.tf_buffer import FOR_GOOD, FramePose, TfBuffer
 from edgevox.ros2.ticker import MakeTicker, Ticker
 
 log = get_logger(__name__)
@@ -61,7 +61,7 @@ class Interop:
         self._node, self._body = node, body
         self._frames = Frames(odom_frame, frame_prefix)
         self._stamps = Stamps(node.get_clock(), lambda: body.time_s, own_clock=publish_clock)
-        self._whereabouts = Whereabouts(self._frames)
+        self._tf = TfBuffer()
         self._ticks = 0
         self._clock = ClockPublisher(node, lambda: body.time_s) if publish_clock else None
         self._motion = self._offer_motion()
@@ -123,7 +123,7 @@ class Interop:
     def _offer_motion(self) -> Motion | None:
         if not isinstance(self._body, HasPose | HasEndEffector):
             return None
-        return Motion(self._node, self._body, self._frames, self._stamps, self._whereabouts)
+        return Motion(self._node, self._body, self._frames, self._stamps, self._tf)
 
     def _offer_scans(self) -> Scanner | None:
         if not isinstance(self._body, HasLidar):
@@ -138,13 +138,13 @@ class Interop:
 
     def _take_goals(self, run_skill: RunSkill) -> GoalInput | None:
         skill = goal_skill(self._body)
-        return GoalInput(self._node, skill, self._whereabouts, run_skill) if skill else None
+        return GoalInput(self._node, skill, self._frames, self._tf, run_skill) if skill else None
 
     def _place_sensors(self) -> None:
-        links: list[Link] = []
+        placed: list[FramePose] = []
         for sensor in (self._scanner, self._camera):
             if sensor:
-                links += sensor.links()
-        self._whereabouts.fix(links)
-        if links:
-            broadcast_fixed(self._node, links)
+                placed += sensor.links()
+        self._tf.put(FOR_GOOD, *placed)
+        if placed:
+            broadcast_fixed(self._node, placed)

@@ -12,14 +12,14 @@ from rclpy.node import Node
 
 from edgevox.core.transforms import Pose3D, lift
 from edgevox.robots.capabilities import Body, HasEndEffector, HasPose, TakesVelocity, Twist2D
-from edgevox.ros2.interop.broadcast import Broadcaster, Link
+from edgevox.ros2.interop.broadcast import Broadcaster
 from edgevox.ros2.interop.frames import Frames
 from edgevox.ros2.interop.odometry import Odometer
-from edgevox.ros2.interop.whereabouts import Whereabouts
 from edgevox.ros2.messages import header, pose_msg
 from edgevox.ros2.qos import profile
 from edgevox.ros2.stamps import Stamps, to_msg
 from edgevox.ros2.standard_topics import STANDARD
+from edgevox.ros2.tf_buffer import FramePose, TfBuffer
 
 _FASTEST_M_S, _FASTEST_RAD_S = 2.0, 4.0
 """Limits of a body that does not say its own."""
@@ -36,10 +36,10 @@ class Motion:
         body: Body,
         frames: Frames,
         stamps: Stamps,
-        whereabouts: Whereabouts,
+        tf_buffer: TfBuffer,
     ) -> None:
         self._body, self._frames, self._stamps = body, frames, stamps
-        self._broadcaster, self._whereabouts = Broadcaster(node), whereabouts
+        self._broadcaster, self._tf = Broadcaster(node), tf_buffer
         self._base = body if isinstance(body, HasPose) else None
         self._hand = body if isinstance(body, HasEndEffector) else None
         self._pose = node.create_publisher(PoseStamped, "pose", profile(STANDARD["pose"].qos))
@@ -62,20 +62,15 @@ class Motion:
         if stamp_ns is None or stamp_ns == self._last_ns:
             return
         self._last_ns = stamp_ns
-        links: list[Link] = []
-        poses: dict[str, Pose3D] = {}
+        placed: list[FramePose] = []
         if base is not None:
             in_odom = self._odometer.move(time_s, base)
-            links += self._chain(base, in_odom)
-            poses[self._frames.base] = base
-            if self._frames.odom:
-                poses[self._frames.odom] = self._odometer.map_to_odom
+            placed += self._chain(base, in_odom)
             self._say_odom(in_odom if self._frames.odom else base, twist, stamp_ns)
         if hand is not None:
-            links.append((self._frames.map, self._frames.hand, hand))
-            poses[self._frames.hand] = hand
-        self._whereabouts.note(stamp_ns, poses)
-        self._broadcaster.send(links, to_msg(stamp_ns))
+            placed.append(FramePose(self._frames.map, self._frames.hand, hand))
+        self._tf.put(stamp_ns, *placed)
+        self._broadcaster.send(placed, to_msg(stamp_ns))
         self._say_pose(base or hand, stamp_ns)
 
     def _sample(self) -> tuple[float, Pose3D | None, Twist2D | None, Pose3D | None]:
@@ -89,13 +84,13 @@ class Motion:
                 break
         return time_s, base, twist, hand
 
-    def _chain(self, base: Pose3D, in_odom: Pose3D) -> list[Link]:
+    def _chain(self, base: Pose3D, in_odom: Pose3D) -> list[FramePose]:
         names = self._frames
         if not names.odom:
-            return [(names.map, names.base, base)]
+            return [FramePose(names.map, names.base, base)]
         return [
-            (names.map, names.odom, self._odometer.map_to_odom),
-            (names.odom, names.base, in_odom),
+            FramePose(names.map, names.odom, self._odometer.map_to_odom),
+            FramePose(names.odom, names.base, in_odom),
         ]
 
     def _say_pose(self, pose: Pose3D | None, stamp_ns: int) -> None:

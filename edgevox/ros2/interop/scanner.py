@@ -8,12 +8,12 @@ from sensor_msgs.msg import LaserScan
 
 from edgevox.core.transforms import lift
 from edgevox.robots.capabilities import HasLidar
-from edgevox.ros2.interop.broadcast import Link
 from edgevox.ros2.interop.frames import Frames
 from edgevox.ros2.messages import header
 from edgevox.ros2.qos import profile
 from edgevox.ros2.stamps import Stamps, to_msg
 from edgevox.ros2.standard_topics import STANDARD
+from edgevox.ros2.tf_buffer import FramePose
 
 
 class Scanner:
@@ -26,9 +26,9 @@ class Scanner:
         self._period_s = period_s
         self._publisher = node.create_publisher(LaserScan, "scan", profile(STANDARD["scan"].qos))
 
-    def links(self) -> list[Link]:
+    def links(self) -> list[FramePose]:
         """Where the lidar sits on the body."""
-        return [(self._frames.base, self._frames.lidar, lift(self._body.scan().mount))]
+        return [FramePose(self._frames.base, self._frames.lidar, lift(self._body.scan().mount))]
 
     def tick(self) -> None:
         """Sweep, if anybody looks."""
