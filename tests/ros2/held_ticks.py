@@ -6,18 +6,17 @@ anything takes meanwhile.
 
 import math
 
+from clocks import HeldClock
+
 from edgevox.ros2.ticker import TOGETHER_S, Ticker
 
 
-class HeldTime:
-    """A clock; `ticker` makes the tickers of a bridge, or of an `Interop`, that live by it."""
+class HeldTime(HeldClock):
+    """With `ticker` it makes the tickers of a bridge, or of an `Interop`, that live by it."""
 
     def __init__(self) -> None:
-        self._now_s = 0.0
+        super().__init__()
         self._ticking: list[Ticker] = []
-
-    def now(self) -> float:
-        return self._now_s
 
     def ticker(self, name: str) -> "HeldTicker":
         """One that ticks in `advance`, from its start on."""
@@ -30,10 +29,10 @@ class HeldTime:
 
     def advance(self, seconds: float) -> None:
         """Let time pass, and do at each moment what is due then."""
-        until_s = self._now_s + seconds
-        while (wait_s := self._tick()) <= until_s - self._now_s + TOGETHER_S:
-            self._now_s = min(self._now_s + wait_s, until_s)
-        self._now_s = until_s
+        until_s = self.now_s + seconds
+        while (wait_s := self._tick()) <= until_s - self.now_s + TOGETHER_S:
+            self.now_s = min(self.now_s + wait_s, until_s)
+        self.now_s = until_s
 
     def _tick(self) -> float:
         """Seconds until something is due again."""

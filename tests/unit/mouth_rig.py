@@ -15,28 +15,6 @@ CHAR_S = 0.1
 PATIENCE_S = 20.0
 
 
-class SimClock:
-    """Time that only passes when somebody waits for it."""
-
-    def __init__(self) -> None:
-        self._now_s = 100.0
-        self._alarms: list[tuple[float, Callable[[], None]]] = []
-
-    def now(self) -> float:
-        return self._now_s
-
-    def wait(self, token: CancelToken, seconds: float) -> bool:
-        """What a sink waits with; alarms ring on the waiting thread when their time has come."""
-        self._now_s += seconds
-        for alarm in [one for one in self._alarms if one[0] <= self._now_s + 1e-9]:
-            self._alarms.remove(alarm)
-            alarm[1]()
-        return token.cancelled
-
-    def at(self, when_s: float, ring: Callable[[], None]) -> None:
-        self._alarms.append((when_s, ring))
-
-
 class Recorder:
     """An outlet that keeps what it was given, and when."""
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from clocks import HeldClock
 
 from edgevox.agent.llm.status import LlmComponent
 from edgevox.core.bus import Bus
@@ -36,14 +37,6 @@ from edgevox.voice.status import AudioComponent, SttComponent, TtsComponent
 
 GIB = 1024 * MIB
 CONTROLS = SimpleNamespace(language="en", voice="", muted=False)
-
-
-class Clock:
-    def __init__(self):
-        self.now_s = 0.0
-
-    def now(self):
-        return self.now_s
 
 
 class Broken:
@@ -83,7 +76,7 @@ def test_the_worst_finding_decides_and_comes_first_and_unknown_values_are_not_sh
 
 
 def test_what_happened_is_shown_for_a_while_and_then_over():
-    clock = Clock()
+    clock = HeldClock()
     lately = Lately(clock)
     assert not lately.grew(0)
     clock.now_s = 100.0
@@ -119,7 +112,7 @@ def sound(clock, *, alive=True, muted=False, source_trouble="", sink_trouble="",
     ],
 )
 def test_audio_says_what_is_wrong_with_its_devices(changed, level, said):
-    seen = sound(Clock(), **changed).status()
+    seen = sound(HeldClock(), **changed).status()
     assert seen.level is level
     assert said in seen.message
     wrong = "source_trouble" in changed
@@ -127,7 +120,7 @@ def test_audio_says_what_is_wrong_with_its_devices(changed, level, said):
 
 
 def test_frames_that_were_dropped_some_time_ago_are_only_counted():
-    clock = Clock()
+    clock = HeldClock()
     seen = a_while_later(sound(clock, dropped=9), clock)
     assert (seen.level, seen.values["dropped_frames"]) == (Level.OK, 9)
 
@@ -151,14 +144,14 @@ def hearing(clock, last=None, *, refused=0, failed=0, trouble=""):
     ],
 )
 def test_speech_to_text_says_when_it_is_slow_flooded_or_failing(changed, level, later):
-    clock = Clock()
+    clock = HeldClock()
     component = hearing(clock, **changed)
     assert component.status().level is level
     assert a_while_later(component, clock).level is later
 
 
 def test_speech_to_text_tells_its_real_time_factor():
-    assert hearing(Clock(), (0.5, 2.0)).status().texts["real_time_factor"] == "0.25"
+    assert hearing(HeldClock(), (0.5, 2.0)).status().texts["real_time_factor"] == "0.25"
 
 
 @pytest.mark.parametrize(
@@ -179,7 +172,7 @@ def test_text_to_speech_says_when_another_voice_must_do(asked, speaks, failures,
     language = next(code for code, row in LANGUAGES.items() if voices[asked] in row.voices)
     controls = SimpleNamespace(language=language, voice=voices[asked].name)
     mouth = SimpleNamespace(speaker=speaker, refused=0)
-    assert TtsComponent(mouth, controls, Gauges(Bus()), Clock()).status().level is level
+    assert TtsComponent(mouth, controls, Gauges(Bus()), HeldClock()).status().level is level
 
 
 def thinking(clock=None, *, on_board=False, endpoint="", trouble="", failed=0):
@@ -234,7 +227,7 @@ def test_a_robot_says_when_its_world_stands_breaks_or_is_slow(changed, level):
 
 
 def test_a_world_that_broke_some_time_ago_is_well_and_its_breaks_are_counted():
-    clock = Clock()
+    clock = HeldClock()
     seen = a_while_later(robot(clock, breaks=1), clock)
     assert (seen.level, seen.values["broke"]) == (Level.OK, 1)
 
@@ -296,7 +289,7 @@ def test_a_step_that_hangs_keeps_nobody_from_asking_how_its_world_is():
     ],
 )
 def test_the_executor_says_when_a_callback_holds_up_all_others(seen, missing, level, later):
-    clock = Clock()
+    clock = HeldClock()
     component = ExecutorComponent(lambda: seen, missing, clock)
     assert component.status().level is level
     assert a_while_later(component, clock).level is later

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from clocks import HeldClock
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -20,22 +21,14 @@ from edgevox.ros2.external.steering import blocked
 MIDDLE = Pose2D(0, 0, 0)
 
 
-class HandClock:
-    def __init__(self) -> None:
-        self.time_s = 0.0
-
-    def now(self) -> float:
-        return self.time_s
-
-
 @pytest.fixture
-def clock() -> HandClock:
-    return HandClock()
+def clock() -> HeldClock:
+    return HeldClock()
 
 
 def see(
     sightings: Sightings,
-    clock: HandClock,
+    clock: HeldClock,
     x_m: float = 0.0,
     speed_m_s: float = 0.0,
     *,
@@ -49,7 +42,7 @@ def see(
             frame="odom",
             child_frame="base_link",
             stamp_ns=round(stamp_s * 1e9),
-            heard_s=clock.time_s,
+            heard_s=clock.now_s,
         )
     )
 
@@ -58,9 +51,9 @@ def test_odometry_of_more_than_a_second_ago_is_no_position(clock) -> None:
     sightings = Sightings(clock)
     assert sightings.fresh() is None
     see(sightings, clock)
-    clock.time_s = 1.0
+    clock.now_s = 1.0
     assert sightings.fresh() is not None
-    clock.time_s = 1.1
+    clock.now_s = 1.1
     assert sightings.fresh() is None
     assert sightings.newest() is not None
 
@@ -109,7 +102,7 @@ def test_what_is_further_than_a_robot_can_have_come_is_a_jump(
 ) -> None:
     sightings = Sightings(clock)
     see(sightings, clock, stamp_s=100.0)
-    clock.time_s += seconds
+    clock.now_s += seconds
     assert see(sightings, clock, x_m, yaw_rad=yaw_rad, stamp_s=100.0 + stamped_s)
 
     assert (sightings.doubt is not None) is jumped
@@ -133,15 +126,15 @@ def test_a_fast_robot_does_not_jump_by_being_fast(clock) -> None:
     fast = Sightings(clock, Speeds(linear_m_s=20.0))
     for step in range(10):
         see(fast, clock, x_m=1.0 * step, stamp_s=0.05 * step)
-        clock.time_s += 0.05
+        clock.now_s += 0.05
     assert fast.doubt is None
 
 
 @given(st.lists(st.tuples(st.floats(), st.floats(), st.floats(allow_nan=True)), max_size=20))
 def test_whatever_is_heard_only_what_can_be_is_a_position(heard) -> None:
-    sightings = Sightings(HandClock())
+    sightings = Sightings(HeldClock())
     for x_m, speed_m_s, yaw_rad in heard:
-        see(sightings, HandClock(), x_m, speed_m_s, yaw_rad=yaw_rad)
+        see(sightings, HeldClock(), x_m, speed_m_s, yaw_rad=yaw_rad)
     newest = sightings.newest()
     assert newest is None or (abs(newest.pose.x_m) <= 10_000 and newest.pose.finite)
 
@@ -173,10 +166,10 @@ def test_a_robot_stands_when_it_was_seen_not_to_move_for_a_while(clock) -> None:
     sightings = Sightings(clock)
     see(sightings, clock, speed_m_s=0.3)
     for _ in range(3):
-        clock.time_s += 0.1
+        clock.now_s += 0.1
         see(sightings, clock)
     assert not sightings.stands(0.0)
-    clock.time_s += 0.15
+    clock.now_s += 0.15
     see(sightings, clock)
     assert sightings.stands(0.0)
     assert not sightings.stands(0.2)
@@ -185,11 +178,11 @@ def test_a_robot_stands_when_it_was_seen_not_to_move_for_a_while(clock) -> None:
 def test_a_robot_that_does_not_tell_its_speed_stands_only_if_it_stays(clock) -> None:
     sightings = Sightings(clock)
     for step in range(20):
-        clock.time_s += 0.1
+        clock.now_s += 0.1
         see(sightings, clock, x_m=0.02 * step)
     assert not sightings.stands(0.0)
     for _ in range(5):
-        clock.time_s += 0.1
+        clock.now_s += 0.1
         see(sightings, clock, x_m=0.38)
     assert sightings.stands(0.0)
 
@@ -197,9 +190,9 @@ def test_a_robot_that_does_not_tell_its_speed_stands_only_if_it_stays(clock) -> 
 def test_a_silent_robot_is_not_seen_to_stand(clock) -> None:
     sightings = Sightings(clock)
     for _ in range(10):
-        clock.time_s += 0.1
+        clock.now_s += 0.1
         see(sightings, clock)
-    clock.time_s += 2.0
+    clock.now_s += 2.0
     assert not sightings.stands(0.0)
 
 

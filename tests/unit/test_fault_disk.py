@@ -7,11 +7,12 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
+from clocks import HeldClock
 from mcap import records
 from mcap.exceptions import EndOfFile, McapError
 from mcap.stream_reader import StreamReader
 from models_wheelhouse import VOICE, VOICE_WHEEL, store, voice
-from mouth_rig import SimClock, beep
+from mouth_rig import beep
 from rclpy.serialization import serialize_message
 from rosbags.rosbag2 import Reader
 from small_disk import small_disk
@@ -112,7 +113,7 @@ def test_a_recording_that_ends_on_a_full_disk_keeps_what_was_written(recording, 
 
 
 def test_speech_into_a_file_on_a_full_disk_is_dropped_and_goes_on_when_there_is_room(disk, caplog):
-    clock = SimClock()
+    clock = HeldClock(100.0)
     path = disk.path / "out.wav"
     sink = PacedSink(WavFile(path, clock), clock=clock, wait=clock.wait)
     sink.play(Chunk(beep(1.0), 16_000), NOBODY)

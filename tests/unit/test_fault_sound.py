@@ -7,7 +7,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from mouth_rig import PATIENCE_S, Beeper, SimClock, Voices, choices, wait_for
+from clocks import HeldClock
+from mouth_rig import PATIENCE_S, Beeper, Voices, choices, wait_for
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
@@ -102,7 +103,7 @@ class Talk:
 
 @pytest.fixture
 def clock():
-    return SimClock()
+    return HeldClock(100.0)
 
 
 @pytest.fixture

@@ -8,6 +8,7 @@ import socket
 import threading
 
 import pytest
+from clocks import HeldClock
 
 from edgevox.apps import health as command
 from edgevox.core.errors import InvalidValue
@@ -18,14 +19,6 @@ from edgevox.ops.health import Health
 from edgevox.ops.health_server import HealthServer
 from edgevox.ops.http_server import MOST_AT_ONCE
 from edgevox.robots.stepper import Stepper
-
-
-class Clock:
-    def __init__(self):
-        self.now_s = 0.0
-
-    def now(self):
-        return self.now_s
 
 
 @pytest.fixture
@@ -129,7 +122,7 @@ def test_what_stalls_is_unwell_after_a_while_and_what_rests_never():
 
 
 def test_a_heart_is_as_silent_as_its_last_beat_is_old():
-    clock = Clock()
+    clock = HeldClock()
     heart = Heartbeat(clock)
     clock.now_s = 3.0
     assert heart.silent_s == 3.0
@@ -138,7 +131,7 @@ def test_a_heart_is_as_silent_as_its_last_beat_is_old():
 
 
 def test_a_step_that_blocks_is_a_stall_and_ends_with_it():
-    clock, entered, released = Clock(), threading.Event(), threading.Event()
+    clock, entered, released = HeldClock(), threading.Event(), threading.Event()
 
     def step():
         entered.set()
@@ -160,7 +153,7 @@ def test_a_step_that_blocks_is_a_stall_and_ends_with_it():
 
 
 def test_steps_that_all_fail_are_a_stall():
-    clock, failed = Clock(), threading.Semaphore(0)
+    clock, failed = HeldClock(), threading.Semaphore(0)
 
     def step():
         clock.now_s += 1.0

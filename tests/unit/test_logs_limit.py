@@ -2,21 +2,12 @@
 
 import logging
 
+from clocks import HeldClock
 from hypothesis import given
 from hypothesis import strategies as st
 
 from edgevox.core.log import Line
 from edgevox.ops.logs.limit import HELD_BACK, MOST_EVENTS, MOST_LINES, WINDOW_S, RateLimit
-
-
-class HandClock:
-    """Time that somebody sets."""
-
-    def __init__(self):
-        self.time_s = 0.0
-
-    def now(self):
-        return self.time_s
 
 
 class Lines(logging.Handler):
@@ -40,7 +31,7 @@ class Lines(logging.Handler):
 
 
 def limited(name):
-    clock, logger = HandClock(), logging.getLogger(f"limited.{name}")
+    clock, logger = HeldClock(), logging.getLogger(f"limited.{name}")
     handler = Lines(clock)
     logger.handlers, logger.propagate = [handler], False
     logger.setLevel(logging.DEBUG)
@@ -56,7 +47,7 @@ def test_of_a_fault_the_first_lines_pass_and_the_rest_is_counted_when_the_window
     for _ in range(20):
         warn(logger, "lost")
     assert handler.events() == ["lost"] * MOST_LINES
-    clock.time_s = WINDOW_S + 1
+    clock.now_s = WINDOW_S + 1
     warn(logger, "something else")
     assert handler.held() == [
         {"event": HELD_BACK, "of": "lost", "lines": 20 - MOST_LINES, "window_s": WINDOW_S}
@@ -69,7 +60,7 @@ def test_the_count_comes_before_the_next_line_of_the_same_fault():
     clock, logger, handler = limited("next")
     for _ in range(MOST_LINES + 2):
         warn(logger, "lost", logging.ERROR)
-    clock.time_s = WINDOW_S
+    clock.now_s = WINDOW_S
     warn(logger, "lost", logging.ERROR)
     assert handler.events()[-2:] == [HELD_BACK, "lost"]
     assert {level for level, _ in handler.seen} == {logging.ERROR}
@@ -111,7 +102,7 @@ def test_the_first_line_of_an_event_always_passes_none_is_lost_and_memory_is_bou
     clock, logger, handler = limited("many")
     first = set()
     for number, pause_s in lines:
-        clock.time_s += pause_s
+        clock.now_s += pause_s
         before = len(handler.seen)
         warn(logger, f"event {number}")
         if number not in first:

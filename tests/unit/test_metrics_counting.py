@@ -5,6 +5,7 @@ import socket
 import threading
 
 import pytest
+from clocks import HeldClock
 from prometheus_client.parser import text_string_to_metric_families
 
 from edgevox.core.agent_events import (
@@ -34,18 +35,11 @@ from edgevox.ops.metrics import MetricsServer, Registry, observe
 from edgevox.ops.metrics.table import SKILLS
 
 
-class Clock:
-    now_s = 0.0
-
-    def now(self) -> float:
-        return self.now_s
-
-
 class Stage:
     """A bus that is observed, and what a scrape says of it."""
 
     def __init__(self) -> None:
-        self.bus, self.clock = Bus(), Clock()
+        self.bus, self.clock = Bus(), HeldClock()
         self.registry = Registry({SKILLS: ["navigate_to", "wave"]})
         self.end = observe(self.bus, self.registry, self.clock)
 
@@ -233,7 +227,7 @@ def test_who_does_not_listen_to_the_answer_keeps_nobody_from_theirs(stage) -> No
 
 
 def test_a_heart_that_was_late_once_says_so_for_a_minute() -> None:
-    clock = Clock()
+    clock = HeldClock()
     heart = Heartbeat(clock, period_s=1.0)
     for now_s in (1.0, 2.7, 3.0, 4.0):
         clock.now_s = now_s

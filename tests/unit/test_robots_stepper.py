@@ -4,50 +4,41 @@ import logging
 import threading
 
 import pytest
+from clocks import HeldClock
+from guards import HUNG_S
 
 from edgevox.core.errors import InvalidValue
 from edgevox.robots.stepper import MOST_LAG_S, Pacer, Stepper
 
 
-class FakeTime:
-    """A clock that only sleeping moves, and that stops the test's thread after some seconds."""
+def run(step, *, speed: float | None, until_s: float) -> tuple[Stepper, list[float]]:
+    """Let it step until the clock, which only its sleeping moves, is there; how long it slept."""
+    clock, over, sleeps = HeldClock(), threading.Event(), []
 
-    def __init__(self, until_s: float) -> None:
-        self.time_s = 100.0
-        self.until_s = self.time_s + until_s
-        self.over = threading.Event()
-        self.sleeps: list[float] = []
-
-    def now(self) -> float:
-        return self.time_s
-
-    def sleep(self, seconds: float) -> None:
-        if self.time_s >= self.until_s:
-            self.over.set()
+    def sleep(seconds: float) -> None:
+        if clock.now_s >= until_s:
+            over.set()
             threading.Event().wait(0.001)
             return
-        self.sleeps.append(seconds)
-        self.time_s += seconds
+        sleeps.append(seconds)
+        clock.now_s += seconds
 
-
-def run(step, *, speed: float | None, until_s: float) -> tuple[Stepper, FakeTime]:
-    time = FakeTime(until_s)
-    stepper = Stepper(step, period_s=0.02, speed=speed, clock=time, sleep=time.sleep)
+    stepper = Stepper(step, period_s=0.02, speed=speed, clock=clock, sleep=sleep)
     stepper.start()
-    assert time.over.wait(60)
+    assert over.wait(HUNG_S)
     stepper.close()
-    return stepper, time
+    return stepper, sleeps
 
 
 @pytest.mark.parametrize(("speed", "steps"), [(1.0, 100), (5.0, 500), (0.5, 50)])
 def test_as_many_steps_are_taken_as_the_speed_asks_for(speed: float, steps: int) -> None:
     taken = []
 
-    stepper, time = run(lambda: bool(taken.append(1)), speed=speed, until_s=2.0)
+    stepper, sleeps = run(lambda: bool(taken.append(1)), speed=speed, until_s=2.0)
 
     assert len(taken) == pytest.approx(steps, abs=2)
     assert stepper.real_time_factor == pytest.approx(speed, rel=0.05)
-    assert min(time.sleeps) > 0, "it never spins"
+    assert min(sleeps) > 0, "it never spins"
 
 
 def test_after_a_stall_it_catches_up_a_little_and_drops_the_rest() -> None:

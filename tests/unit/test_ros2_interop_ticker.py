@@ -2,6 +2,8 @@
 
 import threading
 
+from clocks import HeldClock
+
 from edgevox.ros2.ticker import Ticker
 
 
@@ -25,34 +27,24 @@ def test_a_tick_that_fails_is_counted_and_the_next_one_comes(caplog):
     assert len(caplog.records) == 3  # the 1st, 2nd and 4th
 
 
-class FakeTime:
-    """A clock that only waiting and ticking move."""
-
-    def __init__(self) -> None:
-        self.time_s = 0.0
-
-    def now(self) -> float:
-        return self.time_s
-
-
 def run(jobs, until_s):
     """What `jobs`, a period to the seconds that its ticks take, do when, and how many wakings."""
-    time, done, wakings = FakeTime(), [], 0
+    time, done, wakings = HeldClock(), [], 0
     ticker = Ticker("metronome", time)
 
     def job(period_s, takes_s):
         def tick():
-            done.append((period_s, round(time.time_s, 3)))
-            time.time_s += takes_s.pop(0) if takes_s else 0.0
+            done.append((period_s, round(time.now_s, 3)))
+            time.now_s += takes_s.pop(0) if takes_s else 0.0
 
         ticker.every(period_s, tick)
 
     for period_s, takes_s in jobs.items():
         job(period_s, list(takes_s))
     ticker.begin()
-    while time.time_s <= until_s:
+    while time.now_s <= until_s:
         wakings += 1
-        time.time_s += ticker.tick()
+        time.now_s += ticker.tick()
     return done, wakings
 
 

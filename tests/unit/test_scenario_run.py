@@ -1,6 +1,7 @@
 """How a scenario is played, on a stage where nothing happens but what the test wants."""
 
 import pytest
+from clocks import HeldClock
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.scenario.judge import Seen, Source
@@ -43,20 +44,11 @@ class Stage:
         return [*seen, Seen(self.time_s, Source.STATE, {"time": round(self.time_s, 6)})]
 
 
-class Clock:
-    """Each look at it takes this long."""
-
-    def __init__(self, step_s=0.0):
-        self.now_s, self.step_s = 0.0, step_s
-
-    def now(self):
-        self.now_s += self.step_s
-        return self.now_s
-
-
 def play(text, stage, clock=None):
     outcomes = []
-    passed = run_scenario(parse_scenario(text, "s.yaml"), stage, outcomes.append, clock or Clock())
+    passed = run_scenario(
+        parse_scenario(text, "s.yaml"), stage, outcomes.append, clock or HeldClock()
+    )
     assert passed == outcomes[-1].passed
     return outcomes
 
@@ -129,7 +121,7 @@ def test_a_refused_skill_fails_with_its_reason():
 
 
 def test_real_time_has_its_limit():
-    (outcome,) = play("limit_s: 5\nsteps: [{wait: 3600}]", Stage(), Clock(step_s=0.1))
+    (outcome,) = play("limit_s: 5\nsteps: [{wait: 3600}]", Stage(), HeldClock(look_s=0.1))
     assert outcome.why == ("it took longer than the limit of 5 real s",)
     assert outcome.time_s < 10
 
@@ -137,7 +129,7 @@ def test_real_time_has_its_limit():
 def test_the_report_says_what_was_done_when_and_why_it_failed():
     scenario = parse_scenario("about: a wait\nsteps: [{wait: 2}, {expect: {answer: x}}]", "s.yaml")
     outcomes = []
-    run_scenario(scenario, Stage(), outcomes.append, Clock())
+    run_scenario(scenario, Stage(), outcomes.append, HeldClock())
     assert heading(scenario, "s.yaml", "robot-x") == "s.yaml on robot-x: a wait"
     assert line(outcomes[0]) == "PASS   1      2.00 s     0.00 s real  wait 2 s"
     assert line(outcomes[1]).splitlines()[1].strip() == "expected answer with 'x'"

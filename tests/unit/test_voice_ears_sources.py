@@ -4,6 +4,7 @@ import wave
 
 import numpy as np
 import pytest
+from clocks import HeldClock
 
 from edgevox.core.errors import InvalidValue
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, EndOfSound
@@ -16,14 +17,6 @@ from edgevox.voice.sources.opening import open_source
 from edgevox.voice.sources.pushed import MAX_FRAMES, Pushed
 from edgevox.voice.sources.soundcard import SoundCard
 from edgevox.voice.wav import stream_wav
-
-
-class HandClock:
-    def __init__(self):
-        self.time_s = 100.0
-
-    def now(self):
-        return self.time_s
 
 
 def write_wav(path, samples, rate_hz=RATE_HZ, width=2, channels=1):
@@ -85,7 +78,7 @@ def test_the_files_of_a_folder_are_heard_in_the_order_of_their_names(tmp_path):
 
 def test_unpaced_time_is_counted_in_samples(tmp_path):
     path = write_wav(tmp_path / "a.wav", np.ones(10 * FRAME_SAMPLES + 1, np.int16).tobytes())
-    clock = HandClock()
+    clock = HeldClock(100.0)
 
     frames = all_frames(WavFiles([path], paced=False, gap_s=0.0, clock=clock))
 
@@ -97,22 +90,22 @@ def test_unpaced_time_is_counted_in_samples(tmp_path):
 
 def test_a_paced_frame_is_there_when_its_time_has_come(tmp_path):
     path = write_wav(tmp_path / "a.wav", np.ones(FRAME_SAMPLES, np.int16).tobytes())
-    clock = HandClock()
+    clock = HeldClock(100.0)
     source = WavFiles([path], gap_s=0.0, clock=clock)
     source.start()
 
     early = source.read(0.0)
-    clock.time_s += FRAME_S
+    clock.now_s += FRAME_S
     due = source.read(0.0)
 
     assert early is None
-    assert due.end_s == clock.time_s
+    assert due.end_s == clock.now_s
     with pytest.raises(EndOfSound):
         source.read(0.0)
 
 
 def test_sound_that_nobody_reads_loses_its_oldest_and_counts_it():
-    source = Pushed("test", HandClock())
+    source = Pushed("test", HeldClock(100.0))
     for number in range(MAX_FRAMES + 3):
         source.push(np.full(FRAME_SAMPLES, number, np.int16))
 

@@ -15,7 +15,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mouth_rig import RATE_HZ, Recorder, SimClock, beep
+from clocks import HeldClock
+from mouth_rig import RATE_HZ, Recorder, beep
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue
@@ -30,8 +31,8 @@ QUIET = CancelToken()
 
 
 @pytest.fixture
-def clock() -> SimClock:
-    return SimClock()
+def clock() -> HeldClock:
+    return HeldClock(100.0)
 
 
 def read(path: Path) -> tuple[int, np.ndarray]:
@@ -40,7 +41,7 @@ def read(path: Path) -> tuple[int, np.ndarray]:
         return file.getframerate(), np.frombuffer(data, np.int16)
 
 
-def test_playing_blocks_until_little_is_left_and_draining_until_nothing_is(clock: SimClock):
+def test_playing_blocks_until_little_is_left_and_draining_until_nothing_is(clock: HeldClock):
     sink = PacedSink(Silence(), clock=clock, wait=clock.wait)
     began_s = clock.now()
     assert sink.play(Chunk(beep(1.0), RATE_HZ), QUIET) == began_s
@@ -50,7 +51,7 @@ def test_playing_blocks_until_little_is_left_and_draining_until_nothing_is(clock
     assert clock.now() - began_s == pytest.approx(1.5)
 
 
-def test_a_stopped_sink_tells_what_was_not_played_and_plays_no_more_of_it(clock: SimClock):
+def test_a_stopped_sink_tells_what_was_not_played_and_plays_no_more_of_it(clock: HeldClock):
     outlet, token = Recorder(), CancelToken()
     sink = PacedSink(outlet, clock=clock, wait=clock.wait)
     clock.at(clock.now() + 0.3, token.cancel)
@@ -61,7 +62,7 @@ def test_a_stopped_sink_tells_what_was_not_played_and_plays_no_more_of_it(clock:
     assert sink.play(Chunk(beep(0.1), RATE_HZ), QUIET) == stopped_s
 
 
-def test_a_sink_that_is_stopped_by_another_thread_does_not_block_who_plays(clock: SimClock):
+def test_a_sink_that_is_stopped_by_another_thread_does_not_block_who_plays(clock: HeldClock):
     sink = PacedSink(Recorder(), clock=clock, wait=clock.wait)
     began_s = clock.now()
     clock.at(began_s + 0.3, sink.stop)
@@ -69,7 +70,7 @@ def test_a_sink_that_is_stopped_by_another_thread_does_not_block_who_plays(clock
     assert clock.now() - began_s < 0.4
 
 
-def test_a_sink_knows_how_loud_it_is_at_this_moment(clock: SimClock):
+def test_a_sink_knows_how_loud_it_is_at_this_moment(clock: HeldClock):
     sink = PacedSink(Silence(), clock=clock, wait=clock.wait)
     heard = []
     for when_s in (0.25, 0.75):
@@ -81,7 +82,7 @@ def test_a_sink_knows_how_loud_it_is_at_this_moment(clock: SimClock):
     assert sink.audible() == 0.0
 
 
-def test_every_rate_takes_its_own_time(clock: SimClock):
+def test_every_rate_takes_its_own_time(clock: HeldClock):
     outlet = Recorder()
     sink = PacedSink(outlet, clock=clock, wait=clock.wait)
     for rate_hz in (22_050, 24_000, 16_000):
@@ -91,7 +92,7 @@ def test_every_rate_takes_its_own_time(clock: SimClock):
 
 
 def test_a_paced_file_is_what_a_person_in_the_room_would_have_heard(
-    clock: SimClock, tmp_path: Path
+    clock: HeldClock, tmp_path: Path
 ):
     path = tmp_path / "out.wav"
     sink = PacedSink(WavFile(path, clock), clock=clock, wait=clock.wait)
@@ -111,7 +112,7 @@ def test_a_paced_file_is_what_a_person_in_the_room_would_have_heard(
     assert not sound[int(3.05 * rate_hz) : int(5.95 * rate_hz)].any()
 
 
-def test_an_unpaced_file_holds_everything_and_takes_no_time(clock: SimClock, tmp_path: Path):
+def test_an_unpaced_file_holds_everything_and_takes_no_time(clock: HeldClock, tmp_path: Path):
     path = tmp_path / "out.wav"
     sink = UnpacedWav(WavFile(path, clock), clock)
     began_s = clock.now()
@@ -153,7 +154,7 @@ class FullDisk(io.RawIOBase):
 
 
 def test_a_full_disk_is_said_once_and_speech_goes_on(
-    clock: SimClock, tmp_path: Path, caplog: pytest.LogCaptureFixture
+    clock: HeldClock, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ):
     file = WavFile(tmp_path / "out.wav", clock)
     file.close()
@@ -169,7 +170,7 @@ def test_a_full_disk_is_said_once_and_speech_goes_on(
 class FakeCard:
     """A sound card in simulated time: it plays when somebody waits."""
 
-    clock: SimClock
+    clock: HeldClock
     name: str = "card"
     rate_hz: int = 48_000
     active: bool = True
@@ -197,7 +198,7 @@ class FakeCard:
 
 
 @pytest.fixture
-def card(clock: SimClock) -> FakeCard:
+def card(clock: HeldClock) -> FakeCard:
     return FakeCard(clock)
 
 

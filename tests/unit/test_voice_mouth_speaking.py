@@ -5,11 +5,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import pytest
+from clocks import HeldClock
 from mouth_rig import (
     CHAR_S,
     Beeper,
     Recorder,
-    SimClock,
     Voices,
     choices,
     wait_for,
@@ -26,7 +26,7 @@ ONE, TWO = "I drive to the kitchen.", "Then I come back."
 
 @dataclass
 class Rig:
-    clock: SimClock = field(default_factory=SimClock)
+    clock: HeldClock = field(default_factory=lambda: HeldClock(100.0))
     outlet: Recorder = field(default_factory=Recorder)
     voice: Beeper = field(default_factory=Beeper)
     spare: Beeper = field(default_factory=Beeper)
