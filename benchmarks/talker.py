@@ -12,7 +12,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "ros2"))
 
 from agent_process import AGENT, Agent
-from peer import RELIABLE, SENSOR, STATE, Heard, Peer, wait_until
+from peer import RELIABLE, SENSOR, STATE, Peer
+from waiting import Heard, wait_until
 
 PLAIN = ("where are you", "go to the kitchen", "go to the bedroom", "what is your battery level")
 FOR_THE_MODEL = (

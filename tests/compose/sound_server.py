@@ -4,10 +4,11 @@ import array
 import os
 import subprocess
 import threading
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+from waiting import wait_until
 
 LOUD = 2000
 """Of 32768: more than any noise of a silent server."""
@@ -31,10 +32,7 @@ class SoundServer:
         own = {"HOME": str(self._home), "XDG_RUNTIME_DIR": str(self._home)}
         with (self._home / "pulseaudio.log").open("ab") as log:
             self._process = subprocess.Popen(command, env={**os.environ, **own}, stderr=log)
-        deadline = time.monotonic() + 20
-        while self._asked("info").returncode:
-            assert time.monotonic() < deadline, (self._home / "pulseaudio.log").read_text()
-            time.sleep(0.1)
+        wait_until(lambda: not self._asked("info").returncode, "a sound server")
         # It is the server's user's alone, which in a test is not the container's.
         self.folder.chmod(0o755)
 

@@ -3,9 +3,8 @@
 import json
 import secrets
 import subprocess
-import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import NamedTemporaryFile
@@ -99,14 +98,6 @@ def _start(compose: DockerCompose, one: Stack) -> None:
     except subprocess.CalledProcessError as error:
         said = error.stderr.decode() + one.call("logs").stdout
         raise AssertionError(f"the stack did not come up:\n{said}") from None
-
-
-def wait_until(condition: Callable[[], bool], what: str) -> None:
-    """Wait for something that the engine only tells who asks."""
-    deadline = time.monotonic() + HUNG_S
-    while not condition():
-        assert time.monotonic() < deadline, f"not within {HUNG_S} s: {what}"
-        time.sleep(0.1)
 
 
 def count_messages(folder: Path) -> Counter[str]:

@@ -4,7 +4,8 @@ import signal
 
 import pytest
 from guards import HUNG_S
-from stacks import PATIENCE, Stack, stack, wait_until
+from stacks import PATIENCE, Stack, stack
+from waiting import wait_until
 
 from edgevox.apps.ending import STUCK
 

@@ -5,7 +5,8 @@ import secrets
 import pytest
 from guards import HUNG_S
 from llm_server import good, serving
-from stacks import PATIENCE, Stack, count_messages, docker, stack, wait_until
+from stacks import PATIENCE, Stack, count_messages, docker, stack
+from waiting import wait_until
 
 pytestmark = pytest.mark.usefixtures("image")
 SERVICE = "edgevox-ros2"

@@ -6,6 +6,7 @@ import pytest
 from guards import HUNG_S
 from sound_server import SoundServer, sound_server
 from stacks import PATIENCE, Stack, stack
+from waiting import wait_until
 
 pytestmark = pytest.mark.usefixtures("image")
 SERVICE = "edgevox-ros2"
@@ -31,12 +32,7 @@ def speaks(robot: Stack, server: SoundServer) -> bool:
 
 def is_open(server: SoundServer) -> bool:
     """Whether the robot's two streams are there: its microphone is as patient as its mouth."""
-    deadline = time.monotonic() + HUNG_S
-    while server.streams() != (1, 1):
-        if time.monotonic() > deadline:
-            return False
-        time.sleep(0.2)
-    return True
+    return wait_until(lambda: server.streams() == (1, 1), "two streams")
 
 
 def test_a_robot_hears_and_speaks_by_the_sound_server_and_outlives_its_restart(server: SoundServer):

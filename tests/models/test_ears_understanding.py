@@ -6,6 +6,7 @@ import time
 
 import numpy as np
 import pytest
+from clocks import HeldClock
 from ears_rig import loud, noises, says_espeak, says_piper, silence
 
 from edgevox.core.bus import Bus
@@ -24,11 +25,6 @@ PROMPT = (
 )
 
 
-class Zero:
-    def now(self):
-        return 0.0
-
-
 @pytest.fixture(scope="module")
 def whisper():
     stt = Whisper(lambda _: locate("whisper-tiny.en"), prompt_of=lambda _: PROMPT, threads=2)
@@ -41,7 +37,7 @@ def listen(stt, sound, **more):
     """All that was heard in a sound."""
     said = []
     ears = Ears(
-        InMemory(sound, clock=Zero()),
+        InMemory(sound, clock=HeldClock()),
         SileroVad(),
         stt,
         submit=said.append,

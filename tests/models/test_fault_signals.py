@@ -16,6 +16,7 @@ import pytest
 from ears_rig import loud, says_espeak, silence
 from guards import HUNG_S
 from test_voice_program import AGENT, write_wav
+from waiting import Heard
 
 from edgevox.apps.ending import STUCK
 
@@ -45,10 +46,13 @@ class Program:
             text=True,
             env=os.environ | {"EDGEVOX_LOG_LEVEL": "debug", "EDGEVOX_LOG_FORMAT": "json"},
         )
-        self.lines: list[str] = []
-        self._arrived = threading.Condition()
+        self._printed = Heard[str]()
         self._reader = threading.Thread(target=self._read)
         self._reader.start()
+
+    @property
+    def lines(self) -> list[str]:
+        return self._printed.messages
 
     @property
     def output(self) -> str:
@@ -60,13 +64,7 @@ class Program:
 
     def wait_for(self, wanted: str) -> None:
         """A line that holds this; fails loudly if the program ends before."""
-
-        def found() -> bool:
-            return any(wanted in line for line in self.lines)
-
-        with self._arrived:
-            self._arrived.wait_for(lambda: found() or not self._reader.is_alive(), HUNG_S)
-            assert found(), self.output
+        self._printed.wait_for(lambda line: wanted in line)
 
     def end(self, number: signal.Signals) -> int:
         """Send the signal; the exit code."""
@@ -85,11 +83,8 @@ class Program:
 
     def _read(self) -> None:
         for line in self._process.stdout:
-            with self._arrived:
-                self.lines.append(line.rstrip("\n"))
-                self._arrived.notify_all()
-        with self._arrived:
-            self._arrived.notify_all()
+            self._printed.add(line.rstrip("\n"))
+        self._printed.over()
 
 
 def state(name: str) -> str:

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from ears_rig import loud, silence
-from voice_stage import PATIENCE_S, Stage, says
+from guards import HUNG_S
+from voice_stage import Stage, says
 
 from edgevox.core.commands import SetVoice
 from edgevox.core.errors import InvalidValue
@@ -62,7 +63,7 @@ def cut_short(file: Path) -> bytes:
 def ask(stage: Stage, question, answer: str) -> None:
     stage.room.play(question)
     stage.wait_for(Responded, lambda event: answer in event.text)
-    assert stage.parts.conversation.wait_idle(PATIENCE_S)
+    assert stage.parts.conversation.wait_idle(HUNG_S)
 
 
 def voice_of(stage: Stage) -> str:

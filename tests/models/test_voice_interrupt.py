@@ -5,8 +5,9 @@ import threading
 import numpy as np
 import pytest
 from ears_rig import loud, says_espeak, silence
+from guards import HUNG_S
 from voice_engines import words
-from voice_stage import PATIENCE_S, Stage
+from voice_stage import Stage
 
 from edgevox.agent.grammar import SAY
 from edgevox.agent.history import CUT_MARK
@@ -37,7 +38,7 @@ class Teller:
         yield SAY
         if "think" in messages[-1].content:
             self.thinks.set()
-            assert token.wait(PATIENCE_S)
+            assert token.wait(HUNG_S)
             return
         yield from STORY * 10
 
@@ -75,14 +76,14 @@ def states(stage):
 
 
 def rested(stage):
-    assert stage.parts.conversation.wait_idle(PATIENCE_S)
+    assert stage.parts.conversation.wait_idle(HUNG_S)
     return states(stage)[-1] is State.LISTENING
 
 
 def test_while_it_thinks_nothing_is_said_and_the_next_turn_is_clean(stage, teller):
     submit = stage.parts.switchboard.submit
     submit(TextInput("please think about it"))
-    assert teller.thinks.wait(PATIENCE_S)
+    assert teller.thinks.wait(HUNG_S)
 
     submit(Interrupt("enough"))
 
@@ -106,7 +107,7 @@ def speaking(stage, monkeypatch, seconds=0.5):
 
     monkeypatch.setattr(WavFile, "write", counted)
     stage.parts.switchboard.submit(TextInput("tell me a story"))
-    assert heard.wait(PATIENCE_S)
+    assert heard.wait(HUNG_S)
 
 
 def test_while_it_speaks_what_is_remembered_is_what_was_heard(stage, teller, monkeypatch):
@@ -135,13 +136,13 @@ def test_what_is_being_transcribed_when_it_is_interrupted_is_not_done(stage, mon
 
     def held(samples, language):
         begun.set()
-        assert go_on.wait(PATIENCE_S)
+        assert go_on.wait(HUNG_S)
         return transcribe(samples, language)
 
     monkeypatch.setattr(stt, "transcribe", held)
     command = loud(says_espeak("go to the kitchen", "en-us"), 0.08)
     stage.room.play(np.concatenate([silence(0.5), command, silence(1.0)]))
-    assert begun.wait(PATIENCE_S)
+    assert begun.wait(HUNG_S)
 
     stage.parts.switchboard.submit(Interrupt("enough"))
     go_on.set()

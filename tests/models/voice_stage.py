@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from guards import HUNG_S
 from voice_engines import speak, voice
+from waiting import Heard
 
 from edgevox.apps import composition
 from edgevox.apps import voice as voice_app
@@ -35,7 +36,6 @@ from edgevox.voice.sinks.opening import open_sink
 from edgevox.voice.tts.pool import VoicePool
 from edgevox.voice.wav import stream_wav
 
-PATIENCE_S = HUNG_S
 SEEN = (
     AgentEvent,
     AudioLevel,
@@ -76,7 +76,7 @@ class Room:
             self._frames.extend(whole.reshape(-1, FRAME_SAMPLES))
             self._asked = False
             self._changed.notify_all()
-            assert self._changed.wait_for(lambda: self._asked, PATIENCE_S), "the ears do not listen"
+            assert self._changed.wait_for(lambda: self._asked, HUNG_S), "the ears do not listen"
 
     def read(self, timeout_s):
         if self._paced and self._frames:
@@ -113,10 +113,9 @@ class Stage:
         self._stack = ExitStack()
         self.body = build_body(robot, settings) if robot else None
         self.parts = composition.build_parts(self._stack, settings, self.body)
-        self.events = []
-        self._told = threading.Condition()
+        self._told = Heard()
         for kind in SEEN:
-            self.parts.bus.subscribe(kind, self._note)
+            self.parts.bus.subscribe(kind, self._told.add)
 
     def start(self):
         voice = self.parts.voice
@@ -137,10 +136,14 @@ class Stage:
     def __exit__(self, *_):
         self.close()
 
+    @property
+    def events(self):
+        return self._told.messages
+
     def forget(self):
         """Stop everything, and note down anew."""
         self.parts.conversation.submit(Reset())
-        assert self.parts.conversation.wait_idle(PATIENCE_S)
+        assert self.parts.conversation.wait_idle(HUNG_S)
         self.answer()
         self.events.clear()
 
@@ -149,13 +152,7 @@ class Stage:
 
     def wait_for(self, kind, wanted=lambda event: True):
         """The first event of this kind that is wanted; fails loudly if none comes."""
-
-        def found():
-            return [event for event in self.of(kind) if wanted(event)]
-
-        with self._told:
-            assert self._told.wait_for(found, PATIENCE_S), self.events[-20:]
-        return found()[0]
+        return self._told.wait_for(lambda event: isinstance(event, kind) and wanted(event))
 
     def calls(self):
         """The skills that were called, with their arguments."""
@@ -167,11 +164,6 @@ class Stage:
         new = sound[self._heard :]
         self._heard = sound.size
         return new
-
-    def _note(self, event):
-        with self._told:
-            self.events.append(event)
-            self._told.notify_all()
 
 
 def says(language: str, name: str, text: str, pool: VoicePool):

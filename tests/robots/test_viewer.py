@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from guards import HUNG_S
+from waiting import wait_until
 
 from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.viewer import Viewer
@@ -22,16 +23,6 @@ AGENT = str(Path(sys.executable).with_name("edgevox-agent"))
 ROBOT_BLUE = (37, 99, 235)
 SCREEN = "900x900x24"
 RED, GREEN = (200, 30, 40), (20, 180, 60)
-
-
-def until(true: Callable[[], object]) -> None:
-    """Wait for what another process does."""
-    tick = threading.Event()
-    for _ in range(2400):
-        if true():
-            return
-        tick.wait(0.05)
-    pytest.fail("it did not happen within 120 s")
 
 
 def children(pid: int) -> bytes:
@@ -103,22 +94,22 @@ def viewer() -> Iterator[Callable[..., Viewer]]:
 def test_the_window_shows_the_picture_and_follows_it(screen, viewer) -> None:
     canvas = Canvas()
     viewer(canvas)
-    until(lambda: screen.count(RED) == 120 * 160)
+    wait_until(lambda: screen.count(RED) == 120 * 160)
 
     canvas.color = GREEN
 
-    until(lambda: screen.count(GREEN) == 120 * 160)
+    wait_until(lambda: screen.count(GREEN) == 120 * 160)
     assert screen.count(RED) == 0
 
 
 def test_it_shows_a_robot_and_closing_takes_the_window_and_the_thread_away(screen, viewer) -> None:
     with ApartmentRobot() as robot:
         shown = viewer(robot.picture)
-        until(lambda: screen.count(ROBOT_BLUE) > 200)
+        wait_until(lambda: screen.count(ROBOT_BLUE) > 200)
 
         shown.close()
 
-    until(lambda: screen.count(ROBOT_BLUE) == 0)
+    wait_until(lambda: screen.count(ROBOT_BLUE) == 0)
     assert not shown.running
     assert "viewer" not in [thread.name for thread in threading.enumerate()]
 
@@ -126,11 +117,11 @@ def test_it_shows_a_robot_and_closing_takes_the_window_and_the_thread_away(scree
 def test_a_window_that_dies_ends_the_viewer_and_nothing_else(screen, viewer, caplog) -> None:
     canvas = Canvas()
     shown = viewer(canvas)
-    until(lambda: screen.count(RED))
+    wait_until(lambda: screen.count(RED))
 
     shown._window.send_signal(signal.SIGTERM)
 
-    until(lambda: not shown.running)
+    wait_until(lambda: not shown.running)
     assert "no_window" in caplog.text
     shown.close()
 
@@ -138,9 +129,9 @@ def test_a_window_that_dies_ends_the_viewer_and_nothing_else(screen, viewer, cap
 def test_a_window_that_hangs_is_closed_all_the_same(screen, viewer) -> None:
     canvas = Canvas()
     shown = viewer(canvas)
-    until(lambda: screen.count(RED))
+    wait_until(lambda: screen.count(RED))
     shown._window.send_signal(signal.SIGSTOP)
-    until(lambda: canvas.drawn > 2)
+    wait_until(lambda: canvas.drawn > 2)
 
     shown.close()
 
@@ -156,7 +147,7 @@ def test_a_picture_that_cannot_be_drawn_closes_the_window_and_is_logged(
 
     with caplog.at_level(logging.ERROR):
         shown = viewer(broken)
-        until(lambda: not shown.running)
+        wait_until(lambda: not shown.running)
 
     assert "no light" in caplog.text
     assert shown._window.poll() is not None
@@ -166,7 +157,7 @@ def test_without_a_display_one_line_says_so(viewer, monkeypatch, caplog) -> None
     monkeypatch.delenv("DISPLAY", raising=False)
 
     shown = viewer(Canvas())
-    until(lambda: not shown.running)
+    wait_until(lambda: not shown.running)
 
     (record,) = caplog.records
     assert record.levelname == "WARNING"
@@ -198,11 +189,11 @@ sys.stdin.readline()
 os._exit(1)
 """
     program = subprocess.Popen([sys.executable, "-c", script], stdin=subprocess.PIPE)
-    until(lambda: screen.count(RED) == 50 * 60)
+    wait_until(lambda: screen.count(RED) == 50 * 60)
 
     program.communicate(b"die\n", timeout=HUNG_S)
 
-    until(lambda: screen.count(RED) == 0)
+    wait_until(lambda: screen.count(RED) == 0)
 
 
 @pytest.mark.parametrize(("flag", "shown"), [("--render", True), ("--no-render", False)])
@@ -212,11 +203,11 @@ def test_the_agent_shows_its_robot_unless_it_is_told_not_to(screen, flag, shown)
     with subprocess.Popen(command, **pipes) as agent:
         assert b"is ready" in agent.stdout.readline()
         if shown:
-            until(lambda: screen.count(ROBOT_BLUE) > 200)
+            wait_until(lambda: screen.count(ROBOT_BLUE) > 200)
         assert (b"viewer_window" in children(agent.pid)) is shown
         out, told = agent.communicate(b"where are you\n/quit\n", timeout=HUNG_S)
 
     assert agent.returncode == 0
     assert b"I am in the living room" in out
     assert told == b""
-    until(lambda: screen.count(ROBOT_BLUE) == 0)
+    wait_until(lambda: screen.count(ROBOT_BLUE) == 0)

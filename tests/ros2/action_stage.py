@@ -6,9 +6,9 @@ from typing import Annotated
 
 from action_msgs.msg import GoalStatus
 from guards import HUNG_S
-from peer import wait_until
 from rclpy.action import ActionClient
 from rclpy.qos import QoSProfile
+from waiting import wait_until
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation

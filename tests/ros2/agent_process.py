@@ -8,6 +8,7 @@ import threading
 from pathlib import Path
 
 from guards import HUNG_S
+from waiting import Heard
 
 AGENT = str(Path(sys.executable).with_name("edgevox-agent"))
 HEARS_CTRL_C = ("env", "--default-signal=INT")
@@ -38,23 +39,21 @@ class Agent:
             env=environment,
             text=True,
         )
-        self.lines: list[str] = []
-        self._arrived = threading.Condition()
+        self._printed = Heard[str]()
         self._reader = threading.Thread(target=self._read, name="agent-output")
         self._reader.start()
+
+    @property
+    def lines(self) -> list[str]:
+        return self._printed.messages
 
     @property
     def output(self) -> str:
         return "\n".join(self.lines)
 
     def wait_for_line(self, text: str, timeout_s: float = HUNG_S) -> str:
-        def found() -> list[str]:
-            return [line for line in self.lines if text in line]
-
-        with self._arrived:
-            self._arrived.wait_for(lambda: found() or self._ended(), timeout_s)
-            assert found(), f"{text!r} was not printed; the output was:\n{self.output}"
-            return found()[0]
+        """The first that holds this; fails loudly if none comes, or the program ends before."""
+        return self._printed.wait_for(lambda line: text in line, timeout_s)
 
     def terminate(self, timeout_s: float = HUNG_S) -> int:
         """Send SIGTERM and wait for the end; the exit code."""
@@ -68,13 +67,7 @@ class Agent:
         finally:
             self._reader.join(timeout_s)
 
-    def _ended(self) -> bool:
-        return self.process.poll() is not None and not self._reader.is_alive()
-
     def _read(self) -> None:
         for line in self.process.stdout:
-            with self._arrived:
-                self.lines.append(line.rstrip("\n"))
-                self._arrived.notify_all()
-        with self._arrived:
-            self._arrived.notify_all()
+            self._printed.add(line.rstrip("\n"))
+        self._printed.over()

@@ -79,7 +79,7 @@ class Since:
 
     def answer(self, part: str) -> str:
         """The first answer that has this in it."""
-        return self._response.wait_for(lambda m: part in m, HUNG_S, self._responses)
+        return self._response.wait_for(lambda m: part in m, since=self._responses)
 
     @staticmethod
     def _data(heard, wanted, timeout_s: float, since: int) -> dict[str, Any]:

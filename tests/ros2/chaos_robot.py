@@ -16,8 +16,9 @@ from agent_process import Agent
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Twist
 from interop_rig import Stream, hear, twist
-from peer import STATE, Peer, wait_until
+from peer import STATE, Peer
 from rclpy.qos import QoSProfile
+from waiting import wait_until
 
 from edgevox_msgs.action import ExecuteSkill
 

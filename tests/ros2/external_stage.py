@@ -12,7 +12,8 @@ from pathlib import Path
 
 from geometry_msgs.msg import Twist
 from guards import HUNG_S
-from peer import Peer, wait_until
+from peer import Peer
+from waiting import wait_until
 
 from edgevox.core.cancel import CancelToken
 from edgevox.ros2.external.robot import ExternalRobot

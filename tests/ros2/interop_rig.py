@@ -8,8 +8,9 @@ from typing import Any, ClassVar
 import pytest
 from geometry_msgs.msg import Twist
 from held_ticks import HeldTime
-from peer import HEARD_S, RELIABLE, Heard, Peer, wait_until
+from peer import RELIABLE, Peer
 from rclpy.subscription import Subscription
+from waiting import Heard, wait_until
 
 from edgevox.robots.apartment import ApartmentRobot
 from edgevox.ros2.interop import Interop
@@ -26,7 +27,6 @@ robot:
 """
 
 
-NOT_SENT = {"source_timestamp": 0}
 JITTER = 0.05
 
 
@@ -79,28 +79,17 @@ class Offered:
         self.body.close()
 
 
-class Messages(Heard):
+class Messages(Heard[Any]):
     """Whole messages, not only their strings; `sent_ns` is when each was sent, by the clock."""
 
     def __init__(self) -> None:
         super().__init__()
         self.sent_ns: list[int] = []
 
-    def add(self, message: Any, info: Mapping[str, int] = NOT_SENT) -> None:
-        with self._arrived:
-            self.messages.append(message)
-            self.times.append(time.monotonic())
-            self.sent_ns.append(info["source_timestamp"])
-            self._arrived.notify_all()
-
     def take(self, message: Any, info: Mapping[str, int]) -> None:
         """What a subscription calls: rclpy counts the arguments that have no default."""
-        self.add(message, info)
-
-    def wait_until(self, true: Callable[[], bool]) -> None:
-        """Until this is true of what was heard."""
-        with self._arrived:
-            assert self._arrived.wait_for(true, HEARD_S), f"{len(self.messages)} were heard"
+        self.sent_ns.append(info["source_timestamp"])
+        self.add(message)
 
     def wait_for_more(self, number: int) -> "Messages":
         """Until so many have come from now on."""

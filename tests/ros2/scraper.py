@@ -1,15 +1,13 @@
 """Metrics as Prometheus would scrape them from an agent that runs."""
 
 import socket
-import threading
-import time
 import urllib.request
 from collections.abc import Callable
+from contextlib import suppress
 
 from guards import HUNG_S
 from prometheus_client.parser import text_string_to_metric_families
-
-PATIENCE_S = HUNG_S
+from waiting import wait_until
 
 Scrape = dict[tuple[str, ...], float]
 
@@ -30,16 +28,15 @@ def scrape(port: int) -> Scrape:
     }
 
 
-def wait_until(port: int, true: Callable[[Scrape], bool]) -> Scrape:
+def scrape_until(port: int, true: Callable[[Scrape], bool]) -> Scrape:
     """The first scrape of which that is true."""
-    deadline_s, pause = time.monotonic() + PATIENCE_S, threading.Event()
-    found: Scrape = {}
-    while time.monotonic() < deadline_s:
-        try:
-            found = scrape(port)
-        except OSError:
-            found = {}
-        if found and true(found):
-            return found
-        pause.wait(0.2)
-    raise AssertionError(found)
+    seen: Scrape = {}
+
+    def look() -> bool:
+        seen.clear()
+        with suppress(OSError):
+            seen.update(scrape(port))
+        return bool(seen) and true(seen)
+
+    wait_until(look, "metrics of which that is true")
+    return seen

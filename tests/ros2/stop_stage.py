@@ -12,8 +12,9 @@ from pathlib import Path
 from action_stage import Client
 from agent_process import READY, Agent
 from guards import HUNG_S
-from peer import RELIABLE, STATE, Peer, wait_until
+from peer import RELIABLE, STATE, Peer
 from std_msgs.msg import String
+from waiting import wait_until
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
@@ -22,7 +23,6 @@ from llm_server import Server
 from edgevox.agent.grammar import SAY
 
 FREEZE_S = 3.0
-PATIENCE_S = HUNG_S
 TARGETS = ({"x": 3.0, "y": 4.0}, {"x": 8.0, "y": 8.0})
 SENTENCES = 80
 """More than may wait: `MAX_WAITING` of them do."""
@@ -91,7 +91,7 @@ class Robot:
         """Wait until it has looked at every command that was sent: they keep their order."""
         heard = len(self.info.messages)
         self.peer.send("command", "list_languages")
-        self.info.wait_for(lambda _: True, PATIENCE_S, since=heard)
+        self.info.wait_for(lambda _: True, since=heard)
 
     def type(self, line):
         self.agent.process.stdin.write(f"{line}\n")
@@ -104,12 +104,12 @@ class Robot:
 
     def drives(self):
         goal = self.goes()
-        self.state.wait_for(moving, PATIENCE_S, since=len(self.state.messages))
+        self.state.wait_for(moving, since=len(self.state.messages))
         return goal
 
     def stood(self, since):
         """Now that its goal has ended: which state is the first from which on it stands."""
-        self.state.wait_for(standing, PATIENCE_S, since=len(self.state.messages))
+        self.state.wait_for(standing, since=len(self.state.messages))
         heard = self.state.messages
         moved = [number for number in range(since, len(heard)) if not standing(heard[number])]
         return moved[-1] + 1 if moved else since
@@ -141,7 +141,7 @@ def accepting(robot):
 
 @contextmanager
 def priming(robot):
-    assert robot.thinker.primes.wait(PATIENCE_S)
+    assert robot.thinker.primes.wait(HUNG_S)
     yield robot.drives()
 
 
@@ -151,7 +151,7 @@ def generating(robot):
     robot.thinker.primed.set()
     robot.thinker.tells.clear()
     robot.peer.send("text_input", "why is the sky blue")
-    assert robot.thinker.tells.wait(PATIENCE_S)
+    assert robot.thinker.tells.wait(HUNG_S)
     yield goal
 
 
@@ -219,4 +219,4 @@ def settle(robot):
     """Whatever was asked for before is over."""
     robot.peer.send("command", "reset")
     robot.has_looked()
-    robot.state.wait_for(standing, PATIENCE_S, since=len(robot.state.messages))
+    robot.state.wait_for(standing, since=len(robot.state.messages))

@@ -5,7 +5,7 @@ import threading
 
 import pytest
 from action_stage import Client, Stage
-from peer import wait_until
+from waiting import wait_until
 
 from edgevox.core.commands import Interrupt
 

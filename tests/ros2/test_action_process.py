@@ -49,7 +49,7 @@ def test_cancel_and_stop_leave_the_robot_standing(agent, peer):
     state = robot.listen("robot_state", STATE)
     for end_it in (client.cancel, lambda goal: robot.send("text_input", "stop")):
         goal = client.send("navigate_to", room="bedroom")
-        state.wait_for(moving, timeout_s=HUNG_S, since=len(state.messages))
+        state.wait_for(moving, since=len(state.messages))
         end_it(goal)
         assert client.end_of(goal)[0] == "canceled"
         state.wait_for(standing, since=len(state.messages))
@@ -62,7 +62,7 @@ def test_a_rejected_goal_is_in_the_log_and_in_agent_event(agent, peer):
     assert not Client(robot).send("navigate_to", room="moon").accepted
     told = json.loads(event.wait_for(lambda m: json.loads(m).get("status") == "rejected"))
     assert told["error"].startswith("navigate_to.room: got 'moon'")
-    line = one.wait_for_line("action_goal_rejected", timeout_s=HUNG_S)
+    line = one.wait_for_line("action_goal_rejected")
     assert "skill=navigate_to" in line
     assert "navigate_to.room: got 'moon'" in line
 
@@ -97,7 +97,7 @@ def test_the_end_of_the_agent_ends_a_goal_as_canceled_for_its_client(agent, peer
     client = Client(robot)
     state = robot.listen("robot_state", STATE)
     goal = client.send("navigate_to", room="bedroom")
-    state.wait_for(moving, timeout_s=HUNG_S)
+    state.wait_for(moving)
     (answer,) = client.ask_ends_of([goal])
     assert one.terminate() == 0
     assert client.answer(answer)[0] == "canceled"

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from peer import SENSOR, Peer, wait_until
+from peer import SENSOR, Peer
+from waiting import wait_until
 
 from edgevox.ros2.audio_in import MAX_BYTES, AudioIn
 from edgevox.voice.audio import FRAME_SAMPLES

@@ -5,7 +5,8 @@ import threading
 import numpy as np
 import pytest
 from interop_rig import Messages
-from peer import RELIABLE, Peer, wait_until
+from peer import RELIABLE, Peer
+from waiting import wait_until
 
 from edgevox.core.cancel import CancelToken
 from edgevox.ros2.audio_out import AudioOut

@@ -20,7 +20,7 @@ from chaos_machine import busy_cores, told
 from chaos_robot import ARRIVE_S, THINK_S, Robot
 from chaos_world import Killed, ModelFiles, ModelServer
 from lease import LEASE_S
-from peer import wait_until
+from waiting import wait_until
 
 CHAOS_S = float(os.environ.get("EDGEVOX_CHAOS_S", "300"))
 SEED = int(os.environ.get("EDGEVOX_CHAOS_SEED", "5"))

@@ -8,9 +8,10 @@ import pytest
 import yaml
 from agent_process import READY, Agent
 from interop_rig import hear
-from peer import RELIABLE, STATE, Peer, wait_until
+from peer import RELIABLE, STATE, Peer
 from rclpy.action.graph import get_action_names_and_types
 from rclpy.qos import qos_profile_sensor_data
+from waiting import wait_until
 
 CONTRACT = yaml.safe_load((Path(__file__).parent / "contract.yaml").read_text(encoding="utf-8"))
 NOT_HERE = {"image_raw"}

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 from agent_process import Agent
 from bodies_rig import CONTRACT, full
-from guards import HUNG_S
 from interop_rig import hear
 from peer import SENSOR, Peer
 from piper import PiperVoice, SynthesisConfig
@@ -83,10 +82,10 @@ def asked(agent, peer):
         "camera_info": hear(peer, CameraInfo, full("camera_info"), SENSOR),
     }
     agent.wait_for_line("is ready", ALL_LOADED_S)
-    heard["wakeword"].wait_for(lambda _: True, timeout_s=HUNG_S)
-    heard["metrics"].wait_for(lambda _: True, timeout_s=HUNG_S)
+    heard["wakeword"].wait_for(lambda _: True)
+    heard["metrics"].wait_for(lambda _: True)
     peer.send("text_input", "you did a great job today")
-    heard["bot_token"].wait_for(lambda _: True, timeout_s=HUNG_S)
+    heard["bot_token"].wait_for(lambda _: True)
     return heard
 
 

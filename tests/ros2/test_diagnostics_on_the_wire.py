@@ -2,52 +2,34 @@
 
 import os
 import signal
-import threading
 from pathlib import Path
 
 import pytest
 from agent_process import AGENT, READY, Agent
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from guards import HUNG_S
-from peer import RELIABLE, Peer, wait_until
+from interop_rig import Messages
+from peer import RELIABLE, Peer
+from waiting import wait_until
 
 COMPONENTS = ["audio", "stt", "llm", "tts", "sim", "executor", "presence", "disk", "process"]
 EDGEVOX = str(Path(AGENT).with_name("edgevox"))
 
 
-class Watcher:
+class Watcher(Messages):
     """Listens to /diagnostics, and waits for what is said there."""
 
     def __init__(self, peer: Peer) -> None:
-        self.arrays: list[DiagnosticArray] = []
-        self._arrived = threading.Condition()
+        super().__init__()
         subscription = peer.node.create_subscription(
-            DiagnosticArray, "/diagnostics", self._hear, RELIABLE
+            DiagnosticArray, "/diagnostics", self.take, RELIABLE
         )
         wait_until(lambda: subscription.get_publisher_count() > 0, "/diagnostics")
 
-    def _hear(self, array: DiagnosticArray) -> None:
-        with self._arrived:
-            self.arrays.append(array)
-            self._arrived.notify_all()
+    def status(self, name: str, level: bytes, since: int = 0) -> DiagnosticStatus:
+        def found(array: DiagnosticArray) -> list[DiagnosticStatus]:
+            return [one for one in array.status if (one.name, one.level) == (name, level)]
 
-    def wait_for_arrays(self, count: int) -> list[DiagnosticArray]:
-        with self._arrived:
-            assert self._arrived.wait_for(lambda: len(self.arrays) >= count, HUNG_S)
-            return list(self.arrays)
-
-    def wait_for(self, name: str, level: bytes, since: int = 0) -> DiagnosticStatus:
-        def found() -> list[DiagnosticStatus]:
-            heard = (status for array in self.arrays[since:] for status in array.status)
-            return [one for one in heard if (one.name, one.level) == (name, level)]
-
-        with self._arrived:
-            assert self._arrived.wait_for(found, HUNG_S), self._last(name)
-            return found()[0]
-
-    def _last(self, name: str) -> list[str]:
-        last = self.arrays[-1].status if self.arrays else []
-        return [f"{one.level!r} {one.message}" for one in last if one.name == name]
+        return found(self.wait_for(found, since=since))[0]
 
 
 @pytest.fixture
@@ -65,7 +47,7 @@ def stamp_s(array: DiagnosticArray) -> float:
 
 def test_each_component_says_once_a_second_at_most_how_it_is(agent, watcher):
     agent()
-    arrays = watcher().wait_for_arrays(3)
+    arrays = watcher().wait_for_more(3).messages
     assert stamp_s(arrays[2]) - stamp_s(arrays[0]) > 0.95, "one may be late, and none is made up"
     last = arrays[-1].status
     assert [one.name for one in last] == [f"/edgevox/edgevox: {name}" for name in COMPONENTS]
@@ -83,13 +65,13 @@ def test_two_robots_of_one_domain_stay_apart(agent, watcher):
         agent("--ros2-namespace", namespace)
     heard = watcher()
     for namespace in ("/robot1", "/robot2"):
-        heard.wait_for(f"{namespace}/edgevox: disk", DiagnosticStatus.OK)
+        heard.status(f"{namespace}/edgevox: disk", DiagnosticStatus.OK)
 
 
 def test_an_agent_without_a_robot_says_so_too(domain, watcher):
     talker = Agent("--text-mode", "--ros2", "--llm=none", domain=domain, program=EDGEVOX)
     try:
-        status = watcher().wait_for("/edgevox/edgevox: sim", DiagnosticStatus.OK)
+        status = watcher().status("/edgevox/edgevox: sim", DiagnosticStatus.OK)
         assert status.message == "off: no robot"
     finally:
         talker.terminate()
@@ -99,7 +81,7 @@ def test_a_robot_that_falls_silent_is_an_error_until_it_is_heard_again(agent, wa
     agent(robot="robot-external")
     heard = watcher()
     name = "/edgevox/edgevox: sim"
-    assert "odom" in heard.wait_for(name, DiagnosticStatus.ERROR).message
+    assert "odom" in heard.status(name, DiagnosticStatus.ERROR).message
     robot = Agent(
         "robot-apartment",
         "--text-mode",
@@ -110,13 +92,13 @@ def test_a_robot_that_falls_silent_is_an_error_until_it_is_heard_again(agent, wa
     )
     try:
         robot.wait_for_line(READY)
-        heard.wait_for(name, DiagnosticStatus.OK)
-        since = len(heard.arrays)
+        heard.status(name, DiagnosticStatus.OK)
+        since = len(heard.messages)
         os.kill(robot.process.pid, signal.SIGSTOP)
-        heard.wait_for(name, DiagnosticStatus.ERROR, since)
-        since = len(heard.arrays)
+        heard.status(name, DiagnosticStatus.ERROR, since)
+        since = len(heard.messages)
         os.kill(robot.process.pid, signal.SIGCONT)
-        heard.wait_for(name, DiagnosticStatus.OK, since)
+        heard.status(name, DiagnosticStatus.OK, since)
     finally:
         os.kill(robot.process.pid, signal.SIGCONT)
         robot.terminate()

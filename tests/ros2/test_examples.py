@@ -10,8 +10,9 @@ from pathlib import Path
 
 import pytest
 from guards import HUNG_S
-from peer import RELIABLE, SENSOR, STATE, wait_until
+from peer import RELIABLE, SENSOR, STATE
 from std_msgs.msg import String
+from waiting import wait_until
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
 

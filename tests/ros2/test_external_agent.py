@@ -37,7 +37,7 @@ def test_a_sentence_drives_a_robot_that_only_speaks_ros_2(agent, peer, domain, l
 
         robot.send("text_input", "go to the table")
         response.wait_for(lambda m: m == "Going to the desk.")
-        response.wait_for(lambda m: m == "I am at the desk.", timeout_s=HUNG_S)
+        response.wait_for(lambda m: m == "I am at the desk.")
         robot.send("text_input", "where are you")
         response.wait_for(lambda m: m.startswith("I am at the desk, at x 0."))
         robot.send("text_input", "go to the moon")

@@ -18,9 +18,10 @@ from external_stage import (
 )
 from guards import HUNG_S
 from interop_rig import hear, tell
-from peer import SENSOR, wait_until
+from peer import SENSOR
 from rclpy.action import ActionClient, ActionServer, CancelResponse
 from sensor_msgs.msg import Image, LaserScan
+from waiting import wait_until
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled
@@ -285,7 +286,7 @@ def test_a_halt_cancels_the_goals_of_an_action_that_somebody_else_sent(stage, pe
     def run(goal):
         """Runs until it is cancelled, beside the executor's thread."""
         accepted.set()
-        wait_until(lambda: goal.is_cancel_requested, "cancel", HUNG_S)
+        wait_until(lambda: goal.is_cancel_requested, "cancel")
         goal.canceled()
         cancelled.set()
         return ExecuteSkill.Result()

@@ -12,7 +12,8 @@ from external_stage import Velocities, drive, heard, moving, standing, wheels
 from geometry_msgs.msg import PoseStamped
 from guards import HUNG_S
 from interop_rig import hear
-from peer import STATE, wait_until
+from peer import STATE
+from waiting import wait_until
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.refusals import Refusal
@@ -215,6 +216,6 @@ def test_an_agent_says_so_to_people_and_to_operators(agent, peer, domain):
             lambda m: "was der Roboter auf /robot1/odom meldet, kann nicht stimmen" in m
         )
         reason = "what is heard on /robot1/odom cannot be true"
-        told.wait_for(lambda m: any(reason in s.message for s in m.status), timeout_s=HUNG_S)
+        told.wait_for(lambda m: any(reason in s.message for s in m.status))
         refused = ("edgevox_refused_messages_total", "implausible", "/robot1/odom")
         scraper.wait_until(port, lambda found: found.get(refused, 0) > 0)

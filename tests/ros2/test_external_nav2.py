@@ -18,8 +18,8 @@ import pytest
 from external_stage import Velocities, drive, heard, moving, standing, wheels
 from geometry_msgs.msg import PoseStamped
 from guards import HUNG_S
-from peer import wait_until
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from waiting import wait_until
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled

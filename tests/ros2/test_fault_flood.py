@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 from agent_process import READY, Agent
 from chaos_robot import moving, standing
-from guards import HUNG_S
-from peer import RELIABLE, STATE, Peer, wait_until
+from peer import RELIABLE, STATE, Peer
 from std_msgs.msg import String
+from waiting import wait_until
 
 FLOODER = str(Path(__file__).with_name("chaos_flooder.py"))
 FLOOD_S = 1.5
@@ -56,7 +56,7 @@ class Robot:
 
     def works(self):
         """It answers in English, drives and stops, once what waits is done or forgotten."""
-        wait_until(self._answers, "an answer", HUNG_S)
+        wait_until(self._answers, "an answer")
         target = "x 3 y 4" if self.newest()["pose"]["x"] > 5 else "x 8 y 8"
         self.peer.send("text_input", f"drive to {target}")
         self.state.wait_for(moving, 20.0, since=len(self.state.messages))
@@ -64,8 +64,8 @@ class Robot:
 
     def is_as_before(self):
         memory_mb, threads = self.before
-        wait_until(lambda: self.taken()[1] <= threads, "the threads of before", HUNG_S)
-        wait_until(lambda: self.taken()[0] < memory_mb + MARGIN_MB, "the memory of before", HUNG_S)
+        wait_until(lambda: self.taken()[1] <= threads, "the threads of before")
+        wait_until(lambda: self.taken()[0] < memory_mb + MARGIN_MB, "the memory of before")
 
     def _answers(self):
         heard = len(self.response.messages)
@@ -101,7 +101,7 @@ def test_a_peer_that_floods_and_is_killed(robot, domain, what):
     )
     try:
         subscriptions = robot.peer.node.get_node_names
-        wait_until(lambda: "flooder" in subscriptions(), "the flooder", HUNG_S)
+        wait_until(lambda: "flooder" in subscriptions(), "the flooder")
         pause.wait(FLOOD_S)
         if what not in ("goals", "velocity"):
             assert robot.stops() < STOP_S

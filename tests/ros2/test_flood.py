@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 from action_stage import Client
 from guards import HUNG_S
-from peer import STATE, wait_until
+from peer import STATE
+from waiting import wait_until
 
 DEAF = str(Path(__file__).with_name("deaf_peer.py"))
 MARGIN_MB = 25
@@ -58,8 +59,8 @@ class Robot:
 
     def is_as_before(self):
         memory_mb, threads = self.before
-        wait_until(lambda: self.taken()[1] <= threads, "the threads of before", HUNG_S)
-        wait_until(lambda: self.taken()[0] < memory_mb + MARGIN_MB, "the memory of before", HUNG_S)
+        wait_until(lambda: self.taken()[1] <= threads, "the threads of before")
+        wait_until(lambda: self.taken()[0] < memory_mb + MARGIN_MB, "the memory of before")
 
     def heartbeat(self):
         """The ROS 2 thread is alive: a state of the robot arrives."""
@@ -154,7 +155,7 @@ def test_a_subscriber_that_never_reads_and_is_killed_in_the_middle(robot, domain
         try:
             assert deaf.stdout.readline() == "talking\n"
             heard = len(robot.response.messages)
-            robot.response.wait_for(lambda _: True, since=heard + 200, timeout_s=HUNG_S)
+            robot.response.wait_for(lambda _: True, since=heard + 200)
             robot.heartbeat()
         finally:
             deaf.kill()

@@ -7,7 +7,6 @@ import socket
 import subprocess
 import sys
 import threading
-import time
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -15,6 +14,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from guards import HUNG_S
 from interop_rig import hear
+from waiting import wait_until
 
 from edgevox.apps.composition import build_parts, start_parts
 from edgevox.core.commands import TextInput
@@ -43,13 +43,9 @@ def live(port, path="/live"):
     return told
 
 
-def wait_for(port, status):
+def answers(port, status):
     """Ask until that is the answer; what was said."""
-    begun, pause = time.monotonic(), threading.Event()
-    while (told := live(port))[0] != status:
-        assert time.monotonic() - begun < HUNG_S, told
-        pause.wait(0.1)
-    return told[1]
+    return wait_until(lambda: (told := live(port))[0] == status and told, f"{status}")[1]
 
 
 def test_what_is_frozen_is_found_within_ten_seconds():
@@ -101,13 +97,13 @@ def test_a_callback_that_blocks_the_executor_is_found_and_forgotten(node, peer):
     try:
         peer().send("command", "list_languages")
         assert entered.wait(HUNG_S)
-        checks = wait_for(port, 503)
+        checks = answers(port, 503)
         assert checks["ros2"].startswith("has not moved for")
         assert checks["body"] == checks["conversation"] == "ok"
     finally:
         released.set()
         forget()
-    wait_for(port, 200)
+    answers(port, 200)
 
 
 def test_a_step_of_the_world_that_blocks_is_found_and_forgotten(node, peer):
@@ -117,11 +113,11 @@ def test_a_step_of_the_world_that_blocks_is_found_and_forgotten(node, peer):
     engine.free.clear()
     parts.conversation.submit(TextInput("go to the kitchen"))
     assert engine.stuck.wait(HUNG_S)
-    checks = wait_for(port, 503)
+    checks = answers(port, 503)
     assert checks["body"].startswith("has not moved for")
     said.wait_until(lambda: sim(said.messages[-1]) == DiagnosticStatus.ERROR)
     engine.free.set()
-    wait_for(port, 200)
+    answers(port, 200)
     said.wait_until(lambda: sim(said.messages[-1]) != DiagnosticStatus.ERROR)
 
 

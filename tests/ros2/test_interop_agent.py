@@ -8,8 +8,9 @@ from agent_process import AGENT
 from geometry_msgs.msg import PoseStamped, Twist
 from guards import HUNG_S
 from interop_rig import Stream, hear, tell, twist
-from peer import SENSOR, STATE, wait_until
+from peer import SENSOR, STATE
 from rosgraph_msgs.msg import Clock
+from waiting import wait_until
 
 from edgevox.ros2.stamps import to_ns
 from tf2_msgs.msg import TFMessage
@@ -40,7 +41,7 @@ def test_a_velocity_takes_over_from_a_sentence_and_the_goal_ends_as_cancelled(ag
     robot_state = one.listen("robot_state", STATE)
     steer = tell(one, Twist, "/edgevox/cmd_vel")
     one.send("text_input", "go to the bedroom")
-    robot_state.wait_for(lambda m: json.loads(m)["velocity"]["linear"] > 0.05, timeout_s=HUNG_S)
+    robot_state.wait_for(lambda m: json.loads(m)["velocity"]["linear"] > 0.05)
     stream = Stream(steer, twist(0.0, 0.4))
     cancelled = agent_event.wait_for(is_kind("skill_cancelled", "cancelled"))
     assert json.loads(cancelled)["reason"] == "somebody else steers"
@@ -56,7 +57,7 @@ def test_a_goal_pose_is_a_goal_like_any_other(agent, peer):
     say = tell(one, PoseStamped, "/edgevox/goal_pose")
     here = hear(one, PoseStamped, "/edgevox/pose").wait_for(lambda m: True).pose.position
     say(goal("base_link", 0.4, 0.0))
-    agent_event.wait_for(is_kind("skill_goal", "succeeded"), timeout_s=HUNG_S)
+    agent_event.wait_for(is_kind("skill_goal", "succeeded"))
     arrived = hear(one, PoseStamped, "/edgevox/pose").wait_for(lambda m: True).pose.position
     away = ((arrived.x - here.x) ** 2 + (arrived.y - here.y) ** 2) ** 0.5
     assert away == pytest.approx(0.4, abs=0.15)

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from geometry_msgs.msg import PoseStamped
 from interop_rig import hear, offer, tell
-from peer import SENSOR, STATE, wait_until
+from peer import SENSOR, STATE
 from sensor_msgs.msg import CameraInfo, Image
+from waiting import wait_until
 
 from edgevox.agent.skills import GoalHandle, skill
 from edgevox.core.transforms import Pose3D

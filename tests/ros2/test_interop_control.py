@@ -5,7 +5,8 @@ import math
 import pytest
 from geometry_msgs.msg import PoseStamped, Twist
 from interop_rig import HALL, Stream, hear, offer, tell, twist
-from peer import RELIABLE, SENSOR, wait_until
+from peer import RELIABLE, SENSOR
+from waiting import wait_until
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation

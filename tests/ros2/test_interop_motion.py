@@ -9,10 +9,11 @@ from geometry_msgs.msg import PoseStamped, Twist
 from held_ticks import HeldTime
 from interop_rig import HALL, Stream, hear, offer, tell, twist
 from nav_msgs.msg import Odometry
-from peer import SENSOR, STATE, wait_until
+from peer import SENSOR, STATE
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
+from waiting import wait_until
 
 from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.capabilities import Twist2D

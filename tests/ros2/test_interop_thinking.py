@@ -8,9 +8,10 @@ from agent_process import READY, Agent
 from bodies_rig import point
 from geometry_msgs.msg import PoseStamped
 from interop_rig import hear, tell
-from peer import SENSOR, STATE, Peer, wait_until
+from peer import SENSOR, STATE, Peer
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import String
+from waiting import wait_until
 
 from tf2_msgs.msg import TFMessage
 

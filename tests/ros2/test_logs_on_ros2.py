@@ -3,12 +3,12 @@
 import json
 
 import pytest
-from guards import HUNG_S
-from peer import STATE, wait_until
+from peer import STATE
 from rcl_interfaces.msg import Log, LoggerLevel
 from rcl_interfaces.srv import GetLoggerLevels, SetLoggerLevels
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import String
+from waiting import wait_until
 
 ROSOUT = QoSProfile(
     depth=1000,
@@ -105,7 +105,7 @@ def test_a_whole_run_is_json_and_tells_no_words_where_levels_come_from_ros_2s_ar
     ears.peer.send("text_input", f"my name is {SECRET}")
     answers.wait_for(bool)
     ears.peer.send("text_input", "go to the kitchen")
-    state.wait_for(lambda text: json.loads(text)["velocity"]["linear"] > 0.05, HUNG_S)
+    state.wait_for(lambda text: json.loads(text)["velocity"]["linear"] > 0.05)
     ears.peer.send("text_input", f"stop {SECRET}")
     one.wait_for_line("goal_cancelled")
     wait_until(lambda: ears.of("goal_cancelled"), "the end on /rosout")

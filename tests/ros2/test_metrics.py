@@ -5,14 +5,14 @@ import socket
 import subprocess
 import sys
 import threading
-import time
 from pathlib import Path
 
 import pytest
 from agent_process import AGENT, Agent
 from geometry_msgs.msg import Twist
 from guards import HUNG_S
-from scraper import PATIENCE_S, free_port, wait_until
+from scraper import free_port, scrape_until
+from waiting import wait_until
 
 from edgevox import __version__
 from edgevox.ops.metrics.table import METRICS
@@ -41,16 +41,15 @@ def test_what_is_too_long_is_answered_and_counted_by_its_reason(port, peer, topi
     answers = robot.listen("response")
     robot.send(topic, "x" * 1_000_000)
     answers.wait_for(lambda m: m == "That is too long: 1000000 characters, and I take 2000.")
-    said = wait_until(port, lambda s: s["edgevox_refused_requests_total", "too_long"] == 1)
+    said = scrape_until(port, lambda s: s["edgevox_refused_requests_total", "too_long"] == 1)
     assert said["edgevox_refused_requests_total", "too_many"] == 0
 
 
 def test_what_happens_on_the_wire_is_counted(port, peer) -> None:
     robot = peer()
     drive = robot.node.create_publisher(Twist, "/edgevox/cmd_vel", 10)
-    deadline_s, pause = time.monotonic() + 30, threading.Event()
-    while not drive.get_subscription_count() and time.monotonic() < deadline_s:
-        pause.wait(0.05)
+    pause = threading.Event()
+    wait_until(drive.get_subscription_count, "/edgevox/cmd_vel")
 
     robot.send("set_language", "klingon")
     robot.send("interrupt", "")
@@ -58,7 +57,7 @@ def test_what_happens_on_the_wire_is_counted(port, peer) -> None:
     for _ in range(5):
         drive.publish(twist(0.3))
         pause.wait(0.05)
-    said = wait_until(port, lambda s: s["edgevox_watchdog_halts_total",] == 1)
+    said = scrape_until(port, lambda s: s["edgevox_watchdog_halts_total",] == 1)
     assert said[("edgevox_refused_messages_total", "not_finite", "cmd_vel")] == 1
     assert said[("edgevox_refused_messages_total", "invalid", "set_language")] == 1
     assert said[("edgevox_refused_messages_total", "invalid", "text_input")] == 0
@@ -69,13 +68,13 @@ def test_what_happens_on_the_wire_is_counted(port, peer) -> None:
     assert 0 <= said[("edgevox_executor_lag_seconds",)] < LAG_S
 
     robot.send("set_language", "fr")
-    wait_until(
+    scrape_until(
         port, lambda s: any(n[:3] == ("edgevox_build_info", "robot-apartment", "fr") for n in s)
     )
     robot.send("text_input", "va dans la cuisine")
-    wait_until(port, lambda s: s["edgevox_skill_goals_running", "navigate_to"] == 1)
+    scrape_until(port, lambda s: s["edgevox_skill_goals_running", "navigate_to"] == 1)
     robot.send("interrupt", "")
-    ended = wait_until(port, lambda s: s["edgevox_skill_goals_running", "navigate_to"] == 0)
+    ended = scrape_until(port, lambda s: s["edgevox_skill_goals_running", "navigate_to"] == 0)
     assert ended[("edgevox_skill_goals_total", "cancelled", "navigate_to")] == 1
 
 
@@ -85,7 +84,7 @@ def test_a_recorder_counts_what_is_on_the_disk(agent, domain, tmp_path) -> None:
     arguments = ("--output", str(tmp_path), "--metrics-port", str(port))
     recorder = Agent(*arguments, domain=domain, program=RECORDER)
     try:
-        told = wait_until(port, lambda s: s.get(("edgevox_recorded_messages_total",), 0) > 5)
+        told = scrape_until(port, lambda s: s.get(("edgevox_recorded_messages_total",), 0) > 5)
         assert told[("edgevox_dropped_total", "recorder")] == 0
         assert told[("edgevox_ready",)] == 1
         assert told[("edgevox_build_info", "edgevox-recorder", "en", __version__)] == 1
@@ -104,31 +103,31 @@ def test_a_typed_sentence_moves_the_counters_of_a_running_agent() -> None:
         text=True,
     )
     try:
-        before = wait_until(port, lambda s: s[("edgevox_ready",)] == 1)
+        before = scrape_until(port, lambda s: s[("edgevox_ready",)] == 1)
         assert before[("edgevox_turns_total", "acted")] == 0
         assert before[("edgevox_skill_goals_total", "succeeded", "navigate_to")] == 0
 
         print("go to the kitchen", file=process.stdin, flush=True)
-        wait_until(port, lambda s: s["edgevox_skill_goals_running", "navigate_to"] == 1)
-        driven = wait_until(
+        scrape_until(port, lambda s: s["edgevox_skill_goals_running", "navigate_to"] == 1)
+        driven = scrape_until(
             port, lambda s: s["edgevox_skill_goals_total", "succeeded", "navigate_to"] == 1
         )
         assert driven[("edgevox_turns_total", "acted")] == 1
         assert driven[("edgevox_skill_calls_total", "template")] == 1
         assert driven[("edgevox_turn_stage_seconds_count", "ttfs")] == 1
         assert driven[("edgevox_turn_stage_seconds_count", "stt")] == 0
-        assert 0 < driven[("edgevox_turn_stage_seconds_sum", "total")] < PATIENCE_S
+        assert 0 < driven[("edgevox_turn_stage_seconds_sum", "total")] < HUNG_S
         assert driven[("edgevox_skill_goals_running", "navigate_to")] == 0
         assert driven[("edgevox_skill_goal_seconds_sum", "navigate_to")] > 1
 
         print("go to the cellar", file=process.stdin, flush=True)
-        wait_until(port, lambda s: s["edgevox_turns_total", "refused"] == 1)
+        scrape_until(port, lambda s: s["edgevox_turns_total", "refused"] == 1)
         print("stop", file=process.stdin, flush=True)
-        stopped = wait_until(port, lambda s: s["edgevox_interrupts_total", "stop_word"] == 1)
+        stopped = scrape_until(port, lambda s: s["edgevox_interrupts_total", "stop_word"] == 1)
         assert stopped[("edgevox_safety_stops_total",)] == 0, "it stood already"
 
-        paced = wait_until(port, lambda s: s[("edgevox_sim_real_time_factor",)] > 0)
-        assert paced[("edgevox_sim_stalled_seconds",)] < PATIENCE_S
+        paced = scrape_until(port, lambda s: s[("edgevox_sim_real_time_factor",)] > 0)
+        assert paced[("edgevox_sim_stalled_seconds",)] < HUNG_S
         assert paced[("edgevox_build_info", "robot-apartment", "en", __version__)] == 1
         assert paced[("edgevox_threads",)] > 3
         assert paced[("edgevox_check_ok", "body")] == 1
@@ -157,7 +156,7 @@ def test_a_port_that_is_taken_is_said_before_anything_is_loaded() -> None:
             capture_output=True,
             text=True,
             stdin=subprocess.DEVNULL,
-            timeout=PATIENCE_S,
+            timeout=HUNG_S,
         )
     assert ran.returncode == 2
     assert f"metrics_port: got '127.0.0.1:{port}'" in ran.stderr

@@ -13,9 +13,10 @@ from geometry_msgs.msg import PoseStamped, Twist
 from guards import HUNG_S
 from interop_rig import Messages, Stream, hear, tell, twist
 from nav_msgs.msg import Odometry
-from peer import RELIABLE, STATE, Peer, wait_until
+from peer import RELIABLE, STATE, Peer
 from rclpy.qos import qos_profile_sensor_data
 from std_msgs.msg import String
+from waiting import wait_until
 
 FIRST, SECOND = "base_link", "b_base_link"
 """How the two robots are told apart on the topics that they share."""
@@ -90,7 +91,7 @@ def levels(heard: Messages) -> Callable[[bytes, str], DiagnosticStatus]:
             named = (one for one in message.status if one.name.endswith(": presence"))
             return [one for one in named if one.level == level and words in one.message]
 
-        return found(heard.wait_for(found, HUNG_S))[0]
+        return found(heard.wait_for(found))[0]
 
     return wait
 

@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 from held_ticks import HeldTime
 from interop_rig import hear
-from peer import STATE, Peer, wait_until
+from peer import STATE, Peer
 from rclpy.qos import QoSProfile
+from waiting import wait_until
 
 from edgevox.core.bus import Bus
 from edgevox.core.controls import Controls

@@ -19,8 +19,9 @@ from guards import HUNG_S
 from mcap import records
 from mcap.exceptions import EndOfFile
 from mcap.stream_reader import StreamReader
-from peer import STATE, wait_until
+from peer import STATE
 from rosbags.highlevel import AnyReader
+from waiting import Heard, wait_until
 
 RECORDER = str(Path(sys.executable).with_name("edgevox-recorder"))
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
@@ -40,14 +41,17 @@ class Recorder:
             env={**os.environ, "ROS_DOMAIN_ID": str(domain)},
             **options,
         )
-        self.lines = []
-        self._began = threading.Event()
+        self._printed = Heard()
         self._reader = threading.Thread(target=self._read)
         self._reader.start()
 
     def wait_until_it_records(self):
-        assert self._began.wait(HUNG_S), self.lines
+        self._printed.wait_for(lambda line: line.startswith("recording "))
         return self
+
+    @property
+    def lines(self):
+        return self._printed.messages
 
     @property
     def folder(self):
@@ -69,10 +73,8 @@ class Recorder:
 
     def _read(self):
         for line in self.process.stdout:
-            self.lines.append(line.rstrip("\n"))
-            if line.startswith("recording "):
-                self._began.set()
-        self._began.set()
+            self._printed.add(line.rstrip("\n"))
+        self._printed.over()
 
 
 @pytest.fixture
@@ -130,7 +132,7 @@ def both_are_heard(robot, recorder, topics):
             robot.send("text_input", "where are you")
         return any(wanted <= set(texts_of(file)) for file in recorder.files())
 
-    wait_until(recorded, f"{wanted} in the file", HUNG_S)
+    wait_until(recorded, f"{wanted} in the file")
 
 
 def arrived(message):
@@ -176,9 +178,9 @@ def test_when_it_is_killed_all_but_the_last_second_is_in_the_file(agent, peer, r
     state = robot.listen("robot_state", STATE)
     both_are_heard(robot, one, ())
     robot.send("text_input", "go to the bedroom")
-    state.wait_for(lambda m: json.loads(m)["velocity"]["linear"] > 0.05, HUNG_S)
+    state.wait_for(lambda m: json.loads(m)["velocity"]["linear"] > 0.05)
     since = len(state.messages)
-    state.wait_for(lambda m: json.loads(m)["time"] > _time(state.messages[since - 1]) + 3, HUNG_S)
+    state.wait_for(lambda m: json.loads(m)["time"] > _time(state.messages[since - 1]) + 3)
     killed_after = _time(state.messages[-1])
     assert one.end(signal.SIGKILL) == -signal.SIGKILL
     (file,) = one.files()

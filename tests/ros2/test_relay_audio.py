@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 from agent_process import HEARS_CTRL_C
 from guards import HUNG_S
-from peer import RELIABLE, SENSOR, wait_until
+from peer import RELIABLE, SENSOR
 from std_msgs.msg import UInt8MultiArray
+from waiting import wait_until
 
 from edgevox_msgs.msg import AudioData
 

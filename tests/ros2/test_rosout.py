@@ -2,9 +2,9 @@
 
 import pytest
 from held_ticks import HeldTime
-from peer import wait_until
 from rcl_interfaces.msg import Log
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from waiting import wait_until
 
 from edgevox.core.log import get_logger
 from edgevox.ros2.logs.rosout import LIFESPAN_S, PERIOD_S, Rosout

@@ -3,7 +3,6 @@
 import json
 
 import pytest
-from guards import HUNG_S
 from peer import SENSOR, STATE
 
 
@@ -44,8 +43,8 @@ def test_go_to_kitchen_drives_the_robot_there_for_everybody_to_see(robot):
     sentence.wait_for(lambda m: m == "Going to the kitchen.")
     measured = json.loads(metrics.wait_for(lambda m: True))
     assert set(measured) == {"stt", "llm", "tts", "ttfs", "total"}
-    robot_state.wait_for(in_room("kitchen"), timeout_s=HUNG_S)
-    response.wait_for(lambda m: m == "I am in the kitchen.", timeout_s=HUNG_S)
+    robot_state.wait_for(in_room("kitchen"))
+    response.wait_for(lambda m: m == "I am in the kitchen.")
     said = ["listening", "thinking", "speaking", "listening", "speaking", "listening"]
     state.wait_for(lambda m: True, since=len(said) - 1)
     assert state.messages == said
@@ -67,7 +66,7 @@ def test_stop_halts_the_driving_robot(robot):
     agent_event = robot.listen("agent_event")
     response = robot.listen("response")
     robot.send("text_input", "go to the bedroom")
-    robot_state.wait_for(moving, timeout_s=HUNG_S)
+    robot_state.wait_for(moving)
     robot.send("text_input", "stop")
     preempt = agent_event.wait_for(lambda m: json.loads(m)["kind"] == "safety_preempt")
     assert json.loads(preempt)["word"] == "stop"
@@ -80,7 +79,7 @@ def test_interrupt_stops_the_robot_and_leaves_it_listening(robot):
     robot_state = robot.listen("robot_state", STATE)
     state = robot.listen("state", STATE)
     robot.send("text_input", "go to the bedroom")
-    robot_state.wait_for(moving, timeout_s=HUNG_S)
+    robot_state.wait_for(moving)
     heard = len(state.messages)
     for _ in range(10):
         robot.send("interrupt", "now")
@@ -124,9 +123,9 @@ def test_an_unknown_command_is_refused_and_reset_stops_the_robot(agent, peer):
     robot.send("command", "self_destruct")
     process.wait_for_line("command: got 'self_destruct', expected one of reset")
     robot.send("text_input", "go to the bedroom")
-    robot_state.wait_for(moving, timeout_s=HUNG_S)
+    robot_state.wait_for(moving)
     robot.send("command", "reset")
-    robot_state.wait_for(standing, since=len(robot_state.messages), timeout_s=HUNG_S)
+    robot_state.wait_for(standing, since=len(robot_state.messages))
 
 
 def test_a_subscriber_of_tokens_is_served_best_effort(robot):

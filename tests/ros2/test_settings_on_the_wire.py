@@ -4,11 +4,12 @@ import json
 
 import pytest
 from guards import HUNG_S
-from peer import RELIABLE, wait_until
+from peer import RELIABLE
 from rcl_interfaces.msg import Log, ParameterType, ParameterValue
 from rcl_interfaces.msg import Parameter as ParameterMessage
 from rcl_interfaces.srv import DescribeParameters, GetParameters, SetParametersAtomically
 from std_srvs.srv import Trigger
+from waiting import wait_until
 
 NODE = "/edgevox/edgevox"
 VOICE = "en_US-joe-medium"

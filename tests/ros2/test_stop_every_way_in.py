@@ -6,7 +6,7 @@ own time, long before the drive is over, and the goal must end as canceled for w
 
 import pytest
 from peer import Peer
-from stop_stage import PATIENCE_S, SITUATIONS, WAYS, Robot, moving, settle, standing
+from stop_stage import SITUATIONS, WAYS, Robot, moving, settle, standing
 
 STOP_S = 1.0
 """Of the robot's own time, which passes on a busy machine as it can. A drive takes many more."""
@@ -43,7 +43,7 @@ def test_said_at_rest_twice_and_by_two_people_at_once_it_is_harmless(robot, doma
         for _ in range(2):
             WAYS[way](robot, None)
             second.send("text_input", "stop")
-        robot.words.wait_for(lambda m: m == "stop", PATIENCE_S, since=heard + words - 1)
+        robot.words.wait_for(lambda m: m == "stop", since=heard + words - 1)
         settle(robot)
     finally:
         second.close()
@@ -55,16 +55,16 @@ def test_said_at_rest_twice_and_by_two_people_at_once_it_is_harmless(robot, doma
 def test_a_drive_by_standard_input_is_stopped_by_the_line_after_it(robot):
     """And what comes after the stop is done."""
     robot.type("go to the bedroom" if robot.newest()["pose"]["x"] > 5 else "go to the kitchen")
-    robot.state.wait_for(moving, PATIENCE_S, since=len(robot.state.messages))
+    robot.state.wait_for(moving, since=len(robot.state.messages))
     robot.type("where are you")  # waits for the end of the drive
     heard, since = len(robot.sentence.messages), len(robot.state.messages)
     before = robot.newest()["time"]
 
     robot.type("stop\nwhat is your battery level")
 
-    robot.sentence.wait_for(lambda m: m == "Stopped.", PATIENCE_S, since=heard)
+    robot.sentence.wait_for(lambda m: m == "Stopped.", since=heard)
     assert robot.own_time_s(robot.stood(since)) - before < STOP_S
-    robot.sentence.wait_for(lambda m: "percent" in m, PATIENCE_S, since=heard)
+    robot.sentence.wait_for(lambda m: "percent" in m, since=heard)
     assert not any(m.startswith("I am in") for m in robot.sentence.messages[heard:])
     robot.agent.wait_for_line("[lines before it that are not done: 1]")
     assert standing(robot.state.messages[-1])

@@ -4,6 +4,7 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
+from guards import HUNG_S
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.languages import Voice
@@ -12,7 +13,6 @@ from edgevox.voice.voices import VoiceChoice
 
 RATE_HZ = 16_000
 CHAR_S = 0.1
-PATIENCE_S = 20.0
 
 
 class Recorder:
@@ -90,4 +90,4 @@ def choices(*names: str, language: str = "en") -> Sequence[VoiceChoice]:
 
 
 def wait_for(event: threading.Event) -> None:
-    assert event.wait(PATIENCE_S), "it did not happen"
+    assert event.wait(HUNG_S), "it did not happen"

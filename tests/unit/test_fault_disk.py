@@ -1,7 +1,6 @@
 """A real disk that fills up under the recorder, speech or a fetch, and has room again."""
 
 import threading
-import time
 import wave
 from contextlib import suppress
 
@@ -17,6 +16,7 @@ from rclpy.serialization import serialize_message
 from rosbags.rosbag2 import Reader
 from small_disk import small_disk
 from std_msgs.msg import String
+from waiting import wait_until
 
 from edgevox.core.cancel import CancelToken
 from edgevox.models import StoreNotWritable, fetch
@@ -40,13 +40,6 @@ NOBODY = CancelToken()
 def disk(tmp_path):
     with small_disk(tmp_path / "disk") as one:
         yield one
-
-
-def wait_until(condition, timeout_s=60.0):
-    deadline = time.monotonic() + timeout_s
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
 
 
 def said(number, size=2000):

@@ -10,8 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from clocks import HeldClock
 from gguf_files import small_gguf
 from llm_server import Chat, Reply, failing, good, never, serving
+from waiting import Heard
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
@@ -33,29 +35,13 @@ from edgevox.core.status import Level
 from edgevox.voice.stt.watched import TELL_EVERY_S, WatchedSpeechToText
 from edgevox.voice.voices import PresentVoices
 
-PATIENCE_S = 15.0
 WISH = "I'd be glad of some company next to the oven"
 
 
-class Heard:
-    """The answers on a bus, with a way to wait for one."""
-
-    def __init__(self, bus: Bus) -> None:
-        self.texts: list[str] = []
-        self._told = threading.Condition()
-        bus.subscribe(Responded, self._note)
-
-    def wait_for(self, part: str, since: int = 0) -> None:
-        def found() -> bool:
-            return any(part in text for text in self.texts[since:])
-
-        with self._told:
-            assert self._told.wait_for(found, PATIENCE_S), self.texts
-
-    def _note(self, event: Responded) -> None:
-        with self._told:
-            self.texts.append(event.text)
-            self._told.notify_all()
+def answers_of(bus: Bus) -> Heard[str]:
+    heard = Heard[str]()
+    bus.subscribe(Responded, lambda event: heard.add(event.text))
+    return heard
 
 
 @pytest.fixture
@@ -67,7 +53,7 @@ def agent(tmp_path):
             settings = load_settings({"text_mode": True, "llm": llm})
             body = build_body("robot-apartment", settings, 0.0)
             parts = build_parts(stack, settings, body)
-            heard = Heard(parts.bus)
+            heard = answers_of(parts.bus)
             start_parts(stack, parts)
             return parts, heard, lambda: parts.components.statuses({"llm"})[0]
 
@@ -93,12 +79,12 @@ def test_without_its_model_it_comes_up_says_so_and_obeys(agent, tmp_path, monkey
     monkeypatch.setenv("EDGEVOX_MODELS_DIR", str(tmp_path / "models"))
     parts, heard, llm_says = agent(llm(tmp_path))
 
-    heard.wait_for("my language model failed")
+    heard.wait_for(lambda said: "my language model failed" in said)
     parts.conversation.submit(TextInput("where are you"))
-    heard.wait_for("I am in the living room")
-    since = len(heard.texts)
+    heard.wait_for(lambda said: "I am in the living room" in said)
+    since = len(heard.messages)
     parts.conversation.submit(TextInput(WISH))
-    heard.wait_for("I cannot think right now", since)
+    heard.wait_for(lambda said: "I cannot think right now" in said, since=since)
 
     said = llm_says()
     assert said.level is Level.ERROR
@@ -123,14 +109,6 @@ def test_the_context_counts_as_memory_by_what_the_file_says(tmp_path, monkeypatc
         factory.load_model(small_file, "xllamacpp", context_tokens=4097)
 
 
-class Hand:
-    def __init__(self) -> None:
-        self.time_s = 0.0
-
-    def now(self) -> float:
-        return self.time_s
-
-
 class OnBoard:
     name, context_tokens = "on board", 4096
 
@@ -153,12 +131,12 @@ def asking(request):
         running = serving(*chats)
         server = running.__enter__()
         request.addfinalizer(lambda: running.__exit__(None, None, None))
-        clock = Hand()
+        clock = HeldClock()
         shared = EndpointModel(Address(server.url, timeout_s=2.0))
         model = FallbackModel(shared, on_board, Breaker(clock))
         request.addfinalizer(model.close)
         bus = Bus()
-        heard = Heard(bus)
+        heard = answers_of(bus)
         one = Conversation([Agent("edgevox", "Be brief.")], bus, halt=lambda _: False, model=model)
         request.addfinalizer(one.close)
         one.start()
@@ -183,13 +161,13 @@ def test_a_server_that_is_gone_is_spoken_of_and_heard_again_when_it_is_back(aski
     one, heard, model, clock = asking(chat)
 
     one.submit(TextInput(WISH))
-    heard.wait_for("I cannot think right now")
+    heard.wait_for(lambda said: "I cannot think right now" in said)
     assert model.trouble
 
     back.set()
-    clock.time_s += FIRST_REST_S
+    clock.now_s += FIRST_REST_S
     one.submit(TextInput(WISH))
-    heard.wait_for("Here I am.")
+    heard.wait_for(lambda said: "Here I am." in said)
     assert model.trouble == ""
 
 
@@ -198,8 +176,8 @@ def test_a_server_that_is_gone_is_not_noticed_by_who_is_answered_on_board(asking
 
     one.submit(TextInput(WISH))
 
-    heard.wait_for("I think for myself.")
-    assert heard.texts == ["I think for myself."]
+    heard.wait_for(lambda said: "I think for myself." in said)
+    assert heard.messages == ["I think for myself."]
     assert "503" in model.trouble
 
 
@@ -208,8 +186,8 @@ def test_an_answer_that_breaks_off_is_ended_with_the_reason(asking):
 
     one.submit(TextInput(WISH))
 
-    heard.wait_for("my language model failed")
-    (said,) = heard.texts
+    heard.wait_for(lambda said: "my language model failed" in said)
+    (said,) = heard.messages
     assert said.startswith("Once upon a time there was a robot.")
     assert model.trouble
 
@@ -231,7 +209,7 @@ class Deaf:
 
 
 def test_who_speaks_to_deaf_ears_is_told_so_now_and_then_and_not_once_they_hear():
-    clock, deaf, told = Hand(), Deaf(), []
+    clock, deaf, told = HeldClock(), Deaf(), []
     stt = WatchedSpeechToText(deaf, clock)
     stt.tell = lambda: told.append(clock.now())
     silence = np.zeros(16000, np.int16)
@@ -239,7 +217,7 @@ def test_who_speaks_to_deaf_ears_is_told_so_now_and_then_and_not_once_they_hear(
     for _ in range(3):
         with pytest.raises(MemoryError):
             stt.transcribe(silence, "en")
-    clock.time_s += TELL_EVERY_S
+    clock.now_s += TELL_EVERY_S
     with pytest.raises(MemoryError):
         stt.transcribe(silence, "en")
     assert told == [0.0, TELL_EVERY_S]

@@ -7,6 +7,8 @@ import threading
 import time
 
 import pytest
+from guards import HUNG_S
+from waiting import Heard
 
 from edgevox.agent import goal_runner, lane
 from edgevox.agent.agents import Agent
@@ -17,8 +19,6 @@ from edgevox.core.agent_events import GoalCancelled, GoalChanged, as_json
 from edgevox.core.bus import Bus
 from edgevox.core.commands import TextInput
 from edgevox.core.events import Responded
-
-PATIENCE_S = 20.0
 
 
 class Skills:
@@ -88,10 +88,9 @@ class Skills:
 class Stage:
     def __init__(self):
         self.skills = Skills()
-        self.answers, self.ends = [], []
-        self._told = threading.Condition()
+        self.answers, self.ends = Heard(), []
         bus = Bus()
-        bus.subscribe(Responded, lambda event: self._note(self.answers, event.text))
+        bus.subscribe(Responded, lambda event: self.answers.add(event.text))
         bus.subscribe(GoalChanged | GoalCancelled, self._on_goal)
         agent = Agent("robot", "You are a robot.", self.skills.all())
         self.conversation = Conversation([agent], bus, halt=lambda _: False)
@@ -100,19 +99,10 @@ class Stage:
         self.conversation.submit(TextInput(text))
 
     def hear(self, wanted):
-        def found():
-            return any(wanted in one for one in self.answers)
-
-        with self._told:
-            assert self._told.wait_for(found, PATIENCE_S), self.answers
+        self.answers.wait_for(lambda said: wanted in said)
 
     def _on_goal(self, event):
-        self._note(self.ends, as_json(event))
-
-    def _note(self, where, what):
-        with self._told:
-            where.append(what)
-            self._told.notify_all()
+        self.ends.append(as_json(event))
 
 
 @pytest.fixture
@@ -157,7 +147,7 @@ def little_grace(monkeypatch):
 @pytest.mark.parametrize("said", ["wander", "ponder"])
 def test_a_skill_that_never_ends_is_left_alone_when_it_is_stopped(stage, little_grace, said):
     stage.say(said)
-    assert stage.skills.hangs.wait(PATIENCE_S)
+    assert stage.skills.hangs.wait(HUNG_S)
 
     stage.say("stop")
     stage.hear("Stopped.")
@@ -178,13 +168,13 @@ def test_an_answer_that_does_not_come_does_not_hold_up_the_next_for_ever(stage, 
 
 def test_what_it_says_when_it_comes_back_after_all_is_not_heard(stage, little_grace):
     stage.say("wander")
-    assert stage.skills.hangs.wait(PATIENCE_S)
+    assert stage.skills.hangs.wait(HUNG_S)
     stage.say("stop")
     stage.hear("Stopped.")
-    assert stage.conversation.wait_idle(PATIENCE_S)
+    assert stage.conversation.wait_idle(HUNG_S)
 
     stage.skills.free.set()
-    stage.skills.wanderer.join(PATIENCE_S)
+    stage.skills.wanderer.join(HUNG_S)
     assert not stage.skills.wanderer.is_alive()
 
     assert [e["status"] for e in stage.ends if e["skill"] == "wander"][-1] == "cancelled"

@@ -8,7 +8,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from clocks import HeldClock
-from mouth_rig import PATIENCE_S, Beeper, Voices, choices, wait_for
+from guards import HUNG_S
+from mouth_rig import Beeper, Voices, choices, wait_for
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
@@ -88,7 +89,7 @@ class Talk:
 
     def ask(self):
         self.conversation.submit(TextInput("say something that nobody understands"))
-        assert self._answered.acquire(timeout=PATIENCE_S), "the turn hangs"
+        assert self._answered.acquire(timeout=HUNG_S), "the turn hangs"
         return self.answers[-1]
 
     def close(self):
@@ -187,7 +188,7 @@ def test_a_driver_that_breaks_leaves_the_mouth_alive_and_the_words_written(talk,
 def test_a_hundred_changes_of_the_voice_load_it_once_before_the_next_sentence(talk):
     one = talk()
     held = threading.Event()
-    one.mouth.speaker.prepare = lambda: held.wait(PATIENCE_S)
+    one.mouth.speaker.prepare = lambda: held.wait(HUNG_S)
     first = one.mouth.prepare()
     waiting = {id(one.mouth.prepare()) for _ in range(100)} - {id(first)}
     held.set()
@@ -248,16 +249,16 @@ def test_what_was_said_before_a_microphone_vanished_is_understood_and_it_hears_a
     ears.start()
     try:
         for _ in range(2):
-            assert microphone.opened.acquire(timeout=PATIENCE_S)
+            assert microphone.opened.acquire(timeout=HUNG_S)
             for _ in range(40):
                 microphone.hear(np.full(FRAME_SAMPLES, 8000, np.int16))
             microphone.pull()  # in the middle of a word
-            assert understood.acquire(timeout=PATIENCE_S), "what was said is lost"
+            assert understood.acquire(timeout=HUNG_S), "what was said is lost"
             assert "usb" in source.trouble
             assert ears.alive
             microphone.plugged = True
         assert [type(one) for one in said[:2]] == [Transcribing, Heard]
-        assert microphone.opened.acquire(timeout=PATIENCE_S)
+        assert microphone.opened.acquire(timeout=HUNG_S)
         while source.trouble:
             threading.Event().wait(0.01)
     finally:

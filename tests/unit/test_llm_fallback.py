@@ -4,6 +4,7 @@ import logging
 from collections.abc import Iterator, Sequence
 
 import pytest
+from clocks import HeldClock
 from llm_server import PATIENCE_S, Chat, Server, failing, good, never, serving
 
 from edgevox.agent.llm.base import Message, ModelFailed
@@ -12,16 +13,6 @@ from edgevox.agent.llm.endpoint.breaker import FIRST_REST_S, LONGEST_REST_S, Bre
 from edgevox.core.cancel import CancelToken
 
 CHAT = [Message("user", "Who are you?")]
-
-
-class Hand:
-    """A clock that goes on when told to."""
-
-    def __init__(self) -> None:
-        self.time_s = 1000.0
-
-    def now(self) -> float:
-        return self.time_s
 
 
 class OnBoard:
@@ -46,7 +37,7 @@ class OnBoard:
 
 class Stage:
     def __init__(self, server: Server, on_board: OnBoard | None, timeout_s: float) -> None:
-        self.clock = Hand()
+        self.clock = HeldClock(1000.0)
         self.shared = EndpointModel(Address(server.url, timeout_s=timeout_s), context_tokens=4096)
         self.model = FallbackModel(self.shared, on_board, Breaker(self.clock))
 
@@ -98,7 +89,7 @@ def test_after_a_rest_it_is_tried_again_and_said_to_be_back(stage, caplog) -> No
     one, _ = stage(failing(401), good("shared"), on_board=OnBoard())
     assert one.ask() == "on board"
 
-    one.clock.time_s += FIRST_REST_S
+    one.clock.now_s += FIRST_REST_S
 
     assert one.ask() == one.ask() == "shared"
     events = [said.partition(" ")[0] for said in warnings(caplog)]
@@ -110,7 +101,7 @@ def test_a_server_that_goes_on_failing_is_mentioned_once(stage, caplog) -> None:
 
     for _ in range(5):
         assert one.ask() == "on board"
-        one.clock.time_s += LONGEST_REST_S
+        one.clock.now_s += LONGEST_REST_S
 
     assert len(server.asked) == 5
     assert len(warnings(caplog)) == 1
@@ -177,14 +168,14 @@ def test_closing_closes_both(stage) -> None:
 
 
 def test_the_rest_doubles_up_to_a_limit_and_one_success_ends_it() -> None:
-    clock = Hand()
+    clock = HeldClock(1000.0)
     breaker = Breaker(clock)
     rests = []
     for _ in range(7):
         breaker.failed()
         begun_s = clock.now()
         while breaker.resting:
-            clock.time_s += 1
+            clock.now_s += 1
         rests.append(clock.now() - begun_s)
 
     assert rests[:3] == [FIRST_REST_S, 2 * FIRST_REST_S, 4 * FIRST_REST_S]

@@ -2,6 +2,7 @@ import io
 from pathlib import Path
 
 import pytest
+from clocks import HeldClock
 from models_wheelhouse import CONFIG, VOICE, manifest, mind, voice
 
 from edgevox.apps.models import main
@@ -106,21 +107,13 @@ def test_licences_say_what_they_forbid(root: Path, capsys: pytest.CaptureFixture
     assert "lessac" in out
 
 
-class Watch:
-    def __init__(self) -> None:
-        self.time_s = 0.0
-
-    def now(self) -> float:
-        return self.time_s
-
-
 def test_without_a_terminal_progress_is_a_line_now_and_then() -> None:
-    out, watch = io.StringIO(), Watch()
+    out, watch = io.StringIO(), HeldClock()
     lines = Lines(out, watch, every_s=5.0)
 
     lines.begin("mind", 100_000_000)
     for second in range(11):
-        watch.time_s = float(second)
+        watch.now_s = float(second)
         lines.at(second * 9_000_000)
     lines.end()
 

@@ -2,7 +2,6 @@
 
 import errno
 import os
-import time
 from pathlib import Path
 
 import pytest
@@ -14,6 +13,7 @@ from mcap.stream_reader import StreamReader
 from rclpy.serialization import serialize_message
 from rosbags.rosbag2 import Reader
 from std_msgs.msg import String
+from waiting import wait_until
 
 from edgevox.core.errors import InvalidValue
 from edgevox.ros2.contract import PUBLISHED, SUBSCRIBED
@@ -36,13 +36,6 @@ def said(number, size=0):
 def texts(folder):
     with Reader(folder) as bag:
         return [raw[8:].split(b"\0")[0].rstrip(b"x").decode() for _, _, raw in bag.messages()]
-
-
-def wait_until(condition, timeout_s=60.0):
-    deadline = time.monotonic() + timeout_s
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
 
 
 def test_a_definition_holds_all_that_it_refers_to_once():

@@ -5,13 +5,12 @@ import threading
 from contextlib import contextmanager
 
 import pytest
+from guards import HUNG_S
 from hypothesis import given
 from hypothesis import strategies as st
 
 from edgevox.apps.terminal.ahead import typed_ahead
 from edgevox.apps.terminal.lines import MAX_AHEAD_BYTES, MAX_LINE_BYTES, Lines, Splitter
-
-PATIENCE_S = 10.0
 
 
 def is_stop(line):
@@ -56,7 +55,7 @@ def test_a_stop_is_told_while_nobody_takes_lines_and_what_waited_is_forgotten():
     with a_pipe() as pipe:
         pipe.lines.start()
         pipe.write("go to the kitchen\nwhere are you\nstop\nwhat do you see\n")
-        assert pipe.stopped.wait(PATIENCE_S)
+        assert pipe.stopped.wait(HUNG_S)
         pipe.end()
         assert pipe.stops == [("stop", 2)]
         assert pipe.rest() == ["what do you see"]
@@ -69,7 +68,7 @@ def test_a_stop_that_comes_later_forgets_what_waits_from_before():
         pipe.write("go to the kitchen\nwhere are you\n")
         assert pipe.lines.take(lambda _: None) == "go to the kitchen"
         pipe.write("stop\n")
-        assert pipe.stopped.wait(PATIENCE_S)
+        assert pipe.stopped.wait(HUNG_S)
         pipe.end()
         assert pipe.stops == [("stop", 1)]
         assert pipe.rest() == []
@@ -94,7 +93,7 @@ def test_no_stop_comes_between_a_line_and_its_beginning():
             assert not pipe.stopped.wait(0.05)
 
         assert pipe.lines.take(begin) == "go to the kitchen"
-        assert pipe.stopped.wait(PATIENCE_S)
+        assert pipe.stopped.wait(HUNG_S)
 
 
 def test_it_can_be_closed_while_it_waits_for_a_line():

@@ -4,8 +4,8 @@ import threading
 from pathlib import Path
 
 from beside import SHARING, Room, in_turns, together
+from guards import HUNG_S
 
-PATIENCE_S = 60
 ROOT = Path(__file__).parents[2]
 
 
@@ -69,10 +69,10 @@ def test_whoever_wants_the_room_alone_waits_until_it_is_empty_and_then_has_it(tm
     first, after = threading.Thread(target=alone), threading.Thread(target=late)
     with Room(tmp_path).shared():
         first.start()
-        assert waiting.wait(PATIENCE_S)
+        assert waiting.wait(HUNG_S)
         told.append("shared")
-    assert inside.wait(PATIENCE_S)
-    first.join(PATIENCE_S)
-    after.join(PATIENCE_S)
+    assert inside.wait(HUNG_S)
+    first.join(HUNG_S)
+    after.join(HUNG_S)
 
     assert told == ["shared", "alone", "still alone", "shared again"]
