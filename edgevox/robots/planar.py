@@ -81,6 +81,8 @@ class PlanarRobot(LivesByStepping):
             clock=clock,
             name=f"{name} world",
             broke=self._give_up,
+            rests=lambda: self._run.resting,
+            lock=self._lock,
         )
 
     def __enter__(self) -> Self:
@@ -101,6 +103,12 @@ class PlanarRobot(LivesByStepping):
 
     @property
     def time_s(self) -> float:
+        self._stepper.catch_up()
+        return self._now_s
+
+    @property
+    def _now_s(self) -> float:
+        """The time of the last step."""
         return self._ticks * STEP_S
 
     @property
@@ -124,6 +132,7 @@ class PlanarRobot(LivesByStepping):
         with self._lock:
             self._mux.halt(Cancelled("the world was reset"))
             self._run = PlanarRun(self.world, self._engine, self._mux)
+        self._stepper.wake()
 
     def pose(self) -> Pose2D:
         with self._lock:
@@ -262,5 +271,5 @@ class PlanarRobot(LivesByStepping):
         """One step of the world, on the stepper's thread. True if more is to come."""
         with self._lock:
             self._ticks += 1
-            self._run.step(self.time_s)
+            self._run.step(self._now_s)
             return (self._run.busy or self._run.moving) and self._mux.velocity is None

@@ -45,6 +45,11 @@ class PlanarRun:
         return self._mux.busy or self.ramp.velocity != STILL
 
     @property
+    def resting(self) -> bool:
+        """Whether the next step changes nothing but the time, and the charge."""
+        return self._resting and not self.busy
+
+    @property
     def moving(self) -> bool:
         """Whether the robot is not at rest."""
         twist = self.motion.twist
@@ -68,7 +73,7 @@ class PlanarRun:
         self.battery.step(STEP_S, self.motion.pose, self.motion.twist)
 
     def _move(self, time_s: float) -> None:
-        if self._resting and not self.busy:
+        if self.resting:
             return  # a world in which nothing moves costs nothing but its time
         before = self.motion
         motion = self.engine.step(self.ramp.step(self._wanted(time_s)))

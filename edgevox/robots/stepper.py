@@ -3,6 +3,7 @@
 import math
 import threading
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 
 from edgevox.agent.reasons import because
 from edgevox.core.clock import Clock, SystemClock
@@ -18,6 +19,8 @@ BROKE = because("broke")
 _LOG_EVERY_S = 10.0
 _PAUSE_AFTER_FAILURE_S = 0.05
 _FACTOR_OVER_S = 1.0
+_LOOK_S = 0.1
+"""How often a world at rest is brought up to date if nobody looks; far less than `MOST_LAG_S`."""
 
 
 class Pacer:
@@ -49,6 +52,10 @@ class Stepper:
     in his hand, and what he does between two calls takes no time in it.
     A step that raises is logged and counted, `broke` is called to stop what moves, and the next one
     comes.
+
+    Where `rests` says that the next step changes nothing but the time, a thread that wakes for each
+    would cost more than all that happens: steps that are due are then taken together, now and then,
+    or by whoever looks at the time and calls `catch_up` first. `lock` is the body's own, reentrant.
     """
 
     def __init__(
@@ -61,10 +68,13 @@ class Stepper:
         sleep: Callable[[float], None] | None = None,
         name: str = "world",
         broke: Callable[[], object] = lambda: None,
+        rests: Callable[[], bool] = lambda: False,
+        lock: AbstractContextManager[object] | None = None,
     ) -> None:
         if speed is not None and not 0.0 <= speed <= 1000.0:
             raise InvalidValue("speed", speed, "a number from 0 to 1000, or None")
-        self._step, self._broke = step, broke
+        self._step, self._broke, self._rests = step, broke, rests
+        self._lock = lock or threading.RLock()
         self._period_s = period_s
         self._speed = speed
         self._clock = clock or SystemClock()
@@ -77,6 +87,8 @@ class Stepper:
         self._waiting: list[int] = []
         self._next_waking = math.inf
         self._thread = threading.Thread(target=self._run, name=name)
+        self._pacer: Pacer | None = None
+        self._meter = _Meter(0.0)
         self._factor = 0.0
         self._due_s: float | None = None
         self._next_log_s = 0.0
@@ -111,11 +123,22 @@ class Stepper:
         return 0.0 if due_s is None else max(0.0, self._clock.now() - due_s)
 
     def start(self) -> None:
+        now_s = self._clock.now()
+        self._pacer = Pacer(self._period_s / self._speed, now_s) if self._speed else None
+        self._meter = _Meter(now_s)
         self._thread.start()
 
     def wake(self) -> None:
         """There is something to do."""
         self._woken.set()
+
+    def catch_up(self) -> None:
+        """Take the steps that are due in a world at rest; nothing in one that moves."""
+        if not self._resting:
+            return
+        with self._lock:
+            while self._resting and self._wait_s() <= 0.0:
+                self._take_step()
 
     def advance(self, seconds: float) -> None:
         """Block until this much of the world's time has passed, or no more steps are taken."""
@@ -139,25 +162,46 @@ class Stepper:
             self._thread.join()
 
     def _run(self) -> None:
-        now = self._clock.now()
-        pacer = Pacer(self._period_s / self._speed, now) if self._speed else None
-        meter = _Meter(now)
         while not self._closing.is_set():
-            if pacer is not None and (wait_s := pacer.wait_s(self._clock.now())) > 0.0:
-                self._sleep(wait_s)
-                continue
             if self._woken.is_set():
                 self._woken.clear()
-            if self._speed == 0.0 and not self._asked_for:
+            if self._resting:
+                self.catch_up()
+                if self._resting:
+                    self._woken.wait(_LOOK_S)
+            elif (wait_s := self._wait_s()) > 0.0:
+                self._sleep(wait_s)
+            elif self._speed == 0.0 and not self._asked_for:
                 self._woken.wait()
-                continue
+            else:
+                self._go_on()
+
+    def _go_on(self) -> None:
+        failures = self.failures
+        more = self._take_step()
+        if self.failures > failures:
+            self._sleep(_PAUSE_AFTER_FAILURE_S)
+        elif self._pacer is None and not (more or self._asked_for):
+            self._woken.wait()
+
+    def _wait_s(self) -> float:
+        """Seconds until the clock wants the next step; 0 where none is followed."""
+        return self._pacer.wait_s(self._clock.now()) if self._pacer else 0.0
+
+    @property
+    def _resting(self) -> bool:
+        """Whether nothing is to change but the time, and that follows a clock."""
+        follows = self._pacer is not None and not self._closing.is_set()
+        return follows and self._rests() and not self._asked_for
+
+    def _take_step(self) -> bool:
+        with self._lock:
             more = self._try_step()
             self._count()
-            self._factor = meter.factor(self._clock.now(), self._period_s)
-            if pacer is not None:
-                pacer.stepped()
-            elif not (more or self._asked_for):
-                self._woken.wait()
+            self._factor = self._meter.factor(self._clock.now(), self._period_s)
+            if self._pacer is not None:
+                self._pacer.stepped()
+            return more
 
     @property
     def _asked_for(self) -> bool:
@@ -187,7 +231,6 @@ class Stepper:
                 self._next_log_s = now + _LOG_EVERY_S
                 log.exception("world_step_failed", failures=self.failures)
             self._broke()
-            self._sleep(_PAUSE_AFTER_FAILURE_S)
             return True
         self._due_s = None
         return more

@@ -245,6 +245,19 @@ class Watch:
             assert self._looked.wait_for(until, HUNG_S)
 
 
+def test_at_rest_as_much_time_passes_and_charge_goes_as_in_a_world_that_is_stepped(make) -> None:
+    watch = Watch()
+    with make(speed=1.0, clock=watch) as robot, make(speed=0.0) as stepped:
+        for _ in range(100):
+            watch.turn(0.1, until=lambda: True)
+            looked_s = robot.time_s
+        stepped.advance(looked_s)
+
+        assert looked_s == pytest.approx(10.0, abs=1.5 * STEP_S)
+        assert robot.time_s == stepped.time_s
+        assert robot.battery() == stepped.battery()
+
+
 def test_real_time_passes_as_the_clock_does(make) -> None:
     watch = Watch()
     with make(speed=1.0, clock=watch) as robot:

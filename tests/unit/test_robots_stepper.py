@@ -6,6 +6,8 @@ import threading
 import pytest
 from clocks import HeldClock
 from guards import HUNG_S
+from hypothesis import given
+from hypothesis import strategies as st
 
 from edgevox.core.errors import InvalidValue
 from edgevox.robots.stepper import MOST_LAG_S, Pacer, Stepper
@@ -141,3 +143,53 @@ def test_whoever_waits_for_time_to_pass_is_let_go_at_the_end() -> None:
 
 def test_a_stepper_that_never_started_can_be_closed() -> None:
     Stepper(lambda: False, period_s=0.02).close()
+
+
+@given(st.lists(st.floats(0.0, MOST_LAG_S - 0.02), max_size=30))
+def test_a_world_at_rest_is_stepped_by_who_looks_as_often_as_the_clock_says(looks) -> None:
+    clock, taken = HeldClock(100.0), []
+    stepper = Stepper(lambda: bool(taken.append(1)), period_s=0.02, clock=clock, rests=lambda: True)
+    stepper.start()
+    try:
+        for seconds in looks:
+            clock.now_s += seconds
+            stepper.catch_up()
+            assert len(taken) == pytest.approx((clock.now_s - 100.0) / 0.02, abs=1)
+    finally:
+        stepper.close()
+    stepper.catch_up()
+    assert len(taken) == pytest.approx((clock.now_s - 100.0) / 0.02, abs=1), "it is closed"
+
+
+def test_a_world_that_moves_is_stepped_by_its_own_thread_only() -> None:
+    clock, threads, moving = HeldClock(), set(), threading.Event()
+
+    def step() -> bool:
+        threads.add(threading.current_thread().name)
+        moving.set()
+        return True
+
+    stepper = Stepper(step, period_s=0.02, clock=clock, name="world", rests=lambda: False)
+    stepper.start()
+    try:
+        assert moving.wait(HUNG_S)
+        clock.now_s += 0.1
+        stepper.catch_up()
+    finally:
+        stepper.close()
+    assert threads == {"world"}
+
+
+def test_a_world_at_rest_that_is_woken_moves_at_once() -> None:
+    rests, moved = threading.Event(), threading.Event()
+    rests.set()
+    stepper = Stepper(
+        lambda: rests.is_set() or bool(moved.set()), period_s=0.02, rests=rests.is_set
+    )
+    stepper.start()
+    try:
+        rests.clear()
+        stepper.wake()
+        assert moved.wait(HUNG_S)
+    finally:
+        stepper.close()
