@@ -11,6 +11,7 @@ from edgevox.agent.goals import Goal
 from edgevox.agent.inbox import Inbox, Item
 from edgevox.agent.llm.base import LanguageModel
 from edgevox.agent.mind import Mind
+from edgevox.agent.policy import Guard
 from edgevox.agent.safety import SafetyWords
 from edgevox.agent.skill_executor import SkillExecutor
 from edgevox.agent.skills import Call, SkillSet
@@ -20,18 +21,12 @@ from edgevox.core.agent_events import SafetyPreempted
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.commands import Heard, Interrupt, Reset, RunSkill, Speak, TextInput, Transcribing
-from edgevox.core.events import (
-    Cause,
-    Interrupted,
-    Outcome,
-    State,
-    Transcribed,
-    TurnEnded,
-)
+from edgevox.core.events import Cause, Interrupted, Outcome, State, Transcribed, TurnEnded
 from edgevox.core.interlock import Interlock
 from edgevox.core.log import bound, get_logger
 from edgevox.core.speech import Mouth
 from edgevox.core.text import MAX_CHARACTERS, clean
+from edgevox.core.ways import Way
 
 log = get_logger(__name__)
 
@@ -39,11 +34,12 @@ ConversationCommand = TextInput | Transcribing | Heard | Speak | Interrupt | Res
 
 
 class Conversation:
-    """Owns the turns. `submit` may be called from any thread and never blocks.
+    """Owns the turns. `submit` and `start_goal` may be called from any thread and never block.
 
     Stop words, `Interrupt` and `Reset` act on the calling thread, at once: they cancel the turn
     that runs, forget the utterances that wait or are being transcribed, cancel the goals and halt
-    the body. `halt` is the body's, `interlock` may forbid motion. Without a `mouth` it only writes.
+    the body. `halt` is the body's, `interlock` may forbid motion, `guard` any skill but to stop.
+    Without a `mouth` it only writes.
     """
 
     def __init__(
@@ -57,6 +53,7 @@ class Conversation:
         language: str = "en",
         clock: Clock | None = None,
         interlock: Interlock | None = None,
+        guard: Guard | None = None,
     ) -> None:
         self._bus = bus
         self._clock = clock or SystemClock()
@@ -68,6 +65,7 @@ class Conversation:
             announce=lambda text: self._put(inbox.Announce(text)),
             phrases=lambda: self.mind.phrases,
             interlock=interlock,
+            guard=guard,
         )
         self.mind = Mind(agents, bus, self._clock, model, language)
         self._safety = SafetyWords(language)
@@ -140,21 +138,24 @@ class Conversation:
         self._safety = SafetyWords(code)
         self._put(inbox.Language(code))
 
-    def check_goal(self, name: str, arguments: Mapping[str, Any]) -> None:
+    def check_goal(self, name: str, arguments: Mapping[str, Any], way: Way = Way.ACTION) -> None:
         """Raise what `start_goal` would raise; nothing happens."""
-        self._executor.check(Call(name, arguments), self._skills)
+        self._executor.check(Call(name, arguments), self._skills, way)
 
     def start_goal(
-        self, name: str, arguments: Mapping[str, Any], goal_id: str | None = None
+        self,
+        name: str,
+        arguments: Mapping[str, Any],
+        goal_id: str | None = None,
+        way: Way = Way.ACTION,
     ) -> Goal:
         """Run one skill for a program, without a turn: it is seen on the bus and never spoken of.
 
         Whatever moves pre-empts whatever moves, asked for in words or not, and stop words end it.
-        A skill that moves nothing pre-empts nothing. Does not block; may be called from any
-        thread. Raises `InvalidValue` (`UnknownSkill` for the name) or `SkillFailed` (too many
-        wait), and then nothing has happened.
+        A skill that moves nothing pre-empts nothing. Raises `InvalidValue` (`UnknownSkill` for the
+        name) or `SkillFailed` (too many wait, the policy forbids it); nothing has happened then.
         """
-        return self._executor.begin(Call(name, arguments), self._skills, goal_id)
+        return self._executor.begin(Call(name, arguments), self._skills, goal_id, way)
 
     def wait_idle(self, timeout_s: float | None = None) -> bool:
         """Block until nothing is said, thought or done any more; False after the timeout.
@@ -283,6 +284,7 @@ class Conversation:
             on_speech=lambda: self._states.enter(State.SPEAKING, turn),
             mouth=self._mouth,
             asked=Asked(item.ended_s, item.stt_s) if isinstance(item, Heard) else None,
+            way=inbox.way_of(item),
         )
         return turn
 

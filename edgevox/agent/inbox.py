@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from edgevox.core.commands import Heard, RunSkill, Speak, TextInput
 from edgevox.core.refusals import Refusal
 from edgevox.core.text import MAX_CHARACTERS, clean
+from edgevox.core.ways import Way
 
 MAX_WAITING = 64
 """How many utterances may wait. One more is refused; a stop never is."""
@@ -102,6 +103,11 @@ class Inbox:
 def asked_in_words(item: Item) -> bool:
     """Whether somebody wants an answer to this."""
     return isinstance(item, TextInput | Heard) or (isinstance(item, TooLong) and item.asked)
+
+
+def way_of(item: Item) -> Way:
+    """How this was asked for; what nobody asked for in particular has the way of words."""
+    return item.way if isinstance(item, TextInput | Heard | RunSkill) else Way.TEXT_INPUT
 
 
 def _bounded(item: Item) -> Item:

@@ -1,13 +1,15 @@
 """Executes calls of skills: checked, acknowledged, run as goals, and reported when they end."""
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from typing import Any
 
 from edgevox.agent.goal_runner import MAX_BACKGROUND, GoalRunner
 from edgevox.agent.goals import Goal
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.phrasebook import Phrasebook
+from edgevox.agent.policy import Asked, Denied, Guard
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import Call, Skill, SkillFailed, SkillSet
 from edgevox.agent.turn import Turn
@@ -17,6 +19,7 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.events import Outcome
 from edgevox.core.interlock import Interlock
 from edgevox.core.reasons import NO_REASON, Reason
+from edgevox.core.ways import Way
 
 MAX_CALLS = 8
 """How many calls one utterance may hold."""
@@ -27,7 +30,8 @@ class SkillExecutor:
 
     `stop` and `perform` exclude each other, so no motion starts for a turn that was stopped.
     `phrases` gives the language to speak at the moment. While the `interlock` is engaged no motion
-    starts, and what moved when it was engaged is cancelled, which is said.
+    starts, and what moved when it was engaged is cancelled, which is said. The `guard` is asked of
+    each call that is valid, whatever it would do.
     """
 
     def __init__(
@@ -36,7 +40,9 @@ class SkillExecutor:
         halt: Callable[[str], bool],
         announce: Callable[[str], None],
         phrases: Callable[[], Phrasebook] = lambda: phrasebook(ENGLISH),
+        *,
         interlock: Interlock | None = None,
+        guard: Guard | None = None,
     ) -> None:
         self._bus = bus
         self._halt = halt
@@ -44,6 +50,7 @@ class SkillExecutor:
         self._phrases = phrases
         self._gate = threading.Lock()
         self._runner = GoalRunner(on_end=self._ended)
+        self._guard = guard or Guard(bus=bus)
         self._interlock = interlock or Interlock()
         self._interlock.on_engage(self._stand)
 
@@ -73,21 +80,23 @@ class SkillExecutor:
         with self._gate:
             return turn.token.cancel(reason)
 
-    def check(self, call: Call, skills: SkillSet) -> None:
-        """Raise where `begin` would; nothing happens."""
-        skills[call.skill].validate(call.arguments)
-        if held := self._held([skills[call.skill]]):
+    def check(self, call: Call, skills: SkillSet, way: Way) -> Mapping[str, Any]:
+        """The arguments, checked. Raises where `begin` would; nothing happens."""
+        skill = skills[call.skill]
+        arguments = skill.validate(call.arguments)
+        self._guard.permit(way, [Asked(skill.name, arguments, skill.drives)])
+        if held := self._held([skill]):
             raise SkillFailed(held)
-        if not skills[call.skill].moves and self._runner.full:
+        if not skill.moves and self._runner.full:
             raise SkillFailed(because("goals_wait", skill=call.skill, count=str(MAX_BACKGROUND)))
+        return arguments
 
-    def begin(self, call: Call, skills: SkillSet, goal_id: str | None) -> Goal:
+    def begin(self, call: Call, skills: SkillSet, goal_id: str | None, way: Way) -> Goal:
         """Run one call without a turn, and so without a word said about it.
 
         One that moves pre-empts what moves; another waits for nothing but its like.
         """
-        self.check(call, skills)
-        arguments = skills[call.skill].validate(call.arguments)
+        arguments = self.check(call, skills, way)
         goal = Goal(skills[call.skill], arguments, turn=0, bus=self._bus, goal_id=goal_id)
         self._tell(goal, "action")
         with self._gate:
@@ -99,10 +108,26 @@ class SkillExecutor:
                 self._runner.run_in_background(goal)
         return goal
 
-    def perform(self, calls: Sequence[Call], skills: SkillSet, turn: Turn, source: str) -> None:
-        """Check all calls, then acknowledge and run them in order; if one is wrong, none runs."""
+    def perform(
+        self,
+        calls: Sequence[Call],
+        skills: SkillSet,
+        turn: Turn,
+        source: str,
+        *,
+        confirmed: bool = False,
+    ) -> None:
+        """Check all calls, then acknowledge and run them in order; if one is wrong, none runs.
+
+        What the policy wants a yes for is refused, unless somebody has `confirmed` these calls.
+        """
         try:
             goals = self._goals(calls, skills, turn)
+            asked = [Asked(one.skill.name, one.arguments, one.skill.drives) for one in goals]
+            self._guard.permit(turn.way, asked, turn.number, confirmed=confirmed)
+        except Denied as denied:
+            turn.say(self._phrases().refusal(denied.reason), Outcome.REFUSED)
+            return
         except InvalidValue as error:
             turn.say(self._phrases().say("refused", reason=_in_words(error)), Outcome.REFUSED)
             return

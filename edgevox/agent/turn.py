@@ -10,6 +10,7 @@ from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.events import Outcome, Responded, SentenceReady, TokenGenerated, TurnMeasured
 from edgevox.core.speech import Mouth, Spoken, Utterance
+from edgevox.core.ways import Way
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +29,7 @@ class Turn:
 
     Sentences go onto the bus and, if there is one, to the mouth. `on_speech` is called when the
     first of them can be noticed: heard, or read where there is no mouth. Nothing is said once the
-    token is cancelled.
+    token is cancelled. `way` is how it was asked for.
     """
 
     def __init__(
@@ -40,8 +41,10 @@ class Turn:
         *,
         mouth: Mouth | None = None,
         asked: Asked | None = None,
+        way: Way = Way.TEXT_INPUT,
     ) -> None:
         self.number = number
+        self.way = way
         self.token = CancelToken()
         self.tokens = 0
         self._bus = bus

@@ -6,8 +6,11 @@ asked for is well, and says that it is off.
 
 from edgevox import __version__
 from edgevox.agent.llm.status import LlmComponent
+from edgevox.agent.policy.status import PolicyComponent
+from edgevox.agent.skills import Skill
 from edgevox.apps.folders import written_folders
 from edgevox.apps.parts import Parts
+from edgevox.apps.policy import known_names
 from edgevox.core.gauges import Gauges
 from edgevox.core.status import Component, Off
 from edgevox.ops.diagnostics.disk import DiskComponent
@@ -29,6 +32,7 @@ def list_components(parts: Parts, gauges: Gauges) -> None:
         SimComponent(parts.body) if parts.body else Off("sim", "no robot"),
         Off("executor", "no ROS 2"),
         Off("presence", "no ROS 2"),
+        PolicyComponent(parts.guard, lambda: known_names(_skills(parts))),
         DiskComponent(lambda: written_folders(parts.settings.audio_out)),
         ProcessComponent(parts.health, __version__, lambda: parts.conversation.refusals),
     )
@@ -57,3 +61,7 @@ def _llm(parts: Parts, gauges: Gauges) -> Component:
         endpoint=parts.settings.llm_endpoint,
         absent=parts.absent,
     )
+
+
+def _skills(parts: Parts) -> tuple[Skill, ...]:
+    return parts.body.skills if parts.body else ()

@@ -12,6 +12,7 @@ from edgevox.apps.free_text import free_text
 from edgevox.apps.language_model import find_weights, open_model, open_without
 from edgevox.apps.metrics import read_bridge, read_parts, serve_metrics
 from edgevox.apps.parts import Part, Parts
+from edgevox.apps.policy import build_guard
 from edgevox.apps.queries import available_voices, build_queries, deafness
 from edgevox.apps.robots import build_agents
 from edgevox.apps.switchboard import Switchboard
@@ -42,6 +43,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Part
     components = Components()
     health = _serve_health(stack, settings, components)
     bus = Bus()
+    guard = build_guard(settings, bus, body)
     agents = build_agents(body)
     stack.callback(BusLog(bus, free_text(agents)).close)
     skills = body.skills if body else ()
@@ -67,6 +69,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Part
         mouth=voice.mouth if voice else None,
         language=settings.language,
         interlock=interlock,
+        guard=guard,
     )
     bus.subscribe(ControlChanged, lambda change: _follow(conversation, change))
     queries = build_queries(
@@ -105,6 +108,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Part
         metrics,
         absent,
         interlock,
+        guard,
     )
 
 
@@ -183,6 +187,7 @@ def _wiring(parts: Parts) -> Wiring:
         voice.relay if voice else None,
         parts.components,
         parts.interlock,
+        parts.guard,
     )
 
 

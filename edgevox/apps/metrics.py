@@ -67,6 +67,7 @@ def read_parts(parts: Parts) -> None:
     metrics.read("edgevox_build_info", lambda: _build_info(parts))
     metrics.read("edgevox_muted", lambda: parts.controls.muted)
     metrics.read("edgevox_model_weights_bytes", lambda: _weights(parts))
+    metrics.read("edgevox_policy_refusals_total", lambda: parts.guard.refusals)
 
 
 def read_bridge(parts: Parts, bridge: Bridge) -> None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.llm.base import LanguageModel
+from edgevox.agent.policy import Guard
 from edgevox.apps.queries import Queries
 from edgevox.apps.switchboard import Switchboard
 from edgevox.apps.voice import Voice
@@ -54,6 +55,7 @@ class Parts:
     metrics: "Registry | None"
     absent: str = ""
     interlock: Interlock = field(default_factory=Interlock)
+    guard: Guard = field(default_factory=Guard)
 
     @property
     def name(self) -> str:

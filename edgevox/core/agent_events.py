@@ -83,7 +83,10 @@ class GoalCancelled:
 
 @dataclass(frozen=True, slots=True)
 class GoalRejected:
-    """A program asked for a goal that cannot be. It has no id; its arguments are as they came."""
+    """A goal that cannot be, or that the policy refuses. It has no id; `turn` is 0 without one.
+
+    Its arguments are as they came. `way` is how it was asked for, where the policy refused it.
+    """
 
     kind: ClassVar = AgentEventKind.SKILL_GOAL
     goal_id: None = field(init=False, default=None, metadata={"always": True})
@@ -91,7 +94,8 @@ class GoalRejected:
     arguments_json: str
     status: GoalStatus = field(init=False, default=GoalStatus.REJECTED)
     reason: Reason = field(metadata={"keys": ("error", "code", "values")})
-    turn: int = field(init=False, default=0)
+    way: str | None = None
+    turn: int = 0
 
 
 @dataclass(frozen=True, slots=True)

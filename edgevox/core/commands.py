@@ -5,13 +5,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from edgevox.core.events import Cause
+from edgevox.core.ways import Way
 
 
 @dataclass(frozen=True, slots=True)
 class TextInput:
-    """Words for the agent, as if spoken and understood."""
+    """Words for the agent, as if spoken and understood; `way` is how they came."""
 
     text: str
+    way: Way = Way.TEXT_INPUT
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +31,7 @@ class Heard:
     text: str
     ended_s: float
     stt_s: float = 0.0
+    way: Way = Way.VOICE
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +85,7 @@ class RunSkill:
 
     name: str
     arguments: Mapping[str, Any]
+    way: Way = Way.COMMAND
 
 
 @dataclass(frozen=True, slots=True)

@@ -115,6 +115,9 @@ class Settings(BaseSettings):
     locations: Path | None = Field(
         None, description="robot-external: YAML file of the places that it knows by name"
     )
+    policy: Path | None = Field(
+        None, description="YAML file that says who may ask for what, and within which limits"
+    )
     max_linear: float = Field(
         0.3, gt=0.0, le=10.0, description="robot-external: fastest it is steered, in m/s"
     )

@@ -8,6 +8,7 @@ from rclpy.node import Node
 from edgevox.core.commands import RunSkill
 from edgevox.core.errors import InvalidValue
 from edgevox.core.status import Component
+from edgevox.core.ways import Way
 from edgevox.robots.capabilities import Body
 from edgevox.ros2.contract import PARAMETERS
 from edgevox.ros2.diagnostics import DiagnosticsPublisher
@@ -137,9 +138,9 @@ class RosBridge:
         def run_skill(name: str, arguments: Mapping[str, Any]) -> None:
             """At once, as a program's goal; where nobody runs those, as a command."""
             if wiring.goals:
-                wiring.goals.start_goal(name, arguments)
+                wiring.goals.start_goal(name, arguments, way=Way.GOAL_POSE)
             else:
-                wiring.submit(RunSkill(name, arguments))
+                wiring.submit(RunSkill(name, arguments, Way.GOAL_POSE))
 
         return Interop(
             self._node.node,
@@ -150,6 +151,7 @@ class RosBridge:
             frame_prefix=str(values["frame_prefix"]),
             publish_clock=bool(values["publish_clock"]),
             interlock=wiring.interlock,
+            guard=wiring.guard,
             tickers=self._tickers,
         )
 

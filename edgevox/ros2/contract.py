@@ -156,7 +156,7 @@ SUBSCRIBED: tuple[Subscribed, ...] = (
     ),
     Subscribed("set_language", Qos.RELIABLE, SetLanguage, "ISO 639-1 code of the language"),
     Subscribed("set_voice", Qos.RELIABLE, SetVoice, "name of the text-to-speech voice"),
-    Subscribed("command", Qos.RELIABLE, _command, "one of " + ", ".join(COMMANDS)),
+    Subscribed("command", Qos.RELIABLE, _command, "one of " + ", ".join(COMMANDS), verbs=True),
 )
 
 
@@ -183,7 +183,7 @@ DIAGNOSTICS = Periodic(
     "diagnostic_msgs/msg/DiagnosticArray",
     Qos.RELIABLE,
     1.0,
-    "how each component is: audio, stt, llm, tts, sim, executor, presence, disk, process",
+    "how each component is: audio, stt, llm, tts, sim, executor, presence, policy, disk, process",
 )
 """Of every agent, with a robot and without: an extra for who watches over robots."""
 

@@ -76,13 +76,18 @@ class Published:
 
 @dataclass(frozen=True, slots=True)
 class Subscribed:
-    """A topic whose strings become commands by `decode`, which raises `InvalidValue`."""
+    """A topic whose strings become commands by `decode`, which raises `InvalidValue`.
+
+    `verbs`: what comes is the name of what is to be done, which the policy may forbid by that name.
+    What others carry is judged where it is understood.
+    """
 
     topic: str
     qos: Qos
     decode: Callable[[str], Incoming]
     about: str
     type: str = STRING
+    verbs: bool = False
 
 
 @dataclass(frozen=True, slots=True)

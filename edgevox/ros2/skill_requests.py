@@ -6,6 +6,7 @@ from typing import Any, Protocol
 from edgevox.core.agent_events import AgentEvent, as_json
 from edgevox.core.cancel import CancelToken
 from edgevox.core.json_reader import read_json_object
+from edgevox.core.ways import Way
 from edgevox.ros2.json_text import write
 
 MAX_ARGUMENTS_BYTES = 64 * 1024
@@ -23,11 +24,15 @@ class RunningGoal(Protocol):
 class StartsGoals(Protocol):
     """Who runs skills; the conversation does. Both raise `EdgeVoxError` with the reason."""
 
-    def check_goal(self, name: str, arguments: Mapping[str, Any]) -> None:
+    def check_goal(self, name: str, arguments: Mapping[str, Any], way: Way = Way.ACTION) -> None:
         """Raise what `start_goal` would raise; nothing happens."""
 
     def start_goal(
-        self, name: str, arguments: Mapping[str, Any], goal_id: str | None = None
+        self,
+        name: str,
+        arguments: Mapping[str, Any],
+        goal_id: str | None = None,
+        way: Way = Way.ACTION,
     ) -> RunningGoal:
         """Run a skill. Does not block; the bus tells of it under this id from now on."""
 

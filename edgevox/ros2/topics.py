@@ -8,11 +8,14 @@ from typing import Any
 from rclpy.node import Node
 from std_msgs.msg import Float32, String
 
+from edgevox.agent.policy import Asked, Denied
 from edgevox.core.agent_events import AgentEvent
-from edgevox.core.errors import InvalidValue
+from edgevox.core.commands import Reset
+from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.events import RobotState
 from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
+from edgevox.core.ways import Way
 from edgevox.ros2.contract import PUBLISHED, SUBSCRIBED
 from edgevox.ros2.contract_rows import STRING, Published, Subscribed
 from edgevox.ros2.qos import profile
@@ -28,15 +31,17 @@ class Topics:
     """Serves the rows of `PUBLISHED` and `SUBSCRIBED` on a node.
 
     The body, if there is one, is asked for its state as often as the settings say, on the ticker.
-    `refusals` counts by topic and reason the messages that were no valid command.
+    `refusals` counts by topic and reason the messages that were no valid command, or forbidden.
     """
 
     def __init__(self, node: Node, wiring: Wiring, ticker: Ticker) -> None:
         self._node = node
         self._bus = wiring.bus
         self._submit = wiring.submit
+        self._guard = wiring.guard
         self.refusals: Counter[tuple[str, ...]] = Counter(
             {(row.topic, Refusal.INVALID): 0 for row in SUBSCRIBED}
+            | {(row.topic, Refusal.FORBIDDEN): 0 for row in SUBSCRIBED if row.verbs}
         )
         self._forget: list[Callable[[], None]] = []
         body = wiring.body
@@ -74,7 +79,15 @@ class Topics:
 
     def _receive(self, row: Subscribed, message: String) -> None:
         try:
-            self._submit(row.decode(message.data))
+            command = row.decode(message.data)
+            if row.verbs and not isinstance(command, Reset):  # which stops the robot
+                self._guard.permit(Way.COMMAND, [Asked(message.data.strip(), moves=False)])
+            self._submit(command)
         except InvalidValue as error:
-            self.refusals[row.topic, error.reason] += 1
-            log.warning("message_refused", topic=row.topic, reason=str(error))
+            self._refuse(row.topic, error.reason, error)
+        except Denied as denied:
+            self._refuse(row.topic, Refusal.FORBIDDEN, denied)
+
+    def _refuse(self, topic: str, why: Refusal, error: EdgeVoxError) -> None:
+        self.refusals[topic, why] += 1
+        log.warning("message_refused", topic=topic, reason=str(error))

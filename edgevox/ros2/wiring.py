@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from edgevox.agent.policy import Guard
 from edgevox.core.bus import Bus
 from edgevox.core.controls import Controls
 from edgevox.core.interlock import Interlock
@@ -23,7 +24,8 @@ class Wiring:
     `body` and `goals` belong to an agent that has a body; without one there is neither
     `robot_state` nor `agent_event`, no robot's topics and no action. `audio_in` is filled from a
     topic, `audio_out` is sent to one. `components` say how they are. `interlock` is
-    engaged while another agent of the namespace moves the robot.
+    engaged while another agent of the namespace moves the robot. `guard` is asked of velocities and
+    of what comes on `command`; of goals the one who runs them asks.
     """
 
     settings: Settings
@@ -37,3 +39,4 @@ class Wiring:
     audio_out: Relay | None = None
     components: Components | None = None
     interlock: Interlock = field(default_factory=Interlock)
+    guard: Guard = field(default_factory=Guard)

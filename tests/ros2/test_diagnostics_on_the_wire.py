@@ -11,7 +11,8 @@ from interop_rig import Messages
 from peer import RELIABLE, Peer
 from waiting import wait_until
 
-COMPONENTS = ["audio", "stt", "llm", "tts", "sim", "executor", "presence", "disk", "process"]
+COMPONENTS = ["audio", "stt", "llm", "tts", "sim"]
+COMPONENTS += ["executor", "presence", "policy", "disk", "process"]
 EDGEVOX = str(Path(AGENT).with_name("edgevox"))
 
 

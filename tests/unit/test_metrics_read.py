@@ -9,6 +9,8 @@ from prometheus_client.parser import text_string_to_metric_families
 
 from edgevox.agent.llm.base import ModelFailed
 from edgevox.agent.llm.endpoint import FallbackModel
+from edgevox.agent.policy import Denied, Guard
+from edgevox.agent.reasons import because
 from edgevox.apps import metrics
 from edgevox.apps.components import list_components
 from edgevox.core.bus import Bus
@@ -16,6 +18,7 @@ from edgevox.core.cancel import CancelToken
 from edgevox.core.gauges import Gauges
 from edgevox.core.settings import check_settings
 from edgevox.core.status import Components
+from edgevox.core.ways import Way
 from edgevox.ops.health import Health
 from edgevox.ops.metrics.table import METRICS
 from edgevox.robots.apartment import ApartmentRobot
@@ -66,6 +69,7 @@ def parts(tmp_path):
         components=components,
         health=Health(components),
         absent="",
+        guard=Guard(),
     )
 
 
@@ -105,8 +109,11 @@ def family_name(sample: str) -> str:
 
 
 def test_what_the_parts_count_is_what_is_read(parts, registry) -> None:
+    parts.guard.refuse(Denied(because("policy_denied"), Way.VOICE, "grasp"))
     told = values(registry)
 
+    assert told["edgevox_policy_refusals_total", "voice", "policy_denied"] == 1
+    assert told["edgevox_policy_broken",] == 0
     assert told["edgevox_dropped_total", "conversation"] == 1
     assert told["edgevox_refused_requests_total", "too_many"] == 1
     assert told["edgevox_refused_requests_total", "too_long"] == 8

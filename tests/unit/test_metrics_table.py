@@ -18,6 +18,7 @@ BARE = {
     "edgevox_ready",
     "edgevox_check_ok",
     "edgevox_muted",
+    "edgevox_policy_broken",
     "edgevox_threads",
     "edgevox_llm_server_up",
     "process_open_fds",

@@ -1,6 +1,15 @@
 """All checks, once: the doctor asks them, docs/diagnostics.md lists them."""
 
-from edgevox.apps.doctor import graphics, machine, models, network, ros, sound, surroundings
+from edgevox.apps.doctor import (
+    graphics,
+    machine,
+    models,
+    network,
+    permitted,
+    ros,
+    sound,
+    surroundings,
+)
 from edgevox.apps.doctor.verdict import Check
 
 _ROS, _HERE = "edgevox.ros2.probe", "edgevox.apps.doctor"
@@ -26,6 +35,12 @@ CHECKS: tuple[Check, ...] = (
         "settings that make sense, no misspelled `EDGEVOX_` variable",
         surroundings.probe_settings,
         surroundings.judge_settings,
+    ),
+    Check(
+        "policy",
+        "who may ask for what, a line for each way in and each limit of the policy file",
+        permitted.probe_policy,
+        permitted.judge_policy,
     ),
     Check(
         "folders",

@@ -18,6 +18,7 @@ from edgevox.core.clock import Clock
 from edgevox.core.commands import Interrupt, TextInput
 from edgevox.core.events import Cause
 from edgevox.core.log import get_logger
+from edgevox.core.ways import Way
 
 log = get_logger(__name__)
 
@@ -72,7 +73,7 @@ class Prompt:
             return self._run_slash(line)
         elif line:
             self._view.expect(line)
-            self._desk.conversation.submit(TextInput(line))
+            self._desk.conversation.submit(TextInput(line, Way.TYPED))
         return True
 
     def _run_slash(self, line: str) -> bool:

@@ -7,6 +7,7 @@ from edgevox.apps.terminal.lines import Lines
 from edgevox.apps.terminal.view import View
 from edgevox.core.bus import Bus
 from edgevox.core.commands import TextInput
+from edgevox.core.ways import Way
 
 
 def run_script(fd: int, bus: Bus, desk: Desk, write: Callable[[str], None]) -> int:
@@ -18,7 +19,7 @@ def run_script(fd: int, bus: Bus, desk: Desk, write: Callable[[str], None]) -> i
 
     def begin(line: str) -> None:
         if not line.startswith("/"):
-            desk.conversation.submit(TextInput(line))
+            desk.conversation.submit(TextInput(line, Way.TYPED))
 
     def run_slash(line: str) -> None:
         if line.startswith("/"):

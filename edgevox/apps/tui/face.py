@@ -20,6 +20,7 @@ from edgevox.core.clock import Clock
 from edgevox.core.commands import Command, Interrupt, SetMuted, TextInput
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import Cause
+from edgevox.core.ways import Way
 
 Queries = Mapping[str, Callable[[], Mapping[str, Any]]]
 
@@ -125,7 +126,7 @@ class Face(App[None]):
         elif line:
             self._feed.expect(line)
             self._feed.write(f"> {line}")
-            self._submit(TextInput(line))
+            self._submit(TextInput(line, Way.TYPED))
 
     def action_interrupt(self) -> None:
         """Stop talking and moving; the second time, leave."""

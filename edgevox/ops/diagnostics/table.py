@@ -66,6 +66,14 @@ COMPONENTS: tuple[Row, ...] = (
         "end one of them, or publish the id of the one that is to move on `take_over`",
     ),
     Row(
+        "policy",
+        "what the policy file permits; its values say how much was refused, and what last",
+        "the file cannot be used and the policy before it is in force, or it names a skill or a"
+        " place that this robot does not have",
+        "",
+        "`edgevox doctor --only policy` says which line; a mended file counts at once",
+    ),
+    Row(
         "disk",
         "room where EdgeVox writes",
         "less than 1 GiB, of a small file system less than 10 %",

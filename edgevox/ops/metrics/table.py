@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from edgevox.core.agent_events import GOAL_ENDS
 from edgevox.core.events import Cause, Outcome, State
 from edgevox.core.refusals import Refusal
+from edgevox.core.ways import Way
 from edgevox.ops.metrics.metric import Kind, Metric
 
 SKILLS, CHECKS, TOPICS = "the agent's skills", "the checks of health.md", "topics that come in"
@@ -165,6 +166,20 @@ _READ = (
             Refusal.TOO_LONG: "process.refused_too_long",
             Refusal.TOO_MANY: "process.refused_too_many",
         },
+    ),
+    Metric(
+        "edgevox_policy_refusals_total",
+        Kind.COUNTER,
+        "What the policy refused, by the way in and the code of the reason",
+        {"way": tuple(Way), "code": "a code that begins with policy_ or needs_"},
+        read=True,
+    ),
+    Metric(
+        "edgevox_policy_broken",
+        Kind.GAUGE,
+        "Whether the policy's file cannot be used, so that the one before it is in force",
+        of="an agent with a policy",
+        read={"": "policy.broken"},
     ),
     Metric(
         "edgevox_executor_lag_seconds",

@@ -9,6 +9,7 @@ from typing import Any
 from geometry_msgs.msg import PoseStamped
 from rclpy.node import Node
 
+from edgevox.agent.policy import Denied
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
@@ -45,7 +46,8 @@ class GoalInput:
     means where that frame was at the goal's stamp (0 is now). Its orientation is not used, and on
     the floor neither is its height. `refusals` counts by reason those in another frame, without
     one, of a time that is not remembered, with numbers that are not finite or an orientation that
-    is none, or which the skill refuses, such as outside the world; each is logged with its reason.
+    is none, which the skill refuses, such as outside the world, or the policy; each is logged with
+    its reason.
     """
 
     def __init__(
@@ -53,7 +55,9 @@ class GoalInput:
     ) -> None:
         self._skill, self._frames, self._tf = skill, frames, tf_buffer
         self._run_skill = run_skill
-        self.refusals: Counter[Refusal] = Counter({Refusal.INVALID: 0, Refusal.NOT_FINITE: 0})
+        self.refusals: Counter[Refusal] = Counter(
+            dict.fromkeys((Refusal.INVALID, Refusal.NOT_FINITE, Refusal.FORBIDDEN), 0)
+        )
         self._open = True
         node.create_subscription(
             PoseStamped, "goal_pose", self._take, profile(STANDARD["goal_pose"].qos)
@@ -69,7 +73,7 @@ class GoalInput:
         try:
             self._run_skill(self._skill, self._arguments(message))
         except EdgeVoxError as error:
-            why = error.reason if isinstance(error, InvalidValue) else Refusal.INVALID
+            why = _refusal(error)
             self.refusals[why] += 1
             log.warning("goal_pose_refused", reason=str(error), refused=self.refusals.total())
 
@@ -103,3 +107,9 @@ def on_map(tf_buffer: TfBuffer, frames: Frames, frame: str, stamp_ns: int) -> Po
             return pose
     known = dict.fromkeys((frames.map, *tf_buffer.frames))
     raise InvalidValue("frame_id", frame, "one of " + ", ".join(known))
+
+
+def _refusal(error: EdgeVoxError) -> Refusal:
+    if isinstance(error, Denied):
+        return Refusal.FORBIDDEN
+    return error.reason if isinstance(error, InvalidValue) else Refusal.INVALID

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 
 from rclpy.node import Node
 
+from edgevox.agent.policy import Guard
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.interlock import Interlock
 from edgevox.core.log import get_logger
@@ -42,7 +43,7 @@ class Interop:
     `run_skill` asks for a skill and must not block. `ticker`, not yet started, gives the rates; the
     camera has one of its own, which `tickers` makes. `odom_frame` and `frame_prefix` are explained
     in `frames`, `publish_clock` in `stamps`. Raises `InvalidValue` for a frame that cannot be.
-    While the `interlock` is engaged no velocity but zero is taken.
+    While the `interlock` is engaged no velocity but zero is taken; the `guard` is asked of each.
     """
 
     def __init__(
@@ -56,6 +57,7 @@ class Interop:
         frame_prefix: str = "",
         publish_clock: bool = False,
         interlock: Interlock | None = None,
+        guard: Guard | None = None,
         tickers: MakeTicker = Ticker,
     ) -> None:
         self._node, self._body = node, body
@@ -68,7 +70,7 @@ class Interop:
         self._scanner = self._offer_scans()
         self._camera = self._offer_pictures(tickers)
         self._velocity = (
-            VelocityInput(node, body, interlock) if isinstance(body, TakesVelocity) else None
+            VelocityInput(node, body, interlock, guard) if isinstance(body, TakesVelocity) else None
         )
         self._goal = self._take_goals(run_skill)
         self._place_sensors()

@@ -12,6 +12,7 @@ from collections import Counter
 from geometry_msgs.msg import Twist
 from rclpy.node import Node
 
+from edgevox.agent.policy import Denied, Guard
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.interlock import Interlock
 from edgevox.core.log import get_logger
@@ -27,13 +28,21 @@ class VelocityInput:
     """Hands velocities to the body: `linear.x` and `angular.z`, the two it can follow.
 
     `refusals` counts by reason messages that held a NaN or an infinity, or any motion while the
-    `interlock` is engaged: none of their numbers is used, and the body's watchdog runs on. What is
-    beyond the body's limits the body clamps.
+    `interlock` is engaged or that the policy forbids: none of their numbers is used, and the body's
+    watchdog runs on. What is faster than the policy permits is slowed, both numbers by the same
+    factor; what is beyond the body's limits the body clamps.
     """
 
-    def __init__(self, node: Node, body: TakesVelocity, interlock: Interlock | None = None) -> None:
+    def __init__(
+        self,
+        node: Node,
+        body: TakesVelocity,
+        interlock: Interlock | None = None,
+        guard: Guard | None = None,
+    ) -> None:
         self._body = body
         self._interlock = interlock or Interlock()
+        self._guard = guard or Guard()
         self.refusals: Counter[Refusal] = Counter(
             dict.fromkeys((Refusal.INVALID, Refusal.NOT_FINITE, Refusal.FORBIDDEN), 0)
         )
@@ -56,7 +65,9 @@ class VelocityInput:
             self._refuse(EdgeVoxError(str(held)), Refusal.FORBIDDEN)
             return
         try:
-            self._body.set_velocity(Twist2D(one.x, two.z))
+            self._body.set_velocity(Twist2D(*self._guard.velocity(one.x, two.z)))
+        except Denied as denied:
+            self._refuse(denied, Refusal.FORBIDDEN)
         except InvalidValue as error:
             self._refuse(error, error.reason)
 

@@ -1,0 +1,23 @@
+"""What the robot may be asked for: by which way, within which limits; read from one YAML file.
+
+`format` is the file, `policy` judges by it, `guard` is whom everybody asks: it holds the policy in
+force, reads the file again when it has changed, and counts what is refused. Imports core, and of
+the agent skills and reasons.
+"""
+
+from edgevox.agent.policy.guard import Asked, Guard
+from edgevox.agent.policy.policy import Policy, load_policy
+from edgevox.agent.policy.surroundings import Surroundings
+from edgevox.agent.policy.verdict import Denied, NeedsConfirmation, Rule, Verdict
+
+__all__ = [
+    "Asked",
+    "Denied",
+    "Guard",
+    "NeedsConfirmation",
+    "Policy",
+    "Rule",
+    "Surroundings",
+    "Verdict",
+    "load_policy",
+]

@@ -1,0 +1,91 @@
+"""The format of a policy file, validated: nothing in it is guessed, nothing is left out."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, StringConstraints
+
+from edgevox.agent.policy.limits import Limits
+from edgevox.agent.policy.part import Part
+from edgevox.agent.policy.verdict import Rule
+from edgevox.core.errors import InvalidValue
+from edgevox.core.user_file import read_text
+from edgevox.core.yaml_file import YamlFile
+
+ANY = "*"
+"""Stands for every skill, or every way in."""
+MOST_SKILLS = 200
+
+WayName = Literal[
+    "*",
+    "voice",
+    "typed",
+    "text_input",
+    "command",
+    "action",
+    "goal_pose",
+    "cmd_vel",
+    "console_viewer",
+    "console_operator",
+]
+"""Every `Way`, and all of them."""
+SkillName = Annotated[str, StringConstraints(pattern=r"^(\*|[A-Za-z_][A-Za-z0-9_]*)$")]
+RuleWord = Literal["allow", "confirm", "deny"]
+
+
+def _of_all_skills(value: Any) -> Any:
+    """One word stands for every skill."""
+    return {ANY: value} if isinstance(value, str) else value
+
+
+SkillRules = Annotated[
+    dict[SkillName, RuleWord],
+    BeforeValidator(_of_all_skills, json_schema_input_type=RuleWord | dict[SkillName, RuleWord]),
+    Field(max_length=MOST_SKILLS),
+]
+
+
+class PolicyFile(Part):
+    """A whole file."""
+
+    about: str = Field("", max_length=500, description="whom it is for, in a sentence")
+    rules: dict[WayName, SkillRules] = Field(
+        default_factory=dict,
+        description="by way in and skill: allow, confirm or deny; one word is for every skill. A "
+        "skill under its way counts first; then the stricter of the way's `*` and the skill under "
+        "`*`; then `*` under `*`; what none of them names is allowed",
+    )
+    limits: Limits = Field(default_factory=Limits, description="for all that moves, by every way")
+
+    @property
+    def skills(self) -> frozenset[str]:
+        """All skills that rules name."""
+        return frozenset(name for one in self.rules.values() for name in one) - {ANY}
+
+    def of_way(self, way: str) -> Mapping[str, str]:
+        """The entry of a way, or of all."""
+        return next((entry for name, entry in self.rules.items() if name == way), {})
+
+    def rule(self, way: str, skill: str) -> Rule:
+        """What becomes of a skill that is asked for by this way."""
+        own, every = self.of_way(way), self.of_way(ANY)
+        if skill in own:
+            return Rule(own[skill])
+        fitting = [Rule(found) for found in (own.get(ANY), every.get(skill)) if found]
+        if fitting:
+            return max(fitting, key=list(Rule).index)
+        return Rule(every.get(ANY, Rule.ALLOW))
+
+
+def read_policy_file(file: Path) -> PolicyFile:
+    """The policy in a file. Raises `InvalidValue` by file, line, field and what was expected."""
+    return parse_policy(read_text(file, "policy"), file.name)
+
+
+def parse_policy(text: str, name: str) -> PolicyFile:
+    """As `read_policy_file`; `name` is the file's name in messages."""
+    file = YamlFile(text, name)
+    if not isinstance(file.data, dict):
+        raise InvalidValue(name, file.data, "a mapping with rules and limits")
+    return file.read(PolicyFile, file.data)

@@ -1,0 +1,171 @@
+"""Whom everybody asks before something is done: the policy in force, and what it refused."""
+
+import json
+import threading
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from edgevox.agent.policy.policy import NOWHERE, VELOCITY, Policy, local_time
+from edgevox.agent.policy.surroundings import Surroundings
+from edgevox.agent.policy.verdict import Denied, NeedsConfirmation, Rule
+from edgevox.agent.policy.watched_file import WatchedFile
+from edgevox.core.agent_events import GoalRejected
+from edgevox.core.bus import Bus
+from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.errors import shorten
+from edgevox.core.log import get_logger
+from edgevox.core.ways import Way
+
+log = get_logger(__name__)
+
+TELL_EVERY_S = 1.0
+"""Of velocities, which come at a rate, one refusal in so long is told; all are counted."""
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """One call of a skill, its arguments checked; `moves`: it sets the robot in motion."""
+
+    skill: str
+    arguments: Mapping[str, Any] = field(default_factory=dict)
+    moves: bool = True
+
+
+class Guard:
+    """Holds a policy, and asks it. Any thread may ask.
+
+    With a `file` it is that file's policy: read at once, which raises `InvalidValue`, and again
+    when something is asked and the file has changed. One that cannot be read leaves the old policy
+    in force, which is logged, and said by `trouble` until it is mended. `around` is what is known
+    of the robot, `now` the time of day. A refusal is published as `GoalRejected`.
+    """
+
+    def __init__(
+        self,
+        file: Path | None = None,
+        bus: Bus | None = None,
+        around: Surroundings = NOWHERE,
+        *,
+        now: Callable[[], datetime] = local_time,
+        clock: Clock | None = None,
+    ) -> None:
+        self.around = around
+        self._file = WatchedFile(file) if file else None
+        self._fixed = Policy()
+        self._bus = bus or Bus()
+        self._now = now
+        self._clock = clock or SystemClock()
+        self._lock = threading.Lock()
+        self._refusals: Counter[tuple[str, ...]] = Counter()
+        self._told_s = float("-inf")
+        self.slowed = 0
+        """How many velocities were slowed to what is permitted."""
+        self.last = ""
+        """What was refused last, in a few words; empty if nothing was."""
+
+    @property
+    def policy(self) -> Policy:
+        """The policy in force."""
+        return self._file.policy if self._file else self._fixed
+
+    @property
+    def reads_a_file(self) -> bool:
+        """Whether it is a file's policy."""
+        return self._file is not None
+
+    @property
+    def trouble(self) -> str:
+        """Why the file as it is now cannot be used; empty if it is in force."""
+        return self._file.trouble if self._file else ""
+
+    @property
+    def refusals(self) -> Mapping[tuple[str, ...], int]:
+        """How much was refused, by way and code."""
+        with self._lock:
+            return dict(self._refusals)
+
+    def look(self) -> Policy:
+        """The policy in force, after a look at whether the file has changed."""
+        return self._file.look() if self._file else self._fixed
+
+    def check(
+        self, way: Way, calls: Sequence[Asked], turn: int = 0, *, confirmed: bool = False
+    ) -> None:
+        """Raise `Denied` if one of these calls is refused, which is counted and told.
+
+        Else `NeedsConfirmation`, if one needs a yes: whoever cannot ask gives it to `refuse`. Where
+        somebody has `confirmed` them, that is enough.
+        """
+        policy, now = self.look(), self._now()
+        unsure: NeedsConfirmation | None = None
+        for one in calls:
+            verdict = policy.judge(
+                way, one.skill, one.arguments, moves=one.moves, around=self.around, now=now
+            )
+            if verdict.rule is Rule.DENY:
+                denied = Denied(verdict.reason, way, one.skill, one.arguments)
+                self.refuse(denied, turn)
+                raise denied
+            if verdict.rule is Rule.CONFIRM and unsure is None:
+                unsure = NeedsConfirmation(verdict.reason, way, one.skill, one.arguments)
+        if unsure and not confirmed:
+            raise unsure
+
+    def permit(
+        self, way: Way, calls: Sequence[Asked], turn: int = 0, *, confirmed: bool = False
+    ) -> None:
+        """As `check`, for who cannot ask back: what needs a yes is refused, too."""
+        try:
+            self.check(way, calls, turn, confirmed=confirmed)
+        except NeedsConfirmation as unsure:
+            self.refuse(unsure, turn)
+            raise
+
+    def velocity(self, linear_m_s: float, angular_rad_s: float) -> tuple[float, float]:
+        """What of a velocity may be followed. Raises `Denied`; a stand is never refused.
+
+        Takes microseconds: it does not look at the file.
+        """
+        if not (linear_m_s or angular_rad_s):
+            return linear_m_s, angular_rad_s
+        policy = self.policy
+        if reason := policy.steered(self._now() if policy.file.limits.hours else None):
+            denied = Denied(reason, Way.CMD_VEL, VELOCITY)
+            self.refuse(denied)
+            raise denied
+        permitted = policy.slowed(linear_m_s, angular_rad_s)
+        self.slowed += permitted != (linear_m_s, angular_rad_s)
+        return permitted
+
+    def refuse(self, denied: Denied, turn: int = 0) -> None:
+        """Count a refusal and tell of it."""
+        self._count(denied)
+        if denied.way is Way.CMD_VEL and not self._due():
+            return
+        code = denied.reason.code
+        log.info("policy_refused", way=str(denied.way), skill=denied.skill, code=code)
+        if denied.way is not Way.ACTION:  # which tells of every goal that it rejects
+            self._bus.publish(_rejected(denied, turn))
+
+    def _count(self, denied: Denied) -> None:
+        code = denied.reason.code
+        with self._lock:
+            self._refusals[str(denied.way), code] += 1
+            self.last = f"{denied.way} {denied.skill}: {code}"
+
+    def _due(self) -> bool:
+        now_s = self._clock.now()
+        with self._lock:
+            due = now_s - self._told_s >= TELL_EVERY_S
+            if due:
+                self._told_s = now_s
+        return due
+
+
+def _rejected(denied: Denied, turn: int) -> GoalRejected:
+    arguments = shorten(json.dumps(denied.arguments, default=str))
+    return GoalRejected(denied.skill, arguments, denied.reason, way=str(denied.way), turn=turn)

@@ -1,0 +1,93 @@
+"""Judges what is asked, by one policy file. It never changes; a new file is a new policy."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from datetime import datetime
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from edgevox.agent.policy.format import PolicyFile, read_policy_file
+from edgevox.agent.policy.surroundings import Surroundings
+from edgevox.agent.policy.verdict import Rule, Verdict
+from edgevox.agent.reasons import because
+from edgevox.agent.skills import STOP
+from edgevox.core.reasons import NO_REASON, Reason
+from edgevox.core.ways import Way
+
+ALLOWED = Verdict(Rule.ALLOW)
+VELOCITY = "cmd_vel"
+"""What rules and refusals call the skill of being steered by velocities."""
+NOWHERE = Surroundings()
+
+
+def local_time() -> datetime:
+    """By the clock of the machine, and its time zone."""
+    return datetime.now().astimezone()
+
+
+@dataclass(frozen=True)
+class Policy:
+    """What is permitted. The empty one permits all that a robot's own limits let through.
+
+    To stop is permitted always, whatever the file says.
+    """
+
+    file: PolicyFile = field(default_factory=PolicyFile)
+
+    def judge(
+        self,
+        way: Way,
+        skill: str,
+        arguments: Mapping[str, Any],
+        *,
+        moves: bool = True,
+        around: Surroundings = NOWHERE,
+        now: datetime | None = None,
+    ) -> Verdict:
+        """What becomes of a skill, with checked arguments, asked for by this way.
+
+        `moves` says whether it sets the robot in motion; limits are for what does. Where nobody can
+        be asked, what needs a yes is refused.
+        """
+        if skill == STOP:
+            return ALLOWED
+        rule = self.file.rule(way, skill)
+        if rule is Rule.DENY:
+            return Verdict(rule, because("policy_denied", way=way, skill=skill))
+        if moves:
+            limits = self.file.limits
+            reason = limits.closed(now or local_time()) or limits.against(arguments, around)
+            if reason:
+                return Verdict(Rule.DENY, reason)
+        if rule is Rule.ALLOW:
+            return ALLOWED
+        if not way.attended:
+            return Verdict(Rule.DENY, because("needs_a_person", way=way, skill=skill))
+        return Verdict(rule, because("needs_confirmation", way=way, skill=skill))
+
+    def steered(self, now: datetime | None = None) -> Reason:
+        """Why it may not be steered by velocities now; none if it may. Takes microseconds."""
+        return self._steering or (
+            self.file.limits.closed(now or local_time()) if self.file.limits.hours else NO_REASON
+        )
+
+    def slowed(self, linear_m_s: float, angular_rad_s: float) -> tuple[float, float]:
+        """The velocity, or the same arc at the speed that is permitted."""
+        speed = self.file.limits.speed
+        return speed.within(linear_m_s, angular_rad_s) if speed else (linear_m_s, angular_rad_s)
+
+    @cached_property
+    def _steering(self) -> Reason:
+        """Why the rules let nobody steer by velocities; none if they do."""
+        match self.file.rule(Way.CMD_VEL, VELOCITY):
+            case Rule.DENY:
+                return because("policy_denied", way=Way.CMD_VEL, skill=VELOCITY)
+            case Rule.CONFIRM:
+                return because("needs_a_person", way=Way.CMD_VEL, skill=VELOCITY)
+        return NO_REASON
+
+
+def load_policy(file: Path) -> Policy:
+    """The policy of a file. Raises `InvalidValue` naming file, line, field and expectation."""
+    return Policy(read_policy_file(file))

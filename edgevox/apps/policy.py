@@ -1,0 +1,44 @@
+"""Puts the policy in force: its file, and what it must know of the robot."""
+
+from collections.abc import Iterable
+
+from edgevox.agent.phrase_file import phrasebook
+from edgevox.agent.policy import Guard, Surroundings
+from edgevox.agent.policy.policy import VELOCITY
+from edgevox.agent.skills import Skill, SkillFailed
+from edgevox.core.bus import Bus
+from edgevox.core.settings import Settings
+from edgevox.robots.capabilities import Body, HasPlaces, HasPose
+from edgevox.ros2.contract import COMMANDS
+
+ANY_LANGUAGE = "de"
+"""Each phrasebook but the English one has the skills of all robots that come with EdgeVox."""
+
+
+def build_guard(settings: Settings, bus: Bus, body: Body | None) -> Guard:
+    """The guard of this agent. Raises `InvalidValue` for a file that cannot be used."""
+    return Guard(settings.policy, bus, surroundings(body))
+
+
+def surroundings(body: Body | None) -> Surroundings:
+    """What is known of this body."""
+
+    def here() -> tuple[float, float] | None:
+        if not isinstance(body, HasPose):
+            return None
+        try:
+            pose = body.pose()
+        except SkillFailed:  # nothing is heard of it
+            return None
+        return pose.x_m, pose.y_m
+
+    if isinstance(body, HasPlaces):
+        return Surroundings(lambda: body.places, body.place_at, here)
+    return Surroundings(here=here)
+
+
+def known_names(skills: Iterable[Skill]) -> frozenset[str]:
+    """What rules may name: an agent's skills, those of all robots here, and what is no skill."""
+    return frozenset(
+        {*(one.name for one in skills), *phrasebook(ANY_LANGUAGE).skills, *COMMANDS, VELOCITY}
+    )
