@@ -4,7 +4,7 @@ The tables of ros2.md come from `edgevox.ros2.contract` and the launch files, th
 from `edgevox.apps.container`, those of diagnostics.md from `edgevox.ops.diagnostics` and
 `edgevox.apps.doctor`, that of metrics.md from `edgevox.ops.metrics`. They stand between
 ``<!-- generated: NAME -->`` and ``<!-- end -->``; all else on a page is written by hand.
-scenario.schema.json is the format of scenario files as a JSON Schema.
+scenario.schema.json and policy.schema.json are the formats of such files as JSON Schemas.
 """
 
 import ast
@@ -16,6 +16,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import get_args
 
+from edgevox.agent.policy.format import PolicyFile
 from edgevox.apps.container import ENVIRONMENT, Row
 from edgevox.apps.doctor.checks import CHECKS
 from edgevox.core.agent_events import AgentEvent, keys
@@ -29,7 +30,10 @@ from edgevox.scenario import Scenario
 ROOT = Path(__file__).resolve().parent.parent
 NAMES = ("ros2", "deployment", "logs", "diagnostics", "metrics")
 PAGES = tuple(ROOT / "docs" / f"{name}.md" for name in NAMES)
-SCHEMA = ROOT / "docs" / "scenario.schema.json"
+SCHEMAS = {
+    ROOT / "docs" / "scenario.schema.json": Scenario,
+    ROOT / "docs" / "policy.schema.json": PolicyFile,
+}
 LAUNCH = ROOT / "launch"
 BLOCK = re.compile(r"(<!-- generated: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
@@ -288,9 +292,12 @@ def renewed(page: str) -> str:
     return BLOCK.sub(lambda found: found[1] + PARTS[found[2]]() + found[3], page)
 
 
-def schema() -> str:
-    """What editors and other programs need to know of scenario files."""
-    return json.dumps(Scenario.model_json_schema(), indent=2) + "\n"
+def schemas() -> dict[Path, str]:
+    """What editors and other programs need to know of the files that people write."""
+    return {
+        file: json.dumps(kind.model_json_schema(), indent=2, allow_nan=False) + "\n"
+        for file, kind in SCHEMAS.items()
+    }
 
 
 def main(arguments: list[str]) -> int:
@@ -300,7 +307,7 @@ def main(arguments: list[str]) -> int:
     if missing := PARTS.keys() - there:
         sys.stderr.write(f"docs: no part generated: {', '.join(sorted(missing))}\n")
         return 1
-    wanted = {page: renewed(text) for page, text in pages.items()} | {SCHEMA: schema()}
+    wanted = {page: renewed(text) for page, text in pages.items()} | schemas()
     match arguments:
         case ["write"]:
             for file, text in wanted.items():

@@ -10,13 +10,12 @@ from edgevox.agent.policy.part import Part
 Day = Literal["mon", "tue", "wed", "thu", "fri", "sat", "sun"]
 DAYS: tuple[Day, ...] = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
 MINUTES = 24 * 60
-EXPECTED = "a time of day such as 07:30, from 00:00 to 24:00"
+EXPECTED = "a time of day in quotes such as '07:30', from '00:00' to '24:00'"
+"""Without quotes YAML makes a number of 19:30, which looks like one that somebody wrote."""
 
 
 def _minutes(value: Any) -> int:
-    """Minutes since midnight. YAML reads 19:30 without quotes as that number already."""
-    if isinstance(value, int) and not isinstance(value, bool) and 0 <= value <= MINUTES:
-        return value
+    """Minutes since midnight."""
     hours, colon, minutes = value.partition(":") if isinstance(value, str) else ("", "", "")
     if colon and all(len(one) == 2 and one.isascii() and one.isdigit() for one in (hours, minutes)):
         total = int(hours) * 60 + int(minutes)

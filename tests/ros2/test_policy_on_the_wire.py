@@ -1,0 +1,316 @@
+"""Each way in on the wire is under the policy, one by one; a stop is under none."""
+
+import json
+import subprocess
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from action_stage import Client
+from agent_process import READY, Agent
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import PoseStamped, Twist
+from interop_rig import Stream, hear, tell, twist
+from nav_msgs.msg import Odometry
+from peer import SENSOR, Peer
+from rclpy.qos import qos_profile_sensor_data
+from scraper import free_port
+from scraper import wait_until as wait_for_metrics
+
+DENIED = "I cannot do that: I am not permitted to do that."
+CMD_VEL, GOAL_POSE = "/edgevox/cmd_vel", "/edgevox/goal_pose"
+PORT = free_port()
+
+
+class Robot:
+    """An agent under a policy that a test writes, and everything that a peer sees of it."""
+
+    def __init__(self, process: Agent, peer: Peer, file: Path) -> None:
+        self.process, self.peer, self._file = process, peer, file
+        self.events = peer.listen("agent_event")
+        self.answers = peer.listen("response")
+        self.odom = hear(peer, Odometry, "/edgevox/odom", qos_profile_sensor_data)
+        self.health = hear(peer, DiagnosticArray, "/diagnostics")
+
+    def under(self, policy: str) -> None:
+        """Put another file in its place, and wait until the robot has read it."""
+        other = self._file.with_suffix(".new")
+        other.write_text(f"about: number {next(NUMBERS)}\n{policy}", encoding="utf-8")
+        other.replace(self._file)
+        about = other_about(self._file)
+        self.status(lambda one: one.message.endswith(about) or "cannot be used" in one.message)
+
+    def status(self, wanted: Callable[[DiagnosticStatus], bool]) -> DiagnosticStatus:
+        """What `policy` says of itself on /diagnostics from now on, once it is as wanted."""
+        found: list[DiagnosticStatus] = []
+
+        def look(array: DiagnosticArray) -> bool:
+            ours = [one for one in array.status if one.name == "/edgevox/edgevox: policy"]
+            found[:] = [one for one in ours if wanted(one)]
+            return bool(found)
+
+        self.health.wait_for(look, since=len(self.health.messages))
+        return found[0]
+
+    def from_now(self) -> "Since":
+        return Since(self, len(self.events.messages), len(self.answers.messages))
+
+
+class Since:
+    """What was heard since a moment."""
+
+    def __init__(self, robot: Robot, events: int, answers: int) -> None:
+        self._robot, self._events, self._answers = robot, events, answers
+
+    def rejected(self, way: str) -> dict[str, Any]:
+        """The event of what was refused by this way."""
+        return self.event(lambda one: one.get("way") == way and one["status"] == "rejected")
+
+    def event(self, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
+        heard = self._robot.events.wait_for(lambda m: wanted(json.loads(m)), since=self._events)
+        return dict(json.loads(heard))
+
+    def answer(self) -> str:
+        return str(self._robot.answers.wait_for(lambda _: True, since=self._answers))
+
+    def drives(self) -> None:
+        """A goal of a drive runs."""
+        self.event(
+            lambda one: one.get("skill", "").startswith("nav") and one.get("status") == "running"
+        )
+
+    def none_ran(self) -> bool:
+        told = [json.loads(one) for one in self._robot.events.messages[self._events :]]
+        return not any(one.get("status") == "running" for one in told)
+
+
+def speed(message: Odometry) -> float:
+    return abs(message.twist.twist.linear.x)
+
+
+NUMBERS = iter(range(1_000_000))
+
+
+def other_about(file: Path) -> str:
+    return file.read_text(encoding="utf-8").partition("\n")[0].removeprefix("about: ")
+
+
+@pytest.fixture(scope="module")
+def _process(domain: int, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Agent, Path]]:
+    file = tmp_path_factory.mktemp("policy") / "policy.yaml"
+    file.write_text("rules: {}", encoding="utf-8")
+    arguments = ("--text-mode", "--simple-ui", "--ros2", "--llm", "none", "--policy", str(file))
+    one = Agent(
+        "robot-apartment",
+        *arguments,
+        "--metrics-port",
+        str(PORT),
+        domain=domain,
+        stdin=subprocess.PIPE,
+    )
+    try:
+        one.wait_for_line(READY)
+        yield one, file
+    finally:
+        one.terminate()
+        one.process.stdin.close()
+
+
+@pytest.fixture
+def robot(_process: tuple[Agent, Path], peer: Callable[[], Peer]) -> Iterator[Robot]:
+    process, file = _process
+    one = Robot(process, peer(), file)
+    yield one
+    one.under("rules: {}")
+    one.peer.send("interrupt", "")
+    one.odom.wait_for(lambda m: speed(m) < 0.01, since=len(one.odom.messages))
+
+
+def goal_pose(x_m: float, y_m: float) -> PoseStamped:
+    message = PoseStamped()
+    message.header.frame_id = "map"
+    message.pose.position.x, message.pose.position.y = x_m, y_m
+    return message
+
+
+def ask_by_text_input(robot: Robot) -> None:
+    robot.peer.send("text_input", "go to the kitchen")
+
+
+def ask_by_typing(robot: Robot) -> None:
+    print("go to the kitchen", file=robot.process.process.stdin, flush=True)
+
+
+def ask_by_the_action(robot: Robot) -> None:
+    Client(robot.peer).send("navigate_to", room="kitchen")
+
+
+def ask_by_goal_pose(robot: Robot) -> None:
+    tell(robot.peer, PoseStamped, GOAL_POSE)(goal_pose(7.0, 2.0))
+
+
+ASK = {
+    "text_input": ask_by_text_input,
+    "typed": ask_by_typing,
+    "action": ask_by_the_action,
+    "goal_pose": ask_by_goal_pose,
+}
+
+
+@pytest.mark.parametrize("way", ASK)
+def test_a_way_that_is_denied_moves_nothing_and_says_so_with_its_code(robot, way):
+    robot.under(f"rules: {{{way}: deny}}")
+    since = robot.from_now()
+    ASK[way](robot)
+    rejected = since.rejected(way)
+    assert rejected["code"] == "policy_denied"
+    assert rejected["error"] == "I am not permitted to do that."
+    assert rejected["values"]["way"] == way
+    if way in {"text_input", "typed"}:
+        assert since.answer() == DENIED
+    assert since.none_ran()
+
+
+@pytest.mark.parametrize("way", ASK)
+def test_a_way_that_is_allowed_moves_though_all_others_are_denied(robot, way):
+    robot.under(f"rules: {{'*': deny, {way}: {{'*': allow}}}}")
+    since = robot.from_now()
+    ASK[way](robot)
+    since.drives()
+
+
+@pytest.mark.parametrize("way", ASK)
+def test_what_needs_a_yes_does_not_move_unasked(robot, way):
+    robot.under("rules: {'*': confirm}")
+    since = robot.from_now()
+    ASK[way](robot)
+    asks = way in {"text_input", "typed"}
+    assert since.rejected(way)["code"] == ("needs_confirmation" if asks else "needs_a_person")
+    assert since.none_ran()
+
+
+def test_a_goal_that_a_client_sends_is_rejected_and_the_next_one_taken(robot):
+    robot.under("limits: {places: {never: [kitchen]}}")
+    client = Client(robot.peer)
+    assert not client.send("navigate_to", room="kitchen").accepted
+    assert client.send("navigate_to", room="office").accepted
+
+
+@pytest.mark.parametrize(
+    ("limits", "x_m", "code"),
+    [
+        ("{places: {never: [kitchen]}}", 7.0, "policy_place"),
+        ("{goals: {x: {max: 6}}}", 7.0, "policy_area"),
+        ("{distance_m: 1}", 7.0, "policy_distance"),
+    ],
+)
+def test_a_goal_pose_beyond_a_limit_is_refused_with_its_code(robot, limits, x_m, code):
+    robot.under(f"limits: {limits}")
+    since = robot.from_now()
+    tell(robot.peer, PoseStamped, GOAL_POSE)(goal_pose(x_m, 2.0))
+    assert since.rejected("goal_pose")["code"] == code
+
+
+@pytest.mark.parametrize("word", ["deny", "confirm"])
+def test_velocities_that_are_denied_turn_no_wheel_and_are_told_once_a_second(robot, word):
+    robot.under(f"rules: {{cmd_vel: {word}}}")
+    since, before = robot.from_now(), len(robot.odom.messages)
+    stream = Stream(tell(robot.peer, Twist, CMD_VEL, SENSOR), twist(0.4, 0.0))
+    wanted = "policy_denied" if word == "deny" else "needs_a_person"
+    assert since.rejected("cmd_vel")["code"] == wanted
+    robot.odom.wait_for_more(20)
+    stream.end()
+    assert max(map(speed, robot.odom.messages[before:])) < 0.01
+
+
+def test_velocities_are_slowed_to_what_is_permitted(robot):
+    robot.under("rules: {'*': deny, cmd_vel: allow}\nlimits: {speed: {linear_m_s: 0.1}}")
+    before = len(robot.odom.messages)
+    stream = Stream(tell(robot.peer, Twist, CMD_VEL, SENSOR), twist(0.4, 0.0))
+    robot.odom.wait_for(lambda m: speed(m) > 0.09, since=before)
+    robot.odom.wait_for_more(20)
+    stream.end()
+    assert max(map(speed, robot.odom.messages[before:])) < 0.11
+
+
+def test_a_velocity_of_zero_ends_a_drive_though_velocities_are_denied(robot):
+    since = robot.from_now()
+    ask_by_text_input(robot)
+    since.drives()
+    robot.under("rules: {cmd_vel: deny}")
+    since = robot.from_now()
+    tell(robot.peer, Twist, CMD_VEL, SENSOR)(twist(0.0, 0.0))
+    since.event(lambda one: one["kind"] == "skill_cancelled")
+
+
+def test_a_command_is_refused_by_its_name_and_reset_never(robot):
+    robot.under("rules: {command: deny}")
+    since = robot.from_now()
+    robot.peer.send("command", "mute")
+    assert since.rejected("command")["skill"] == "mute"
+    robot.under("rules: {command: {mute: deny, '*': allow}}")
+    info = robot.peer.listen("info")
+    robot.peer.send("command", "list_voices")
+    info.wait_for(lambda m: "list_voices" in m)
+    since = robot.from_now()
+    ask_by_text_input(robot)
+    since.drives()
+    robot.under("rules: {'*': deny}")
+    robot.peer.send("command", "reset")
+    since.event(lambda one: one["kind"] == "skill_cancelled")
+
+
+@pytest.mark.parametrize("stop", ["text_input", "interrupt", "action"])
+def test_a_stop_is_taken_whatever_the_policy(robot, stop):
+    since = robot.from_now()
+    ask_by_text_input(robot)
+    since.drives()
+    robot.under("rules: {'*': deny}\nlimits: {hours: [{from: '00:00', to: '00:01', days: [mon]}]}")
+    if stop == "action":
+        assert Client(robot.peer).send("stop").accepted
+    else:
+        robot.peer.send(stop, "stop")
+    since.event(lambda one: one["kind"] == "skill_cancelled")
+    robot.odom.wait_for(lambda m: speed(m) < 0.01, since=len(robot.odom.messages))
+
+
+def test_a_broken_file_leaves_the_old_policy_in_force_and_is_a_warning_until_it_is_mended(robot):
+    robot.under("rules: {text_input: deny}")
+    robot.under("rules: {text_input: perhaps}")
+    status = robot.status(lambda one: one.level == DiagnosticStatus.WARN)
+    assert "rules.text_input.*: got 'perhaps'" in status.message
+    since = robot.from_now()
+    ask_by_text_input(robot)
+    assert since.answer() == DENIED
+    wait_for_metrics(PORT, lambda said: said["edgevox_policy_broken",] == 1)
+    robot.under("rules: {text_input: allow}")
+    robot.status(lambda one: one.level == DiagnosticStatus.OK)
+    since = robot.from_now()
+    ask_by_text_input(robot)
+    since.drives()
+
+
+def test_a_refusal_is_counted_on_metrics_and_seen_on_diagnostics(robot):
+    robot.under("rules: {text_input: {navigate_to: deny}, command: deny}")
+    since = robot.from_now()
+    ask_by_text_input(robot)
+    since.rejected("text_input")
+    robot.peer.send("command", "mute")
+    since.rejected("command")
+    told = {one.key: one.value for one in robot.status(lambda _: True).values}
+    assert int(told["refused"]) >= 2
+    assert told["last_refused"] == "command mute: policy_denied"
+    said = wait_for_metrics(
+        PORT, lambda s: s.get(("edgevox_policy_refusals_total", "policy_denied", "text_input"), 0)
+    )
+    assert said["edgevox_refused_messages_total", "forbidden", "command"] >= 1
+
+
+def test_the_reason_is_said_in_the_language_that_is_spoken(robot):
+    robot.under("rules: {text_input: deny}")
+    since = robot.from_now()
+    robot.peer.send("set_language", "de")
+    robot.peer.send("text_input", "fahr in die Küche")
+    assert since.answer() == "Das kann ich nicht tun: das ist mir nicht erlaubt."
+    robot.peer.send("set_language", "en")
