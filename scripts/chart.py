@@ -1,7 +1,8 @@
 """The chart's generated parts: `write` renews them, `check` only looks.
 
-What values.schema.json allows for a setting, under its ``definitions``, comes from the settings and
-the container's table of variables; all else in it is written by hand. examples/fleet.rendered.yaml
+What values.schema.json allows for a setting or a policy, under its ``definitions``, comes from the
+settings, the container's table of variables and the policy's format; all else in it is written by
+hand. examples/fleet.rendered.yaml
 is what the chart makes of examples/fleet.yaml, for people to read and for tests to compare.
 """
 
@@ -14,6 +15,7 @@ from typing import Any
 import helm_python as helm
 import yaml
 
+from edgevox.agent.policy.format import PolicyFile
 from edgevox.apps.container import ENVIRONMENT
 from edgevox.apps.container.table import AGENTS
 from edgevox.core.languages import LANGUAGES
@@ -50,6 +52,7 @@ VARIABLES: Mapping[str, str] = {
     "models.offline": "EDGEVOX_OFFLINE",
     "muted": "EDGEVOX_MUTED",
     "namespace": "EDGEVOX_NAMESPACE",
+    "policy": "EDGEVOX_POLICY",
     "voice": "EDGEVOX_VOICE",
     "wakeword": "EDGEVOX_WAKEWORD",
 }
@@ -90,8 +93,15 @@ def schema() -> str:
     written = json.loads(SCHEMA.read_text(encoding="utf-8"))
     kinds = {name: _allowed(VARIABLES[name]) for name in OF_THE_TABLE}
     others = sorted(ENVIRONMENT.keys() - set(VARIABLES.values()) - set(FIXED))
-    written["definitions"] |= kinds | {"variable": {"enum": others}}
+    written["definitions"] |= kinds | {"variable": {"enum": others}} | _policy()
     return json.dumps(written, indent=2) + "\n"
+
+
+def _policy() -> dict[str, Any]:
+    """What a policy may be, as definitions."""
+    policy = PolicyFile.model_json_schema(ref_template="#/definitions/policy.{model}")
+    parts = {f"policy.{name}": kind for name, kind in policy.pop("$defs").items()}
+    return {"policy": policy, **parts}
 
 
 def _allowed(variable: str) -> dict[str, Any]:

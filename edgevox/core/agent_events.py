@@ -85,7 +85,7 @@ class GoalCancelled:
 class GoalRejected:
     """A goal that cannot be, or that the policy refuses. It has no id; `turn` is 0 without one.
 
-    Its arguments are as they came. `way` is how it was asked for, where the policy refused it.
+    Its arguments are as they came, and `way` is how.
     """
 
     kind: ClassVar = AgentEventKind.SKILL_GOAL

@@ -28,6 +28,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import EdgeVoxError, shorten
 from edgevox.core.log import get_logger
+from edgevox.core.ways import Way
 from edgevox.ros2.client_watch import ClientWatch
 from edgevox.ros2.json_text import write
 from edgevox.ros2.skill_requests import RunningGoal, StartsGoals, mirror, read_arguments
@@ -113,7 +114,10 @@ class SkillAction:
         except EdgeVoxError as error:
             log.warning("action_goal_rejected", skill=request.skill_name[:80], reason=str(error))
             rejected = GoalRejected(
-                request.skill_name[:80], shorten(request.arguments_json), reason_of(error)
+                request.skill_name[:80],
+                shorten(request.arguments_json),
+                reason_of(error),
+                way=str(Way.ACTION),
             )
             self._bus.publish(rejected)
             return GoalResponse.REJECT

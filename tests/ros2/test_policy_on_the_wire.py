@@ -19,6 +19,7 @@ from scraper import free_port
 from scraper import wait_until as wait_for_metrics
 
 DENIED = "I cannot do that: I am not permitted to do that."
+NOTHING_BUT_A_SENTENCE = "rules: {'*': deny, text_input: {navigate_to: allow}}"
 CMD_VEL, GOAL_POSE = "/edgevox/cmd_vel", "/edgevox/goal_pose"
 PORT = free_port()
 
@@ -234,43 +235,42 @@ def test_velocities_are_slowed_to_what_is_permitted(robot):
     assert max(map(speed, robot.odom.messages[before:])) < 0.11
 
 
-def test_a_velocity_of_zero_ends_a_drive_though_velocities_are_denied(robot):
+def drive_far(robot: Robot) -> Since:
+    """Set it in motion by a sentence, which nothing but that may be; what is heard from then on."""
     since = robot.from_now()
-    ask_by_text_input(robot)
+    robot.peer.send("text_input", "go to the bedroom")
     since.drives()
-    robot.under("rules: {cmd_vel: deny}")
-    since = robot.from_now()
-    tell(robot.peer, Twist, CMD_VEL, SENSOR)(twist(0.0, 0.0))
+    return since
+
+
+def test_a_velocity_of_zero_ends_a_drive_though_velocities_are_denied(robot):
+    robot.under(NOTHING_BUT_A_SENTENCE)
+    say = tell(robot.peer, Twist, CMD_VEL, SENSOR)
+    since = drive_far(robot)
+    stream = Stream(say, twist(0.0, 0.0))  # best effort: one may be lost
     since.event(lambda one: one["kind"] == "skill_cancelled")
+    stream.end()
 
 
-def test_a_command_is_refused_by_its_name_and_reset_never(robot):
-    robot.under("rules: {command: deny}")
+def test_a_command_is_refused_by_its_name(robot):
+    robot.under("rules: {command: {mute: deny, '*': allow}}")
     since = robot.from_now()
     robot.peer.send("command", "mute")
     assert since.rejected("command")["skill"] == "mute"
-    robot.under("rules: {command: {mute: deny, '*': allow}}")
     info = robot.peer.listen("info")
     robot.peer.send("command", "list_voices")
     info.wait_for(lambda m: "list_voices" in m)
-    since = robot.from_now()
-    ask_by_text_input(robot)
-    since.drives()
-    robot.under("rules: {'*': deny}")
-    robot.peer.send("command", "reset")
-    since.event(lambda one: one["kind"] == "skill_cancelled")
 
 
-@pytest.mark.parametrize("stop", ["text_input", "interrupt", "action"])
+@pytest.mark.parametrize("stop", ["text_input", "interrupt", "command", "action"])
 def test_a_stop_is_taken_whatever_the_policy(robot, stop):
-    since = robot.from_now()
-    ask_by_text_input(robot)
-    since.drives()
-    robot.under("rules: {'*': deny}\nlimits: {hours: [{from: '00:00', to: '00:01', days: [mon]}]}")
+    robot.under(NOTHING_BUT_A_SENTENCE)
+    client = Client(robot.peer)
+    since = drive_far(robot)
     if stop == "action":
-        assert Client(robot.peer).send("stop").accepted
+        assert client.send("stop").accepted
     else:
-        robot.peer.send(stop, "stop")
+        robot.peer.send(stop, "reset" if stop == "command" else "stop")
     since.event(lambda one: one["kind"] == "skill_cancelled")
     robot.odom.wait_for(lambda m: speed(m) < 0.01, since=len(robot.odom.messages))
 

@@ -9,6 +9,7 @@ import yaml
 from chart_rig import ONE, chart, environment, objects, pods, solo
 
 from edgevox import __version__
+from edgevox.agent.policy.format import PolicyFile, parse_policy
 from edgevox.core.status import STALL_S
 
 FLEET = yaml.safe_load(chart.FLEET.read_text())
@@ -20,6 +21,7 @@ EVERYTHING = {
     "env": [{"name": "A", "valueFrom": {"secretKeyRef": {"name": "s", "key": "k"}}}],
     "llm": {"endpoint": "https://[::1]/v1", "endpointKeySecret": {"name": "llm"}},
     "models": {"volume": {"hostPath": {"path": "/models", "type": "Directory"}}},
+    "policy": {"rules": {"*": {"*": "confirm"}}, "limits": {"distance_m": 5}},
     "tolerations": [{"operator": "Exists"}],
     "nodeSelector": {"a": "b"},
     "affinity": {"podAntiAffinity": {}},
@@ -202,6 +204,28 @@ def test_the_key_of_the_endpoint_is_a_file_from_a_secret_and_no_variable() -> No
     assert volume["secret"]["items"] == [{"key": "k", "path": "key"}]
     assert volume["secret"]["defaultMode"] == 0o440
     assert objects(ONE, "Secret") == []
+
+
+def test_a_policy_is_a_file_of_a_folder_that_kubernetes_swaps_and_a_robots_own_takes_its_place():
+    common, own = {"rules": {"voice": {"*": "deny"}}}, {"limits": {"distance_m": 5}}
+    robots = [{"name": "a", "domain": 1}, {"name": "b", "domain": 2, "policy": own}]
+    values = {"robots": [*robots, {"name": "c", "domain": 3, "policy": {}}], "policy": common}
+    made = {
+        one["metadata"]["name"]: parse_policy(one["data"]["policy.yaml"], "policy.yaml")
+        for one in objects(values, "ConfigMap")
+    }
+
+    assert made == {
+        "fleet-edgevox-a-policy": PolicyFile.model_validate(common),
+        "fleet-edgevox-b-policy": PolicyFile.model_validate(own),
+    }
+    pod = pods(values)["a"]
+    (mount,) = [m for m in pod["containers"][0]["volumeMounts"] if m["name"] == "policy"]
+    (volume,) = [v for v in pod["volumes"] if v["name"] == "policy"]
+    assert environment(pod)["EDGEVOX_POLICY"] == f"{mount['mountPath']}/policy.yaml"
+    assert "subPath" not in mount
+    assert volume["configMap"] == {"name": "fleet-edgevox-a-policy"}
+    assert "EDGEVOX_POLICY" not in environment(pods(values)["c"])
 
 
 def test_a_drain_stops_one_robot_at_a_time() -> None:

@@ -38,6 +38,8 @@ def robot(**fields: Any) -> dict[str, Any]:
         (robot(namespace=""), "/robots/0/namespace"),
         (robot(framePrefix="1/"), "/robots/0/framePrefix"),
         (robot(agent="robot-vacuum"), "/robots/0/agent"),
+        (robot(policy={"rules": {"voice": "maybe"}}), "/robots/0/policy"),
+        (robot(policy={"limits": {"distance_m": 0}}), "/robots/0/policy/limits/distance_m"),
         (robot(language="xx"), "/robots/0/language"),
         (robot(langauge="fr"), "langauge"),
         (robot(llm={"context": 12}), "/robots/0/llm/context"),
@@ -129,6 +131,7 @@ def test_each_value_reaches_the_variable_that_it_is_said_to_reach() -> None:
         "models": {"offline": False},
         "muted": True,
         "namespace": "/n",
+        "policy": {"rules": {"voice": "deny"}},
         "voice": "v",
         "wakeword": "alexa",
     }
@@ -140,6 +143,8 @@ def test_each_value_reaches_the_variable_that_it_is_said_to_reach() -> None:
             wanted = wanted[part]
         if path == "llm.endpointKeySecret":
             wanted = "/run/secrets/edgevox-llm/key"
+        if path == "policy":
+            wanted = "/etc/edgevox/policy/policy.yaml"
         wanted = wanted[0] if isinstance(wanted, list) else wanted
         text = str(wanted).lower() if isinstance(wanted, bool) else str(wanted)
         assert changed[variable] == text, path

@@ -33,6 +33,9 @@
 {{- if $robot.hostNetwork -}}
 {{- $_ := set $env "FASTDDS_BUILTIN_TRANSPORTS" "UDPv4" -}}
 {{- end -}}
+{{- if $robot.policy -}}
+{{- $_ := set $env "EDGEVOX_POLICY" "/etc/edgevox/policy/policy.yaml" -}}
+{{- end -}}
 {{- with $robot.llm.endpoint -}}
 {{- $_ := set $env "EDGEVOX_LLM_ENDPOINT" . -}}
 {{- $_ := set $env "EDGEVOX_LLM_ENDPOINT_MODEL" $robot.llm.endpointModel -}}

@@ -35,7 +35,7 @@ edgevox/domain: {{ .domain | int | quote }}
 
 {{/* All robots, each with what counts for all of them filled in: a list under "robots", as JSON. */}}
 {{- define "edgevox.robots" -}}
-{{- $common := pick .Values "affinity" "agent" "audioIn" "audioOut" "discovery" "env" "externalNamespace" "extraVolumeMounts" "extraVolumes" "framePrefix" "health" "hostNetwork" "language" "llm" "logLevel" "models" "muted" "nodeSelector" "podAnnotations" "podLabels" "priorityClassName" "resources" "runtimeClassName" "settings" "tolerations" "topologySpreadConstraints" "voice" "wakeword" -}}
+{{- $common := pick .Values "affinity" "agent" "audioIn" "audioOut" "discovery" "env" "externalNamespace" "extraVolumeMounts" "extraVolumes" "framePrefix" "health" "hostNetwork" "language" "llm" "logLevel" "models" "muted" "nodeSelector" "podAnnotations" "podLabels" "policy" "priorityClassName" "resources" "runtimeClassName" "settings" "tolerations" "topologySpreadConstraints" "voice" "wakeword" -}}
 {{- $robots := list -}}
 {{- range .Values.robots -}}
 {{- $namespace := printf "/%s" (replace "-" "_" .name) -}}
@@ -44,6 +44,10 @@ edgevox/domain: {{ .domain | int | quote }}
 {{- /* A volume has one source: a robot's own takes the place of the common one. */ -}}
 {{- if hasKey (.models | default dict) "volume" -}}
 {{- $_ := set $robot.models "volume" .models.volume -}}
+{{- end -}}
+{{- /* A policy is one text: a robot's own takes the place of the common one. */ -}}
+{{- if hasKey . "policy" -}}
+{{- $_ := set $robot "policy" .policy -}}
 {{- end -}}
 {{- $robots = append $robots $robot -}}
 {{- end -}}
