@@ -57,24 +57,21 @@ class Conversation:
     ) -> None:
         self._bus = bus
         self._clock = clock or SystemClock()
+        self._inbox = Inbox()
+        self.mind = mind = Mind(agents, bus, self._clock, model, language)
         every_skill = {name: s for agent in agents for name, s in agent.skills.items()}
         self._skills = SkillSet(every_skill.values())
         self._executor = SkillExecutor(
             bus,
             halt,
-            announce=lambda text: self._put(inbox.Announce(text)),
-            phrases=lambda: self.mind.phrases,
+            self._inbox.announce,
+            phrases=lambda: mind.phrases,
             interlock=interlock,
             guard=guard,
         )
-        self.mind = Mind(agents, bus, self._clock, model, language)
         self._safety = SafetyWords(language)
         self._numbers = itertools.count(1)
-        self._inbox = Inbox()
-        self._ready = threading.Condition()
         self._turn: Turn | None = None
-        self._busy = False
-        self._closed = False
         self._stopped_s = float("-inf")
         self._mouth = mouth
         self._states = StateMachine(bus)
@@ -89,7 +86,7 @@ class Conversation:
     @property
     def alive(self) -> bool:
         """Whether its thread works, unless it was not started yet or was closed."""
-        return self._closed or self._thread.ident is None or self._thread.is_alive()
+        return self._inbox.closed or self._thread.ident is None or self._thread.is_alive()
 
     @property
     def refusals(self) -> Mapping[str, int]:
@@ -98,10 +95,7 @@ class Conversation:
 
     def close(self) -> None:
         """Stop everything and wait for the threads."""
-        with self._ready:
-            self._closed = True
-            self._inbox.clear()
-            self._ready.notify_all()
+        self._inbox.close()
         self._executor.stop("shutting down", self._turn)
         self._executor.close()
         if self._thread.is_alive():
@@ -115,7 +109,7 @@ class Conversation:
                 self._bus.publish(Interrupted(cause))
             case Reset():
                 self._stop("reset", self._clock.now())
-                self._put(inbox.Forget())
+                self._inbox.put(inbox.Forget())
                 self._bus.publish(Interrupted(Cause.RESET))
             case Transcribing():
                 self._states.transcribing()
@@ -127,7 +121,7 @@ class Conversation:
                 if counts:
                     self._take(command, text)
             case _:
-                self._put(command)
+                self._inbox.put(command)
 
     def is_stop(self, text: str) -> bool:
         """Whether these words would stop the robot."""
@@ -136,7 +130,7 @@ class Conversation:
     def set_language(self, code: str) -> None:
         """Hear stop words of this language at once, and the rest from the next sentence on."""
         self._safety = SafetyWords(code)
-        self._put(inbox.Language(code))
+        self._inbox.put(inbox.Language(code))
 
     def check_goal(self, name: str, arguments: Mapping[str, Any], way: Way = Way.ACTION) -> None:
         """Raise what `start_goal` would raise; nothing happens."""
@@ -165,9 +159,8 @@ class Conversation:
         deadline_s = None if timeout_s is None else self._clock.now() + timeout_s
         while True:
             left_s = None if deadline_s is None else max(0.0, deadline_s - self._clock.now())
-            with self._ready:
-                if not self._ready.wait_for(lambda: not (self._inbox or self._busy), left_s):
-                    return False
+            if not self._inbox.wait_idle(left_s):
+                return False
             if not self._executor.busy and not self._inbox:
                 return True
             if not self._executor.wait_idle(left_s):
@@ -177,25 +170,18 @@ class Conversation:
         if word := self._safety.find(text):
             self._safety_stop(word, words)
         else:
-            self._put(words)
+            self._inbox.put(words)
 
     def _counts(self, heard: Heard) -> bool:
         """Not without words, nor if it was said before a stop: who waits is forgotten with it."""
         stopped = heard.ended_s < self._stopped_s and not self.is_stop(heard.text)
         return bool(heard.text) and not stopped
 
-    def _put(self, item: Item) -> None:
-        with self._ready:
-            refusal = None if self._closed else self._inbox.put(item)
-            self._ready.notify_all()
-        if refusal:
-            log.warning("request_refused", reason=refusal, limit=inbox.LIMITS[refusal])
-
     def _interrupt(self, reason: str, *, motion: bool) -> None:
         """Stop everything; without `motion` only cut what is said: somebody wants to be heard."""
         if motion:
             self._stop(reason, self._clock.now())
-            self._put(inbox.Settle())
+            self._inbox.put(inbox.Settle())
             return
         turn = self._turn
         with self._states.gate:
@@ -207,11 +193,11 @@ class Conversation:
         stopped = self._stop(f"heard {word!r}", said_s)  # before anybody is told: telling may block
         self._bus.publish(Transcribed(clean(words.text)))
         self._bus.publish(SafetyPreempted(word, stopped))
-        self._put(inbox.Announce(self.mind.phrases.say("stopped" if stopped else "standing")))
+        self._inbox.put(inbox.Announce(self.mind.phrases.say("stopped" if stopped else "standing")))
 
     def _stop(self, reason: str, when_s: float) -> bool:
         """Whether there was anything to stop; `when_s` is when it was asked for."""
-        with self._ready:
+        with self._inbox.gate:
             self._inbox.stop()
             self._stopped_s = max(self._stopped_s, when_s)
             turn = self._turn
@@ -223,12 +209,10 @@ class Conversation:
 
     def _work(self) -> None:
         while True:
-            with self._ready:
-                self._ready.wait_for(lambda: self._inbox or self._closed)
-                if self._closed:
-                    return
+            with self._inbox.gate:  # a stop finds it waiting or finds its turn
                 item = self._inbox.take()
-                self._busy = True
+                if item is None:
+                    return
                 turn = self._turn = self._new_turn(item)
             with bound(turn=turn.number):
                 self._attend(item, turn)
@@ -290,11 +274,9 @@ class Conversation:
 
     def _end(self, turn: Turn, *, measured: bool) -> None:
         turn.finish(measured=measured)
-        with self._ready:
+        with self._inbox.gate:
             self._turn = None
         self._states.rest()
         outcome = turn.outcome if measured else None
         self._bus.publish(TurnEnded(turn.number, outcome, turn.tokens))
-        with self._ready:
-            self._busy = False
-            self._ready.notify_all()
+        self._inbox.done()

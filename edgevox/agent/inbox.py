@@ -1,13 +1,17 @@
 """What waits for the conversation's thread: no more than so many, each of a bounded length."""
 
+import threading
 from collections import Counter, deque
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from edgevox.core.commands import Heard, RunSkill, Speak, TextInput
+from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
 from edgevox.core.text import MAX_CHARACTERS, clean
 from edgevox.core.ways import Way
+
+log = get_logger(__name__)
 
 MAX_WAITING = 64
 """How many utterances may wait. One more is refused; a stop never is."""
@@ -60,20 +64,76 @@ _ASKED = TextInput | Heard | Speak | RunSkill
 
 
 class Inbox:
-    """A queue in the order of asking. Not thread-safe; who owns it locks."""
+    """A queue in the order of asking: anybody puts, one thread takes and is then at work.
+
+    `gate` is held while it changes; hold it to do something together with a change.
+    """
 
     def __init__(self) -> None:
+        self.gate = threading.Condition()
         self._items: deque[Item] = deque()
+        self._at_work = False
+        self._closed = False
         self.refusals = Counter({str(reason): 0 for reason in LIMITS})
 
     def __bool__(self) -> bool:
         return bool(self._items)
 
+    @property
+    def closed(self) -> bool:
+        """Whether nothing is taken any more."""
+        return self._closed
+
     def put(self, item: Item) -> Refusal | None:
-        """Let it wait; else why not, which is counted.
+        """Let it wait; else why not, which is counted and logged.
 
         What is too long is told so in its turn.
         """
+        with self.gate:
+            refusal = None if self._closed else self._put(item)
+            self.gate.notify_all()
+        if refusal:
+            log.warning("request_refused", reason=refusal, limit=LIMITS[refusal])
+        return refusal
+
+    def announce(self, text: str) -> None:
+        """Have something said that nobody asked for now."""
+        self.put(Announce(text))
+
+    def take(self) -> Item | None:
+        """The next one, once there is one; None when it is closed. Who takes is at work."""
+        with self.gate:
+            self.gate.wait_for(lambda: self._items or self._closed)
+            if self._closed:
+                return None
+            self._at_work = True
+            return self._items.popleft()
+
+    def done(self) -> None:
+        """What was taken is attended to."""
+        with self.gate:
+            self._at_work = False
+            self.gate.notify_all()
+
+    def wait_idle(self, timeout_s: float | None = None) -> bool:
+        """Block until nothing waits and nobody is at work; False after the timeout."""
+        with self.gate:
+            return self.gate.wait_for(lambda: not (self._items or self._at_work), timeout_s)
+
+    def stop(self) -> None:
+        """Forget all that is to be said and done; who is forgotten and what is spoken stays."""
+        with self.gate:
+            last = {type(one): one for one in self._items if isinstance(one, Language | Forget)}
+            self._items = deque(last.values())
+
+    def close(self) -> None:
+        """Forget everything, and take nothing any more."""
+        with self.gate:
+            self._closed = True
+            self._items.clear()
+            self.gate.notify_all()
+
+    def _put(self, item: Item) -> Refusal | None:
         if isinstance(item, _ASKED) and len(self._items) >= MAX_WAITING:
             return self._refuse(Refusal.TOO_MANY)
         last = self._items[-1] if self._items else None
@@ -81,19 +141,6 @@ class Inbox:
             self._items.pop()  # of two on end only the last one counts
         self._items.append(_bounded(item))
         return self._refuse(Refusal.TOO_LONG) if isinstance(self._items[-1], TooLong) else None
-
-    def take(self) -> Item:
-        """The next one."""
-        return self._items.popleft()
-
-    def stop(self) -> None:
-        """Forget all that is to be said and done; who is forgotten and what is spoken stays."""
-        last = {type(one): one for one in self._items if isinstance(one, Language | Forget)}
-        self._items = deque(last.values())
-
-    def clear(self) -> None:
-        """Forget everything."""
-        self._items.clear()
 
     def _refuse(self, reason: Refusal) -> Refusal:
         self.refusals[reason] += 1
