@@ -7,6 +7,7 @@ from typing import Any
 
 from edgevox.agent import inbox
 from edgevox.agent.agents import Agent
+from edgevox.agent.asking import Asking
 from edgevox.agent.goals import Goal
 from edgevox.agent.inbox import Inbox, Item
 from edgevox.agent.llm.base import LanguageModel
@@ -24,6 +25,7 @@ from edgevox.core.commands import Heard, Interrupt, Reset, RunSkill, Speak, Text
 from edgevox.core.events import Cause, Interrupted, Outcome, State, Transcribed, TurnEnded
 from edgevox.core.interlock import Interlock
 from edgevox.core.log import bound, get_logger
+from edgevox.core.settings import Confirm
 from edgevox.core.speech import Mouth
 from edgevox.core.text import MAX_CHARACTERS, clean
 from edgevox.core.ways import Way
@@ -51,13 +53,14 @@ class Conversation:
         model: LanguageModel | None = None,
         mouth: Mouth | None = None,
         language: str = "en",
+        confirm: Confirm = "unsure",
         clock: Clock | None = None,
         interlock: Interlock | None = None,
         guard: Guard | None = None,
     ) -> None:
         self._bus = bus
         self._clock = clock or SystemClock()
-        self._inbox = Inbox()
+        self._inbox = Inbox(self._clock)
         self.mind = mind = Mind(agents, bus, self._clock, model, language)
         every_skill = {name: s for agent in agents for name, s in agent.skills.items()}
         self._skills = SkillSet(every_skill.values())
@@ -69,6 +72,7 @@ class Conversation:
             interlock=interlock,
             guard=guard,
         )
+        self._asking = Asking(mind, self._executor, bus, self._clock, confirm)
         self._safety = SafetyWords(language)
         self._numbers = itertools.count(1)
         self._turn: Turn | None = None
@@ -131,6 +135,10 @@ class Conversation:
         """Hear stop words of this language at once, and the rest from the next sentence on."""
         self._safety = SafetyWords(code)
         self._inbox.put(inbox.Language(code))
+
+    def set_confirm(self, confirm: Confirm) -> None:
+        """When somebody is asked before the robot drives, from the next sentence on."""
+        self._asking.confirm = confirm
 
     def check_goal(self, name: str, arguments: Mapping[str, Any], way: Way = Way.ACTION) -> None:
         """Raise what `start_goal` would raise; nothing happens."""
@@ -201,21 +209,23 @@ class Conversation:
             self._inbox.stop()
             self._stopped_s = max(self._stopped_s, when_s)
             turn = self._turn
+            asked = self._asking.question.cancel(turn.number if turn else 0)
         with self._states.gate:
             stopped = self._executor.stop(reason, turn)
             if stopped or self._states.transcribes:
                 self._states.enter(State.INTERRUPTED, turn)
+        self._asking.question.tell_cancelled(asked)
         return stopped
 
     def _work(self) -> None:
-        while True:
+        while not self._inbox.closed:
             with self._inbox.gate:  # a stop finds it waiting or finds its turn
-                item = self._inbox.take()
-                if item is None:
-                    return
-                turn = self._turn = self._new_turn(item)
-            with bound(turn=turn.number):
-                self._attend(item, turn)
+                item = self._inbox.take(self._asking.question.expires_in_s)
+                turn = self._turn = self._new_turn(item) if item else None
+            self._asking.question.expire()
+            if item and turn:
+                with bound(turn=turn.number):
+                    self._attend(item, turn)
 
     def _attend(self, item: Item, turn: Turn) -> None:
         """Do it to the end, whatever happens."""
@@ -229,8 +239,10 @@ class Conversation:
 
     def _handle(self, item: Item, turn: Turn) -> None:
         match item:
-            case TextInput(text=text) | Heard(text=text):
-                self._converse(text, turn)
+            case TextInput(text=text):
+                self._converse(text, turn, self._inbox.since_s)
+            case Heard(text=text, ended_s=ended_s):
+                self._converse(text, turn, ended_s)
             case Speak(text=text):
                 turn.say(clean(text))
             case inbox.TooLong(length=length):
@@ -244,19 +256,19 @@ class Conversation:
                 turn.say(text)
             case inbox.Forget():
                 self.mind.forget()
+                self._asking.forget()
             case inbox.Language(code=code):  # `Settle` needs no more than its turn
                 self.mind.set_language(code)
+                self._asking.set_language()
 
-    def _converse(self, raw: str, turn: Turn) -> None:
+    def _converse(self, raw: str, turn: Turn, said_s: float) -> None:
         text = clean(raw)
         self._bus.publish(Transcribed(text, turn.number))
         if not text:
             turn.say(self.mind.phrases.say("not_heard"), Outcome.NOT_UNDERSTOOD)
         else:
             self._states.enter(State.THINKING, turn)
-            meaning = self.mind.understand(text, turn)
-            if meaning and not turn.token.cancelled:
-                self._executor.perform(meaning.calls, meaning.agent.skills, turn, meaning.source)
+            meaning = self._asking.attend(text, turn, said_s)
             turn.settle()
             self.mind.remember(text, turn, meaning)
 
@@ -274,6 +286,7 @@ class Conversation:
 
     def _end(self, turn: Turn, *, measured: bool) -> None:
         turn.finish(measured=measured)
+        self._asking.question.said(turn)
         with self._inbox.gate:
             self._turn = None
         self._states.rest()

@@ -5,6 +5,7 @@ from collections import Counter, deque
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.commands import Heard, RunSkill, Speak, TextInput
 from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
@@ -66,12 +67,15 @@ _ASKED = TextInput | Heard | Speak | RunSkill
 class Inbox:
     """A queue in the order of asking: anybody puts, one thread takes and is then at work.
 
-    `gate` is held while it changes; hold it to do something together with a change.
+    `gate` is held while it changes; hold it to do something together with a change. `since_s` is
+    the clock's time when what was taken last had been put.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, clock: Clock | None = None) -> None:
         self.gate = threading.Condition()
-        self._items: deque[Item] = deque()
+        self.since_s = 0.0
+        self._clock = clock or SystemClock()
+        self._items: deque[tuple[Item, float]] = deque()
         self._at_work = False
         self._closed = False
         self.refusals = Counter({str(reason): 0 for reason in LIMITS})
@@ -100,14 +104,18 @@ class Inbox:
         """Have something said that nobody asked for now."""
         self.put(Announce(text))
 
-    def take(self) -> Item | None:
-        """The next one, once there is one; None when it is closed. Who takes is at work."""
+    def take(self, timeout_s: float | None = None) -> Item | None:
+        """The next one, once there is one; None when it is closed, and after the timeout.
+
+        Who takes is at work.
+        """
         with self.gate:
-            self.gate.wait_for(lambda: self._items or self._closed)
-            if self._closed:
+            self.gate.wait_for(lambda: self._items or self._closed, timeout_s)
+            if self._closed or not self._items:
                 return None
             self._at_work = True
-            return self._items.popleft()
+            item, self.since_s = self._items.popleft()
+            return item
 
     def done(self) -> None:
         """What was taken is attended to."""
@@ -123,8 +131,8 @@ class Inbox:
     def stop(self) -> None:
         """Forget all that is to be said and done; who is forgotten and what is spoken stays."""
         with self.gate:
-            last = {type(one): one for one in self._items if isinstance(one, Language | Forget)}
-            self._items = deque(last.values())
+            kept = [one for one in self._items if isinstance(one[0], Language | Forget)]
+            self._items = deque({type(item): (item, at_s) for item, at_s in kept}.values())
 
     def close(self) -> None:
         """Forget everything, and take nothing any more."""
@@ -136,11 +144,12 @@ class Inbox:
     def _put(self, item: Item) -> Refusal | None:
         if isinstance(item, _ASKED) and len(self._items) >= MAX_WAITING:
             return self._refuse(Refusal.TOO_MANY)
-        last = self._items[-1] if self._items else None
+        last = self._items[-1][0] if self._items else None
         if isinstance(item, Language | Forget) and type(last) is type(item):
             self._items.pop()  # of two on end only the last one counts
-        self._items.append(_bounded(item))
-        return self._refuse(Refusal.TOO_LONG) if isinstance(self._items[-1], TooLong) else None
+        bounded = _bounded(item)
+        self._items.append((bounded, self._clock.now()))
+        return self._refuse(Refusal.TOO_LONG) if isinstance(bounded, TooLong) else None
 
     def _refuse(self, reason: Refusal) -> Refusal:
         self.refusals[reason] += 1

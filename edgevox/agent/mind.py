@@ -28,11 +28,15 @@ ANSWER_TOKENS = 160
 
 @dataclass(frozen=True, slots=True)
 class Meaning:
-    """What to do about an utterance, and who found it out: ``template`` or ``model``."""
+    """What to do about an utterance, and who found it out: ``template`` or ``model``.
+
+    `confidence` is 1 for what is sure; see `ASK_BELOW` in `edgevox/agent/confirmation.py`.
+    """
 
     agent: Agent
     calls: tuple[Call, ...]
     source: str
+    confidence: float = 1.0
 
 
 class Mind:
@@ -71,19 +75,28 @@ class Mind:
 
     def understand(self, text: str, turn: Turn) -> Meaning | None:
         """The calls that an utterance asks for; None if it was answered in words, into `turn`."""
-        for agent in self._active_first():
-            found = self._recognisers[agent.name].recognise(text)
-            if isinstance(found, Understood):
-                self._hand_over(agent, turn)
-                return Meaning(agent, found.calls, "template")
-            if isinstance(found, Refused):
-                turn.say(found.reason, Outcome.REFUSED)
-                return None
+        plain = self.plain(text)
+        if isinstance(plain, Meaning):
+            self._hand_over(plain.agent, turn)
+            return plain
+        if plain:
+            turn.say(plain.reason, Outcome.REFUSED)
+            return None
         if self._model is None:
             not_understood = f"{self.phrases.say('not_understood')} {self._abilities()}"
             turn.say(not_understood, Outcome.NOT_UNDERSTOOD)
             return None
         return self._ask_model(self._model, text, turn)
+
+    def plain(self, text: str) -> Meaning | Refused | None:
+        """The calls that the templates alone find, or what they refuse; nothing is said."""
+        for agent in self._active_first():
+            found = self._recognisers[agent.name].recognise(text)
+            if isinstance(found, Understood):
+                return Meaning(agent, found.calls, "template")
+            if isinstance(found, Refused):
+                return found
+        return None
 
     def remember(self, said: str, turn: Turn, meaning: Meaning | None) -> None:
         """Keep an exchange for the next ones."""

@@ -59,7 +59,8 @@ def _taken(code: str) -> frozenset[str]:
     """What people say in this language that is no name, in the spelling of `key`."""
     book = phrasebook(code)
     stop = book.skills.get(_STOP)
-    return frozenset(map(key, book.hearing.reserved)) | _bare(stop.templates if stop else (), code)
+    said = (*book.hearing.reserved, *book.answers.yes, *book.answers.no)
+    return frozenset(map(key, said)) | _bare(stop.templates if stop else (), code)
 
 
 @cache

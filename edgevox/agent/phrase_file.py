@@ -7,6 +7,7 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
+from edgevox.agent.answers import AnswerWords
 from edgevox.agent.phrasebook import (
     Exchange,
     Hearing,
@@ -52,6 +53,7 @@ def _book(code: str, data: Mapping[str, Any], fallback: Phrasebook | None) -> Ph
         declined=_exchanges(data, "declined") or (fallback.declined if fallback else ()),
         links=tuple(data.get("links", fallback.links if fallback else ())),
         smoothing=_rewritings(data.get("smoothing", ())),
+        answers=_answers(data.get("answers", {})),
         fallback=fallback,
     )
 
@@ -66,6 +68,10 @@ def _hearing(data: Mapping[str, Any], *, spaced: bool) -> Hearing:
         written=data.get("written", ""),
         reserved=tuple(data.get("reserved", ())),
     )
+
+
+def _answers(data: Mapping[str, Any]) -> AnswerWords:
+    return AnswerWords(**{("not_" if n == "not" else n): tuple(w) for n, w in data.items()})
 
 
 def _numbers(data: Mapping[str, Any]) -> Numbers:
@@ -95,6 +101,7 @@ def _skill(data: Mapping[str, Any]) -> SkillPhrases:
     examples = [dict(one) for one in data.get("examples", ())]
     return SkillPhrases(
         can=data.get("can", ""),
+        deeds=_several(data.get("deed", ())),
         templates=tuple(data.get("templates", ())),
         says=_several(data.get("says", ())),
         done=_several(data.get("done", ())),

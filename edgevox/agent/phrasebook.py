@@ -7,6 +7,7 @@ from itertools import zip_longest
 from string import Formatter
 from typing import Any
 
+from edgevox.agent.answers import AnswerWords
 from edgevox.agent.skills import Example, OneOf, Skill, SkillPhrases
 from edgevox.agent.spelling import key
 from edgevox.core.reasons import Reason
@@ -103,6 +104,7 @@ class Phrasebook:
     small_talk: tuple[Exchange, ...] = ()
     declined: tuple[Exchange, ...] = ()
     links: tuple[str, ...] = ()
+    answers: AnswerWords = field(default_factory=AnswerWords)
     smoothing: tuple[Rewriting, ...] = ()
     fallback: "Phrasebook | None" = None
 
@@ -161,6 +163,14 @@ class Phrasebook:
         """What is said when this call has succeeded; empty if nothing is."""
         return self._speak(self._phrases(one).done, one.done, {**arguments, **result})
 
+    def question(self, calls: Sequence[tuple[Skill, Mapping[str, Any]]]) -> str:
+        """Asks whether these calls shall be done: "Shall I go to the kitchen?"."""
+        deeds = [self._speak(self._phrases(one).deeds, self._own(one.deed), a) for one, a in calls]
+        if all(deeds):
+            return self.say("shall_i", deeds=self.say("and_then").join(deeds))
+        told = (self.acknowledge(one, a) or one.description for one, a in calls)
+        return self.say("do_this", told=" ".join(told))
+
     def failure(self, reason: Reason) -> str:
         """What is said when a call has failed, for this reason."""
         return self._because("failed", reason)
@@ -201,6 +211,10 @@ class Phrasebook:
 
     def _phrases(self, one: Skill) -> SkillPhrases:
         return one.phrases.get(self.code) or self.skills.get(one.name, SkillPhrases())
+
+    def _own(self, english: str) -> str:
+        """A part of an English sentence, which fits no other language's."""
+        return "" if self.fallback else english
 
     def _join(self, parts: Sequence[str]) -> str:
         if len(parts) < 2:

@@ -9,7 +9,7 @@ from edgevox.agent.goal_runner import MAX_BACKGROUND, GoalRunner
 from edgevox.agent.goals import Goal
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.phrasebook import Phrasebook
-from edgevox.agent.policy import Asked, Denied, Guard
+from edgevox.agent.policy import Asked, Denied, Guard, NeedsConfirmation
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import Call, Skill, SkillFailed, SkillSet
 from edgevox.agent.turn import Turn
@@ -108,39 +108,52 @@ class SkillExecutor:
                 self._runner.run_in_background(goal)
         return goal
 
-    def perform(
-        self,
-        calls: Sequence[Call],
-        skills: SkillSet,
-        turn: Turn,
-        source: str,
-        *,
-        confirmed: bool = False,
-    ) -> None:
+    def perform(self, calls: Sequence[Call], skills: SkillSet, turn: Turn, source: str) -> None:
         """Check all calls, then acknowledge and run them in order; if one is wrong, none runs.
 
-        What the policy wants a yes for is refused, unless somebody has `confirmed` these calls.
+        What the policy wants a yes for is refused: nobody is asked here.
+        """
+        try:
+            goals = self.prepare(calls, skills, turn)
+        except NeedsConfirmation as unsure:
+            self._guard.refuse(unsure, turn.number)
+            turn.say(self._phrases().refusal(unsure.reason), Outcome.REFUSED)
+            return
+        if goals:
+            self.run(goals, turn, source)
+
+    def prepare(
+        self, calls: Sequence[Call], skills: SkillSet, turn: Turn, *, confirmed: bool = False
+    ) -> Sequence[Goal]:
+        """The checked calls, for `run`; none if one is wrong or forbidden, which is said.
+
+        Raises `NeedsConfirmation` if the policy wants a yes and nobody has `confirmed` them.
         """
         try:
             goals = self._goals(calls, skills, turn)
             asked = [Asked(one.skill.name, one.arguments, one.skill.drives) for one in goals]
-            self._guard.permit(turn.way, asked, turn.number, confirmed=confirmed)
+            self._guard.check(turn.way, asked, turn.number, confirmed=confirmed)
+        except NeedsConfirmation:
+            raise
         except Denied as denied:
             turn.say(self._phrases().refusal(denied.reason), Outcome.REFUSED)
-            return
         except InvalidValue as error:
             turn.say(self._phrases().say("refused", reason=_in_words(error)), Outcome.REFUSED)
-            return
         except SkillFailed as error:
             turn.say(self._phrases().failure(error.reason), Outcome.REFUSED)
-            return
+        else:
+            return goals
+        return ()
+
+    def run(self, goals: Sequence[Goal], turn: Turn, source: str) -> bool:
+        """Acknowledge and run them in order; False if nothing may move, which is said."""
         turn.acted()
         for goal in goals:
             self._tell(goal, source)
         if any(goal.skill.moves for goal in goals):
-            self._run_beside(goals, turn)
-        else:
-            self._run_now(goals, turn)
+            return self._run_beside(goals, turn)
+        self._run_now(goals, turn)
+        return True
 
     def _goals(self, calls: Sequence[Call], skills: SkillSet, turn: Turn) -> list[Goal]:
         if len(calls) > MAX_CALLS:
@@ -148,20 +161,21 @@ class SkillExecutor:
         checked = [(skills[c.skill], skills[c.skill].validate(c.arguments)) for c in calls]
         return [Goal(skill, args, turn=turn.number, bus=self._bus) for skill, args in checked]
 
-    def _run_beside(self, goals: Sequence[Goal], turn: Turn) -> None:
+    def _run_beside(self, goals: Sequence[Goal], turn: Turn) -> bool:
         phrases = self._phrases()
         with self._gate:
             if turn.token.cancelled:
-                return
+                return False
             held = self._held([goal.skill for goal in goals])
             if not held:
                 self._runner.move(goals)
         if held:
             turn.say(phrases.refusal(held), Outcome.REFUSED)
-            return
+            return False
         moving = [goal for goal in goals if goal.skill.moves]
         said = [phrases.acknowledge(goal.skill, goal.arguments) for goal in moving]
         turn.say(_join(phrases, said))
+        return True
 
     def _run_now(self, goals: Sequence[Goal], turn: Turn) -> None:
         for goal in goals:

@@ -132,10 +132,12 @@ class Example:
 class SkillPhrases:
     """One skill in one language. Of `says` and `done` the first counts whose values are all known.
 
-    `can` is what a robot with this skill can do, as a part of a sentence.
+    `can` is what a robot with this skill can do, as a part of a sentence; `deeds` are the part of a
+    question that asks whether it shall do it, with the arguments.
     """
 
     can: str = ""
+    deeds: tuple[str, ...] = ()
     templates: tuple[str, ...] = ()
     says: tuple[str, ...] = ()
     done: tuple[str, ...] = ()
@@ -148,7 +150,8 @@ class Skill:
 
     `moves`: it uses the body, so it runs beside the conversation and pre-empts whatever moves; a
     skill that does not is answered on the spot. `says` acknowledges the call, `done` reports
-    success; both are formatted with the arguments, `done` also with the result's keys. `phrases`
+    success, `deed` ends a question that begins "Shall I"; all are formatted with the arguments,
+    `done` also with the result's keys. `phrases`
     are other languages by code, for a skill that no phrasebook knows. `check` takes the arguments
     before a goal is accepted and raises `SkillFailed` for those that can never be honoured, such as
     a point outside the world; it is quick, and does nothing else.
@@ -162,6 +165,7 @@ class Skill:
     examples: tuple[Example, ...] = ()
     says: str = ""
     done: str = ""
+    deed: str = ""
     moves: bool = True
     phrases: Mapping[str, SkillPhrases] = field(default_factory=dict)
     check: Callable[..., None] | None = None
@@ -215,6 +219,7 @@ def skill(
     examples: Sequence[Example] = (),
     says: str = "",
     done: str = "",
+    deed: str = "",
     moves: bool = True,
     phrases: Mapping[str, SkillPhrases] | None = None,
     check: Callable[..., None] | None = None,
@@ -231,6 +236,7 @@ def skill(
             examples=tuple(examples),
             says=says,
             done=done,
+            deed=deed,
             moves=moves,
             phrases=phrases or {},
             check=check,

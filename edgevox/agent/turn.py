@@ -73,6 +73,14 @@ class Turn:
         return " ".join(self._said) if self._spoken is None else self._spoken.text
 
     @property
+    def noticed_s(self) -> float | None:
+        """The clock's time when its answer could first be noticed; None if it could not yet.
+
+        With a mouth it is known once the turn is `settled`.
+        """
+        return self._first_s
+
+    @property
     def cut(self) -> bool:
         """Whether it was ended before all was said."""
         return self.token.cancelled or (self._spoken is not None and self._spoken.cut)

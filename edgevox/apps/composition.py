@@ -53,6 +53,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Part
         language=settings.language,
         voice=settings.voice,
         muted=settings.muted,
+        confirm=settings.confirm,
         voices=available_voices,
         deafness=(lambda _: "") if settings.text_mode else deafness,
     )
@@ -68,6 +69,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Part
         model=model,
         mouth=voice.mouth if voice else None,
         language=settings.language,
+        confirm=settings.confirm,
         interlock=interlock,
         guard=guard,
     )
@@ -198,5 +200,8 @@ def start(stack: ExitStack, part: Part) -> None:
 
 
 def _follow(conversation: Conversation, change: ControlChanged) -> None:
-    if change.name == "language":
-        conversation.set_language(str(change.value))
+    match change:
+        case ControlChanged(name="language", value=code):
+            conversation.set_language(str(code))
+        case ControlChanged(name="confirm", value=("always" | "unsure" | "never") as confirm):
+            conversation.set_confirm(confirm)

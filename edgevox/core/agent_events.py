@@ -5,7 +5,7 @@ topic `agent_event`, the feedback of the action, scenarios and recordings.
 """
 
 from collections.abc import Mapping
-from dataclasses import Field, dataclass, field, fields
+from dataclasses import Field, asdict, dataclass, field, fields
 from enum import StrEnum
 from typing import Any, ClassVar
 
@@ -20,6 +20,7 @@ class AgentEventKind(StrEnum):
     SKILL_CANCELLED = "skill_cancelled"
     HANDOFF = "handoff"
     SAFETY_PREEMPT = "safety_preempt"
+    CONFIRMATION = "confirmation"
 
 
 class GoalStatus(StrEnum):
@@ -117,7 +118,49 @@ class SafetyPreempted:
     stopped: bool
 
 
-AgentEvent = ToolCalled | GoalChanged | GoalCancelled | GoalRejected | HandedOver | SafetyPreempted
+class ConfirmationStatus(StrEnum):
+    """Where a question is in its life: it is asked once, and ends once, as one of the others."""
+
+    ASKED = "asked"
+    CONFIRMED = "confirmed"
+    DECLINED = "declined"
+    EXPIRED = "expired"
+    REPLACED = "replaced"
+    CANCELLED = "cancelled"
+
+
+@dataclass(frozen=True, slots=True)
+class AskedCall:
+    """A call that is done if the answer is yes."""
+
+    skill: str
+    arguments: Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Confirmation:
+    """Whether calls shall be done is asked, or answered, or no longer asked. `turn` asked it.
+
+    It expires `expires_s` seconds after it was said to its end.
+    """
+
+    kind: ClassVar = AgentEventKind.CONFIRMATION
+    status: ConfirmationStatus
+    question: str
+    calls: tuple[AskedCall, ...]
+    expires_s: float
+    turn: int
+
+
+AgentEvent = (
+    ToolCalled
+    | GoalChanged
+    | GoalCancelled
+    | GoalRejected
+    | HandedOver
+    | SafetyPreempted
+    | Confirmation
+)
 """Whoever subscribes to this on the bus hears all of them."""
 
 
@@ -130,7 +173,7 @@ def as_json(event: AgentEvent) -> dict[str, Any]:
             found |= reason_json(value)
         elif value is not None or _is_always_there(one):
             (name,) = keys(one)
-            found[name] = str(value) if isinstance(value, StrEnum) else value
+            found[name] = _plain(value)
     return found
 
 
@@ -146,6 +189,12 @@ def reason_json(reason: Reason) -> dict[str, Any]:
 def keys(one: "Field[Any]") -> tuple[str, ...]:
     """What a field is in JSON: one key, or several."""
     return tuple(one.metadata.get("keys", (one.name,)))
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return [asdict(one) for one in value]
+    return str(value) if isinstance(value, StrEnum) else value
 
 
 def _is_always_there(one: "Field[Any]") -> bool:

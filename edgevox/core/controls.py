@@ -7,6 +7,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import ControlChanged
 from edgevox.core.languages import LANGUAGES
+from edgevox.core.settings import CONFIRM, Confirm
 
 Value = str | bool
 Voices = Callable[[str], Sequence[str]]
@@ -16,7 +17,7 @@ Deafness = Callable[[str], str]
 
 
 class Controls:
-    """Language, voice and muted. All or nothing of a change is made, and told on the bus.
+    """Language, voice, muted and confirm. All or nothing of a change is made, and told on the bus.
 
     A language that could not be heard is refused: nobody could stop the robot in it. What was set
     from the start is not.
@@ -32,6 +33,7 @@ class Controls:
         language: str,
         voice: str = "",
         muted: bool = False,
+        confirm: Confirm = "unsure",
         voices: Voices,
         deafness: Deafness = lambda _: "",
     ) -> None:
@@ -39,7 +41,12 @@ class Controls:
         self._voices = voices
         self._deafness = deafness
         self._lock = threading.RLock()
-        self._values: dict[str, Value] = {"language": language, "voice": "", "muted": muted}
+        self._values: dict[str, Value] = {
+            "language": language,
+            "voice": "",
+            "muted": muted,
+            "confirm": confirm,
+        }
         self._values = self.check({"voice": voice})
 
     @property
@@ -56,6 +63,11 @@ class Controls:
         return bool(self._values["muted"])
 
     @property
+    def confirm(self) -> str:
+        """When somebody is asked before the robot drives."""
+        return str(self._values["confirm"])
+
+    @property
     def voices(self) -> tuple[str, ...]:
         """What this machine has for the language."""
         return tuple(self._voices(self.language))
@@ -70,6 +82,8 @@ class Controls:
             raise InvalidValue("language", language, f"one that can be heard here: {why}")
         if not isinstance(values["muted"], bool):
             raise InvalidValue("muted", values["muted"], "true or false")
+        if values["confirm"] not in CONFIRM:
+            raise InvalidValue("confirm", values["confirm"], "one of " + ", ".join(CONFIRM))
         known = self._voices(language)
         if voice and voice not in known:
             if "voice" in wanted:

@@ -23,6 +23,7 @@ class Outcome(StrEnum):
 
     ANSWERED = "answered"
     ACTED = "acted"
+    ASKED = "asked"
     REFUSED = "refused"
     NOT_UNDERSTOOD = "not_understood"
     INTERRUPTED = "interrupted"
@@ -120,7 +121,7 @@ class RobotState:
 
 @dataclass(frozen=True, slots=True)
 class ControlChanged:
-    """A setting that can change while it runs has a new value: `language`, `voice` or `muted`."""
+    """`language`, `voice`, `muted` or `confirm`, which can change while it runs, is another now."""
 
     name: str
     value: str | bool

@@ -8,7 +8,7 @@ import re
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from pydantic import AfterValidator, Field, ValidationError
 from pydantic_settings import (
@@ -25,6 +25,9 @@ from edgevox.core.user_file import read_text
 from edgevox.core.validation import dotted, explain
 
 ENV_PREFIX = "EDGEVOX_"
+Confirm = Literal["always", "unsure", "never"]
+CONFIRM: tuple[Confirm, ...] = get_args(Confirm)
+"""When somebody is asked before the robot drives."""
 Echo = Literal["gate", "none"]
 LlmBackend = Literal["auto", "xllamacpp", "llama-cpp-python"]
 GrammarDialect = Literal["auto", "llama-server", "vllm", "vllm-guided", "none"]
@@ -76,6 +79,11 @@ class Settings(BaseSettings):
     )
     voice: str = Field("", description="text-to-speech voice; empty chooses by the language")
     muted: bool = Field(False, description="start with the microphone muted")
+    confirm: Confirm = Field(
+        "unsure",
+        description="ask back before it drives: always, or when unsure; never: what is unsure is"
+        " not done",
+    )
     text_mode: bool = Field(False, description="type instead of speaking; no sound is used")
     simple_ui: bool = Field(False, description="plain lines instead of a full-screen interface")
     render: bool = Field(True, description="show the robot in a window where there is a display")

@@ -93,6 +93,7 @@ def _navigate_to(
         templates=[template.replace("{room}", slot) for template in words.TO_ROOM],
         examples=_place_examples(places, hints, word),
         says=f"Going to the {slot}.",
+        deed=f"go to the {slot}",
         done=f"I am {word.being} the {slot}.",
     )
     return decorate(navigate_to)
@@ -112,6 +113,7 @@ def _navigate_xy(body: NavigableBody, word: PlaceWord) -> Skill:
         templates=words.TO_POINT,
         examples=words.TO_POINT_EXAMPLES,
         says="Going to x {x:g}, y {y:g}.",
+        deed="go to x {x:g}, y {y:g}",
         done="I am at x {x:.1f}, y {y:.1f}.",
         check=lambda x, y: check_goal(body, x, y),
     )

@@ -109,6 +109,7 @@ class RosBridge:
                 "language": controls.language,
                 "voice": controls.voice,
                 "muted": controls.muted,
+                "confirm": controls.confirm,
                 **{
                     row.name: getattr(wiring.settings, row.name)
                     for row in PARAMETERS
@@ -116,7 +117,7 @@ class RosBridge:
                 },
             },
         )
-        controls.change({name: values[name] for name in ("language", "voice", "muted")})
+        controls.change({name: values[name] for name in ("language", "voice", "muted", "confirm")})
         robot = wiring.body.name if wiring.body else ""
         self._presence = Presence(node, robot, wiring.interlock, self._ticker)
         self._parts = [

@@ -34,7 +34,7 @@ from edgevox.core.events import (
     WakeWordHeard,
 )
 from edgevox.core.frame_names import ODOM_EXPECTED, PREFIX_EXPECTED
-from edgevox.core.settings import Settings
+from edgevox.core.settings import CONFIRM, Settings
 from edgevox.ros2.contract_rows import (
     Incoming,
     Interop,
@@ -173,6 +173,9 @@ PARAMETERS: tuple[Parameter, ...] = (
         "voice", "", "TTS voice name", "empty for the language's best, or a name of list_voices"
     ),
     Parameter("muted", False, "microphone muted", "true or false"),
+    Parameter(
+        "confirm", "unsure", "when it asks back before it drives", "one of " + ", ".join(CONFIRM)
+    ),
     _setting("odom_frame", ODOM_EXPECTED),
     _setting("frame_prefix", PREFIX_EXPECTED),
     _setting("publish_clock", "true or false"),

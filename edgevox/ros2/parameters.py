@@ -72,5 +72,5 @@ class Parameters:
 
 
 def _controls_of(parameters: Sequence[RosParameter]) -> dict[str, Value]:
-    ours = {"language", "voice", "muted"}
+    ours = {"language", "voice", "muted", "confirm"}
     return {one.name: one.value for one in parameters if one.name in ours}

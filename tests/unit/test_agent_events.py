@@ -8,6 +8,9 @@ import pytest
 from edgevox.core.agent_events import (
     AgentEvent,
     AgentEventKind,
+    AskedCall,
+    Confirmation,
+    ConfirmationStatus,
     GoalCancelled,
     GoalChanged,
     GoalRejected,
@@ -79,6 +82,15 @@ EVENTS = (
     (
         SafetyPreempted("halt", stopped=False),
         '{"kind": "safety_preempt", "word": "halt", "stopped": false}',
+    ),
+    (
+        Confirmation(
+            ConfirmationStatus.ASKED, "Shall I?", (AskedCall("drive", {"far": 2}),), 20.0, 3
+        ),
+        (
+            '{"kind": "confirmation", "status": "asked", "question": "Shall I?", '
+            '"calls": [{"skill": "drive", "arguments": {"far": 2}}], "expires_s": 20.0, "turn": 3}'
+        ),
     ),
 )
 

@@ -39,6 +39,7 @@ def test_another_language_drops_the_voice_of_the_old_one(stage):
         ({"voice": "ff_siwis"}, "voice: got 'ff_siwis', expected for the language en one of joe"),
         ({"language": "de", "voice": "joe"}, "no voice of this language is on this machine"),
         ({"muted": "yes"}, "muted: got 'yes', expected true or false"),
+        ({"confirm": "yes"}, "confirm: got 'yes', expected one of always, unsure, never"),
         ({"muted": True, "language": "xx"}, "language: got 'xx'"),
     ],
 )
@@ -49,6 +50,13 @@ def test_what_cannot_be_honoured_is_refused_and_nothing_changes(stage, wanted, m
     assert message in str(refused.value)
     assert (controls.language, controls.voice, controls.muted) == ("en", "", False)
     assert heard == []
+
+
+def test_when_it_asks_back_is_a_control(stage):
+    controls, heard = stage
+    assert controls.confirm == "unsure"
+    controls.change({"confirm": "always"})
+    assert (controls.confirm, heard) == ("always", [("confirm", "always")])
 
 
 def test_language_and_voice_change_together(stage):

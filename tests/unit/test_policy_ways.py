@@ -4,6 +4,7 @@ import threading
 from typing import Annotated
 
 import pytest
+from guards import HUNG_S
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
@@ -18,7 +19,7 @@ from edgevox.core.events import Outcome, Responded, TurnEnded
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.ways import Way
 
-WAIT_S = 10.0
+QUESTION = "Shall I do this? Driving."
 DENIED = "I cannot do that: I am not permitted to do that."
 UNSURE = "I cannot do that: somebody has to say yes to that first."
 CODES = ("policy_denied", "policy_hours", "policy_place", "policy_nowhere", "policy_area")
@@ -70,7 +71,7 @@ class Stage:
     def submit(self, command):
         """What was said to it."""
         self.talk.submit(command)
-        assert self.talk.wait_idle(WAIT_S)
+        assert self.talk.wait_idle(HUNG_S)
         return self.said[-1]
 
     def under(self, policy):
@@ -115,7 +116,7 @@ def test_a_sentence_of_every_other_way_is_done(stage, way):
     others = ", ".join(f"{other}: deny" for other in Way if other is not way)
     stage.under(f"rules: {{{others}}}")
     stage.talk.submit(IN_WORDS[way])
-    assert stage.driving.wait(WAIT_S)
+    assert stage.driving.wait(HUNG_S)
     assert stage.guard.refusals == {}
 
 
@@ -128,16 +129,33 @@ def test_a_program_is_refused_with_the_code_and_nothing_is_said(stage, way):
         assert denied.value.reason.code == "policy_denied"
     other = Way.ACTION if way is Way.GOAL_POSE else Way.GOAL_POSE
     stage.talk.start_goal("drive", {"room": "kitchen"}, way=other)
-    assert stage.driving.wait(WAIT_S)
+    assert stage.driving.wait(HUNG_S)
     assert stage.said == []
 
 
 @pytest.mark.parametrize("way", [way for way in IN_WORDS if way.attended])
-def test_what_needs_a_yes_does_not_move_unasked(stage, way):
+def test_what_needs_a_yes_is_asked_about_and_a_yes_is_enough(stage, way):
     stage.under("rules: {'*': confirm}")
-    assert stage.submit(IN_WORDS[way]) == UNSURE
-    assert stage.rejected == [(way, "drive", "needs_confirmation", True)]
-    assert stage.outcomes == [Outcome.REFUSED]
+    assert stage.submit(IN_WORDS[way]) == QUESTION
+    assert stage.rejected == []
+    assert stage.outcomes == [Outcome.ASKED]
+    assert not stage.driving.is_set()
+    stage.talk.submit(TextInput("yes", way))
+    assert stage.driving.wait(HUNG_S)
+
+
+def test_the_yes_of_one_who_may_not_ask_for_it_is_not_enough(stage):
+    stage.under("rules: {voice: confirm, console_viewer: deny}")
+    assert stage.submit(IN_WORDS[Way.VOICE]) == QUESTION
+    assert stage.submit(TextInput("yes", Way.CONSOLE_VIEWER)) == DENIED
+    assert not stage.driving.is_set()
+
+
+def test_a_call_by_name_of_somebody_who_could_be_asked_is_refused_as_nobody_asks(stage):
+    stage.under("rules: {'*': confirm}")
+    form = RunSkill("drive", {"room": "kitchen"}, Way.CONSOLE_OPERATOR)
+    assert stage.submit(form) == UNSURE
+    assert stage.rejected == [("console_operator", "drive", "needs_confirmation", True)]
     assert not stage.driving.is_set()
 
 
@@ -185,22 +203,22 @@ def test_of_several_orders_none_is_done_if_one_is_refused(stage):
 )
 def test_a_stop_is_never_refused(stage, command):
     stage.talk.start_goal("drive", {"room": "kitchen"})
-    assert stage.driving.wait(WAIT_S)
+    assert stage.driving.wait(HUNG_S)
     stage.under("rules: {'*': deny}\nlimits: {hours: [{from: '00:00', to: '00:01'}]}")
     stage.talk.submit(command)
-    assert stage.talk.wait_idle(WAIT_S), "the drive is over"
+    assert stage.talk.wait_idle(HUNG_S), "the drive is over"
     assert stage.guard.refusals == {}
 
 
 def test_a_program_may_stop_it_always(stage):
     stage.under("rules: {'*': deny}")
-    assert stage.talk.start_goal("stop", {}).wait(WAIT_S)
+    assert stage.talk.start_goal("stop", {}).wait(HUNG_S)
     assert stage.guard.refusals == {}
 
 
 def test_a_drive_that_runs_goes_on_when_the_policy_forbids_the_next_one(stage):
     goal = stage.talk.start_goal("drive", {"room": "kitchen"})
-    assert stage.driving.wait(WAIT_S)
+    assert stage.driving.wait(HUNG_S)
     stage.under("rules: {'*': deny}")
     with pytest.raises(Denied):
         stage.talk.start_goal("drive", {"room": "cellar"})

@@ -6,6 +6,7 @@ from typing import Any, TypeVar
 
 from edgevox.core.agent_events import (
     AgentEvent,
+    Confirmation,
     GoalCancelled,
     GoalChanged,
     GoalStatus,
@@ -117,6 +118,8 @@ class BusLog:
                 log.info("handed_over", giver=giver, taker=taker, **_of(event.turn))
             case SafetyPreempted(word=word, stopped=stopped):
                 log.info("safety_stop", word=word, stopped=stopped)
+            case Confirmation(status=status, question=question):
+                log.info("confirmation", status=str(status), text=Said(question), **_of(event.turn))
             case _:  # how far a goal is; and whoever rejects a goal says so itself
                 pass
 

@@ -49,6 +49,7 @@ def _walk_forward(body: WalkingBody) -> Skill:
         templates=words.FORWARD,
         examples=words.FORWARD_EXAMPLES,
         says="Walking {distance:g} metres forward.",
+        deed="walk {distance:g} metres forward",
         done="I have walked {walked:.1f} metres forward.",
     )
     def walk_forward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
@@ -63,6 +64,7 @@ def _walk_backward(body: WalkingBody) -> Skill:
         templates=words.BACKWARD,
         examples=words.BACKWARD_EXAMPLES,
         says="Walking {distance:g} metres back.",
+        deed="walk {distance:g} metres back",
         done="I have walked {walked:.1f} metres back.",
     )
     def walk_backward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
@@ -77,6 +79,7 @@ def _turn_left(body: WalkingBody) -> Skill:
         templates=words.LEFT,
         examples=words.LEFT_EXAMPLES,
         says="Turning left by {degrees:g} degrees.",
+        deed="turn left by {degrees:g} degrees",
         done="I have turned left by {turned:.0f} degrees.",
     )
     def turn_left(goal: GoalHandle, degrees: Degrees = 90.0) -> Result:
@@ -91,6 +94,7 @@ def _turn_right(body: WalkingBody) -> Skill:
         templates=words.RIGHT,
         examples=words.RIGHT_EXAMPLES,
         says="Turning right by {degrees:g} degrees.",
+        deed="turn right by {degrees:g} degrees",
         done="I have turned right by {turned:.0f} degrees.",
     )
     def turn_right(goal: GoalHandle, degrees: Degrees = 90.0) -> Result:
@@ -105,6 +109,7 @@ def _turn_around(body: WalkingBody) -> Skill:
         templates=words.AROUND,
         examples=words.AROUND_EXAMPLES,
         says="Turning around.",
+        deed="turn around",
         done="I have turned around.",
     )
     def turn_around(goal: GoalHandle) -> Result:
@@ -119,6 +124,7 @@ def _stand(body: WalkingBody) -> Skill:
         templates=words.STAND,
         examples=words.STAND_EXAMPLES,
         says="Standing.",
+        deed="stand up",
         done="{outcome}",
     )
     def stand(goal: GoalHandle) -> Result:

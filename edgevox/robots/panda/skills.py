@@ -72,6 +72,7 @@ def _carrying(body: Manipulator) -> tuple[Skill, ...]:
         templates=words.GRASP,
         examples=words.GRASP_EXAMPLES,
         says="Picking up the {object}.",
+        deed="pick up the {object}",
         done="I have the {object}.",
     )
     def grasp(goal: GoalHandle, object: Annotated[str, cube]) -> Result:  # noqa: A002
@@ -83,6 +84,7 @@ def _carrying(body: Manipulator) -> tuple[Skill, ...]:
         templates=words.PLACE,
         examples=words.PLACE_EXAMPLES,
         says="Moving it to the {target}.",
+        deed="move it to the {target}",
         done="{said}.",
     )
     def place(
@@ -99,6 +101,7 @@ def _carrying(body: Manipulator) -> tuple[Skill, ...]:
         templates=words.RELEASE,
         examples=words.RELEASE_EXAMPLES,
         says="Opening my hand.",
+        deed="open my hand",
         done="{said}.",
     )
     def release(goal: GoalHandle) -> Result:
@@ -115,6 +118,7 @@ def _moving(body: Manipulator) -> tuple[Skill, ...]:
         templates=words.MOVE,
         examples=words.MOVE_EXAMPLES,
         says="Moving my hand to x {x:g}, y {y:g}, z {z:g}.",
+        deed="move my hand to x {x:g}, y {y:g}, z {z:g}",
         done="My hand is {where}.",
         check=_check_point,
     )
@@ -132,6 +136,7 @@ def _moving(body: Manipulator) -> tuple[Skill, ...]:
         templates=words.HOME,
         examples=words.HOME_EXAMPLES,
         says="Going home.",
+        deed="go home",
         done="I am at home.",
     )
     def goto_home(goal: GoalHandle) -> Result:

@@ -1,0 +1,180 @@
+"""Does what words mean, or asks back first, and understands what is answered.
+
+Between sure and refused lies a question. Which it is follows from how sure the meaning is, from the
+setting `confirm`, and from whether somebody demands it. The answer, or a correction ("no, the
+bedroom"), is understood before anything else is thought about.
+"""
+
+from collections.abc import Sequence
+
+from edgevox.agent.answers import Answer, Answers
+from edgevox.agent.confirmation import ASK_BELOW, OpenQuestion, Question
+from edgevox.agent.correction import correct
+from edgevox.agent.goals import Goal
+from edgevox.agent.last_drive import Drive, LastDrive
+from edgevox.agent.mind import Meaning, Mind
+from edgevox.agent.phrasebook import Phrasebook
+from edgevox.agent.policy import NeedsConfirmation
+from edgevox.agent.skill_executor import SkillExecutor
+from edgevox.agent.skills import Call
+from edgevox.agent.turn import Turn
+from edgevox.core.agent_events import ConfirmationStatus
+from edgevox.core.bus import Bus
+from edgevox.core.clock import Clock
+from edgevox.core.events import Outcome
+from edgevox.core.settings import Confirm
+
+
+class Asking:
+    """Used from the conversation's thread; `question` is shared with whoever stops.
+
+    `confirm` may be set from any thread. A question asks only of what drives: whatever tells
+    something is done at once, and so is a stop.
+    """
+
+    def __init__(
+        self,
+        mind: Mind,
+        executor: SkillExecutor,
+        bus: Bus,
+        clock: Clock,
+        confirm: Confirm = "unsure",
+    ) -> None:
+        self.confirm = confirm
+        self.question = OpenQuestion(bus, clock)
+        self._mind = mind
+        self._executor = executor
+        self._last = LastDrive(bus, clock)
+        self._answers = _answers(mind.phrases)
+
+    def set_language(self) -> None:
+        """Answers are in the mind's language from now on."""
+        self._answers = _answers(self._mind.phrases)
+
+    def forget(self) -> None:
+        """Nothing is left to correct."""
+        self._last.forget()
+
+    def attend(self, text: str, turn: Turn, said_s: float) -> Meaning | None:
+        """Do what these words ask for, or ask back; what they mean, None if they were answered.
+
+        `said_s` is when they were said: what was said before a question is no answer to it.
+        """
+        self.question.expire()
+        answer = self._answers.read(text)
+        if answer and self._counts(answer, text):
+            return self._answered(answer, turn, said_s)
+        meaning = self._corrected(text)
+        if meaning is None:
+            rest = self._unanswered(text)
+            if not rest:
+                turn.say(self._mind.phrases.say("left_undone"))
+                return None
+            meaning = self._mind.understand(rest, turn)
+        if meaning is None or turn.token.cancelled:
+            return meaning
+        return meaning if self.act(meaning, turn) else None
+
+    def act(self, meaning: Meaning, turn: Turn) -> bool:
+        """Do what is meant, or ask first; what the policy wants a yes for is always asked.
+
+        False if it was left for an answer, or for plainer words.
+        """
+        try:
+            goals = self._prepare(meaning, turn)
+        except NeedsConfirmation:
+            if goals := self._prepare(meaning, turn, confirmed=True):
+                self._ask(meaning, goals, turn)
+            return False
+        unsure = meaning.confidence < ASK_BELOW
+        asks = self.confirm == "always" or (unsure and self.confirm == "unsure")
+        if not any(goal.skill.drives for goal in goals) or not (asks or unsure):
+            self._do(meaning, goals, turn)
+            return True
+        if asks:
+            self._ask(meaning, goals, turn)
+        else:
+            turn.say(self._mind.phrases.say("say_plainly"), Outcome.REFUSED)
+        return False
+
+    def _ask(self, meaning: Meaning, goals: Sequence[Goal], turn: Turn) -> None:
+        driving = [goal for goal in goals if goal.skill.drives] or goals
+        text = self._mind.phrases.question([(goal.skill, goal.arguments) for goal in driving])
+        calls = tuple(Call(goal.skill.name, goal.arguments) for goal in goals)
+        asked = Meaning(meaning.agent, calls, meaning.source)
+        if self.question.ask(Question(asked, text, turn.number)):
+            turn.say(text, Outcome.ASKED)
+
+    def _counts(self, answer: Answer, text: str) -> bool:
+        """Not where it is a command and no question waits: a robot that walks may "go ahead"."""
+        waits = self.question.awaits if answer is Answer.YES else bool(self.question.asked)
+        return waits or not isinstance(self._mind.plain(text), Meaning)
+
+    def _answered(self, answer: Answer, turn: Turn, said_s: float) -> Meaning | None:
+        """What is done now, if that is what was asked."""
+        if answer is Answer.NO:
+            asked = self.question.end(ConfirmationStatus.DECLINED)
+            turn.say(self._mind.phrases.say("left_undone" if asked else "what_instead"))
+            return None
+        if not self.question.is_answered_at(said_s):
+            turn.say(self._mind.phrases.say("nothing_asked"))
+            return None
+        question = self.question.end(ConfirmationStatus.CONFIRMED)
+        if question is None:  # a stop was quicker
+            return None
+        meaning = question.meaning
+        self._do(meaning, self._prepare(meaning, turn, confirmed=True), turn)
+        return meaning
+
+    def _prepare(self, meaning: Meaning, turn: Turn, *, confirmed: bool = False) -> Sequence[Goal]:
+        skills = meaning.agent.skills
+        return self._executor.prepare(meaning.calls, skills, turn, confirmed=confirmed)
+
+    def _do(self, meaning: Meaning, goals: Sequence[Goal], turn: Turn) -> None:
+        driving = [goal for goal in goals if goal.skill.drives]
+        if len(driving) == 1:
+            call = Call(driving[0].skill.name, driving[0].arguments)
+            self._last.begin(Drive(meaning.agent, call, turn.number))
+        elif driving:
+            self._last.forget()  # of several nobody knows which one was wrong
+        if goals and not self._executor.run(goals, turn, meaning.source):
+            self._last.forget()
+
+    def _corrected(self, text: str) -> Meaning | None:
+        """What is meant instead of what was asked about, or else of what was begun."""
+        asked, drive = self.question.asked, self._last.corrigible
+        if asked:
+            agent, calls = asked.meaning.agent, asked.meaning.calls
+        elif drive:
+            agent, calls = drive.agent, (drive.call,)
+        else:
+            return None
+        driving = [call for call in calls if agent.skills[call.skill].drives]
+        if len(driving) != 1:
+            return None
+        (wrong,) = driving
+        right = correct(wrong, agent.skills[wrong.skill], text, self._answers, self._mind.phrases)
+        if right is None:
+            return None
+        self.question.end(ConfirmationStatus.DECLINED)
+        return Meaning(agent, tuple(right if c is wrong else c for c in calls), "template")
+
+    def _unanswered(self, text: str) -> str:
+        """What is left to understand: all of it, or what follows the no of "no, go to the office".
+
+        Nothing, if a no is followed by words that are no plain command: a question is declined, and
+        nobody guesses.
+        """
+        asked = self.question.asked
+        rest = self._answers.after_no(text) if asked or self._last.corrigible else ""
+        plain = bool(rest) and self._mind.plain(rest) is not None
+        if plain or (rest and asked):
+            self.question.end(ConfirmationStatus.DECLINED)
+            return rest if plain else ""
+        self.question.end(ConfirmationStatus.REPLACED)
+        return text
+
+
+def _answers(book: Phrasebook) -> Answers:
+    books = (book, book.fallback) if book.fallback else (book,)
+    return Answers([one.answers for one in books], spaced=book.hearing.spaced)

@@ -1,0 +1,48 @@
+"""Corrects a call: "no, to the office" is the same call with another value of one argument."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from edgevox.agent.answers import Answers
+from edgevox.agent.numbers import digits
+from edgevox.agent.phrasebook import Phrasebook
+from edgevox.agent.skills import Call, Skill
+from edgevox.agent.spelling import composed
+
+_IT = "it"
+"""Stands for what was spoken of last, so it corrects nothing."""
+
+
+def correct(call: Call, one: Skill, text: str, answers: Answers, book: Phrasebook) -> Call | None:
+    """The call that is meant instead; None unless the words say so and leave no doubt.
+
+    Words are those that the skill's templates know for the argument in this language; numbers
+    replace all of the call's, so there must be as many.
+    """
+    found = [*_words(call, one, text, answers, book)]
+    if len(found) == 1:
+        return Call(call.skill, {**call.arguments, **found[0]})
+    if found:
+        return None
+    names = [name for name, value in call.arguments.items() if _is_number(value)]
+    said = answers.numbers(digits(" ".join(composed(text).split()), book.code))
+    if not names or len(names) != len(said):
+        return None
+    changed = one.from_words(dict(zip(names, said, strict=True)))
+    return Call(call.skill, {**call.arguments, **changed})
+
+
+def _words(
+    call: Call, one: Skill, text: str, answers: Answers, book: Phrasebook
+) -> list[Mapping[str, Any]]:
+    """Each argument that could be meant, with its value."""
+    found: list[Mapping[str, Any]] = []
+    for name, choices in one.choices.items():
+        spoken = {said: word for said, word in book.heard(choices).items() if word != _IT}
+        value = answers.value(text, spoken, str(call.arguments.get(name)))
+        found += [{name: value}] if value else []
+    return found
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)

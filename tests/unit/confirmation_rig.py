@@ -1,0 +1,181 @@
+"""A conversation that asks back, with a robot that drives at once and a clock held in hand."""
+
+import threading
+from dataclasses import replace
+from typing import Annotated
+
+from clocks import HeldClock
+
+from edgevox.agent.agents import Agent
+from edgevox.agent.asking import Asking
+from edgevox.agent.conversation import Conversation
+from edgevox.agent.mind import Mind
+from edgevox.agent.skill_executor import SkillExecutor
+from edgevox.agent.skills import OneOf, SkillFailed, SkillSet, skill
+from edgevox.agent.turn import Turn
+from edgevox.core.agent_events import Confirmation, ConfirmationStatus
+from edgevox.core.bus import Bus
+from edgevox.core.cancel import Cancelled
+from edgevox.core.commands import TextInput
+from edgevox.core.events import Responded, TurnEnded
+
+ROOMS = OneOf(("kitchen", "living_room", "bedroom", "office"))
+
+
+class Body:
+    """Arrives at once, unless `arrives` is cleared; remembers where it was sent."""
+
+    def __init__(self):
+        self.sent, self.moving = [], False
+        self.started, self.arrives = threading.Event(), threading.Event()
+        self.arrives.set()
+
+    def halt(self, reason):
+        moved, self.moving = self.moving, False
+        return moved
+
+    def drive(self, goal, where):
+        self.sent.append(where)
+        self.moving = True
+        self.started.set()
+        forget = goal.token.on_cancel(self.arrives.set)
+        assert self.arrives.wait(60)
+        forget()
+        self.moving = False
+        if goal.token.cancelled:
+            self.arrives.clear()
+            raise Cancelled(goal.token.reason)
+
+    def skills(self):
+        @skill(
+            templates=["go to [the] {room}"],
+            says="Going to the {room}.",
+            done="I am in the {room}.",
+            deed="go to the {room}",
+        )
+        def navigate_to(goal, room: Annotated[str, ROOMS]):
+            """Drive to a room."""
+            self.drive(goal, room)
+
+        def walkable(distance):
+            if distance > 9:
+                raise SkillFailed("that is too far")
+
+        @skill(
+            templates=["walk {distance} meters", "go ahead"],
+            says="Walking {distance:g} metres.",
+            done="I walked.",
+            deed="walk {distance:g} metres forward",
+            check=walkable,
+        )
+        def walk_forward(goal, distance: float = 1.0):
+            """Walk forward."""
+            self.drive(goal, distance)
+
+        @skill(templates=["do your dance"], says="Dancing.")
+        def dance(goal):
+            """Dance."""
+            self.drive(goal, "dance")
+
+        @skill(templates=["where are you"], done="I am here.", moves=False)
+        def get_pose(goal):
+            """Say where it is."""
+
+        @skill(templates=["stay there"], says="Stopping.")
+        def stop(goal):
+            """Stand."""
+            self.sent.append("stop")
+
+        return SkillSet([navigate_to, walk_forward, dance, get_pose, stop])
+
+
+class Heard:
+    """What was asked and said, of everything on a bus."""
+
+    def __init__(self, bus):
+        self.questions, self.answers, self.outcomes = [], [], []
+        self.ended = threading.Event()
+        bus.subscribe(Confirmation, self._on_question)
+        bus.subscribe(Responded, lambda event: self.answers.append(event.text))
+        bus.subscribe(TurnEnded, lambda event: self.outcomes.append(event.outcome))
+
+    def _on_question(self, event):
+        self.questions.append(event)
+        if event.status is not ConfirmationStatus.ASKED:
+            self.ended.set()
+
+    @property
+    def statuses(self):
+        return [str(one.status) for one in self.questions]
+
+
+class Talk(Heard):
+    """A whole conversation, as anybody submits to it."""
+
+    def __init__(self, confirm="always", language="en", mouth=None):
+        self.bus, self.clock, self.body = Bus(), HeldClock(100.0), Body()
+        super().__init__(self.bus)
+        self.conversation = Conversation(
+            [Agent("robot", "Be brief.", self.body.skills())],
+            self.bus,
+            halt=self.body.halt,
+            language=language,
+            confirm=confirm,
+            clock=self.clock,
+            mouth=mouth,
+        )
+
+    def __enter__(self):
+        self.conversation.start()
+        return self
+
+    def __exit__(self, *_):
+        self.body.arrives.set()
+        self.conversation.close()
+
+    def say(self, *texts):
+        for text in texts:
+            self.conversation.submit(TextInput(text))
+            assert self.conversation.wait_idle(60)
+
+
+class Doubtful(Mind):
+    """Is as sure of what it understands as the test says."""
+
+    confidence = 1.0
+
+    def understand(self, text, turn):
+        meaning = super().understand(text, turn)
+        return replace(meaning, confidence=self.confidence) if meaning else None
+
+
+class Doubts(Heard):
+    """What decides to act or to ask, alone, with a mind that is not sure."""
+
+    def __init__(self, confirm="unsure", confidence=0.6, guard=None):
+        self.bus, self.clock, self.body, self.turns = Bus(), HeldClock(100.0), Body(), 0
+        super().__init__(self.bus)
+        self.executor = SkillExecutor(self.bus, self.body.halt, lambda text: None, guard=guard)
+        mind = Doubtful([Agent("robot", "Be brief.", self.body.skills())], self.bus, self.clock)
+        mind.confidence = confidence
+        self.mind = mind
+        self.asking = Asking(mind, self.executor, self.bus, self.clock, confirm)
+
+    def __enter__(self):
+        self.executor.start()
+        return self
+
+    def __exit__(self, *_):
+        self.executor.close()
+
+    def new_turn(self):
+        self.turns += 1
+        return Turn(self.turns, self.bus, self.clock, lambda: None)
+
+    def say(self, text):
+        turn = self.new_turn()
+        self.asking.attend(text, turn, self.clock.now())
+        turn.finish(measured=False)
+        self.asking.question.said(turn)
+        assert self.executor.wait_idle(60)
+        return turn

@@ -1,0 +1,191 @@
+"""A question that is not answered ends: it expires, is replaced, or is cancelled by a stop."""
+
+import threading
+
+import pytest
+from confirmation_rig import Doubts, Talk
+
+from edgevox.agent.confirmation import EXPIRES_S, OpenQuestion, Question
+from edgevox.agent.mind import Meaning
+from edgevox.core.agent_events import Confirmation, ConfirmationStatus
+from edgevox.core.bus import Bus
+from edgevox.core.commands import Heard, Interrupt, Reset, TextInput
+from edgevox.core.events import TurnEnded
+from edgevox.core.speech import Spoken
+
+
+def test_a_yes_in_time_counts_and_one_too_late_never_moves_the_robot():
+    with Talk() as talk:
+        talk.say("go to the kitchen")
+        talk.clock.now_s += EXPIRES_S - 0.1
+        talk.say("yes")
+        assert talk.body.sent == ["kitchen"]
+        talk.say("go to the office")
+        talk.clock.now_s += EXPIRES_S
+        talk.say("yes", "yes")
+        assert talk.body.sent == ["kitchen"]
+        assert talk.statuses[2:] == ["asked", "expired"]
+        assert talk.answers[-1] == "Yes. What can I do for you?"
+
+
+def test_a_question_expires_by_itself_though_nobody_says_anything():
+    with Talk() as talk:
+
+        def let_time_pass(event):  # the question's turn is over; its thread has not waited yet
+            talk.clock.now_s += EXPIRES_S
+
+        talk.bus.subscribe(TurnEnded, let_time_pass)
+        talk.conversation.submit(TextInput("go to the kitchen"))
+        assert talk.ended.wait(60)
+        assert talk.statuses == ["asked", "expired"]
+
+
+def test_words_that_would_be_a_command_are_none_after_a_question_that_expired():
+    with Talk() as talk:
+        talk.say("go to the kitchen")
+        talk.clock.now_s += EXPIRES_S
+        talk.say("go ahead")
+        assert talk.body.sent == []
+        talk.conversation.set_confirm("unsure")
+        talk.say("where are you", "go ahead")
+        assert talk.body.sent == [1.0]
+
+
+@pytest.mark.parametrize("said", ["where are you", "sing a song", "yes, but not now"])
+def test_anything_else_that_is_said_replaces_it_and_is_handled_as_usual(said):
+    with Talk() as talk:
+        talk.say(said)
+        usual = talk.answers[-1]
+        talk.say("go to the kitchen", said)
+        assert talk.answers[-1] == usual
+        assert talk.statuses == ["asked", "replaced"]
+        talk.say("yes")
+        assert talk.body.sent == []
+
+
+def test_a_new_question_replaces_the_old_one_and_a_yes_is_for_the_new_one():
+    with Talk() as talk:
+        talk.say("go to the kitchen", "go to the office", "yes")
+        assert talk.statuses == ["asked", "replaced", "asked", "confirmed"]
+        assert talk.body.sent == ["office"]
+
+
+@pytest.mark.parametrize(
+    "command", [TextInput("stop"), Heard("halt", 100.0), Interrupt(), Reset()], ids=str
+)
+def test_a_stop_of_any_kind_cancels_it_before_anything_else_is_heard(command):
+    with Talk() as talk:
+        talk.say("go to the kitchen")
+        talk.conversation.submit(command)
+        assert talk.statuses == ["asked", "cancelled"]
+        talk.say("yes", "yes")
+        assert talk.body.sent == []
+
+
+def test_who_only_speaks_over_it_may_still_answer_it():
+    with Talk() as talk:
+        talk.say("go to the kitchen")
+        talk.conversation.submit(Interrupt(motion=False))
+        talk.say("yes")
+        assert talk.body.sent == ["kitchen"]
+
+
+def test_a_yes_that_is_sent_while_a_stop_is_told_does_not_move_the_robot():
+    with Talk() as talk:
+        told = []
+
+        def answer(event):
+            if event.status is ConfirmationStatus.CANCELLED:
+                talk.conversation.submit(TextInput("yes"))
+                told.append(event)
+
+        talk.bus.subscribe(Confirmation, answer)
+        talk.say("go to the kitchen", "stop")
+        assert len(told) == 1
+        assert talk.body.sent == []
+
+
+def test_a_stop_and_a_yes_at_once_leave_the_robot_standing():
+    with Talk() as talk:
+        talk.body.arrives.clear()  # what would begin to drive would never end by itself
+        for _ in range(50):
+            talk.say("go to the kitchen")
+            both = threading.Barrier(2)
+
+            def at_once(text, both=both):
+                both.wait(60)
+                talk.conversation.submit(TextInput(text))
+
+            threads = [threading.Thread(target=at_once, args=(text,)) for text in ("yes", "stop")]
+            for one in threads:
+                one.start()
+            for one in threads:
+                one.join()
+            assert talk.conversation.wait_idle(60), "it drives after a stop"
+            talk.body.arrives.clear()
+            assert not talk.body.moving
+
+
+def question(turn):
+    return Question(Meaning(None, (), "template"), f"Shall I? {turn}", turn)
+
+
+def test_a_turn_that_was_stopped_while_it_thought_asks_nothing_any_more():
+    with Doubts() as doubts:
+        bus, told = Bus(), []
+        bus.subscribe(Confirmation, told.append)
+        asked = OpenQuestion(bus, doubts.clock)
+        asked.cancel(turn=3)
+        assert not asked.ask(question(3))
+        assert asked.ask(question(4))
+        assert [one.turn for one in told] == [4]
+
+
+class Saying:
+    """Plays as much of a question as the test wants before it is spoken over."""
+
+    def __init__(self, token, on_audible, mouth):
+        self._token, self._on_audible, self._mouth = token, on_audible, mouth
+
+    def say(self, sentence):
+        self._mouth.began.set()
+        if self._mouth.audible:
+            self._on_audible()
+
+    def finish(self):
+        assert self._token.wait(60)
+        first_s = self._mouth.clock.now() if self._mouth.audible else None
+        return Spoken("", cut=True, first_audible_s=first_s)
+
+
+class Mouth:
+    def __init__(self, *, audible):
+        self.audible, self.began, self.clock = audible, threading.Event(), None
+
+    def begin(self, token, on_audible):
+        return Saying(token, on_audible, self)
+
+
+@pytest.mark.parametrize(("audible", "status"), [(True, "confirmed"), (False, "cancelled")])
+def test_a_question_that_is_spoken_over_stands_if_any_of_it_was_heard(audible, status):
+    mouth = Mouth(audible=audible)
+    with Talk(mouth=mouth) as talk:
+        mouth.clock = talk.clock
+        talk.conversation.submit(TextInput("go to the kitchen"))
+        assert mouth.began.wait(60)
+        talk.conversation.submit(Interrupt(motion=False))
+        assert talk.conversation.wait_idle(60)
+        talk.conversation.submit(TextInput("yes"))
+        assert talk.ended.wait(60)
+        assert talk.statuses == ["asked", status]
+
+
+def test_a_yes_that_was_spoken_before_the_question_and_understood_after_it_is_no_answer():
+    with Talk() as talk:
+        talk.say("go to the kitchen")
+        talk.conversation.submit(Heard("yes", ended_s=99.0))
+        assert talk.conversation.wait_idle(60)
+        assert talk.body.sent == []
+        talk.conversation.submit(Heard("yes", ended_s=101.0))
+        assert talk.conversation.wait_idle(60)
+        assert talk.body.sent == ["kitchen"]
