@@ -6,12 +6,14 @@ from dataclasses import dataclass
 from enum import StrEnum
 from itertools import chain
 
-from edgevox.agent.spelling import key
+from edgevox.agent.spelling import composed, key, separated, unpunctuated
 
 MAX_TOKENS = 32
 """What is longer is no answer."""
 
-_PUNCTUATION = " ,.;:!\u3001\u3002\uff0c"
+_CLAUSE_END = re.compile(
+    r"[;!?\u061b\u061f\u0964\u2026\u3001\u3002\uff01\uff0c\uff1b\uff1f\u060c]+|[.,:](?!\d)"
+)
 _NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
 _TOKEN = re.compile(rf"{_NUMBER.pattern}|[a-z']+|\S")
 """Where words have no spaces between them, each character is one; foreign words stay whole."""
@@ -52,6 +54,7 @@ class _Value:
 
 _Found = Answer | _Part | _Value
 _Phrases = Mapping[tuple[str, ...], _Found]
+_Clause = tuple[_Found, ...]
 
 
 class Answers:
@@ -70,24 +73,23 @@ class Answers:
         little = self._phrases(_Part.LITTLE, chain.from_iterable(one.little for one in tables))
         self._yes = {**polite, **yes}
         self._no = {**polite, **nots, **nos}
-        self._corrections = {**polite, **little, **nots, **nos}
+        self._corrections = {**polite, **little, **nos, **nots}
 
     def read(self, text: str) -> Answer | None:
         """Yes or no, if that is all it says."""
-        tokens = self._tokens(text)
         for answer, phrases in ((Answer.NO, self._no), (Answer.YES, self._yes)):
-            if set(_parts(tokens, phrases)) - {_Part.POLITE}:
+            if {*chain.from_iterable(self._clauses(text, phrases))} - {_Part.POLITE}:
                 return answer
         return None
 
     def after_no(self, text: str) -> str:
-        """What is said after a no; nothing if it does not begin with one, or is no more than it."""
-        units = text.split() if self._spaced else list(text)
-        for count in range(min(len(units), MAX_TOKENS) - 1, 0, -1):
-            joint = " " if self._spaced else ""
-            if self.read(joint.join(units[:count])) is Answer.NO:
-                return joint.join(units[count:]).lstrip(_PUNCTUATION)
-        return ""
+        """What is said after a no and a comma or the like; nothing if there is not both."""
+        rest = ""
+        for end in _CLAUSE_END.finditer(text):
+            if self.read(text[: end.start()]) is not Answer.NO:
+                break
+            rest = text[end.end() :].strip()
+        return rest
 
     def value(self, text: str, spoken: Mapping[str, str], meant: str) -> str | None:
         """The word that is meant instead of the one that was `meant`, if all of it says that.
@@ -95,40 +97,53 @@ class Answers:
         `spoken` is what may be said for each word. "No, the office" means it, and so does "not the
         kitchen, the office"; "not the office" does not.
         """
-        words = {self._tokens(said): _Value(word) for said, word in spoken.items()}
-        found = _parts(self._tokens(text), {**self._corrections, **words})
-        said = {one.value for one in found if isinstance(one, _Value)}
-        others = said - {meant}
-        negated = _Part.NOT in found
-        plain = (Answer.NO in found or negated) and len(others) == 1
-        return others.pop() if plain and (meant in said or not negated) else None
+        words: _Phrases = {
+            form: _Value(word) for said, word in spoken.items() for form in self._forms(said)
+        }
+        clauses = self._clauses(text, {**self._corrections, **words})
+        said = {one.value for clause in clauses for one in _values(clause)}
+        negated = {value for clause in clauses for value in _negated(clause)}
+        others = said - {meant} - negated
+        corrects = negated == {meant} if negated else any(map(_says_no, clauses))
+        return others.pop() if corrects and len(others) == 1 else None
 
     def numbers(self, text: str) -> tuple[str, ...]:
         """The numbers of a correction in digits, in their order, if all of it says that."""
-        tokens = self._tokens(text)
-        said: _Phrases = {(one,): _Value(one) for one in tokens if _NUMBER.fullmatch(one)}
-        found = _parts(tokens, {**self._corrections, **said})
-        if Answer.NO not in found or _Part.NOT in found:
+        said: _Phrases = {(n,): _Value(n) for n in _NUMBER.findall(text)}
+        clauses = self._clauses(text, {**self._corrections, **said})
+        if any(map(_negated, clauses)) or not any(map(_says_no, clauses)):
             return ()
-        return tuple(one.value for one in found if isinstance(one, _Value))
+        return tuple(one.value for clause in clauses for one in _values(clause))
+
+    def _clauses(self, text: str, phrases: _Phrases) -> Sequence[_Clause]:
+        """What the phrases of each clause are; nothing if there is anything else in one."""
+        clauses = [tokens for part in _CLAUSE_END.split(text) if (tokens := self._tokens(part))]
+        if sum(map(len, clauses)) > MAX_TOKENS:
+            return ()
+        found = [_parts(tokens, phrases) for tokens in clauses]
+        return found if all(found) else ()
 
     def _phrases(self, part: _Found, said: Iterable[str]) -> dict[tuple[str, ...], _Found]:
-        return {self._tokens(one): part for one in said}
+        return {form: part for one in said for form in self._forms(one)}
+
+    def _forms(self, phrase: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """A phrase as it is written, and without the accents that people leave out."""
+        plain = key(phrase)
+        return self._tokens(phrase), tuple(plain.split() if self._spaced else _TOKEN.findall(plain))
 
     def _tokens(self, text: str) -> tuple[str, ...]:
-        plain = key(text)
-        return tuple(plain.split() if self._spaced else _TOKEN.findall(plain))
+        """The words of a text, with the accents that it has: they may tell a yes from a no."""
+        exact = unpunctuated(separated(composed(text)).casefold())
+        return tuple(exact.split() if self._spaced else _TOKEN.findall(exact))
 
 
-def _parts(tokens: Sequence[str], phrases: _Phrases) -> tuple[_Found, ...]:
+def _parts(tokens: Sequence[str], phrases: _Phrases) -> _Clause:
     """The phrases that the tokens are, one after another, long ones first; nothing if they are not.
 
     Works from the end: `rest[i]` is what the tokens from `i` on are.
     """
-    if len(tokens) > MAX_TOKENS:
-        return ()
     longest = max(map(len, phrases), default=0)
-    rest: list[tuple[_Found, ...] | None] = [None] * len(tokens) + [()]
+    rest: list[_Clause | None] = [None] * len(tokens) + [()]
     for start in reversed(range(len(tokens))):
         for end in range(min(len(tokens), start + longest), start, -1):
             part, after = phrases.get(tuple(tokens[start:end])), rest[end]
@@ -136,3 +151,25 @@ def _parts(tokens: Sequence[str], phrases: _Phrases) -> tuple[_Found, ...]:
                 rest[start] = (part, *after)
                 break
     return rest[0] or ()
+
+
+def _values(clause: _Clause) -> list[_Value]:
+    return [part for part in clause if isinstance(part, _Value)]
+
+
+def _says_no(clause: _Clause) -> bool:
+    """Whether it is a no to what was before, and not to what it says itself."""
+    plain = [part for part in clause if part is not _Part.POLITE]
+    alone = set(plain) <= {Answer.NO, _Part.NOT}
+    return bool(plain) and (alone or plain[0] is Answer.NO)
+
+
+def _negated(clause: _Clause) -> set[str]:
+    """The values that it says are not meant: before a negation, or after it if none is before."""
+    plain = [part for part in clause if part is not _Part.POLITE]
+    found = set()
+    for at, part in enumerate(plain):
+        if part is _Part.NOT or (part is Answer.NO and at > 0):
+            near = _values(tuple(plain[:at]))[-1:] or _values(tuple(plain[at:]))[:1]
+            found |= {one.value for one in near}
+    return found
