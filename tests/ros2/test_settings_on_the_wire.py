@@ -57,12 +57,12 @@ def settings(agent, peer):
 
 
 def test_every_parameter_says_what_it_is_and_what_it_may_be(settings):
-    names = ["language", "voice", "muted", "odom_frame", "frame_prefix"]
+    names = ["language", "voice", "muted", "confirm", "odom_frame", "frame_prefix"]
     request = DescribeParameters.Request(names=names)
     found = settings.call(DescribeParameters, f"{NODE}/describe_parameters", request).descriptors
     assert [one.name for one in found] == names
     assert all(one.description and one.additional_constraints for one in found)
-    assert [settings.get(name) for name in names] == ["en", "", False, "", ""]
+    assert [settings.get(name) for name in names] == ["en", "", False, "unsure", "", ""]
 
 
 def test_a_topic_command_is_seen_as_a_parameter(settings):

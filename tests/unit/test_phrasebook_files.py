@@ -41,6 +41,7 @@ def test_a_phrasebook_knows_every_skill_of_every_body(code):
         assert book.templates(one), one.name
         assert bool(phrases.says) == bool(one.says), one.name
         assert bool(phrases.done) == bool(one.done), one.name
+        assert bool(phrases.deeds) == one.drives == bool(one.deed), one.name
 
 
 @pytest.mark.parametrize("code", OTHERS)

@@ -53,6 +53,52 @@ def test_what_is_said_of_a_skill_is_whole_and_not_english(code, name):
         assert "the " not in said
 
 
+@pytest.mark.parametrize("code", OTHERS)
+@pytest.mark.parametrize("name", [name for name, one in SKILLS.items() if one.drives])
+def test_whether_to_do_something_is_asked_whole_and_not_in_english(code, name):
+    one = SKILLS[name]
+    arguments = {a: ARGUMENTS[a] for a in one.arguments_model.model_fields}
+    asked = phrasebook(code).question([(one, arguments)])
+    both = phrasebook(code).question([(one, arguments), (one, arguments)])
+
+    for text in (asked, both):
+        assert text.rstrip()[-1] in "?？؟"
+        assert not set("{}_<>") & set(text)
+        assert "None" not in text
+        assert "hall I" not in text
+    assert len(both) > len(asked)
+
+
+@pytest.mark.parametrize(
+    ("code", "asked"),
+    [
+        ("en", "Shall I go to the living room?"),
+        ("de", "Soll ich ins Wohnzimmer fahren?"),
+        ("fr", "Dois-je aller au salon ?"),
+        ("ru", "Мне поехать в гостиную?"),
+        ("tr", "Şimdi oturma odasına gideyim mi?"),
+        ("zh", "要我去客厅吗？"),
+        ("ja", "リビングへ行ってもいいですか?"),
+    ],
+)
+def test_a_question_is_made_of_the_skills_own_words(code, asked):
+    one = BODIES["apartment"]["navigate_to"]
+
+    assert phrasebook(code).question([(one, {"room": "living_room"})]) == asked
+
+
+@pytest.mark.parametrize(
+    ("code", "asked"),
+    [("en", "Shall I do this? Dancing."), ("de", "Soll ich das tun? Dancing.")],
+)
+def test_a_strangers_skill_is_asked_about_in_what_it_says(code, asked):
+    @skill(says="Dancing.")
+    def dance(goal):
+        """Dance."""
+
+    assert phrasebook(code).question([(dance, {})]) == asked
+
+
 @pytest.mark.parametrize(
     ("code", "says", "done"),
     [

@@ -1,0 +1,130 @@
+"""It asks back: the parameter `confirm`, the event, and the answer by `text_input`."""
+
+import json
+
+import pytest
+from guards import HUNG_S
+from peer import STATE, wait_until
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import GetParameters, SetParametersAtomically
+
+NODE = "/edgevox/edgevox"
+KITCHEN = {"skill": "navigate_to", "arguments": {"room": "kitchen"}}
+
+
+class Robot:
+    """An agent, and what a stranger hears of it."""
+
+    def __init__(self, peer):
+        self.peer = peer
+        self.events = peer.listen("agent_event")
+        self.response = peer.listen("response")
+        self.state = peer.listen("robot_state", STATE)
+
+    def say(self, text):
+        self.peer.send("text_input", text)
+
+    def wait_for(self, status):
+        """The next question that is so far."""
+        wanted = self.events.wait_for(lambda m: is_question(m, status))
+        return json.loads(wanted)
+
+    def statuses(self):
+        events = map(json.loads, self.events.messages)
+        return [one["status"] for one in events if one["kind"] == "confirmation"]
+
+    def calls(self):
+        return [m for m in self.events.messages if json.loads(m)["kind"] == "tool_call"]
+
+    def set_confirm(self, value):
+        text = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=value)
+        wanted = [Parameter(name="confirm", value=text)]
+        service = f"{NODE}/set_parameters_atomically"
+        request = SetParametersAtomically.Request(parameters=wanted)
+        return self._call(SetParametersAtomically, service, request).result
+
+    def confirm(self):
+        request = GetParameters.Request(names=["confirm"])
+        (value,) = self._call(GetParameters, f"{NODE}/get_parameters", request).values
+        return value.string_value
+
+    def _call(self, kind, service, request):
+        client = self.peer.node.create_client(kind, service)
+        wait_until(client.service_is_ready, service)
+        future = client.call_async(request)
+        wait_until(future.done, f"an answer of {service}")
+        return future.result()
+
+
+def is_question(message, status):
+    event = json.loads(message)
+    return event["kind"] == "confirmation" and event["status"] == status
+
+
+@pytest.fixture
+def start(agent, peer):
+    def make(*arguments):
+        agent(*arguments)
+        return Robot(peer())
+
+    return make
+
+
+def test_a_question_is_seen_and_a_yes_on_text_input_drives_the_robot(start):
+    robot = start("--confirm", "always")
+    assert robot.confirm() == "always"
+    robot.say("go to the kitchen")
+    asked = robot.wait_for("asked")
+    assert asked == {
+        "kind": "confirmation",
+        "status": "asked",
+        "question": "Shall I go to the kitchen?",
+        "calls": [KITCHEN],
+        "expires_s": 20.0,
+        "turn": asked["turn"],
+    }
+    robot.response.wait_for(lambda m: m == "Shall I go to the kitchen?")
+    assert robot.calls() == []
+    robot.say("yes please")
+    assert robot.wait_for("confirmed")["turn"] == asked["turn"]
+    robot.response.wait_for(lambda m: m == "Going to the kitchen.")
+    robot.state.wait_for(lambda m: json.loads(m)["room"] == "kitchen", timeout_s=HUNG_S)
+
+
+def test_a_no_another_place_and_a_stop_are_answers_too(start):
+    robot = start("--confirm", "always")
+    robot.say("go to the kitchen")
+    robot.wait_for("asked")
+    robot.say("no, the bedroom")
+    robot.wait_for("declined")
+    robot.response.wait_for(lambda m: m == "Shall I go to the bedroom?")
+    robot.say("stop")
+    robot.wait_for("cancelled")
+    robot.say("yes")
+    robot.response.wait_for(lambda m: m == "Yes. What can I do for you?")
+    assert robot.calls() == []
+    assert robot.statuses() == ["asked", "declined", "asked", "cancelled"]
+
+
+def test_the_parameter_changes_while_it_runs_and_refuses_what_it_cannot_be(start):
+    robot = start()
+    assert robot.confirm() == "unsure"
+    result = robot.set_confirm("sometimes")
+    assert not result.successful
+    assert result.reason == ("confirm: got 'sometimes', expected one of always, unsure, never")
+    assert robot.confirm() == "unsure"
+    assert robot.set_confirm("always").successful
+    robot.say("go to the kitchen")
+    robot.wait_for("asked")
+    robot.say("where are you")
+    robot.wait_for("replaced")
+    assert robot.set_confirm("never").successful
+    robot.say("go to the kitchen")
+    robot.response.wait_for(lambda m: m == "Going to the kitchen.")
+
+
+def test_it_is_a_parameter_at_the_start_too(start):
+    robot = start("--ros-args", "-p", "confirm:=always")
+    robot.say("go to the kitchen")
+    robot.wait_for("asked")
+    assert robot.calls() == []
