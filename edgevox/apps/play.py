@@ -62,7 +62,7 @@ def play(
 
     with ExitStack() as stack:
         parts = build_parts(stack, settings, body)
-        stage = ConversationStage(parts.bus, parts.conversation, body)
+        stage = ConversationStage(parts.bus, parts.conversation, body, parts.guard)
         stack.callback(stage.close)
         start_parts(stack, parts, ros_args)
         _write(heading(script.scenario, script.file.name, body.name))

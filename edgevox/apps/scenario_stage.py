@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from edgevox.agent.conversation import Conversation
+from edgevox.agent.policy import Guard
 from edgevox.core.agent_events import AgentEvent, as_json
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Interrupt, TextInput
@@ -28,8 +29,11 @@ class ConversationStage:
     in real time.
     """
 
-    def __init__(self, bus: Bus, conversation: Conversation, body: Body) -> None:
+    def __init__(
+        self, bus: Bus, conversation: Conversation, body: Body, guard: Guard | None = None
+    ) -> None:
         self._conversation, self._body = conversation, body
+        self._guard = guard or Guard()
         self._seen: queue.SimpleQueue[Seen] = queue.SimpleQueue()
         self._turns = threading.Condition()
         self._turn = 0
@@ -65,10 +69,12 @@ class ConversationStage:
         self._settle()
 
     def steer(self, linear_m_s: float, angular_rad_s: float) -> None:
-        """One velocity of a stream. Raises `InvalidValue` for a body that takes none."""
+        """One velocity of a stream. Raises `InvalidValue` for a body that takes none, and `Denied`
+        where the policy refuses it.
+        """
         if not isinstance(self._body, TakesVelocity):
             raise InvalidValue("drive", self._body.name, "a robot that takes velocities")
-        self._body.set_velocity(Twist2D(linear_m_s, angular_rad_s))
+        self._body.set_velocity(Twist2D(*self._guard.velocity(linear_m_s, angular_rad_s)))
 
     def let_pass(self, seconds: float) -> list[Seen]:
         """Let time pass; what was seen in it, and the state at its end."""

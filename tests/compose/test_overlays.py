@@ -91,6 +91,14 @@ def test_many_overlays_go_together():
     assert robot["secrets"] == [{"source": "llm_key", "target": "/run/secrets/llm_key"}]
 
 
+def test_the_policy_is_a_file_in_a_folder_that_is_mounted():
+    """Of a file that is mounted by itself, another one in its place would not be seen."""
+    robot = _config("policy")["services"]["edgevox-ros2"]
+    (mount,) = robot["volumes"]
+    assert (mount["type"], mount["read_only"]) == ("bind", True)
+    assert robot["environment"]["EDGEVOX_POLICY"] == f"{mount['target']}/policy.yaml"
+
+
 @pytest.mark.parametrize("user", ["recorder", "smoke"])
 def test_the_recorder_is_where_the_robot_is(user):
     """Or else it hears nothing: on the same network, by the same discovery."""
