@@ -43,7 +43,7 @@ boolean ::= "True" | "False"
 
 def grammar(skills: SkillSet, handoffs: Sequence[str] = ()) -> str:
     """The GBNF text. Raises `InvalidValue` for an argument whose type no grammar is known for."""
-    calls = {name: _call(name, one.schema) for name, one in skills.items()}
+    calls = {name: _call(name, one.schema) for name, one in skills.items() if one.callable_now}
     if handoffs:
         calls[HANDOFF] = f'"{HANDOFF}(agent=" {_choice(handoffs)} ")"'
     rules = [f"call-{number} ::= {call}" for number, call in enumerate(calls.values())]

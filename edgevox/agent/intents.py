@@ -8,11 +8,12 @@ from types import NoneType, UnionType
 from typing import Any, Union, get_args, get_origin
 
 from hassil import Intents, RecognizeResult, recognize_all
+from hassil.intents import TextSlotList
 
 from edgevox.agent.numbers import digits
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.phrasebook import Hearing, Phrasebook
-from edgevox.agent.skills import Call, Skill, SkillSet
+from edgevox.agent.skills import Call, OneOf, Skill, SkillSet
 from edgevox.agent.spelling import composed, folded, key, separated, unpunctuated
 
 MAX_CHARACTERS = 240
@@ -46,19 +47,23 @@ class Recogniser:
     An utterance may join several commands ("go to the kitchen, then tell me your battery"); all of
     its parts must match. A word that no argument knows is corrected when it is nearly one
     ("kichen"), and refused by name otherwise: a robot never guesses where to drive. The templates
-    are those of the language's phrasebook and then the skills' own.
+    are those of the language's phrasebook and then the skills' own. Words that were learned since
+    the last utterance count.
     """
 
     def __init__(self, skills: SkillSet, language: str = ENGLISH) -> None:
         answers = phrasebook(language)
         books = [phrasebook(code) for code in dict.fromkeys((language, ENGLISH))]
         self._language = language
+        self._skills = skills
+        self._words = skills.words()
         self._readers = [_Reader(skills, book, answers) for book in books]
 
     def recognise(self, text: str) -> Understood | Refused | None:
         """Calls, a refusal, or None when this is not a plain command."""
         if len(text) > MAX_CHARACTERS:
             return None
+        self._learn()
         plain = digits(" ".join(composed(text).split()), self._language)
         refused = None
         for reader in self._readers:
@@ -67,6 +72,13 @@ class Recogniser:
                 return found
             refused = refused or found
         return refused
+
+    def _learn(self) -> None:
+        words = self._skills.words()
+        if words != self._words:
+            self._words = words
+            for reader in self._readers:
+                reader.learn()
 
 
 class _Reader:
@@ -79,6 +91,15 @@ class _Reader:
         self._joints = _joints(book.hearing)
         self._strict = _compile(skills, book, loose=False)
         self._loose = _compile(skills, book, loose=True)
+        self.learn()
+
+    def learn(self) -> None:
+        """Take the words that there are now to choose from; the templates stay as they are."""
+        for name, intent in self._strict.intents.items():
+            choices = self._skills[name].choices
+            lists = {argument: _choices(one, self._book) for argument, one in choices.items()}
+            for block in intent.data:
+                block.slot_lists.update(lists)
 
     def read(self, text: str) -> Understood | Refused | None:
         """What `Recogniser.recognise` returns, of a text in digits."""
@@ -111,9 +132,17 @@ class _Reader:
 
     def _matches(self, sentence: str, intents: Intents) -> Iterator[Call]:
         for result in recognize_all(folded(sentence), intents):
-            arguments = _arguments(self._skills[result.intent.name], result, sentence)
-            if arguments is not None:
+            one = self._skills[result.intent.name]
+            arguments = _arguments(one, result, sentence)
+            if arguments is not None and self._are_names([arguments[n] for n in one.new_names]):
                 yield Call(result.intent.name, arguments)
+
+    def _are_names(self, given: Sequence[str]) -> bool:
+        """Whether these may be names: a clause is none, nor is the command that follows."""
+        hearing = self._book.hearing
+        if not hearing.spaced:
+            return not any(word in said for word in hearing.clause_words for said in given)
+        return all(hearing.clause_words.isdisjoint(map(key, said.split())) for said in given)
 
     def _repair(self, call: Call) -> Call | Refused | None:
         """Correct near misses among the words of a loose match, or say what is wrong."""
@@ -121,10 +150,12 @@ class _Reader:
         for name, choices in self._skills[call.skill].choices.items():
             said = self._without_articles(str(arguments.get(name, "")))
             known = self._answers.listing(choices.words)
-            if said in ("", _NOTHING):
+            if said in ("", _NOTHING) and known:
                 return Refused(self._answers.say("missing_word", argument=name, known=known))
             if not _may_be_a_name(said, self._book.hearing):
                 return None
+            if not known:
+                return Refused(self._answers.say("no_words", argument=name))
             spoken = {key(one): word for one, word in self._book.heard(choices).items()}
             near = difflib.get_close_matches(key(said), spoken, n=1, cutoff=0.8)
             if not near:
@@ -172,18 +203,23 @@ def _written(text: str, hearing: Hearing) -> str:
 
 
 def _lists(one: Skill, book: Phrasebook, *, loose: bool) -> dict[str, Any]:
-    lists: dict[str, Any] = {}
-    for name in one.arguments_model.model_fields:
-        if loose or name not in one.choices:
-            lists[name] = {"wildcard": True}
-        else:
-            spoken = book.heard(one.choices[name])
-            values = [
-                {"in": _written(key(said), book.hearing), "out": word}
-                for said, word in spoken.items()
-            ]
-            lists[name] = {"values": values}
-    return lists
+    """Any words, but for what `learn` gives words to choose from; the book's usual places."""
+    lists: dict[str, Any] = {
+        name: {"wildcard": True} if loose or name not in one.choices else {"values": []}
+        for name in one.arguments_model.model_fields
+    }
+    usual = [_pattern(place) for place in book.hearing.places]
+    return lists | {"place": {"values": usual}} if one.new_names else lists
+
+
+def _choices(choices: OneOf, book: Phrasebook) -> TextSlotList:
+    """What may be said for these words, as it is written and with its numbers as digits."""
+    spoken = {
+        _written(form, book.hearing): word
+        for said, word in book.heard(choices).items()
+        for form in (digits(key(said), book.code), key(said))
+    }
+    return TextSlotList.from_tuples(spoken.items(), allow_template=False)
 
 
 def _arguments(one: Skill, result: RecognizeResult, sentence: str) -> Mapping[str, Any] | None:

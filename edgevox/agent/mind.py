@@ -69,7 +69,7 @@ class Mind:
 
     def chat(self, text: str = "") -> list[Message]:
         """The messages that the model would see for this utterance."""
-        opening = self._protocols[self.active.name].opening
+        opening = self._protocol().opening
         said = [Message("user", text)] if text else []
         return [*opening, *self._history.messages(), *said]
 
@@ -120,7 +120,7 @@ class Mind:
         return None
 
     def _generate(self, model: LanguageModel, text: str, turn: Turn) -> Sequence[Call]:
-        protocol = self._protocols[self.active.name]
+        protocol = self._protocol()
         parser = protocol.parser()
         started_s = self._clock.now()
         try:
@@ -139,6 +139,12 @@ class Mind:
             turn.thought(self._clock.now() - started_s)
         turn.flush()
         return () if turn.token.cancelled else parser.finish()
+
+    def _protocol(self) -> Protocol:
+        """That of the agent who talks, with the words that there are now to choose from."""
+        name = self.active.name
+        self._protocols[name] = self._protocols[name].renewed()
+        return self._protocols[name]
 
     def _hand_over(self, agent: Agent, turn: Turn) -> None:
         if agent is self.active:

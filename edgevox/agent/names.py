@@ -12,7 +12,7 @@ from hassil.parse_expression import parse_sentence
 
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.safety import find_stop_word
-from edgevox.agent.skills import Skill
+from edgevox.agent.skills import OneOf, Skill
 from edgevox.agent.spelling import key
 from edgevox.core.errors import InvalidValue
 from edgevox.core.languages import LANGUAGES
@@ -52,6 +52,20 @@ def check_skills(skills: Iterable[Skill]) -> None:
         for argument, choices in one.choices.items():
             for name in (*choices.words, *choices.aliases):
                 check_name(f"{one.name}.{argument}", name)
+
+
+def heard_anywhere(choices: OneOf) -> Mapping[str, str]:
+    """What people say for these words in any language, in the spelling of `key`, to the word."""
+    return {
+        key(said): word
+        for code in LANGUAGES
+        for said, word in phrasebook(code).heard(choices).items()
+    }
+
+
+def is_clause_word(name: str) -> bool:
+    """Whether it stands for something else in any language: "here", "it", "and"."""
+    return any(key(name) in phrasebook(code).hearing.clause_words for code in LANGUAGES)
 
 
 @cache

@@ -67,6 +67,7 @@ def _hearing(data: Mapping[str, Any], *, spaced: bool) -> Hearing:
         spaced=spaced,
         written=data.get("written", ""),
         reserved=tuple(data.get("reserved", ())),
+        places=tuple(data.get("places", ())),
     )
 
 

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import zip_longest
 from string import Formatter
 from typing import Any
@@ -55,7 +56,8 @@ class Hearing:
     stand in one, `pair` is what is put between two bare numbers. `spaced` is False where words have
     no spaces between them. `written` are commands in the spelling that templates understand: an
     example for whoever writes down what is spoken. `reserved` is what people answer with, and what
-    they say to any robot: no place or thing may be called so.
+    they say to any robot: no place or thing may be called so. `places` are what people call places,
+    in templates: "this is the charger" names one, "this is the end" does not.
     """
 
     joints: tuple[str, ...] = ()
@@ -65,6 +67,7 @@ class Hearing:
     spaced: bool = True
     written: str = ""
     reserved: tuple[str, ...] = ()
+    places: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,7 +120,7 @@ class Phrasebook:
 
     def word(self, name: str) -> Word:
         """A word's forms; those of an unknown one are made of its own name."""
-        return self.words.get(key(name)) or self.unknown.called(name.replace("_", " "))
+        return self._known(name) or self.unknown.called(name.replace("_", " "))
 
     def heard(self, choices: OneOf) -> dict[str, str]:
         """Everything that may be said for these words, to the word."""
@@ -147,7 +150,7 @@ class Phrasebook:
         own += [
             Example(hint, {name: word})
             for name, choices in one.choices.items()
-            for word, hint in self._hints(choices)
+            for word, hint in (self._hints(choices) if one.moves else ())
         ]
         if not own:
             return one.examples
@@ -202,12 +205,20 @@ class Phrasebook:
         """What a reason is about: another reason, a word with its forms, or a name as it is."""
         if isinstance(value, Reason):
             return _bare(self.reason(value))
-        return self.words.get(key(value)) or self.unknown.called(value)
+        return self._known(value) or self.unknown.called(value)
+
+    def _known(self, name: str) -> Word | None:
+        """A word by its own name, or by how this language calls it first."""
+        return self.words.get(key(name)) or self._first_heard.get(key(name))
+
+    @cached_property
+    def _first_heard(self) -> Mapping[str, Word]:
+        return {key(one.heard[0]): one for one in self.words.values()}
 
     def _slots(self, template: str) -> set[str]:
         """The slots of a template and of the rules that it names."""
         inside = (self._slots(self.rules[name]) for name in re.findall(r"<(\w+)>", template))
-        return set(re.findall(r"\{(\w+)\}", template)).union(*inside)
+        return set(re.findall(r"\{(?:\w+:)?(\w+)\}", template)).union(*inside)
 
     def _phrases(self, one: Skill) -> SkillPhrases:
         return one.phrases.get(self.code) or self.skills.get(one.name, SkillPhrases())
@@ -239,7 +250,8 @@ class Phrasebook:
     def _spoken(self, value: Any) -> Any:
         """A value as sentences use it, or None for one that nothing is known of.
 
-        A flag that is up is there, and says nothing by itself. Things on things are a list.
+        A flag that is up is there, and says nothing by itself. Words, and things on things, are
+        lists.
         """
         if isinstance(value, bool):
             return "" if value else None
@@ -248,6 +260,8 @@ class Phrasebook:
         if isinstance(value, Mapping):
             there = [(name, one["on"]) for name, one in value.items() if "on" in one]
             return self._join([self._thing_at(name, place) for name, place in there]) or None
+        if isinstance(value, Sequence):
+            return self.listing(value) or None
         return value
 
     def _thing_at(self, name: str, place: str) -> str:

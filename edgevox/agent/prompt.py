@@ -4,7 +4,7 @@ The wording, the words of the format, the order and the number of the examples w
 with the smallest model; `benchmarks/understanding.py` tells what a change does.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
 from typing import Any
@@ -16,6 +16,9 @@ from edgevox.agent.skills import Call, Skill, SkillSet
 
 EXAMPLES_PER_SKILL = 3
 """More where an argument is one of more words, so that each of them is seen."""
+MOST_LEARNED = 20
+"""So many words that came later are named."""
+_LEARNED = "a name that was given"
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,8 +88,14 @@ def _singles(skills: SkillSet, book: Phrasebook) -> list[Shown]:
 
 
 def _enough(one: Skill) -> int:
-    kinds = one.schema.get("properties", {}).values()
-    return max([EXAMPLES_PER_SKILL, *(len(kind.get("enum", ())) for kind in kinds)])
+    return max([EXAMPLES_PER_SKILL, *_counts(one)])
+
+
+def _counts(one: Skill) -> Iterator[int]:
+    """How many words each argument takes, as long as nothing is learned."""
+    choices = one.choices
+    for name, kind in one.schema.get("properties", {}).items():
+        yield len(choices[name].fixed if name in choices else kind.get("enum", ()))
 
 
 def _pairs(singles: Sequence[Shown], skills: int, links: Sequence[str]) -> list[Shown]:
@@ -111,10 +120,38 @@ def _interleave(many: Sequence[Shown], few: Sequence[Shown]) -> list[Shown]:
 def _signature(one: Skill) -> str:
     """The call as Python would declare it."""
     arguments = ", ".join(
-        f"{name}={_kind(kind)}" + (" or nothing" if is_optional(one, name) else "")
-        for name, kind in one.schema.get("properties", {}).items()
+        f"{name}={kind}" + (" or nothing" if is_optional(one, name) else "")
+        for name, kind in _kinds(one).items()
     )
     return f"{one.name}({arguments})"
+
+
+def learned_words(skills: SkillSet) -> str:
+    """Words to choose from that no system prompt has, since they came later; empty without any.
+
+    They stand behind everything else, for a model reads again what follows a change. Of many the
+    newest are named; the grammar knows all.
+    """
+    takers: dict[tuple[str, ...], list[str]] = {}
+    for one in skills.values():
+        for argument, choices in one.choices.items():
+            takers.setdefault(choices.learned()[-MOST_LEARNED:], []).append(
+                f"{one.name}({argument})"
+            )
+    return " ".join(
+        f"{' and '.join(names)} can be {' or '.join(map(literal, words))}, too."
+        for words, names in takers.items()
+        if words
+    )
+
+
+def _kinds(one: Skill) -> Mapping[str, str]:
+    """What each argument may be, as long as nothing is learned."""
+    fixed = {name: choices.fixed for name, choices in one.choices.items()}
+    return {
+        name: " or ".join(map(literal, fixed[name])) or _LEARNED if name in fixed else _kind(kind)
+        for name, kind in one.schema.get("properties", {}).items()
+    }
 
 
 def _kind(kind: Mapping[str, Any]) -> str:

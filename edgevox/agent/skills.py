@@ -13,10 +13,10 @@ The first parameter is the goal that the call becomes; the others are the skill'
 import inspect
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Protocol, get_args
 
 from pydantic import BaseModel
-from pydantic_core import core_schema
 
 from edgevox.agent.arguments import (
     arguments_model,
@@ -24,6 +24,7 @@ from edgevox.agent.arguments import (
     check_numbers,
     from_words,
 )
+from edgevox.agent.choices import NewName, OneOf
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.reasons import Reason
@@ -68,34 +69,6 @@ class GoalHandle(Protocol):
         """Say how far it is, as JSON-ready values (``progress`` is 0 to 1)."""
 
 
-@dataclass(frozen=True, slots=True)
-class OneOf:
-    """Annotates a string argument that takes one of some words, known only when the robot is.
-
-    `aliases` are other things people say for a word ("fridge": "kitchen"). Matching ignores case,
-    underscores against spaces, and a leading article.
-    """
-
-    words: tuple[str, ...]
-    aliases: Mapping[str, str] = field(default_factory=dict)
-
-    def spoken(self) -> dict[str, str]:
-        """Everything that may be said for a word, in lower case and with spaces, to that word."""
-        return {_plain(said): word for said, word in self.aliases.items()} | {
-            _plain(word): word for word in self.words
-        }
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        known = self.spoken()
-
-        def pick(value: Any) -> Any:
-            return known.get(_plain(value), value) if isinstance(value, str) else value
-
-        return core_schema.no_info_before_validator_function(
-            pick, core_schema.literal_schema(list(self.words))
-        )
-
-
 def _takes_any_words(schema: Any) -> bool:
     """Whether a value by this JSON schema can hold a string that the schema does not list."""
     if isinstance(schema, list):
@@ -113,11 +86,6 @@ def _takes_any_words(schema: Any) -> bool:
     if kinds:
         return any(_takes_any_words(schema[kind]) for kind in kinds)
     return schema.get("type", "string") in {"string", "array", "object"}
-
-
-def _plain(word: str) -> str:
-    text = word.casefold().replace("_", " ").strip()
-    return " ".join(text.removeprefix("the ").split())
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,12 +151,27 @@ class Skill:
     @property
     def choices(self) -> Mapping[str, OneOf]:
         """The arguments that take one of some words."""
-        return {
-            name: extra
+        return {name: extra for name, extra in self._notes if isinstance(extra, OneOf)}
+
+    @property
+    def new_names(self) -> frozenset[str]:
+        """The arguments that are names which somebody gives now."""
+        return frozenset(name for name, extra in self._notes if isinstance(extra, NewName))
+
+    @property
+    def callable_now(self) -> bool:
+        """Whether every argument that it needs has a word to choose from."""
+        fields = self.arguments_model.model_fields
+        return all(one.words for name, one in self.choices.items() if fields[name].is_required())
+
+    @cached_property
+    def _notes(self) -> Sequence[tuple[str, Any]]:
+        """What annotates the arguments, each with its argument's name."""
+        return [
+            (name, extra)
             for name, info in self.arguments_model.model_fields.items()
             for extra in (*info.metadata, *get_args(info.annotation))
-            if isinstance(extra, OneOf)
-        }
+        ]
 
     @property
     def free_text(self) -> frozenset[str]:
@@ -270,6 +253,12 @@ class SkillSet(Mapping[str, Skill]):
     def __len__(self) -> int:
         return len(self._skills)
 
+    def words(self) -> tuple[tuple[str, ...], ...]:
+        """The words that there are now to choose from: what was made of others is outdated."""
+        return tuple(
+            choices.words for one in self._skills.values() for choices in one.choices.values()
+        )
+
 
 @dataclass(frozen=True, slots=True)
 class Call:
@@ -284,6 +273,7 @@ __all__ = [
     "Call",
     "Example",
     "GoalHandle",
+    "NewName",
     "OneOf",
     "Result",
     "Skill",

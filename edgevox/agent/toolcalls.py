@@ -3,12 +3,13 @@
 import ast
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from edgevox.agent.grammar import DO, END, HANDOFF, JOINT, SAY, grammar, literal
 from edgevox.agent.llm.base import Message
 from edgevox.agent.numbers import digits
-from edgevox.agent.prompt import examples, system_prompt
+from edgevox.agent.phrase_file import phrasebook
+from edgevox.agent.prompt import examples, learned_words, system_prompt
 from edgevox.agent.skills import Call, SkillSet
 
 _CONTROL = re.compile(r"[\x00-\x1f\x7f]+")
@@ -49,17 +50,20 @@ class Protocol:
     """How one agent and its model understand each other.
 
     `opening` are the messages that every chat begins with: the instructions, the skills and
-    examples. `grammar` is what a model's output must obey, for `Parser` to read.
+    examples. `grammar` is what a model's output must obey, for `Parser` to read. Both are of the
+    `words` that there were to choose from.
     """
 
     instructions: str
     skills: SkillSet
     handoffs: tuple[str, ...] = ()
     language: str = "en"
+    words: tuple[tuple[str, ...], ...] = field(init=False)
     grammar: str = field(init=False)
     opening: tuple[Message, ...] = field(init=False)
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "words", self.skills.words())
         object.__setattr__(self, "grammar", grammar(self.skills, self.handoffs))
         system = Message(
             "system", system_prompt(self.instructions, self.skills, self.handoffs, self.language)
@@ -70,7 +74,14 @@ class Protocol:
                 self.render_calls(example.calls) if example.calls else self.render(example.says)
             )
             shown += [Message("user", self.prepare(example.sentence)), Message("assistant", answer)]
+        if learned := learned_words(self.skills):
+            answer = self.render(phrasebook(self.language).say("all_right"))
+            shown += [Message("user", learned), Message("assistant", answer)]
         object.__setattr__(self, "opening", (system, *shown))
+
+    def renewed(self) -> "Protocol":
+        """Itself, or another if words were learned or forgotten since it was made."""
+        return self if self.words == self.skills.words() else replace(self)
 
     def parser(self) -> Parser:
         """A parser for one answer."""

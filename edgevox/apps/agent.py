@@ -6,6 +6,7 @@ from pathlib import Path
 
 from edgevox.apps.arguments import Asked, parse_arguments
 from edgevox.apps.ending import Ending, Terminated
+from edgevox.apps.places import open_places
 from edgevox.apps.play import play, read_script
 from edgevox.apps.program import run_program, set_up_logs
 from edgevox.apps.robots import build_body
@@ -35,6 +36,7 @@ def _prepare(asked: Asked) -> Callable[[], bool]:
         drawn = build_body(asked.robot, settings, IN_THE_HAND)
         return lambda: take_snapshot(drawn, snapshot)
     body = build_body(asked.robot, settings)
+    open_places(body, settings)
     return lambda: serve(settings, body, asked.ros_args)
 
 
@@ -43,6 +45,8 @@ def _prepare_scenario(asked: Asked, file: Path) -> Callable[[], bool]:
     settings = load_settings(script.flags(asked.flags), asked.config)
     set_up_logs("edgevox-agent", settings)
     body = build_body(asked.robot, settings, IN_THE_HAND)
+    if settings.places:  # a run of a scenario remembers nothing of the last one, unless it says so
+        open_places(body, settings)
     return lambda: _interruptible(
         lambda: play(script, settings, body, snapshot=asked.snapshot, ros_args=asked.ros_args),
         settings.leave_s,

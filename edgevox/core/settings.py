@@ -123,6 +123,11 @@ class Settings(BaseSettings):
     locations: Path | None = Field(
         None, description="robot-external: YAML file of the places that it knows by name"
     )
+    places: Path | None = Field(
+        None,
+        description="folder of the places that a robot was told to remember; without one edgevox "
+        "in $XDG_STATE_HOME, ~/.local/state by default",
+    )
     policy: Path | None = Field(
         None, description="YAML file that says who may ask for what, and within which limits"
     )

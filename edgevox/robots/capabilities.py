@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from edgevox.agent.skills import Skill
 from edgevox.core.cancel import CancelToken
 from edgevox.core.transforms import IDENTITY, ORIGIN, Pose2D, Pose3D
+from edgevox.robots.places.memory import PlaceMemory
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,6 +158,23 @@ class HasPlaces(Protocol):
 
     def place_at(self, x_m: float, y_m: float) -> str | None:
         """The place that this point is in."""
+
+
+@runtime_checkable
+class KnowsFrame(Protocol):
+    """Has poses in the frame that there is: of a map, or of odometry as long as there is none."""
+
+    def located(self) -> tuple[Pose2D, str]:
+        """Where it is, and in which frame. Raises `SkillFailed` while that is unknown."""
+
+
+@runtime_checkable
+class RemembersPlaces(Protocol):
+    """Can be told what a place is called. A file is opened before the body is started, if any."""
+
+    @property
+    def place_memory(self) -> PlaceMemory:
+        """What it remembers; `navigation_skills` makes the skills of it."""
 
 
 @runtime_checkable

@@ -14,7 +14,7 @@ def read_name(where: str, value: object, longest: int = LONGEST_NAME) -> str:
 
     Raises `InvalidValue` with the name, and what would be right.
     """
-    if not isinstance(value, str) or len(value) > longest or not _sayable(value):
+    if not isinstance(value, str) or len(value) > longest or not sayable(value):
         raise InvalidValue(
             where,
             value,
@@ -32,7 +32,7 @@ def check_thing(where: str, name: object) -> str:
     return name
 
 
-def _sayable(name: str) -> bool:
+def sayable(name: str) -> bool:
     """Whether it is of letters, the marks that belong to them, digits and a little more."""
     kinds = [unicodedata.category(character)[0] for character in name]
     fits = all(kind in "LMN" or one in "_' -" for one, kind in zip(name, kinds, strict=True))

@@ -7,8 +7,10 @@ from typing import Annotated, Protocol, runtime_checkable
 
 from pydantic import Field
 
-from edgevox.agent.skills import Example, GoalHandle, OneOf, Result, Skill, skill
+from edgevox.agent.reasons import because
+from edgevox.agent.skills import Example, GoalHandle, OneOf, Result, Skill, SkillFailed, skill
 from edgevox.core.cancel import CancelToken
+from edgevox.core.transforms import Pose2D
 from edgevox.robots import navigation_words as words
 from edgevox.robots.bounds import Bounds
 from edgevox.robots.capabilities import (
@@ -20,6 +22,9 @@ from edgevox.robots.capabilities import (
     HasPose,
     Report,
 )
+from edgevox.robots.places.memory import PlaceMemory
+from edgevox.robots.places.skills import located, place_skills
+from edgevox.robots.places.store import Place
 from edgevox.robots.world_fields import LARGEST
 
 
@@ -32,6 +37,14 @@ class DrivesToPlaces(Protocol):
     """Knows more of a place than its point, such as which way to look there."""
 
     def drive_to_place(self, place: str, *, token: CancelToken, report: Report) -> None:
+        """As `drive_to`."""
+
+
+@runtime_checkable
+class DrivesToPoses(Protocol):
+    """Can look a given way where it has driven."""
+
+    def drive_to_pose(self, pose: Pose2D, *, token: CancelToken, report: Report) -> None:
         """As `drive_to`."""
 
 
@@ -54,44 +67,48 @@ def navigation_skills(
     hints: Mapping[str, Sequence[str]] | None = None,
     aliases: Mapping[str, str] | None = None,
     word: PlaceWord = ROOM,
+    memory: PlaceMemory | None = None,
 ) -> tuple[Skill, ...]:
     """`navigate_to` (if there are places), `navigate_xy`, `stop`, `get_pose`, `battery` (if any).
+
+    With a `memory` also those of `place_skills`, and `navigate_to` goes to what it remembers.
 
     `hints` are sentences, by place, of people who want to be there: what a model learns from.
     `aliases` are other things that people say for a place, to that place. `word` is `ROOM` or
     `LOCATION`, and the name of `navigate_to`'s argument.
     """
     skills = [_navigate_xy(body, word), _stop(body), _get_pose(body, word)]
-    if body.places:
-        skills.insert(0, _navigate_to(body, hints or {}, aliases or {}, word))
+    known = OneOf(tuple(body.places), aliases or {}, memory.names if memory else tuple)
+    if body.places or memory:
+        skills.insert(0, _navigate_to(body, hints or {}, known, word, memory))
     if isinstance(body, HasBattery):
         skills.append(_battery(body))
+    if memory:
+        skills += place_skills(body, memory, known, word.noun)
     return tuple(skills)
 
 
 def _navigate_to(
     body: NavigableBody,
     hints: Mapping[str, Sequence[str]],
-    aliases: Mapping[str, str],
+    known: OneOf,
     word: PlaceWord,
+    memory: PlaceMemory | None,
 ) -> Skill:
-    places = tuple(body.places)
-    known = OneOf(places, aliases)
-
     def navigate_to_room(goal: GoalHandle, room: Annotated[str, known]) -> Result:
         """Drive to a room of the map."""
-        return _go(body, goal, room, word)
+        return _go(body, goal, room, word, memory)
 
     def navigate_to_location(goal: GoalHandle, location: Annotated[str, known]) -> Result:
         """Drive to a known location of the map."""
-        return _go(body, goal, location, word)
+        return _go(body, goal, location, word, memory)
 
     navigate_to: Callable[..., Result] = navigate_to_room if word is ROOM else navigate_to_location
     navigate_to.__name__ = "navigate_to"
     slot = f"{{{word.noun}}}"
     decorate = skill(
         templates=[template.replace("{room}", slot) for template in words.TO_ROOM],
-        examples=_place_examples(places, hints, word),
+        examples=_place_examples(known.fixed, hints, word),
         says=f"Going to the {slot}.",
         deed=f"go to the {slot}",
         done=f"I am {word.being} the {slot}.",
@@ -99,13 +116,35 @@ def _navigate_to(
     return decorate(navigate_to)
 
 
-def _go(body: NavigableBody, goal: GoalHandle, place: str, word: PlaceWord) -> Result:
-    if isinstance(body, DrivesToPlaces):
+def _go(
+    body: NavigableBody,
+    goal: GoalHandle,
+    place: str,
+    word: PlaceWord,
+    memory: PlaceMemory | None,
+) -> Result:
+    if place not in body.places:
+        _go_back(body, goal, memory.find(place) if memory else None, place)
+    elif isinstance(body, DrivesToPlaces):
         body.drive_to_place(place, token=goal.token, report=goal.report)
     else:
         x_m, y_m = body.places[place]
         body.drive_to(x_m, y_m, token=goal.token, report=goal.report)
     return {**_where(body, word), word.noun: place.replace("_", " ")}
+
+
+def _go_back(body: NavigableBody, goal: GoalHandle, there: Place | None, name: str) -> None:
+    """Drive to where the body was told that a place is."""
+    if there is None:  # forgotten since the goal was accepted
+        raise SkillFailed(because("place_unknown", place=name))
+    frame = located(body)[1]
+    if frame != there.frame:
+        raise SkillFailed(because("place_elsewhere", place=name, was=there.frame, frame=frame))
+    if isinstance(body, DrivesToPoses):
+        pose = Pose2D(there.x, there.y, there.yaw)
+        body.drive_to_pose(pose, token=goal.token, report=goal.report)
+    else:
+        body.drive_to(there.x, there.y, token=goal.token, report=goal.report)
 
 
 def _navigate_xy(body: NavigableBody, word: PlaceWord) -> Skill:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edgevox.agent.reasons import because
-from edgevox.agent.skills import Skill, SkillFailed
+from edgevox.agent.skills import OneOf, Skill, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.errors import finite
@@ -20,6 +20,7 @@ from edgevox.robots.command_mux import CommandMux
 from edgevox.robots.engine import STEP_S, Engine
 from edgevox.robots.navigation import navigation_skills
 from edgevox.robots.navigation_motion import NavigationMotion
+from edgevox.robots.places.memory import PlaceMemory
 from edgevox.robots.planar_run import PlanarRun
 from edgevox.robots.planner import Planner
 from edgevox.robots.shapes import Point
@@ -73,7 +74,8 @@ class PlanarRobot(LivesByStepping):
         self._run = PlanarRun(world, engine, self._mux)
         hints = {room.name: room.hints for room in world.rooms}
         aliases = {said: room.name for room in world.rooms for said in room.aliases}
-        self._skills = navigation_skills(self, hints, aliases)
+        self.place_memory = PlaceMemory(world.name, OneOf(tuple(self._places), aliases))
+        self._skills = navigation_skills(self, hints, aliases, memory=self.place_memory)
         self._stepper = Stepper(
             self._step,
             period_s=STEP_S,

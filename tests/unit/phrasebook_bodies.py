@@ -15,10 +15,11 @@ from hassil.expression import (
 from hassil.parse_expression import parse_sentence
 
 from edgevox.agent.phrasebook import Phrasebook
-from edgevox.agent.skills import Skill, SkillSet
+from edgevox.agent.skills import OneOf, Skill, SkillSet
 from edgevox.robots.humanoid.skills import walking_skills
 from edgevox.robots.navigation import navigation_skills
 from edgevox.robots.panda.skills import manipulation_skills
+from edgevox.robots.places.memory import PlaceMemory
 
 
 class Nobody:
@@ -37,8 +38,11 @@ class Nobody:
         return 0.5
 
 
+MEMORY = PlaceMemory("apartment", OneOf(tuple(Nobody.places), {"fridge": "kitchen"}))
 BODIES: Mapping[str, SkillSet] = {
-    "apartment": SkillSet(navigation_skills(Nobody(), aliases={"fridge": "kitchen"})),
+    "apartment": SkillSet(
+        navigation_skills(Nobody(), aliases={"fridge": "kitchen"}, memory=MEMORY)
+    ),
     "humanoid": SkillSet(walking_skills(Nobody())),
     "panda": SkillSet(manipulation_skills(Nobody())),
 }
@@ -53,6 +57,7 @@ def say_it(book: Phrasebook, one: Skill, template: str, source: random.Random) -
         name: [said for word in choices.words for said in book.word(word).heard]
         for name, choices in one.choices.items()
     }
+    heard["name"] = ["Zanzibar"]
 
     def write(part: Expression) -> str:
         match part:
@@ -62,6 +67,8 @@ def say_it(book: Phrasebook, one: Skill, template: str, source: random.Random) -
                 return write(source.choice(part.items))
             case Sequence():
                 return "".join(write(item) for item in part.items)
+            case ListReference(list_name="place"):
+                return write(parse_sentence(source.choice(book.hearing.places)).expression)
             case ListReference(list_name=name):
                 return source.choice(heard.get(name, ["0.5", "2", "90"]))
             case RuleReference(rule_name=name):

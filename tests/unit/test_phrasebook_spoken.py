@@ -30,11 +30,13 @@ RESULTS = {
     "held": "red_cube",
     "holding": ", and I hold the red cube",
     "released": "blue_cube",
-    "said": "done",
+    "name": "wine_cellar",
+    "names": ["kitchen", "office"],
+    "said": "I know kitchen and office.",
     "objects": {"red_cube": {"x": 0.5, "on": "table"}, "blue_cube": {"x": 0.5, "on": "hand"}},
 }
 ARGUMENTS = {"room": "kitchen", "x": 1.5, "y": 2.0, "z": 0.25, "distance": 0.5, "degrees": 90.0}
-ARGUMENTS |= {"object": "red_cube", "target": "left_bin"}
+ARGUMENTS |= {"object": "red_cube", "target": "left_bin", "name": "wine_cellar"}
 
 
 @pytest.mark.parametrize("code", OTHERS)

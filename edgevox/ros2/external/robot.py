@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 from edgevox.agent.reasons import because
-from edgevox.agent.skills import STOP, GoalHandle, Result, Skill, SkillFailed
+from edgevox.agent.skills import STOP, GoalHandle, OneOf, Result, Skill, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import finite
@@ -18,6 +18,7 @@ from edgevox.core.transforms import Pose2D
 from edgevox.robots.bounds import Bounds
 from edgevox.robots.capabilities import Report, Twist2D
 from edgevox.robots.navigation import LOCATION, navigation_skills
+from edgevox.robots.places.memory import PlaceMemory
 from edgevox.ros2.external.control_loop import Hold
 from edgevox.ros2.external.link import Link
 from edgevox.ros2.external.locations import Location
@@ -67,9 +68,12 @@ class ExternalRobot:
             {name: (one.x_m, one.y_m) for name, one in self._locations.items()}
         )
         aliases = {said: name for name, one in self._locations.items() for said in one.aliases}
+        self.place_memory = PlaceMemory(namespace, OneOf(tuple(self._places), aliases))
         self._skills = tuple(
             replace(one, function=self._stop_and_see) if one.name == STOP else one
-            for one in navigation_skills(self, aliases=aliases, word=LOCATION)
+            for one in navigation_skills(
+                self, aliases=aliases, word=LOCATION, memory=self.place_memory
+            )
         )
 
     @property
@@ -148,6 +152,11 @@ class ExternalRobot:
         """Where it is. Raises `SkillFailed` while its odometry is silent."""
         return self._fix().pose
 
+    def located(self) -> tuple[Pose2D, str]:
+        """The pose, and the frame that it is in."""
+        fix = self._fix()
+        return fix.pose, fix.frame
+
     def velocity(self) -> Twist2D:
         return self._fix().twist
 
@@ -208,6 +217,10 @@ class ExternalRobot:
         """Drive to a location, and look along its yaw."""
         there = self._locations[place]
         self.drive_to(there.x_m, there.y_m, token=token, report=report, yaw_rad=there.yaw_rad)
+
+    def drive_to_pose(self, pose: Pose2D, *, token: CancelToken, report: Report) -> None:
+        """Drive to its point, and look its way."""
+        self.drive_to(pose.x_m, pose.y_m, token=token, report=report, yaw_rad=pose.yaw_rad)
 
     def _stop_and_see(self, goal: GoalHandle) -> Result:
         """The skill `stop`: ends when the robot stands, and fails when it does not obey."""

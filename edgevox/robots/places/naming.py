@@ -1,0 +1,34 @@
+"""What a place may be called by who talks to the robot."""
+
+from edgevox.agent.names import check_name, is_clause_word
+from edgevox.agent.reasons import because
+from edgevox.agent.skills import SkillFailed
+from edgevox.core.errors import InvalidValue
+from edgevox.robots.names import sayable
+from edgevox.robots.navigation_words import STOP
+
+MOST_PLACES = 200
+LONGEST_NAME = 40
+
+
+def check_new_name(name: str) -> None:
+    """Raise `SkillFailed` with the reason why no place may ever be called so."""
+    if len(name) > LONGEST_NAME:
+        raise SkillFailed(because("place_name_long", limit=str(LONGEST_NAME)))
+    if not sayable(name) or name != " ".join(name.split()):
+        raise SkillFailed(because("place_name_wrong"))
+    try:
+        check_name("name", name, STOP)
+    except InvalidValue:
+        raise SkillFailed(because("place_name_reserved", name=name)) from None
+    if is_clause_word(name):
+        raise SkillFailed(because("place_name_reserved", name=name))
+
+
+def is_fit(name: str) -> bool:
+    """Whether a place may be called so."""
+    try:
+        check_new_name(name)
+    except SkillFailed:
+        return False
+    return True

@@ -1,0 +1,127 @@
+"""Skills of a body that can be told what a place is called: remember it, forget it, list them."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Protocol
+
+from edgevox.agent.choices import NewName, OneOf
+from edgevox.agent.reasons import because
+from edgevox.agent.skills import GoalHandle, Result, Skill, SkillFailed, skill
+from edgevox.core.frame_names import MAP
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.places import words
+from edgevox.robots.places.memory import PlaceMemory
+
+STILL_M_S, STILL_RAD_S = 0.05, 0.1
+"""Slower than this a robot stands; odometry of real ones is never quite still."""
+
+
+class _Twist(Protocol):
+    @property
+    def linear_m_s(self) -> float: ...
+    @property
+    def angular_rad_s(self) -> float: ...
+
+
+class StandsSomewhere(Protocol):
+    """What a body must tell of itself."""
+
+    @property
+    def places(self) -> Mapping[str, tuple[float, float]]: ...
+    def pose(self) -> Pose2D: ...
+    def velocity(self) -> _Twist: ...
+    def state(self) -> Mapping[str, Any]: ...
+
+
+def place_skills(
+    body: StandsSomewhere, memory: PlaceMemory, known: OneOf, noun: str
+) -> tuple[Skill, ...]:
+    """`remember_place`, `forget_place`, `list_places`.
+
+    `known` are all places that there are, `noun` is what the argument of one of them is called.
+    """
+    return (
+        _remember_place(body, memory),
+        _forget_place(memory, known, noun),
+        _list_places(body, memory),
+    )
+
+
+def located(body: StandsSomewhere) -> tuple[Pose2D, str]:
+    """Where it is, and in which frame. Raises `SkillFailed` while that is unknown."""
+    find = getattr(body, "located", None)
+    return find() if find else (body.pose(), MAP)
+
+
+def _remember_place(body: StandsSomewhere, memory: PlaceMemory) -> Skill:
+    @skill(
+        templates=words.REMEMBER,
+        examples=words.REMEMBER_EXAMPLES,
+        done="I will remember this place as {name}.",
+        moves=False,
+        check=memory.check,
+    )
+    def remember_place(goal: GoalHandle, name: Annotated[str, NewName()]) -> Result:
+        """Remember the place where the robot stands now by a new name."""
+        goal.token.check()
+        pose, frame = located(body)
+        twist = body.velocity()
+        moving = abs(twist.linear_m_s) > STILL_M_S or abs(twist.angular_rad_s) > STILL_RAD_S
+        if moving or body.state().get("goal"):
+            raise SkillFailed(because("place_while_moving"))
+        place = memory.remember(name, pose, frame)
+        return {"name": name, "x": place.x, "y": place.y, "yaw": place.yaw, "frame": frame}
+
+    return remember_place
+
+
+def _forget_place(memory: PlaceMemory, known: OneOf, noun: str) -> Skill:
+    def forget_room(goal: GoalHandle, room: Annotated[str, known]) -> Result:
+        """Forget a place that the robot was told to remember."""
+        goal.token.check()
+        memory.forget(room)
+        return {"name": room}
+
+    def forget_location(goal: GoalHandle, location: Annotated[str, known]) -> Result:
+        """Forget a place that the robot was told to remember."""
+        return forget_room(goal, location)
+
+    forget_place = forget_room if noun == "room" else forget_location
+    forget_place.__name__ = "forget_place"
+    decorate = skill(
+        templates=[template.replace("{room}", f"{{{noun}}}") for template in words.FORGET],
+        done=f"I have forgotten the place {{{noun}}}.",
+        moves=False,
+    )
+    return decorate(forget_place)
+
+
+def _list_places(body: StandsSomewhere, memory: PlaceMemory) -> Skill:
+    @skill(
+        templates=words.LIST,
+        examples=words.LIST_EXAMPLES,
+        done="{said}",
+        moves=False,
+    )
+    def list_places(goal: GoalHandle) -> Result:
+        """Say which places the robot knows by name."""
+        goal.token.check()
+        own = {
+            name: {"x": x_m, "y": y_m, "remembered": False}
+            for name, (x_m, y_m) in body.places.items()
+        }
+        learned = [one for name in memory.names() if (one := memory.find(name))]
+        remembered = {
+            one.name: {**one.model_dump(include={"x", "y", "yaw", "frame"}), "remembered": True}
+            for one in learned
+        }
+        names = [*own, *remembered]
+        return {"places": own | remembered, "names": names, "said": _said(names)}
+
+    return list_places
+
+
+def _said(names: list[str]) -> str:
+    *others, last = [name.replace("_", " ") for name in names] or [""]
+    if not last:
+        return "I know no place by name yet."
+    return f"I know {', '.join(others)} and {last}." if others else f"I know {last}."
