@@ -59,6 +59,7 @@ VARIABLES: Mapping[str, str] = {
 """A robot's values that are a variable of the container; all others go through `settings`."""
 FIXED = (
     "EDGEVOX_MODELS_DIR",
+    "EDGEVOX_PLACES",
     "EDGEVOX_ROS2",
     "EDGEVOX_ROS2_NAMESPACE",
     "FASTDDS_BUILTIN_TRANSPORTS",

@@ -2,7 +2,7 @@
 
 import difflib
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import NoneType, UnionType
 from typing import Any, Union, get_args, get_origin
@@ -22,6 +22,8 @@ MAX_CHARACTERS = 240
 _NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
 _PAIR = re.compile(rf"({_NUMBER.pattern})\s*,?\s+(?={_NUMBER.pattern}(?:[\s,]|\W*$))")
 _NOTHING = "nothingatall"
+_NEAR, _WORD_NEAR = 0.8, 0.6
+"""How alike a misheard name is to a known one as a whole, and each of its words."""
 _MAX_UNKNOWN_WORDS = 3
 _MAX_UNKNOWN_CHARACTERS = 8
 """The longest unknown name where words have no spaces between them."""
@@ -89,6 +91,7 @@ class _Reader:
         self._book = book
         self._answers = answers
         self._joints = _joints(book.hearing)
+        self._reserved = frozenset(map(key, book.hearing.reserved))
         self._strict = _compile(skills, book, loose=False)
         self._loose = _compile(skills, book, loose=True)
         self.learn()
@@ -123,6 +126,8 @@ class _Reader:
         sentence = _written(unpunctuated(separated(paired)), self._book.hearing)
         for call in self._matches(sentence, self._strict):
             return call
+        if key(sentence) in self._reserved:
+            return None
         for call in self._matches(sentence, self._loose):
             return self._repair(call)
         for call in self._matches(f"{sentence} {_NOTHING}", self._loose):
@@ -134,10 +139,13 @@ class _Reader:
         for result in recognize_all(folded(sentence), intents):
             one = self._skills[result.intent.name]
             arguments = _arguments(one, result, sentence)
-            if arguments is not None and self._are_names([arguments[n] for n in one.new_names]):
-                yield Call(result.intent.name, arguments)
+            if arguments is None:
+                continue
+            names = {name: arguments[name].replace("' ", "'") for name in one.new_names}
+            if self._are_names(names.values()):
+                yield Call(result.intent.name, {**arguments, **names})
 
-    def _are_names(self, given: Sequence[str]) -> bool:
+    def _are_names(self, given: Collection[str]) -> bool:
         """Whether these may be names: a clause is none, nor is the command that follows."""
         hearing = self._book.hearing
         if not hearing.spaced:
@@ -157,8 +165,8 @@ class _Reader:
             if not known:
                 return Refused(self._answers.say("no_words", argument=name))
             spoken = {key(one): word for one, word in self._book.heard(choices).items()}
-            near = difflib.get_close_matches(key(said), spoken, n=1, cutoff=0.8)
-            if not near:
+            near = difflib.get_close_matches(key(said), spoken, n=1, cutoff=_NEAR)
+            if not near or not _alike_word_by_word(key(said), near[0]):
                 reason = self._answers.say("unknown_word", argument=name, said=said, known=known)
                 return Refused(reason)
             arguments[name] = spoken[near[0]]
@@ -168,6 +176,13 @@ class _Reader:
         articles = {key(separated(article)) for article in self._book.hearing.articles}
         words = [word for word in said.split() if key(word) not in articles]
         return " ".join(words).replace("' ", "'")
+
+
+def _alike_word_by_word(said: str, known: str) -> bool:
+    """Whether no word is quite another one: shelf B is not shelf A, however alike they are."""
+    pairs = list(zip(said.split(), known.split(), strict=False))
+    ratios = (difflib.SequenceMatcher(None, *pair).ratio() for pair in pairs)
+    return len(said.split()) != len(known.split()) or all(one >= _WORD_NEAR for one in ratios)
 
 
 def _compile(skills: SkillSet, book: Phrasebook, *, loose: bool) -> Intents:
@@ -233,7 +248,7 @@ def _arguments(one: Skill, result: RecognizeResult, sentence: str) -> Mapping[st
         if _is_number(one.arguments_model.model_fields[name].annotation):
             if not _NUMBER.fullmatch(said[name]):
                 return None
-        elif entity.is_wildcard and entity.text_span:
+        elif (entity.is_wildcard or name in one.new_names) and entity.text_span:
             said[name] = sentence[slice(*entity.text_span)].strip()
     return one.from_words(said)
 

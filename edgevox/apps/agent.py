@@ -6,10 +6,9 @@ from pathlib import Path
 
 from edgevox.apps.arguments import Asked, parse_arguments
 from edgevox.apps.ending import Ending, Terminated
-from edgevox.apps.places import open_places
 from edgevox.apps.play import play, read_script
 from edgevox.apps.program import run_program, set_up_logs
-from edgevox.apps.robots import build_body
+from edgevox.apps.robots import build_body, open_places
 from edgevox.apps.serving import serve
 from edgevox.apps.snapshot import take_snapshot
 from edgevox.apps.streams import with_streams

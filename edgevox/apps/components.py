@@ -33,7 +33,7 @@ def list_components(parts: Parts, gauges: Gauges) -> None:
         Off("executor", "no ROS 2"),
         Off("presence", "no ROS 2"),
         PolicyComponent(parts.guard, lambda: known_names(_skills(parts))),
-        DiskComponent(lambda: written_folders(parts.settings.audio_out)),
+        DiskComponent(lambda: written_folders(parts.settings)),
         ProcessComponent(parts.health, __version__, lambda: parts.conversation.refusals),
     )
 

@@ -5,16 +5,27 @@ import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
+from edgevox.core.settings import Settings
 from edgevox.models.store import default_root
 
 
 def written_folders(
-    audio_out: str = "", environment: Mapping[str, str] = os.environ
+    settings: Settings, environment: Mapping[str, str] = os.environ
 ) -> tuple[Path, ...]:
-    """Where EdgeVox may write: models, ROS 2's logs, what is temporary, recordings."""
-    sound = [Path(audio_out).absolute().parent] if audio_out.lower().endswith(".wav") else []
+    """Where EdgeVox may write: models, ROS 2's logs, what is temporary, places, recordings."""
+    out = settings.audio_out
+    sound = [Path(out).absolute().parent] if out.lower().endswith(".wav") else []
     temporary = Path(tempfile.gettempdir())
-    return (default_root(environment), ros_logs(environment), temporary, *sound)
+    places = places_folder(settings, environment)
+    return (default_root(environment), ros_logs(environment), temporary, places, *sound)
+
+
+def places_folder(settings: Settings, environment: Mapping[str, str] = os.environ) -> Path:
+    """The folder of remembered places: the settings', else EdgeVox's among the user's state."""
+    if settings.places:
+        return settings.places.expanduser()
+    home = Path(environment.get("HOME") or "~").expanduser()
+    return Path(environment.get("XDG_STATE_HOME") or home / ".local" / "state") / "edgevox"
 
 
 def ros_logs(environment: Mapping[str, str] = os.environ) -> Path:

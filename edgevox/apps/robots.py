@@ -5,8 +5,10 @@ from collections.abc import Sequence
 from edgevox.agent.agents import Agent
 from edgevox.agent.names import check_skills
 from edgevox.agent.skills import SkillSet
+from edgevox.apps.folders import places_folder
 from edgevox.core.settings import Settings
-from edgevox.robots.capabilities import Body
+from edgevox.robots.capabilities import Body, RemembersPlaces
+from edgevox.robots.places.store import PlaceStore
 from edgevox.robots.plugin import installed_robots
 
 TALK_INSTRUCTIONS = (
@@ -21,6 +23,12 @@ ROBOTS = installed_robots()
 def build_body(name: str, settings: Settings, speed: float | None = 1.0) -> Body:
     """The body of this robot, not yet started. Raises `EdgeVoxError` with the reason."""
     return ROBOTS[name].build(settings, speed)
+
+
+def open_places(body: Body, settings: Settings) -> None:
+    """Have a body that can remember places recall them, and keep what it learns from now on."""
+    if isinstance(body, RemembersPlaces):
+        body.place_memory.open(PlaceStore(places_folder(settings)), body.name)
 
 
 def build_agents(body: Body | None) -> Sequence[Agent]:

@@ -10,7 +10,7 @@ from edgevox.agent.llm.base import ModelFailed
 from edgevox.agent.llm.endpoint import FallbackModel
 from edgevox.apps.components import list_components
 from edgevox.apps.composition import build_parts
-from edgevox.apps.folders import written_folders
+from edgevox.apps.folders import places_folder, written_folders
 from edgevox.core.cancel import CancelToken
 from edgevox.core.gauges import Gauges
 from edgevox.core.settings import check_settings
@@ -63,10 +63,15 @@ def test_a_bridge_that_is_not_on_ros2_is_an_error(listed):
 
 
 def test_what_is_written_to_follows_the_environment():
-    folders = written_folders(
-        "said.wav", {"EDGEVOX_MODELS_DIR": "/models", "ROS_LOG_DIR": "/logs", "HOME": "/home/me"}
-    )
+    settings = check_settings({"audio_out": "said.wav"})
+    environment = {"EDGEVOX_MODELS_DIR": "/models", "ROS_LOG_DIR": "/logs", "HOME": "/home/me"}
+
+    folders = written_folders(settings, environment)
+
     assert {Path("/models"), Path("/logs"), Path.cwd()} <= set(folders)
+    assert Path("/home/me/.local/state/edgevox") in folders
+    assert places_folder(settings, {"XDG_STATE_HOME": "/state"}) == Path("/state/edgevox")
+    assert places_folder(check_settings({"places": "/places"})) == Path("/places")
 
 
 class Server:

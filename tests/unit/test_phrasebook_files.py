@@ -100,9 +100,7 @@ def test_a_model_is_shown_its_language_and_only_valid_calls(code):
         for example in book.examples(one):
             one.validate(example.arguments)
     assert code not in DEEP or all(
-        book.examples(one) != one.examples
-        for one in BODIES["apartment"].values()
-        if one.examples
+        book.examples(one) != one.examples for one in BODIES["apartment"].values() if one.examples
     )
 
 

@@ -109,7 +109,7 @@ def judge_memory(facts: Facts, situation: Situation) -> Verdict:
 
 def probe_disk(situation: Situation) -> Facts:
     """The file systems that EdgeVox writes to."""
-    folders = written_folders(situation.settings.audio_out, situation.environment)
+    folders = written_folders(situation.settings, situation.environment)
     return {
         "rooms": [
             [str(one.path), one.device, one.free, one.size, one.writable] for one in rooms(folders)

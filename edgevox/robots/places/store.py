@@ -71,10 +71,11 @@ class PlaceStore:
         A file that is none of ours is kept aside and named in the log, with its first wrong field.
         Raises `OSError` where that cannot be done, or nothing can be read.
         """
-        if not self.file.exists():
-            return ()
-        with self._locked():
-            return self._read()
+        try:
+            return self._parse()
+        except InvalidValue:
+            with self._locked():
+                return self._read()
 
     def change(self, change: Change) -> Sequence[Place]:
         """Put what `change` makes of the places into their place; what there is then.
@@ -92,15 +93,19 @@ class PlaceStore:
             return places
 
     def _read(self) -> Sequence[Place]:
-        if not self.file.exists():
-            return ()
+        """As it is, by who holds the lock."""
         try:
-            return _parse(read_text(self.file, str(self.file)), self.file)
+            return self._parse()
         except InvalidValue as error:
-            if not os.access(self.file, os.R_OK):
-                raise PermissionError(str(error)) from None
             log.error("places_kept_aside", file=str(self._keep_aside()), reason=str(error))  # noqa: TRY400 - the reason says it all
             return ()
+
+    def _parse(self) -> Sequence[Place]:
+        """Raises `OSError`, or `InvalidValue` naming the file and the field."""
+        if not self.file.exists():
+            return ()
+        self.file.open("rb").close()  # what cannot be read need not be wrong
+        return _parse(read_text(self.file, str(self.file)), self.file)
 
     def _keep_aside(self) -> Path:
         """Rename what cannot be read to a name that nothing has."""

@@ -35,7 +35,7 @@ edgevox/domain: {{ .domain | int | quote }}
 
 {{/* All robots, each with what counts for all of them filled in: a list under "robots", as JSON. */}}
 {{- define "edgevox.robots" -}}
-{{- $common := pick .Values "affinity" "agent" "audioIn" "audioOut" "discovery" "env" "externalNamespace" "extraVolumeMounts" "extraVolumes" "framePrefix" "health" "hostNetwork" "language" "llm" "logLevel" "models" "muted" "nodeSelector" "podAnnotations" "podLabels" "policy" "priorityClassName" "resources" "runtimeClassName" "settings" "tolerations" "topologySpreadConstraints" "voice" "wakeword" -}}
+{{- $common := pick .Values "affinity" "agent" "audioIn" "audioOut" "discovery" "env" "externalNamespace" "extraVolumeMounts" "extraVolumes" "framePrefix" "health" "hostNetwork" "language" "llm" "logLevel" "models" "muted" "nodeSelector" "places" "podAnnotations" "podLabels" "policy" "priorityClassName" "resources" "runtimeClassName" "settings" "tolerations" "topologySpreadConstraints" "voice" "wakeword" -}}
 {{- $robots := list -}}
 {{- range .Values.robots -}}
 {{- $namespace := printf "/%s" (replace "-" "_" .name) -}}
@@ -48,6 +48,9 @@ edgevox/domain: {{ .domain | int | quote }}
 {{- /* A policy is one text: a robot's own takes the place of the common one. */ -}}
 {{- if hasKey . "policy" -}}
 {{- $_ := set $robot "policy" .policy -}}
+{{- end -}}
+{{- if hasKey (.places | default dict) "volume" -}}
+{{- $_ := set $robot.places "volume" .places.volume -}}
 {{- end -}}
 {{- $robots = append $robots $robot -}}
 {{- end -}}
