@@ -1,6 +1,7 @@
 """What holds for all tests: on whatever machine, and beside others in workers of pytest-xdist."""
 
 import os
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,8 @@ settings.load_profile(os.environ.get("TEST_EXAMPLES", "same"))
 # A busy machine may take longer to leave than a container's engine waits; what hangs is found by
 # the guards of each test.
 os.environ.setdefault("EDGEVOX_LEAVE_S", "120")
+# No agent that a test starts recalls, or changes, what this machine's own robot remembers.
+os.environ["XDG_STATE_HOME"] = str(Path(tempfile.gettempdir(), f"edgevox-tests-{os.getpid()}"))
 
 
 def pytest_configure(config: pytest.Config) -> None:

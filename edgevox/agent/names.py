@@ -54,18 +54,28 @@ def check_skills(skills: Iterable[Skill]) -> None:
                 check_name(f"{one.name}.{argument}", name)
 
 
-def heard_anywhere(choices: OneOf) -> Mapping[str, str]:
-    """What people say for these words in any language, in the spelling of `key`, to the word."""
-    return {
-        key(said): word
-        for code in LANGUAGES
-        for said, word in phrasebook(code).heard(choices).items()
-    }
+def word_meant(name: str, choices: OneOf) -> str | None:
+    """The word of these that people mean by a name in any language; None if it is another."""
+    known = {key(said): word for said, word in choices.aliases.items()}
+    known |= {key(word): word for word in choices.words}
+    meant = (key(name), *_heard_anywhere().get(key(name), ()))
+    return next((known[one] for one in meant if one in known), None)
 
 
 def is_clause_word(name: str) -> bool:
     """Whether it stands for something else in any language: "here", "it", "and"."""
     return any(key(name) in phrasebook(code).hearing.clause_words for code in LANGUAGES)
+
+
+@cache
+def _heard_anywhere() -> Mapping[str, list[str]]:
+    """What people say for the words of all phrasebooks, to those words, all in one spelling."""
+    found: dict[str, list[str]] = {}
+    for code in LANGUAGES:
+        for word, forms in phrasebook(code).words.items():
+            for said in forms.heard:
+                found.setdefault(key(said), []).append(word)
+    return found
 
 
 @cache

@@ -5,10 +5,9 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
 from edgevox.agent.choices import OneOf
-from edgevox.agent.names import heard_anywhere
+from edgevox.agent.names import word_meant
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
-from edgevox.agent.spelling import key
 from edgevox.core.log import get_logger
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.places.naming import MOST_PLACES, check_new_name, is_fit
@@ -55,9 +54,9 @@ class PlaceMemory:
     def check(self, name: str) -> None:
         """Raise `SkillFailed` with the reason why nothing may be called so now."""
         check_new_name(name)
-        if room := heard_anywhere(self.own).get(key(name)):
+        if room := word_meant(name, self.own):
             raise SkillFailed(because("place_of_the_map", place=_said(room)))
-        known = heard_anywhere(OneOf(self.names())).get(key(name))
+        known = word_meant(name, OneOf(self.names()))
         if known and (place := self.find(known)):
             point = {"x": f"{place.x:.1f}", "y": f"{place.y:.1f}"}
             raise SkillFailed(because("place_known", place=_said(known), **point))
@@ -90,10 +89,13 @@ class PlaceMemory:
             self._change(name, None)
 
     def _change(self, name: str, place: Place | None) -> None:
-        added = (place,) if place else ()
+        known = [one for one in self._places.values() if one.name != name]
+        written = {*self._places, name}
 
         def change(places: Sequence[Place]) -> Sequence[Place]:
-            return (*(one for one in places if not (self._mine(one) and one.name == name)), *added)
+            """What others wrote stays; what is known here is written again, should it be gone."""
+            others = [one for one in places if not (self._mine(one) and one.name in written)]
+            return (*others, *known, *((place,) if place else ()))
 
         if self._store is None:
             self._take(change(tuple(self._places.values())))
@@ -109,9 +111,12 @@ class PlaceMemory:
         return (place.robot, place.world) == (self._robot or "nobody", self._world)
 
     def _take(self, places: Sequence[Place]) -> None:
-        own = heard_anywhere(self.own)
         mine = {one.name: one for one in places if self._mine(one)}
-        fit = {name: one for name, one in mine.items() if is_fit(name) and key(name) not in own}
+        fit = {
+            name: one
+            for name, one in mine.items()
+            if is_fit(name) and word_meant(name, self.own) is None
+        }
         if fit.keys() != mine.keys():
             log.warning("places_unused", world=self._world, count=len(mine) - len(fit))
         self._places = MappingProxyType(fit)

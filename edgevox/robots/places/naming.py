@@ -1,5 +1,7 @@
 """What a place may be called by who talks to the robot."""
 
+from functools import lru_cache
+
 from edgevox.agent.names import check_name, is_clause_word
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
@@ -25,6 +27,7 @@ def check_new_name(name: str) -> None:
         raise SkillFailed(because("place_name_reserved", name=name))
 
 
+@lru_cache(maxsize=1024)
 def is_fit(name: str) -> bool:
     """Whether a place may be called so."""
     try:
