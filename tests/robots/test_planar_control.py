@@ -4,12 +4,13 @@ import json
 import logging
 import math
 import threading
-from collections.abc import Callable
 
 import numpy as np
 import pytest
+from clocks import HeldClock
 from guards import HUNG_S
 from held_time import STEP_S, Asked
+from waiting import wait_until
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
@@ -226,44 +227,26 @@ def test_a_picture_shows_where_the_robot_is(robot) -> None:
     assert 30 < rows[0] - rows[1] < 80, "it drove up, 75 pixels a metre"
 
 
-class Watch:
-    """A clock that the test turns; it knows when somebody looked at it."""
-
-    def __init__(self) -> None:
-        self._now_s = 100.0
-        self._looked = threading.Condition()
-
-    def now(self) -> float:
-        with self._looked:
-            self._looked.notify_all()
-            return self._now_s
-
-    def turn(self, seconds: float, until: Callable[[], bool]) -> None:
-        """Later by so much; wait until this is true, which changes while it is looked at."""
-        with self._looked:
-            self._now_s += seconds
-            assert self._looked.wait_for(until, HUNG_S)
-
-
 def test_at_rest_as_much_time_passes_and_charge_goes_as_in_a_world_that_is_stepped(make) -> None:
-    watch = Watch()
-    with make(speed=1.0, clock=watch) as robot, make(speed=0.0) as stepped:
-        for _ in range(100):
-            watch.turn(0.1, until=lambda: True)
-            looked_s = robot.time_s
-        stepped.advance(looked_s)
+    clock = HeldClock(100.0)
+    with make(speed=1.0, clock=clock) as robot, make(speed=0.0) as stepped:
+        for tenths in range(1, 101):
+            clock.now_s += 0.1
+            wait_until(lambda: robot.time_s > tenths / 10 - STEP_S / 2)  # noqa: B023
+        stepped.advance(robot.time_s)
 
-        assert looked_s == pytest.approx(10.0, abs=1.5 * STEP_S)
+        assert robot.time_s == pytest.approx(10.0, abs=1.5 * STEP_S)
         assert robot.time_s == stepped.time_s
         assert robot.battery() == stepped.battery()
 
 
 def test_real_time_passes_as_the_clock_does(make) -> None:
-    watch = Watch()
-    with make(speed=1.0, clock=watch) as robot:
+    clock = HeldClock(100.0)
+    with make(speed=1.0, clock=clock) as robot:
         for turns in (1, 2, 3):
             passed_s = 0.2 * turns
-            watch.turn(0.2, until=lambda: robot.time_s > passed_s - STEP_S / 2)  # noqa: B023
+            clock.now_s += 0.2
+            wait_until(lambda: robot.time_s > passed_s - STEP_S / 2)  # noqa: B023
             assert robot.time_s < passed_s + 1.5 * STEP_S
 
 
