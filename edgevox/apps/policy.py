@@ -8,7 +8,7 @@ from edgevox.agent.policy.policy import VELOCITY
 from edgevox.agent.skills import Skill, SkillFailed
 from edgevox.core.bus import Bus
 from edgevox.core.settings import Settings
-from edgevox.robots.capabilities import Body, HasPlaces, HasPose
+from edgevox.robots.capabilities import Body, HasPlaces, HasPose, LimitsSpeed, Twist2D
 from edgevox.ros2.contract import COMMANDS
 
 ANY_LANGUAGE = "de"
@@ -17,7 +17,12 @@ ANY_LANGUAGE = "de"
 
 def build_guard(settings: Settings, bus: Bus, body: Body | None) -> Guard:
     """The guard of this agent. Raises `InvalidValue` for a file that cannot be used."""
-    return Guard(settings.policy, bus, surroundings(body))
+    guard = Guard(settings.policy, bus, surroundings(body))
+    if isinstance(body, LimitsSpeed):
+        body.limit_speed(
+            lambda twist: Twist2D(*guard.policy.slowed(twist.linear_m_s, twist.angular_rad_s))
+        )
+    return guard
 
 
 def surroundings(body: Body | None) -> Surroundings:

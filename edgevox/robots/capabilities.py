@@ -123,6 +123,18 @@ class TakesVelocity(Protocol):
         """Clamp to the limits and follow. Raises `InvalidValue` if not finite. Ends a drive."""
 
 
+SpeedLimit = Callable[[Twist2D], Twist2D]
+"""What of a velocity may be asked for: it, or a slower one. Quick; it may change its mind."""
+
+
+@runtime_checkable
+class LimitsSpeed(Protocol):
+    """Drives no faster by itself than somebody else permits."""
+
+    def limit_speed(self, limit: SpeedLimit) -> None:
+        """From now on, steer drives by no velocity but what this permits."""
+
+
 @runtime_checkable
 class CountsHalts(Protocol):
     """Counts how often a stream of velocities stopped without having asked for a stand."""

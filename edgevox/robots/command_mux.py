@@ -10,7 +10,7 @@ from typing import Generic, TypeVar
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.errors import finite
 from edgevox.core.log import get_logger
-from edgevox.robots.capabilities import Twist2D
+from edgevox.robots.capabilities import SpeedLimit, Twist2D
 from edgevox.robots.motion import Motion
 
 log = get_logger(__name__)
@@ -42,6 +42,8 @@ class CommandMux(Generic[M]):
         self._motion: M | None = None
         self._velocity: Twist2D | None = None
         self._velocity_until_s = 0.0
+        self.limit: SpeedLimit = _as_asked
+        """What of a motion's velocity may be asked for; whoever sends velocities heeds his own."""
         self.watchdog_halts = 0
         """Streams that stopped though they had not asked for a stand."""
 
@@ -143,6 +145,10 @@ class CommandMux(Generic[M]):
         motion, self._motion = self._motion, None
         if motion is not None:
             motion.end(error)
+
+
+def _as_asked(twist: Twist2D) -> Twist2D:
+    return twist
 
 
 def clamped(value: float, most: float) -> float:

@@ -34,17 +34,18 @@ class NavigationMotion(Motion):
         planner: Planner,
         limits: RobotSpec,
         *,
+        cruise_m_s: float,
         time_s: float,
         pose: Pose2D,
         movable: Sequence[Pose2D],
     ) -> None:
-        """Raises `SkillFailed` with the reason if no way leads there."""
+        """`cruise_m_s` is how fast it will get on. Raises `SkillFailed` if no way leads there."""
         super().__init__()
         self.goal = goal
         self._planner, self._limits = planner, limits
         self._follow(pose, movable)
         self._whole_m = max(self._follower.length_m, 1e-6)
-        self._last_try_s = time_s + 60.0 + 4.0 * self._whole_m / limits.max_linear_m_s
+        self._last_try_s = time_s + 60.0 + 4.0 * self._whole_m / cruise_m_s
         self._place, self._since_s, self._tries_left = pose, time_s, TRIES
         self._look_at_s = time_s + _LOOK_EVERY_S
 

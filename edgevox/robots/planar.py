@@ -15,7 +15,7 @@ from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.errors import finite
 from edgevox.core.transforms import Pose2D
-from edgevox.robots.capabilities import LidarScan, Report, Twist2D
+from edgevox.robots.capabilities import LidarScan, Report, SpeedLimit, Twist2D
 from edgevox.robots.command_mux import CommandMux
 from edgevox.robots.engine import STEP_S, Engine
 from edgevox.robots.navigation import navigation_skills
@@ -170,6 +170,11 @@ class PlanarRobot(LivesByStepping):
             self._mux.stream(twist, self.time_s)
         self._stepper.wake()
 
+    def limit_speed(self, limit: SpeedLimit) -> None:
+        """Drive by itself no faster than this permits."""
+        with self._lock:
+            self._mux.limit = limit
+
     def halt(self, reason: str) -> bool:
         with self._lock:
             moved = self._run.busy or self._run.moving
@@ -250,6 +255,7 @@ class PlanarRobot(LivesByStepping):
             goal,
             self._planner,
             self.world.robot,
+            cruise_m_s=self._mux.limit(Twist2D(self.max_linear_m_s, 0.0)).linear_m_s,
             time_s=self.time_s,
             pose=self._run.motion.pose,
             movable=self._engine.movable_poses(),

@@ -97,4 +97,4 @@ class PlanarRun:
         if drive is None:
             return self._mux.velocity
         twist = drive.steer(time_s, self.motion, self._movable)
-        return None if drive.done else twist
+        return None if drive.done else self._mux.limit(twist)

@@ -50,6 +50,29 @@ def test_a_cancelled_drive_stops_at_once(held_robot) -> None:
     assert held_robot.state()["goal"] is None
 
 
+def test_a_drive_keeps_to_the_speed_that_somebody_else_permits(held_robot) -> None:
+    """The limit may change while it drives, as a policy does, and it arrives all the same."""
+    most_m_s = 0.2
+    held_robot.limit_speed(
+        lambda twist: slowed(twist, most_m_s) if abs(twist.linear_m_s) > most_m_s else twist
+    )
+    going = Asked(held_robot, held_robot.drive_to, *held_robot.places["living_room"])
+    fastest_m_s = 0.0
+    for _ in range(150):
+        held_robot.advance(STEP_S)
+        fastest_m_s = max(fastest_m_s, abs(held_robot.velocity().linear_m_s))
+    assert 0.1 < fastest_m_s < most_m_s + 0.01
+    most_m_s = 10.0
+    going.until(lambda: held_robot.velocity().linear_m_s > 0.3)
+    assert going.end() is None
+
+
+def slowed(twist: Twist2D, most_m_s: float) -> Twist2D:
+    """The same arc at this speed."""
+    over = abs(twist.linear_m_s) / most_m_s
+    return Twist2D(twist.linear_m_s / over, twist.angular_rad_s / over)
+
+
 def test_a_token_that_is_cancelled_already_starts_nothing(robot) -> None:
     token = CancelToken()
     robot.drive_to(3.0, 3.0, token=token, report=lambda **f: None)

@@ -307,10 +307,28 @@ def test_a_refusal_is_counted_on_metrics_and_seen_on_diagnostics(robot):
     assert said["edgevox_refused_messages_total", "forbidden", "command"] >= 1
 
 
-def test_the_reason_is_said_in_the_language_that_is_spoken(robot):
-    robot.under("rules: {text_input: deny}")
-    since = robot.from_now()
-    robot.peer.send("set_language", "de")
-    robot.peer.send("text_input", "fahr in die Küche")
+@pytest.fixture
+def german(robot: Robot) -> Iterator[Robot]:
+    speak(robot, "de")
+    yield robot
+    speak(robot, "en")
+
+
+def speak(robot: Robot, code: str) -> None:
+    """Switch the language, and wait until it counts: topics have no order among them."""
+    info = robot.peer.listen("info")
+    robot.peer.send("set_language", code)
+
+    def switched() -> bool:
+        known = len(info.messages)
+        robot.peer.send("command", "list_languages")
+        return json.loads(info.wait_for(lambda _: True, since=known))["current"] == code
+
+    wait_until(switched, code)
+
+
+def test_the_reason_is_said_in_the_language_that_is_spoken(german):
+    german.under("rules: {text_input: deny}")
+    since = german.from_now()
+    german.peer.send("text_input", "fahr in die Küche")
     assert since.answer() == "Das kann ich nicht tun: das ist mir nicht erlaubt."
-    robot.peer.send("set_language", "en")

@@ -58,7 +58,7 @@ def test_all_there_is_can_be_read_and_says_what_it_permits():
         ),
         "places: only kitchen, Living_Room; never bathroom",
         "distance: at most 5 m at a time",
-        "speed on cmd_vel: at most 0.3 m/s, at most 0.6 rad/s; what is faster is slowed",
+        "speed of drives and cmd_vel: at most 0.3 m/s, at most 0.6 rad/s; what is faster is slowed",
         "goals of drives, map frame, metres: x from 0 to 8, y to 6",
         "points for the hand, map frame, metres: x from 0.2, z from 0.05 to 0.6",
         "hours, local time: 07:30-19:00 (mon, tue), 22:00-02:00",

@@ -17,6 +17,7 @@ from edgevox.core.settings import check_settings
 from edgevox.core.status import Level
 from edgevox.core.ways import Way
 from edgevox.robots.apartment import ApartmentRobot
+from edgevox.robots.capabilities import Twist2D
 
 DENY, ALLOW, CONFIRM = (f"rules: {{voice: {word}}}" for word in ("deny", "allow", "confirm"))
 GO = [Asked("navigate_to", {"room": "kitchen"})]
@@ -241,6 +242,16 @@ def test_without_a_file_everything_is_permitted_and_the_status_says_so():
     assert guard.velocity(9.0, 9.0) == (9.0, 9.0)
     status = policy_status(guard)
     assert (status.level, status.message) == (Level.OK, NO_FILE)
+
+
+def test_a_robot_that_drives_by_itself_is_told_the_speed_that_is_permitted_now(file, monkeypatch):
+    told = []
+    monkeypatch.setattr(ApartmentRobot, "limit_speed", lambda _, limit: told.append(limit))
+    guard = build_guard(check_settings({"policy": str(file)}), Bus(), ApartmentRobot(speed=0.0))
+    assert told[0](Twist2D(0.8, 0.4)) == Twist2D(0.8, 0.4)
+    file.write_text("limits: {speed: {linear_m_s: 0.4}}")
+    guard.look()
+    assert told[0](Twist2D(0.8, 0.4)) == Twist2D(0.4, 0.2)
 
 
 def test_what_is_around_a_robot_is_its_places_and_where_it_is():

@@ -50,7 +50,7 @@ def _limits(limits: Limits) -> Iterator[str]:
     if limits.distance_m:
         yield f"distance: at most {limits.distance_m:g} m at a time"
     if limits.speed:
-        yield f"speed on cmd_vel: {_speed(limits.speed)}; what is faster is slowed"
+        yield f"speed of drives and cmd_vel: {_speed(limits.speed)}; what is faster is slowed"
     if limits.goals:
         yield f"goals of drives, {limits.goals.frame} frame, metres: {limits.goals}"
     if limits.hand:

@@ -123,7 +123,9 @@ class Limits(Part):
     distance_m: Annotated[float, Field(gt=0, le=10_000)] | None = Field(
         None, description="how far a walk may be, or the goal of a drive as the crow flies"
     )
-    speed: Speed | None = Field(None, description="how fast cmd_vel steers; more is slowed to it")
+    speed: Speed | None = Field(
+        None, description="how fast it drives; what is faster is slowed to it"
+    )
     goals: Area | None = Field(None, description="where the goals of drives may be")
     hand: Box | None = Field(None, description="where a hand may be sent")
     hours: Annotated[tuple[Interval, ...], Field(min_length=1, max_length=50)] | None = Field(

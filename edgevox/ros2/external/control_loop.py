@@ -12,6 +12,7 @@ from edgevox.agent.skills import SkillFailed
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
 from edgevox.core.reasons import NO_REASON, Reason
+from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.command_mux import STILL, CommandMux
 from edgevox.ros2.external.drivers import GoalTopic, Wheels
 from edgevox.ros2.external.navigation import ExternalNavigation
@@ -73,6 +74,10 @@ class ControlLoop:
             before.driver.cancel(fix)
         self.hold.end()
         drive.driver.begin(drive.target, fix)
+
+    def steer(self, twist: Twist2D) -> None:
+        """Turn the wheels for a drive that steers them, no faster than it may."""
+        self._wheels.turn(self.mux.limit(twist))
 
     def tick(self) -> None:
         """Go on with what is asked."""

@@ -48,11 +48,14 @@ class Link:
         goals = GoalTopic(node, self._cancel.cancel_all, settings.goal_patience)
         nav2 = nav2_action(node, self._cancel.cancel_all, settings.goal_patience)
         self._takers: list[Driver] = [nav2, goals] if nav2 else [goals]
-        self._steering = OwnSteering(
-            wheels.turn, self.senses.trusted_scan, settings.steering, settings.steering_patience
-        )
         self.control = ControlLoop(
             lock, self.senses, wheels, goals, clock=clock, obey_s=settings.obey_s
+        )
+        self._steering = OwnSteering(
+            self.control.steer,
+            self.senses.trusted_scan,
+            settings.steering,
+            settings.steering_patience,
         )
         self._silent = False
         # Real time: a /clock that stands still or jumps must not leave a robot driving.

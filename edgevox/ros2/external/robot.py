@@ -16,7 +16,7 @@ from edgevox.core.frame_names import MAP
 from edgevox.core.log import get_logger
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.bounds import Bounds
-from edgevox.robots.capabilities import Report, Twist2D
+from edgevox.robots.capabilities import Report, SpeedLimit, Twist2D
 from edgevox.robots.navigation import LOCATION, navigation_skills
 from edgevox.robots.places.memory import PlaceMemory
 from edgevox.ros2.external.control_loop import Hold
@@ -63,6 +63,7 @@ class ExternalRobot:
         self._clock = clock or SystemClock()
         self._lock = threading.RLock()
         self._link: Link | None = None
+        self._limit: SpeedLimit = lambda twist: twist
         self._stops = 0
         self._places = MappingProxyType(
             {name: (one.x_m, one.y_m) for name, one in self._locations.items()}
@@ -123,6 +124,7 @@ class ExternalRobot:
     def start(self) -> None:
         """Join the graph. Raises `RosBridgeFailed` where that cannot be done."""
         self._link = Link(self._namespace, self._settings, self._clock, self._lock)
+        self._link.control.mux.limit = self._limit
         self._link.start()
 
     def close(self) -> None:
@@ -135,6 +137,10 @@ class ExternalRobot:
             hold.done.wait(_CLOSING_S)
         self._link = None
         link.close()
+
+    def limit_speed(self, limit: SpeedLimit) -> None:
+        """Steer it no faster than this permits, from its start on; Nav2 has limits of its own."""
+        self._limit = limit
 
     def halt(self, reason: str) -> bool:
         """Zero velocity leaves before this returns, and is held until the robot stands."""
