@@ -13,7 +13,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseStamped, Twist
 from interop_rig import Stream, hear, tell, twist
 from nav_msgs.msg import Odometry
-from peer import SENSOR, Peer
+from peer import SENSOR, Peer, wait_until
 from rclpy.qos import qos_profile_sensor_data
 from scraper import free_port
 from scraper import wait_until as wait_for_metrics
