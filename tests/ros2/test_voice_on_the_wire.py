@@ -115,6 +115,21 @@ def test_what_a_microphone_node_hears_is_done_and_answered_on_a_speaker_node(voi
     assert heard_of(speech) == ["going", "to", "the", "kitchen"]
 
 
+def test_what_is_heard_is_under_the_policy_of_voice(voiced, tmp_path):
+    policy = tmp_path / "policy.yaml"
+    policy.write_text("rules: {voice: {navigate_to: deny}}")
+    _, peer, microphone = voiced("--policy", str(policy))
+    events, response = peer.listen("agent_event"), peer.listen("response")
+
+    microphone.hears(says("go to the kitchen"))
+
+    told = json.loads(events.wait_for(lambda m: '"rejected"' in m))
+    assert (told["way"], told["skill"], told["code"]) == ("voice", "navigate_to", "policy_denied")
+    assert response.wait_for(lambda _: True) == "I cannot do that: I am not permitted to do that."
+    microphone.hears(says("where are you"))
+    assert response.wait_for(lambda m: "I am in" in m)
+
+
 def heard_of(speech):
     """What Whisper understands of what came for the loudspeaker."""
     sound = np.frombuffer(b"".join(bytes(one.data) for one in speech.messages), "<i2")
