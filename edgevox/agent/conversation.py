@@ -141,7 +141,7 @@ class Conversation:
         self._asking.confirm = confirm
 
     def check_goal(self, name: str, arguments: Mapping[str, Any], way: Way = Way.ACTION) -> None:
-        """Raise what `start_goal` would raise; nothing happens."""
+        """Raise what `start_goal` would raise; but that a refusal is told, nothing happens."""
         self._executor.check(Call(name, arguments), self._skills, way)
 
     def start_goal(

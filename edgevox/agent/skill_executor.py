@@ -81,7 +81,7 @@ class SkillExecutor:
             return turn.token.cancel(reason)
 
     def check(self, call: Call, skills: SkillSet, way: Way) -> Mapping[str, Any]:
-        """The arguments, checked. Raises where `begin` would; nothing happens."""
+        """The arguments, checked. Raises where `begin` would; the policy tells what it refuses."""
         skill = skills[call.skill]
         arguments = skill.validate(call.arguments)
         self._guard.permit(way, [Asked(skill.name, arguments, skill.drives)])

@@ -30,7 +30,7 @@ class Script:
     def flags(self, given: dict[str, Any]) -> dict[str, Any]:
         """What to load: what was given overrules the scenario; in text, no model unless named."""
         own = dict(self.scenario.settings)
-        for name in ("world", "mjcf", "locations"):
+        for name in ("world", "mjcf", "locations", "policy"):
             if name in own:
                 own[name] = str(self.file.parent / str(own[name]))
         return {"llm": "none", "text_mode": True, **own, **given}

@@ -25,7 +25,7 @@ class StartsGoals(Protocol):
     """Who runs skills; the conversation does. Both raise `EdgeVoxError` with the reason."""
 
     def check_goal(self, name: str, arguments: Mapping[str, Any], way: Way = Way.ACTION) -> None:
-        """Raise what `start_goal` would raise; nothing happens."""
+        """Raise what `start_goal` would raise; but that a refusal is told, nothing happens."""
 
     def start_goal(
         self,

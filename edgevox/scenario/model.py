@@ -19,6 +19,7 @@ SETTABLE = (
     "model_source",
     "mjcf",
     "locations",
+    "policy",
 )
 """The settings that a scenario may make: those that change what happens, none of the machine's."""
 

@@ -54,6 +54,27 @@ def test_what_comes_true_is_reported_line_by_line_and_ends_with_0(play):
     assert played.stderr == ""
 
 
+def test_a_scenario_is_held_to_the_policy_that_it_names(play, tmp_path):
+    policy = "limits: {places: {never: [bedroom]}, speed: {linear_m_s: 0.2}}"
+    (tmp_path / "lobby.yaml").write_text(policy)
+    played = play(
+        "settings: {policy: lobby.yaml}\n"
+        "never: [{state: {velocity.linear: {above: 0.21}}}]\n"
+        "steps:\n"
+        "  - say: go to the bedroom\n"
+        "  - expect: {event: {status: rejected, code: policy_place, way: text_input}}\n"
+        "  - expect: {answer: not permitted to go there}\n"
+        "  - drive: {linear: 0.8, seconds: 1}\n"
+        "  - say: go to the kitchen\n"
+        "  - expect: {state: {room: kitchen}}\n"
+        "    within: 60\n"
+        "  - run: navigate_to\n"
+        "    with: {room: bedroom}\n"
+    )
+    assert verdicts(played) == ["PASS"] * 6 + ["FAIL"], played.stdout
+    assert "I am not permitted to go there: bedroom." in played.stdout
+
+
 def test_what_does_not_come_true_in_time_ends_with_1_and_says_what_was_seen(play):
     played = play(
         "steps:\n"

@@ -142,7 +142,7 @@ class Guard:
         return permitted
 
     def refuse(self, denied: Denied, turn: int = 0) -> None:
-        """Count a refusal and tell of it."""
+        """Count a refusal, and tell of it on the bus and in the log."""
         self._count(denied)
         if denied.way is Way.CMD_VEL and not self._due():
             return
