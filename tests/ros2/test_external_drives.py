@@ -25,6 +25,7 @@ from waiting import wait_until
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled
+from edgevox.robots.capabilities import Twist2D
 from edgevox.ros2.external.locations import Location
 from edgevox.ros2.external.robot import ExternalRobot
 from edgevox.ros2.external.settings import ExternalSettings, Patience, SteeringLimits
@@ -79,6 +80,16 @@ def test_a_robot_that_takes_no_goals_is_steered_to_a_location_and_looks_as_it_sa
     assert drive_to_desk.reports[-1]["progress"] == 1.0
     assert max(abs(linear) for linear, _ in asked.moving) <= 0.6
     assert max(abs(angular) for _, angular in asked.moving) <= 1.5
+
+
+def test_a_robot_is_steered_no_faster_than_somebody_else_permits(stage, peer):
+    robot = stage("--reliability", "best_effort")
+    robot.limit_speed(lambda twist: Twist2D(twist.linear_m_s / 3, twist.angular_rad_s / 3))
+    asked = Velocities(peer(), "/robot1/cmd_vel")
+    drive(robot, 0.8, 0.0).result()
+    assert distance(robot, 0.8, 0.0) < 0.12
+    assert 0.1 < max(abs(linear) for linear, _ in asked.moving) <= 0.2 + 1e-9
+    assert max(abs(angular) for _, angular in asked.moving) <= 0.5 + 1e-9
 
 
 def test_a_robot_that_takes_goals_gets_one_and_is_never_steered(stage, peer):

@@ -139,8 +139,10 @@ class ExternalRobot:
         link.close()
 
     def limit_speed(self, limit: SpeedLimit) -> None:
-        """Steer it no faster than this permits, from its start on; Nav2 has limits of its own."""
+        """Steer it no faster than this permits; what takes goals has limits of its own."""
         self._limit = limit
+        if self._link:
+            self._link.control.mux.limit = limit
 
     def halt(self, reason: str) -> bool:
         """Zero velocity leaves before this returns, and is held until the robot stands."""
