@@ -1,0 +1,176 @@
+"""A robot is told what a place is called, drives away, and finds back; after a restart, too."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Self
+
+import pytest
+from guards import HUNG_S
+from held_time import Asked, carry_out
+
+from edgevox.agent.agents import Agent
+from edgevox.agent.conversation import Conversation
+from edgevox.agent.goals import Goal
+from edgevox.agent.skills import SkillFailed, SkillSet
+from edgevox.apps.robots import build_body, open_places
+from edgevox.core.agent_events import ToolCalled
+from edgevox.core.bus import Bus
+from edgevox.core.commands import RunSkill, TextInput
+from edgevox.core.events import Responded
+from edgevox.core.settings import check_settings
+from edgevox.robots.planar import PlanarRobot
+
+CHARGER = (7.0, 1.2)
+WORKSHOP = Path(__file__).parents[2] / "examples" / "own_world" / "workshop.yaml"
+ROBOTS = ["robot-apartment", "robot-irsim"]
+
+
+class Talk:
+    """A robot that is spoken to, as `edgevox-agent` builds it, in a world without real time."""
+
+    def __init__(self, folder: Path, robot: str, language: str = "en", **more: Any) -> None:
+        settings = check_settings({"places": str(folder), **more})
+        self.body: Any = build_body(robot, settings, None)
+        open_places(self.body, settings)
+        self.said: list[str] = []
+        self.sources: list[str] = []
+        bus = Bus()
+        bus.subscribe(Responded, lambda event: self.said.append(event.text))
+        bus.subscribe(ToolCalled, lambda event: self.sources.append(event.source))
+        agent = Agent(robot, "", SkillSet(self.body.skills))
+        self.conversation = Conversation([agent], bus, halt=self.body.halt, language=language)
+
+    def __enter__(self) -> Self:
+        self.body.start()
+        self.conversation.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.conversation.close()
+        self.body.close()
+
+    def say(self, *sentences: str) -> str:
+        """Say them one after another; what is said last."""
+        for sentence in sentences:
+            self.conversation.submit(TextInput(sentence))
+            assert self.conversation.wait_idle(HUNG_S)
+        return self.said[-1]
+
+    def command(self, name: str, /, **arguments: object) -> str:
+        """Run a skill as the topic `command` does; what is said last."""
+        self.conversation.submit(RunSkill(name, arguments))
+        assert self.conversation.wait_idle(HUNG_S)
+        return self.said[-1]
+
+    def distance_m(self, x_m: float, y_m: float) -> float:
+        pose = self.body.pose()
+        return math.dist((x_m, y_m), (pose.x_m, pose.y_m))
+
+
+@pytest.fixture
+def talk(tmp_path: Path) -> Callable[..., Talk]:
+    """Builds a robot whose places are in one folder, as often as it is asked."""
+    return lambda robot="robot-apartment", **more: Talk(tmp_path, robot, **more)
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_it_finds_back_to_a_place_that_it_was_told_the_name_of(talk, robot) -> None:
+    with talk(robot) as one:
+        one.say("go to x 7, y 1.2")
+        assert one.say("remember this place as the charger") == (
+            "I will remember this place as charger."
+        )
+        one.say("go to the living room")
+        assert one.distance_m(*CHARGER) > 2.0
+
+        assert one.say("go to the charger") == "I am in the charger."
+
+        assert one.distance_m(*CHARGER) < 0.3
+        assert set(one.sources) == {"template"}
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_a_place_is_there_after_a_restart_in_its_world_and_in_no_other(talk, robot) -> None:
+    with talk(robot) as one:
+        one.say("go to x 7, y 1.2", "call this the loading dock")
+    with talk(robot, world=str(WORKSHOP)) as one:
+        assert one.say("go to the loading dock").startswith("I do not know the room 'loading dock'")
+    with talk(robot) as one:
+        assert one.say("go to the loading dock") == "I am in the loading dock."
+        assert one.distance_m(*CHARGER) < 0.3
+
+
+def test_it_forgets_and_tells_which_places_it_knows(talk) -> None:
+    with talk() as one:
+        one.say("this is the charging station")
+        known = "I know kitchen, bedroom, living room, office and charging station."
+        assert one.say("which places do you know?") == known
+        assert one.say("forget the charging station") == (
+            "I have forgotten the place charging station."
+        )
+        assert one.say("which places do you know?") == (
+            "I know kitchen, bedroom, living room and office."
+        )
+        assert one.say("go to the charging station").startswith("I do not know the room")
+    with talk() as one:
+        assert "charging station" not in one.say("which places do you know?")
+
+
+def test_a_remembered_place_is_a_word_of_commands_too(talk) -> None:
+    with talk() as one:
+        assert one.command("navigate_to", room="charger").startswith("I cannot do that: room charg")
+        one.command("remember_place", name="charger")
+        assert one.command("navigate_to", room="The Charger") == "I am in the charger."
+
+
+@pytest.mark.parametrize(
+    ("sentence", "answer"),
+    [
+        ("call this place kitchen", "kitchen is a place of my map already"),
+        ("call this place Küche", "kitchen is a place of my map already"),
+        ("call this place a/b", "a place's name is of letters, digits, spaces and hyphens"),
+        (f"call this place {'very ' * 9}long", "a place's name has at most 40 characters"),
+        ("call this place yes", "people say yes to me for something else"),
+        ("forget the kitchen", "kitchen is a place of my map, and I cannot forget that"),
+    ],
+)
+def test_what_cannot_be_is_answered_with_the_reason(talk, sentence, answer) -> None:
+    with talk() as one:
+        assert answer in one.say(sentence)
+        assert one.body.place_memory.names() == ()
+
+
+def test_a_second_place_of_a_name_is_refused_until_the_first_is_forgotten(talk) -> None:
+    with talk() as one:
+        one.say("call this place the charger", "go to the kitchen")
+        assert "It has to be forgotten first" in one.say("call this place the charger")
+        one.say("forget the charger")
+        assert one.say("call this place the charger").startswith("I will remember")
+
+
+def test_a_german_place_is_spoken_of_with_the_right_little_words(talk) -> None:
+    with talk(language="de") as one:
+        one.say("Merk dir diesen Ort als Ladestation.", "Fahr in die Küche.")
+        one.say("Fahr zur Ladestation!")
+        assert one.said[-2:] == ["Ich fahre zur Ladestation.", "Ich bin an der Ladestation."]
+
+
+def test_it_remembers_no_place_while_it_moves(held_robot: PlanarRobot) -> None:
+    remember = SkillSet(held_robot.skills)["remember_place"]
+    goal = Goal(remember, {"name": "charger"}, turn=0, bus=Bus())
+    drive = Asked(held_robot, held_robot.drive_to, *CHARGER)
+
+    with pytest.raises(SkillFailed) as before_it_moves:
+        remember.function(goal, name="charger")
+    drive.until(lambda: held_robot.velocity().linear_m_s > 0.2)
+    with pytest.raises(SkillFailed) as on_the_way:
+        remember.function(goal, name="charger")
+    drive.end()
+    carry_out(held_robot, held_robot.drive_to, *CHARGER)
+
+    assert before_it_moves.value.reason.code == "place_while_moving"
+    assert on_the_way.value.reason.code == "place_while_moving"
+    while abs(held_robot.velocity().linear_m_s) > 0.01:
+        held_robot.advance(0.1)
+    assert remember.function(goal, name="charger")["frame"] == "map"
