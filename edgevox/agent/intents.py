@@ -4,6 +4,7 @@ import difflib
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from types import NoneType, UnionType
 from typing import Any, Union, get_args, get_origin
 
@@ -98,11 +99,13 @@ class _Reader:
 
     def learn(self) -> None:
         """Take the words that there are now to choose from; the templates stay as they are."""
+        made: dict[int, TextSlotList] = {}  # skills may share their choices
         for name, intent in self._strict.intents.items():
-            choices = self._skills[name].choices
-            lists = {argument: _choices(one, self._book) for argument, one in choices.items()}
-            for block in intent.data:
-                block.slot_lists.update(lists)
+            for argument, one in self._skills[name].choices.items():
+                if id(one) not in made:
+                    made[id(one)] = _choices(one, self._book)
+                for block in intent.data:
+                    block.slot_lists[argument] = made[id(one)]
 
     def read(self, text: str) -> Understood | Refused | None:
         """What `Recogniser.recognise` returns, of a text in digits."""
@@ -227,12 +230,20 @@ def _lists(one: Skill, book: Phrasebook, *, loose: bool) -> dict[str, Any]:
     return lists | {"place": {"values": usual}} if one.new_names else lists
 
 
+@lru_cache(maxsize=8192)
+def _forms(said: str, code: str, *, spaced: bool) -> tuple[str, ...]:
+    """How a word of a language may be written. Kept, for a new word is one of many."""
+    plain = key(said)
+    found = dict.fromkeys((digits(plain, code), plain))
+    return tuple(found) if spaced else tuple(one.replace(" ", "") for one in found)
+
+
 def _choices(choices: OneOf, book: Phrasebook) -> TextSlotList:
     """What may be said for these words, as it is written and with its numbers as digits."""
     spoken = {
-        _written(form, book.hearing): word
+        form: word
         for said, word in book.heard(choices).items()
-        for form in (digits(key(said), book.code), key(said))
+        for form in _forms(said, book.code, spaced=book.hearing.spaced)
     }
     return TextSlotList.from_tuples(spoken.items(), allow_template=False)
 

@@ -97,14 +97,37 @@ def test_no_robot_has_a_right_that_it_does_not_need(values: dict[str, Any]) -> N
         }
 
 
-def test_what_is_written_is_in_memory_and_bounded() -> None:
+def test_what_is_written_is_bounded_and_in_memory_but_for_places() -> None:
     pod = solo()
     mounts = {one["mountPath"]: one["name"] for one in pod["containers"][0]["volumeMounts"]}
     volumes = {one["name"]: one for one in pod["volumes"]}
 
+    assert volumes[mounts.pop("/places")]["emptyDir"].keys() == {"sizeLimit"}
     assert mounts.keys() == {"/tmp", "/dev/shm"}  # noqa: S108 - the container's
     for name in mounts.values():
         assert volumes[name]["emptyDir"].keys() == {"medium", "sizeLimit"}
+
+
+def test_remembered_places_last_as_long_as_the_pod_or_as_a_volume_that_is_named() -> None:
+    claim = {"persistentVolumeClaim": {"claimName": "robot1-places"}}
+    found = pods(
+        {
+            "places": {"volume": {"hostPath": {"path": "/srv"}}},
+            "robots": [
+                {"name": "a", "domain": 1, "places": {"volume": claim}},
+                {"name": "b", "domain": 2, "places": {"volume": {}}},
+                {"name": "c", "domain": 3},
+            ],
+        }
+    )
+    volumes = {
+        name: next(one for one in pod["volumes"] if one["name"] == "places")
+        for name, pod in found.items()
+    }
+
+    assert volumes["a"] == {"name": "places", **claim}
+    assert volumes["b"] == {"name": "places", "emptyDir": {"sizeLimit": "16Mi"}}
+    assert volumes["c"] == {"name": "places", "hostPath": {"path": "/srv"}}
 
 
 def test_health_is_asked_over_http_in_a_pods_own_network() -> None:

@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
-from phrasebook_bodies import BODIES, Nobody
+from phrasebook_bodies import BODIES, MEMORY, Nobody
 
 from edgevox.agent.intents import Recogniser, Understood
 from edgevox.agent.skills import SkillSet
@@ -25,7 +25,7 @@ SKILLS = {
     "robot-apartment, robot-irsim": BODIES["apartment"],
     "robot-panda": BODIES["panda"],
     "robot-humanoid": BODIES["humanoid"],
-    "robot-external": SkillSet(navigation_skills(Elsewhere(), word=LOCATION)),
+    "robot-external": SkillSet(navigation_skills(Elsewhere(), word=LOCATION, memory=MEMORY)),
 }
 
 
