@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import lru_cache
 from itertools import chain
 
 from edgevox.agent.spelling import composed, key, separated, unpunctuated
@@ -73,6 +74,7 @@ class Answers:
         little = self._phrases(_Part.LITTLE, chain.from_iterable(one.little for one in tables))
         self._yes = {**polite, **yes}
         self._no = {**polite, **nots, **nos}
+        self._denials = {phrase[0] for phrase in chain(nos, nots)}
         self._corrections = {**polite, **little, **nos, **nots}
 
     def read(self, text: str) -> Answer | None:
@@ -98,7 +100,9 @@ class Answers:
         kitchen, the office"; "not the office" does not.
         """
         words: _Phrases = {
-            form: _Value(word) for said, word in spoken.items() for form in self._forms(said)
+            form: _Value(word)
+            for said, word in spoken.items()
+            for form in _forms(said, self._spaced)
         }
         clauses = self._clauses(text, {**self._corrections, **words})
         said = {one.value for clause in clauses for one in _values(clause)}
@@ -115,26 +119,42 @@ class Answers:
             return ()
         return tuple(one.value for clause in clauses for one in _values(clause))
 
+    def may_correct(self, text: str) -> bool:
+        """Whether it could hold a no at all; most of what is said does not."""
+        return not self._denials.isdisjoint(chain(*_clause_tokens(text, self._spaced)))
+
     def _clauses(self, text: str, phrases: _Phrases) -> Sequence[_Clause]:
         """What the phrases of each clause are; nothing if there is anything else in one."""
-        clauses = [tokens for part in _CLAUSE_END.split(text) if (tokens := self._tokens(part))]
+        clauses = _clause_tokens(text, self._spaced)
         if sum(map(len, clauses)) > MAX_TOKENS:
             return ()
         found = [_parts(tokens, phrases) for tokens in clauses]
         return found if all(found) else ()
 
     def _phrases(self, part: _Found, said: Iterable[str]) -> dict[tuple[str, ...], _Found]:
-        return {form: part for one in said for form in self._forms(one)}
+        return {form: part for one in said for form in _forms(one, self._spaced)}
 
-    def _forms(self, phrase: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """A phrase as it is written, and without the accents that people leave out."""
-        plain = key(phrase)
-        return self._tokens(phrase), tuple(plain.split() if self._spaced else _TOKEN.findall(plain))
 
-    def _tokens(self, text: str) -> tuple[str, ...]:
-        """The words of a text, with the accents that it has: they may tell a yes from a no."""
-        exact = unpunctuated(separated(composed(text)).casefold())
-        return tuple(exact.split() if self._spaced else _TOKEN.findall(exact))
+@lru_cache(maxsize=4096)
+def _forms(phrase: str, spaced: bool) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """A phrase as it is written, and without the accents that people leave out."""
+    return _tokens(phrase, spaced), _split(key(phrase), spaced)
+
+
+@lru_cache(maxsize=16)
+def _clause_tokens(text: str, spaced: bool) -> tuple[tuple[str, ...], ...]:
+    """The words of each clause that has any; one text is looked at in several ways."""
+    clauses = (_tokens(part, spaced) for part in _CLAUSE_END.split(text))
+    return tuple(tokens for tokens in clauses if tokens)
+
+
+def _tokens(text: str, spaced: bool) -> tuple[str, ...]:
+    """The words of a text, with the accents that it has: they may tell a yes from a no."""
+    return _split(unpunctuated(separated(composed(text)).casefold()), spaced)
+
+
+def _split(text: str, spaced: bool) -> tuple[str, ...]:
+    return tuple(text.split() if spaced else _TOKEN.findall(text))
 
 
 def _parts(tokens: Sequence[str], phrases: _Phrases) -> _Clause:
@@ -142,10 +162,9 @@ def _parts(tokens: Sequence[str], phrases: _Phrases) -> _Clause:
 
     Works from the end: `rest[i]` is what the tokens from `i` on are.
     """
-    longest = max(map(len, phrases), default=0)
     rest: list[_Clause | None] = [None] * len(tokens) + [()]
     for start in reversed(range(len(tokens))):
-        for end in range(min(len(tokens), start + longest), start, -1):
+        for end in range(len(tokens), start, -1):
             part, after = phrases.get(tuple(tokens[start:end])), rest[end]
             if part is not None and after is not None:
                 rest[start] = (part, *after)

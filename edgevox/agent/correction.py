@@ -19,6 +19,8 @@ def correct(call: Call, one: Skill, text: str, answers: Answers, book: Phraseboo
     Words are those that the skill's templates know for the argument in this language; numbers
     replace all of the call's, so there must be as many.
     """
+    if not answers.may_correct(text):
+        return None
     found = [*_words(call, one, text, answers, book)]
     if len(found) == 1:
         return Call(call.skill, {**call.arguments, **found[0]})

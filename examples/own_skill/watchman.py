@@ -20,6 +20,7 @@ GERMAN = SkillPhrases(
         "sieh [bitte] [überall] nach dem Rechten",
     ),
     says=("Ich mache meinen Rundgang.",),
+    deeds=("meinen Rundgang machen",),
     done=("Ich habe {seen} Räume gesehen, alles ist ruhig.",),
 )
 
@@ -37,6 +38,7 @@ def patrol_skill(body: PlanarRobot) -> Skill:
             Example("have a look everywhere, and then once more", {"rounds": 2}),
         ],
         says="Going on my round.",
+        deed="go on my round",
         done="I have seen {seen} rooms, and all is quiet.",
         phrases={"de": GERMAN},
     )

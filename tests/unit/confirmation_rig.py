@@ -29,8 +29,10 @@ class Body:
         self.sent, self.moving = [], False
         self.started, self.arrives = threading.Event(), threading.Event()
         self.arrives.set()
+        self.on_halt = lambda: None
 
     def halt(self, reason):
+        self.on_halt()
         moved, self.moving = self.moving, False
         return moved
 

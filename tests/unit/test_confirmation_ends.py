@@ -105,6 +105,16 @@ def test_a_yes_that_is_sent_while_a_stop_is_told_does_not_move_the_robot():
         assert talk.body.sent == []
 
 
+def test_a_yes_that_comes_while_the_body_is_halted_does_not_move_the_robot():
+    with Talk() as talk:
+        talk.say("go to the kitchen")
+        talk.body.on_halt = lambda: talk.conversation.submit(TextInput("yes"))
+        talk.conversation.submit(TextInput("stop"))
+        assert talk.conversation.wait_idle(60)
+        assert talk.body.sent == []
+        assert talk.statuses == ["asked", "cancelled"]
+
+
 def test_a_stop_and_a_yes_at_once_leave_the_robot_standing():
     with Talk() as talk:
         talk.body.arrives.clear()  # what would begin to drive would never end by itself
