@@ -1,0 +1,1 @@
+"""What an utterance may mean when no template knows it. Imports no engine but numpy."""

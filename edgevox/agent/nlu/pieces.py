@@ -1,0 +1,63 @@
+"""Splits a sentence into the pieces that an encoder knows: the likeliest by a unigram model."""
+
+import math
+
+from edgevox.agent.nlu.packed_file import Vocabulary
+
+_SPACE = "\N{LOWER ONE EIGHTH BLOCK}"
+"""Stands for a space in the pieces."""
+_UNKNOWN_COSTS = 10.0
+"""An unknown character is this much less likely than the least likely piece."""
+
+
+class Pieces:
+    """A tokenizer with a vocabulary."""
+
+    def __init__(self, vocabulary: Vocabulary) -> None:
+        self._vocabulary = vocabulary
+        self._unknown_score = float(vocabulary.scores.min()) - _UNKNOWN_COSTS
+
+    def ids(self, text: str) -> list[int]:
+        """The numbers of the pieces, between those of the beginning and the end."""
+        known = self._vocabulary
+        written = "".join(known.written.get(ord(character), character) for character in text)
+        spaced = _SPACE + _SPACE.join(written.split(" ")) if written else _SPACE
+        while 2 * _SPACE in spaced:
+            spaced = spaced.replace(2 * _SPACE, _SPACE)
+        return [known.begin, *self._likeliest(spaced), known.end]
+
+    def _likeliest(self, text: str) -> list[int]:
+        """Of all ways to split it the one whose pieces are likeliest together."""
+        known = self._vocabulary
+        encoded = [character.encode() for character in text]
+        best = [0.0] + [-math.inf] * len(text)
+        came_from = [(0, known.unknown)] * (len(text) + 1)
+        for start in range(len(text)):
+            self._reach(best, came_from, start, start + 1, known.unknown, self._unknown_score)
+            piece = b""
+            for end in range(start, len(text)):
+                piece += encoded[end]
+                if len(piece) > known.longest:
+                    break
+                number = known.ids.get(piece)
+                if number is not None and number != known.unknown:
+                    score = float(known.scores[number])
+                    self._reach(best, came_from, start, end + 1, number, score)
+        numbers, at = [], len(text)
+        while at:
+            at, number = came_from[at]
+            numbers.append(number)
+        return numbers[::-1]
+
+    @staticmethod
+    def _reach(
+        best: list[float],
+        came_from: list[tuple[int, int]],
+        start: int,
+        end: int,
+        number: int,
+        score: float,
+    ) -> None:
+        if best[start] + score > best[end]:
+            best[end] = best[start] + score
+            came_from[end] = start, number
