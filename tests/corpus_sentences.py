@@ -68,13 +68,11 @@ def held_out(sentences: Iterable[Sentence] | None = None) -> list[Sentence]:
 
 
 def _read_file(file: Path) -> Iterator[Sentence]:
-    data = yaml.safe_load(file.read_text(encoding="utf-8"))
-    if "robot" not in data:
-        return
-    for kind in ("commands", "others"):
-        for category, several in (data.get(kind) or {}).items():
-            for one in several:
-                yield _sentence(one, category, data["robot"], data["language"])
+    for data in yaml.safe_load_all(file.read_text(encoding="utf-8")):
+        for kind in ("commands", "others"):
+            for category, several in (data.get(kind) or {}).items():
+                for one in several:
+                    yield _sentence(one, category, data["robot"], data["language"])
 
 
 def _sentence(data: Any, category: str, robot: str, language: str) -> Sentence:
