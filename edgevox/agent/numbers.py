@@ -53,4 +53,9 @@ def _in_metres(text: str, known: Numbers) -> str:
     pattern = rf"({_NUMBER})\s*(?:{known.centimetres})(?!\w)"
     if known.units:
         pattern = rf"({_NUMBER})\s*(?:{known.centimetres})"
-    return re.sub(pattern, lambda match: f"{float(match[1]) / 100:g} {known.metres}", text)
+    return re.sub(
+        pattern,
+        lambda match: f"{float(match[1]) / 100:g} {known.metres}",
+        text,
+        flags=re.IGNORECASE,
+    )

@@ -1,10 +1,10 @@
-"""A small multilingual sentence encoder, in numpy: sentences of one meaning get near vectors.
+"""A small multilingual network that reads a sentence, in numpy: what it holds of it as numbers.
 
-The network is multilingual-e5-small, a BERT with mean pooling, whose weights `packed_file` reads.
-A sentence takes some ten milliseconds on one core; nothing but numpy is needed for it.
+It is multilingual-e5-small, a BERT, whose weights `packed_file` reads. Its last layers are made for
+what a text is about; how it is meant (asked, told, wished, denied) is clearest some layers before,
+so the last ones are left out. A sentence takes some ten milliseconds on one core.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -17,17 +17,23 @@ from edgevox.agent.nlu.pieces import Pieces
 ENCODER = "multilingual-e5-small"
 """The model's name in the manifest."""
 
+LAYERS = 9
+"""Of twelve. On the tuning half of the corpus commands are told from the rest with an area under
+the curve of 0.94 by the 8th and 9th, of 0.91 by the 12th."""
 _PREFIX = "query: "
-"""What the network was trained to see before a sentence that is compared with others."""
+"""What the network was trained to see before a sentence."""
 _ERF = (0.254829592, -0.284496736, 1.421413741, -1.453152027, 1.061405429)
 _ERF_P = 0.3275911
+_WORK_AT_ONCE = 12288
+"""Weights that are multiplied at once: so few that the linear algebra library stays on one thread.
+On two threads a sentence takes up to 0.6 s while something else keeps one core busy."""
 
 
-class SentenceEncoder(Protocol):
-    """Makes vectors of sentences."""
+class SentenceReader(Protocol):
+    """Makes numbers of a sentence."""
 
-    def encode(self, sentences: Sequence[str]) -> Floats:
-        """Vectors of length 1, shape (sentences, size)."""
+    def features(self, text: str) -> Floats:
+        """Its features, shape (size,)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,8 +41,16 @@ class _Affine:
     weights: Floats
     bias: Floats
 
+    @classmethod
+    def of(cls, rows: Floats, bias: Floats) -> "_Affine":
+        """Of weights in rows, one a value that comes out: in blocks of some rows, transposed."""
+        count, size = rows.shape
+        blocks = count // max(1, min(count, _WORK_AT_ONCE // size))
+        return cls(np.ascontiguousarray(rows.reshape(blocks, -1, size).transpose(0, 2, 1)), bias)
+
     def __call__(self, values: Floats) -> Floats:
-        return values @ self.weights + self.bias
+        parts = values[None] @ self.weights
+        return np.asarray(parts.transpose(1, 0, 2).reshape(len(values), -1) + self.bias)
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,34 +88,25 @@ class Encoder:
         self._positions = self._packed.floats("emb.pos").reshape(-1, self._packed.sizes.hidden)
         self._type = self._packed.floats("emb.type")[: self._packed.sizes.hidden]
         self._opened = self._norm("emb.ln")
-        self._layers = [self._layer(number) for number in range(self._packed.sizes.layers)]
+        self._layers = [self._layer(number) for number in range(LAYERS)]
 
-    def encode(self, sentences: Sequence[str]) -> Floats:
-        """See `SentenceEncoder`; sentences of one length are computed together."""
-        numbers = [self._pieces.ids(_PREFIX + sentence) for sentence in sentences]
-        longest = self._packed.sizes.tokens
-        vectors = np.zeros((len(sentences), self._packed.sizes.hidden), np.float32)
-        for length in {len(one) for one in numbers}:
-            chosen = [index for index, one in enumerate(numbers) if len(one) == length]
-            vectors[chosen] = self._forward(np.array([numbers[i][:longest] for i in chosen]))
-        return vectors
-
-    def _forward(self, numbers: np.ndarray[tuple[int, int], np.dtype[np.int64]]) -> Floats:
-        sentences, tokens = numbers.shape
-        words = self._packed.rows(numbers.reshape(-1)).reshape(sentences, tokens, -1)
-        values = self._opened(words + self._positions[:tokens] + self._type)
-        for layer in self._layers:
+    def features(self, text: str) -> Floats:
+        """The largest values of the layer before the last, and the means of the last."""
+        numbers = self._pieces.ids(_PREFIX + text)[: self._packed.sizes.tokens]
+        words = self._packed.rows(np.array(numbers))
+        values = self._opened(words + self._positions[: len(numbers)] + self._type)
+        for layer in self._layers[:-1]:
             values = layer(values, self._packed.sizes.heads)
-        pooled = values.mean(1)
-        return np.asarray(pooled / np.linalg.norm(pooled, axis=1, keepdims=True), np.float32)
+        means = self._layers[-1](values, self._packed.sizes.heads).mean(0)
+        return np.concatenate([means, values.max(0)])
 
     def _layer(self, number: int) -> _Layer:
         hidden, inner = self._packed.sizes.hidden, self._packed.sizes.inner
-        three = [self._affine(f"l{number}.{name}", hidden) for name in "qkv"]
+        three = [self._rows(f"l{number}.{name}", hidden) for name in "qkv"]
         return _Layer(
-            _Affine(
-                np.concatenate([one.weights for one in three], axis=1),
-                np.concatenate([one.bias for one in three]),
+            _Affine.of(
+                np.concatenate([rows for rows, _ in three]),
+                np.concatenate([bias for _, bias in three]),
             ),
             self._affine(f"l{number}.ao", hidden),
             self._norm(f"l{number}.aln"),
@@ -111,8 +116,10 @@ class Encoder:
         )
 
     def _affine(self, name: str, columns: int) -> _Affine:
-        weights = np.ascontiguousarray(self._packed.matrix(f"{name}.w", columns).T)
-        return _Affine(weights, self._packed.floats(f"{name}.b"))
+        return _Affine.of(*self._rows(name, columns))
+
+    def _rows(self, name: str, columns: int) -> tuple[Floats, Floats]:
+        return self._packed.matrix(f"{name}.w", columns), self._packed.floats(f"{name}.b")
 
     def _norm(self, name: str) -> _Norm:
         weights, bias = self._packed.floats(f"{name}.w"), self._packed.floats(f"{name}.b")
@@ -120,14 +127,14 @@ class Encoder:
 
 
 def _attention(query_key_value: Floats, heads: int) -> Floats:
-    """What each token takes from the others, shape (sentences, tokens, values)."""
-    sentences, tokens, three = query_key_value.shape
-    parted = query_key_value.reshape(sentences, tokens, 3, heads, three // 3 // heads)
-    query, key, value = parted.transpose(2, 0, 3, 1, 4)
-    scores = query @ key.transpose(0, 1, 3, 2) / np.sqrt(np.float32(query.shape[-1]))
+    """What each token takes from the others, shape (tokens, values)."""
+    tokens, three = query_key_value.shape
+    parted = query_key_value.reshape(tokens, 3, heads, three // 3 // heads)
+    query, key, value = parted.transpose(1, 2, 0, 3)
+    scores = query @ key.transpose(0, 2, 1) / np.sqrt(np.float32(query.shape[-1]))
     scores = np.exp(scores - scores.max(-1, keepdims=True))
     taken = scores / scores.sum(-1, keepdims=True) @ value
-    return np.asarray(taken.transpose(0, 2, 1, 3).reshape(sentences, tokens, -1), np.float32)
+    return np.asarray(taken.transpose(1, 0, 2).reshape(tokens, -1), np.float32)
 
 
 def _gelu(values: Floats) -> Floats:

@@ -1,0 +1,104 @@
+"""Decides whether a sentence that no template knows is an order, which, and how sure that is."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from edgevox.agent.nlu.encoder import SentenceReader
+from edgevox.agent.nlu.evidence import evidence
+from edgevox.agent.nlu.judge import ASK_FROM, SURE_FROM, Head
+from edgevox.agent.nlu.lexicon import Lexicon
+from edgevox.agent.nlu.readings import Reader, Reading
+from edgevox.agent.numbers import digits
+from edgevox.agent.phrase_file import ENGLISH, phrasebook
+from edgevox.agent.skills import Call, SkillSet
+
+_LEAST_MARGIN = 0.5
+"""Words that speak as much for another skill as for the one that was read choose neither."""
+
+
+_DOUBTFUL = (ASK_FROM + SURE_FROM) / 2
+"""At most so sure is a motion for which a strange word stands where a name or a number could."""
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """Calls with the confidence that they are meant: at least `ASK_FROM`."""
+
+    calls: tuple[Call, ...]
+    confidence: float
+
+    @property
+    def sure(self) -> bool:
+        """Whether to do it without asking."""
+        return self.confidence >= SURE_FROM
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """A reading with what a decision about it rests on."""
+
+    reading: Reading
+    evidence: Mapping[str, float]
+    held_back: bool
+
+
+class Readings:
+    """The readings of sentences for one set of skills in one language, each with its evidence."""
+
+    def __init__(self, skills: SkillSet, language: str) -> None:
+        self._skills = skills
+        self._language = language
+        self._choices: Any = None
+        self._readers: list[tuple[Lexicon, Reader]] = []
+
+    def of(self, text: str) -> Judged | None:
+        """The first reading of a sentence, in the language spoken or in English."""
+        self._renew()
+        plain = " ".join(text.split())
+        for lexicon, reader in self._readers:
+            reading = reader.read(digits(plain, lexicon.book.code))
+            if reading is not None:
+                facts = evidence(reading, lexicon, text)
+                return Judged(reading, facts, _held_back(reading, facts))
+        return None
+
+    def _renew(self) -> None:
+        """The words of arguments may change while the robot runs: places are remembered."""
+        choices = {
+            (name, argument): choice.spoken()
+            for name, one in self._skills.items()
+            for argument, choice in one.choices.items()
+        }
+        if choices != self._choices:
+            codes = dict.fromkeys((self._language, ENGLISH))
+            lexicons = [Lexicon(self._skills, phrasebook(code)) for code in codes]
+            self._readers = [(lexicon, Reader(lexicon)) for lexicon in lexicons]
+            self._choices = choices
+
+
+class Decider:
+    """Judges readings by what an encoder makes of the sentence. Used from one thread."""
+
+    def __init__(self, encoder: SentenceReader, head: Head) -> None:
+        self._encoder = encoder
+        self._head = head
+
+    def decide(self, judged: Judged | None, text: str) -> Decision | None:
+        """What to do, or to ask whether to; None where nobody asks for anything."""
+        if judged is None or judged.held_back:
+            return None
+        order = self._head.order(self._encoder.features(text))
+        confidence = self._head.confidence(self._head.likelihood(order, judged.evidence))
+        if judged.evidence["moves"] and judged.evidence["strange_alone"]:
+            confidence = min(confidence, _DOUBTFUL)
+        return Decision(judged.reading.calls, confidence) if confidence >= ASK_FROM else None
+
+
+def _held_back(reading: Reading, facts: Mapping[str, float]) -> bool:
+    """What no likelihood outweighs: a denial, and words that speak for two skills alike."""
+    if facts["denied"] or facts["strange_unfilled"]:
+        return True
+    if facts["moves"] and (facts["asks"] or facts["opens_as_question"] or facts["reports"]):
+        return True
+    return any(part.support > 0 and part.support - part.rival < _LEAST_MARGIN for part in reading.parts)

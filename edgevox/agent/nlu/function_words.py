@@ -1,0 +1,52 @@
+"""The small words of a language that say how a sentence is meant: see `function_words.toml`."""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.resources import files
+
+_FILE = "function_words.toml"
+
+
+@dataclass(frozen=True, slots=True)
+class FunctionWords:
+    """What is said around a command, in one language.
+
+    `fillers` mean nothing to a robot. `negations` deny what follows. `corrections` take back what
+    came before. `reports` tell what somebody said, `conditions` what was, will be or might be, and
+    `doubts` speak of others than the robot; `questions` open one. `asking` opens an order that is
+    put politely, so that it is one although it looks like a question. `reversals` say that the
+    order of doing is not that of saying.
+    """
+
+    fillers: tuple[str, ...] = ()
+    negations: tuple[str, ...] = ()
+    corrections: tuple[str, ...] = ()
+    reports: tuple[str, ...] = ()
+    conditions: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
+    questions: tuple[str, ...] = ()
+    asking: tuple[str, ...] = ()
+    reversals: tuple[str, ...] = ()
+
+    def all(self) -> tuple[str, ...]:
+        """Every one of them."""
+        return (
+            *self.fillers, *self.negations, *self.corrections, *self.reports, *self.conditions,
+            *self.doubts, *self.questions, *self.asking, *self.reversals,
+        )  # fmt: skip
+
+
+def words_of(code: str) -> FunctionWords:
+    """Those of a language; none of one that nobody has written down yet."""
+    return _read().get(code, FunctionWords())
+
+
+@lru_cache(maxsize=1)
+def _read() -> Mapping[str, FunctionWords]:
+    text = files(__package__).joinpath(_FILE).read_text(encoding="utf-8")
+    return {
+        code: FunctionWords(**{name: tuple(words) for name, words in table.items()})
+        for code, table in tomllib.loads(text).items()
+    }

@@ -1,0 +1,197 @@
+"""The words of a set of skills in one language: which speak for which skill, and which for none.
+
+All of it comes from what the skills and the phrasebook bring anyway: their templates, examples and
+words. A word that only one skill's sentences hold says much, one that all hold says nothing.
+"""
+
+import math
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from types import NoneType, UnionType
+from typing import Any, Union, get_args, get_origin
+
+from edgevox.agent.nlu.function_words import words_of
+from edgevox.agent.nlu.tokens import Tokenizer, Words, plain
+from edgevox.agent.phrasebook import Phrasebook
+from edgevox.agent.skills import Skill, SkillSet
+
+_SYNTAX = re.compile(r"[()\[\]|{}<>]")
+_RULE = re.compile(r"<(\w+)>")
+_SLOT = re.compile(r"\{(\w+)\}")
+_NAME_WORDS = re.compile(r"[a-z]+")
+_WORD = re.compile(r"[^\W\d_]+'?")
+_FILLER_WEIGHT = 0.2
+"""What a word counts that may mean nothing as well: "up", "got"."""
+_EXAMPLE_WEIGHT = 0.25
+"""What a word of an example counts, against one of a template: examples are of few people."""
+_SHORTEST_MIXED = 4
+_EVERYWHERE = 0.6
+"""A word that this share of the skills knows belongs to none of them."""
+
+
+@dataclass(frozen=True, slots=True)
+class SkillWords:
+    """What is known of one skill's language: words with their weights, and the units of numbers."""
+
+    skill: Skill
+    weights: Mapping[str, float]
+    units: Mapping[str, frozenset[str]]
+
+    @property
+    def numbers(self) -> tuple[str, ...]:
+        """The arguments that are numbers, in their order."""
+        fields = self.skill.arguments_model.model_fields
+        return tuple(name for name, info in fields.items() if is_number_type(info.annotation))
+
+
+class Lexicon:
+    """The words of these skills in this language, and how sentences of it are split."""
+
+    def __init__(self, skills: SkillSet, book: Phrasebook) -> None:
+        self.book = book
+        self.skills = skills
+        self.places = {
+            (name, argument): _spoken(book, choices.words, book.heard(choices))
+            for name, one in skills.items()
+            for argument, choices in one.choices.items()
+        }
+        self.function_words = words_of(book.code)
+        chunks = {
+            name: _chunks(
+                one,
+                book,
+                frozenset(map(plain, (*self.function_words.fillers, *book.hearing.articles))),
+            )
+            for name, one in skills.items()
+        }
+        known = {word for words in chunks.values() for word in words}
+        known |= {said for spoken in self.places.values() for said in spoken}
+        known |= {plain(one) for one in words_of(book.code).all()}
+        self.tokenize = Tokenizer(book, known)
+        self._functions = {
+            part for one in self.function_words.all() for part in self.tokenize(one)
+        }
+        self.names = {
+            place: {self.tokenize(said): word for said, word in spoken.items()}
+            for place, spoken in self.places.items()
+        }
+        self.common, self.words = self._weigh(chunks)
+        named = {part for names in self.names.values() for name in names for part in name}
+        self._orders = {
+            _letters(word): word
+            for word in (*named, *(w for one in self.words.values() for w in one.weights))
+            if len(word) >= _SHORTEST_MIXED
+        }
+
+    def knows(self, word: str) -> bool:
+        """Whether it is a word of some skill, or means nothing to any."""
+        return (
+            word in self.common
+            or any(word in one.weights for one in self.words.values())
+            or word in self._functions
+        )
+
+    def spelled(self, tokens: Words) -> Words:
+        """With the letters of unknown words in the order of a known one: "trun" is "turn"."""
+        return tuple(one if self.knows(one) else self._orders.get(_letters(one), one) for one in tokens)
+
+    def _weigh(
+        self, chunks: Mapping[str, Mapping[str, float]]
+    ) -> tuple[frozenset[str], dict[str, SkillWords]]:
+        counts = Counter(word for words in chunks.values() for word in words)
+        least = max(2.0, _EVERYWHERE * len(chunks))
+        in_names = self._name_words(chunks)
+        common = frozenset(
+            word for word, count in counts.items() if count >= least and word not in in_names
+        )
+        words = {
+            name: SkillWords(
+                self.skills[name],
+                {
+                    word: weight * math.log1p(len(chunks) / in_names.get(word, counts[word]))
+                    for word, weight in chunk.items()
+                    if word not in common and (word not in in_names or word in _parts(name))
+                },
+                _units(self.skills[name], self.book),
+            )
+            for name, chunk in chunks.items()
+        }
+        return common, words
+
+
+    def _name_words(self, chunks: Mapping[str, Mapping[str, float]]) -> dict[str, int]:
+        """The words of skills' names that tell skills apart, and how many names hold each.
+
+        They count for these skills alone, whatever the courtesies of others hold: "right now".
+        """
+        if self.book.fallback is not None:
+            return {}
+        counts = Counter(word for name in chunks for word in set(_parts(name)))
+        return {
+            word: n
+            for word, n in counts.items()
+            if n * 2 <= len(chunks) and word not in self.function_words.fillers
+        }
+
+
+def is_number_type(annotation: Any) -> bool:
+    """Whether this type, or all of it but None, is a number."""
+    either = get_origin(annotation) in (Union, UnionType)
+    kinds = set(get_args(annotation) if either else (annotation,)) - {NoneType}
+    return bool(kinds) and kinds <= {int, float}
+
+
+def _letters(word: str) -> tuple[str, str]:
+    """What a word has in common with those of which somebody typed two letters the wrong way."""
+    return word[:1], "".join(sorted(word))
+
+
+def _parts(name: str) -> list[str]:
+    return _NAME_WORDS.findall(name)
+
+
+def _spoken(book: Phrasebook, words: Sequence[str], heard: Mapping[str, str]) -> dict[str, str]:
+    return {plain(said): word for said, word in heard.items()} | {
+        plain(word): word for word in words
+    }
+
+
+def _chunks(one: Skill, book: Phrasebook, fillers: frozenset[str]) -> dict[str, float]:
+    """The words of a skill's sentences; those of its templates count fully."""
+    templates = [_expanded(template, book) for template in _templates(one, book)]
+    said = _words([example.sentence for example in book.examples(one)])
+    found = dict.fromkeys(said - fillers, _EXAMPLE_WEIGHT)
+    found |= {word: _FILLER_WEIGHT if word in fillers else 1.0 for word in _words(templates)}
+    if book.fallback is None:
+        found |= dict.fromkeys(_parts(one.name), 1.0)
+    if not book.hearing.spaced:
+        return {word: weight for word, weight in found.items() if len(word) > 1}
+    return found
+
+
+def _templates(one: Skill, book: Phrasebook) -> Sequence[str]:
+    return one.templates if book.fallback is None else book.templates(one)
+
+
+def _expanded(template: str, book: Phrasebook) -> str:
+    """With the rules that it names written out."""
+    while match := _RULE.search(template):
+        template = template[: match.start()] + book.rules[match[1]] + template[match.end() :]
+    return template
+
+
+def _words(sentences: Iterable[str]) -> set[str]:
+    bare = (_SYNTAX.sub(" ", _SLOT.sub(" ", plain(one))) for one in sentences)
+    return {word for sentence in bare for word in _WORD.findall(sentence)}
+
+
+def _units(one: Skill, book: Phrasebook) -> dict[str, frozenset[str]]:
+    """What is said right after a number, by argument."""
+    units: dict[str, set[str]] = {}
+    for template in _templates(one, book):
+        written = plain(_expanded(template, book))
+        for match in re.finditer(r"\{(\w+)\}\s*(\([^()]*\)|\[[^\[\]]*\])?", written):
+            units.setdefault(match[1], set()).update(_WORD.findall(match[2] or ""))
+    return {name: frozenset(words) for name, words in units.items()}
