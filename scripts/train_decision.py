@@ -83,7 +83,9 @@ def cases_of(sentences: list[Sentence]) -> list[Case]:
     return found
 
 
-def logistic(values: Floats, wanted: Floats, penalty: float, weights: Floats | None = None) -> Floats:
+def logistic(
+    values: Floats, wanted: Floats, penalty: float, weights: Floats | None = None
+) -> Floats:
     """Weights and, last, the bias of a logistic regression with a penalty on its weights."""
     data = np.c_[values, np.ones(len(values))].astype(np.float64)
     mass = np.ones(len(data)) if weights is None else weights

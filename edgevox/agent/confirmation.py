@@ -9,8 +9,6 @@ from edgevox.core.agent_events import AskedCall, Confirmation, ConfirmationStatu
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
 
-ASK_BELOW = 0.8
-"""A meaning whose confidence is below is unsure."""
 EXPIRES_S = 20.0
 """How long a question stands after it was said to its end."""
 

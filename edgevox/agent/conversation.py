@@ -12,6 +12,7 @@ from edgevox.agent.goals import Goal
 from edgevox.agent.inbox import Inbox, Item
 from edgevox.agent.llm.base import LanguageModel
 from edgevox.agent.mind import Mind
+from edgevox.agent.nlu.decider import Decider
 from edgevox.agent.policy import Guard
 from edgevox.agent.safety import SafetyWords
 from edgevox.agent.skill_executor import SkillExecutor
@@ -41,7 +42,7 @@ class Conversation:
     Stop words, `Interrupt` and `Reset` act on the calling thread, at once: they cancel the turn
     that runs, forget the utterances that wait or are being transcribed, cancel the goals and halt
     the body. `halt` is the body's, `interlock` may forbid motion, `guard` any skill but to stop.
-    Without a `mouth` it only writes.
+    Without a `mouth` it only writes, without a `decider` it does only what templates know.
     """
 
     def __init__(
@@ -57,11 +58,12 @@ class Conversation:
         clock: Clock | None = None,
         interlock: Interlock | None = None,
         guard: Guard | None = None,
+        decider: Decider | None = None,
     ) -> None:
         self._bus = bus
         self._clock = clock or SystemClock()
         self._inbox = Inbox(self._clock)
-        self.mind = mind = Mind(agents, bus, self._clock, model, language)
+        self.mind = mind = Mind(agents, bus, self._clock, model, language, decider)
         every_skill = {name: s for agent in agents for name, s in agent.skills.items()}
         self._skills = SkillSet(every_skill.values())
         self._executor = SkillExecutor(

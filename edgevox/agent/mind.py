@@ -1,4 +1,9 @@
-"""Decides what an utterance means: calls of skills by templates or by a model, or words."""
+"""Decides what an utterance means: calls of skills, by templates or by a reading of it, or words.
+
+A language model never moves the robot. It answers in words, hands over to another agent, and fills
+in what no reading can: arguments that take any words, of a sentence that is an order, and then
+somebody is asked first.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,6 +12,8 @@ from edgevox.agent.agents import Agent, by_name
 from edgevox.agent.history import History, size_tokens
 from edgevox.agent.intents import Recogniser, Refused, Understood
 from edgevox.agent.llm.base import LanguageModel, Message, ModelFailed
+from edgevox.agent.nlu.decider import Decider, Decision, Readings
+from edgevox.agent.nlu.judge import ASK_FROM
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.skills import Call
 from edgevox.agent.toolcalls import HANDOFF, Protocol
@@ -28,9 +35,10 @@ ANSWER_TOKENS = 160
 
 @dataclass(frozen=True, slots=True)
 class Meaning:
-    """What to do about an utterance, and who found it out: ``template`` or ``model``.
+    """What to do about an utterance, and who found it out: ``template``, ``reading`` or ``model``.
 
-    `confidence` is 1 for what is sure; see `ASK_BELOW` in `edgevox/agent/confirmation.py`.
+    `confidence` is that it is meant: 1 for a template; from `SURE_FROM` on it is to be done, below
+    that somebody is to be asked.
     """
 
     agent: Agent
@@ -49,7 +57,9 @@ class Mind:
         clock: Clock,
         model: LanguageModel | None = None,
         language: str = ENGLISH,
+        decider: Decider | None = None,
     ) -> None:
+        self._decider = decider
         self._agents = by_name(agents)
         self._bus = bus
         self._clock = clock
@@ -63,6 +73,7 @@ class Mind:
         self.phrases = phrasebook(code)
         agents = self._agents.values()
         self._recognisers = {a.name: Recogniser(a.skills, code) for a in agents}
+        self._readings = {a.name: Readings(a.skills, code) for a in agents}
         self._protocols = {
             a.name: Protocol(a.instructions, a.skills, a.handoffs, code) for a in agents
         }
@@ -79,6 +90,8 @@ class Mind:
         if isinstance(plain, Meaning):
             self._hand_over(plain.agent, turn)
             return plain
+        if meaning := self._read(text, turn):
+            return meaning
         if plain:
             turn.say(plain.reason, Outcome.REFUSED)
             return None
@@ -98,6 +111,17 @@ class Mind:
                 return found
         return None
 
+    def _read(self, text: str, turn: Turn) -> Meaning | None:
+        """What the first agent would do who could be meant; none of them without a judge."""
+        if self._decider is None:
+            return None
+        for agent in self._active_first():
+            decision = self._decider.decide(self._readings[agent.name].of(text), text)
+            if isinstance(decision, Decision):
+                self._hand_over(agent, turn)
+                return Meaning(agent, decision.calls, "reading", decision.confidence)
+        return None
+
     def remember(self, said: str, turn: Turn, meaning: Meaning | None) -> None:
         """Keep an exchange for the next ones."""
         protocol = self._protocols[self.active.name]
@@ -110,23 +134,29 @@ class Mind:
         self.active = next(iter(self._agents.values()))
 
     def _ask_model(self, model: LanguageModel, text: str, turn: Turn) -> Meaning | None:
+        ordered = self._decider is not None and self._decider.is_order(text)
         for _ in range(MAX_HANDOFFS + 1):
-            calls = self._generate(model, text, turn)
+            calls = self._generate(model, text, turn, ordered=ordered)
             handoffs = [call for call in calls if call.skill == HANDOFF]
             if not handoffs:
-                return Meaning(self.active, tuple(calls), "model") if calls else None
+                return self._unsure(calls) if calls else None
             self._hand_over(self._agents[str(handoffs[0].arguments["agent"])], turn)
         turn.say(self.phrases.say("nobody"), Outcome.FAILED)
         return None
 
-    def _generate(self, model: LanguageModel, text: str, turn: Turn) -> Sequence[Call]:
+    def _unsure(self, calls: Sequence[Call]) -> Meaning:
+        return Meaning(self.active, tuple(calls), "model", ASK_FROM)
+
+    def _generate(
+        self, model: LanguageModel, text: str, turn: Turn, *, ordered: bool
+    ) -> Sequence[Call]:
         protocol = self._protocol()
         parser = protocol.parser()
         started_s = self._clock.now()
         try:
             for piece in model.generate(
                 self.chat(protocol.prepare(text)),
-                grammar=protocol.grammar,
+                grammar=protocol.grammar_of(ordered=ordered),
                 max_tokens=ANSWER_TOKENS,
                 token=turn.token,
             ):
@@ -138,7 +168,9 @@ class Mind:
         finally:
             turn.thought(self._clock.now() - started_s)
         turn.flush()
-        return () if turn.token.cancelled else parser.finish()
+        return (
+            () if turn.token.cancelled else protocol.allowed(parser.finish(), text, ordered=ordered)
+        )
 
     def _protocol(self) -> Protocol:
         """That of the agent who talks, with the words that there are now to choose from."""

@@ -11,6 +11,7 @@ from edgevox.agent.numbers import digits
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.prompt import examples, learned_words, system_prompt
 from edgevox.agent.skills import Call, SkillSet
+from edgevox.agent.spelling import key
 
 _CONTROL = re.compile(r"[\x00-\x1f\x7f]+")
 
@@ -50,8 +51,10 @@ class Protocol:
     """How one agent and its model understand each other.
 
     `opening` are the messages that every chat begins with: the instructions, the skills and
-    examples. `grammar` is what a model's output must obey, for `Parser` to read. Both are of the
-    `words` that there were to choose from.
+    examples, of every call there is. `grammar` is what a model's output must obey, for `Parser` to
+    read: words and hand-overs. `free_grammar` allows the calls too that nothing but a model can
+    make: of skills with an argument that takes any words. All are of the `words` that there were to
+    choose from.
     """
 
     instructions: str
@@ -60,11 +63,15 @@ class Protocol:
     language: str = "en"
     words: tuple[tuple[str, ...], ...] = field(init=False)
     grammar: str = field(init=False)
+    free_grammar: str = field(init=False)
     opening: tuple[Message, ...] = field(init=False)
 
     def __post_init__(self) -> None:
+        nothing = SkillSet(())
+        free = SkillSet(one for one in self.skills.values() if one.free_text)
         object.__setattr__(self, "words", self.skills.words())
-        object.__setattr__(self, "grammar", grammar(self.skills, self.handoffs))
+        object.__setattr__(self, "grammar", grammar(nothing, self.handoffs))
+        object.__setattr__(self, "free_grammar", grammar(free, self.handoffs))
         system = Message(
             "system", system_prompt(self.instructions, self.skills, self.handoffs, self.language)
         )
@@ -82,6 +89,26 @@ class Protocol:
     def renewed(self) -> "Protocol":
         """Itself, or another if words were learned or forgotten since it was made."""
         return self if self.words == self.skills.words() else replace(self)
+
+    def grammar_of(self, *, ordered: bool) -> str:
+        """What a model may answer to a sentence that is `ordered`, or to one that is not."""
+        return self.free_grammar if ordered else self.grammar
+
+    def allowed(self, calls: Sequence[Call], text: str, *, ordered: bool) -> Sequence[Call]:
+        """Those that a model may make: what no engine's grammar kept it from is dropped here.
+
+        Every word that it fills in was said.
+        """
+        spoken = key(text)
+        return [call for call in calls if self._may(call, spoken, ordered=ordered)]
+
+    def _may(self, call: Call, spoken: str, *, ordered: bool) -> bool:
+        if call.skill == HANDOFF:
+            return True
+        one = self.skills[call.skill] if call.skill in self.skills else None
+        if not ordered or one is None or not one.free_text:
+            return False
+        return all(key(str(call.arguments.get(name, ""))) in spoken for name in one.free_text)
 
     def parser(self) -> Parser:
         """A parser for one answer."""

@@ -8,6 +8,7 @@ from edgevox.agent.conversation import Conversation
 from edgevox.agent.llm.base import LanguageModel, ModelFailed
 from edgevox.agent.llm.primer import Primer
 from edgevox.apps.components import list_components
+from edgevox.apps.decision import open_decider
 from edgevox.apps.free_text import free_text
 from edgevox.apps.language_model import find_weights, open_model, open_without
 from edgevox.apps.metrics import read_bridge, read_parts, serve_metrics
@@ -72,6 +73,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Part
         confirm=settings.confirm,
         interlock=interlock,
         guard=guard,
+        decider=open_decider(),
     )
     bus.subscribe(ControlChanged, lambda change: _follow(conversation, change))
     queries = build_queries(

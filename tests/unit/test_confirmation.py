@@ -5,7 +5,8 @@ import threading
 import pytest
 from confirmation_rig import Doubts, Talk
 
-from edgevox.agent.confirmation import ASK_BELOW, EXPIRES_S
+from edgevox.agent.confirmation import EXPIRES_S
+from edgevox.agent.nlu.judge import SURE_FROM
 from edgevox.agent.policy import Guard
 from edgevox.core.agent_events import AskedCall, Confirmation, ToolCalled
 from edgevox.core.commands import RunSkill, TextInput
@@ -87,10 +88,10 @@ def test_what_can_never_be_done_is_refused_and_not_asked_about():
         ("always", 1.0, True, False),
         ("always", 0.6, True, False),
         ("unsure", 1.0, False, True),
-        ("unsure", ASK_BELOW, False, True),
-        ("unsure", ASK_BELOW - 0.01, True, False),
+        ("unsure", SURE_FROM, False, True),
+        ("unsure", SURE_FROM - 0.01, True, False),
         ("never", 1.0, False, True),
-        ("never", ASK_BELOW - 0.01, False, False),
+        ("never", SURE_FROM - 0.01, False, False),
     ],
 )
 def test_whether_it_asks_follows_from_the_setting_and_how_sure_it_is(

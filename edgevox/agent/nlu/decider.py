@@ -13,7 +13,7 @@ from edgevox.agent.numbers import digits
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.skills import Call, SkillSet
 
-_LEAST_MARGIN = 0.5
+_LEAST_MARGIN = 0.25
 """Words that speak as much for another skill as for the one that was read choose neither."""
 
 
@@ -49,7 +49,7 @@ class Readings:
     def __init__(self, skills: SkillSet, language: str) -> None:
         self._skills = skills
         self._language = language
-        self._choices: Any = None
+        self._words: Any = None
         self._readers: list[tuple[Lexicon, Reader]] = []
 
     def of(self, text: str) -> Judged | None:
@@ -65,16 +65,12 @@ class Readings:
 
     def _renew(self) -> None:
         """The words of arguments may change while the robot runs: places are remembered."""
-        choices = {
-            (name, argument): choice.spoken()
-            for name, one in self._skills.items()
-            for argument, choice in one.choices.items()
-        }
-        if choices != self._choices:
+        words = self._skills.words()
+        if words != self._words:
             codes = dict.fromkeys((self._language, ENGLISH))
             lexicons = [Lexicon(self._skills, phrasebook(code)) for code in codes]
             self._readers = [(lexicon, Reader(lexicon)) for lexicon in lexicons]
-            self._choices = choices
+            self._words = words
 
 
 class Decider:
@@ -94,6 +90,10 @@ class Decider:
             confidence = min(confidence, _DOUBTFUL)
         return Decision(judged.reading.calls, confidence) if confidence >= ASK_FROM else None
 
+    def is_order(self, text: str) -> bool:
+        """Whether the speaker wants something of whoever hears it, whatever it is."""
+        return self._head.order(self._encoder.features(text)) > 0
+
 
 def _held_back(reading: Reading, facts: Mapping[str, float]) -> bool:
     """What no likelihood outweighs: a denial, and words that speak for two skills alike."""
@@ -101,4 +101,6 @@ def _held_back(reading: Reading, facts: Mapping[str, float]) -> bool:
         return True
     if facts["moves"] and (facts["asks"] or facts["opens_as_question"] or facts["reports"]):
         return True
-    return any(part.support > 0 and part.support - part.rival < _LEAST_MARGIN for part in reading.parts)
+    return any(
+        part.support > 0 and part.support - part.rival < _LEAST_MARGIN for part in reading.parts
+    )

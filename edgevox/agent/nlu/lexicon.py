@@ -22,7 +22,7 @@ _RULE = re.compile(r"<(\w+)>")
 _SLOT = re.compile(r"\{(\w+)\}")
 _NAME_WORDS = re.compile(r"[a-z]+")
 _WORD = re.compile(r"[^\W\d_]+'?")
-_FILLER_WEIGHT = 0.2
+_FILLER_WEIGHT = 0.1
 """What a word counts that may mean nothing as well: "up", "got"."""
 _EXAMPLE_WEIGHT = 0.25
 """What a word of an example counts, against one of a template: examples are of few people."""
@@ -70,9 +70,7 @@ class Lexicon:
         known |= {said for spoken in self.places.values() for said in spoken}
         known |= {plain(one) for one in words_of(book.code).all()}
         self.tokenize = Tokenizer(book, known)
-        self._functions = {
-            part for one in self.function_words.all() for part in self.tokenize(one)
-        }
+        self._functions = {part for one in self.function_words.all() for part in self.tokenize(one)}
         self.names = {
             place: {self.tokenize(said): word for said, word in spoken.items()}
             for place, spoken in self.places.items()
@@ -95,7 +93,9 @@ class Lexicon:
 
     def spelled(self, tokens: Words) -> Words:
         """With the letters of unknown words in the order of a known one: "trun" is "turn"."""
-        return tuple(one if self.knows(one) else self._orders.get(_letters(one), one) for one in tokens)
+        return tuple(
+            one if self.knows(one) else self._orders.get(_letters(one), one) for one in tokens
+        )
 
     def _weigh(
         self, chunks: Mapping[str, Mapping[str, float]]
@@ -119,7 +119,6 @@ class Lexicon:
             for name, chunk in chunks.items()
         }
         return common, words
-
 
     def _name_words(self, chunks: Mapping[str, Mapping[str, float]]) -> dict[str, int]:
         """The words of skills' names that tell skills apart, and how many names hold each.

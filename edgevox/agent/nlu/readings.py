@@ -77,7 +77,9 @@ class Reader:
         self._corrections = [split(one) for one in words.corrections]
         self._reversals = [split(one) for one in words.reversals]
         self._joints = [split(one) for one in lexicon.book.hearing.joints]
-        self._linking = frozenset({"is", "equals", "=", "ist", "gleich", "est", "es", "igual", "at"})
+        self._linking = frozenset(
+            {"is", "equals", "=", "ist", "gleich", "est", "es", "igual", "at"}
+        )
 
     def read(self, text: str) -> Reading | None:
         """The best reading; None where no skill could be meant."""
@@ -106,9 +108,7 @@ class Reader:
         filled |= {i for i, token in enumerate(tokens) if token in self._lexicon.common}
         return frozenset(filled)
 
-    def _take_back(
-        self, tokens: Words, names: Sequence[Name]
-    ) -> tuple[list[Name], bool]:
+    def _take_back(self, tokens: Words, names: Sequence[Name]) -> tuple[list[Name], bool]:
         """Without the names that the speaker took back: "the office, no, the bedroom"."""
         denied = set(_places(tokens, self._negations))
         correcting = set(_places(tokens, self._corrections))
@@ -258,9 +258,7 @@ class _Sentence:
         units = frozenset().union(*words.units.values()) if words.units else frozenset()
         for arguments, unitless in _assigned(words, tuple(names), tuple(numbers)):
             try:
-                check_arguments(
-                    words.skill.name, words.skill.arguments_model, arguments
-                )
+                check_arguments(words.skill.name, words.skill.arguments_model, arguments)
             except InvalidValue:
                 continue
             seen = {
@@ -311,9 +309,7 @@ def _required(words: SkillWords) -> set[str]:
     return {name for name, info in fields.items() if info.is_required()}
 
 
-def _counted(
-    words: SkillWords, numbers: tuple[Number, ...]
-) -> tuple[dict[str, Any], bool] | None:
+def _counted(words: SkillWords, numbers: tuple[Number, ...]) -> tuple[dict[str, Any], bool] | None:
     """The numbers as arguments: by their axes, or in their order; None where they do not fit."""
     slots = words.numbers
     if not numbers:
@@ -362,6 +358,3 @@ def _gaps(parts: Sequence[Part], size: int) -> Iterator[tuple[int, int]]:
         yield at, part.start
         at = part.end
     yield at, size
-
-
-
