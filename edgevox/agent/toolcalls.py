@@ -51,11 +51,9 @@ class Protocol:
     """How one agent and its model understand each other.
 
     `opening` are the messages that every chat begins with: the instructions, the skills and
-    examples, of every call there is. `grammar` is what a model's output must obey, for `Parser` to
-    read: words and hand-overs. `free_grammar` allows the calls too that nothing but a model can
-    make: of skills with an argument that takes any words. All are of the `words` that there were to
-    choose from.
-    """
+    examples. `grammar` is what a model's output must obey, for `Parser` to read. A mind allows it
+    less: `words_grammar`, words and hand-overs, and to a sentence that is an order `free_grammar`,
+    with the calls that nothing but a model can make: of skills with an argument of     """
 
     instructions: str
     skills: SkillSet
@@ -63,6 +61,7 @@ class Protocol:
     language: str = "en"
     words: tuple[tuple[str, ...], ...] = field(init=False)
     grammar: str = field(init=False)
+    words_grammar: str = field(init=False)
     free_grammar: str = field(init=False)
     opening: tuple[Message, ...] = field(init=False)
 
@@ -70,7 +69,8 @@ class Protocol:
         nothing = SkillSet(())
         free = SkillSet(one for one in self.skills.values() if one.free_text)
         object.__setattr__(self, "words", self.skills.words())
-        object.__setattr__(self, "grammar", grammar(nothing, self.handoffs))
+        object.__setattr__(self, "grammar", grammar(self.skills, self.handoffs))
+        object.__setattr__(self, "words_grammar", grammar(nothing, self.handoffs))
         object.__setattr__(self, "free_grammar", grammar(free, self.handoffs))
         system = Message(
             "system", system_prompt(self.instructions, self.skills, self.handoffs, self.language)
@@ -92,7 +92,7 @@ class Protocol:
 
     def grammar_of(self, *, ordered: bool) -> str:
         """What a model may answer to a sentence that is `ordered`, or to one that is not."""
-        return self.free_grammar if ordered else self.grammar
+        return self.free_grammar if ordered else self.words_grammar
 
     def allowed(self, calls: Sequence[Call], text: str, *, ordered: bool) -> Sequence[Call]:
         """Those that a model may make: what no engine's grammar kept it from is dropped here.

@@ -18,7 +18,8 @@ _LEAST_MARGIN = 0.25
 
 
 _DOUBTFUL = (ASK_FROM + SURE_FROM) / 2
-"""At most so sure is a motion for which a strange word stands where a name or a number could."""
+"""At most so sure is a motion that looks like a question, or for which a strange word stands where
+a name or a number could."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +87,8 @@ class Decider:
             return None
         order = self._head.order(self._encoder.features(text))
         confidence = self._head.confidence(self._head.likelihood(order, judged.evidence))
-        if judged.evidence["moves"] and judged.evidence["strange_alone"]:
+        facts = judged.evidence
+        if facts["moves"] and (facts["strange_alone"] or facts["asks"]):
             confidence = min(confidence, _DOUBTFUL)
         return Decision(judged.reading.calls, confidence) if confidence >= ASK_FROM else None
 
@@ -96,11 +98,13 @@ class Decider:
 
 
 def _held_back(reading: Reading, facts: Mapping[str, float]) -> bool:
-    """What no likelihood outweighs: a denial, and words that speak for two skills alike."""
+    """What no likelihood outweighs: a denial, a report, a question, a word nobody knows in the place
+    of a value, and words that speak for two skills alike.
+    """
     if facts["denied"] or facts["strange_unfilled"]:
         return True
-    if facts["moves"] and (facts["asks"] or facts["opens_as_question"] or facts["reports"]):
+    if facts["moves"] and (facts["opens_as_question"] or facts["reports"]):
         return True
     return any(
-        part.support > 0 and part.support - part.rival < _LEAST_MARGIN for part in reading.parts
+        part.rival > 0 and part.support - part.rival < _LEAST_MARGIN for part in reading.parts
     )

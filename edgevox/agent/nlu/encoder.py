@@ -50,7 +50,8 @@ class _Affine:
 
     def __call__(self, values: Floats) -> Floats:
         parts = values[None] @ self.weights
-        return np.asarray(parts.transpose(1, 0, 2).reshape(len(values), -1) + self.bias)
+        joined = parts.transpose(1, 0, 2).reshape(len(values), -1) + self.bias
+        return np.asarray(joined, np.float32)
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +63,7 @@ class _Norm:
     def __call__(self, values: Floats) -> Floats:
         centred = values - values.mean(-1, keepdims=True)
         spread = np.sqrt((centred**2).mean(-1, keepdims=True) + self.epsilon)
-        return centred / spread * self.weights + self.bias
+        return np.asarray(centred / spread * self.weights + self.bias, np.float32)
 
 
 @dataclass(frozen=True, slots=True)

@@ -52,5 +52,6 @@ def _count(lexicon: Lexicon, tokens: Sequence[str], phrases: Sequence[str]) -> i
 
 
 def _opens(lexicon: Lexicon, tokens: Sequence[str], phrases: Sequence[str]) -> bool:
-    """Whether the sentence begins with one of these."""
-    return any(0 in find(tokens, lexicon.tokenize(phrase)) for phrase in phrases)
+    """Whether the sentence, or a part of it after a mark, begins with one of these."""
+    starts = {0, *(at + 1 for at, token in enumerate(tokens) if is_mark(token))}
+    return any(starts.intersection(find(tokens, lexicon.tokenize(one))) for one in phrases)

@@ -22,7 +22,7 @@ _STRANGE_COSTS = 0.25
 _PLAIN, _BARE = 0.0, 1.2
 """What the words must weigh at least that speak for a skill, where a name or a number is said that
 it takes, and where none is."""
-_BESIDE = 2.2
+_BESIDE = 3.0
 """The same for a call without any, beside others."""
 _MOST_PARTS = 7
 MAX_TOKENS = 60
@@ -73,6 +73,9 @@ class Reader:
         words = lexicon.function_words
         split = lexicon.tokenize
         self._fillers = [split(one) for one in words.fillers]
+        polite = [split(one) for one in words.fillers]
+        self._courtesies = [one for one in polite if len(one) > 2]
+        self._courtesies += [split(one) for one in words.asking]
         self._negations = [split(one) for one in words.negations]
         self._corrections = [split(one) for one in words.corrections]
         self._reversals = [split(one) for one in words.reversals]
@@ -92,7 +95,8 @@ class Reader:
         counted = find_numbers(tokens, self._linking)
         numbers = self._corrected(tokens, counted)
         corrected = len(names) < len(said) or len(numbers) < len(counted)
-        gone = {at for one in (*said, *counted) for at in range(one.start, one.end)}
+        gone = {at for one in said for at in range(one.start, one.end)}
+        gone |= {one.start for one in counted}
         filled = self._filled(tokens) | gone
         sentence = _Sentence(self._lexicon, tokens, names, numbers, filled)
         parts = self._parts(sentence)
@@ -110,9 +114,10 @@ class Reader:
 
     def _take_back(self, tokens: Words, names: Sequence[Name]) -> tuple[list[Name], bool]:
         """Without the names that the speaker took back: "the office, no, the bedroom"."""
-        denied = set(_places(tokens, self._negations))
+        denied = set(_places(tokens, self._negations)) - set(_places(tokens, self._courtesies))
         correcting = set(_places(tokens, self._corrections))
-        kept, allowed = list(names), set[int]()
+        kept = list(names)
+        allowed: set[int] = set()
         for first, second in itertools.pairwise(names):
             if first not in kept or first.values.keys().isdisjoint(second.values.keys()):
                 continue
