@@ -1,0 +1,76 @@
+"""Templates, readings and their judge together, with the real encoder: what moves and what does not."""
+
+from collections.abc import Sequence
+
+import pytest
+from corpus_robots import is_right, skills_of_robots
+from corpus_sentences import Sentence, held_out, read_corpus, tuning
+
+from edgevox.agent.intents import Recogniser, Understood
+from edgevox.agent.nlu.decider import Decider, Decision, Readings
+from edgevox.agent.nlu.encoder import ENCODER, Encoder
+from edgevox.agent.nlu.judge import SURE_FROM, read_head
+from edgevox.agent.safety import find_stop_word
+from edgevox.models import locate
+
+MOST_WRONG_OF_500 = 1
+"""Wrong motions of all languages; the figures of today stand in docs/figures.md."""
+
+
+@pytest.fixture(scope="module")
+def decider() -> Decider:
+    return Decider(Encoder(locate(ENCODER)), read_head())
+
+
+def decide(decider: Decider, sentence: Sentence) -> Decision | None:
+    skills = skills_of_robots()[sentence.robot]
+    if find_stop_word(sentence.language, sentence.says):
+        return None
+    found = Recogniser(skills, sentence.language).recognise(sentence.says)
+    if isinstance(found, Understood):
+        return Decision(found.calls, 1.0)
+    readings = Readings(skills, sentence.language)
+    return decider.decide(readings.of(sentence.says), sentence.says)
+
+
+def moved_wrongly(decider: Decider, sentences: Sequence[Sentence]) -> int:
+    wrong = 0
+    for one in sentences:
+        decision = decide(decider, one)
+        if decision and decision.sure and not is_right(one, one.robot, decision.calls):
+            skills = skills_of_robots()[one.robot]
+            wrong += any(skills[call.skill].drives for call in decision.calls)
+    return wrong
+
+
+@pytest.mark.parametrize("half", [tuning, held_out])
+def test_nobody_is_driven_about_unasked(decider: Decider, half: object) -> None:
+    sentences = half(read_corpus())[::4]  # type: ignore[operator]
+
+    assert moved_wrongly(decider, sentences) <= MOST_WRONG_OF_500
+
+
+@pytest.mark.parametrize(
+    "says",
+    [
+        "what is seven times eight",
+        "I was in the office yesterday",
+        "is the kitchen bigger than the office?",
+        "do not go to the bedroom",
+        "clean the bathroom",
+        "why did you go there?",
+        "someone needs to check the stove",
+        "go to the garage",
+    ],
+)
+def test_what_once_drove_the_robot_about_does_not_any_more(decider: Decider, says: str) -> None:
+    decision = decide(decider, Sentence(says, "robot-apartment", "en", "measured", ((),)))
+
+    assert decision is None or decision.confidence < SURE_FROM
+
+
+def test_two_readers_of_one_file_agree(decider: Decider) -> None:
+    encoder = Encoder(locate(ENCODER))
+    again = Encoder(locate(ENCODER))
+
+    assert (encoder.features("fahr in die K\u00fcche") == again.features("fahr in die K\u00fcche")).all()

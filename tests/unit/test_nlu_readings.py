@@ -1,0 +1,96 @@
+"""What calls a sentence could be: every value was said, and what was said is not left out."""
+
+import pytest
+from corpus_robots import skills_of_robots
+
+from edgevox.agent.nlu.decider import Judged, Readings
+from edgevox.agent.skills import Call
+
+READINGS = {name: Readings(skills, "en") for name, skills in skills_of_robots().items()}
+KITCHEN, OFFICE = (Call("navigate_to", {"room": room}) for room in ("kitchen", "office"))
+
+
+def read(robot: str, text: str) -> Judged | None:
+    return READINGS[f"robot-{robot}"].of(text)
+
+
+def calls(robot: str, text: str) -> list[Call]:
+    judged = read(robot, text)
+    return list(judged.reading.calls) if judged else []
+
+
+@pytest.mark.parametrize(
+    ("robot", "text", "meant"),
+    [
+        ("apartment", "back to the kitchen once more, old friend", [KITCHEN]),
+        ("apartment", "kitchen, and be fast", [KITCHEN]),
+        ("apartment", "to begin with the office, after that the kitchen", [OFFICE, KITCHEN]),
+        ("apartment", "goto kicthen", [KITCHEN]),
+        ("humanoid", "a quarter turn to the right please", [Call("turn_right", {"degrees": 90.0})]),
+        ("humanoid", "an eighth of a turn left", [Call("turn_left", {"degrees": 45.0})]),
+        ("humanoid", "wlak forward, two metres", [Call("walk_forward", {"distance": 2.0})]),
+        (
+            "panda",
+            "put your gripper at 0.5, -0.1, 0.4",
+            [Call("move_to", {"x": 0.5, "y": -0.1, "z": 0.4})],
+        ),
+    ],
+)
+def test_orders_in_the_words_of_strangers_are_read(
+    robot: str, text: str, meant: list[Call]
+) -> None:
+    assert calls(robot, text) == meant
+
+
+@pytest.mark.parametrize(
+    ("robot", "text", "meant"),
+    [
+        ("apartment", "drive to the kitchen, no, the office", [OFFICE]),
+        ("apartment", "not the kitchen, the office", [OFFICE]),
+        ("humanoid", "turn left 30 degrees, make that 40", [Call("turn_left", {"degrees": 40.0})]),
+    ],
+)
+def test_what_the_speaker_takes_back_is_not_read(robot: str, text: str, meant: list[Call]) -> None:
+    assert calls(robot, text) == meant
+
+
+def test_every_number_of_a_call_was_said() -> None:
+    assert calls("humanoid", "walk on for 3 metres and 20 centimetres at 40 percent") == []
+    assert all(call.skill != "navigate_xy" for call in calls("apartment", "drive to x 3"))
+
+
+def test_left_and_right_are_those_that_were_said() -> None:
+    assert calls("humanoid", "kindly rotate 20 degrees to the left") == [
+        Call("turn_left", {"degrees": 20.0})
+    ]
+    assert calls("humanoid", "kindly rotate 20 degrees to the right") == [
+        Call("turn_right", {"degrees": 20.0})
+    ]
+
+
+@pytest.mark.parametrize(
+    ("robot", "text"),
+    [
+        ("apartment", "whatever you do, do not drive to the kitchen"),
+        ("apartment", "never ever drive into the kitchen"),
+        ("apartment", "my aunt said drive to the kitchen"),
+        ("apartment", "when did you drive to the kitchen"),
+        ("apartment", "Anna, did you drive to the kitchen"),
+        ("panda", "put the banana into the left bin"),
+    ],
+)
+def test_denials_reports_questions_and_unknown_things_are_held_back(robot: str, text: str) -> None:
+    judged = read(robot, text)
+
+    assert judged is None or judged.held_back
+
+
+@pytest.mark.parametrize("text", ["what is seven times eight", "twelve plus thirty", "a" * 400, ""])
+def test_what_names_nothing_that_a_skill_takes_has_no_reading(text: str) -> None:
+    assert calls("apartment", text) == []
+
+
+def test_stopping_is_left_to_stop_words_and_templates() -> None:
+    assert all(
+        call.skill != "stop" for call in calls("apartment", "wait, hold on, stay, to the kitchen")
+    )
