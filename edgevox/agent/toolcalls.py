@@ -53,7 +53,9 @@ class Protocol:
     `opening` are the messages that every chat begins with: the instructions, the skills and
     examples. `grammar` is what a model's output must obey, for `Parser` to read. A mind allows it
     less: `words_grammar`, words and hand-overs, and to a sentence that is an order `free_grammar`,
-    with the calls that nothing but a model can make: of skills with an argument of     """
+    with the calls that nothing but a model can make: of skills with an argument of any words. All
+    are of the `words` that there were to choose from.
+    """
 
     instructions: str
     skills: SkillSet
