@@ -1,4 +1,4 @@
-"""How the product as a whole understands the corpus: what is right, what moves wrongly, what it asks.
+"""How the product as a whole understands the corpus: what is right, moves wrongly, is asked.
 
 Each sentence goes the way that a spoken one goes: stop words, templates, readings and their judge.
 A language model is not asked, since it only answers in words. "asked" is what is asked back; a
@@ -69,7 +69,7 @@ class Told:
 
 
 class Product:
-    """Understands as the product does; without a decider as it does where the encoder is missing."""
+    """Understands as the product does; without a decider as where the encoder is missing."""
 
     def __init__(self, decider: Decider | None) -> None:
         self._decider = decider
@@ -182,7 +182,7 @@ def _share(
 
 
 def through_model_alone(model: LanguageModel, sentences: Iterable[Sentence]) -> list[Told]:
-    """What templates and then a language model with a grammar would do, as it was before the judge."""
+    """What templates and then a language model with a grammar would do, without a judge."""
     product, told = Product(None), []
     for one in sentences:
         first = product.tell(one)

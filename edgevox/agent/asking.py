@@ -13,7 +13,6 @@ from edgevox.agent.correction import correct
 from edgevox.agent.goals import Goal
 from edgevox.agent.last_drive import Drive, LastDrive
 from edgevox.agent.mind import Meaning, Mind
-from edgevox.agent.nlu.judge import SURE_FROM
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.policy import NeedsConfirmation
 from edgevox.agent.skill_executor import SkillExecutor
@@ -87,7 +86,7 @@ class Asking:
             if goals := self._prepare(meaning, turn, confirmed=True):
                 self._ask(meaning, goals, turn)
             return False
-        unsure = meaning.confidence < SURE_FROM
+        unsure = not meaning.sure
         asks = self.confirm == "always" or (unsure and self.confirm == "unsure")
         if not any(goal.skill.drives for goal in goals) or not (asks or unsure):
             self._do(meaning, goals, turn)

@@ -63,7 +63,7 @@ class Conversation:
         self._bus = bus
         self._clock = clock or SystemClock()
         self._inbox = Inbox(self._clock)
-        self.mind = mind = Mind(agents, bus, self._clock, model, language, decider)
+        self.mind = mind = Mind(agents, bus, self._clock, model, language, decider=decider)
         every_skill = {name: s for agent in agents for name, s in agent.skills.items()}
         self._skills = SkillSet(every_skill.values())
         self._executor = SkillExecutor(

@@ -13,7 +13,7 @@ from edgevox.agent.history import History, size_tokens
 from edgevox.agent.intents import Recogniser, Refused, Understood
 from edgevox.agent.llm.base import LanguageModel, Message, ModelFailed
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
-from edgevox.agent.nlu.judge import ASK_FROM
+from edgevox.agent.nlu.judge import ASK_FROM, SURE_FROM
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.skills import Call
 from edgevox.agent.toolcalls import HANDOFF, Protocol
@@ -46,6 +46,11 @@ class Meaning:
     source: str
     confidence: float = 1.0
 
+    @property
+    def sure(self) -> bool:
+        """Whether to do it without asking."""
+        return self.confidence >= SURE_FROM
+
 
 class Mind:
     """Holds the agents, what each understands, and what was said. Used from one thread."""
@@ -57,6 +62,7 @@ class Mind:
         clock: Clock,
         model: LanguageModel | None = None,
         language: str = ENGLISH,
+        *,
         decider: Decider | None = None,
     ) -> None:
         self._decider = decider

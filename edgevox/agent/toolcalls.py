@@ -107,10 +107,12 @@ class Protocol:
     def _may(self, call: Call, spoken: str, *, ordered: bool) -> bool:
         if call.skill == HANDOFF:
             return True
-        one = self.skills[call.skill] if call.skill in self.skills else None
-        if not ordered or one is None or not one.free_text:
+        if not ordered or call.skill not in self.skills:
             return False
-        return all(key(str(call.arguments.get(name, ""))) in spoken for name in one.free_text)
+        one = self.skills[call.skill]
+        return bool(one.free_text) and all(
+            key(str(call.arguments.get(name, ""))) in spoken for name in one.free_text
+        )
 
     def parser(self) -> Parser:
         """A parser for one answer."""

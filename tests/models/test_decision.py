@@ -1,4 +1,4 @@
-"""Templates, readings and their judge together, with the real encoder: what moves and what does not."""
+"""Templates, readings and their judge together, with the real encoder: what moves, and what not."""
 
 from collections.abc import Sequence
 
@@ -72,5 +72,6 @@ def test_what_once_drove_the_robot_about_does_not_any_more(decider: Decider, say
 def test_two_readers_of_one_file_agree(decider: Decider) -> None:
     encoder = Encoder(locate(ENCODER))
     again = Encoder(locate(ENCODER))
+    says = "fahr in die K\u00fcche"
 
-    assert (encoder.features("fahr in die K\u00fcche") == again.features("fahr in die K\u00fcche")).all()
+    assert (encoder.features(says) == again.features(says)).all()

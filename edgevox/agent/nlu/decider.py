@@ -98,8 +98,10 @@ class Decider:
 
 
 def _held_back(reading: Reading, facts: Mapping[str, float]) -> bool:
-    """What no likelihood outweighs: a denial, a report, a question, a word nobody knows in the place
-    of a value, and words that speak for two skills alike.
+    """What no likelihood outweighs.
+
+    That is a denial, a report, a question, a word that nobody knows where a value is missing, and
+    words that speak for two skills alike.
     """
     if facts["denied"] or facts["strange_unfilled"]:
         return True

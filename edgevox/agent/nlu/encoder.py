@@ -139,7 +139,7 @@ def _attention(query_key_value: Floats, heads: int) -> Floats:
 
 
 def _gelu(values: Floats) -> Floats:
-    """X times the likelihood that a normal value is below x; numpy has no error function."""
+    """Each x times the likelihood that a normal value is below x; numpy has no error function."""
     scaled = np.abs(values) * np.float32(0.7071067811865476)
     t = 1 / (1 + np.float32(_ERF_P) * scaled)
     series = np.zeros_like(t)

@@ -19,8 +19,10 @@ ASK_FROM, SURE_FROM = 0.5, 0.8
 
 @dataclass(frozen=True, slots=True)
 class Head:
-    """Two logistic regressions: over what the encoder makes of a sentence, which tells an order from
-    anything else that is said, and over that and the evidence of a reading.
+    """Two logistic regressions.
+
+    One is over what the encoder makes of a sentence, and tells an order from anything else that is
+    said; the other over that and the evidence of a reading.
 
     `ask` and `sure` are the likelihoods from which to ask and to act.
     """

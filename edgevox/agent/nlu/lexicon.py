@@ -53,7 +53,7 @@ class Lexicon:
         self.book = book
         self.skills = skills
         self.places = {
-            (name, argument): _spoken(book, choices.words, book.heard(choices))
+            (name, argument): _spoken(choices.words, book.heard(choices))
             for name, one in skills.items()
             for argument, choices in one.choices.items()
         }
@@ -151,7 +151,7 @@ def _parts(name: str) -> list[str]:
     return _NAME_WORDS.findall(name)
 
 
-def _spoken(book: Phrasebook, words: Sequence[str], heard: Mapping[str, str]) -> dict[str, str]:
+def _spoken(words: Sequence[str], heard: Mapping[str, str]) -> dict[str, str]:
     return {plain(said): word for said, word in heard.items()} | {
         plain(word): word for word in words
     }

@@ -103,9 +103,9 @@ def _nearly(
             said = "".join(parts)
             if len(said) < _SHORTEST or (size == 1 and lexicon.knows(said)):
                 continue
-            if near := difflib.get_close_matches(said, joined, n=1, cutoff=_NEARLY):
-                if len(near[0]) >= _SHORTEST and _begins_alike(said, near[0]):
-                    yield start, start + size, joined[near[0]]
+            for near in difflib.get_close_matches(said, joined, n=1, cutoff=_NEARLY):
+                if len(near) >= _SHORTEST and _begins_alike(said, near):
+                    yield start, start + size, joined[near]
 
 
 def _begins_alike(said: str, name: str) -> bool:

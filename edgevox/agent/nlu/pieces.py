@@ -33,31 +33,22 @@ class Pieces:
         best = [0.0] + [-math.inf] * len(text)
         came_from = [(0, known.unknown)] * (len(text) + 1)
         for start in range(len(text)):
-            self._reach(best, came_from, start, start + 1, known.unknown, self._unknown_score)
+            unknown = best[start] + self._unknown_score
+            if unknown > best[start + 1]:
+                best[start + 1], came_from[start + 1] = unknown, (start, known.unknown)
             piece = b""
             for end in range(start, len(text)):
                 piece += encoded[end]
                 if len(piece) > known.longest:
                     break
                 number = known.ids.get(piece)
-                if number is not None and number != known.unknown:
-                    score = float(known.scores[number])
-                    self._reach(best, came_from, start, end + 1, number, score)
+                if number is None or number == known.unknown:
+                    continue
+                score = best[start] + float(known.scores[number])
+                if score > best[end + 1]:
+                    best[end + 1], came_from[end + 1] = score, (start, number)
         numbers, at = [], len(text)
         while at:
             at, number = came_from[at]
             numbers.append(number)
         return numbers[::-1]
-
-    @staticmethod
-    def _reach(
-        best: list[float],
-        came_from: list[tuple[int, int]],
-        start: int,
-        end: int,
-        number: int,
-        score: float,
-    ) -> None:
-        if best[start] + score > best[end]:
-            best[end] = best[start] + score
-            came_from[end] = start, number

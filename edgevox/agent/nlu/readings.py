@@ -293,7 +293,7 @@ def _assigned(
     if counted is None:
         return
     values, unitless = counted
-    slots = [name for name in words.skill.choices]
+    slots = list(words.skill.choices)
     for chosen in itertools.permutations(slots, len(names)):
         pairs = list(zip(chosen, names, strict=True))
         if all((words.skill.name, slot) in one.values for slot, one in pairs):
