@@ -74,3 +74,11 @@ def test_the_page_of_robots_has_every_protocol_with_its_methods():
 )
 def test_a_bound_on_the_page_of_security_is_that_of_the_code(told, number):
     assert told.format(number) in (DOCS / "security.md").read_text()
+
+
+def test_the_table_of_folders_names_every_folder():
+    table = re.findall(r"^\| (`.*?) \|", (ROOT / "CONTRIBUTING.md").read_text(), re.MULTILINE)
+    named = {Path(one).parts[0] for row in table for one in re.findall(r"`([^`]+)`", row)}
+    ignored = {one.strip("/") for one in (ROOT / ".gitignore").read_text().splitlines()}
+    there = {one.name for one in ROOT.iterdir() if one.is_dir() and one.name[0] not in "._"}
+    assert there - ignored - named == set()
