@@ -9,12 +9,21 @@ from edgevox.core.errors import InvalidValue
 
 @dataclass(frozen=True)
 class Agent:
-    """A role in the conversation: instructions, skills, and to whom it may hand over."""
+    """A role in the conversation: instructions, skills, and to whom it may hand over.
+
+    `asides` are asked by plain sentences only; a model is not told of them.
+    """
 
     name: str
     instructions: str
     skills: SkillSet = field(default_factory=lambda: SkillSet(()))
     handoffs: tuple[str, ...] = ()
+    asides: SkillSet = field(default_factory=lambda: SkillSet(()))
+
+    @property
+    def every_skill(self) -> SkillSet:
+        """What plain sentences can ask of it."""
+        return SkillSet([*self.skills.values(), *self.asides.values()])
 
 
 def by_name(agents: Sequence[Agent]) -> dict[str, Agent]:

@@ -11,8 +11,8 @@ from typing import Any, get_type_hints
 
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError, create_model
 
+from edgevox.agent.wrong_arguments import impossible, wrong_argument
 from edgevox.core.errors import InvalidValue
-from edgevox.core.validation import dotted, explain
 
 LARGEST_NUMBER = 2**53
 """Beyond it JSON's numbers are not exact, and no robot can go there."""
@@ -40,7 +40,7 @@ def check_arguments(
     try:
         checked = model.model_validate_json(text)
     except ValidationError as error:
-        raise _invalid(name, error) from None
+        raise wrong_argument(name, model, error) from None
     return {field: getattr(checked, field) for field in model.model_fields}
 
 
@@ -48,7 +48,8 @@ def check_numbers(name: str, arguments: Mapping[str, Any]) -> None:
     """Raise `InvalidValue` for the first number that is too large for any skill."""
     for path, number in _numbers(name, arguments):
         if abs(number) > LARGEST_NUMBER:
-            raise InvalidValue(path, number, f"a number of at most {LARGEST_NUMBER}")
+            expected = f"a number of at most {LARGEST_NUMBER}"
+            raise impossible(path, path.split(".")[1], number, expected)
 
 
 def from_words(model: type[BaseModel], said: Mapping[str, str]) -> dict[str, Any]:
@@ -79,8 +80,3 @@ def _numbers(path: str, value: Any) -> Iterator[tuple[str, float]]:
     elif isinstance(value, list | tuple):
         for index, inner in enumerate(value):
             yield from _numbers(f"{path}.{index}", inner)
-
-
-def _invalid(name: str, error: ValidationError) -> InvalidValue:
-    unknown = {"extra_forbidden": "no such argument"}
-    return explain(error, lambda place: f"{name}.{dotted(place) or 'arguments'}", unknown)

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from edgevox.agent.answers import Answer, Answers
 from edgevox.agent.confirmation import OpenQuestion, Question
 from edgevox.agent.correction import correct
+from edgevox.agent.dialogue_skills import Asides
 from edgevox.agent.goals import Goal
 from edgevox.agent.last_drive import Drive, LastDrive
 from edgevox.agent.mind import Meaning, Mind
@@ -36,14 +37,17 @@ class Asking:
         self,
         mind: Mind,
         executor: SkillExecutor,
+        asides: Asides,
         bus: Bus,
         clock: Clock,
+        *,
         confirm: Confirm = "unsure",
     ) -> None:
         self.confirm = confirm
         self.question = OpenQuestion(bus, clock)
         self._mind = mind
         self._executor = executor
+        self._asides = asides
         self._last = LastDrive(bus, clock)
         self._answers = _answers(mind.phrases)
 
@@ -70,7 +74,7 @@ class Asking:
             if not rest:
                 turn.say(self._mind.phrases.say("left_undone"))
                 return None
-            meaning = self._mind.understand(rest, turn)
+            meaning = self._asides.meant(self._mind.understand(rest, turn), turn)
         if meaning is None or turn.token.cancelled:
             return meaning
         return meaning if self.act(meaning, turn) else None
@@ -123,11 +127,12 @@ class Asking:
         if question is None:  # a stop was quicker
             return None
         meaning = question.meaning
+        self._asides.confirmed(turn.number, question.turn)
         self._do(meaning, self._prepare(meaning, turn, confirmed=True), turn)
         return meaning
 
     def _prepare(self, meaning: Meaning, turn: Turn, *, confirmed: bool = False) -> Sequence[Goal]:
-        skills = meaning.agent.skills
+        skills = meaning.agent.every_skill
         return self._executor.prepare(meaning.calls, skills, turn, confirmed=confirmed)
 
     def _do(self, meaning: Meaning, goals: Sequence[Goal], turn: Turn) -> None:
@@ -149,11 +154,13 @@ class Asking:
             agent, calls = drive.agent, (drive.call,)
         else:
             return None
-        driving = [call for call in calls if agent.skills[call.skill].drives]
+        driving = [call for call in calls if agent.every_skill[call.skill].drives]
         if len(driving) != 1:
             return None
         (wrong,) = driving
-        right = correct(wrong, agent.skills[wrong.skill], text, self._answers, self._mind.phrases)
+        right = correct(
+            wrong, agent.every_skill[wrong.skill], text, self._answers, self._mind.phrases
+        )
         if right is None:
             return None
         self.question.end(ConfirmationStatus.DECLINED)

@@ -8,12 +8,14 @@ from typing import Any
 from edgevox.agent import inbox
 from edgevox.agent.agents import Agent
 from edgevox.agent.asking import Asking
+from edgevox.agent.dialogue_skills import Asides
 from edgevox.agent.goals import Goal
 from edgevox.agent.inbox import Inbox, Item
 from edgevox.agent.llm.base import LanguageModel
 from edgevox.agent.mind import Mind
 from edgevox.agent.nlu.decider import Decider
 from edgevox.agent.policy import Guard
+from edgevox.agent.reasons import because
 from edgevox.agent.safety import SafetyWords
 from edgevox.agent.skill_executor import SkillExecutor
 from edgevox.agent.skills import Call, SkillSet
@@ -26,9 +28,11 @@ from edgevox.core.commands import Heard, Interrupt, Reset, RunSkill, Speak, Text
 from edgevox.core.events import Cause, Interrupted, Outcome, State, Transcribed, TurnEnded
 from edgevox.core.interlock import Interlock
 from edgevox.core.log import bound, get_logger
+from edgevox.core.reasons import Reason
 from edgevox.core.settings import Confirm
 from edgevox.core.speech import Mouth
 from edgevox.core.text import MAX_CHARACTERS, clean
+from edgevox.core.transforms import Pose2D
 from edgevox.core.ways import Way
 
 log = get_logger(__name__)
@@ -41,8 +45,8 @@ class Conversation:
 
     Stop words, `Interrupt` and `Reset` act on the calling thread, at once: they cancel the turn
     that runs, forget the utterances that wait or are being transcribed, cancel the goals and halt
-    the body. `halt` is the body's, `interlock` may forbid motion, `guard` any skill but to stop.
-    Without a `mouth` it only writes, without a `decider` it does only what templates know.
+    the body. `halt` and `pose` are the body's, `interlock` may forbid motion, `guard` any skill but
+    to stop. Without a `mouth` it only writes, without a `decider` it does only what templates know.
     """
 
     def __init__(
@@ -59,11 +63,13 @@ class Conversation:
         interlock: Interlock | None = None,
         guard: Guard | None = None,
         decider: Decider | None = None,
+        pose: Callable[[], Pose2D] | None = None,
     ) -> None:
         self._bus = bus
         self._clock = clock or SystemClock()
         self._inbox = Inbox(self._clock)
-        self.mind = mind = Mind(agents, bus, self._clock, model, language, decider=decider)
+        asides = Asides(agents, bus, self._clock, lambda: self.mind.phrases, pose)
+        self.mind = mind = Mind(asides.agents, bus, self._clock, model, language, decider=decider)
         every_skill = {name: s for agent in agents for name, s in agent.skills.items()}
         self._skills = SkillSet(every_skill.values())
         self._executor = SkillExecutor(
@@ -74,7 +80,7 @@ class Conversation:
             interlock=interlock,
             guard=guard,
         )
-        self._asking = Asking(mind, self._executor, bus, self._clock, confirm)
+        self._asking = Asking(mind, self._executor, asides, bus, self._clock, confirm=confirm)
         self._safety = SafetyWords(language)
         self._numbers = itertools.count(1)
         self._turn: Turn | None = None
@@ -102,7 +108,7 @@ class Conversation:
     def close(self) -> None:
         """Stop everything and wait for the threads."""
         self._inbox.close()
-        self._executor.stop("shutting down", self._turn)
+        self._executor.stop(because("shutting_down"), self._turn)
         self._executor.close()
         if self._thread.is_alive():
             self._thread.join()
@@ -114,7 +120,7 @@ class Conversation:
                 self._interrupt(reason, motion=motion)
                 self._bus.publish(Interrupted(cause))
             case Reset():
-                self._stop("reset", self._clock.now())
+                self._stop(because("reset"), self._clock.now())
                 self._inbox.put(inbox.Forget())
                 self._bus.publish(Interrupted(Cause.RESET))
             case Transcribing():
@@ -190,7 +196,7 @@ class Conversation:
     def _interrupt(self, reason: str, *, motion: bool) -> None:
         """Stop everything; without `motion` only cut what is said: somebody wants to be heard."""
         if motion:
-            self._stop(reason, self._clock.now())
+            self._stop(because("interrupted", reason), self._clock.now())
             self._inbox.put(inbox.Settle())
             return
         turn = self._turn
@@ -200,12 +206,13 @@ class Conversation:
 
     def _safety_stop(self, word: str, words: TextInput | Heard) -> None:
         said_s = words.ended_s if isinstance(words, Heard) else self._clock.now()
-        stopped = self._stop(f"heard {word!r}", said_s)  # before anybody is told: telling may block
+        why = because("heard_stop", word=word)
+        stopped = self._stop(why, said_s)  # before anybody is told: telling may block
         self._bus.publish(Transcribed(clean(words.text)))
         self._bus.publish(SafetyPreempted(word, stopped))
         self._inbox.put(inbox.Announce(self.mind.phrases.say("stopped" if stopped else "standing")))
 
-    def _stop(self, reason: str, when_s: float) -> bool:
+    def _stop(self, reason: Reason, when_s: float) -> bool:
         """Whether there was anything to stop; `when_s` is when it was asked for."""
         with self._inbox.gate:
             self._inbox.stop()

@@ -4,7 +4,9 @@ from collections.abc import Callable, Sequence
 
 from edgevox.agent.goals import Goal
 from edgevox.agent.lane import Lane, Plan
+from edgevox.agent.reasons import because
 from edgevox.core.deadlines import Deadlines
+from edgevox.core.reasons import Reason
 
 MAX_BACKGROUND = 64
 """How many background goals may wait."""
@@ -59,7 +61,7 @@ class GoalRunner:
         """Run this after those that wait, without pre-empting anything."""
         if self.full:
             goal.accept()
-            goal.drop(f"{MAX_BACKGROUND} goals wait already")
+            goal.drop(because("goals_wait", skill=goal.skill.name, count=str(MAX_BACKGROUND)))
         else:
             self._background.append(Plan((goal,)))
 
@@ -68,11 +70,11 @@ class GoalRunner:
         self._answering.append(Plan((goal,), ANSWER_S))
         goal.wait()
 
-    def cancel_motion(self, reason: str) -> bool:
+    def cancel_motion(self, reason: Reason | str) -> bool:
         """End what moves or waits to; True if anything did. Does not wait for its end."""
         return self._moving.cancel(reason)
 
-    def cancel(self, reason: str) -> bool:
+    def cancel(self, reason: Reason | str) -> bool:
         """End everything; True if anything ran or waited. Does not wait for its end."""
         ended = [lane.cancel(reason) for lane in self._lanes]
         return any(ended)

@@ -77,7 +77,7 @@ class Goal:
         """Run the skill on the calling thread, to one of the ends. Never raises."""
         with bound(goal=self.id, turn=self.turn):
             if self._token.cancelled:
-                self.end(GoalStatus.CANCELLED, Reason(self._token.reason))
+                self.end(GoalStatus.CANCELLED, self._token.why)
                 return
             self.status = GoalStatus.RUNNING
             self._tell()
@@ -87,7 +87,7 @@ class Goal:
         try:
             result = _as_json(self.skill.function(self, **self.arguments))
         except Cancelled as cancelled:
-            self.end(GoalStatus.CANCELLED, Reason(self._token.reason or str(cancelled)))
+            self.end(GoalStatus.CANCELLED, self._token.why or Reason(str(cancelled)))
         except EdgeVoxError as error:  # `SkillFailed`, or what it called did
             self.end(GoalStatus.FAILED, reason_of(error))
         except BaseException as error:
@@ -97,10 +97,10 @@ class Goal:
         else:
             self.end(GoalStatus.SUCCEEDED, result=result)
 
-    def drop(self, reason: str) -> None:
+    def drop(self, reason: Reason) -> None:
         """End it without ever having run."""
         self._token.cancel(reason)
-        self.end(GoalStatus.CANCELLED, Reason(reason))
+        self.end(GoalStatus.CANCELLED, reason)
 
     def end(
         self,
@@ -109,14 +109,16 @@ class Goal:
         *,
         result: Mapping[str, Any] = {},
     ) -> None:
-        """Say how it ended; only the first end counts."""
+        """Say how it ended; only the first end counts. One that is cancelled always has a code."""
+        if status is GoalStatus.CANCELLED and not reason.code:
+            reason = because("called_off", reason.text)
         with self._ending:
             if self.status in GOAL_ENDS:
                 return
             self.result, self.reason = dict(result), reason
             self.status = status
         if status is GoalStatus.CANCELLED:
-            told = GoalCancelled(self.id, self.skill.name, self.arguments, self.turn, str(reason))
+            told = GoalCancelled(self.id, self.skill.name, self.arguments, self.turn, reason)
             self._bus.publish(told)
         elif status is GoalStatus.FAILED:
             self._tell(reason=reason)

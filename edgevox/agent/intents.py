@@ -14,8 +14,9 @@ from hassil.intents import TextSlotList
 from edgevox.agent.numbers import digits
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.phrasebook import Hearing, Phrasebook
-from edgevox.agent.skills import Call, OneOf, Skill, SkillSet
+from edgevox.agent.skills import NO_SKILLS, Call, OneOf, Skill, SkillSet
 from edgevox.agent.spelling import composed, folded, key, separated, unpunctuated
+from edgevox.agent.spoken_lists import brief, whole
 
 MAX_CHARACTERS = 240
 """Longer utterances are not plain commands; they go to the model."""
@@ -39,9 +40,13 @@ class Understood:
 
 @dataclass(frozen=True, slots=True)
 class Refused:
-    """A plain command in which a word is missing or unknown; `reason` says which."""
+    """A plain command in which a word is missing or unknown; `reason` says which.
+
+    `detail` is the whole list of what is known, where that is too long to be spoken.
+    """
 
     reason: str
+    detail: str = ""
 
 
 class Recogniser:
@@ -51,16 +56,18 @@ class Recogniser:
     its parts must match. A word that no argument knows is corrected when it is nearly one
     ("kichen"), and refused by name otherwise: a robot never guesses where to drive. The templates
     are those of the language's phrasebook and then the skills' own. Words that were learned since
-    the last utterance count.
+    the last utterance count. `asides` come after all the others, and only where every word fits.
     """
 
-    def __init__(self, skills: SkillSet, language: str = ENGLISH) -> None:
+    def __init__(
+        self, skills: SkillSet, language: str = ENGLISH, asides: SkillSet = NO_SKILLS
+    ) -> None:
         answers = phrasebook(language)
         books = [phrasebook(code) for code in dict.fromkeys((language, ENGLISH))]
         self._language = language
         self._skills = skills
         self._words = skills.words()
-        self._readers = [_Reader(skills, book, answers) for book in books]
+        self._readers = [_Reader(skills, book, answers, asides) for book in books]
 
     def recognise(self, text: str) -> Understood | Refused | None:
         """Calls, a refusal, or None when this is not a plain command."""
@@ -87,13 +94,15 @@ class Recogniser:
 class _Reader:
     """Reads one language, and says in the language of `answers` what it does not know."""
 
-    def __init__(self, skills: SkillSet, book: Phrasebook, answers: Phrasebook) -> None:
-        self._skills = skills
+    def __init__(
+        self, skills: SkillSet, book: Phrasebook, answers: Phrasebook, asides: SkillSet
+    ) -> None:
+        self._skills = SkillSet([*skills.values(), *asides.values()])
         self._book = book
         self._answers = answers
         self._joints = _joints(book.hearing)
         self._reserved = frozenset(map(key, book.hearing.reserved))
-        self._strict = _compile(skills, book, loose=False)
+        self._strict = _compile(self._skills, book, loose=False)
         self._loose = _compile(skills, book, loose=True)
         self.learn()
 
@@ -160,18 +169,16 @@ class _Reader:
         arguments = dict(call.arguments)
         for name, choices in self._skills[call.skill].choices.items():
             said = self._without_articles(str(arguments.get(name, "")))
-            known = self._answers.listing(choices.words)
-            if said in ("", _NOTHING) and known:
-                return Refused(self._answers.say("missing_word", argument=name, known=known))
+            if said in ("", _NOTHING) and choices.words:
+                return refused(self._answers, "missing_word", name, choices.words)
             if not _may_be_a_name(said, self._book.hearing):
                 return None
-            if not known:
+            if not choices.words:
                 return Refused(self._answers.say("no_words", argument=name))
             spoken = {key(one): word for one, word in self._book.heard(choices).items()}
             near = difflib.get_close_matches(key(said), spoken, n=1, cutoff=_NEAR)
             if not near or not _alike_word_by_word(key(said), near[0]):
-                reason = self._answers.say("unknown_word", argument=name, said=said, known=known)
-                return Refused(reason)
+                return refused(self._answers, "unknown_word", name, choices.words, said)
             arguments[name] = spoken[near[0]]
         return Call(call.skill, arguments)
 
@@ -186,6 +193,15 @@ def _alike_word_by_word(said: str, known: str) -> bool:
     pairs = list(zip(said.split(), known.split(), strict=False))
     ratios = (difflib.SequenceMatcher(None, *pair).ratio() for pair in pairs)
     return len(said.split()) != len(known.split()) or all(one >= _WORD_NEAR for one in ratios)
+
+
+def refused(
+    book: Phrasebook, sentence: str, argument: str, known: Sequence[str], said: str = ""
+) -> Refused:
+    """Says that a word is missing or unknown, and some words that are known; all in `detail`."""
+    name = argument.replace("_", " ")
+    reason = book.say(sentence, argument=name, said=said, known=brief(book, known, said))
+    return Refused(reason, whole(book, known))
 
 
 def _compile(skills: SkillSet, book: Phrasebook, *, loose: bool) -> Intents:

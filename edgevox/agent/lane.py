@@ -60,7 +60,7 @@ class Lane:
         with self._wake:
             self._closed = True
             self._wake.notify_all()
-        self.cancel("shutting down")
+        self.cancel(because("shutting_down"))
         if self._worker.is_alive():
             self.wait_idle()
             self._worker.join(GRACE_S)
@@ -84,14 +84,14 @@ class Lane:
     def replace(self, plan: Plan) -> None:
         """Run this plan instead of whatever runs or waits."""
         running, superseded = self._submit(plan, replace=True)
-        reason = f"pre-empted by {plan.goals[0].skill.name}" if plan.goals else "pre-empted"
-        _cancel(running, superseded, reason)
+        newer = plan.goals[0].skill.name if plan.goals else "nothing"
+        _cancel(running, superseded, because("preempted", skill=newer))
 
-    def cancel(self, reason: str) -> bool:
+    def cancel(self, reason: Reason | str) -> bool:
         """Cancel what runs and waits; True if anything did. Does not wait for its end."""
         with self._wake:
             running, waiting = self._take_all()
-        _cancel(running, waiting, reason)
+        _cancel(running, waiting, reason if isinstance(reason, Reason) else Reason(reason))
         return bool(running.goals or waiting)
 
     def wait_idle(self, timeout_s: float | None = None) -> bool:
@@ -113,7 +113,7 @@ class Lane:
                 self._waiting.append(plan)
             self._wake.notify_all()
         if closed:
-            _drop(plan.goals, "shutting down")
+            _drop(plan.goals, because("shutting_down"))
         return running, superseded
 
     def _take_all(self) -> tuple[Plan, Sequence[Plan]]:
@@ -180,7 +180,7 @@ class Lane:
         with bound(goal=goal.id, turn=goal.turn):
             log.error("skill_does_not_end", skill=goal.skill.name)
         if goal.token.cancelled:
-            goal.end(GoalStatus.CANCELLED, Reason(goal.token.reason))
+            goal.end(GoalStatus.CANCELLED, goal.token.why)
         else:
             limit = f"{plan.limit_s:.0f}"
             late = because("took_too_long", skill=goal.skill.name, seconds=limit)
@@ -210,19 +210,21 @@ class Lane:
         """The plan is over; what is left of it ends as cancelled."""
         ran = [goal for goal in plan.goals if goal.status in GOAL_ENDS]
         if ran:
-            _drop(plan.goals[len(ran) :], f"{ran[-1].skill.name} {ran[-1].status}")
+            last = ran[-1]
+            why = because("step_ended", skill=last.skill.name, status=str(last.status))
+            _drop(plan.goals[len(ran) :], why)
         with self._wake:
             self._current = _NOTHING
             self._wake.notify_all()
 
 
-def _cancel(running: Plan, waiting: Sequence[Plan], reason: str) -> None:
+def _cancel(running: Plan, waiting: Sequence[Plan], reason: Reason) -> None:
     for goal in running.goals:
         goal.token.cancel(reason)
     for plan in waiting:
         _drop(plan.goals, reason)
 
 
-def _drop(goals: Sequence[Goal], reason: str) -> None:
+def _drop(goals: Sequence[Goal], reason: Reason) -> None:
     for goal in goals:
         goal.drop(reason)

@@ -15,7 +15,8 @@ from edgevox.agent.llm.base import LanguageModel, Message, ModelFailed
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
 from edgevox.agent.nlu.judge import ASK_FROM, SURE_FROM
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
-from edgevox.agent.skills import Call
+from edgevox.agent.skills import Call, Skill
+from edgevox.agent.spoken_lists import not_understood
 from edgevox.agent.toolcalls import HANDOFF, Protocol
 from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import HandedOver
@@ -78,7 +79,7 @@ class Mind:
         """Understand and answer in this language from now on; `phrases` are its sentences."""
         self.phrases = phrasebook(code)
         agents = self._agents.values()
-        self._recognisers = {a.name: Recogniser(a.skills, code) for a in agents}
+        self._recognisers = {a.name: Recogniser(a.skills, code, a.asides) for a in agents}
         self._readings = {a.name: Readings(a.skills, code) for a in agents}
         self._protocols = {
             a.name: Protocol(a.instructions, a.skills, a.handoffs, code) for a in agents
@@ -99,11 +100,11 @@ class Mind:
         if meaning := self._read(text, turn):
             return meaning
         if plain:
-            turn.say(plain.reason, Outcome.REFUSED)
+            turn.say(plain.reason, Outcome.REFUSED, detail=plain.detail)
             return None
         if self._model is None:
-            not_understood = f"{self.phrases.say('not_understood')} {self._abilities()}"
-            turn.say(not_understood, Outcome.NOT_UNDERSTOOD)
+            told, detail = not_understood(self.phrases, self._every_skill())
+            turn.say(told, Outcome.NOT_UNDERSTOOD, detail=detail)
             return None
         return self._ask_model(self._model, text, turn)
 
@@ -131,7 +132,9 @@ class Mind:
     def remember(self, said: str, turn: Turn, meaning: Meaning | None) -> None:
         """Keep an exchange for the next ones."""
         protocol = self._protocols[self.active.name]
-        answer = protocol.render_calls(meaning.calls) if meaning else protocol.render(turn.text)
+        told = meaning and all(call.skill in meaning.agent.skills for call in meaning.calls)
+        calls = meaning.calls if meaning and told else ()
+        answer = protocol.render_calls(calls) if calls else protocol.render(turn.text)
         self._history.add(said, answer, cut=turn.cut)
 
     def forget(self) -> None:
@@ -193,8 +196,8 @@ class Mind:
     def _active_first(self) -> Sequence[Agent]:
         return [self.active, *(a for a in self._agents.values() if a is not self.active)]
 
-    def _abilities(self) -> str:
-        return self.phrases.abilities([s for a in self._agents.values() for s in a.skills.values()])
+    def _every_skill(self) -> Sequence[Skill]:
+        return [one for agent in self._agents.values() for one in agent.skills.values()]
 
     def _count_tokens(self, text: str) -> int:
         return self._model.count_tokens(text) if self._model else 0

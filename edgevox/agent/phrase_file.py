@@ -49,6 +49,11 @@ def _book(code: str, data: Mapping[str, Any], fallback: Phrasebook | None) -> Ph
         unknown=_word(data.get("unknown", _NO_WORD)),
         skills={name: _skill(one) for name, one in data.get("skills", {}).items()},
         reasons=data.get("reasons", {}),
+        arguments=data.get("arguments", {}),
+        dialogue={
+            name: SkillPhrases(templates=tuple(said))
+            for name, said in data.get("dialogue", {}).items()
+        },
         small_talk=_exchanges(data, "small_talk") or (fallback.small_talk if fallback else ()),
         declined=_exchanges(data, "declined") or (fallback.declined if fallback else ()),
         links=tuple(data.get("links", fallback.links if fallback else ())),

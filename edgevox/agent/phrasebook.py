@@ -9,8 +9,17 @@ from string import Formatter
 from typing import Any
 
 from edgevox.agent.answers import AnswerWords
+from edgevox.agent.phrase_forms import (
+    as_part,
+    bare,
+    in_english,
+    renamed,
+    renamed_example,
+    without_unit,
+)
 from edgevox.agent.skills import Example, OneOf, Skill, SkillPhrases
 from edgevox.agent.spelling import key
+from edgevox.agent.spoken_lists import brief
 from edgevox.core.reasons import Reason
 
 Rewriting = tuple[re.Pattern[str], str]
@@ -104,6 +113,8 @@ class Phrasebook:
     unknown: Word = field(default_factory=lambda: Word("{name}", "{name}", "{name}", "{name}"))
     skills: Mapping[str, SkillPhrases] = field(default_factory=dict)
     reasons: Mapping[str, str] = field(default_factory=dict)
+    arguments: Mapping[str, str] = field(default_factory=dict)
+    dialogue: Mapping[str, SkillPhrases] = field(default_factory=dict)
     small_talk: tuple[Exchange, ...] = ()
     declined: tuple[Exchange, ...] = ()
     links: tuple[str, ...] = ()
@@ -138,7 +149,7 @@ class Phrasebook:
         arguments = {spoken_name(name): name for name in infos}
         required = {spoken_name(name) for name, info in infos.items() if info.is_required()}
         return tuple(
-            _renamed(template, arguments)
+            renamed(template, arguments)
             for template in self._phrases(one).templates
             if required <= self._slots(template) <= arguments.keys()
         )
@@ -146,7 +157,7 @@ class Phrasebook:
     def examples(self, one: Skill) -> Sequence[Example]:
         """What a model learns a skill from; the skill's own for words that are unknown here."""
         names = {spoken_name(name): name for name in one.arguments_model.model_fields}
-        own = [_renamed_example(e, names) for e in self._phrases(one).examples]
+        own = [renamed_example(e, names) for e in self._phrases(one).examples]
         own += [
             Example(hint, {name: word})
             for name, choices in one.choices.items()
@@ -184,27 +195,42 @@ class Phrasebook:
 
     def reason(self, why: Reason) -> str:
         """A reason in this language; somebody's own sentence as it is."""
-        if why.code not in self.reasons or self.fallback is None:
+        if why.code not in self.reasons:
             return why.text
-        values = {name: self._told(value) for name, value in why.values.items()}
+        said = str(why.values.get("value", ""))
+        values = {name: self._about(name, value, said) for name, value in why.values.items()}
         return self._smooth(self.reasons[why.code].format(**values))
+
+    def can(self, one: Skill) -> str:
+        """What a robot with this skill can do, as a part of a sentence."""
+        return self._phrases(one).can or as_part(one.description)
 
     def abilities(self, skills: Sequence[Skill]) -> str:
         """What a robot with these skills can do, in one sentence; empty if it can do nothing."""
-        deeds = [self._phrases(one).can or _as_part(one.description) for one in skills]
+        deeds = [self.can(one) for one in skills]
         return self.say("abilities", deeds="; ".join(deeds)) if deeds else ""
 
     def listing(self, names: Sequence[str]) -> str:
         """Some words as one: "the kitchen, the bedroom and the office"."""
         return self._join([str(self.word(name)) for name in names])
 
+    def argument(self, name: str) -> str:
+        """What an argument is called: "the distance in metres"; a skill's own as it is named."""
+        known = self.arguments.get(name) or self.arguments.get(spoken_name(name))
+        return known or without_unit(name)
+
     def _because(self, sentence: str, reason: Reason) -> str:
-        return self.say(sentence, reason=_bare(self.reason(reason)))
+        return self.say(sentence, reason=bare(self.reason(reason)))
+
+    def _about(self, name: str, value: Any, said: str) -> Word | str:
+        if name == "argument":
+            return self.argument(value)
+        return brief(self, value, said) if isinstance(value, tuple) else self._told(value)
 
     def _told(self, value: str | Reason) -> Word | str:
         """What a reason is about: another reason, a word with its forms, or a name as it is."""
         if isinstance(value, Reason):
-            return _bare(self.reason(value))
+            return bare(self.reason(value))
         return self._known(value) or self.unknown.called(value)
 
     def _known(self, name: str) -> Word | None:
@@ -221,7 +247,8 @@ class Phrasebook:
         return set(re.findall(r"\{(?:\w+:)?(\w+)\}", template)).union(*inside)
 
     def _phrases(self, one: Skill) -> SkillPhrases:
-        return one.phrases.get(self.code) or self.skills.get(one.name, SkillPhrases())
+        ours = self.skills.get(one.name) or self.dialogue.get(one.name) or SkillPhrases()
+        return one.phrases.get(self.code) or ours
 
     def _own(self, english: str) -> str:
         """A part of an English sentence, which fits no other language's."""
@@ -245,7 +272,7 @@ class Phrasebook:
         for template in own:
             if fields(template) <= known:
                 return self._smooth(template.format(**spoken))
-        return english.format(**{name: _english(value) for name, value in values.items()})
+        return english.format(**{name: in_english(value) for name, value in values.items()})
 
     def _spoken(self, value: Any) -> Any:
         """A value as sentences use it, or None for one that nothing is known of.
@@ -282,24 +309,3 @@ def fields(template: str) -> set[str]:
     """The values that a sentence needs, without their forms: "{room.to}" needs "room"."""
     names = (name for _, name, _, _ in Formatter().parse(template) if name)
     return {re.split(r"[.\[]", name)[0] for name in names}
-
-
-def _renamed(template: str, arguments: Mapping[str, str]) -> str:
-    return re.sub(r"\{(\w+)\}", lambda match: f"{{{arguments[match[1]]}}}", template)
-
-
-def _renamed_example(example: Example, arguments: Mapping[str, str]) -> Example:
-    return Example(example.sentence, {arguments[n]: v for n, v in example.arguments.items()})
-
-
-def _bare(sentence: str) -> str:
-    """Without the full stop: it becomes part of another sentence."""
-    return sentence.rstrip(". \u3002\u0964")
-
-
-def _as_part(sentence: str) -> str:
-    return f"{sentence[:1].lower()}{sentence[1:]}".rstrip(".")
-
-
-def _english(value: Any) -> Any:
-    return value.replace("_", " ") if isinstance(value, str) else value

@@ -5,13 +5,16 @@ from collections.abc import Mapping
 from functools import cache
 from importlib import resources
 
-from edgevox.core.reasons import Reason
+from edgevox.core.reasons import Reason, in_english
 
 
-def because(code: str, **values: str | Reason) -> Reason:
-    """The reason of this code. Raises `KeyError` for one that `phrases/en.toml` does not have."""
-    told = {name: str(value).rstrip(".") for name, value in values.items()}
-    return Reason(_english()[code].format(**told), code, values)
+def because(code: str, text: str = "", /, **values: str | tuple[str, ...] | Reason) -> Reason:
+    """The reason of this code. Raises `KeyError` for one that `phrases/en.toml` does not have.
+
+    `text` is the English sentence for programs, where it says more than that of the phrasebook.
+    """
+    told = {name: in_english(value).rstrip(".") for name, value in values.items()}
+    return Reason(text or _english()[code].format(**told), code, values)
 
 
 @cache

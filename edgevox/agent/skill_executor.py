@@ -11,8 +11,10 @@ from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.policy import Asked, Denied, Guard, NeedsConfirmation
 from edgevox.agent.reasons import because
-from edgevox.agent.skills import Call, Skill, SkillFailed, SkillSet
+from edgevox.agent.skills import Call, Skill, SkillFailed, SkillSet, reason_of
+from edgevox.agent.spoken_lists import detail
 from edgevox.agent.turn import Turn
+from edgevox.agent.wrong_arguments import too_many_calls
 from edgevox.core.agent_events import GoalStatus, ToolCalled
 from edgevox.core.bus import Bus
 from edgevox.core.errors import InvalidValue
@@ -67,12 +69,12 @@ class SkillExecutor:
     def wait_idle(self, timeout_s: float | None = None) -> bool:
         return self._runner.wait_idle(timeout_s)
 
-    def stop(self, reason: str, turn: Turn | None) -> bool:
+    def stop(self, reason: Reason | str, turn: Turn | None) -> bool:
         """Cancel the turn, its goals, and all motion of the body. True if there was any of it."""
         with self._gate:
             cut = turn is not None and turn.token.cancel(reason)
             ran = self._runner.cancel(reason)
-        moved = self._halt(reason)
+        moved = self._halt(str(reason))
         return cut or ran or moved
 
     def hush(self, reason: str, turn: Turn) -> bool:
@@ -101,7 +103,7 @@ class SkillExecutor:
         self._tell(goal, "action")
         with self._gate:
             if held := self._held([goal.skill]):
-                goal.drop(str(held))
+                goal.drop(held)
             elif goal.skill.moves:
                 self._runner.move([goal])
             else:
@@ -138,7 +140,8 @@ class SkillExecutor:
         except Denied as denied:
             turn.say(self._phrases().refusal(denied.reason), Outcome.REFUSED)
         except InvalidValue as error:
-            turn.say(self._phrases().say("refused", reason=_in_words(error)), Outcome.REFUSED)
+            why, phrases = reason_of(error), self._phrases()
+            turn.say(phrases.refusal(why), Outcome.REFUSED, detail=detail(phrases, why))
         except SkillFailed as error:
             turn.say(self._phrases().failure(error.reason), Outcome.REFUSED)
         else:
@@ -157,7 +160,7 @@ class SkillExecutor:
 
     def _goals(self, calls: Sequence[Call], skills: SkillSet, turn: Turn) -> list[Goal]:
         if len(calls) > MAX_CALLS:
-            raise InvalidValue("calls", len(calls), f"at most {MAX_CALLS} in one sentence")
+            raise too_many_calls(len(calls), MAX_CALLS)
         checked = [(skills[c.skill], skills[c.skill].validate(c.arguments)) for c in calls]
         return [Goal(skill, args, turn=turn.number, bus=self._bus) for skill, args in checked]
 
@@ -191,7 +194,7 @@ class SkillExecutor:
     def _stand(self, reason: Reason) -> None:
         """End what moves. Motion that begins after this is refused."""
         with self._gate:
-            ended = self._runner.cancel_motion(str(reason))
+            ended = self._runner.cancel_motion(reason)
         if ended:
             self._announce(self._phrases().failure(reason))
 
@@ -205,15 +208,7 @@ class SkillExecutor:
 
 
 def _follow(goal: Goal, turn: Turn) -> None:
-    goal.token.cancel(turn.token.reason)
-
-
-def _in_words(error: InvalidValue) -> str:
-    """What is wrong, fit for being spoken: "distance 30.0; it should be at most 20"."""
-    field = error.field.rpartition(".")[2].replace("_", " ")
-    expected = error.expected.replace("less than or equal to", "at most")
-    expected = expected.replace("greater than or equal to", "at least")
-    return f"{field} {error.value}; it should be {expected}"
+    goal.token.cancel(turn.token.why)
 
 
 def _report(phrases: Phrasebook, goal: Goal) -> str:

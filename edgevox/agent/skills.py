@@ -25,37 +25,14 @@ from edgevox.agent.arguments import (
     from_words,
 )
 from edgevox.agent.choices import NewName, OneOf
+from edgevox.agent.failures import SkillFailed, UnknownSkill, reason_of
 from edgevox.core.cancel import CancelToken
-from edgevox.core.errors import EdgeVoxError, InvalidValue
-from edgevox.core.reasons import Reason
+from edgevox.core.errors import InvalidValue
 
 Result = Mapping[str, Any]
 
 STOP = "stop"
 """The name of the skill that halts the body; nothing ever forbids it."""
-
-
-class SkillFailed(EdgeVoxError):
-    """A skill could not do what was asked. The message is a reason that a person may hear.
-
-    A `Reason` with a code is said in the language that is spoken, a plain sentence as it is.
-    """
-
-    def __init__(self, reason: Reason | str) -> None:
-        self.reason = reason if isinstance(reason, Reason) else Reason(reason)
-        super().__init__(self.reason.text)
-
-
-def reason_of(error: EdgeVoxError) -> Reason:
-    """Why something was not done, from what was raised."""
-    return error.reason if isinstance(error, SkillFailed) else Reason(str(error))
-
-
-class UnknownSkill(InvalidValue):
-    """A call names a skill that this agent does not have."""
-
-    def __init__(self, name: str, known: Iterable[str]) -> None:
-        super().__init__("skill", name, "one of " + ", ".join(known))
 
 
 class GoalHandle(Protocol):
@@ -117,9 +94,10 @@ class Skill:
     """One thing a robot can do.
 
     `moves`: it uses the body, so it runs beside the conversation and pre-empts whatever moves; a
-    skill that does not is answered on the spot. `says` acknowledges the call, `done` reports
-    success, `deed` ends a question that begins "Shall I"; all are formatted with the arguments,
-    `done` also with the result's keys. `phrases`
+    skill that does not is answered on the spot. `relative`: it moves by so much, not to somewhere,
+    so that it can go on further. `says` acknowledges the call, `done` reports success, `deed` ends
+    a question that begins "Shall I"; all are formatted with the arguments, `done` also with the
+    result's keys. `phrases`
     are other languages by code, for a skill that no phrasebook knows. `check` takes the arguments
     before a goal is accepted and raises `SkillFailed` for those that can never be honoured, such as
     a point outside the world; it is quick, and does nothing else.
@@ -137,6 +115,7 @@ class Skill:
     moves: bool = True
     phrases: Mapping[str, SkillPhrases] = field(default_factory=dict)
     check: Callable[..., None] | None = None
+    relative: bool = False
 
     @property
     def drives(self) -> bool:
@@ -206,6 +185,7 @@ def skill(
     moves: bool = True,
     phrases: Mapping[str, SkillPhrases] | None = None,
     check: Callable[..., None] | None = None,
+    relative: bool = False,
 ) -> Callable[[Callable[..., Result | None]], Skill]:
     """Turn a function into a `Skill`; see the module's docstring."""
 
@@ -223,6 +203,7 @@ def skill(
             moves=moves,
             phrases=phrases or {},
             check=check,
+            relative=relative,
         )
 
     return decorate
@@ -260,6 +241,9 @@ class SkillSet(Mapping[str, Skill]):
         )
 
 
+NO_SKILLS = SkillSet(())
+
+
 @dataclass(frozen=True, slots=True)
 class Call:
     """A skill's name with arguments that are not yet checked."""
@@ -269,6 +253,7 @@ class Call:
 
 
 __all__ = [
+    "NO_SKILLS",
     "STOP",
     "Call",
     "Example",
@@ -281,5 +266,6 @@ __all__ = [
     "SkillPhrases",
     "SkillSet",
     "UnknownSkill",
+    "reason_of",
     "skill",
 ]

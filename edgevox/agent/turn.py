@@ -54,6 +54,7 @@ class Turn:
         self._utterance: Utterance | None = None
         self._sentences = SentenceBoundaryDetector()
         self._said: list[str] = []
+        self._detail = ""
         self._spoken: Spoken | None = None
         asked = asked or Asked()
         self._asked_s = clock.now() if asked.at_s is None else asked.at_s
@@ -94,12 +95,20 @@ class Turn:
         for sentence in self._sentences.add_chunk(piece):
             self._say(sentence)
 
-    def say(self, text: str, outcome: Outcome | None = None) -> None:
-        """Say a whole text; it may tell what becomes of the turn."""
+    def say(self, text: str, outcome: Outcome | None = None, *, detail: str = "") -> None:
+        """Say a whole text; it may tell what becomes of the turn.
+
+        `detail` belongs to it, and is only written.
+        """
         self._outcome = outcome or self._outcome
+        self.write(detail)
         for sentence in self._sentences.add_chunk(text + " "):
             self._say(sentence)
         self.flush()
+
+    def write(self, detail: str) -> None:
+        """What stands beside the answer where it is read, and is not said."""
+        self._detail = detail or self._detail
 
     def flush(self) -> None:
         """The answer, or this part of it, is complete: say what was held back for its end."""
@@ -131,7 +140,8 @@ class Turn:
         """Publish the full answer, if there was any, and what the turn took if `measured`."""
         self.settle()
         if self._said:
-            self._bus.publish(Responded(self.text, self.number, cut=self.cut))
+            detail = "" if self.cut else self._detail
+            self._bus.publish(Responded(self.text, self.number, cut=self.cut, detail=detail))
         if not measured:
             return
         total = self._clock.now() - self._asked_s

@@ -30,7 +30,7 @@ from edgevox.core.status import Components, HealthCheck, lives
 from edgevox.models import ModelMissing
 from edgevox.ops.health import Health
 from edgevox.ops.logs import BusLog
-from edgevox.robots.capabilities import Body
+from edgevox.robots.capabilities import Body, HasPose
 from edgevox.ros2 import Wiring, open_bridge
 
 log = get_logger(__name__)
@@ -74,6 +74,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Part
         interlock=interlock,
         guard=guard,
         decider=open_decider(),
+        pose=body.pose if isinstance(body, HasPose) else None,
     )
     bus.subscribe(ControlChanged, lambda change: _follow(conversation, change))
     queries = build_queries(

@@ -39,7 +39,7 @@ class ConversationStage:
         self._turn = 0
         self._thought = False
         self._forget = [
-            bus.subscribe(Responded, lambda event: self._note(Source.ANSWER, event.text)),
+            bus.subscribe(Responded, lambda event: self._note(Source.ANSWER, event.written)),
             bus.subscribe(AgentEvent, self._on_agent_event),
             bus.subscribe(Transcribed, self._on_words),
             bus.subscribe(TurnEnded, self._on_turn_end),

@@ -9,7 +9,7 @@ from dataclasses import Field, asdict, dataclass, field, fields
 from enum import StrEnum
 from typing import Any, ClassVar
 
-from edgevox.core.reasons import Reason
+from edgevox.core.reasons import Reason, in_english
 
 
 class AgentEventKind(StrEnum):
@@ -71,7 +71,11 @@ class GoalChanged:
 
 @dataclass(frozen=True, slots=True)
 class GoalCancelled:
-    """A goal ended without having succeeded or failed, for this reason."""
+    """A goal ended without having succeeded or failed.
+
+    In JSON its reason is `reason`, an English sentence, and where it has a code also `code` and
+    `values`.
+    """
 
     kind: ClassVar = AgentEventKind.SKILL_CANCELLED
     goal_id: str
@@ -79,7 +83,7 @@ class GoalCancelled:
     arguments: Mapping[str, Any]
     status: GoalStatus = field(init=False, default=GoalStatus.CANCELLED)
     turn: int
-    reason: str
+    reason: Reason = field(metadata={"keys": ("reason", "code", "values")})
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,18 +174,18 @@ def as_json(event: AgentEvent) -> dict[str, Any]:
     for one in fields(event):
         value = getattr(event, one.name)
         if isinstance(value, Reason):
-            found |= reason_json(value)
+            found |= reason_json(value, keys(one)[0])
         elif value is not None or _is_always_there(one):
             (name,) = keys(one)
             found[name] = _plain(value)
     return found
 
 
-def reason_json(reason: Reason) -> dict[str, Any]:
-    """A reason as the keys of a JSON object."""
-    found: dict[str, Any] = {"error": reason.text}
+def reason_json(reason: Reason, text: str = "error") -> dict[str, Any]:
+    """A reason as the keys of a JSON object; `text` is the key of its sentence."""
+    found: dict[str, Any] = {text: reason.text}
     if reason.code:
-        said = {name: str(value) for name, value in reason.values.items()}
+        said = {name: in_english(value) for name, value in reason.values.items()}
         found |= {"code": reason.code, "values": said}
     return found
 

@@ -3,6 +3,8 @@
 import threading
 from collections.abc import Callable
 
+from edgevox.core.reasons import NO_REASON, Reason
+
 
 class Cancelled(Exception):
     """Raised by work that stopped because its token was cancelled. Not an error."""
@@ -20,7 +22,7 @@ class CancelToken:
         self._lock = threading.Lock()
         self._callbacks: dict[int, Callable[[], None]] = {}
         self._next_key = 0
-        self._reason = ""
+        self._why = NO_REASON
         self._detach: Callable[[], None] = lambda: None
 
     @property
@@ -29,10 +31,15 @@ class CancelToken:
 
     @property
     def reason(self) -> str:
-        """Why it was cancelled; empty while it is not."""
-        return self._reason
+        """Why it was cancelled, in English; empty while it is not."""
+        return str(self._why)
 
-    def cancel(self, reason: str = "cancelled") -> bool:
+    @property
+    def why(self) -> Reason:
+        """The same with its code, if it has one."""
+        return self._why
+
+    def cancel(self, reason: Reason | str = "cancelled") -> bool:
         """Turn the switch. True for the call that turned it, False for every later one.
 
         Callbacks run on the calling thread, once.
@@ -40,7 +47,7 @@ class CancelToken:
         with self._lock:
             if self._event.is_set():
                 return False
-            self._reason = reason
+            self._why = reason if isinstance(reason, Reason) else Reason(reason)
             self._event.set()
             callbacks = list(self._callbacks.values())
             self._callbacks.clear()
@@ -55,7 +62,7 @@ class CancelToken:
     def check(self) -> None:
         """Raise `Cancelled` if the switch is turned."""
         if self._event.is_set():
-            raise Cancelled(self._reason)
+            raise Cancelled(self.reason)
 
     def on_cancel(self, callback: Callable[[], None]) -> Callable[[], None]:
         """Run `callback` when cancelled, at once if it is. Returns a way to forget it."""
@@ -79,7 +86,7 @@ class CancelToken:
         self._detach()
 
     def _follow(self, parent: "CancelToken") -> None:
-        self.cancel(parent.reason)
+        self.cancel(parent.why)
 
     def _forget(self, key: int) -> None:
         with self._lock:

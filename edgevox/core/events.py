@@ -68,11 +68,20 @@ class SentenceReady:
 
 @dataclass(frozen=True, slots=True)
 class Responded:
-    """The full text of one answer; `cut` if it was interrupted before its end."""
+    """The full text of one answer; `cut` if it was interrupted before its end.
+
+    `detail` is what is too long to be said and may be read beside it, such as a list.
+    """
 
     text: str
     turn: int = 0
     cut: bool = False
+    detail: str = ""
+
+    @property
+    def written(self) -> str:
+        """All of it, for whoever reads."""
+        return f"{self.text} {self.detail}".strip()
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,8 +10,8 @@ class Reason:
     """`text` is English, a sentence that a person may hear; an empty one is no reason.
 
     `code` is what the phrasebooks of all languages know it by, and `values` are what it is about:
-    names, numbers as they are said, other reasons. Without a code it is somebody's own sentence,
-    which is said as it is in every language.
+    names, tuples of names, numbers as they are said, other reasons. Without a code it is
+    somebody's own sentence, which is said as it is in every language.
     """
 
     text: str
@@ -26,3 +26,8 @@ class Reason:
 
 
 NO_REASON = Reason("")
+
+
+def in_english(value: Any) -> str:
+    """What a reason is about, as a word in a sentence."""
+    return ", ".join(value) if isinstance(value, tuple) else str(value)

@@ -54,8 +54,12 @@ Queries = Mapping[str, Callable[[], Mapping[str, Any]]]
 NODE_NAME = "edgevox"
 
 
-def _text(event: Transcribed | Responded | TokenGenerated | SentenceReady) -> str:
+def _text(event: Transcribed | TokenGenerated | SentenceReady) -> str:
     return event.text
+
+
+def _written(event: Responded) -> str:
+    return event.written
 
 
 def _state(event: StateChanged) -> str:
@@ -119,7 +123,13 @@ def _command(text: str) -> Incoming:
 
 PUBLISHED: tuple[Published, ...] = (
     Published("transcription", Qos.RELIABLE, Transcribed, _text, "the user's words as text"),
-    Published("response", Qos.RELIABLE, Responded, _text, "the bot's full answer"),
+    Published(
+        "response",
+        Qos.RELIABLE,
+        Responded,
+        _written,
+        "the bot's full answer, with a list that is too long to be spoken",
+    ),
     Published("state", Qos.STATE, StateChanged, _state, "what the conversation is doing"),
     Published(
         "audio_level",

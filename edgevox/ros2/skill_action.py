@@ -15,6 +15,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.task import Future
 
+from edgevox.agent.reasons import because
 from edgevox.agent.skills import reason_of
 from edgevox.core.agent_events import (
     GOAL_ENDS,
@@ -141,13 +142,13 @@ class SkillAction:
         run = self._runs.get(_key(handle))
         if run is None or run.goal is None:
             return CancelResponse.REJECT
-        run.goal.token.cancel("its client asked for it")
+        run.goal.token.cancel(because("client_asked"))
         return CancelResponse.ACCEPT
 
     def _client_gone(self) -> None:
         for run in list(self._runs.values()):
             if run.goal:
-                run.goal.token.cancel("its client is gone")
+                run.goal.token.cancel(because("client_gone"))
 
     async def _execute(self, handle: ServerGoalHandle) -> Any:
         """Wait for the goal's end without holding up the executor, and say how it ended."""

@@ -114,6 +114,6 @@ def test_a_sentence_that_asks_for_such_a_point_is_refused_before_it_is_acknowled
     reason = "outside the apartment: x must be between 0 and 10, and y between 0 and 10"
     assert said == [
         f"I could not do that: That point is {reason}.",
-        "I cannot do that: x True; it should be a valid number.",
+        "I cannot do that: x must be a number, and True is none.",
     ]
     assert ended == [Outcome.REFUSED, None]

@@ -5,6 +5,7 @@ from typing import get_args
 
 import pytest
 
+from edgevox.agent.reasons import because
 from edgevox.core.agent_events import (
     AgentEvent,
     AgentEventKind,
@@ -62,10 +63,11 @@ EVENTS = (
         ),
     ),
     (
-        GoalCancelled("a", "drive", {}, 3, "pre-empted by turn"),
+        GoalCancelled("a", "drive", {}, 3, because("preempted", skill="turn")),
         (
             '{"kind": "skill_cancelled", "goal_id": "a", "skill": "drive", "arguments": {}, '
-            '"status": "cancelled", "turn": 3, "reason": "pre-empted by turn"}'
+            '"status": "cancelled", "turn": 3, "reason": "pre-empted by turn", '
+            '"code": "preempted", "values": {"skill": "turn"}}'
         ),
     ),
     (

@@ -102,4 +102,4 @@ def test_a_language_that_was_set_is_not_forgotten_by_a_stop():
         stage.conversation.submit(TextInput("blorp"))
         assert stage.conversation.wait_idle(10)
 
-        assert stage.of(Responded)[-1].text.startswith("Je n'ai pas compris.")
+        assert stage.of(Responded)[-1].text.startswith("Je n'ai pas compris")

@@ -205,7 +205,7 @@ def test_a_conversation_is_understood_and_answered_in_the_language_it_is_set_to(
     assert said == [
         "Je suis à x 1, y 2.",
         "Je n'ai pas pu le faire : je suis éteint.",
-        "Je n'ai pas compris. Je sais : dire où je suis ; dire l'état de ma batterie.",
+        "Je n'ai pas compris, mais je sais par exemple dire où je suis.",
         "Sono a x 1, y 2.",
         "Sono a x 1, y 2.",
     ]

@@ -80,6 +80,8 @@ class View:
             self._partial = ""
         if event.cut:
             self._write("  [interrupted]")
+        if event.detail:
+            self._write(f"  {event.detail}")
         self._changed()
 
     def _on_agent_event(self, event: AgentEvent) -> None:

@@ -112,7 +112,7 @@ class BusLog:
             case GoalChanged(feedback=None):
                 self._on_goal(event)
             case GoalCancelled():
-                reason = self._reason(event, event.reason)
+                reason = self._reason(event, str(event.reason))
                 log.info("goal_cancelled", **_ids(event), **self._ran(event), reason=reason)
             case HandedOver(giver=giver, taker=taker):
                 log.info("handed_over", giver=giver, taker=taker, **_of(event.turn))

@@ -51,6 +51,7 @@ def _walk_forward(body: WalkingBody) -> Skill:
         says="Walking {distance:g} metres forward.",
         deed="walk {distance:g} metres forward",
         done="I have walked {walked:.1f} metres forward.",
+        relative=True,
     )
     def walk_forward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
         """Walk straight ahead for a distance in metres."""
@@ -66,6 +67,7 @@ def _walk_backward(body: WalkingBody) -> Skill:
         says="Walking {distance:g} metres back.",
         deed="walk {distance:g} metres back",
         done="I have walked {walked:.1f} metres back.",
+        relative=True,
     )
     def walk_backward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
         """Walk straight back for a distance in metres."""
@@ -81,6 +83,7 @@ def _turn_left(body: WalkingBody) -> Skill:
         says="Turning left by {degrees:g} degrees.",
         deed="turn left by {degrees:g} degrees",
         done="I have turned left by {turned:.0f} degrees.",
+        relative=True,
     )
     def turn_left(goal: GoalHandle, degrees: Degrees = 90.0) -> Result:
         """Turn to the left on the spot, by an angle in degrees."""
@@ -96,6 +99,7 @@ def _turn_right(body: WalkingBody) -> Skill:
         says="Turning right by {degrees:g} degrees.",
         deed="turn right by {degrees:g} degrees",
         done="I have turned right by {turned:.0f} degrees.",
+        relative=True,
     )
     def turn_right(goal: GoalHandle, degrees: Degrees = 90.0) -> Result:
         """Turn to the right on the spot, by an angle in degrees."""

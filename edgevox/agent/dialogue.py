@@ -1,0 +1,215 @@
+"""What was heard, who understood it, what was called and how it ended: the last exchanges only."""
+
+import threading
+from collections import deque
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from edgevox.agent.skills import STOP, Call, Skill
+from edgevox.core.agent_events import (
+    GOAL_ENDS,
+    GoalCancelled,
+    GoalChanged,
+    GoalStatus,
+    SafetyPreempted,
+    ToolCalled,
+)
+from edgevox.core.bus import Bus
+from edgevox.core.clock import Clock
+from edgevox.core.events import Cause, Interrupted, Transcribed
+from edgevox.core.transforms import Pose2D
+
+MOST_EXCHANGES = 8
+"""So many exchanges are remembered, and as many motions."""
+REMEMBERED_S = 600.0
+"""What is older is forgotten: nobody asks of it, and nobody drives back to where it began."""
+REPEATABLE_S = 60.0
+"""So long after it ended something can be meant by "again": who says it then is another person."""
+
+_HUSHED = (Cause.BARGE_IN, Cause.WAKE_WORD)
+"""These cut what is said, and stop nothing."""
+
+
+@dataclass(slots=True)
+class Exchange:
+    """What somebody said, or a command asked; `source` is who understood it, if anybody did.
+
+    `meant` are the words that it said yes to.
+
+    `aside` is a question about the conversation: it is not what the next question asks about.
+    """
+
+    turn: int
+    words: str
+    last_s: float
+    meant: str = ""
+    source: str = ""
+    confidence: float = 1.0
+    calls: list[Call] = field(default_factory=list)
+    aside: bool = False
+    stopped: bool = False
+
+
+@dataclass(slots=True)
+class Motion:
+    """A goal that sets the body in motion, once it `began`; `start` is where, if the body knows."""
+
+    goal_id: str
+    skill: str
+    arguments: Mapping[str, Any]
+    turn: int
+    last_s: float
+    status: GoalStatus
+    began: bool = False
+    start: Pose2D | None = None
+    progress: float | None = None
+
+
+class Dialogue:
+    """Listens on the bus, and can be asked from any thread. All it holds is bounded.
+
+    `skills` are all that there are, `pose` is the body's, and calls of `asides` are not kept: they
+    ask about the others.
+    """
+
+    def __init__(
+        self,
+        bus: Bus,
+        clock: Clock,
+        skills: Mapping[str, Skill],
+        *,
+        asides: Collection[str] = (),
+        pose: Callable[[], Pose2D] | None = None,
+    ) -> None:
+        self._clock = clock
+        self._skills = skills
+        self._asides = asides
+        self._pose = pose
+        self._lock = threading.Lock()
+        self._exchanges: deque[Exchange] = deque(maxlen=MOST_EXCHANGES)
+        self._motions: deque[Motion] = deque(maxlen=MOST_EXCHANGES)
+        bus.subscribe(Transcribed, self._on_words)
+        bus.subscribe(ToolCalled, self._on_call)
+        bus.subscribe(GoalChanged | GoalCancelled, self._on_goal)
+        bus.subscribe(SafetyPreempted, lambda _: self._on_stop())
+        bus.subscribe(Interrupted, self._on_interrupt)
+
+    def decided(self, turn: int, source: str, confidence: float, *, aside: bool) -> None:
+        """Who understood the words of this turn, and how sure."""
+        with self._lock:
+            one = self._of(turn)
+            one.source, one.confidence, one.aside = source, confidence, aside
+
+    def confirmed(self, turn: int, asked: int) -> None:
+        """The words of this turn are a yes: what is done in it was said in the one that `asked`."""
+        with self._lock:
+            said = next((one for one in self._exchanges if one.turn == asked), None)
+            if said:
+                yes = self._of(turn)
+                yes.meant, yes.source, yes.confidence = said.words, said.source, said.confidence
+
+    def heard(self) -> Exchange | None:
+        """What was said last, unless that asks about it."""
+        return self._last(lambda one: bool(one.words) and not one.aside)
+
+    def asked(self) -> Exchange | None:
+        """What was last asked for in words, and called."""
+        return self._last(lambda one: bool(one.words and one.calls) and not one.aside)
+
+    def repeatable(self, exchange: Exchange) -> bool:
+        """Whether it is not too long ago that this ended."""
+        return self._clock.now() - exchange.last_s <= REPEATABLE_S
+
+    def exchange(self, turn: int) -> Exchange | None:
+        """What was said in this turn; None for that of no turn."""
+        return self._last(lambda one: turn > 0 and one.turn == turn)
+
+    def running(self) -> Motion | None:
+        """What uses the body now."""
+        with self._lock:
+            live = [one for one in self._motions if one.status is GoalStatus.RUNNING]
+            return live[-1] if live else None
+
+    def moved(self) -> Motion | None:
+        """What used the body last, or uses it."""
+        begun_s = self._clock.now() - REMEMBERED_S
+        with self._lock:
+            ran = [one for one in self._motions if one.began and one.last_s >= begun_s]
+            return ran[-1] if ran else None
+
+    def _last(self, fits: Callable[[Exchange], bool]) -> Exchange | None:
+        begun_s = self._clock.now() - REMEMBERED_S
+        with self._lock:
+            fit = [one for one in self._exchanges if one.last_s >= begun_s and fits(one)]
+            return fit[-1] if fit else None
+
+    def _of(self, turn: int, words: str = "") -> Exchange:
+        for one in self._exchanges:
+            if turn and one.turn == turn:
+                return one
+        self._exchanges.append(Exchange(turn, words, self._clock.now()))
+        return self._exchanges[-1]
+
+    def _on_words(self, event: Transcribed) -> None:
+        with self._lock:
+            self._of(event.turn, event.text)
+
+    def _on_call(self, event: ToolCalled) -> None:
+        if not event.turn or event.skill in self._asides:
+            return
+        with self._lock:
+            one = self._of(event.turn)
+            one.source = one.source or event.source
+            one.calls.append(Call(event.skill, event.arguments))
+            one.stopped = one.stopped or event.skill == STOP
+
+    def _on_goal(self, event: GoalChanged | GoalCancelled) -> None:
+        begins = event.status is GoalStatus.RUNNING and getattr(event, "feedback", None) is None
+        start = self._pose() if begins and self._pose else None
+        with self._lock:
+            self._touch(event)
+            skill = self._skills.get(event.skill)
+            if skill is None or not skill.drives:
+                return
+            motion = self._motion(event)
+            motion.status, motion.last_s = event.status, self._clock.now()
+            motion.began = motion.began or begins
+            motion.start = motion.start or start
+            if isinstance(event, GoalChanged) and event.feedback:
+                motion.progress = _part(event.feedback.get("progress"))
+
+    def _touch(self, event: GoalChanged | GoalCancelled) -> None:
+        for one in self._exchanges:
+            if event.turn and one.turn == event.turn:
+                one.last_s = self._clock.now()
+                one.stopped = one.stopped or event.status is GoalStatus.CANCELLED
+
+    def _motion(self, event: GoalChanged | GoalCancelled) -> Motion:
+        for one in self._motions:
+            if one.goal_id == event.goal_id:
+                return one
+        now_s = self._clock.now()
+        about = (event.goal_id, event.skill, event.arguments, event.turn)
+        self._motions.append(Motion(*about, now_s, event.status))
+        return self._motions[-1]
+
+    def _on_stop(self) -> None:
+        with self._lock:
+            for one in self._exchanges:
+                one.stopped = True
+
+    def _on_interrupt(self, event: Interrupted) -> None:
+        if event.cause is Cause.RESET:
+            with self._lock:
+                self._exchanges.clear()
+                live = [one for one in self._motions if one.status not in GOAL_ENDS]
+                self._motions = deque(live, MOST_EXCHANGES)
+        elif event.cause not in _HUSHED:
+            self._on_stop()
+
+
+def _part(progress: Any) -> float | None:
+    """How far something is, as a skill reported it: it may be anything."""
+    number = isinstance(progress, int | float) and not isinstance(progress, bool)
+    return float(progress) if number and 0 <= progress <= 1 else None

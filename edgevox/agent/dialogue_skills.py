@@ -1,0 +1,172 @@
+"""Questions and references as skills of the agent itself: plain sentences in every language.
+
+They move nothing, stop nothing and are no part of what a model may call or is told. A question is
+answered from what happened; a reference stands for the calls that `Aside.meant` puts in its place.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Annotated
+
+from edgevox.agent import dialogue_words as words
+from edgevox.agent.agents import Agent
+from edgevox.agent.dialogue import Dialogue
+from edgevox.agent.dialogue_answers import DialogueAnswers
+from edgevox.agent.mind import Meaning
+from edgevox.agent.phrasebook import Phrasebook
+from edgevox.agent.reasons import because
+from edgevox.agent.references import References
+from edgevox.agent.skills import (
+    Call,
+    GoalHandle,
+    OneOf,
+    Result,
+    Skill,
+    SkillFailed,
+    SkillSet,
+    skill,
+)
+from edgevox.agent.spoken_lists import detail
+from edgevox.agent.turn import Turn
+from edgevox.core.bus import Bus
+from edgevox.core.clock import Clock
+from edgevox.core.events import Outcome
+from edgevox.core.transforms import Pose2D
+
+CAN = "what_can_you_do"
+QUESTIONS: Mapping[str, Sequence[str]] = {
+    "what_are_you_doing": words.DOING,
+    "why_did_you": words.WHY,
+    "what_did_you_hear": words.HEARD,
+    CAN: words.CAN,
+}
+REFERENCES: Mapping[str, Sequence[str]] = {
+    "again": words.AGAIN,
+    "go_back": words.BACK,
+    "further": words.FURTHER,
+    "the_other": words.OTHER,
+}
+ALSO = "this_one_too"
+ASIDES = (*QUESTIONS, *REFERENCES, ALSO)
+"""All of them, by name."""
+
+
+class Asides:
+    """Remembers what happens on the bus and answers for it, in the language of `phrases`.
+
+    `agents` are those that were given, each with these skills beside its own.
+    """
+
+    def __init__(
+        self,
+        agents: Sequence[Agent],
+        bus: Bus,
+        clock: Clock,
+        phrases: Callable[[], Phrasebook],
+        pose: Callable[[], Pose2D] | None = None,
+    ) -> None:
+        self._skills = {name: one for agent in agents for name, one in agent.skills.items()}
+        self._phrases = phrases
+        self._dialogue = Dialogue(bus, clock, self._skills, asides=ASIDES, pose=pose)
+        self._references = References(self._dialogue, self._skills)
+        self._answers = DialogueAnswers(self._dialogue, self._skills, phrases)
+        self.agents = tuple(replace(one, asides=self._beside(one.skills)) for one in agents)
+
+    def meant(self, meaning: Meaning | None, turn: Turn) -> Meaning | None:
+        """The same with calls in the place of references; None where one refers to nothing.
+
+        Then it has been said what would have been needed, and nothing else of it is done.
+        """
+        if meaning is None:
+            return None
+        aside = all(call.skill in ASIDES for call in meaning.calls)
+        refers = any(call.skill in REFERENCES or call.skill == ALSO for call in meaning.calls)
+        try:
+            calls = tuple(one for call in meaning.calls for one in self._resolved(call))
+        except SkillFailed as error:
+            phrases, why = self._phrases(), error.reason
+            turn.say(phrases.refusal(why), Outcome.REFUSED, detail=detail(phrases, why))
+            calls = ()
+        sure = (meaning.source, meaning.confidence)
+        self._dialogue.decided(turn.number, *sure, aside=aside and not (refers and calls))
+        if not calls:
+            return None
+        if any(call.skill == CAN for call in calls):
+            turn.write(self._answers.can()[1])
+        return replace(meaning, agent=self._owner(meaning.agent, calls), calls=calls)
+
+    def confirmed(self, turn: int, asked: int) -> None:
+        """In this turn somebody said yes to what was understood in the turn that asked."""
+        self._dialogue.confirmed(turn, asked)
+
+    def _resolved(self, call: Call) -> Sequence[Call]:
+        match call.skill:
+            case "again":
+                return self._references.again()
+            case "go_back":
+                return self._references.back()
+            case "further":
+                return self._references.further()
+            case "the_other":
+                return self._references.other()
+            case name if name == ALSO:
+                return self._references.also(str(call.arguments["value"]))
+        return (call,)
+
+    def _owner(self, agent: Agent, calls: Sequence[Call]) -> Agent:
+        """Whoever can do all of it: this agent, or the one who did it before."""
+        able = (a for a in self.agents if all(call.skill in a.every_skill for call in calls))
+        return agent if all(c.skill in agent.every_skill for c in calls) else next(able, agent)
+
+    def _beside(self, skills: SkillSet) -> SkillSet:
+        """Those whose names this agent does not use itself."""
+        asides = [_question(name, self._answers) for name in QUESTIONS]
+        asides += [_reference(name, said) for name, said in REFERENCES.items()]
+        choices = _every_choice(skills)
+        asides += [_also(choices)] if choices.words else []
+        return SkillSet(one for one in asides if one.name not in skills)
+
+
+def _question(name: str, answers: DialogueAnswers) -> Skill:
+    asked: Mapping[str, Callable[[], str]] = {
+        "what_are_you_doing": answers.doing,
+        "why_did_you": answers.why,
+        "what_did_you_hear": answers.heard,
+        CAN: lambda: answers.can()[0],
+    }
+    answer = asked[name]
+
+    def ask(goal: GoalHandle) -> Result:
+        """Answer a question about the conversation."""
+        goal.token.check()
+        return {"answer": answer()}
+
+    ask.__name__ = name
+    return skill(templates=QUESTIONS[name], done="{answer}", moves=False)(ask)
+
+
+def _reference(name: str, templates: Sequence[str]) -> Skill:
+    def refer(goal: GoalHandle) -> Result:
+        """Do what this refers to: `Asides.meant` puts that in its place."""
+        goal.token.check()
+        raise SkillFailed(because("nothing_before"))
+
+    refer.__name__ = name
+    return skill(templates=templates, moves=False)(refer)
+
+
+def _also(choices: OneOf) -> Skill:
+    def refer(goal: GoalHandle, value: Annotated[str, choices]) -> Result:
+        """Do the same with this word: `Asides.meant` puts that in its place."""
+        goal.token.check()
+        raise SkillFailed(because("does_not_go", value=value))
+
+    refer.__name__ = ALSO
+    return skill(templates=words.ALSO, moves=False)(refer)
+
+
+def _every_choice(skills: SkillSet) -> OneOf:
+    """All the words that arguments of these skills may be."""
+    choices = [one for each in skills.values() for one in each.choices.values()]
+    known = tuple(dict.fromkeys(word for one in choices for word in one.words))
+    return OneOf(known, {said: word for one in choices for said, word in one.aliases.items()})

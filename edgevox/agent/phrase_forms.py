@@ -1,0 +1,37 @@
+"""Forms of words and sentences that phrasebooks need, whatever the language."""
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from edgevox.agent.skills import Example
+
+
+def renamed(template: str, arguments: Mapping[str, str]) -> str:
+    """A template with its slots called as these arguments are."""
+    return re.sub(r"\{(\w+)\}", lambda match: f"{{{arguments[match[1]]}}}", template)
+
+
+def renamed_example(example: Example, arguments: Mapping[str, str]) -> Example:
+    """An example with its arguments called as these are."""
+    return Example(example.sentence, {arguments[n]: v for n, v in example.arguments.items()})
+
+
+def bare(sentence: str) -> str:
+    """Without the full stop: it becomes part of another sentence."""
+    return sentence.rstrip(". \u3002\u0964")
+
+
+def without_unit(argument: str) -> str:
+    """An argument's name as a word: "height_m" is "height"."""
+    return re.sub(r"_(m|s|m_s|deg|rad|rad_s|percent)$", "", argument).replace("_", " ")
+
+
+def as_part(sentence: str) -> str:
+    """A sentence as a part of another."""
+    return f"{sentence[:1].lower()}{sentence[1:]}".rstrip(".")
+
+
+def in_english(value: Any) -> Any:
+    """A value as English sentences use it."""
+    return value.replace("_", " ") if isinstance(value, str) else value

@@ -1,0 +1,58 @@
+"""Long lists, for ears and for eyes: aloud a few and how many more, where it is read all."""
+
+from collections.abc import Sequence
+from difflib import SequenceMatcher
+from typing import TYPE_CHECKING
+
+from edgevox.agent.spelling import key
+from edgevox.core.reasons import Reason
+
+if TYPE_CHECKING:
+    from edgevox.agent.phrasebook import Phrasebook
+    from edgevox.agent.skills import Skill
+
+MOST_SPOKEN = 4
+"""Lists up to this long are spoken whole; of a longer one all but one of so many are named."""
+
+
+def brief(book: "Phrasebook", names: Sequence[str], said: str = "") -> str:
+    """These words as they are spoken: of many only those nearest to what was said."""
+    if len(names) <= MOST_SPOKEN:
+        return book.listing(names)
+    near = sorted(names, key=lambda name: -_nearness(book, name, said)) if said else names
+    first = [str(book.word(name)) for name in near[: MOST_SPOKEN - 1]]
+    spoken = book.say("separator").join(first)
+    return book.say("more", first=spoken, count=len(names) - len(first))
+
+
+def whole(book: "Phrasebook", names: Sequence[str]) -> str:
+    """All of them, as a sentence of its own, if `brief` leaves some out."""
+    return book.say("known", known=book.listing(names)) if len(names) > MOST_SPOKEN else ""
+
+
+def detail(book: "Phrasebook", why: Reason) -> str:
+    """What a reason leaves out where it is spoken."""
+    lists = [value for value in why.values.values() if isinstance(value, tuple)]
+    return " ".join(filter(None, (whole(book, names) for names in lists)))
+
+
+def abilities(book: "Phrasebook", skills: Sequence["Skill"]) -> tuple[str, str]:
+    """What a robot with these skills can do, in one sentence; and all of it, if that is more."""
+    everything = book.abilities(skills)
+    if len(skills) <= MOST_SPOKEN:
+        return everything, ""
+    few = "; ".join(book.can(one) for one in skills[: MOST_SPOKEN - 1])
+    more = len(skills) - MOST_SPOKEN + 1
+    return book.say("abilities_more", deeds=few, count=more), everything
+
+
+def not_understood(book: "Phrasebook", skills: Sequence["Skill"]) -> tuple[str, str]:
+    """That a sentence was not understood, with an example of what would be; and all that would."""
+    if not skills:
+        return book.say("not_understood"), ""
+    return book.say("not_understood_but", deed=book.can(skills[0])), book.abilities(skills)
+
+
+def _nearness(book: "Phrasebook", name: str, said: str) -> float:
+    heard = (name, *book.word(name).heard)
+    return max(SequenceMatcher(None, key(said), key(one)).ratio() for one in heard)

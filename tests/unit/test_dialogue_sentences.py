@@ -1,0 +1,94 @@
+import random
+
+import pytest
+from phrasebook_bodies import BODIES, say_it
+
+from edgevox.agent.agents import Agent
+from edgevox.agent.dialogue_skills import ALSO, ASIDES, REFERENCES, Asides
+from edgevox.agent.intents import Recogniser, Understood
+from edgevox.agent.phrase_file import ENGLISH, phrasebook
+from edgevox.agent.safety import SafetyWords
+from edgevox.agent.toolcalls import Protocol
+from edgevox.core.bus import Bus
+from edgevox.core.clock import SystemClock
+from edgevox.core.languages import LANGUAGES
+
+AGENTS = {
+    body: Asides(
+        [Agent(body, "", skills)], Bus(), SystemClock(), lambda: phrasebook(ENGLISH)
+    ).agents[0]
+    for body, skills in BODIES.items()
+}
+SAMPLES = 4
+OF_THE_BODY = {"go_back": "walk_backward", "further": "walk_forward"}
+"""What a body that walks understands of itself where another one refers to its last drive."""
+
+
+def sentences(code, body):
+    """Each question and reference with sentences of every template."""
+    book, source = phrasebook(code), random.Random(7)
+    for name, one in AGENTS[body].asides.items():
+        templates = book.templates(one) if book.fallback else one.templates
+        assert templates, (code, name)
+        for template in templates * SAMPLES:
+            yield name, say_it(book, one, template, source)
+
+
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_what_is_asked_about_the_conversation_is_understood_in_every_language(code, body):
+    agent = AGENTS[body]
+    recogniser = Recogniser(agent.skills, code, agent.asides)
+
+    for name, sentence in sentences(code, body):
+        found = recogniser.recognise(sentence)
+        assert isinstance(found, Understood), (name, sentence)
+        (call,) = found.calls
+        own = call.skill in agent.skills and name in (*REFERENCES, ALSO)
+        assert call.skill == name or own, (name, sentence, call)
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_no_such_sentence_holds_a_stop_word_so_that_none_can_hide_one(code):
+    safety = SafetyWords(code)
+    for body in BODIES:
+        for name, sentence in sentences(code, body):
+            assert safety.find(sentence) is None, (name, sentence)
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_a_stop_word_beside_such_a_sentence_still_stops(code):
+    word = LANGUAGES[code].stop.anywhere[0]
+    safety = SafetyWords(code)
+    for _, sentence in sentences(code, "apartment"):
+        assert safety.find(f"{word.capitalize()}! {sentence}"), sentence
+        assert safety.find(f"{sentence}. {word.capitalize()}!"), sentence
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+@pytest.mark.parametrize("body", BODIES)
+def test_what_a_body_understands_by_itself_it_understands_beside_these_too(code, body):
+    agent, book, source = AGENTS[body], phrasebook(code), random.Random(8)
+    alone, beside = Recogniser(agent.skills, code), Recogniser(agent.skills, code, agent.asides)
+
+    for one in agent.skills.values():
+        for template in book.templates(one) if book.fallback else one.templates:
+            sentence = say_it(book, one, template, source)
+            assert beside.recognise(sentence) == alone.recognise(sentence), sentence
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_a_model_is_neither_told_of_them_nor_able_to_call_them(code):
+    agent = AGENTS["panda"]
+    protocol = Protocol(agent.instructions, agent.skills, agent.handoffs, code)
+    told = " ".join(message.content for message in protocol.opening) + protocol.grammar
+
+    assert not [name for name in ASIDES if f"{name}(" in told]
+
+
+@pytest.mark.parametrize("code", [code for code in LANGUAGES if code != ENGLISH])
+def test_a_phrasebook_has_them_all_and_a_name_for_each_argument(code):
+    book, english = phrasebook(code), phrasebook(ENGLISH)
+
+    assert set(book.dialogue) == set(ASIDES)
+    assert set(book.arguments) == set(english.arguments) - {"location"}

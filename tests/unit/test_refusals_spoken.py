@@ -1,0 +1,175 @@
+import re
+from contextlib import closing
+
+import pytest
+from dialogue_rig import Stage, Walker
+from phrasebook_bodies import SKILLS
+
+from edgevox.agent.phrase_file import phrasebook
+from edgevox.agent.skill_executor import MAX_CALLS
+from edgevox.agent.skills import SkillFailed, reason_of
+from edgevox.agent.wrong_arguments import WrongArgument
+from edgevox.apps.terminal.view import View
+from edgevox.core.agent_events import GoalCancelled, as_json
+from edgevox.core.commands import Reset, RunSkill
+from edgevox.core.languages import LANGUAGES
+
+PLACES = ("kitchen", "bedroom", "office", "garage", "hallway", "entrance", "cellar", "attic")
+WRONG = (1e6, -1e6, 0.5, True, "nonsense", None, [1.0])
+
+
+def refusals():
+    """What is wrong with each argument of each skill, for values of every kind; and without any."""
+    for name, one in SKILLS.items():
+        for argument in one.arguments_model.model_fields:
+            for value in WRONG:
+                yield name, one, {argument: value}
+        yield name, one, {}
+        yield name, one, {"height_m": 5.0}
+
+
+def raised():
+    for name, one, arguments in refusals():
+        try:
+            one.validate(arguments)
+        except (WrongArgument, SkillFailed) as error:
+            yield name, arguments, reason_of(error)
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_what_is_wrong_with_an_argument_is_said_in_the_words_of_the_language(code):
+    book, english = phrasebook(code), phrasebook("en")
+    heard = set()
+    for name, arguments, why in raised():
+        said = book.refusal(why)
+        heard.add(why.code)
+        assert why.code, (name, arguments)
+        assert code == "en" or said != english.refusal(why), said
+        assert not set("{}_[]") & set(said), said
+        assert name.partition(".")[2] not in said, said
+        assert not re.search(r"height m\b", said), said
+    assert {"too_large", "too_small", "no_number", "missing_argument", "not_one_of"} <= heard
+
+
+@pytest.mark.parametrize(
+    ("code", "said", "answer"),
+    [
+        (
+            "en",
+            "walk 30 metres",
+            "I cannot do that: the distance in metres may be at most 20, not 30.",
+        ),
+        (
+            "de",
+            "walk 30 metres",
+            "Das kann ich nicht tun: die Entfernung in Metern darf höchstens 20 sein, nicht 30.",
+        ),
+        (
+            "fr",
+            "walk 0 metres",
+            (
+                "Je ne peux pas faire ça : la distance en mètres doit faire au moins 0,05, "
+                "et 0 est trop peu."
+            ),
+        ),
+    ],
+)
+def test_a_number_beyond_its_bounds_is_refused_with_the_bound(code, said, answer):
+    stage = Stage(language=code)
+    with closing(stage.talk):
+        assert stage.say(said) == answer
+        assert stage.body.moves == []
+
+
+def test_of_many_places_the_nearest_are_said_and_all_are_written():
+    stage = Stage(Walker(PLACES))
+    with closing(stage.talk):
+        answer = stage.hear("go to the celery")
+
+    assert answer.text == (
+        "I do not know the room 'celery'. I know cellar, office, kitchen and 5 more."
+    )
+    assert answer.detail == (
+        "I know kitchen, bedroom, office, garage, hallway, entrance, cellar and attic."
+    )
+    assert answer.written == f"{answer.text} {answer.detail}"
+
+
+def test_without_a_name_a_few_of_many_places_are_said():
+    stage = Stage(Walker(PLACES))
+    with closing(stage.talk):
+        answer = stage.hear("go to the")
+
+    assert answer.text == ("I did not hear which room. I know kitchen, bedroom, office and 5 more.")
+
+
+def test_a_program_hears_a_few_of_many_places_too():
+    stage = Stage(Walker(PLACES))
+    with closing(stage.talk):
+        stage.talk.submit(RunSkill("navigate_to", {"room": "gate"}))
+        assert stage.talk.wait_idle(10.0)
+
+    (answer,) = stage.answers
+    assert answer.text == (
+        "I cannot do that: I do not know gate. I know garage, attic, kitchen and 5 more."
+    )
+    assert "bedroom" in answer.detail
+
+
+def test_what_is_not_understood_is_one_sentence_with_an_example_and_the_list_is_written():
+    stage = Stage(language="de")
+    with closing(stage.talk):
+        answer = stage.hear("Blorp fizzle.")
+
+    assert answer.text == (
+        "Das habe ich nicht verstanden, aber ich kann zum Beispiel in ein Zimmer fahren."
+    )
+    assert answer.detail.count(";") == len(stage.body.skills) - 1
+
+
+def test_more_calls_than_are_done_at_once_are_refused_in_words():
+    stage = Stage(language="de")
+    with closing(stage.talk):
+        said = stage.say(", then ".join(["go to the kitchen"] * (MAX_CALLS + 1)))
+
+    assert said == ("Das kann ich nicht tun: das sind 9 Dinge auf einmal, und ich tue höchstens 8.")
+
+
+def test_a_skill_that_there_is_not_is_named_and_those_that_there_are_are_written():
+    stage = Stage()
+    with closing(stage.talk):
+        stage.talk.submit(RunSkill("dance", {}))
+        assert stage.talk.wait_idle(10.0)
+
+    (answer,) = stage.answers
+    assert answer.text == "I cannot do that: I have not learned dance."
+    assert "walk forward" in answer.detail
+
+
+def test_what_is_only_written_stands_on_the_screen():
+    stage, lines = Stage(Walker(PLACES)), []
+    view = View(stage.bus, lines.append, lambda: None)
+    with closing(stage.talk), closing(view):
+        stage.say("go to the celery")
+
+    assert lines[-1].startswith("  I know kitchen, bedroom,")
+
+
+def test_programs_get_a_code_with_every_goal_that_is_cancelled():
+    stage, cancelled = Stage(), []
+    stage.bus.subscribe(GoalCancelled, lambda event: cancelled.append(as_json(event)))
+    with closing(stage.talk):
+        stage.begin("go to the kitchen and go to the office")
+        stage.begin("walk 2 metres")
+        stage.say("stop")
+        stage.begin("walk 3 metres")
+        stage.talk.submit(Reset())
+        assert stage.talk.wait_idle(10.0)
+
+    found = {(one["skill"], one.get("code"), one["reason"]) for one in cancelled}
+    assert found == {
+        ("navigate_to", "preempted", "pre-empted by walk_forward"),
+        ("navigate_to", "step_ended", "navigate_to cancelled"),
+        ("walk_forward", "heard_stop", "heard 'stop'"),
+        ("walk_forward", "reset", "reset"),
+    }
