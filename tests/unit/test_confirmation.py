@@ -193,6 +193,7 @@ def test_being_asked_while_it_drives_does_not_stop_the_drive():
         assert asked.wait(60)
         assert talk.body.moving
         talk.body.arrives.set()
+        assert talk.conversation.wait_idle(60)
         talk.say("sure")
         assert talk.body.sent == ["kitchen", "office"]
 

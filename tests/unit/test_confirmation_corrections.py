@@ -194,9 +194,9 @@ def test_an_unknown_place_after_a_no_is_refused_by_name():
 def test_a_drive_that_ended_can_be_corrected_for_a_while_only():
     with Talk("unsure") as talk:
         talk.say("go to the kitchen")
-        talk.clock.time_s += CORRECTED_S
+        talk.clock.now_s += CORRECTED_S
         talk.say("no, the office")
-        talk.clock.time_s += CORRECTED_S + 1
+        talk.clock.now_s += CORRECTED_S + 1
         talk.say("no, the bedroom")
         assert talk.body.sent == ["kitchen", "office"]
 
