@@ -77,9 +77,10 @@ class TfBuffer:
 
     @property
     def frames(self) -> tuple[str, ...]:
-        """The frames that a transform has placed."""
+        """The frames that a transform has placed, those that move first."""
         with self._lock:
-            return tuple(self._past)
+            past = self._past
+            return tuple(sorted(past, key=lambda one: past[one][-1].stamp_ns == FOR_GOOD))
 
     def knows(self, frame: str) -> bool:
         """Whether a transform has placed this frame."""

@@ -259,3 +259,12 @@ def test_before_anything_is_known_only_the_map_is():
     assert on_map(buffer, frames, "map", 5) == IDENTITY
     with pytest.raises(InvalidValue, match="one of map"):
         on_map(buffer, frames, "base_link", 5)
+
+
+def test_who_asks_for_a_frame_that_is_none_is_told_those_that_move_first():
+    frames, buffer = Frames(), TfBuffer()
+    put(buffer, frames.base, frames.lidar, IDENTITY, FOR_GOOD)
+    put(buffer, frames.map, frames.base, IDENTITY)
+
+    with pytest.raises(InvalidValue, match="one of map, base_link, lidar_link"):
+        on_map(buffer, frames, "moon", 0)
