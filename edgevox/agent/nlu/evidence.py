@@ -38,7 +38,8 @@ def evidence(reading: Reading, lexicon: Lexicon, text: str) -> Mapping[str, floa
         "conditions": min(_count(lexicon, tokens, words.conditions), 2),
         "doubts": min(_count(lexicon, tokens, words.doubts), _MOST_DOUBTS),
         "asks": asks and not asking,
-        "opens_as_question": _opens(lexicon, tokens, words.questions) and not asking,
+        "opens_as_question": (_opens(lexicon, tokens, words.questions) and not asking)
+        or (asks and _count(lexicon, tokens, words.questions) > 0),
         "doubted_first": _opens(lexicon, tokens, (*words.doubts, *words.conditions)),
         "asking": asking,
         "moves": all(lexicon.skills[part.call.skill].moves for part in parts),

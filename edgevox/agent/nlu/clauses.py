@@ -1,0 +1,189 @@
+"""What the words between two borders of a sentence could be: one call of a skill, or talk."""
+
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from edgevox.agent.arguments import check_arguments
+from edgevox.agent.nlu.lexicon import Lexicon, SkillWords
+from edgevox.agent.nlu.mentions import Name, Number
+from edgevox.agent.nlu.tokens import Words, is_mark, is_number
+from edgevox.agent.skills import STOP, Call
+from edgevox.core.errors import InvalidValue
+
+_CALL_COSTS = 1.0
+_STRANGE_COSTS = 0.25
+_PLAIN, _BARE = 0.0, 1.2
+"""What the words must weigh at least that speak for a skill, where a name or a number is said that
+it takes, and where none is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One call of a reading, and how well the words from `start` to `end` speak for it.
+
+    `support` are the weights of the words that speak for its skill, `rival` those for the next one,
+    `grounded` how many values were said, `strange` the words that no skill and no courtesy knows.
+    """
+
+    call: Call
+    start: int
+    end: int
+    support: float
+    rival: float
+    grounded: int
+    strange: int
+    nearly: bool
+    unitless: bool
+    unfilled: int
+
+
+class Clauses:
+    """The clauses of one sentence while it is read."""
+
+    def __init__(
+        self,
+        lexicon: Lexicon,
+        tokens: Words,
+        names: Sequence[Name],
+        numbers: Sequence[Number],
+        filled: frozenset[int],
+    ) -> None:
+        self.tokens = tokens
+        self._lexicon = lexicon
+        self._names = names
+        self._numbers = numbers
+        self._named = frozenset(i for one in names for i in range(one.start, one.end))
+        self._filled = filled
+        functions = lexicon.function_words.fillers
+        self._filled_words = {at for at, token in enumerate(tokens) if token in functions}
+
+    def options(
+        self, start: int, end: int, before: tuple[Part, ...]
+    ) -> Iterator[tuple[float, Part | None]]:
+        """What the words between two borders may be, with how good that is."""
+        inside = [one for one in self._names if start <= one.start < end]
+        names = [one for one in inside if not self._is_weak(one)]
+        numbers = [one for one in self._numbers if start <= one.start < end]
+        if any(one.end > end for one in inside):
+            return
+        if not names and not numbers:
+            yield -_STRANGE_COSTS * self.strange(start, end), None
+        parts = [
+            part
+            for words in self._lexicon.words.values()
+            if words.skill.name != STOP and (names or not words.skill.choices)
+            for chosen in ([inside, names] if len(inside) > len(names) else [names])
+            for part in self._calls(words, start, end, chosen, numbers)
+            if part.support >= (_PLAIN if names or numbers else _BARE)
+        ]
+        parts = [one for one in parts if one.support > 0 or _is_alone(one, parts)]
+        ranked = sorted(parts, key=lambda one: (one.support, one.grounded), reverse=True)
+        for index, part in enumerate(ranked[:3]):
+            others = [o.support for o in ranked if o.call.skill != part.call.skill]
+            rival = max(others, default=0.0)
+            again = any(part.call.skill == one.call.skill for one in before)
+            value = part.support + 0.6 * part.grounded - _STRANGE_COSTS * part.strange
+            yield value - _CALL_COSTS + 0.3 * again - 0.01 * index, replace(part, rival=rival)
+
+    def _is_weak(self, one: Name) -> bool:
+        """Whether these words may just as well mean nothing: "it", "that"."""
+        return all(at in self._filled_words for at in range(one.start, one.end))
+
+    def strange(self, start: int, end: int, words: SkillWords | None = None) -> int:
+        """How many words are neither a name, a number, a courtesy nor a word of this skill."""
+        known = words.weights if words else {}
+        return sum(
+            not (
+                at in self._named
+                or at in self._filled
+                or is_mark(token)
+                or is_number(token)
+                or token in known
+            )
+            for at, token in enumerate(self.tokens[start:end], start)
+        )
+
+    def _calls(
+        self,
+        words: SkillWords,
+        start: int,
+        end: int,
+        names: Sequence[Name],
+        numbers: Sequence[Number],
+    ) -> Iterator[Part]:
+        units = frozenset().union(*words.units.values()) if words.units else frozenset()
+        for arguments, unitless in _assigned(words, tuple(names), tuple(numbers)):
+            try:
+                check_arguments(words.skill.name, words.skill.arguments_model, arguments)
+            except InvalidValue:
+                continue
+            seen = {
+                token: words.weights[token]
+                for at, token in enumerate(self.tokens[start:end], start)
+                if token in words.weights and at not in self._named and token not in units
+            }
+            yield Part(
+                Call(words.skill.name, arguments),
+                start,
+                end,
+                sum(seen.values()),
+                0.0,
+                len(arguments),
+                self.strange(start, end, words),
+                any(one.nearly for one in names),
+                unitless,
+                len(words.skill.choices.keys() - arguments.keys()),
+            )
+
+
+def _assigned(
+    words: SkillWords, names: tuple[Name, ...], numbers: tuple[Number, ...]
+) -> Iterator[tuple[Mapping[str, Any], bool]]:
+    """Every way in which these names and numbers are the arguments of a skill, all of them used."""
+    counted = _counted(words, numbers)
+    if counted is None:
+        return
+    values, unitless = counted
+    slots = list(words.skill.choices)
+    for chosen in itertools.permutations(slots, len(names)):
+        pairs = list(zip(chosen, names, strict=True))
+        if all((words.skill.name, slot) in one.values for slot, one in pairs):
+            named = {slot: one.values[words.skill.name, slot] for slot, one in pairs}
+            arguments = named | values
+            if _required(words) <= arguments.keys():
+                yield arguments, unitless
+                return
+
+
+def _is_alone(one: Part, parts: Sequence[Part]) -> bool:
+    """Whether no other skill takes as many of the names and numbers."""
+    return all(o.call.skill == one.call.skill or o.grounded < one.grounded for o in parts)
+
+
+def _required(words: SkillWords) -> set[str]:
+    fields = words.skill.arguments_model.model_fields
+    return {name for name, info in fields.items() if info.is_required()}
+
+
+def _counted(words: SkillWords, numbers: tuple[Number, ...]) -> tuple[dict[str, Any], bool] | None:
+    """The numbers as arguments: by their axes, or in their order; None where they do not fit."""
+    slots = words.numbers
+    if not numbers:
+        return {}, False
+    if len(numbers) > len(slots):
+        return None
+    by_axis = {one.axis: one.value for one in numbers if one.axis in slots}
+    if len(by_axis) == len(numbers):
+        return dict(by_axis), False
+    if by_axis or len(numbers) != len(slots):
+        return None
+    unitless = False
+    for slot, one in zip(slots, numbers, strict=True):
+        known = words.units.get(slot, frozenset())
+        if known and one.unit not in known:
+            if one.unit and one.unit not in words.weights:
+                return None
+            unitless = True
+    return {slot: one.value for slot, one in zip(slots, numbers, strict=True)}, unitless
