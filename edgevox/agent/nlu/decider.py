@@ -18,8 +18,10 @@ _LEAST_MARGIN = 0.25
 
 
 _DOUBTFUL = (ASK_FROM + SURE_FROM) / 2
-"""At most so sure is a motion that looks like a question, or for which a strange word stands where
-a name or a number could."""
+"""At most so sure is a motion of which not all was understood."""
+
+_SURER = 0.9
+"""So sure it must be where a word was said that nobody knows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,14 +89,23 @@ class Decider:
             return None
         order = self._head.order(self._encoder.features(text))
         confidence = self._head.confidence(self._head.likelihood(order, judged.evidence))
-        facts = judged.evidence
-        if facts["moves"] and (facts["strange_alone"] or facts["asks"]):
+        if _is_doubtful(judged.evidence, confidence):
             confidence = min(confidence, _DOUBTFUL)
         return Decision(judged.reading.calls, confidence) if confidence >= ASK_FROM else None
 
     def is_order(self, text: str) -> bool:
         """Whether the speaker wants something of whoever hears it, whatever it is."""
         return self._head.order(self._encoder.features(text)) > 0
+
+
+def _is_doubtful(facts: Mapping[str, float], confidence: float) -> bool:
+    """Whether to ask before a motion however likely it is: not all of it was understood."""
+    if not facts["moves"]:
+        return False
+    strange = facts["strange_inside"]
+    if facts["asks"] or facts["strange_alone"] or (facts["parts"] > 1 and facts["strange"]):
+        return True
+    return strange > 1 or bool(strange and (facts["unspaced"] or confidence < _SURER))
 
 
 def _held_back(reading: Reading, facts: Mapping[str, float]) -> bool:
