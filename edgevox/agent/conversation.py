@@ -45,12 +45,8 @@ class Conversation:
 
     Stop words, `Interrupt` and `Reset` act on the calling thread, at once: they cancel the turn
     that runs, forget the utterances that wait or are being transcribed, cancel the goals and halt
-<<<<<<< HEAD
     the body. `halt` and `pose` are the body's, `interlock` may forbid motion, `guard` any skill but
-    to stop. Without a `mouth` it only writes, without a `decider` it does only what templates know.
-=======
-    the body. `halt` is the body's, `interlock` may forbid motion. Without a `mouth` it only writes.
->>>>>>> 7c62eea (Read no article as a thing, and ask about what is put as a question)
+    to stop. Without a `mouth` it only writes.
     """
 
     def __init__(
