@@ -9,6 +9,7 @@ from clocks import HeldClock
 from edgevox.agent.agents import Agent
 from edgevox.agent.asking import Asking
 from edgevox.agent.conversation import Conversation
+from edgevox.agent.dialogue_skills import Asides
 from edgevox.agent.mind import Mind
 from edgevox.agent.skill_executor import SkillExecutor
 from edgevox.agent.skills import OneOf, SkillFailed, SkillSet, skill
@@ -158,10 +159,12 @@ class Doubts(Heard):
         self.bus, self.clock, self.body, self.turns = Bus(), HeldClock(100.0), Body(), 0
         super().__init__(self.bus)
         self.executor = SkillExecutor(self.bus, self.body.halt, lambda text: None, guard=guard)
-        mind = Doubtful([Agent("robot", "Be brief.", self.body.skills())], self.bus, self.clock)
+        agent = Agent("robot", "Be brief.", self.body.skills())
+        asides = Asides([agent], self.bus, self.clock, lambda: self.mind.phrases)
+        mind = Doubtful(asides.agents, self.bus, self.clock)
         mind.confidence = confidence
         self.mind = mind
-        self.asking = Asking(mind, self.executor, self.bus, self.clock, confirm)
+        self.asking = Asking(mind, self.executor, asides, self.bus, self.clock, confirm=confirm)
 
     def __enter__(self):
         self.executor.start()

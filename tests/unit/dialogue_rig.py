@@ -114,7 +114,7 @@ class Model:
 class Stage:
     """Talks, and keeps what was answered and called."""
 
-    def __init__(self, body=None, *, model=None, language="en"):
+    def __init__(self, body=None, *, model=None, language="en", confirm="unsure"):
         self.body, self.bus, self.clock = body or Walker(), Bus(), HeldClock()
         self.answers, self.calls, self.changes = [], [], []
         self.bus.subscribe(Responded, self.answers.append)
@@ -126,6 +126,7 @@ class Stage:
             halt=self.body.halt,
             model=model,
             language=language,
+            confirm=confirm,
             clock=self.clock,
             pose=self.body.pose,
         )

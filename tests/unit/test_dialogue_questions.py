@@ -144,3 +144,15 @@ def test_a_question_is_a_call_that_everybody_sees_and_that_moves_nothing(stage):
 
     assert [one.skill for one in stage.calls] == ["what_are_you_doing"]
     assert stage.body.moves == []
+
+
+def test_asked_why_after_a_yes_it_quotes_what_the_yes_was_said_to():
+    stage = Stage(confirm="always")
+    with closing(stage.talk):
+        assert stage.say("go to the kitchen") == "Shall I do this? Going to the kitchen."
+        stage.say("yes")
+
+        why = stage.say("why did you do that?")
+
+        assert why == "Because I heard: “go to the kitchen”. That is a plain command."
+        assert stage.body.moves == ["kitchen"]
