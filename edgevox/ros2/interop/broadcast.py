@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from builtin_interfaces.msg import Time
 from rclpy.node import Node
 
-from edgevox.ros2.interop.tf_encoder import TfEncoder
 from edgevox.ros2.messages import transform_msg
 from edgevox.ros2.qos import profile
 from edgevox.ros2.standard_topics import STANDARD
@@ -18,19 +17,21 @@ class Broadcaster:
 
     def __init__(self, node: Node) -> None:
         self._publisher = node.create_publisher(TFMessage, "/tf", profile(STANDARD["/tf"].qos))
-        self._encoder = TfEncoder(())
 
-    def send(self, placed: Sequence[FramePose], stamp_ns: int) -> None:
+    def send(self, placed: Sequence[FramePose], stamp: Time) -> None:
         """Where things are at this stamp."""
-        if not self._publisher.get_subscription_count():
-            return
-        if self._encoder.frames != tuple((one.parent, one.child) for one in placed):
-            self._encoder = TfEncoder(placed)
-        self._publisher.publish(self._encoder.encode(stamp_ns, [one.pose for one in placed]))
+        if self._publisher.get_subscription_count():
+            self._publisher.publish(_message(placed, stamp))
 
 
 def broadcast_fixed(node: Node, placed: Sequence[FramePose]) -> None:
     """Publish what never moves, for everybody who joins, now and later; call it once."""
-    transforms = [transform_msg(one.parent, one.child, one.pose, Time()) for one in placed]
-    publisher = node.create_publisher(TFMessage, "/tf_static", profile(STANDARD["/tf_static"].qos))
-    publisher.publish(TFMessage(transforms=transforms))
+    node.create_publisher(TFMessage, "/tf_static", profile(STANDARD["/tf_static"].qos)).publish(
+        _message(placed, Time())
+    )
+
+
+def _message(placed: Sequence[FramePose], stamp: Time) -> TFMessage:
+    return TFMessage(
+        transforms=[transform_msg(one.parent, one.child, one.pose, stamp) for one in placed]
+    )

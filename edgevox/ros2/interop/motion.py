@@ -70,7 +70,7 @@ class Motion:
         if hand is not None:
             placed.append(FramePose(self._frames.map, self._frames.hand, hand))
         self._tf.put(stamp_ns, *placed)
-        self._broadcaster.send(placed, stamp_ns)
+        self._broadcaster.send(placed, to_msg(stamp_ns))
         self._say_pose(base or hand, stamp_ns)
 
     def _sample(self) -> tuple[float, Pose3D | None, Twist2D | None, Pose3D | None]:
