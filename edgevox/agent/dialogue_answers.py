@@ -49,7 +49,7 @@ class DialogueAnswers:
         words = _quoted(asked.meant or asked.words)
         if asked.source == _PLAIN:
             return book.say("why_plain", words=words)
-        return book.say("why_model", words=words, percent=round(100 * asked.confidence))
+        return book.say("why_read", words=words, percent=round(100 * asked.confidence))
 
     def heard(self) -> str:
         """What was heard last, before this."""

@@ -1,6 +1,7 @@
 """Templates, readings and their judge together, with the real encoder: what moves, and what not."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import pytest
 from corpus_robots import is_right, skills_of_robots
@@ -22,14 +23,19 @@ def decider() -> Decider:
     return Decider(Encoder(locate(ENCODER)), read_head())
 
 
+@lru_cache
+def ways(robot: str, language: str) -> tuple[Recogniser, Readings]:
+    skills = skills_of_robots()[robot]
+    return Recogniser(skills, language), Readings(skills, language)
+
+
 def decide(decider: Decider, sentence: Sentence) -> Decision | None:
-    skills = skills_of_robots()[sentence.robot]
+    recogniser, readings = ways(sentence.robot, sentence.language)
     if find_stop_word(sentence.language, sentence.says):
         return None
-    found = Recogniser(skills, sentence.language).recognise(sentence.says)
+    found = recogniser.recognise(sentence.says)
     if isinstance(found, Understood):
         return Decision(found.calls, 1.0)
-    readings = Readings(skills, sentence.language)
     return decider.decide(readings.of(sentence.says), sentence.says)
 
 

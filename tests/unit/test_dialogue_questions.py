@@ -1,10 +1,11 @@
 from contextlib import closing
 
 import pytest
-from dialogue_rig import Model, Stage, Walker
+from dialogue_rig import Stage, Walker
 
 from edgevox.agent.dialogue import MOST_EXCHANGES, REMEMBERED_S
-from edgevox.agent.skills import SkillSet
+from edgevox.agent.mind import Meaning
+from edgevox.agent.skills import Call, SkillSet
 from edgevox.core.agent_events import GoalStatus
 from edgevox.core.commands import Reset, RunSkill
 
@@ -40,15 +41,20 @@ def test_asked_why_it_quotes_the_words_and_says_that_they_were_plain(stage):
     assert why == "Because I heard: “go to the kitchen”. That is a plain command."
 
 
-def test_asked_why_it_says_that_its_model_took_words_for_a_command():
-    stage = Stage(model=Model('navigate_to(room="office")'))
-    with closing(stage.talk):
-        stage.say("somebody should check the stove")
+def test_asked_why_it_says_that_it_took_words_for_a_command_and_how_sure_it_was(monkeypatch, stage):
+    call = Call("navigate_to", {"room": "office"})
 
-        assert stage.say("why did you do that?") == (
-            "Because I heard: “somebody should check the stove”. "
-            "My language model took that for a command and was 100 percent sure."
-        )
+    def read(text, turn):
+        return Meaning(stage.talk.mind.active, (call,), "reading", 0.93)
+
+    monkeypatch.setattr(stage.talk.mind, "understand", read)
+    stage.say("somebody should check the stove")
+    monkeypatch.undo()
+
+    assert stage.say("why did you do that?") == (
+        "Because I heard: “somebody should check the stove”. "
+        "I took that for a command and was 93 percent sure."
+    )
 
 
 def test_asked_why_it_names_a_program(stage):

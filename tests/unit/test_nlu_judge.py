@@ -10,6 +10,7 @@ from edgevox.agent.agents import Agent
 from edgevox.agent.llm.base import Message
 from edgevox.agent.mind import Mind
 from edgevox.agent.nlu.decider import Decider, Readings
+from edgevox.agent.nlu.function_words import words_of
 from edgevox.agent.nlu.judge import ASK_FROM, SURE_FROM, read_head
 from edgevox.agent.nlu.packed_file import Floats
 from edgevox.agent.skills import Call
@@ -17,6 +18,7 @@ from edgevox.agent.turn import Turn
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import SystemClock
+from edgevox.core.languages import LANGUAGES
 
 APARTMENT = skills_of_robots()["robot-apartment"]
 ORDER, TALK = 12.0, -12.0
@@ -97,6 +99,15 @@ def test_a_motion_beside_a_strange_word_is_never_sure() -> None:
     decision = decider(ORDER).decide(readings.of(text), text)
 
     assert decision is None or not decision.sure
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_in_a_language_whose_denials_nobody_listed_it_always_asks(language: str) -> None:
+    text = "kitchen, quickly"  # English is understood in all of them
+    decision = decider(ORDER).decide(Readings(APARTMENT, language).of(text), text)
+
+    assert decision is not None
+    assert decision.sure is bool(words_of(language).negations)
 
 
 def test_what_is_held_back_is_not_done_however_sure_the_head_is() -> None:

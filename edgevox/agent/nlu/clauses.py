@@ -15,8 +15,8 @@ from edgevox.core.errors import InvalidValue
 _CALL_COSTS = 1.0
 _STRANGE_COSTS = 0.25
 _PLAIN, _BARE = 0.0, 1.2
-"""What the words must weigh at least that speak for a skill, where a name or a number is said that
-it takes, and where none is."""
+"""What the words must weigh at least that speak for a skill: for one that moves, where a name or a
+number is said that it takes, and for all else."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +76,7 @@ class Clauses:
             if words.skill.name != STOP and (names or not words.skill.choices)
             for chosen in ([inside, names] if len(inside) > len(names) else [names])
             for part in self._calls(words, start, end, chosen, numbers)
-            if part.support >= (_PLAIN if names or numbers else _BARE)
+            if part.support >= (_PLAIN if self._may_be_short(part) else _BARE)
         ]
         parts = [one for one in parts if one.support > 0 or _is_alone(one, parts)]
         ranked = sorted(parts, key=lambda one: (one.support, one.grounded), reverse=True)
@@ -86,6 +86,10 @@ class Clauses:
             again = any(part.call.skill == one.call.skill for one in before)
             value = part.support + 0.6 * part.grounded - _STRANGE_COSTS * part.strange
             yield value - _CALL_COSTS + 0.3 * again - 0.01 * index, replace(part, rival=rival)
+
+    def _may_be_short(self, part: Part) -> bool:
+        """Whether it may leave out its verb: "the kitchen, please" asks for motion only."""
+        return part.grounded > 0 and self._lexicon.skills[part.call.skill].drives
 
     def _is_weak(self, one: Name) -> bool:
         """Whether these words may just as well mean nothing: "it", "that"."""

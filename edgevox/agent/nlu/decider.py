@@ -6,6 +6,7 @@ from typing import Any
 
 from edgevox.agent.nlu.encoder import SentenceReader
 from edgevox.agent.nlu.evidence import evidence
+from edgevox.agent.nlu.function_words import words_of
 from edgevox.agent.nlu.judge import ASK_FROM, SURE_FROM, Head
 from edgevox.agent.nlu.lexicon import Lexicon
 from edgevox.agent.nlu.readings import Reader, Reading
@@ -44,6 +45,8 @@ class Judged:
     reading: Reading
     evidence: Mapping[str, float]
     held_back: bool
+    unlisted: bool
+    """Its language has no table of function words, so that a denial in it is not noticed."""
 
 
 class Readings:
@@ -52,6 +55,7 @@ class Readings:
     def __init__(self, skills: SkillSet, language: str) -> None:
         self._skills = skills
         self._language = language
+        self._unlisted = not words_of(language).negations
         self._words: Any = None
         self._readers: list[tuple[Lexicon, Reader]] = []
 
@@ -63,7 +67,7 @@ class Readings:
             reading = reader.read(digits(plain, lexicon.book.code))
             if reading is not None:
                 facts = evidence(reading, lexicon, text)
-                return Judged(reading, facts, _held_back(reading, facts))
+                return Judged(reading, facts, _held_back(reading, facts), self._unlisted)
         return None
 
     def _renew(self) -> None:
@@ -89,7 +93,8 @@ class Decider:
             return None
         order = self._head.order(self._encoder.features(text))
         confidence = self._head.confidence(self._head.likelihood(order, judged.evidence))
-        if _is_doubtful(judged.evidence, confidence):
+        unlisted = judged.unlisted and judged.evidence["moves"]
+        if unlisted or _is_doubtful(judged.evidence, confidence):
             confidence = min(confidence, _DOUBTFUL)
         return Decision(judged.reading.calls, confidence) if confidence >= ASK_FROM else None
 
