@@ -28,7 +28,7 @@ from edgevox.core.log import get_logger
 log = get_logger(__name__)
 
 MAX_HANDOFFS = 3
-"""How often one utterance may be handed on, so that two agents cannot play ball with it."""
+"""How often one utterance may be handed on; nobody gets it twice."""
 
 ANSWER_TOKENS = 160
 """The longest answer or sequence of calls that a model may generate."""
@@ -103,8 +103,7 @@ class Mind:
             turn.say(plain.reason, Outcome.REFUSED, detail=plain.detail)
             return None
         if self._model is None:
-            told, detail = not_understood(self.phrases, self._every_skill())
-            turn.say(told, Outcome.NOT_UNDERSTOOD, detail=detail)
+            self._say_not_understood(turn)
             return None
         return self._ask_model(self._model, text, turn)
 
@@ -144,22 +143,29 @@ class Mind:
 
     def _ask_model(self, model: LanguageModel, text: str, turn: Turn) -> Meaning | None:
         ordered = self._decider is not None and self._decider.is_order(text)
-        for _ in range(MAX_HANDOFFS + 1):
-            calls = self._generate(model, text, turn, ordered=ordered)
+        had: list[str] = []  # so that two agents cannot play ball with it
+        while len(had) <= MAX_HANDOFFS:
+            had.append(self.active.name)
+            protocol = self._protocol().without(had)
+            calls = self._generate(model, protocol, text, turn, ordered=ordered)
             handoffs = [call for call in calls if call.skill == HANDOFF]
-            if not handoffs:
-                return self._unsure(calls) if calls else None
+            if calls and not handoffs:
+                return Meaning(self.active, tuple(calls), "model", ASK_FROM)
+            if not calls:
+                if not turn.text and not turn.token.cancelled:  # it called what it may not
+                    self._say_not_understood(turn)
+                return None
             self._hand_over(self._agents[str(handoffs[0].arguments["agent"])], turn)
         turn.say(self.phrases.say("nobody"), Outcome.FAILED)
         return None
 
-    def _unsure(self, calls: Sequence[Call]) -> Meaning:
-        return Meaning(self.active, tuple(calls), "model", ASK_FROM)
+    def _say_not_understood(self, turn: Turn) -> None:
+        told, detail = not_understood(self.phrases, self._every_skill())
+        turn.say(told, Outcome.NOT_UNDERSTOOD, detail=detail)
 
     def _generate(
-        self, model: LanguageModel, text: str, turn: Turn, *, ordered: bool
+        self, model: LanguageModel, protocol: Protocol, text: str, turn: Turn, *, ordered: bool
     ) -> Sequence[Call]:
-        protocol = self._protocol()
         parser = protocol.parser()
         started_s = self._clock.now()
         try:

@@ -2,7 +2,7 @@
 
 import ast
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from edgevox.agent.grammar import DO, END, HANDOFF, JOINT, SAY, grammar, literal
@@ -92,6 +92,11 @@ class Protocol:
         """Itself, or another if words were learned or forgotten since it was made."""
         return self if self.words == self.skills.words() else replace(self)
 
+    def without(self, agents: Collection[str]) -> "Protocol":
+        """Itself, or another that hands over to none of these."""
+        left = tuple(name for name in self.handoffs if name not in agents)
+        return self if left == self.handoffs else replace(self, handoffs=left)
+
     def grammar_of(self, *, ordered: bool) -> str:
         """What a model may answer to a sentence that is `ordered`, or to one that is not."""
         return self.free_grammar if ordered else self.words_grammar
@@ -106,7 +111,7 @@ class Protocol:
 
     def _may(self, call: Call, spoken: str, *, ordered: bool) -> bool:
         if call.skill == HANDOFF:
-            return True
+            return call.arguments.get("agent") in self.handoffs
         if not ordered or call.skill not in self.skills:
             return False
         one = self.skills[call.skill]

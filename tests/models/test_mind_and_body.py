@@ -13,6 +13,7 @@ from edgevox.agent.conversation import Conversation
 from edgevox.agent.llm.base import LanguageModel
 from edgevox.agent.llm.factory import load_model
 from edgevox.agent.skills import SkillSet
+from edgevox.apps.decision import open_decider
 from edgevox.apps.robots import build_agents
 from edgevox.core.agent_events import AgentEvent, GoalChanged, HandedOver, as_json
 from edgevox.core.bus import Bus
@@ -47,6 +48,7 @@ class Home:
             self.bus,
             halt=self.robot.halt,
             model=model,
+            decider=open_decider(),
         )
         self.robot.start()
         self.conversation.start()
@@ -99,12 +101,29 @@ def drive_off(one, room="bedroom"):
 
 def test_an_indirect_wish_moves_the_robot(home):
     one = home()
-    one.talk("I'd really appreciate it if you went to the kitchen now")
+    one.talk("I would like you over in the kitchen, please")
     (call,) = one.deeds("tool_call")
-    assert (call["skill"], call["source"]) == ("navigate_to", "model")
+    assert (call["skill"], call["source"]) == ("navigate_to", "reading")
     assert call["arguments"] == {"room": "kitchen"}
     assert one.robot.state()["room"] == "kitchen"
     assert one.answers()[-1].text == "I am in the kitchen."
+
+
+def test_a_wish_that_it_is_less_sure_of_is_asked_about_first(home):
+    one = home()
+    one.talk("I'd really appreciate it if you went to the kitchen now")
+    assert one.answers()[-1].text == "Shall I go to the kitchen?"
+    assert not one.deeds("tool_call")
+    one.talk("yes, please")
+    assert one.robot.state()["room"] == "kitchen"
+
+
+@pytest.mark.parametrize("said", ["what is seven times eight", "I was in the office yesterday"])
+def test_what_nobody_asked_for_moves_nothing(home, said):
+    one = home()
+    one.talk(said)
+    assert one.answers()
+    assert not one.deeds("tool_call")
 
 
 def test_an_answer_streams_in_tokens_that_add_up_to_it(home):

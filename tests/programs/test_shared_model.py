@@ -1,35 +1,57 @@
-"""A language model that several robots share, and a whole robot that one moves."""
+"""A language model that several robots share, and what a whole robot does by it: it talks."""
 
 import os
 import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 from guards import HUNG_S
 from llm_server import good, serving
 
+from edgevox.agent.grammar import SAY
+
 AGENT = Path(sys.executable).with_name("edgevox-agent")
 WISH = "I'd be glad of some company next to the oven"
+ANSWER = "That would be nice indeed."
 
 
-def test_a_wish_moves_a_robot_by_a_shared_model(tmp_path: Path) -> None:
-    key = tmp_path / "key"
-    key.write_text("hunter")
-    call = good("call: ", 'navigate_to(room="kitchen"); ', "done")
-    with serving(call) as server:
-        ran = subprocess.run(
-            [AGENT, "robot-apartment", "--text-mode", "--simple-ui", "--llm", "none"],
-            input=f"{WISH}\n",
-            capture_output=True,
-            text=True,
-            timeout=HUNG_S,
-            env=os.environ
-            | {"EDGEVOX_LLM_ENDPOINT": server.url, "EDGEVOX_LLM_ENDPOINT_KEY_FILE": str(key)},
-        )
+def ask(said: str, server_url: str, key: Path) -> "subprocess.CompletedProcess[str]":
+    """A whole robot that is told this, with a model on a server."""
+    return subprocess.run(
+        [AGENT, "robot-apartment", "--text-mode", "--simple-ui", "--llm", "none"],
+        input=f"{said}\n",
+        capture_output=True,
+        text=True,
+        timeout=HUNG_S,
+        env=os.environ
+        | {"EDGEVOX_LLM_ENDPOINT": server_url, "EDGEVOX_LLM_ENDPOINT_KEY_FILE": str(key)},
+    )
+
+
+@pytest.fixture
+def key(tmp_path: Path) -> Path:
+    file = tmp_path / "key"
+    file.write_text("hunter")
+    return file
+
+
+def test_a_shared_model_answers_what_no_robot_does(key: Path) -> None:
+    with serving(good(SAY, ANSWER)) as server:
+        ran = ask(WISH, server.url, key)
 
     assert ran.returncode == 0
-    assert "I am in the kitchen." in ran.stdout
+    assert ANSWER in ran.stdout
     assert set(server.keys) == {"Bearer hunter"}
     assert "hunter" not in ran.stdout + ran.stderr
     # Not only in the last request: between turns the prompt's beginning is asked for, to be warm.
     assert any(WISH in str(asked["messages"]) for asked in server.asked)
+
+
+def test_a_shared_model_that_heeds_no_grammar_moves_no_robot(key: Path) -> None:
+    with serving(good("call: ", 'navigate_to(room="kitchen"); ', "done")) as server:
+        ran = ask(WISH, server.url, key)
+
+    assert ran.returncode == 0
+    assert "I cannot think right now" in ran.stdout
+    assert "kitchen" not in ran.stdout
