@@ -129,7 +129,9 @@ class Mind:
         return None
 
     def remember(self, said: str, turn: Turn, meaning: Meaning | None) -> None:
-        """Keep an exchange for the next ones."""
+        """Keep an exchange for the next ones, but for a question: a model would ask the like."""
+        if turn.outcome is Outcome.ASKED:
+            return
         protocol = self._protocols[self.active.name]
         told = meaning and all(call.skill in meaning.agent.skills for call in meaning.calls)
         calls = meaning.calls if meaning and told else ()

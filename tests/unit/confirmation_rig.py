@@ -112,10 +112,19 @@ class Heard:
         return [str(one.status) for one in self.questions]
 
 
+class Eloquent:
+    """A language model with room for what was said, which nobody asks here."""
+
+    name, context_tokens = "eloquent", 4096
+
+    def count_tokens(self, text):
+        return len(text.split())
+
+
 class Talk(Heard):
     """A whole conversation, as anybody submits to it."""
 
-    def __init__(self, confirm="always", language="en", mouth=None):
+    def __init__(self, confirm="always", language="en", mouth=None, model=None):
         self.bus, self.clock, self.body = Bus(), HeldClock(100.0), Body()
         super().__init__(self.bus)
         self.conversation = Conversation(
@@ -126,6 +135,7 @@ class Talk(Heard):
             confirm=confirm,
             clock=self.clock,
             mouth=mouth,
+            model=model,
         )
 
     def __enter__(self):

@@ -3,7 +3,7 @@
 import threading
 
 import pytest
-from confirmation_rig import Doubts, Talk
+from confirmation_rig import Doubts, Eloquent, Talk
 
 from edgevox.agent.confirmation import EXPIRES_S
 from edgevox.agent.nlu.judge import SURE_FROM
@@ -29,6 +29,15 @@ def test_what_is_asked_first_is_told_with_its_calls_and_done_when_confirmed():
         assert talk.answers[1:] == ["Going to the kitchen.", "I am in the kitchen."]
         assert talk.statuses == ["asked", "confirmed"]
         assert {one.turn for one in talk.questions} == {1}
+
+
+def test_a_model_is_not_shown_a_question_since_it_would_ask_the_like_and_mean_nothing():
+    with Talk(model=Eloquent()) as talk:
+        talk.say("go to the kitchen", "yes", "where are you")
+        told = [message.content for message in talk.conversation.mind.chat()]
+        assert talk.answers[0] == "Shall I go to the kitchen?"
+        assert not any("Shall I" in said for said in told)
+        assert any("get_pose" in said for said in told)
 
 
 def test_a_no_leaves_it():
