@@ -44,6 +44,8 @@ class DialogueAnswers:
         if moved is None:
             return book.say("nothing_done")
         asked = self._dialogue.exchange(moved.turn)
+        if asked is None and moved.turn:  # too much was said since
+            return book.say("nothing_done")
         if asked is None or not asked.words:
             return book.say("why_program")
         words = _quoted(asked.meant or asked.words)

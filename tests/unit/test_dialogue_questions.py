@@ -67,6 +67,13 @@ def test_asked_why_it_names_a_program(stage):
     assert stage.say("why did you do that?") == "A program asked me to."
 
 
+def test_asked_why_after_so_much_else_that_it_forgot_the_words_it_names_no_program(stage):
+    stage.say("go to the kitchen")
+    for _ in range(MOST_EXCHANGES + 1):
+        stage.say("what did you hear?")
+    assert stage.say("why did you do that?") == "I have done nothing lately."
+
+
 def test_asked_why_after_nothing_it_says_so(stage):
     assert stage.say("why did you do that?") == "I have done nothing lately."
     stage.say("go to the kitchen")
