@@ -64,6 +64,10 @@ OVERHEAD = (
     Shown("overhead", "model.work.more", "of the time of a sentence for the model"),
     Shown("overhead", "plain.work.more", "of the time of a typed plain command"),
 )
+STRANGERS = (
+    Shown("corpus", "whole.held_out.right", "what strangers say: right, or rightly nothing"),
+    Shown("corpus", "whole.held_out.moved", "what strangers say: motions that nobody asked for"),
+)
 CONTAINER = (
     Shown("image", "image.all", "image with models and all robots"),
     Shown("image", "slim.all", "slim image"),
@@ -71,6 +75,7 @@ CONTAINER = (
 )
 FRONT = (
     *(ANSWERS[at] for at in (0, 3, 1)),
+    *STRANGERS,
     *(VOICE[at] for at in (1, 5)),
     *(ANSWERS[at] for at in (5, 7, 8)),
     CONTAINER[0],

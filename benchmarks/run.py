@@ -36,6 +36,7 @@ BENCHMARKS = {
     "robots": "every body beside its simulator alone",
     "overhead": "what logs, metrics and diagnostics cost",
     "voice": "hearing, answering aloud, barging in, an hour of listening",
+    "corpus": "what becomes of what strangers say, and whether anything moves that should not",
     "understanding": "what templates and models understand",
     "image": "size and start of the container's image",
 }

@@ -16,7 +16,6 @@ from typing import Any
 
 import yaml
 from figures import Figure, Measured, NotHere
-from understanding_corpus import corpus_figures
 
 from edgevox.agent.arguments import check_arguments
 from edgevox.agent.intents import Recogniser, Understood
@@ -215,7 +214,7 @@ def measure(quick: bool = False) -> Measured:
             figures += _figures(f"{name}.bodies", BODIES, column, found)
             notes |= _misses(f"{column}, other bodies", found)
         model.close()
-    return Measured(figures=(*figures, *corpus_figures(quick)), notes=notes)
+    return Measured(figures=tuple(figures), notes=notes)
 
 
 def _figures(name: str, table: str, column: str, outcomes: Sequence[Outcome]) -> Iterator[Figure]:

@@ -1,7 +1,8 @@
-"""How the product as a whole understands the corpus: what is right, moves wrongly, is asked.
+"""What the product makes of the sentences of strangers: what is right, moves wrongly, is asked.
 
 Each sentence goes the way that a spoken one goes: stop words, templates, readings and their judge.
-A language model is not asked, since it only answers in words. "asked" is what is asked back; a
+A language model is not asked, since it only answers in words; what the default one would do if it
+were let is told of a sample. "asked" is what is asked back; a
 wrong motion is one that is begun unasked and is none of the right outcomes.
 """
 
@@ -13,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from figures import Figure, NotHere
+from figures import Figure, Measured, NotHere
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
@@ -21,7 +22,8 @@ from corpus_robots import is_right, skills_of_robots
 from corpus_sentences import Sentence, read_corpus
 
 from edgevox.agent.intents import Recogniser, Understood
-from edgevox.agent.llm.base import LanguageModel, Message
+from edgevox.agent.llm.base import LanguageModel, Message, ModelFailed
+from edgevox.agent.llm.factory import load_model
 from edgevox.agent.mind import ANSWER_TOKENS
 from edgevox.agent.nlu.decider import Decider, Readings
 from edgevox.agent.nlu.encoder import ENCODER, Encoder
@@ -33,7 +35,8 @@ from edgevox.apps.robots import ROBOTS
 from edgevox.core.cancel import CancelToken
 from edgevox.models import ModelMissing, locate
 
-TABLE = "What people say: the corpus"
+MODEL = "qwen2.5-coder-0.5b-instruct"
+TABLE = "What becomes of what strangers say"
 WANTED_RIGHT, WANTED_RIGHT_ELSEWHERE, WANTED_ASKED = 95.0, 85.0, 5.0
 WANTED_MEDIAN_S, WANTED_SLOWEST_S, WANTED_TEMPLATE_S = 0.5, 1.5, 0.002
 SAMPLE = 150
@@ -114,7 +117,7 @@ def open_decider() -> Decider:
         raise NotHere(str(error)) from error
 
 
-def corpus_figures(quick: bool = False) -> list[Figure]:
+def measure(quick: bool = False) -> Measured:
     """The corpus through templates alone and through the whole, the halves apart."""
     sentences = read_corpus()[:: 10 if quick else 1]
     figures = []
@@ -123,20 +126,19 @@ def corpus_figures(quick: bool = False) -> list[Figure]:
         told = [tell(one) for one in sentences]
         for half, held in (("tuning", False), ("held_out", True)):
             chosen = [one for one in told if one.sentence.held_out is held]
-            figures += _figures(
-                f"corpus.{name}.{half}", f"{name}, {half.replace('_', ' ')}", chosen
-            )
+            figures += _figures(f"{name}.{half}", f"{name}, {half.replace('_', ' ')}", chosen)
+    figures += _model_alone(sample(sentences, 15 if quick else SAMPLE))
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     figures.append(
-        Figure(id="corpus.memory", table=TABLE, what="memory, without speech and language model",
+        Figure(id="memory", table=TABLE, what="memory, without speech and language model",
                value=round(memory), unit="MB")
     )  # fmt: skip
-    return figures
+    return Measured(figures=tuple(figures))
 
 
 def _figures(identifier: str, column: str, told: Sequence[Told]) -> Iterator[Figure]:
     english = [one for one in told if one.sentence.language == "en"]
-    yield from _shares(identifier, column, "", english, WANTED_RIGHT)
+    yield from _shares(identifier, column, "", english)
     for language in sorted({one.sentence.language for one in told} - {"en"}):
         chosen = [one for one in told if one.sentence.language == language]
         yield from _shares(f"{identifier}.{language}", column, f"{language}: ", chosen,
@@ -156,7 +158,7 @@ def _figures(identifier: str, column: str, told: Sequence[Told]) -> Iterator[Fig
 
 
 def _shares(
-    identifier: str, column: str, prefix: str, told: Sequence[Told], wanted: float
+    identifier: str, column: str, prefix: str, told: Sequence[Told], wanted: float = WANTED_RIGHT
 ) -> Iterator[Figure]:
     yield _share(f"{identifier}.right", column, f"{prefix}right", told, _is_right, wanted=wanted)
     yield Figure(id=f"{identifier}.moved", table=TABLE, what=f"{prefix}wrong motions",
@@ -181,6 +183,17 @@ def _share(
     )  # fmt: skip
 
 
+def _model_alone(sentences: Sequence[Sentence]) -> Iterator[Figure]:
+    """What the default model would do under a grammar alone, if nothing judged what it calls."""
+    try:
+        model = load_model(locate(MODEL))
+    except (ModelFailed, ModelMissing) as error:
+        raise NotHere(str(error)) from error
+    told = through_model_alone(model, sentences)
+    model.close()
+    yield from _shares("model", "templates and the 0.5B alone, of the tuning half", "", told)
+
+
 def through_model_alone(model: LanguageModel, sentences: Iterable[Sentence]) -> list[Told]:
     """What templates and then a language model with a grammar would do, without a judge."""
     product, told = Product(None), []
@@ -202,7 +215,7 @@ def through_model_alone(model: LanguageModel, sentences: Iterable[Sentence]) -> 
     return told
 
 
-def sample(sentences: Sequence[Sentence]) -> list[Sentence]:
+def sample(sentences: Sequence[Sentence], size: int) -> list[Sentence]:
     """Some of the tuning half, robot by robot, so that a model keeps what it read of one."""
     english = [one for one in sentences if one.language == "en" and not one.held_out]
-    return sorted(english[:: max(1, len(english) // SAMPLE)], key=lambda one: one.robot)
+    return sorted(english[:: max(1, len(english) // size)], key=lambda one: one.robot)
