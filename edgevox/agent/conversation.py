@@ -168,10 +168,7 @@ class Conversation:
         return self._executor.begin(Call(name, arguments), self._skills, goal_id, way)
 
     def wait_idle(self, timeout_s: float | None = None) -> bool:
-        """Block until nothing is said, thought or done any more; False after the timeout.
-
-        For scripts and tests: a command's answer and the end of the goals it started both count.
-        """
+        """Block until nothing is said, thought or done, goals too; False after the timeout."""
         deadline_s = None if timeout_s is None else self._clock.now() + timeout_s
         while True:
             left_s = None if deadline_s is None else max(0.0, deadline_s - self._clock.now())
@@ -194,7 +191,7 @@ class Conversation:
         return bool(heard.text) and not stopped
 
     def _interrupt(self, reason: str, *, motion: bool) -> None:
-        """Stop everything; without `motion` only cut what is said: somebody wants to be heard."""
+        """Stop everything; without `motion` only what is said: somebody wants to be heard."""
         if motion:
             self._stop(because("interrupted", reason), self._clock.now())
             self._inbox.put(inbox.Settle())
@@ -299,6 +296,5 @@ class Conversation:
         with self._inbox.gate:
             self._turn = None
         self._states.rest()
-        outcome = turn.outcome if measured else None
-        self._bus.publish(TurnEnded(turn.number, outcome, turn.tokens))
+        self._bus.publish(TurnEnded(turn.number, turn.outcome if measured else None, turn.tokens))
         self._inbox.done()

@@ -4,7 +4,6 @@ import difflib
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from types import NoneType, UnionType
 from typing import Any, Union, get_args, get_origin
 
@@ -14,9 +13,10 @@ from hassil.intents import TextSlotList
 from edgevox.agent.numbers import digits
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.phrasebook import Hearing, Phrasebook
-from edgevox.agent.skills import NO_SKILLS, Call, OneOf, Skill, SkillSet
+from edgevox.agent.skills import NO_SKILLS, Call, Skill, SkillSet
 from edgevox.agent.spelling import composed, folded, key, separated, unpunctuated
 from edgevox.agent.spoken_lists import brief, whole
+from edgevox.agent.template_compiler import compile_templates, word_list, written
 
 MAX_CHARACTERS = 240
 """Longer utterances are not plain commands; they go to the model."""
@@ -102,8 +102,8 @@ class _Reader:
         self._answers = answers
         self._joints = _joints(book.hearing)
         self._reserved = frozenset(map(key, book.hearing.reserved))
-        self._strict = _compile(self._skills, book, loose=False)
-        self._loose = _compile(skills, book, loose=True)
+        self._strict = compile_templates(self._skills, book, loose=False)
+        self._loose = compile_templates(skills, book, loose=True)
         self.learn()
 
     def learn(self) -> None:
@@ -112,7 +112,7 @@ class _Reader:
         for name, intent in self._strict.intents.items():
             for argument, one in self._skills[name].choices.items():
                 if id(one) not in made:
-                    made[id(one)] = _choices(one, self._book)
+                    made[id(one)] = word_list(one, self._book)
                 for block in intent.data:
                     block.slot_lists[argument] = made[id(one)]
 
@@ -135,7 +135,7 @@ class _Reader:
     def _one(self, part: str) -> Call | Refused | None:
         """The call that this sentence is; two bare numbers side by side are read as "x and y"."""
         paired = _PAIR.sub(rf"\1 {self._book.hearing.pair} ", part)
-        sentence = _written(unpunctuated(separated(paired)), self._book.hearing)
+        sentence = written(unpunctuated(separated(paired)), self._book.hearing)
         for call in self._matches(sentence, self._strict):
             return call
         if key(sentence) in self._reserved:
@@ -202,66 +202,6 @@ def refused(
     name = argument.replace("_", " ")
     reason = book.say(sentence, argument=name, said=said, known=brief(book, known, said))
     return Refused(reason, whole(book, known))
-
-
-def _compile(skills: SkillSet, book: Phrasebook, *, loose: bool) -> Intents:
-    """Intents, one per skill; `loose` lets any words stand where one of some words should."""
-    templates = {
-        name: book.templates(one) if book.fallback else one.templates
-        for name, one in skills.items()
-        if not loose or one.choices
-    }
-    data = {
-        name: {
-            "data": [
-                {
-                    "sentences": [_pattern(sentence) for sentence in sentences],
-                    "lists": _lists(skills[name], book, loose=loose),
-                }
-            ]
-        }
-        for name, sentences in templates.items()
-        if sentences
-    }
-    rules = {name: _pattern(rule) for name, rule in book.rules.items()}
-    return Intents.from_dict({"language": book.code, "intents": data, "expansion_rules": rules})
-
-
-def _pattern(template: str) -> str:
-    return folded(separated(composed(template)))
-
-
-def _written(text: str, hearing: Hearing) -> str:
-    """With spaces only where the language has them between words."""
-    return text if hearing.spaced else text.replace(" ", "")
-
-
-def _lists(one: Skill, book: Phrasebook, *, loose: bool) -> dict[str, Any]:
-    """Any words, but for what `learn` gives words to choose from; the book's usual places."""
-    lists: dict[str, Any] = {
-        name: {"wildcard": True} if loose or name not in one.choices else {"values": []}
-        for name in one.arguments_model.model_fields
-    }
-    usual = [_pattern(place) for place in book.hearing.places]
-    return lists | {"place": {"values": usual}} if one.new_names else lists
-
-
-@lru_cache(maxsize=8192)
-def _forms(said: str, code: str, *, spaced: bool) -> tuple[str, ...]:
-    """How a word of a language may be written. Kept, for a new word is one of many."""
-    plain = key(said)
-    found = dict.fromkeys((digits(plain, code), plain))
-    return tuple(found) if spaced else tuple(one.replace(" ", "") for one in found)
-
-
-def _choices(choices: OneOf, book: Phrasebook) -> TextSlotList:
-    """What may be said for these words, as it is written and with its numbers as digits."""
-    spoken = {
-        form: word
-        for said, word in book.heard(choices).items()
-        for form in _forms(said, book.code, spaced=book.hearing.spaced)
-    }
-    return TextSlotList.from_tuples(spoken.items(), allow_template=False)
 
 
 def _arguments(one: Skill, result: RecognizeResult, sentence: str) -> Mapping[str, Any] | None:

@@ -2,9 +2,13 @@
 
 import re
 from collections.abc import Mapping
+from string import Formatter
 from typing import Any
 
 from edgevox.agent.skills import Example
+
+_ONE_NAME = {"location": "room"}
+"""What phrasebooks call by another name: all places are spoken of as rooms."""
 
 
 def renamed(template: str, arguments: Mapping[str, str]) -> str:
@@ -35,3 +39,14 @@ def as_part(sentence: str) -> str:
 def in_english(value: Any) -> Any:
     """A value as English sentences use it."""
     return value.replace("_", " ") if isinstance(value, str) else value
+
+
+def fields(template: str) -> set[str]:
+    """The values that a sentence needs, without their forms: "{room.to}" needs "room"."""
+    names = (name for _, name, _, _ in Formatter().parse(template) if name)
+    return {re.split(r"[.\[]", name)[0] for name in names}
+
+
+def spoken_name(argument: str) -> str:
+    """How phrasebooks call an argument or a result of this name."""
+    return _ONE_NAME.get(argument, argument)

@@ -5,16 +5,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import zip_longest
-from string import Formatter
 from typing import Any
 
 from edgevox.agent.answers import AnswerWords
 from edgevox.agent.phrase_forms import (
     as_part,
     bare,
+    fields,
     in_english,
     renamed,
     renamed_example,
+    spoken_name,
     without_unit,
 )
 from edgevox.agent.skills import Example, OneOf, Skill, SkillPhrases
@@ -27,8 +28,6 @@ Rewriting = tuple[re.Pattern[str], str]
 
 MOST_HINTS = 6
 """How many hints of words a model is shown."""
-_ONE_NAME = {"location": "room"}
-"""What phrasebooks call by another name: all places are spoken of as rooms."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -298,14 +297,3 @@ class Phrasebook:
         for pattern, replacement in self.smoothing:
             text = pattern.sub(replacement, text)
         return text
-
-
-def spoken_name(argument: str) -> str:
-    """How phrasebooks call an argument or a result of this name."""
-    return _ONE_NAME.get(argument, argument)
-
-
-def fields(template: str) -> set[str]:
-    """The values that a sentence needs, without their forms: "{room.to}" needs "room"."""
-    names = (name for _, name, _, _ in Formatter().parse(template) if name)
-    return {re.split(r"[.\[]", name)[0] for name in names}

@@ -8,7 +8,7 @@ from phrasebook_bodies import BODIES, SKILLS, say_it
 import edgevox
 from edgevox.agent.intents import Recogniser, Understood
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
-from edgevox.agent.phrasebook import fields
+from edgevox.agent.phrase_forms import fields
 from edgevox.agent.safety import SafetyWords
 from edgevox.agent.spelling import key
 from edgevox.core.errors import InvalidValue
