@@ -15,7 +15,7 @@ from edgevox.agent.llm.base import LanguageModel, Message, ModelFailed
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
 from edgevox.agent.nlu.judge import ASK_FROM, SURE_FROM
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
-from edgevox.agent.skills import Call, Skill
+from edgevox.agent.skills import Call, Skill, SkillSet
 from edgevox.agent.spoken_lists import not_understood
 from edgevox.agent.toolcalls import HANDOFF, Protocol
 from edgevox.agent.turn import Turn
@@ -82,7 +82,7 @@ class Mind:
         self._recognisers = {a.name: Recogniser(a.skills, code, a.asides) for a in agents}
         self._readings = {a.name: Readings(a.skills, code) for a in agents}
         self._protocols = {
-            a.name: Protocol(a.instructions, a.skills, a.handoffs, code) for a in agents
+            a.name: Protocol(a.instructions, _for_models(a), a.handoffs, code) for a in agents
         }
 
     def chat(self, text: str = "") -> list[Message]:
@@ -215,3 +215,8 @@ class Mind:
             return 0
         longest = max(size_tokens(self._count_tokens, p.opening) for p in self._protocols.values())
         return max(0, self._model.context_tokens - longest - 4 * ANSWER_TOKENS)
+
+
+def _for_models(agent: Agent) -> SkillSet:
+    """What a model may call: what no reading can fill in, since it takes any words."""
+    return SkillSet(one for one in agent.skills.values() if one.free_text)

@@ -34,7 +34,13 @@ def system_prompt(
     instructions: str, skills: SkillSet, handoffs: Sequence[str] = (), language: str = ENGLISH
 ) -> str:
     """The role, the calls there are, and how to answer, in that language."""
-    lines = [instructions, "", "You can only make these calls:"]
+    lines = [instructions, ""]
+    if not skills and not handoffs:
+        lines.append(
+            f'Answer with "{SAY}" and one short sentence. Others do what can be done here.'
+        )
+        return "\n".join([*lines, *_spoken_in(language)])
+    lines.append("You can only make these calls:")
     lines += [f"{_signature(one)}: {one.description}" for one in skills.values()]
     if handoffs:
         who = " or ".join(literal(name) for name in handoffs)
@@ -48,10 +54,14 @@ def system_prompt(
             "Never do what nobody asked for."
         ),
     ]
-    if language != ENGLISH:
-        name = phrasebook(language).name
-        lines.append(f"People speak {name} to you. Every sentence that you say is {name}.")
-    return "\n".join(lines)
+    return "\n".join([*lines, *_spoken_in(language)])
+
+
+def _spoken_in(language: str) -> list[str]:
+    if language == ENGLISH:
+        return []
+    name = phrasebook(language).name
+    return [f"People speak {name} to you. Every sentence that you say is {name}."]
 
 
 def examples(
