@@ -3,11 +3,12 @@
 import pytest
 
 from edgevox.agent.llm.factory import load_model
-from edgevox.agent.skills import SkillSet
-from edgevox.agent.toolcalls import Protocol
+from edgevox.agent.mind import Mind
+from edgevox.apps.robots import build_agents
+from edgevox.core.bus import Bus
+from edgevox.core.clock import SystemClock
 from edgevox.core.languages import LANGUAGES
 from edgevox.robots.apartment import ApartmentRobot
-from edgevox.robots.plugin import INSTRUCTIONS
 
 MOST_PROMPT_TOKENS = 1700
 """Two fifths of the context; scripts that the model's vocabulary is poor in take the most."""
@@ -22,19 +23,16 @@ def tiny(tiny_path):
 
 @pytest.mark.parametrize("code", LANGUAGES)
 def test_the_prompt_leaves_room_for_the_conversation_in_every_language(tiny, code):
-    protocol = Protocol(INSTRUCTIONS, skills(), language=code)
-
-    tokens = sum(tiny.count_tokens(message.content) + 5 for message in protocol.opening)
+    tokens = sum(tiny.count_tokens(message.content) + 5 for message in opening(code))
 
     assert tokens <= MOST_PROMPT_TOKENS
 
 
 @pytest.mark.parametrize("code", [code for code in LANGUAGES if code != "en"])
 def test_the_prompt_names_the_language_to_answer_in(code):
-    opening = Protocol(INSTRUCTIONS, skills(), language=code).opening
-
-    assert f"Every sentence that you say is {LANGUAGES[code].name}." in opening[0].content
+    assert f"Every sentence that you say is {LANGUAGES[code].name}." in opening(code)[0].content
 
 
-def skills():
-    return SkillSet(ApartmentRobot().skills)
+def opening(code):
+    """What the mind of the apartment's robot shows a model before anything is said."""
+    return Mind(build_agents(ApartmentRobot()), Bus(), SystemClock(), language=code).chat()
