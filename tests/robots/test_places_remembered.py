@@ -119,7 +119,9 @@ def test_it_forgets_and_tells_which_places_it_knows(talk) -> None:
 
 def test_a_remembered_place_is_a_word_of_commands_too(talk) -> None:
     with talk() as one:
-        assert one.command("navigate_to", room="charger").startswith("I cannot do that: I do not know charger")
+        assert one.command("navigate_to", room="charger").startswith(
+            "I cannot do that: I do not know charger"
+        )
         one.command("remember_place", name="charger")
         assert one.command("navigate_to", room="The Charger") == "I am in the charger."
 

@@ -218,4 +218,4 @@ def test_an_agent_says_so_to_people_and_to_operators(agent, peer, domain):
         reason = "what is heard on /robot1/odom cannot be true"
         told.wait_for(lambda m: any(reason in s.message for s in m.status))
         refused = ("edgevox_refused_messages_total", "implausible", "/robot1/odom")
-        scraper.wait_until(port, lambda found: found.get(refused, 0) > 0)
+        scraper.scrape_until(port, lambda found: found.get(refused, 0) > 0)
