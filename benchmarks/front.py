@@ -66,7 +66,7 @@ OVERHEAD = (
 )
 STRANGERS = (
     Shown("corpus", "whole.held_out.right", "what strangers say: right, or rightly nothing"),
-    Shown("corpus", "whole.held_out.moved", "what strangers say, some 800 sentences: wrong motions"),
+    Shown("corpus", "whole.held_out.moved", "what strangers say, of some 800: wrong motions"),
 )
 CONTAINER = (
     Shown("image", "image.all", "image with models and all robots"),
