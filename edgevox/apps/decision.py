@@ -1,21 +1,27 @@
 """What judges whether a sentence is an order: the encoder on board, where it was fetched."""
 
+import struct
+
 from edgevox.agent.nlu.decider import Decider
 from edgevox.agent.nlu.encoder import ENCODER
+from edgevox.core.errors import EdgeVoxError
 from edgevox.core.log import get_logger
-from edgevox.models import ModelMissing, locate
+from edgevox.models import locate
 
 log = get_logger(__name__)
 
+_UNUSABLE = (EdgeVoxError, MemoryError, OSError, ValueError, LookupError, struct.error)
+"""A file that is missing, is none of its kind, is cut short or damaged, or is too much here."""
+
 
 def open_decider() -> Decider | None:
-    """None where the encoder's file is missing: then only what templates know is done."""
+    """None where the encoder cannot be had: then only what templates know is done."""
     from edgevox.agent.nlu.encoder import Encoder
     from edgevox.agent.nlu.judge import read_head
 
     try:
-        path = locate(ENCODER)
-    except ModelMissing as error:
-        log.error("encoder_missing", reason=str(error))  # noqa: TRY400 - the reason says it all
+        return Decider(Encoder(locate(ENCODER)), read_head())
+    except _UNUSABLE as error:
+        reason = str(error) or type(error).__name__
+        log.error("encoder_missing", reason=reason)  # noqa: TRY400 - the reason says it all
         return None
-    return Decider(Encoder(path), read_head())
