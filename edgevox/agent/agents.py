@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from edgevox.agent.skills import SkillSet
 from edgevox.core.errors import InvalidValue
@@ -20,7 +21,7 @@ class Agent:
     handoffs: tuple[str, ...] = ()
     asides: SkillSet = field(default_factory=lambda: SkillSet(()))
 
-    @property
+    @cached_property
     def every_skill(self) -> SkillSet:
         """What plain sentences can ask of it."""
         return SkillSet([*self.skills.values(), *self.asides.values()])

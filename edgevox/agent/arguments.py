@@ -7,7 +7,8 @@ whole number is one where a number is asked for; true, "5" and 5.5 are no whole 
 import inspect
 import json
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any, get_type_hints
+from types import NoneType, UnionType
+from typing import Any, Union, get_args, get_origin, get_type_hints
 
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError, create_model
 
@@ -80,3 +81,10 @@ def _numbers(path: str, value: Any) -> Iterator[tuple[str, float]]:
     elif isinstance(value, list | tuple):
         for index, inner in enumerate(value):
             yield from _numbers(f"{path}.{index}", inner)
+
+
+def is_number_type(annotation: Any) -> bool:
+    """Whether this type, or all of it but None, is a number."""
+    either = get_origin(annotation) in (Union, UnionType)
+    kinds = set(get_args(annotation) if either else (annotation,)) - {NoneType}
+    return bool(kinds) and kinds <= {int, float}

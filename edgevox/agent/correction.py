@@ -8,6 +8,7 @@ from edgevox.agent.numbers import digits
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.skills import Call, Skill
 from edgevox.agent.spelling import composed
+from edgevox.core.json_reader import is_number
 
 _IT = "it"
 """Stands for what was spoken of last, so it corrects nothing."""
@@ -26,7 +27,7 @@ def correct(call: Call, one: Skill, text: str, answers: Answers, book: Phraseboo
         return Call(call.skill, {**call.arguments, **found[0]})
     if found:
         return None
-    names = [name for name, value in call.arguments.items() if _is_number(value)]
+    names = [name for name, value in call.arguments.items() if is_number(value)]
     said = answers.numbers(digits(" ".join(composed(text).split()), book.code))
     if not names or len(names) != len(said):
         return None
@@ -44,7 +45,3 @@ def _words(
         value = answers.value(text, spoken, str(call.arguments.get(name)))
         found += [{name: value}] if value else []
     return found
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)

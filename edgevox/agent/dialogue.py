@@ -18,6 +18,7 @@ from edgevox.core.agent_events import (
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
 from edgevox.core.events import Cause, Interrupted, Transcribed
+from edgevox.core.json_reader import is_number
 from edgevox.core.transforms import Pose2D
 
 MOST_EXCHANGES = 8
@@ -211,5 +212,4 @@ class Dialogue:
 
 def _part(progress: Any) -> float | None:
     """How far something is, as a skill reported it: it may be anything."""
-    number = isinstance(progress, int | float) and not isinstance(progress, bool)
-    return float(progress) if number and 0 <= progress <= 1 else None
+    return float(progress) if is_number(progress) and 0 <= progress <= 1 else None

@@ -4,12 +4,12 @@ import difflib
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from types import NoneType, UnionType
-from typing import Any, Union, get_args, get_origin
+from typing import Any
 
 from hassil import Intents, RecognizeResult, recognize_all
 from hassil.intents import TextSlotList
 
+from edgevox.agent.arguments import is_number_type
 from edgevox.agent.numbers import digits
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.phrasebook import Hearing, Phrasebook
@@ -212,19 +212,12 @@ def _arguments(one: Skill, result: RecognizeResult, sentence: str) -> Mapping[st
     said: dict[str, str] = {}
     for name, entity in result.entities.items():
         said[name] = str(entity.value).strip()
-        if _is_number(one.arguments_model.model_fields[name].annotation):
+        if is_number_type(one.arguments_model.model_fields[name].annotation):
             if not _NUMBER.fullmatch(said[name]):
                 return None
         elif (entity.is_wildcard or name in one.new_names) and entity.text_span:
             said[name] = sentence[slice(*entity.text_span)].strip()
     return one.from_words(said)
-
-
-def _is_number(annotation: Any) -> bool:
-    """Whether this type, or all of it but None, is a number."""
-    either = get_origin(annotation) in (Union, UnionType)
-    kinds = set(get_args(annotation) if either else (annotation,)) - {NoneType}
-    return bool(kinds) and kinds <= {int, float}
 
 
 def _joints(hearing: Hearing) -> re.Pattern[str]:

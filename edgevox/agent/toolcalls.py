@@ -10,7 +10,7 @@ from edgevox.agent.llm.base import Message
 from edgevox.agent.numbers import digits
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.prompt import examples, learned_words, system_prompt
-from edgevox.agent.skills import Call, SkillSet
+from edgevox.agent.skills import NO_SKILLS, Call, SkillSet
 from edgevox.agent.spelling import key
 
 _CONTROL = re.compile(r"[\x00-\x1f\x7f]+")
@@ -52,9 +52,8 @@ class Protocol:
 
     `opening` are the messages that every chat begins with: the instructions, the skills and
     examples. `grammar` is what a model's output must obey, for `Parser` to read. A mind allows it
-    less: `words_grammar`, words and hand-overs, and to a sentence that is an order `free_grammar`,
-    with the calls that nothing but a model can make: of skills with an argument of any words. All
-    are of the `words` that there were to choose from.
+    less, `words_grammar`, words and hand-overs, to a sentence that is no order. All are of the
+    `words` that there were to choose from.
     """
 
     instructions: str
@@ -64,16 +63,12 @@ class Protocol:
     words: tuple[tuple[str, ...], ...] = field(init=False)
     grammar: str = field(init=False)
     words_grammar: str = field(init=False)
-    free_grammar: str = field(init=False)
     opening: tuple[Message, ...] = field(init=False)
 
     def __post_init__(self) -> None:
-        nothing = SkillSet(())
-        free = SkillSet(one for one in self.skills.values() if one.free_text)
         object.__setattr__(self, "words", self.skills.words())
         object.__setattr__(self, "grammar", grammar(self.skills, self.handoffs))
-        object.__setattr__(self, "words_grammar", grammar(nothing, self.handoffs))
-        object.__setattr__(self, "free_grammar", grammar(free, self.handoffs))
+        object.__setattr__(self, "words_grammar", grammar(NO_SKILLS, self.handoffs))
         system = Message(
             "system", system_prompt(self.instructions, self.skills, self.handoffs, self.language)
         )
@@ -99,7 +94,7 @@ class Protocol:
 
     def grammar_of(self, *, ordered: bool) -> str:
         """What a model may answer to a sentence that is `ordered`, or to one that is not."""
-        return self.free_grammar if ordered else self.words_grammar
+        return self.grammar if ordered else self.words_grammar
 
     def allowed(self, calls: Sequence[Call], text: str, *, ordered: bool) -> Sequence[Call]:
         """Those that a model may make: what no engine's grammar kept it from is dropped here.

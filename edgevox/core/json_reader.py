@@ -85,3 +85,8 @@ def _holders(value: dict[str, Any] | list[Any]) -> Iterable[dict[str, Any] | lis
     """The objects and lists right inside of one."""
     inner = value.values() if isinstance(value, dict) else value
     return (one for one in inner if isinstance(one, dict | list))
+
+
+def is_number(value: Any) -> bool:
+    """Whether this value is a number; True and False are none."""
+    return isinstance(value, int | float) and not isinstance(value, bool)

@@ -6,6 +6,8 @@ from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
+from edgevox.core.json_reader import is_number
+
 
 class Missing:
     """What is found where a path leads nowhere: it is not even null."""
@@ -77,10 +79,7 @@ def _near(compare: Compare, value: Any) -> bool:
 
 def _close(value: Any, to: float | None, by: float | None) -> bool:
     return (
-        _is_number(value)
-        and to is not None
-        and by is not None
-        and abs(value - to) <= by + _ROUNDING
+        is_number(value) and to is not None and by is not None and abs(value - to) <= by + _ROUNDING
     )
 
 
@@ -89,10 +88,6 @@ def _contains(compare: Compare, value: Any) -> bool:
     if isinstance(value, str):
         return wanted.casefold() in value.casefold()
     return isinstance(value, (*_LISTS, Mapping)) and wanted in value
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 _SAYS: Mapping[str, Callable[[Compare], str]] = {
@@ -108,8 +103,8 @@ _TESTS: Mapping[str, Callable[[Compare, Any], bool]] = {
     "equals": lambda compare, value: value == compare.equals,
     "differs": lambda compare, value: value != compare.differs,
     "near": _near,
-    "above": lambda compare, value: _is_number(value) and value > compare.above,
-    "below": lambda compare, value: _is_number(value) and value < compare.below,
+    "above": lambda compare, value: is_number(value) and value > compare.above,
+    "below": lambda compare, value: is_number(value) and value < compare.below,
     "contains": _contains,
     "matches": lambda compare, value: (
         isinstance(value, str) and re.search(str(compare.matches), value) is not None

@@ -3,6 +3,7 @@
 import threading
 from typing import Annotated
 
+from clocks import HeldClock
 from pydantic import Field
 
 from edgevox.agent.agents import Agent
@@ -17,16 +18,6 @@ from edgevox.core.events import Responded
 from edgevox.core.transforms import Pose2D
 
 HUNG_S = 60.0
-
-
-class HeldClock:
-    """Time that passes only when the test says."""
-
-    def __init__(self):
-        self.seconds = 1000.0
-
-    def now(self):
-        return self.seconds
 
 
 class Walker:
@@ -115,7 +106,7 @@ class Stage:
     """Talks, and keeps what was answered and called."""
 
     def __init__(self, body=None, *, model=None, language="en", confirm="unsure"):
-        self.body, self.bus, self.clock = body or Walker(), Bus(), HeldClock()
+        self.body, self.bus, self.clock = body or Walker(), Bus(), HeldClock(1000.0)
         self.answers, self.calls, self.changes = [], [], []
         self.bus.subscribe(Responded, self.answers.append)
         self.bus.subscribe(ToolCalled, self.calls.append)

@@ -77,7 +77,7 @@ def test_asked_why_after_so_much_else_that_it_forgot_the_words_it_names_no_progr
 def test_asked_why_after_nothing_it_says_so(stage):
     assert stage.say("why did you do that?") == "I have done nothing lately."
     stage.say("go to the kitchen")
-    stage.clock.seconds += REMEMBERED_S + 1
+    stage.clock.now_s += REMEMBERED_S + 1
     assert stage.say("why did you do that?") == "I have done nothing lately."
 
 

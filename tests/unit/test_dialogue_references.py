@@ -96,7 +96,7 @@ def test_what_a_program_put_an_end_to_is_not_repeated(stage):
 
 def test_what_was_asked_a_while_ago_is_not_repeated_for_whoever_comes_by(stage):
     stage.say("go to the kitchen")
-    stage.clock.seconds += REPEATABLE_S + 1
+    stage.clock.now_s += REPEATABLE_S + 1
 
     assert stage.say("again").startswith(NOTHING)
     assert stage.body.moves == ["kitchen"]
@@ -104,9 +104,9 @@ def test_what_was_asked_a_while_ago_is_not_repeated_for_whoever_comes_by(stage):
 
 def test_the_while_counts_from_the_end_of_what_was_done(stage):
     stage.begin("go to the kitchen")
-    stage.clock.seconds += REPEATABLE_S + 1
+    stage.clock.now_s += REPEATABLE_S + 1
     stage.arrive()
-    stage.clock.seconds += REPEATABLE_S - 1
+    stage.clock.now_s += REPEATABLE_S - 1
 
     assert stage.say("again") == "Going to the kitchen."
 

@@ -5,6 +5,7 @@ import os
 import threading
 
 import pytest
+from clocks import HeldClock
 
 from edgevox.agent.policy import Asked, Denied, Guard, NeedsConfirmation, Surroundings
 from edgevox.agent.policy.guard import TELL_EVERY_S
@@ -21,13 +22,6 @@ from edgevox.robots.capabilities import Twist2D
 
 DENY, ALLOW, CONFIRM = (f"rules: {{voice: {word}}}" for word in ("deny", "allow", "confirm"))
 GO = [Asked("navigate_to", {"room": "kitchen"})]
-
-
-class Clock:
-    now_s = 0.0
-
-    def now(self):
-        return self.now_s
 
 
 @pytest.fixture
@@ -207,7 +201,7 @@ def test_a_refusal_is_counted_by_way_and_code_and_told_as_a_rejected_goal(file):
 @pytest.mark.parametrize("word", ["deny", "confirm"])
 def test_a_velocity_is_refused_as_often_as_it_comes_and_told_once_a_second(file, word):
     file.write_text(f"rules: {{cmd_vel: {word}}}")
-    bus, told, clock = Bus(), [], Clock()
+    bus, told, clock = Bus(), [], HeldClock()
     bus.subscribe(GoalRejected, lambda event: told.append(event.reason.code))
     guard = Guard(file, bus, clock=clock)
     for _ in range(50):

@@ -86,12 +86,13 @@ class Decider:
     def __init__(self, encoder: SentenceReader, head: Head) -> None:
         self._encoder = encoder
         self._head = head
+        self._last: tuple[str, float] | None = None
 
     def decide(self, judged: Judged | None, text: str) -> Decision | None:
         """What to do, or to ask whether to; None where nobody asks for anything."""
         if judged is None or judged.held_back:
             return None
-        order = self._head.order(self._encoder.features(text))
+        order = self._order(text)
         confidence = self._head.confidence(self._head.likelihood(order, judged.evidence))
         unlisted = judged.unlisted and judged.evidence["moves"]
         if unlisted or _is_doubtful(judged.evidence, confidence):
@@ -100,7 +101,13 @@ class Decider:
 
     def is_order(self, text: str) -> bool:
         """Whether the speaker wants something of whoever hears it, whatever it is."""
-        return self._head.order(self._encoder.features(text)) > 0
+        return self._order(text) > 0
+
+    def _order(self, text: str) -> float:
+        """The logit of a sentence, which each agent and then the model's grammar ask for."""
+        if self._last is None or self._last[0] != text:
+            self._last = text, self._head.order(self._encoder.features(text))
+        return self._last[1]
 
 
 def _is_doubtful(facts: Mapping[str, float], confidence: float) -> bool:

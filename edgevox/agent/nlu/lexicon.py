@@ -9,9 +9,8 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from types import NoneType, UnionType
-from typing import Any, Union, get_args, get_origin
 
+from edgevox.agent.arguments import is_number_type
 from edgevox.agent.nlu.function_words import words_of
 from edgevox.agent.nlu.tokens import Tokenizer, Words, plain
 from edgevox.agent.phrasebook import Phrasebook
@@ -133,13 +132,6 @@ class Lexicon:
             for word, n in counts.items()
             if n * 2 <= len(chunks) and word not in self.function_words.fillers
         }
-
-
-def is_number_type(annotation: Any) -> bool:
-    """Whether this type, or all of it but None, is a number."""
-    either = get_origin(annotation) in (Union, UnionType)
-    kinds = set(get_args(annotation) if either else (annotation,)) - {NoneType}
-    return bool(kinds) and kinds <= {int, float}
 
 
 def _letters(word: str) -> tuple[str, str]:

@@ -46,8 +46,7 @@ class Reader:
         words = lexicon.function_words
         split = lexicon.tokenize
         self._fillers = [split(one) for one in words.fillers]
-        polite = [split(one) for one in words.fillers]
-        self._courtesies = [one for one in polite if len(one) > 2]
+        self._courtesies = [one for one in self._fillers if len(one) > 2]
         self._courtesies += [split(one) for one in words.asking]
         self._negations = [split(one) for one in words.negations]
         self._corrections = [split(one) for one in words.corrections]
