@@ -5,23 +5,16 @@ setting `confirm`, and from whether somebody demands it. The answer, or a correc
 bedroom"), is understood before anything else is thought about.
 """
 
-from collections.abc import Sequence
-
 from edgevox.agent.answers import Answer, Answers
 from edgevox.agent.confirmation import OpenQuestion, Question
 from edgevox.agent.correction import correct
 from edgevox.agent.dialogue_skills import Asides
-from edgevox.agent.goals import Goal
-from edgevox.agent.last_drive import Drive, LastDrive
 from edgevox.agent.mind import Meaning, Mind
+from edgevox.agent.performer import Performer, Prepared
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.policy import NeedsConfirmation
-from edgevox.agent.skill_executor import SkillExecutor
-from edgevox.agent.skills import Call
 from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import ConfirmationStatus
-from edgevox.core.bus import Bus
-from edgevox.core.clock import Clock
 from edgevox.core.events import Outcome
 from edgevox.core.settings import Confirm
 
@@ -30,25 +23,25 @@ class Asking:
     """Used from the conversation's thread; `question` is shared with whoever stops.
 
     `confirm` may be set from any thread. A question asks only of what drives: whatever tells
-    something is done at once, and so is a stop.
+    something is done at once, and so is a stop. A program that drives is asked about before it is
+    kept, as its calls would be.
     """
 
     def __init__(
         self,
         mind: Mind,
-        executor: SkillExecutor,
+        performer: Performer,
         asides: Asides,
-        bus: Bus,
-        clock: Clock,
+        question: OpenQuestion,
         *,
         confirm: Confirm = "unsure",
     ) -> None:
         self.confirm = confirm
-        self.question = OpenQuestion(bus, clock)
+        self.question = question
         self._mind = mind
-        self._executor = executor
+        self._performer = performer
         self._asides = asides
-        self._last = LastDrive(bus, clock)
+        self._last = performer.last
         self._answers = _answers(mind.phrases)
 
     def set_language(self) -> None:
@@ -74,6 +67,8 @@ class Asking:
             if not rest:
                 turn.say(self._mind.phrases.say("left_undone"))
                 return None
+            if not self._is_plain(rest) and self._performer.answer(rest, turn):
+                return None
             meaning = self._asides.meant(self._mind.understand(rest, turn), turn)
         if meaning is None or turn.token.cancelled:
             return meaning
@@ -85,34 +80,36 @@ class Asking:
         False if it was left for an answer, or for plainer words.
         """
         try:
-            goals = self._prepare(meaning, turn)
+            prepared = self._performer.prepare(meaning, turn)
         except NeedsConfirmation:
-            if goals := self._prepare(meaning, turn, confirmed=True):
-                self._ask(meaning, goals, turn)
+            if prepared := self._performer.prepare(meaning, turn, confirmed=True):
+                self._ask(prepared, turn)
             return False
+        if prepared is None:
+            return True
         unsure = not meaning.sure
         asks = self.confirm == "always" or (unsure and self.confirm == "unsure")
-        if not any(goal.skill.drives for goal in goals) or not (asks or unsure):
-            self._do(meaning, goals, turn)
+        if not self._performer.drives(prepared) or not (asks or unsure):
+            self._performer.perform(prepared, turn)
             return True
         if asks:
-            self._ask(meaning, goals, turn)
+            self._ask(prepared, turn)
         else:
             turn.say(self._mind.phrases.say("say_plainly"), Outcome.REFUSED)
         return False
 
-    def _ask(self, meaning: Meaning, goals: Sequence[Goal], turn: Turn) -> None:
-        driving = [goal for goal in goals if goal.skill.drives] or goals
-        text = self._mind.phrases.question([(goal.skill, goal.arguments) for goal in driving])
-        calls = tuple(Call(goal.skill.name, goal.arguments) for goal in goals)
-        asked = Meaning(meaning.agent, calls, meaning.source)
-        if self.question.ask(Question(asked, text, turn.number)):
+    def _ask(self, prepared: Prepared, turn: Turn) -> None:
+        text = self._performer.question(prepared)
+        if self.question.ask(Question(prepared.meaning, text, turn.number)):
             turn.say(text, Outcome.ASKED)
 
     def _counts(self, answer: Answer, text: str) -> bool:
         """Not where it is a command and no question waits: a robot that walks may "go ahead"."""
         waits = self.question.awaits if answer is Answer.YES else bool(self.question.asked)
-        return waits or not isinstance(self._mind.plain(text), Meaning)
+        return waits or not self._is_plain(text)
+
+    def _is_plain(self, text: str) -> bool:
+        return isinstance(self._mind.plain(text), Meaning)
 
     def _answered(self, answer: Answer, turn: Turn, said_s: float) -> Meaning | None:
         """What is done now, if that is what was asked."""
@@ -128,22 +125,9 @@ class Asking:
             return None
         meaning = question.meaning
         self._asides.confirmed(turn.number, question.turn)
-        self._do(meaning, self._prepare(meaning, turn, confirmed=True), turn)
+        if prepared := self._performer.prepare(meaning, turn, confirmed=True):
+            self._performer.perform(prepared, turn)
         return meaning
-
-    def _prepare(self, meaning: Meaning, turn: Turn, *, confirmed: bool = False) -> Sequence[Goal]:
-        skills = meaning.agent.every_skill
-        return self._executor.prepare(meaning.calls, skills, turn, confirmed=confirmed)
-
-    def _do(self, meaning: Meaning, goals: Sequence[Goal], turn: Turn) -> None:
-        driving = [goal for goal in goals if goal.skill.drives]
-        if len(driving) == 1:
-            call = Call(driving[0].skill.name, driving[0].arguments)
-            self._last.begin(Drive(meaning.agent, call, turn.number))
-        elif driving:
-            self._last.forget()  # of several nobody knows which one was wrong
-        if goals and not self._executor.run(goals, turn, meaning.source):
-            self._last.forget()
 
     def _corrected(self, text: str) -> Meaning | None:
         """What is meant instead of what was asked about, or else of what was begun."""

@@ -126,5 +126,5 @@ class OpenQuestion:
         return question
 
     def _tell(self, question: Question, status: ConfirmationStatus) -> None:
-        calls = tuple(AskedCall(call.skill, call.arguments) for call in question.meaning.calls)
+        calls = tuple(AskedCall(call.skill, call.arguments) for call in question.meaning.every_call)
         self._bus.publish(Confirmation(status, question.text, calls, EXPIRES_S, turn=question.turn))

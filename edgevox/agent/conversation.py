@@ -8,27 +8,40 @@ from typing import Any
 from edgevox.agent import inbox
 from edgevox.agent.agents import Agent
 from edgevox.agent.asking import Asking
+from edgevox.agent.confirmation import OpenQuestion
 from edgevox.agent.dialogue_skills import Asides
 from edgevox.agent.goals import Goal
 from edgevox.agent.inbox import Inbox, Item
+from edgevox.agent.last_drive import LastDrive
 from edgevox.agent.llm.base import LanguageModel
 from edgevox.agent.mind import Mind
 from edgevox.agent.nlu.decider import Decider
+from edgevox.agent.performer import Performer
 from edgevox.agent.policy import Guard
+from edgevox.agent.programs.keeper import Programs
+from edgevox.agent.programs.senses import NO_SENSES, Senses
+from edgevox.agent.programs.shelf import Timer
 from edgevox.agent.reasons import because
-from edgevox.agent.safety import SafetyWords
 from edgevox.agent.skill_executor import SkillExecutor
 from edgevox.agent.skills import Call, SkillSet
 from edgevox.agent.states import StateMachine
+from edgevox.agent.stopping import Stopping
 from edgevox.agent.turn import Asked, Turn
-from edgevox.core.agent_events import SafetyPreempted
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
-from edgevox.core.commands import Heard, Interrupt, Reset, RunSkill, Speak, TextInput, Transcribing
-from edgevox.core.events import Cause, Interrupted, Outcome, State, Transcribed, TurnEnded
+from edgevox.core.commands import (
+    CancelProgram,
+    Heard,
+    Interrupt,
+    Reset,
+    RunSkill,
+    Speak,
+    TextInput,
+    Transcribing,
+)
+from edgevox.core.events import Outcome, State, Transcribed, TurnEnded
 from edgevox.core.interlock import Interlock
 from edgevox.core.log import bound, get_logger
-from edgevox.core.reasons import Reason
 from edgevox.core.settings import Confirm
 from edgevox.core.speech import Mouth
 from edgevox.core.text import MAX_CHARACTERS, clean
@@ -37,16 +50,17 @@ from edgevox.core.ways import Way
 
 log = get_logger(__name__)
 
-ConversationCommand = TextInput | Transcribing | Heard | Speak | Interrupt | Reset | RunSkill
+ConversationCommand = (
+    TextInput | Transcribing | Heard | Speak | Interrupt | Reset | RunSkill | CancelProgram
+)
 
 
 class Conversation:
     """Owns the turns. `submit` and `start_goal` may be called from any thread and never block.
 
-    Stop words, `Interrupt` and `Reset` act on the calling thread, at once: they cancel the turn
-    that runs, forget the utterances that wait or are being transcribed, cancel the goals and halt
-    the body. `halt` and `pose` are the body's, `interlock` may forbid motion, `guard` any skill but
-    to stop. Without a `mouth` it only writes.
+    Stop words, `Interrupt` and `Reset` act on the calling thread, at once (`Stopping`). `halt`,
+    `pose` and `senses` are the body's, `interlock` may forbid motion, `guard` any skill but to
+    stop, `timer` wakes programs. Without a `mouth` it only writes.
     """
 
     def __init__(
@@ -64,6 +78,8 @@ class Conversation:
         guard: Guard | None = None,
         decider: Decider | None = None,
         pose: Callable[[], Pose2D] | None = None,
+        senses: Senses = NO_SENSES,
+        timer: Timer | None = None,
     ) -> None:
         self._bus = bus
         self._clock = clock or SystemClock()
@@ -80,18 +96,42 @@ class Conversation:
             interlock=interlock,
             guard=guard,
         )
-        self._asking = Asking(mind, self._executor, asides, bus, self._clock, confirm=confirm)
-        self._safety = SafetyWords(language)
+        self.programs = Programs(
+            bus,
+            self._executor,
+            self._skills,
+            announce=self._inbox.announce,
+            phrases=lambda: mind.phrases,
+            clock=self._clock,
+            timer=timer,
+            senses=senses,
+        )
+        last = LastDrive(bus, self._clock)
+        performer = Performer(mind, self._executor, self.programs, asides, last)
+        self._question = OpenQuestion(bus, self._clock)
+        self._asking = Asking(mind, performer, asides, self._question, confirm=confirm)
         self._numbers = itertools.count(1)
         self._turn: Turn | None = None
-        self._stopped_s = float("-inf")
         self._mouth = mouth
         self._states = StateMachine(bus)
+        self._stopping = Stopping(
+            bus,
+            self._clock,
+            waiting=self._inbox,
+            states=self._states,
+            executor=self._executor,
+            programs=self.programs,
+            question=self._question,
+            turn=lambda: self._turn,
+            phrases=lambda: mind.phrases,
+            language=language,
+        )
         self._thread = threading.Thread(target=self._work, name="edgevox-conversation")
 
     def start(self) -> None:
         """Begin to listen."""
         self._executor.start()
+        self.programs.start()
         self._states.start()
         self._thread.start()
 
@@ -108,6 +148,7 @@ class Conversation:
     def close(self) -> None:
         """Stop everything and wait for the threads."""
         self._inbox.close()
+        self.programs.close()
         self._executor.stop(because("shutting_down"), self._turn)
         self._executor.close()
         if self._thread.is_alive():
@@ -117,31 +158,30 @@ class Conversation:
         """Take a command."""
         match command:
             case Interrupt(reason=reason, motion=motion, cause=cause):
-                self._interrupt(reason, motion=motion)
-                self._bus.publish(Interrupted(cause))
+                self._stopping.interrupt(reason, cause, motion=motion)
             case Reset():
-                self._stop(because("reset"), self._clock.now())
-                self._inbox.put(inbox.Forget())
-                self._bus.publish(Interrupted(Cause.RESET))
+                self._stopping.reset()
+            case CancelProgram(program_id=program_id):
+                self.programs.forget_by_id(program_id, because("called_off"))
             case Transcribing():
                 self._states.transcribing()
-            case TextInput(text=text):
-                self._take(command, text)
+            case TextInput():
+                self._take(command)
             case Heard(text=text):
-                counts = self._counts(command)
+                counts = bool(text) and not self._stopping.is_over(command)
                 self._states.transcribed(words=counts)
                 if counts:
-                    self._take(command, text)
+                    self._take(command)
             case _:
                 self._inbox.put(command)
 
     def is_stop(self, text: str) -> bool:
         """Whether these words would stop the robot."""
-        return self._safety.find(text) is not None
+        return self._stopping.is_stop(text)
 
     def set_language(self, code: str) -> None:
         """Hear stop words of this language at once, and the rest from the next sentence on."""
-        self._safety = SafetyWords(code)
+        self._stopping.set_language(code)
         self._inbox.put(inbox.Language(code))
 
     def set_confirm(self, confirm: Confirm) -> None:
@@ -179,56 +219,16 @@ class Conversation:
             if not self._executor.wait_idle(left_s):
                 return False
 
-    def _take(self, words: TextInput | Heard, text: str) -> None:
-        if word := self._safety.find(text):
-            self._safety_stop(word, words)
-        else:
+    def _take(self, words: TextInput | Heard) -> None:
+        if not self._stopping.hears(words):
             self._inbox.put(words)
-
-    def _counts(self, heard: Heard) -> bool:
-        """Not without words, nor if it was said before a stop: who waits is forgotten with it."""
-        stopped = heard.ended_s < self._stopped_s and not self.is_stop(heard.text)
-        return bool(heard.text) and not stopped
-
-    def _interrupt(self, reason: str, *, motion: bool) -> None:
-        """Stop everything; without `motion` only what is said: somebody wants to be heard."""
-        if motion:
-            self._stop(because("interrupted", reason), self._clock.now())
-            self._inbox.put(inbox.Settle())
-            return
-        turn = self._turn
-        with self._states.gate:
-            if turn is not None and self._executor.hush(reason, turn):
-                self._states.enter(State.INTERRUPTED, turn)
-
-    def _safety_stop(self, word: str, words: TextInput | Heard) -> None:
-        said_s = words.ended_s if isinstance(words, Heard) else self._clock.now()
-        why = because("heard_stop", word=word)
-        stopped = self._stop(why, said_s)  # before anybody is told: telling may block
-        self._bus.publish(Transcribed(clean(words.text)))
-        self._bus.publish(SafetyPreempted(word, stopped))
-        self._inbox.put(inbox.Announce(self.mind.phrases.say("stopped" if stopped else "standing")))
-
-    def _stop(self, reason: Reason, when_s: float) -> bool:
-        """Whether there was anything to stop; `when_s` is when it was asked for."""
-        with self._inbox.gate:
-            self._inbox.stop()
-            self._stopped_s = max(self._stopped_s, when_s)
-            turn = self._turn
-            asked = self._asking.question.cancel(turn.number if turn else 0)
-        with self._states.gate:
-            stopped = self._executor.stop(reason, turn)
-            if stopped or self._states.transcribes:
-                self._states.enter(State.INTERRUPTED, turn)
-        self._asking.question.tell_cancelled(asked)
-        return stopped
 
     def _work(self) -> None:
         while not self._inbox.closed:
             with self._inbox.gate:  # a stop finds it waiting or finds its turn
-                item = self._inbox.take(self._asking.question.expires_in_s)
+                item = self._inbox.take(self._question.expires_in_s)
                 turn = self._turn = self._new_turn(item) if item else None
-            self._asking.question.expire()
+            self._question.expire()
             if item and turn:
                 with bound(turn=turn.number):
                     self._attend(item, turn)
@@ -292,7 +292,7 @@ class Conversation:
 
     def _end(self, turn: Turn, *, measured: bool) -> None:
         turn.finish(measured=measured)
-        self._asking.question.said(turn)
+        self._question.said(turn)
         with self._inbox.gate:
             self._turn = None
         self._states.rest()

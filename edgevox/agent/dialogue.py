@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from edgevox.agent.programs.program import Program
 from edgevox.agent.skills import STOP, Call, Skill
 from edgevox.core.agent_events import (
     GOAL_ENDS,
@@ -28,6 +29,9 @@ REMEMBERED_S = 600.0
 REPEATABLE_S = 60.0
 """So long after it ended something can be meant by "again": who says it then is another person."""
 
+PROGRAM = "program"
+"""Who calls the steps of a program."""
+
 _HUSHED = (Cause.BARGE_IN, Cause.WAKE_WORD)
 """These cut what is said, and stop nothing."""
 
@@ -36,7 +40,8 @@ _HUSHED = (Cause.BARGE_IN, Cause.WAKE_WORD)
 class Exchange:
     """What somebody said, or a command asked; `source` is who understood it, if anybody did.
 
-    `meant` are the words that it said yes to.
+    `meant` are the words that it said yes to. What was kept for later is its `program`; what that
+    calls is not in `calls`.
 
     `aside` is a question about the conversation: it is not what the next question asks about.
     """
@@ -48,8 +53,14 @@ class Exchange:
     source: str = ""
     confidence: float = 1.0
     calls: list[Call] = field(default_factory=list)
+    program: Program | None = None
     aside: bool = False
     stopped: bool = False
+
+    @property
+    def acted(self) -> bool:
+        """Whether words led to something."""
+        return bool(self.words and (self.calls or self.program))
 
 
 @dataclass(slots=True)
@@ -110,13 +121,18 @@ class Dialogue:
                 yes = self._of(turn)
                 yes.meant, yes.source, yes.confidence = said.words, said.source, said.confidence
 
+    def kept(self, turn: int, program: Program) -> None:
+        """The words of this turn are a program, which is kept."""
+        with self._lock:
+            self._of(turn).program = program
+
     def heard(self) -> Exchange | None:
         """What was said last, unless that asks about it."""
         return self._last(lambda one: bool(one.words) and not one.aside)
 
-    def asked(self) -> Exchange | None:
-        """What was last asked for in words, and called."""
-        return self._last(lambda one: bool(one.words and one.calls) and not one.aside)
+    def asked(self, fits: Callable[[Exchange], bool] = lambda _: True) -> Exchange | None:
+        """What was last asked for in words, and called or kept, of what `fits`."""
+        return self._last(lambda one: one.acted and not one.aside and fits(one))
 
     def repeatable(self, exchange: Exchange) -> bool:
         """Whether it is not too long ago that this ended."""
@@ -157,7 +173,7 @@ class Dialogue:
             self._of(event.turn, event.text)
 
     def _on_call(self, event: ToolCalled) -> None:
-        if not event.turn or event.skill in self._asides:
+        if not event.turn or event.skill in self._asides or event.source == PROGRAM:
             return
         with self._lock:
             one = self._of(event.turn)

@@ -14,6 +14,7 @@ from edgevox.agent.dialogue import Dialogue
 from edgevox.agent.dialogue_answers import DialogueAnswers
 from edgevox.agent.mind import Meaning
 from edgevox.agent.phrasebook import Phrasebook
+from edgevox.agent.programs.program import Again, Do, Program, calls_of, replaced
 from edgevox.agent.reasons import because
 from edgevox.agent.references import References
 from edgevox.agent.skills import (
@@ -79,13 +80,14 @@ class Asides:
         """
         if meaning is None:
             return None
+        if meaning.program:
+            return self._kept(meaning, meaning.program, turn)
         aside = all(call.skill in ASIDES for call in meaning.calls)
         refers = any(call.skill in REFERENCES or call.skill == ALSO for call in meaning.calls)
         try:
             calls = tuple(one for call in meaning.calls for one in self._resolved(call))
         except SkillFailed as error:
-            phrases, why = self._phrases(), error.reason
-            turn.say(phrases.refusal(why), Outcome.REFUSED, detail=detail(phrases, why))
+            self._refuse(error, turn)
             calls = ()
         sure = (meaning.source, meaning.confidence)
         self._dialogue.decided(turn.number, *sure, aside=aside and not (refers and calls))
@@ -94,6 +96,32 @@ class Asides:
         if any(call.skill == CAN for call in calls):
             turn.write(self._answers.can()[1])
         return replace(meaning, agent=self._owner(meaning.agent, calls), calls=calls)
+
+    def _kept(self, meaning: Meaning, program: Program, turn: Turn) -> Meaning | None:
+        """A program, with what its references mean now: "do that three times"."""
+        self._dialogue.decided(turn.number, meaning.source, meaning.confidence, aside=False)
+        try:
+            meant = replaced(program, self._meant_in_program)
+        except SkillFailed as error:
+            self._refuse(error, turn)
+            return None
+        if any(call.skill in ASIDES for call in calls_of(meant)):  # a question is for now
+            turn.say(self._phrases().say("program_unclear"), Outcome.NOT_UNDERSTOOD)
+            return None
+        return replace(meaning, program=meant)
+
+    def _meant_in_program(self, leaf: Do | Again) -> Program:
+        if isinstance(leaf, Again):
+            return self._references.last_motion()
+        return Do(tuple(one for call in leaf.calls for one in self._resolved(call)))
+
+    def _refuse(self, error: SkillFailed, turn: Turn) -> None:
+        phrases, why = self._phrases(), error.reason
+        turn.say(phrases.refusal(why), Outcome.REFUSED, detail=detail(phrases, why))
+
+    def kept(self, turn: int, program: Program) -> None:
+        """What was said in this turn is a program, which is kept."""
+        self._dialogue.kept(turn, program)
 
     def confirmed(self, turn: int, asked: int) -> None:
         """In this turn somebody said yes to what was understood in the turn that asked."""

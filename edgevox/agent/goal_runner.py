@@ -49,6 +49,11 @@ class GoalRunner:
         """Whether one more background goal would be dropped."""
         return self._background.waiting >= MAX_BACKGROUND
 
+    @property
+    def moving(self) -> Goal | None:
+        """The last of the goals that move or wait to."""
+        return self._moving.last
+
     def wait_idle(self, timeout_s: float | None = None) -> bool:
         """Block until nothing runs or waits; False if something still did after the timeout."""
         return all(lane.wait_idle(timeout_s) for lane in self._lanes)

@@ -77,6 +77,13 @@ class Lane:
         with self._wake:
             return len(self._waiting)
 
+    @property
+    def last(self) -> Goal | None:
+        """The goal that will end last of those that run and wait."""
+        with self._wake:
+            plans = [plan.goals for plan in (self._current, *self._waiting) if plan.goals]
+            return plans[-1][-1] if plans else None
+
     def append(self, plan: Plan) -> None:
         """Run this plan after those that wait."""
         self._submit(plan, replace=False)

@@ -15,6 +15,8 @@ from edgevox.agent.llm.base import LanguageModel, Message, ModelFailed
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
 from edgevox.agent.nlu.judge import ASK_FROM, SURE_FROM
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
+from edgevox.agent.programs.program import Program, calls_of
+from edgevox.agent.programs.reader import ProgramReader, Unclear
 from edgevox.agent.skills import Call, Skill, SkillSet
 from edgevox.agent.spoken_lists import not_understood
 from edgevox.agent.toolcalls import HANDOFF, Protocol
@@ -39,18 +41,25 @@ class Meaning:
     """What to do about an utterance, and who found it out: ``template``, ``reading`` or ``model``.
 
     `confidence` is that it is meant: 1 for a template; from `SURE_FROM` on it is to be done, below
-    that somebody is to be asked.
+    that somebody is to be asked. What is to be done later or more than once is a `program`, and
+    has no `calls` to do at once.
     """
 
     agent: Agent
     calls: tuple[Call, ...]
     source: str
     confidence: float = 1.0
+    program: Program | None = None
 
     @property
     def sure(self) -> bool:
         """Whether to do it without asking."""
         return self.confidence >= SURE_FROM
+
+    @property
+    def every_call(self) -> tuple[Call, ...]:
+        """All that may be called, those inside the program too."""
+        return calls_of(self.program) if self.program else self.calls
 
 
 class Mind:
@@ -81,6 +90,7 @@ class Mind:
         agents = self._agents.values()
         self._recognisers = {a.name: Recogniser(a.skills, code, a.asides) for a in agents}
         self._readings = {a.name: Readings(a.skills, code) for a in agents}
+        self._programs = ProgramReader(code)
         self._protocols = {
             a.name: Protocol(a.instructions, _for_models(a), a.handoffs, code) for a in agents
         }
@@ -97,10 +107,18 @@ class Mind:
         if isinstance(plain, Meaning):
             self._hand_over(plain.agent, turn)
             return plain
-        if meaning := self._read(text, turn):
+        program = self._programs.read(text, self._plain_calls)
+        if isinstance(program, Program):
+            return Meaning(self.active, (), "template", program=program)
+        meaning = self._read(text, turn)
+        if meaning and not (program and _drives(meaning)):
             return meaning
-        if plain:
-            turn.say(plain.reason, Outcome.REFUSED, detail=plain.detail)
+        if meaning and isinstance(program, Unclear):  # not now, whatever it is
+            turn.say(self.phrases.say("program_unclear"), Outcome.NOT_UNDERSTOOD)
+            return None
+        refused = program if isinstance(program, Refused) else plain
+        if refused:
+            turn.say(refused.reason, Outcome.REFUSED, detail=refused.detail)
             return None
         if self._model is None:
             self._say_not_understood(turn)
@@ -116,6 +134,11 @@ class Mind:
             if isinstance(found, Refused):
                 return found
         return None
+
+    def _plain_calls(self, text: str) -> Sequence[Call] | Refused | None:
+        """What `plain` finds, for a program to hold; a question has no place in one."""
+        plain = self.plain(text)
+        return plain.calls if isinstance(plain, Meaning) else plain
 
     def _read(self, text: str, turn: Turn) -> Meaning | None:
         """What the first agent would do who could be meant; none of them without a judge."""
@@ -215,6 +238,10 @@ class Mind:
             return 0
         longest = max(size_tokens(self._count_tokens, p.opening) for p in self._protocols.values())
         return max(0, self._model.context_tokens - longest - 4 * ANSWER_TOKENS)
+
+
+def _drives(meaning: Meaning) -> bool:
+    return any(meaning.agent.every_skill[call.skill].drives for call in meaning.calls)
 
 
 def _for_models(agent: Agent) -> SkillSet:

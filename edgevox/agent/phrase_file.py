@@ -16,6 +16,7 @@ from edgevox.agent.phrasebook import (
     Rewriting,
     Word,
 )
+from edgevox.agent.programs.phrases import ProgramPhrases
 from edgevox.agent.skills import Example, SkillPhrases
 from edgevox.agent.spelling import composed, key
 from edgevox.core.errors import InvalidValue
@@ -59,6 +60,7 @@ def _book(code: str, data: Mapping[str, Any], fallback: Phrasebook | None) -> Ph
         links=tuple(data.get("links", fallback.links if fallback else ())),
         smoothing=_rewritings(data.get("smoothing", ())),
         answers=_answers(data.get("answers", {})),
+        programs=_programs(data.get("programs", {})),
         fallback=fallback,
     )
 
@@ -88,6 +90,20 @@ def _numbers(data: Mapping[str, Any]) -> Numbers:
         units=data.get("units", ""),
         centimetres=data.get("centimetres", ""),
         metres=data.get("metres", ""),
+    )
+
+
+def _programs(data: Mapping[str, Any]) -> ProgramPhrases:
+    return ProgramPhrases(
+        templates={kind: tuple(some) for kind, some in data.get("templates", {}).items()},
+        rules=data.get("rules", {}),
+        rewrite=_rewritings(data.get("rewrite", ())),
+        words={composed(word): number for word, number in data.get("words", {}).items()},
+        units=data.get("units", ""),
+        ahead=data.get("ahead", ""),
+        go=data.get("go", ""),
+        between=tuple(data.get("between", ())),
+        names={kind: tuple(some) for kind, some in data.get("names", {}).items()},
     )
 
 

@@ -18,6 +18,7 @@ from edgevox.agent.phrase_forms import (
     spoken_name,
     without_unit,
 )
+from edgevox.agent.programs.phrases import ProgramPhrases
 from edgevox.agent.skills import Example, OneOf, Skill, SkillPhrases
 from edgevox.agent.spelling import key
 from edgevox.agent.spoken_lists import brief
@@ -119,6 +120,7 @@ class Phrasebook:
     links: tuple[str, ...] = ()
     answers: AnswerWords = field(default_factory=AnswerWords)
     smoothing: tuple[Rewriting, ...] = ()
+    programs: ProgramPhrases = field(default_factory=ProgramPhrases)
     fallback: "Phrasebook | None" = None
 
     def say(self, name: str, **values: Any) -> str:
@@ -208,6 +210,16 @@ class Phrasebook:
         """What a robot with these skills can do, in one sentence; empty if it can do nothing."""
         deeds = [self.can(one) for one in skills]
         return self.say("abilities", deeds="; ".join(deeds)) if deeds else ""
+
+    def chained(self, sentences: Sequence[str]) -> str:
+        """What is done one after another: "Going to the kitchen. Then: going to the bedroom."."""
+        first, *rest = [sentence for sentence in sentences if sentence] or [self.say("all_right")]
+        then = (self.say("then", next=f"{one[0].lower()}{one[1:]}") for one in rest)
+        return " ".join([first, *then])
+
+    def both(self, parts: Sequence[str]) -> str:
+        """Some parts as one: "1 hour and 30 minutes"."""
+        return self._join(parts)
 
     def listing(self, names: Sequence[str]) -> str:
         """Some words as one: "the kitchen, the bedroom and the office"."""

@@ -7,7 +7,8 @@ person hears what to say instead.
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from edgevox.agent.dialogue import Dialogue
+from edgevox.agent.dialogue import Dialogue, Exchange
+from edgevox.agent.programs.program import After, Do, Program, When, kernel, parts_of
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import Call, OneOf, Skill, SkillFailed
 
@@ -25,7 +26,25 @@ class References:
 
     def again(self) -> Sequence[Call]:
         """What was last asked for in words."""
-        asked = self._dialogue.asked()
+        asked = self._repeatable(self._dialogue.asked())
+        if asked.program:  # what was said of its time and number is to be said again
+            raise SkillFailed(because("nothing_before"))
+        return tuple(asked.calls)
+
+    def last_motion(self) -> Program:
+        """What "three times" is about: what was last asked for that moves, done once."""
+        asked = self._repeatable(self._dialogue.asked(self._moved))
+        if asked.program is None:
+            return Do(tuple(asked.calls))
+        if any(isinstance(one, After | When) for one in parts_of(asked.program)):
+            raise SkillFailed(because("nothing_before"))
+        return kernel(asked.program)
+
+    def _moved(self, asked: Exchange) -> bool:
+        known = [call for call in asked.calls if call.skill in self._skills]
+        return bool(asked.program) or any(self._skills[call.skill].drives for call in known)
+
+    def _repeatable(self, asked: Exchange | None) -> Exchange:
         if asked is None or not self._dialogue.repeatable(asked):
             raise SkillFailed(because("nothing_before"))
         running = self._dialogue.running()
@@ -33,7 +52,7 @@ class References:
             raise SkillFailed(because("still_doing"))
         if asked.stopped:
             raise SkillFailed(because("was_stopped"))
-        return tuple(asked.calls)
+        return asked
 
     def further(self) -> Sequence[Call]:
         """The same motion once more, where it is one by so much and not to somewhere."""

@@ -3,7 +3,7 @@
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, Protocol
 
 from edgevox.agent.goal_runner import MAX_BACKGROUND, GoalRunner
 from edgevox.agent.goals import Goal
@@ -11,7 +11,7 @@ from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.policy import Asked, Denied, Guard, NeedsConfirmation
 from edgevox.agent.reasons import because
-from edgevox.agent.skills import Call, Skill, SkillFailed, SkillSet, reason_of
+from edgevox.agent.skills import STOP, Call, Skill, SkillFailed, SkillSet, reason_of
 from edgevox.agent.spoken_lists import detail
 from edgevox.agent.turn import Turn
 from edgevox.agent.wrong_arguments import too_many_calls
@@ -27,13 +27,26 @@ MAX_CALLS = 8
 """How many calls one utterance may hold."""
 
 
+class Follower(Protocol):
+    """Hears what becomes of goals, on the thread on which it happens."""
+
+    def goal_ended(self, goal: Goal) -> None:
+        """One that moved has ended, and that was said."""
+
+    def stop_called(self) -> None:
+        """The skill that stops is about to begin."""
+
+    def motion_forbidden(self, reason: Reason) -> None:
+        """Nothing may move from now on; what moves is about to be ended."""
+
+
 class SkillExecutor:
     """Runs calls: those that move beside the conversation, the others on the spot.
 
     `stop` and `perform` exclude each other, so no motion starts for a turn that was stopped.
     `phrases` gives the language to speak at the moment. While the `interlock` is engaged no motion
     starts, and what moved when it was engaged is cancelled, which is said. The `guard` is asked of
-    each call that is valid, whatever it would do.
+    each call that is valid, whatever it would do. Who does `follow` hears of stops and of ends.
     """
 
     def __init__(
@@ -50,11 +63,16 @@ class SkillExecutor:
         self._halt = halt
         self._announce = announce
         self._phrases = phrases
+        self._followers: tuple[Follower, ...] = ()
         self._gate = threading.Lock()
         self._runner = GoalRunner(on_end=self._ended)
         self._guard = guard or Guard(bus=bus)
         self._interlock = interlock or Interlock()
         self._interlock.on_engage(self._stand)
+
+    def follow(self, follower: Follower) -> None:
+        """Tell it from now on; to be called before the start."""
+        self._followers = (*self._followers, follower)
 
     def start(self) -> None:
         self._runner.start()
@@ -82,11 +100,17 @@ class SkillExecutor:
         with self._gate:
             return turn.token.cancel(reason)
 
-    def check(self, call: Call, skills: SkillSet, way: Way) -> Mapping[str, Any]:
-        """The arguments, checked. Raises where `begin` would; the policy tells what it refuses."""
+    def check(
+        self, call: Call, skills: SkillSet, way: Way, turn: int = 0, *, confirmed: bool = False
+    ) -> Mapping[str, Any]:
+        """The arguments, checked. Raises where `begin` would; the policy tells what it refuses.
+
+        `confirmed`: somebody has said yes to it, in this `turn`.
+        """
         skill = skills[call.skill]
         arguments = skill.validate(call.arguments)
-        self._guard.permit(way, [Asked(skill.name, arguments, skill.drives)])
+        asked = Asked(skill.name, arguments, skill.drives)
+        self._guard.permit(way, [asked], turn, confirmed=confirmed)
         if held := self._held([skill]):
             raise SkillFailed(held)
         if not skill.moves and self._runner.full:
@@ -101,6 +125,7 @@ class SkillExecutor:
         arguments = self.check(call, skills, way)
         goal = Goal(skills[call.skill], arguments, turn=0, bus=self._bus, goal_id=goal_id)
         self._tell(goal, "action")
+        self._stopping([goal])
         with self._gate:
             if held := self._held([goal.skill]):
                 goal.drop(held)
@@ -109,6 +134,35 @@ class SkillExecutor:
             else:
                 self._runner.run_in_background(goal)
         return goal
+
+    def launch(self, goal: Goal, may: Callable[[], bool]) -> bool:
+        """Run a goal that was prepared, as `begin` would; False if it `may` not, since it was
+        stopped meanwhile. Raises `SkillFailed` while motion is forbidden.
+        """
+        with self._gate:
+            if not may():
+                return False
+            if held := self._held([goal.skill]):
+                raise SkillFailed(held)
+            if goal.skill.moves:
+                self._runner.move([goal])
+            else:
+                self._runner.run_in_background(goal)
+        return True
+
+    def step(
+        self, call: Call, skills: SkillSet, way: Way, turn: int, *, confirmed: bool = False
+    ) -> Goal:
+        """A goal for a step of a program, checked now; who runs the program runs it."""
+        arguments = self.check(call, skills, way, turn, confirmed=confirmed)
+        goal = Goal(skills[call.skill], arguments, turn=turn, bus=self._bus)
+        self._tell(goal, "program")
+        return goal
+
+    @property
+    def moving(self) -> Goal | None:
+        """The last of the goals that move or wait to."""
+        return self._runner.moving
 
     def perform(self, calls: Sequence[Call], skills: SkillSet, turn: Turn, source: str) -> None:
         """Check all calls, then acknowledge and run them in order; if one is wrong, none runs.
@@ -153,6 +207,7 @@ class SkillExecutor:
         turn.acted()
         for goal in goals:
             self._tell(goal, source)
+        self._stopping(goals)
         if any(goal.skill.moves for goal in goals):
             return self._run_beside(goals, turn)
         self._run_now(goals, turn)
@@ -177,7 +232,7 @@ class SkillExecutor:
             return False
         moving = [goal for goal in goals if goal.skill.moves]
         said = [phrases.acknowledge(goal.skill, goal.arguments) for goal in moving]
-        turn.say(_join(phrases, said))
+        turn.say(phrases.chained(said))
         return True
 
     def _run_now(self, goals: Sequence[Goal], turn: Turn) -> None:
@@ -193,10 +248,17 @@ class SkillExecutor:
 
     def _stand(self, reason: Reason) -> None:
         """End what moves. Motion that begins after this is refused."""
+        for follower in self._followers:
+            follower.motion_forbidden(reason)
         with self._gate:
             ended = self._runner.cancel_motion(reason)
         if ended:
             self._announce(self._phrases().failure(reason))
+
+    def _stopping(self, goals: Sequence[Goal]) -> None:
+        if any(goal.skill.name == STOP for goal in goals):
+            for follower in self._followers:
+                follower.stop_called()
 
     def _tell(self, goal: Goal, source: str) -> None:
         self._bus.publish(ToolCalled(goal.skill.name, goal.arguments, source, goal.turn))
@@ -205,6 +267,8 @@ class SkillExecutor:
         text = _report(self._phrases(), goal) if goal.turn else ""
         if text:
             self._announce(text)
+        for follower in self._followers:
+            follower.goal_ended(goal)
 
 
 def _follow(goal: Goal, turn: Turn) -> None:
@@ -218,10 +282,3 @@ def _report(phrases: Phrasebook, goal: Goal) -> str:
     if goal.status is GoalStatus.FAILED:
         return phrases.failure(goal.reason)
     return ""
-
-
-def _join(phrases: Phrasebook, sentences: Sequence[str]) -> str:
-    """Several acknowledgements as one: "Going to the kitchen. Then: going to the bedroom."."""
-    first, *rest = [sentence for sentence in sentences if sentence] or [phrases.say("all_right")]
-    then = (phrases.say("then", next=f"{one[0].lower()}{one[1:]}") for one in rest)
-    return " ".join([first, *then])

@@ -7,6 +7,7 @@ from pathlib import Path
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.llm.base import LanguageModel, ModelFailed
 from edgevox.agent.llm.primer import Primer
+from edgevox.agent.programs.senses import NO_SENSES
 from edgevox.apps.components import list_components
 from edgevox.apps.decision import open_decider
 from edgevox.apps.free_text import free_text
@@ -31,6 +32,7 @@ from edgevox.models import ModelMissing
 from edgevox.ops.health import Health
 from edgevox.ops.logs import BusLog
 from edgevox.robots.capabilities import Body, HasPose
+from edgevox.robots.senses import senses_of
 from edgevox.ros2 import Wiring, open_bridge
 
 log = get_logger(__name__)
@@ -75,12 +77,14 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Part
         guard=guard,
         decider=open_decider(),
         pose=body.pose if isinstance(body, HasPose) else None,
+        senses=senses_of(body) if body else NO_SENSES,
     )
     bus.subscribe(ControlChanged, lambda change: _follow(conversation, change))
     queries = build_queries(
         controls,
         model_path,
         endpoint=settings.llm_endpoint,
+        programs=conversation.programs.listed,
         **(voice.infos(controls) if voice else {}),
     )
     switchboard = Switchboard(conversation, controls, queries, bus)

@@ -56,11 +56,12 @@ def build_queries(
     endpoint: str = "",
     stt: Info = lambda: NO_STT,
     tts: Info = lambda: NO_TTS,
+    programs: Info = lambda: {"programs": []},
 ) -> Queries:
     """All queries of this process.
 
     `llm_path` is the language model that is loaded, `endpoint` the server that is asked before it;
-    `stt` and `tts` say what hears and speaks.
+    `stt` and `tts` say what hears and speaks, `programs` which orders wait and run.
     """
     return {
         "list_voices": lambda: {
@@ -77,6 +78,7 @@ def build_queries(
             "llm": _llm(llm_path, endpoint),
             "tts": tts(),
         },
+        "list_programs": programs,
     }
 
 

@@ -21,6 +21,7 @@ class AgentEventKind(StrEnum):
     HANDOFF = "handoff"
     SAFETY_PREEMPT = "safety_preempt"
     CONFIRMATION = "confirmation"
+    PROGRAM = "program"
 
 
 class GoalStatus(StrEnum):
@@ -40,7 +41,7 @@ GOAL_ENDS = (GoalStatus.SUCCEEDED, GoalStatus.FAILED, GoalStatus.CANCELLED)
 
 @dataclass(frozen=True, slots=True)
 class ToolCalled:
-    """A skill was called: by a `template`, the `model`, a `command` or an `action`."""
+    """A skill was called: by a `template`, the `model`, a `command`, an `action` or a `program`."""
 
     kind: ClassVar = AgentEventKind.TOOL_CALL
     skill: str
@@ -156,6 +157,34 @@ class Confirmation:
     turn: int
 
 
+class ProgramStatus(StrEnum):
+    """Where a program is in its life; the last three end it."""
+
+    WAITING = "waiting"
+    RUNNING = "running"
+    DONE = "done"
+    CANCELLED = "cancelled"
+    FAILED = "failed"
+
+
+@dataclass(frozen=True, slots=True)
+class ProgramChanged:
+    """A program waits, runs, began another round, or ended. `text` says it as a person is told.
+
+    `due_in_s` is how long it still waits for its time, `round` how often it has begun its steps;
+    the reason says why it failed or was cancelled. Each is there only where it applies.
+    """
+
+    kind: ClassVar = AgentEventKind.PROGRAM
+    program_id: str
+    text: str
+    status: ProgramStatus
+    turn: int
+    due_in_s: float | None = None
+    round: int | None = None
+    reason: Reason | None = field(default=None, metadata={"keys": ("error", "code", "values")})
+
+
 AgentEvent = (
     ToolCalled
     | GoalChanged
@@ -164,6 +193,7 @@ AgentEvent = (
     | HandedOver
     | SafetyPreempted
     | Confirmation
+    | ProgramChanged
 )
 """Whoever subscribes to this on the bus hears all of them."""
 

@@ -89,6 +89,13 @@ class RunSkill:
 
 
 @dataclass(frozen=True, slots=True)
+class CancelProgram:
+    """Forget a program that waits or runs, by its id; all of them where that is empty."""
+
+    program_id: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class Query:
     """Ask for information; answered on the bus."""
 
@@ -106,5 +113,6 @@ Command = (
     | SetMuted
     | Reset
     | RunSkill
+    | CancelProgram
     | Query
 )

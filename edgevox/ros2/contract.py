@@ -10,6 +10,7 @@ from typing import Any
 
 from edgevox.core.agent_events import AgentEvent, as_json
 from edgevox.core.commands import (
+    CancelProgram,
     Interrupt,
     Query,
     Reset,
@@ -102,6 +103,7 @@ QUERIES: Mapping[str, tuple[str, ...]] = {
     "list_languages": ("current", "languages"),
     "hardware_info": ("cuda", "metal", "gpu_name", "vram_total_gb", "vram_used_mb", "ram_gb"),
     "model_info": ("language", "voice", "stt", "llm", "tts"),
+    "list_programs": ("programs",),
 }
 """What can be asked, on `command` or as a Trigger service, and the keys of the answer."""
 
@@ -110,15 +112,23 @@ COMMANDS: Mapping[str, Incoming] = {
     "mute": SetMuted(True),
     "unmute": SetMuted(False),
     **{name: Query(name) for name in QUERIES},
+    "cancel_programs": CancelProgram(),
 }
 """What the `command` topic understands."""
 
+CANCEL_PROGRAM = "cancel_program"
+"""A command that is followed by the id of a program."""
+_COMMANDS = ", ".join((*COMMANDS, f"{CANCEL_PROGRAM} ID"))
+
 
 def _command(text: str) -> Incoming:
+    name, _, program_id = text.strip().partition(" ")
+    if name == CANCEL_PROGRAM and program_id.strip():
+        return CancelProgram(program_id.strip())
     try:
         return COMMANDS[text.strip()]
     except KeyError:
-        raise InvalidValue("command", text, "one of " + ", ".join(COMMANDS)) from None
+        raise InvalidValue("command", text, f"one of {_COMMANDS}") from None
 
 
 PUBLISHED: tuple[Published, ...] = (
@@ -166,7 +176,7 @@ SUBSCRIBED: tuple[Subscribed, ...] = (
     ),
     Subscribed("set_language", Qos.RELIABLE, SetLanguage, "ISO 639-1 code of the language"),
     Subscribed("set_voice", Qos.RELIABLE, SetVoice, "name of the text-to-speech voice"),
-    Subscribed("command", Qos.RELIABLE, _command, "one of " + ", ".join(COMMANDS), verbs=True),
+    Subscribed("command", Qos.RELIABLE, _command, f"one of {_COMMANDS}", verbs=True),
 )
 
 

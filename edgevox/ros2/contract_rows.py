@@ -7,6 +7,7 @@ from types import UnionType
 from typing import Any
 
 from edgevox.core.commands import (
+    CancelProgram,
     Interrupt,
     Query,
     Reset,
@@ -19,7 +20,16 @@ from edgevox.core.commands import (
 )
 
 Incoming = (
-    TextInput | Speak | Interrupt | Reset | RunSkill | SetLanguage | SetVoice | SetMuted | Query
+    TextInput
+    | Speak
+    | Interrupt
+    | Reset
+    | RunSkill
+    | CancelProgram
+    | SetLanguage
+    | SetVoice
+    | SetMuted
+    | Query
 )
 """The commands that come in over ROS 2."""
 

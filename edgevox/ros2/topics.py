@@ -10,7 +10,7 @@ from std_msgs.msg import Float32, String
 
 from edgevox.agent.policy import Asked, Denied
 from edgevox.core.agent_events import AgentEvent
-from edgevox.core.commands import Reset
+from edgevox.core.commands import CancelProgram, Reset
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.events import RobotState
 from edgevox.core.log import get_logger
@@ -80,7 +80,7 @@ class Topics:
     def _receive(self, row: Subscribed, message: String) -> None:
         try:
             command = row.decode(message.data)
-            if row.verbs and not isinstance(command, Reset):  # which stops the robot
+            if row.verbs and not isinstance(command, Reset | CancelProgram):  # to end is free
                 self._guard.permit(Way.COMMAND, [Asked(message.data.strip(), moves=False)])
             self._submit(command)
         except InvalidValue as error:

@@ -17,6 +17,8 @@ from edgevox.core.agent_events import (
     GoalRejected,
     GoalStatus,
     HandedOver,
+    ProgramChanged,
+    ProgramStatus,
     SafetyPreempted,
     ToolCalled,
     as_json,
@@ -80,6 +82,13 @@ EVENTS = (
     (
         HandedOver("host", "driver", 1),
         '{"kind": "handoff", "from": "host", "to": "driver", "turn": 1}',
+    ),
+    (
+        ProgramChanged("p", "In 5 minutes: going.", ProgramStatus.WAITING, 4, due_in_s=300.0),
+        (
+            '{"kind": "program", "program_id": "p", "text": "In 5 minutes: going.", '
+            '"status": "waiting", "turn": 4, "due_in_s": 300.0}'
+        ),
     ),
     (
         SafetyPreempted("halt", stopped=False),

@@ -8,7 +8,15 @@ import yaml
 
 import edgevox.ros2
 from edgevox.core.agent_events import AgentEventKind, SafetyPreempted
-from edgevox.core.commands import Interrupt, Query, Reset, SetMuted, Speak, TextInput
+from edgevox.core.commands import (
+    CancelProgram,
+    Interrupt,
+    Query,
+    Reset,
+    SetMuted,
+    Speak,
+    TextInput,
+)
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import Answered, Cause, State, TurnMeasured
 from edgevox.core.settings import Settings
@@ -126,6 +134,9 @@ def test_the_action_and_the_names_are_the_contracts():
         ("command", " reset\n", Reset()),
         ("command", "mute", SetMuted(True)),
         ("command", "list_voices", Query("list_voices")),
+        ("command", "list_programs", Query("list_programs")),
+        ("command", "cancel_programs", CancelProgram()),
+        ("command", " cancel_program  2f5c ", CancelProgram("2f5c")),
     ],
 )
 def test_a_string_becomes_its_command(topic, text, command):

@@ -11,6 +11,7 @@ from edgevox.core.agent_events import (
     GoalChanged,
     GoalStatus,
     HandedOver,
+    ProgramChanged,
     SafetyPreempted,
     ToolCalled,
 )
@@ -120,6 +121,11 @@ class BusLog:
                 log.info("safety_stop", word=word, stopped=stopped)
             case Confirmation(status=status, question=question):
                 log.info("confirmation", status=str(status), text=Said(question), **_of(event.turn))
+            case ProgramChanged(program_id=program, status=status, reason=reason):
+                how = {"status": str(status), "reason": str(reason or "")}
+                log.info(
+                    "program", program=program, text=Said(event.text), **how, **_of(event.turn)
+                )
             case _:  # how far a goal is; and whoever rejects a goal says so itself
                 pass
 

@@ -10,7 +10,7 @@ from edgevox.ops.metrics.metric import Kind, Metric
 
 SKILLS, CHECKS, TOPICS = "the agent's skills", "the checks of health.md", "topics that come in"
 STAGES = ("stt", "llm", "tts", "ttfs", "total")
-SOURCES = ("template", "model", "command", "action")
+SOURCES = ("template", "model", "command", "action", "program")
 QUEUES = ("conversation", "microphone", "understanding", "mouth", "recorder")
 PARTS = ("ears", "understanding", "mouth", "body", "executor", "ticker", "camera")
 MODELS = ("stt", "llm", "tts")

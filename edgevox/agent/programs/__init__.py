@@ -1,0 +1,5 @@
+"""Small programs: orders that are repeated, delayed, or wait for something to be so.
+
+Sentences become frozen dataclasses (`program`) by templates alone, never by a language model; they
+are bounded (`bounds`), kept and run one after another on the goal runner (`keeper`, `run`).
+"""

@@ -1,0 +1,81 @@
+"""Whether a program may be kept, and each of its steps be done: by its bounds and the policy."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Protocol
+
+from edgevox.agent.goals import Goal
+from edgevox.agent.phrasebook import Phrasebook
+from edgevox.agent.programs.bounds import check_bounds
+from edgevox.agent.programs.kept import Kept
+from edgevox.agent.programs.program import Program, calls_of
+from edgevox.agent.programs.senses import Senses
+from edgevox.agent.skill_executor import Follower
+from edgevox.agent.skills import Call, SkillFailed, SkillSet
+from edgevox.agent.turn import Turn
+from edgevox.core.events import Outcome
+from edgevox.core.ways import Way
+
+
+class Hands(Protocol):
+    """What checks and does the steps: the `SkillExecutor`."""
+
+    def follow(self, follower: Follower) -> None:
+        """Tell it of stops, and of the ends of goals."""
+
+    @property
+    def moving(self) -> Goal | None:
+        """The last of the goals that move or wait to."""
+
+    def prepare(
+        self, calls: Sequence[Call], skills: SkillSet, turn: Turn, *, confirmed: bool = False
+    ) -> Sequence[Goal]:
+        """Goals of these calls; none where one may not be, which is said."""
+
+    def check(
+        self, call: Call, skills: SkillSet, way: Way, turn: int = 0, *, confirmed: bool = False
+    ) -> Mapping[str, Any]:
+        """Raise for a call that may not be made."""
+
+    def step(
+        self, call: Call, skills: SkillSet, way: Way, turn: int, *, confirmed: bool = False
+    ) -> Goal:
+        """A goal for a call, checked now."""
+
+    def launch(self, goal: Goal, may: Callable[[], bool]) -> bool:
+        """Run a goal, unless it may not."""
+
+
+class Permission:
+    """Asks the policy for whoever gave the order, when it is told and again when it is done."""
+
+    def __init__(
+        self, hands: Hands, skills: SkillSet, senses: Senses, phrases: Callable[[], Phrasebook]
+    ) -> None:
+        self._hands = hands
+        self._skills = skills
+        self._senses = senses
+        self._phrases = phrases
+
+    def is_given(self, program: Program, turn: Turn, *, confirmed: bool = False) -> bool:
+        """Whether it may be kept; else why not is said.
+
+        Raises `NeedsConfirmation` if the policy wants a yes and nobody has `confirmed` it.
+        """
+        try:
+            check_bounds(program, self._senses)
+        except SkillFailed as error:
+            turn.say(self._phrases().refusal(error.reason), Outcome.REFUSED)
+            return False
+        calls = calls_of(program)
+        prepared = self._hands.prepare(calls, self._skills, turn, confirmed=confirmed)
+        return bool(prepared) or not calls
+
+    def check(self, kept: Kept) -> None:
+        """Raise for one that may not be now."""
+        check_bounds(kept.program, self._senses)
+        for call in calls_of(kept.program):
+            self._hands.check(call, self._skills, kept.way, kept.turn, confirmed=kept.confirmed)
+
+    def step(self, kept: Kept, call: Call) -> Goal:
+        """The goal of a step that begins now. Raises for one that may not be."""
+        return self._hands.step(call, self._skills, kept.way, kept.turn, confirmed=kept.confirmed)

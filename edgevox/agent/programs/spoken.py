@@ -1,0 +1,84 @@
+"""What people ask of the programs that are kept: which there are, and to forget some."""
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+
+from edgevox.agent.numbers import digits
+from edgevox.agent.phrase_file import ENGLISH, phrasebook
+from edgevox.agent.phrasebook import Phrasebook
+from edgevox.agent.programs.keeper import Programs
+from edgevox.agent.programs.kept import Kept
+from edgevox.agent.programs.matching import meant
+from edgevox.agent.programs.numerals import rewritten
+from edgevox.agent.programs.patterns import Pattern, compiled, prepared
+from edgevox.agent.reasons import because
+from edgevox.agent.turn import Turn
+from edgevox.core.agent_events import ProgramStatus
+
+_KINDS = ("list", "forget_all", "forget")
+
+
+class ProgramQuestions:
+    """Answers them, in the language of `phrases`."""
+
+    def __init__(self, programs: Programs, phrases: Callable[[], Phrasebook]) -> None:
+        self._programs = programs
+        self._phrases = phrases
+
+    def answer(self, text: str, turn: Turn) -> bool:
+        """Answer what is asked of the programs; False if nothing is."""
+        phrases = self._phrases()
+        for code in dict.fromkeys((phrases.code, ENGLISH)):
+            for kind, slots in _asked(text, phrasebook(code)):
+                what = slots.get("what", "")
+                if said := _answer(kind, what, self._programs, phrases, phrasebook(code)):
+                    turn.say(said)
+                    return True
+        return False
+
+
+def _answer(kind: str, what: str, programs: Programs, phrases: Phrasebook, book: Phrasebook) -> str:
+    """What is said to it; empty where something else must be meant."""
+    kept = programs.kept
+    if kind == "list":
+        return listing(programs, phrases)
+    some: Sequence[Kept] | None = kept if kind == "forget_all" else meant(what, kept, book)
+    if some is None:
+        return ""
+    if not some:
+        return phrases.say("program_which", orders=listing(programs, phrases))
+    told = " ".join(programs.told(one) for one in some)
+    programs.forget(some, because("called_off", "somebody said to forget it"))
+    return phrases.say("program_forgotten", orders=told)
+
+
+def listing(programs: Programs, phrases: Phrasebook) -> str:
+    """All programs in words."""
+    told = [_told(one, programs, phrases) for one in programs.kept]
+    if not told:
+        return phrases.say("program_none")
+    return phrases.say("program_listed", orders=" ".join(told))
+
+
+def _told(one: Kept, programs: Programs, phrases: Phrasebook) -> str:
+    order = programs.told(one)
+    if one.status is ProgramStatus.WAITING:
+        return order
+    return phrases.say("program_running", order=f"{order[:1].lower()}{order[1:]}")
+
+
+def _asked(text: str, book: Phrasebook) -> Sequence[tuple[str, dict[str, str]]]:
+    words = rewritten(prepared(digits(text, book.code)), book.programs)
+    found = ((kind, one.slots(words)) for kind in _KINDS for one in _patterns(book.code)[kind])
+    return [(kind, slots) for kind, slots in found if slots is not None]
+
+
+@lru_cache
+def _patterns(code: str) -> dict[str, tuple[Pattern, ...]]:
+    book = phrasebook(code)
+    spaced, rules = book.hearing.spaced, book.programs.rules
+    templates = book.programs.templates
+    return {
+        kind: tuple(compiled(one, rules, spaced=spaced) for one in templates.get(kind, ()))
+        for kind in _KINDS
+    }

@@ -1,0 +1,124 @@
+"""What stops the robot: a stop word, an interrupt, a reset. At once, and whatever is under way."""
+
+from collections.abc import Callable
+
+from edgevox.agent import inbox
+from edgevox.agent.confirmation import OpenQuestion
+from edgevox.agent.inbox import Inbox
+from edgevox.agent.phrasebook import Phrasebook
+from edgevox.agent.programs.keeper import Programs
+from edgevox.agent.reasons import because
+from edgevox.agent.safety import SafetyWords
+from edgevox.agent.skill_executor import SkillExecutor
+from edgevox.agent.states import StateMachine
+from edgevox.agent.turn import Turn
+from edgevox.core.agent_events import SafetyPreempted
+from edgevox.core.bus import Bus
+from edgevox.core.clock import Clock
+from edgevox.core.commands import Heard, TextInput
+from edgevox.core.events import Cause, Interrupted, State, Transcribed
+from edgevox.core.reasons import Reason
+from edgevox.core.text import clean
+
+
+class Stopping:
+    """Acts on the calling thread, at once, and never waits for the conversation's.
+
+    It cancels the `turn` that runs and its `question`, forgets the utterances that wait or are
+    being transcribed, cancels the goals, halts the body, and ends all programs.
+    """
+
+    def __init__(
+        self,
+        bus: Bus,
+        clock: Clock,
+        *,
+        waiting: Inbox,
+        states: StateMachine,
+        executor: SkillExecutor,
+        programs: Programs,
+        question: OpenQuestion,
+        turn: Callable[[], Turn | None],
+        phrases: Callable[[], Phrasebook],
+        language: str,
+    ) -> None:
+        self._bus = bus
+        self._clock = clock
+        self._inbox = waiting
+        self._states = states
+        self._executor = executor
+        self._programs = programs
+        self._question = question
+        self._turn = turn
+        self._phrases = phrases
+        self._safety = SafetyWords(language)
+        self._stopped_s = float("-inf")
+
+    def set_language(self, code: str) -> None:
+        """Hear stop words of this language."""
+        self._safety = SafetyWords(code)
+
+    def is_over(self, heard: Heard) -> bool:
+        """Whether it was said before a stop: who waits is forgotten with it."""
+        return heard.ended_s < self._stopped_s and not self.is_stop(heard.text)
+
+    def is_stop(self, text: str) -> bool:
+        """Whether these words would stop the robot."""
+        return self._safety.find(text) is not None
+
+    def hears(self, words: TextInput | Heard) -> bool:
+        """Stop if these words say so; False if they do not."""
+        word = self._safety.find(words.text)
+        if word:
+            self._stop_word(word, words)
+        return word is not None
+
+    def _stop_word(self, word: str, words: TextInput | Heard) -> None:
+        said_s = words.ended_s if isinstance(words, Heard) else self._clock.now()
+        why = because("heard_stop", word=word)
+        stopped, waited = self._stop(why, said_s)  # before anybody is told: telling may block
+        self._bus.publish(Transcribed(clean(words.text)))
+        self._bus.publish(SafetyPreempted(word, stopped))
+        said = ("program_stopped" if waited else "stopped") if stopped else "standing"
+        self._inbox.announce(self._phrases().say(said))
+
+    def interrupt(self, reason: str, cause: Cause, *, motion: bool) -> None:
+        """Stop everything; without `motion` only what is said: somebody wants to be heard."""
+        if motion:
+            self._stop(because("interrupted", reason), self._clock.now())
+            self._inbox.put(inbox.Settle())
+        else:
+            self._hush(reason)
+        self._bus.publish(Interrupted(cause))
+
+    def reset(self) -> None:
+        """Stop everything, and forget what was said."""
+        self._stop(because("reset"), self._clock.now())
+        self._inbox.put(inbox.Forget())
+        self._bus.publish(Interrupted(Cause.RESET))
+
+    def _hush(self, reason: str) -> None:
+        turn = self._turn()
+        with self._states.gate:
+            if turn is not None and self._executor.hush(reason, turn):
+                self._states.enter(State.INTERRUPTED, turn)
+
+    def _stop(self, reason: Reason, when_s: float) -> tuple[bool, bool]:
+        """Whether there was anything to stop, and whether programs waited for their time.
+
+        `when_s` is when it was asked for.
+        """
+        ended = self._programs.stop()
+        with self._inbox.gate:
+            self._inbox.stop()
+            self._stopped_s = max(self._stopped_s, when_s)
+            turn = self._turn()
+            asked = self._question.cancel(turn.number if turn else 0)
+        with self._states.gate:
+            stopped = self._executor.stop(reason, turn) or bool(ended)
+            if stopped or self._states.transcribes:
+                self._states.enter(State.INTERRUPTED, turn)
+        self._question.tell_cancelled(asked)
+        ended = [*ended, *self._programs.stop()]  # what was being kept when it was asked for
+        self._programs.stopped(ended, reason)
+        return stopped, any(one.goal is None for one in ended)

@@ -1,0 +1,31 @@
+"""What programs may ask of a body: its charge, and the way back to where it is."""
+
+from edgevox.agent.programs.senses import Senses
+from edgevox.agent.skills import Call
+from edgevox.robots.capabilities import Body, HasBattery, HasPose, TellsStalls
+
+_STALLED_S = 1.0
+"""A world that has stood still for so long may hold the lock that its battery is behind."""
+_POINT = "navigate_xy"
+
+
+def senses_of(body: Body) -> Senses:
+    """The senses of this body."""
+    return Senses(
+        battery=(lambda: _charge(body)) if isinstance(body, HasBattery) else None,
+        way_back=lambda: _way_back(body),
+    )
+
+
+def _charge(body: HasBattery) -> float | None:
+    stalled_s = body.stalled_s if isinstance(body, TellsStalls) else 0.0
+    return body.battery() if stalled_s < _STALLED_S else None
+
+
+def _way_back(body: Body) -> Call | None:
+    """To the point where it is; None for a body that does not drive to points."""
+    skills = {one.name for one in body.skills}
+    if not isinstance(body, HasPose) or _POINT not in skills:
+        return None
+    pose = body.pose()
+    return Call(_POINT, {"x": round(pose.x_m, 2), "y": round(pose.y_m, 2)})

@@ -1,0 +1,193 @@
+"""A robot of two rooms that keeps programs, with all time in the test's hand."""
+
+import itertools
+import threading
+from collections.abc import Callable
+from typing import Annotated, Any
+
+from guards import HUNG_S
+
+from edgevox.agent.agents import Agent
+from edgevox.agent.conversation import Conversation
+from edgevox.agent.programs.senses import Senses
+from edgevox.agent.skills import Call, OneOf, SkillFailed, SkillSet, skill
+from edgevox.core.agent_events import AgentEvent, ProgramChanged, as_json
+from edgevox.core.bus import Bus
+from edgevox.core.cancel import Cancelled
+from edgevox.core.commands import TextInput
+from edgevox.core.events import Responded, TurnEnded
+from edgevox.core.interlock import Interlock
+
+ROOMS = OneOf(("kitchen", "office", "bedroom", "dock"))
+
+
+class HeldTime:
+    """A clock and a timer that stand still until they are told."""
+
+    def __init__(self) -> None:
+        self._now_s = 1000.0
+        self._numbers = itertools.count()
+        self._set: list[tuple[float, int, Callable[[], None]]] = []
+        self._lock = threading.Lock()
+
+    def now(self) -> float:
+        return self._now_s
+
+    def start(self) -> None:
+        """Nothing to start."""
+
+    def close(self) -> None:
+        self._set.clear()
+
+    def set(self, seconds: float, action: Callable[[], None]) -> Callable[[], None]:
+        with self._lock:
+            entry = (self._now_s + seconds, next(self._numbers), action)
+            self._set.append(entry)
+        return lambda: self._set.remove(entry) if entry in self._set else None
+
+    def advance(self, seconds: float) -> None:
+        """Let time pass, and do what is due on the way."""
+        end_s = self._now_s + seconds
+        while due := [entry for entry in self._set if entry[0] <= end_s]:
+            entry = min(due)
+            self._set.remove(entry)
+            self._now_s = max(self._now_s, entry[0])
+            entry[2]()
+        self._now_s = end_s
+
+
+class Drives:
+    """A body that is on its way until the test lets it arrive."""
+
+    def __init__(self) -> None:
+        self.visited: list[str] = []
+        self.battery = 0.9
+        self.locked = False
+        self.moving = False
+        self._allowed = 0
+        self._changed = threading.Condition()
+        self.begun: list[str] = []
+
+    def arrive(self, times: int = 1) -> None:
+        """Let so many drives come to their end, those that begin later too."""
+        with self._changed:
+            self._allowed += times
+            self._changed.notify_all()
+
+    def wait_for(self, count: int) -> None:
+        """Wait until so many drives have begun."""
+        with self._changed:
+            assert self._changed.wait_for(lambda: len(self.begun) >= count, HUNG_S), self.begun
+
+    def halt(self, reason: str) -> bool:
+        moved, self.moving = self.moving, False
+        return moved
+
+    def skills(self, *, battery: bool = True) -> SkillSet:
+        @skill(
+            templates=["[please] (go|drive) to [the] {room} [please]"],
+            says="Going to the {room}.",
+            done="I am in the {room}.",
+        )
+        def navigate_to(goal, room: Annotated[str, ROOMS]):
+            """Drive to a room."""
+            self._drive(goal, room)
+
+        @skill(says="Going to x {x:g}, y {y:g}.", done="I am there.")
+        def navigate_xy(goal, x: float, y: float):
+            """Drive to a point."""
+            self._drive(goal, f"{x:g}, {y:g}")
+
+        @skill(templates=["(wait|stand) here"], says="Stopping.")
+        def stop(goal):
+            """Stop."""
+
+        @skill(templates=["where are you"], done="I am here.", moves=False)
+        def get_pose(goal):
+            """Say where the robot is."""
+
+        return SkillSet([navigate_to, navigate_xy, stop, get_pose])
+
+    def _drive(self, goal: Any, where: str) -> None:
+        with self._changed:
+            if self.locked:
+                raise SkillFailed("the door is locked")
+            self.moving = True
+            self.begun.append(where)
+            self._changed.notify_all()
+        forget = goal.token.on_cancel(self._wake)
+        with self._changed:
+            self._changed.wait_for(lambda: self._allowed or goal.token.cancelled, HUNG_S)
+            forget()
+            self.moving = False
+            if goal.token.cancelled:
+                raise Cancelled(goal.token.reason)
+            self._allowed -= 1
+            self.visited.append(where)
+
+    def _wake(self) -> None:
+        threading.Thread(target=self._notify).start()  # the test may hold the lock
+
+    def _notify(self) -> None:
+        with self._changed:
+            self._changed.notify_all()
+
+
+class Talk:
+    """A conversation with that robot, everything that was said, and what became of programs."""
+
+    def __init__(self, language: str = "en", *, battery: bool = True) -> None:
+        self.bus, self.body, self.time, self.interlock = Bus(), Drives(), HeldTime(), Interlock()
+        self.said: list[str] = []
+        self.events: list[dict[str, Any]] = []
+        self._turned = threading.Condition()
+        self._turns = 0
+        self.bus.subscribe(Responded, lambda event: self.said.append(event.text))
+        self.bus.subscribe(AgentEvent, lambda event: self.events.append(as_json(event)))
+        self.bus.subscribe(ProgramChanged, lambda _: self._note())
+        self.bus.subscribe(TurnEnded, lambda _: self._note())
+        self.conversation = Conversation(
+            [Agent("robot", "Be brief.", self.body.skills())],
+            self.bus,
+            halt=self.body.halt,
+            language=language,
+            clock=self.time,
+            interlock=self.interlock,
+            timer=self.time,
+            senses=Senses(
+                battery=(lambda: self.body.battery) if battery else None,
+                way_back=lambda: Call("navigate_xy", {"x": 1.0, "y": 2.0}),
+            ),
+        )
+        self.conversation.start()
+
+    def say(self, text: str) -> str:
+        """Say it; the first that is answered."""
+        before = len(self.said)
+        self.conversation.submit(TextInput(text))
+        self.until(lambda: len(self.said) > before)
+        return self.said[before]
+
+    def until(self, true: Callable[[], object]) -> None:
+        """Wait for what threads do."""
+        with self._turned:
+            assert self._turned.wait_for(true, HUNG_S), (self.said, self.statuses())
+
+    def until_said(self, text: str) -> None:
+        self.until(lambda: text in self.said)
+
+    def programs(self) -> list[dict[str, Any]]:
+        """What was told of programs."""
+        return [event for event in self.events if event["kind"] == "program"]
+
+    def statuses(self) -> list[str]:
+        return [event["status"] for event in self.programs()]
+
+    def ended(self) -> None:
+        """Wait until no program is kept, and nothing moves."""
+        self.until(lambda: not self.conversation.programs.kept)
+        assert self.conversation.wait_idle(HUNG_S)
+
+    def _note(self) -> None:
+        with self._turned:
+            self._turned.notify_all()
