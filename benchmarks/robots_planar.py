@@ -5,6 +5,7 @@ each of its steps a second world in the bare simulator makes the same step, so t
 same machine, whatever else runs on it. Time is that of the processor.
 """
 
+import math
 import time
 from collections.abc import Callable, Sequence
 
@@ -83,10 +84,10 @@ def bare_pymunk(world: World) -> tuple[Step, Scan]:
     space, robot, wheels = engine._space, engine._robot, engine._wheels  # noqa: SLF001 - the bare parts
 
     def step(command: Twist2D) -> None:
+        wheels.angular_velocity = command.angular_rad_s
         for _ in range(2):
-            wheels.position = robot.position
-            wheels.velocity = robot.rotation_vector * command.linear_m_s
-            wheels.angular_velocity = command.angular_rad_s
+            ahead, yaw_rad = command.linear_m_s, robot.angle
+            wheels.velocity = math.cos(yaw_rad) * ahead, math.sin(yaw_rad) * ahead
             space.step(STEP_S / 2)
 
     return step, lambda: engine.scan(0.0)

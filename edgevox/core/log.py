@@ -8,11 +8,12 @@ they go is set up by `edgevox.ops.logs`; where nobody sets anything up, nothing 
 """
 
 import logging
-from collections.abc import Iterator, Mapping, MutableMapping
+import sys
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from structlog.contextvars import bound_contextvars, get_contextvars, merge_contextvars
+from structlog.contextvars import bound_contextvars, get_contextvars
 from structlog.stdlib import BoundLogger
 
 ROOT = "edgevox"
@@ -26,8 +27,8 @@ _LEVELS = {
     "exception": logging.ERROR,
     "critical": logging.CRITICAL,
 }
-_CALLER = 3
-"""How many frames above logging the line was written: `info`, then `_proxy_to_logger`."""
+_CALLER = 2
+"""How many frames above `_proxy_to_logger` the line was written: `info` is between them."""
 
 logging.getLogger(ROOT).addHandler(logging.NullHandler())  # else warnings print by themselves
 
@@ -68,22 +69,35 @@ class Line(dict[str, Any]):
 
 
 class Logger(BoundLogger):
-    """structlog's logger on top of the standard library's; a line below its level costs nothing."""
+    """structlog's logger on top of the standard library's; a line below its level costs nothing.
+
+    It makes the record by itself, in place of structlog's processors and logging's search for the
+    caller: together a third of what a line costs before it is written.
+    """
 
     def _proxy_to_logger(
         self, method_name: str, event: str | None = None, *event_args: str, **event_kw: Any
     ) -> None:
-        if not self._logger.isEnabledFor(_LEVELS[method_name]):
+        logger, level = self._logger, _LEVELS[method_name]
+        if not logger.isEnabledFor(level):
             return
         if event_args:
             raise TypeError(f"{event}: got positional arguments, expected fields by name")
-        args, more = self._process_event(method_name, event, event_kw)
-        getattr(self._logger, method_name)(*args, **more)
+        error = _exc_info(event_kw.pop("exc_info", None))
+        line = Line(get_contextvars())
+        line.update(self._context, **event_kw, event=event)
+        frame = sys._getframe(_CALLER)  # noqa: SLF001 - as logging does it
+        code = frame.f_code
+        logger.handle(
+            logger.makeRecord(
+                logger.name, level, code.co_filename, frame.f_lineno, line, (), error, code.co_name
+            )
+        )
 
 
 def get_logger(name: str) -> Logger:
     """The logger of a module: its lines have an event and fields, by name."""
-    return Logger(logging.getLogger(name), [merge_contextvars, _hand_over], {})
+    return Logger(logging.getLogger(name), [], {})
 
 
 @contextmanager
@@ -101,9 +115,10 @@ def bound_now() -> dict[str, Any]:
     return get_contextvars()
 
 
-def _hand_over(
-    _logger: object, _method: str, fields: MutableMapping[str, Any]
-) -> tuple[tuple[Line], Mapping[str, Any]]:
-    """From structlog to logging, whose records know exceptions and who called."""
-    more = {"stacklevel": _CALLER, "exc_info": fields.pop("exc_info", None)}
-    return (Line(fields),), more
+def _exc_info(told: Any) -> Any:
+    """What `exc_info` means, as logging has it: an exception, or the one that is handled now."""
+    if not told or isinstance(told, tuple):
+        return told or None
+    if isinstance(told, BaseException):
+        return type(told), told, told.__traceback__
+    return sys.exc_info()

@@ -38,8 +38,7 @@ class Battery:
         spec = self._spec
         speed, turning = abs(twist.linear_m_s), abs(twist.angular_rad_s)
         power_w = spec.idle_w + spec.linear_w_per_m_s * speed + spec.angular_w_per_rad_s * turning
-        far = math.hypot(pose.x_m - self._dock[0], pose.y_m - self._dock[1])
-        if far <= DOCK_REACH_M and speed < _STANDING_M_S:
+        if speed < _STANDING_M_S and math.dist((pose.x_m, pose.y_m), self._dock) <= DOCK_REACH_M:
             power_w -= spec.charge_w
         left = self._left_wh - power_w * seconds / 3600.0
         self._left_wh = min(max(left, 0.0), spec.capacity_wh)

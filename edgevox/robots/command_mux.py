@@ -61,7 +61,7 @@ class CommandMux(Generic[M]):
     @property
     def busy(self) -> bool:
         """Whether anybody moves the body."""
-        return self.motion is not None or self._velocity is not None
+        return self._velocity is not None or self.motion is not None
 
     def start(self, make: Callable[[], M], why: str = "a new goal came") -> M:
         """Let this motion move the body; what moved it so far ends as cancelled because of `why`.

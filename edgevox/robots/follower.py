@@ -36,24 +36,23 @@ class _Side:
     """One straight piece of a path, how long it is, and where on the path it begins and ends."""
 
     a: Point
+    ahead: Point
+    """The unit vector from `a` to `b`."""
     b: Point
     length_m: float
     begin_m: float
     end_m: float
 
     def at(self, along_m: float) -> Point:
-        """The point this far along the path."""
-        part = min(max((along_m - self.begin_m) / self.length_m, 0.0), 1.0)
-        return (
-            self.a[0] + part * (self.b[0] - self.a[0]),
-            self.a[1] + part * (self.b[1] - self.a[1]),
-        )
+        """The point this far along the path, which is on this side."""
+        past_m = along_m - self.begin_m
+        return self.a[0] + past_m * self.ahead[0], self.a[1] + past_m * self.ahead[1]
 
     def nearest(self, point: Point) -> float:
         """How far along the path the point of this side is that is nearest to another."""
-        ax, ay = point[0] - self.a[0], point[1] - self.a[1]
-        dot = ax * (self.b[0] - self.a[0]) + ay * (self.b[1] - self.a[1])
-        return self.begin_m + min(max(dot / self.length_m, 0.0), self.length_m)
+        x, y = point[0] - self.a[0], point[1] - self.a[1]
+        past_m = x * self.ahead[0] + y * self.ahead[1]
+        return self.begin_m + min(max(past_m, 0.0), self.length_m)
 
 
 class Follower:
@@ -62,6 +61,7 @@ class Follower:
     def __init__(self, path: Sequence[Point], limits: Limits) -> None:
         self._limits = limits
         self._sides = _sides(path)
+        """What is not passed yet."""
         self.goal = path[-1]
         self.length_m = self._sides[-1].end_m if self._sides else 0.0
         self._passed_m = 0.0
@@ -81,7 +81,7 @@ class Follower:
     def steer(self, pose: Pose2D) -> Twist2D:
         """The velocity to ask for now. Zero once arrived, and it stays arrived."""
         here = (pose.x_m, pose.y_m)
-        self._passed_m = max(self._passed_m, self._project(here))
+        self._get_on(here)
         left = math.dist(here, self.goal)
         if self.arrived or (self.remaining_m < LOOKAHEAD_M and left < ARRIVED_M):
             self.arrived = True
@@ -107,19 +107,24 @@ class Follower:
         return min(max(wanted, -most), most)
 
     def _at(self, along_m: float) -> Point:
-        side = next((s for s in self._sides if along_m <= s.end_m), None)
-        return side.at(along_m) if side else self.goal
+        for side in self._sides:
+            if along_m <= side.end_m:
+                return side.at(along_m)
+        return self.goal
 
-    def _project(self, here: Point) -> float:
-        """Where on the path the robot is; looks only a little ahead, so that no loop is cut."""
-        near = [
-            along
-            for side in self._sides
-            if side.end_m >= self._passed_m and side.begin_m <= self._passed_m + LOOKAHEAD_M
-            for along in [side.nearest(here)]
-            if along <= self._passed_m + 2 * LOOKAHEAD_M
-        ]
-        return min(near, key=lambda s: math.dist(here, self._at(s)), default=self._passed_m)
+    def _get_on(self, here: Point) -> None:
+        """Find where on the path the robot is, only a little ahead, so that no loop is cut."""
+        passed_m, least_m = self._passed_m, math.inf
+        for side in self._sides:
+            if side.begin_m > self._passed_m + LOOKAHEAD_M:
+                break
+            along_m = side.nearest(here)
+            gap_m = math.dist(here, side.at(along_m))
+            if gap_m < least_m and along_m <= self._passed_m + 2 * LOOKAHEAD_M:
+                passed_m, least_m = along_m, gap_m
+        self._passed_m = max(self._passed_m, passed_m)
+        while self._sides and self._sides[0].end_m < self._passed_m:
+            del self._sides[0]
 
 
 def _sides(path: Sequence[Point]) -> list[_Side]:
@@ -127,7 +132,14 @@ def _sides(path: Sequence[Point]) -> list[_Side]:
     lengths = [math.dist(a, b) for a, b in pairs]
     marks = pairwise(accumulate(lengths, initial=0.0))
     return [
-        _Side(a, b, length_m, begin_m, end_m)
+        _Side(
+            a,
+            ((b[0] - a[0]) / length_m, (b[1] - a[1]) / length_m),
+            b,
+            length_m,
+            begin_m,
+            end_m,
+        )
         for (a, b), length_m, (begin_m, end_m) in zip(pairs, lengths, marks, strict=True)
     ]
 

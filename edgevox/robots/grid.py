@@ -59,13 +59,14 @@ class Grid:
     def along(self, start: Point, end: Point) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Rows and columns of the cells that a straight line passes, half a cell apart."""
         length = math.hypot(end[0] - start[0], end[1] - start[1])
-        steps = np.linspace(0.0, 1.0, max(2, math.ceil(2 * length / self.cell_m) + 1))
+        last = max(1, math.ceil(2 * length / self.cell_m))
+        steps = np.arange(last + 1) * (1.0 / last)
         rows, columns = self.clearance_m.shape
         y = start[1] + steps * (end[1] - start[1]) - self._y_m
         x = start[0] + steps * (end[0] - start[0]) - self._x_m
-        row = np.clip((y / self.cell_m).astype(np.intp), 0, rows - 1)
-        column = np.clip((x / self.cell_m).astype(np.intp), 0, columns - 1)
-        return row, column
+        row = np.minimum(np.maximum((y / self.cell_m).astype(np.intp), 0), rows - 1)
+        column = np.minimum(np.maximum((x / self.cell_m).astype(np.intp), 0), columns - 1)
+        return row, column  # not `np.clip`, which takes as long as all that is above
 
     def nearest(self, point: Point, free: NDArray[np.bool_], within_m: float) -> Point | None:
         """The middle of the free cell that is nearest to a point, None if all are farther."""
@@ -83,8 +84,8 @@ class Grid:
         low = self.cell((x0 - self.reach_m, y0 - self.reach_m))
         high = self.cell((x1 + self.reach_m, y1 + self.reach_m))
         window = (slice(low[0], high[0] + 1), slice(low[1], high[1] + 1))
-        rows, columns = np.mgrid[window]
-        x = self._x_m + (columns.ravel() + 0.5) * self.cell_m
-        y = self._y_m + (rows.ravel() + 0.5) * self.cell_m
-        far = distance(shape, np.stack([x, y], axis=1)).reshape(rows.shape)
+        x = self._x_m + (np.arange(low[1], high[1] + 1) + 0.5) * self.cell_m
+        y = self._y_m + (np.arange(low[0], high[0] + 1) + 0.5) * self.cell_m
+        points = np.column_stack([np.tile(x, len(y)), np.repeat(y, len(x))])
+        far = distance(shape, points).reshape(len(y), len(x))
         self.clearance_m[window] = np.minimum(self.clearance_m[window], far)

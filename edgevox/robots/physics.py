@@ -2,7 +2,8 @@
 
 Wheels and friction are joints with a limited force, as pymunk asks for in a view from above: one
 joint pulls the robot to the velocity of a kinematic body that follows the command, one pulls each
-movable thing to rest. So contacts win over the command and nothing sinks into a wall.
+movable thing to rest. So contacts win over the command and nothing sinks into a wall. No joint
+corrects a position (`max_bias` is 0), so it does not matter where that kinematic body is.
 Not safe to use from two threads at a time.
 """
 
@@ -55,18 +56,28 @@ class PymunkEngine:
         self._wheels = self._add_wheels(world)
 
     def step(self, command: Twist2D) -> MotionState:
+        robot, wheels, space = self._robot, self._wheels, self._space
+        wheels.angular_velocity = command.angular_rad_s
         for _ in range(_SUBSTEPS):
-            heading = self._robot.rotation_vector
-            self._wheels.position = self._robot.position
-            self._wheels.velocity = heading * command.linear_m_s
-            self._wheels.angular_velocity = command.angular_rad_s
-            self._space.step(STEP_S / _SUBSTEPS)
+            yaw_rad = robot.angle
+            wheels.velocity = (
+                math.cos(yaw_rad) * command.linear_m_s,
+                math.sin(yaw_rad) * command.linear_m_s,
+            )
+            space.step(STEP_S / _SUBSTEPS)
         return self.motion()
 
     def motion(self) -> MotionState:
-        velocity = self._robot.velocity.dot(self._robot.rotation_vector)
-        twist = Twist2D(float(velocity), float(self._robot.angular_velocity))
-        return MotionState(_pose(self._robot), twist, self._touching())
+        robot = self._robot
+        x, y = robot.position
+        vx, vy = robot.velocity
+        yaw_rad = robot.angle
+        ahead_m_s = vx * math.cos(yaw_rad) + vy * math.sin(yaw_rad)
+        return MotionState(
+            Pose2D(x, y, math.remainder(yaw_rad, math.tau)),
+            Twist2D(ahead_m_s, robot.angular_velocity),
+            self._touching(),
+        )
 
     @property
     def still(self) -> bool:
@@ -158,4 +169,4 @@ def _solid(body: pymunk.Body, shape: Shape) -> list[pymunk.Shape]:
 
 def _pose(body: pymunk.Body) -> Pose2D:
     x, y = body.position
-    return Pose2D(float(x), float(y), math.remainder(body.angle, math.tau))
+    return Pose2D(x, y, math.remainder(body.angle, math.tau))

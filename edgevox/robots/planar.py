@@ -280,4 +280,4 @@ class PlanarRobot(LivesByStepping):
         with self._lock:
             self._ticks += 1
             self._run.step(self._now_s)
-            return (self._run.busy or self._run.moving) and self._mux.velocity is None
+            return self._mux.velocity is None and (self._run.busy or self._run.moving)

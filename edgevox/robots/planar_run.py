@@ -18,7 +18,8 @@ from edgevox.robots.world_model import World
 MOST_TRAIL_POINTS = 5000
 TRAIL_STEP_M = 0.05
 _MOVING_M_S = 1e-3  # and rad/s
-_LOOK_EVERY_STEPS = 5
+_LOOK_EVERY_STEPS = 10
+"""How often furniture is looked at; a drive does so every 25 steps."""
 
 
 class PlanarRun:

@@ -11,7 +11,7 @@ from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.grid import Grid, cell_size
-from edgevox.robots.shapes import Point, distance, place
+from edgevox.robots.shapes import Point, bounds, distance, place
 from edgevox.robots.world_model import Thing, World
 
 CLEARANCE_M = 0.05
@@ -30,7 +30,8 @@ class Planner:
     def __init__(self, world: World) -> None:
         self._world = world
         self._radius_m = world.robot.radius_m
-        fixed = [place(part, thing.pose) for thing in world.fixed for part in thing.parts]
+        self._solid = [_Solid(thing, thing.pose) for thing in world.fixed]
+        fixed = [shape for solid in self._solid for shape in solid.shapes]
         cell_m = cell_size(world)
         self._least_m = self._radius_m + max(CLEARANCE_M, 0.71 * cell_m)
         self._comfort_m = max(self._radius_m + COMFORT_M - cell_m, self._least_m)
@@ -41,12 +42,9 @@ class Planner:
 
         Raises `SkillFailed` with a reason that a person may hear.
         """
-        self._check_goal(goal, movable)
-        shapes = [
-            place(part, pose)
-            for thing, pose in zip(self._world.movable, movable, strict=True)
-            for part in thing.parts
-        ]
+        loose = [_Solid(*both) for both in zip(self._world.movable, movable, strict=True)]
+        self._check_goal(goal, [*self._solid, *loose])
+        shapes = [shape for solid in loose for shape in solid.shapes]
         path = self._search(self._fixed.add(shapes), start, goal)
         if path:
             return path
@@ -54,15 +52,11 @@ class Planner:
             raise SkillFailed(because("furniture"))
         raise SkillFailed(because("no_way"))
 
-    def _check_goal(self, goal: Point, movable: Sequence[Pose2D]) -> None:
-        world = self._world
-        world.bounds.check(*goal)
-        places = [*((t, t.pose) for t in world.fixed), *zip(world.movable, movable, strict=True)]
-        gap, thing = min(
-            ((_gap(thing, pose, goal), thing) for thing, pose in places),
-            key=lambda pair: pair[0],
-            default=(np.inf, None),
-        )
+    def _check_goal(self, goal: Point, solids: Sequence["_Solid"]) -> None:
+        self._world.bounds.check(*goal)
+        near = [solid for solid in solids if solid.near(goal, self._radius_m)]
+        gaps = [(solid.gap(goal), solid.thing) for solid in near]
+        gap, thing = min(gaps, key=lambda pair: pair[0], default=(np.inf, None))
         if thing and gap == 0.0:
             raise SkillFailed(because("taken", thing=thing.mentioned))
         if thing and gap < self._radius_m:
@@ -88,7 +82,7 @@ class Planner:
         cells = finder.path_to(grid.cell(ends[1]))
         if len(cells) == 1 and grid.cell(ends[0]) != grid.cell(ends[1]):
             return ()
-        middle = [grid.center(int(row), int(column)) for row, column in cells]
+        middle = [grid.center(row, column) for row, column in cells.tolist()]
         if grid.cell(start) == grid.cell(ends[0]):
             middle[0] = start
         if grid.cell(goal) == grid.cell(ends[1]):
@@ -96,9 +90,27 @@ class Planner:
         return _joined(start, _straightened(grid, cost, middle), goal)
 
 
-def _gap(thing: Thing, pose: Pose2D, point: Point) -> float:
-    where = np.array([point])
-    return float(min(distance(place(part, pose), where)[0] for part in thing.parts))
+class _Solid:
+    """A thing, where it stands."""
+
+    def __init__(self, thing: Thing, pose: Pose2D) -> None:
+        self.thing = thing
+        self.shapes = [place(part, pose) for part in thing.parts]
+        boxes = [bounds(shape) for shape in self.shapes]
+        self._least = min(box[0] for box in boxes), min(box[1] for box in boxes)
+        self._greatest = max(box[2] for box in boxes), max(box[3] for box in boxes)
+
+    def near(self, point: Point, within_m: float) -> bool:
+        """False where it is certainly farther away; what is far need not be measured."""
+        (x0, y0), (x1, y1) = self._least, self._greatest
+        return x0 - within_m <= point[0] <= x1 + within_m and (
+            y0 - within_m <= point[1] <= y1 + within_m
+        )
+
+    def gap(self, point: Point) -> float:
+        """Metres between it and a point, 0 inside it."""
+        where = np.array([point])
+        return min(float(distance(shape, where)[0]) for shape in self.shapes)
 
 
 def _free(grid: Grid, cost: Costs, point: Point, within_m: float) -> Point | None:

@@ -58,10 +58,9 @@ def place(shape: Shape, pose: Pose2D) -> Shape:
 
 def edges(shape: Polygon | Line) -> Floats:
     """The sides of a shape, (n, 4): x and y of one end, x and y of the other."""
-    start = np.asarray(shape.vertices, dtype=np.float64)
-    if isinstance(shape, Polygon):
-        return np.hstack([start, np.roll(start, -1, axis=0)])
-    return np.hstack([start[:-1], start[1:]])
+    start = shape.vertices
+    end = (*start[1:], start[0]) if isinstance(shape, Polygon) else start[1:]
+    return np.array([(*a, *b) for a, b in zip(start, end, strict=False)], dtype=np.float64)
 
 
 def inside(shape: Shape, points: Floats) -> NDArray[np.bool_]:
@@ -83,9 +82,11 @@ def distance(shape: Shape, points: Floats) -> Floats:
         offset = points - np.asarray(shape.center)
         outside: Floats = np.maximum(np.hypot(offset[:, 0], offset[:, 1]) - shape.radius_m, 0.0)
         return outside
-    nearest = np.full(len(points), np.inf)
-    for edge in edges(shape):
-        nearest = np.minimum(nearest, _to_segment(edge, points))
+    x, y = points[:, 0].copy(), points[:, 1].copy()  # in a row each: twice as fast to go through
+    squared = np.full(len(points), np.inf)
+    for x1, y1, x2, y2 in edges(shape).tolist():
+        np.minimum(squared, _squared_to_segment(x - x1, y - y1, x2 - x1, y2 - y1), out=squared)
+    nearest: Floats = np.sqrt(squared)
     if isinstance(shape, Polygon):
         nearest[_inside_polygon(shape, points)] = 0.0
     return nearest
@@ -137,22 +138,20 @@ def crosses_itself(polygon: Polygon) -> bool:
     return bool((parted & parted.T).any())
 
 
-def _to_segment(edge: Floats, points: Floats) -> Floats:
-    start, side = edge[:2], edge[2:] - edge[:2]
-    length_squared = float(side @ side)
-    offset = points - start
-    along = np.zeros(len(points))
+def _squared_to_segment(x: Floats, y: Floats, side_x: float, side_y: float) -> Floats:
+    """Of points seen from one end of a segment, which reaches to `side`."""
+    length_squared = side_x * side_x + side_y * side_y
     if length_squared > 0.0:
-        along = np.clip(offset @ side / length_squared, 0.0, 1.0)
-    gap = offset - along[:, None] * side
-    result: Floats = np.hypot(gap[:, 0], gap[:, 1])
-    return result
+        along = (x * side_x + y * side_y) / length_squared
+        along = np.minimum(np.maximum(along, 0.0), 1.0)
+        x, y = x - along * side_x, y - along * side_y
+    return x * x + y * y
 
 
 def _inside_polygon(polygon: Polygon, points: Floats) -> NDArray[np.bool_]:
     x, y = points[:, 0], points[:, 1]
     covered = np.zeros(len(points), dtype=np.bool_)
-    for x1, y1, x2, y2 in edges(polygon):
+    for x1, y1, x2, y2 in edges(polygon).tolist():
         if y1 == y2:
             continue
         spans = (y1 > y) != (y2 > y)

@@ -32,4 +32,4 @@ class VelocityRamp:
 
 
 def _toward(now: float, wanted: float, most: float) -> float:
-    return now + clamped(wanted - now, most)
+    return wanted if -most <= wanted - now <= most else now + clamped(wanted - now, most)

@@ -128,7 +128,7 @@ def test_the_goal_fails_with_a_reason_and_the_robot_stands_within_a_step_or_two(
     case.poison(robot)
 
     before = robot.breaks
-    for _ in range(10):  # furniture is looked at every fifth step
+    for _ in range(10):  # furniture is looked at every tenth step
         robot.advance(STEP_S)
         if robot.breaks > before:
             break

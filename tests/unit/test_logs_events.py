@@ -7,13 +7,13 @@ from pathlib import Path
 
 import edgevox
 from edgevox.core.log import Said
-from edgevox.ops.logs.rendering import FIRST, LAST
+from edgevox.ops.logs.rendering import IDS, LAST
 from edgevox.ops.logs.table import log_events
 
 CODE = Path(edgevox.__file__).parent
 METHODS = {"debug", "info", "warning", "error", "exception", "critical", "log"}
 OF_THE_LOG_ITSELF = {"lines_held_back", "log_lines_lost", "log_line_broken"}
-COMMON = {*FIRST, LAST, "exc_info"}
+COMMON = {"ts", "level", "logger", "event", *IDS, LAST, "exc_info"}
 
 
 def calls():

@@ -63,12 +63,13 @@ class RateLimit(logging.Filter):
             _tell(key, window, self._window_s)
 
     def _judge(self, record: logging.LogRecord) -> bool:
+        if record.levelno < logging.WARNING:
+            self.tell(all_windows=False)
+            return True
         key = _key(record)
         if key[1] == HELD_BACK:
             return True
         self.tell(all_windows=False)
-        if record.levelno < logging.WARNING:
-            return True
         with self._lock:
             window = self._windows.get(key)
             if window is None:

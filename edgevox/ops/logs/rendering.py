@@ -20,8 +20,8 @@ from edgevox.ops.logs.values import one_line, plain, trace
 Fields = MutableMapping[str, Any]
 Render = Callable[[Any, str, Fields], str | bytes]
 
-FIRST = ("ts", "level", "logger", "event", "turn", "goal")
-"""The fields that every line has, or that say what it belongs to. No event has its own of these."""
+IDS = ("turn", "goal")
+"""The fields that say what a line belongs to."""
 LAST = "exception"
 _EVENT_WIDTH = 24
 
@@ -45,10 +45,14 @@ class Lines(logging.Formatter):
             "ts": self._stamp(record.created),
             "level": record.levelname.lower(),
             "logger": record.name,
-            "event": plain(fields.pop("event", ""), speech=shows),
+            "event": plain(fields.get("event", ""), speech=shows),
         }
-        told.update({name: fields.pop(name) for name in FIRST if name in fields})
-        told.update({name: plain(value, speech=shows) for name, value in fields.items()})
+        for name in IDS:
+            if name in fields:
+                told[name] = fields[name]
+        for name, value in fields.items():
+            if name not in told:
+                told[name] = plain(value, speech=shows)
         if record.exc_info and record.exc_info[0]:
             told[LAST] = trace(record.exc_info)
         return str(self._render(None, record.levelname, told))
@@ -77,7 +81,7 @@ def console_lines(*, speech: bool, in_colour: Callable[[], bool]) -> Lines:
 def _fields(record: logging.LogRecord) -> Fields:
     """What it says: an event with its fields, or a library's text with what its thread is about."""
     if isinstance(record.msg, Line):
-        return dict(record.msg)
+        return record.msg
     told = {**get_contextvars(), "event": record.getMessage()}
     return {**told, "stack_info": record.stack_info} if record.stack_info else told
 

@@ -12,6 +12,9 @@ from edgevox.ops.logs.rendering import console_lines, json_lines
 from edgevox.ops.logs.stream import LineStream
 from edgevox.ops.logs.uncaught import catch_uncaught
 
+_UNREAD = ("logThreads", "logProcesses", "logMultiprocessing")
+"""What logging finds out for every record, unless told not to, and no line of ours shows."""
+
 
 class ProgramLog(LineStream):
     """The one handler of a program's root logger, with all that `tear_down` has to undo."""
@@ -28,6 +31,7 @@ class ProgramLog(LineStream):
         self.limit = RateLimit()
         self.addFilter(self.limit)
         self._level_before = logging.getLogger().level
+        self._kept_before = {name: getattr(logging, name) for name in _UNREAD}
         self._undo: Callable[[], None] = lambda: None
 
     def open(self, level: str) -> None:
@@ -35,6 +39,8 @@ class ProgramLog(LineStream):
         root = logging.getLogger()
         root.addHandler(self)
         root.setLevel(level.upper())
+        for name in _UNREAD:
+            setattr(logging, name, False)
         self._undo = catch_uncaught()
         logging.captureWarnings(capture=True)
 
@@ -47,6 +53,8 @@ class ProgramLog(LineStream):
             self._undo()
             root.removeHandler(self)
             root.setLevel(self._level_before)
+            for name, kept in self._kept_before.items():
+                setattr(logging, name, kept)
         super().close()
 
 

@@ -17,12 +17,12 @@ ExcInfo = tuple[type[BaseException], BaseException, TracebackType | None]
 
 def plain(value: object, *, speech: bool) -> Any:
     """The value as JSON takes it. What somebody said becomes its length, unless `speech`."""
-    if isinstance(value, bool | int | None):
+    if isinstance(value, str):  # first, as most values are
+        return cut(value)
+    if value is None or isinstance(value, int):  # a bool is one, too
         return value
     if isinstance(value, float):
         return value if math.isfinite(value) else str(value)
-    if isinstance(value, str):
-        return cut(value)
     if isinstance(value, Said):
         return cut(value.text) if speech else repr(value)
     if isinstance(value, Mapping):

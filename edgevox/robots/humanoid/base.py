@@ -42,11 +42,17 @@ class Base:
         """Of the base above the floor."""
         return float(self._at[2])
 
+    @property
+    def finite(self) -> bool:
+        """Whether every number of its pose and of its velocity is one."""
+        return self._pose.finite and math.isfinite(sum(self._moves.tolist()))
+
     def velocity(self) -> Twist2D:
         """Ahead along the floor, and turning."""
-        vx, vy, _, *turning = self._moves.tolist()
+        vx, vy, _, roll, pitch, yaw_rate = self._moves.tolist()
         yaw = self._pose.yaw_rad
-        turn = sum(speed * part for speed, part in zip(turning, self._up, strict=True))
+        up_x, up_y, up_z = self._up
+        turn = roll * up_x + pitch * up_y + yaw_rate * up_z
         return Twist2D(math.cos(yaw) * vx + math.sin(yaw) * vy, turn)
 
     def turning_rad_s(self) -> NDArray[np.float64]:

@@ -9,7 +9,7 @@ RISE_RAD_S2 = 2.0
 def eased(now: WalkingCommand, wanted: WalkingCommand, seconds: float) -> WalkingCommand:
     """What to walk at next: `wanted`, or as near to it as speeds may rise in this time."""
     if wanted == now:
-        return wanted
+        return now
     return WalkingCommand(
         _risen(now.forward_m_s, wanted.forward_m_s, RISE_M_S2 * seconds),
         _risen(now.left_m_s, wanted.left_m_s, RISE_M_S2 * seconds),
