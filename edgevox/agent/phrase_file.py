@@ -8,13 +8,12 @@ from importlib import resources
 from typing import Any
 
 from edgevox.agent.answers import AnswerWords
+from edgevox.agent.phrase_numbers import Numbers, Rewriting
+from edgevox.agent.phrase_words import word_of
 from edgevox.agent.phrasebook import (
     Exchange,
     Hearing,
-    Numbers,
     Phrasebook,
-    Rewriting,
-    Word,
 )
 from edgevox.agent.skills import Example, SkillPhrases
 from edgevox.agent.spelling import composed, key
@@ -23,8 +22,6 @@ from edgevox.core.languages import LANGUAGES
 
 ENGLISH = "en"
 """The language that skills and robots speak by themselves, and that all others fall back to."""
-
-_NO_WORD = {"name": "{name}"}
 
 
 @cache
@@ -45,8 +42,8 @@ def _book(code: str, data: Mapping[str, Any], fallback: Phrasebook | None) -> Ph
         hearing=_hearing(data.get("hear", {}), spaced=LANGUAGES[code].spaced),
         numbers=_numbers(data.get("numbers", {})),
         rules=data.get("rules", {}),
-        words={key(name): _word(one) for name, one in data.get("words", {}).items()},
-        unknown=_word(data.get("unknown", _NO_WORD)),
+        words={key(name): word_of(one) for name, one in data.get("words", {}).items()},
+        unknown=word_of(data.get("unknown")),
         skills={name: _skill(one) for name, one in data.get("skills", {}).items()},
         reasons=data.get("reasons", {}),
         arguments=data.get("arguments", {}),
@@ -88,18 +85,6 @@ def _numbers(data: Mapping[str, Any]) -> Numbers:
         units=data.get("units", ""),
         centimetres=data.get("centimetres", ""),
         metres=data.get("metres", ""),
-    )
-
-
-def _word(data: Mapping[str, Any]) -> Word:
-    name = data["name"]
-    return Word(
-        name=name,
-        to=data.get("to", name),
-        at=data.get("at", name),
-        taken=data.get("taken", name),
-        heard=tuple(data.get("heard", (name,))),
-        hints=tuple(data.get("hints", ())),
     )
 
 
