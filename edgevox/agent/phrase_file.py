@@ -44,7 +44,7 @@ def _book(code: str, data: Mapping[str, Any], fallback: Phrasebook | None) -> Ph
         rules=data.get("rules", {}),
         words={key(name): word_of(one) for name, one in data.get("words", {}).items()},
         unknown=word_of(data.get("unknown")),
-        skills={name: _skill(one) for name, one in data.get("skills", {}).items()},
+        skills={name: skill_phrases(one) for name, one in data.get("skills", {}).items()},
         reasons=data.get("reasons", {}),
         arguments=data.get("arguments", {}),
         dialogue={
@@ -88,7 +88,8 @@ def _numbers(data: Mapping[str, Any]) -> Numbers:
     )
 
 
-def _skill(data: Mapping[str, Any]) -> SkillPhrases:
+def skill_phrases(data: Mapping[str, Any]) -> SkillPhrases:
+    """What a skill says and is called by: an entry of the table `skills`."""
     examples = [dict(one) for one in data.get("examples", ())]
     return SkillPhrases(
         can=data.get("can", ""),

@@ -104,7 +104,12 @@ class Phrasebook:
         } | own
 
     def templates(self, one: Skill) -> tuple[str, ...]:
-        """The sentences that call this skill, as hassil reads them; only those that suit it."""
+        """The sentences that call this skill, as hassil reads them; only those that suit it.
+
+        In English they stand beside the skill itself, unless it brings them as it does others.
+        """
+        if not self.fallback and one.templates:
+            return one.templates
         infos = one.arguments_model.model_fields
         arguments = {spoken_name(name): name for name in infos}
         required = {spoken_name(name) for name, info in infos.items() if info.is_required()}
@@ -158,11 +163,12 @@ class Phrasebook:
 
     def reason(self, why: Reason) -> str:
         """A reason in this language; somebody's own sentence as it is."""
-        if why.code not in self.reasons:
+        sentence = why.sentences.get(self.code) or self.reasons.get(why.code)
+        if not sentence:
             return why.text
         said = str(why.values.get("value", ""))
         values = {name: self._about(name, value, said) for name, value in why.values.items()}
-        return self._smooth(self.reasons[why.code].format(**values))
+        return self._smooth(sentence.format(**values))
 
     def can(self, one: Skill) -> str:
         """What a robot with this skill can do, as a part of a sentence."""

@@ -19,8 +19,12 @@ def because(code: str, text: str = "", /, **values: str | tuple[str, ...] | Reas
     """
     english = _english()
     sentence = english.get("errors", {}).get(code) or english["reasons"][code]
-    told = {name: _told(value) for name, value in values.items()}
-    return Reason(text or sentence.format(**told), code, values)
+    return Reason(text or in_words(sentence, values), code, values)
+
+
+def in_words(sentence: str, values: Mapping[str, str | tuple[str, ...] | Reason]) -> str:
+    """An English sentence of a reason, with what it is about."""
+    return sentence.format(**{name: _told(value) for name, value in values.items()})
 
 
 def _told(value: str | tuple[str, ...] | Reason) -> Word | str:

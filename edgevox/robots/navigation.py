@@ -14,6 +14,7 @@ from edgevox.core.transforms import Pose2D
 from edgevox.robots import navigation_words as words
 from edgevox.robots.bounds import Bounds
 from edgevox.robots.capabilities import (
+    STOP_ASKED,
     Body,
     ChecksGoals,
     DrivesTo,
@@ -177,7 +178,7 @@ def _stop(body: NavigableBody) -> Skill:
     def stop(goal: GoalHandle) -> Result:
         """Stop moving at once and forget where it was going."""
         goal.token.check()
-        return {"was_moving": body.halt("stop was asked")}
+        return {"was_moving": body.halt(STOP_ASKED)}
 
     return stop
 

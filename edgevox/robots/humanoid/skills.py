@@ -7,7 +7,7 @@ from pydantic import Field
 
 from edgevox.agent.skills import GoalHandle, Result, Skill, skill
 from edgevox.core.cancel import CancelToken
-from edgevox.robots.capabilities import Body, HasPose, Report
+from edgevox.robots.capabilities import STOP_ASKED, Body, HasPose, Report
 from edgevox.robots.humanoid import words
 
 LEAST_M, MOST_M = 0.05, 20.0
@@ -126,7 +126,7 @@ def _stop(body: WalkingBody) -> Skill:
     def stop(goal: GoalHandle) -> Result:
         """Stop walking at once."""
         goal.token.check()
-        return {"was_moving": body.halt("stop was asked")}
+        return {"was_moving": body.halt(STOP_ASKED)}
 
     return stop
 
