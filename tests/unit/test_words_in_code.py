@@ -138,3 +138,35 @@ def test_no_answer_is_written_in_the_code():
     ]
 
     assert found == []
+
+
+def test_no_sentence_of_the_robots_own_is_written_in_the_code():
+    found = [
+        f"{file.relative_to(ROOT)}:{one.lineno}: {one.value}"
+        for file in sorted(ROOT.glob("**/*.py"))
+        for one in first_person_in(ast.parse(file.read_text("utf-8")))
+    ]
+
+    assert found == []
+
+
+@pytest.mark.parametrize(
+    "code",
+    ['return "I know no place by name yet."', 'return f"I know {names}."', 'x = "My hand is open"'],
+)
+def test_a_sentence_of_the_robots_own_is_found(code):
+    assert list(first_person_in(ast.parse(code)))
+
+
+def first_person_in(tree):
+    """Texts in which a robot speaks of itself. In an `Example` somebody speaks to it."""
+    left_out = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Example":
+            left_out |= {id(one) for one in ast.walk(node)}
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
+            left_out.add(id(node.value))
+    for node in ast.walk(tree):
+        text = node.value if isinstance(node, ast.Constant) and id(node) not in left_out else ""
+        if re.match(r"(Shall )?(I|My) [a-z]?", str(text)):
+            yield node
