@@ -258,8 +258,8 @@ class Conversation:
                 turn.say(told, Outcome.REFUSED)
             case RunSkill(name=name, arguments=arguments):
                 self._executor.perform([Call(name, arguments)], self._skills, turn, "command")
-            case inbox.Announce(text=text):
-                turn.say(text)
+            case inbox.Announce(text=text, detail=detail):
+                turn.say(text, detail=detail)
             case inbox.Forget():
                 self.mind.forget()
                 self._asking.forget()

@@ -25,9 +25,13 @@ LIMITS: Mapping[Refusal, int] = {
 
 @dataclass(frozen=True, slots=True)
 class Announce:
-    """Something to say that nobody asked for now: a goal ended, the robot stopped."""
+    """Something to say that nobody asked for now: a goal ended, the robot stopped.
+
+    `detail` belongs to it, and is only written.
+    """
 
     text: str
+    detail: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,9 +104,9 @@ class Inbox:
             log.warning("request_refused", reason=refusal, limit=LIMITS[refusal])
         return refusal
 
-    def announce(self, text: str) -> None:
-        """Have something said that nobody asked for now."""
-        self.put(Announce(text))
+    def announce(self, text: str, detail: str) -> None:
+        """Have something said that nobody asked for now, and `detail` written beside it."""
+        self.put(Announce(text, detail))
 
     def take(self, timeout_s: float | None = None) -> Item | None:
         """The next one, once there is one; None when it is closed, and after the timeout.

@@ -5,7 +5,7 @@ import re
 from text_to_num import alpha2digit
 
 from edgevox.agent.phrase_file import phrasebook
-from edgevox.agent.phrasebook import Numbers
+from edgevox.agent.phrase_numbers import Numbers
 from edgevox.agent.spelling import key
 
 SPOKEN_LANGUAGES = frozenset({"en", "fr", "es", "pt", "de", "nl", "it"})

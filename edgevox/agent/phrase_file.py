@@ -8,13 +8,12 @@ from importlib import resources
 from typing import Any
 
 from edgevox.agent.answers import AnswerWords
+from edgevox.agent.phrase_numbers import Numbers, Rewriting
+from edgevox.agent.phrase_words import word_of
 from edgevox.agent.phrasebook import (
     Exchange,
     Hearing,
-    Numbers,
     Phrasebook,
-    Rewriting,
-    Word,
 )
 from edgevox.agent.programs.phrases import ProgramPhrases
 from edgevox.agent.skills import Example, SkillPhrases
@@ -24,8 +23,6 @@ from edgevox.core.languages import LANGUAGES
 
 ENGLISH = "en"
 """The language that skills and robots speak by themselves, and that all others fall back to."""
-
-_NO_WORD = {"name": "{name}"}
 
 
 @cache
@@ -46,9 +43,9 @@ def _book(code: str, data: Mapping[str, Any], fallback: Phrasebook | None) -> Ph
         hearing=_hearing(data.get("hear", {}), spaced=LANGUAGES[code].spaced),
         numbers=_numbers(data.get("numbers", {})),
         rules=data.get("rules", {}),
-        words={key(name): _word(one) for name, one in data.get("words", {}).items()},
-        unknown=_word(data.get("unknown", _NO_WORD)),
-        skills={name: _skill(one) for name, one in data.get("skills", {}).items()},
+        words={key(name): word_of(one) for name, one in data.get("words", {}).items()},
+        unknown=word_of(data.get("unknown")),
+        skills={name: skill_phrases(one) for name, one in data.get("skills", {}).items()},
         reasons=data.get("reasons", {}),
         arguments=data.get("arguments", {}),
         dialogue={
@@ -107,19 +104,8 @@ def _programs(data: Mapping[str, Any]) -> ProgramPhrases:
     )
 
 
-def _word(data: Mapping[str, Any]) -> Word:
-    name = data["name"]
-    return Word(
-        name=name,
-        to=data.get("to", name),
-        at=data.get("at", name),
-        taken=data.get("taken", name),
-        heard=tuple(data.get("heard", (name,))),
-        hints=tuple(data.get("hints", ())),
-    )
-
-
-def _skill(data: Mapping[str, Any]) -> SkillPhrases:
+def skill_phrases(data: Mapping[str, Any]) -> SkillPhrases:
+    """What a skill says and is called by: an entry of the table `skills`."""
     examples = [dict(one) for one in data.get("examples", ())]
     return SkillPhrases(
         can=data.get("can", ""),

@@ -1,7 +1,7 @@
 """Phrasebooks: how a robot speaks and is spoken to in one language."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import zip_longest
@@ -18,43 +18,16 @@ from edgevox.agent.phrase_forms import (
     spoken_name,
     without_unit,
 )
+from edgevox.agent.phrase_numbers import Numbers, Rewriting
+from edgevox.agent.phrase_words import Word, word_of
 from edgevox.agent.programs.phrases import ProgramPhrases
 from edgevox.agent.skills import Example, OneOf, Skill, SkillPhrases
 from edgevox.agent.spelling import key
 from edgevox.agent.spoken_lists import brief
 from edgevox.core.reasons import Reason
 
-Rewriting = tuple[re.Pattern[str], str]
-"""A pattern and what it is replaced with."""
-
 MOST_HINTS = 6
 """How many hints of words a model is shown."""
-
-
-@dataclass(frozen=True, slots=True)
-class Word:
-    """A word that an argument or a result may be, in the forms that sentences need.
-
-    `name` with its article, `to` and `at` with the prepositions of going and of being there,
-    `taken` as what somebody grasps. `heard` is what people say for it, `hints` are sentences of
-    people who mean it without saying it.
-    """
-
-    name: str
-    to: str
-    at: str
-    taken: str
-    heard: tuple[str, ...] = ()
-    hints: tuple[str, ...] = ()
-
-    def __str__(self) -> str:
-        return self.name
-
-    def called(self, name: str) -> "Word":
-        """The same forms, of another name."""
-        forms = (self.name, self.to, self.at, self.taken)
-        named, to, at, taken = (form.replace("{name}", name) for form in forms)
-        return Word(named, to, at, taken, heard=(name,))
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,18 +53,6 @@ class Hearing:
 
 
 @dataclass(frozen=True, slots=True)
-class Numbers:
-    """How numbers are said: see `edgevox.agent.numbers`."""
-
-    decimal_comma: bool = False
-    rules: tuple[Rewriting, ...] = ()
-    words: Mapping[str, float] = field(default_factory=dict)
-    units: str = ""
-    centimetres: str = ""
-    metres: str = ""
-
-
-@dataclass(frozen=True, slots=True)
 class Exchange:
     """What somebody may say that is no command, and an answer to it."""
 
@@ -110,7 +71,7 @@ class Phrasebook:
     numbers: Numbers
     rules: Mapping[str, str] = field(default_factory=dict)
     words: Mapping[str, Word] = field(default_factory=dict)
-    unknown: Word = field(default_factory=lambda: Word("{name}", "{name}", "{name}", "{name}"))
+    unknown: Word = field(default_factory=lambda: word_of(None))
     skills: Mapping[str, SkillPhrases] = field(default_factory=dict)
     reasons: Mapping[str, str] = field(default_factory=dict)
     arguments: Mapping[str, str] = field(default_factory=dict)
@@ -145,7 +106,12 @@ class Phrasebook:
         } | own
 
     def templates(self, one: Skill) -> tuple[str, ...]:
-        """The sentences that call this skill, as hassil reads them; only those that suit it."""
+        """The sentences that call this skill, as hassil reads them; only those that suit it.
+
+        In English they stand beside the skill itself, unless it brings them as it does others.
+        """
+        if not self.fallback and one.templates:
+            return one.templates
         infos = one.arguments_model.model_fields
         arguments = {spoken_name(name): name for name in infos}
         required = {spoken_name(name) for name, info in infos.items() if info.is_required()}
@@ -172,15 +138,18 @@ class Phrasebook:
 
     def acknowledge(self, one: Skill, arguments: Mapping[str, Any]) -> str:
         """What is said when this call begins; empty if nothing is."""
-        return self._speak(self._phrases(one).says, one.says, arguments)
+        said = self._speak(one, one.says, lambda phrases: phrases.says, arguments)
+        return said or (self.fallback.acknowledge(one, arguments) if self.fallback else "")
 
     def report(self, one: Skill, arguments: Mapping[str, Any], result: Mapping[str, Any]) -> str:
         """What is said when this call has succeeded; empty if nothing is."""
-        return self._speak(self._phrases(one).done, one.done, {**arguments, **result})
+        values = {**arguments, **result}
+        said = self._speak(one, one.done, lambda phrases: phrases.done, values)
+        return said or (self.fallback.report(one, arguments, result) if self.fallback else "")
 
     def question(self, calls: Sequence[tuple[Skill, Mapping[str, Any]]]) -> str:
         """Asks whether these calls shall be done: "Shall I go to the kitchen?"."""
-        deeds = [self._speak(self._phrases(one).deeds, self._own(one.deed), a) for one, a in calls]
+        deeds = [self._deed(one, arguments) for one, arguments in calls]
         if all(deeds):
             return self.say("shall_i", deeds=self.say("and_then").join(deeds))
         told = (self.acknowledge(one, a) or one.description for one, a in calls)
@@ -196,11 +165,12 @@ class Phrasebook:
 
     def reason(self, why: Reason) -> str:
         """A reason in this language; somebody's own sentence as it is."""
-        if why.code not in self.reasons:
+        sentence = why.sentences.get(self.code) or self.reasons.get(why.code)
+        if not sentence:
             return why.text
         said = str(why.values.get("value", ""))
         values = {name: self._about(name, value, said) for name, value in why.values.items()}
-        return self._smooth(self.reasons[why.code].format(**values))
+        return self._smooth(sentence.format(**values))
 
     def can(self, one: Skill) -> str:
         """What a robot with this skill can do, as a part of a sentence."""
@@ -261,10 +231,6 @@ class Phrasebook:
         ours = self.skills.get(one.name) or self.dialogue.get(one.name) or SkillPhrases()
         return one.phrases.get(self.code) or ours
 
-    def _own(self, english: str) -> str:
-        """A part of an English sentence, which fits no other language's."""
-        return "" if self.fallback else english
-
     def _join(self, parts: Sequence[str]) -> str:
         if len(parts) < 2:
             return "".join(parts)
@@ -277,13 +243,35 @@ class Phrasebook:
         rounds = zip_longest(*([(word, hint) for hint in one.hints] for word, one in known))
         return [pair for each in rounds for pair in each if pair][:MOST_HINTS]
 
-    def _speak(self, own: Sequence[str], english: str, values: Mapping[str, Any]) -> str:
-        spoken = {spoken_name(name): self._spoken(value) for name, value in values.items()}
-        known = {name for name, value in spoken.items() if value is not None}
-        for template in own:
-            if fields(template) <= known:
-                return self._smooth(template.format(**spoken))
-        return english.format(**{name: in_english(value) for name, value in values.items()})
+    def _speak(
+        self,
+        one: Skill,
+        english: str,
+        part: Callable[[SkillPhrases], Sequence[str]],
+        values: Mapping[str, Any],
+    ) -> str:
+        """A sentence of a skill: the skill's own if that is this language's, else the book's."""
+        said = "" if self._speaks(one) else self._first(part(self._phrases(one)), values)
+        return said or _formatted(english, values)
+
+    def _deed(self, one: Skill, arguments: Mapping[str, Any]) -> str:
+        """The part of a question about it: an English one fits no other language's sentence."""
+        if self._speaks(one):
+            return _formatted(one.deed, arguments)
+        return self._first(self._phrases(one).deeds, arguments)
+
+    def _speaks(self, one: Skill) -> bool:
+        """Whether a skill brings its own sentences in this language."""
+        return not self.fallback and bool(one.says or one.done or one.deed)
+
+    def _first(self, templates: Sequence[str], values: Mapping[str, Any]) -> str:
+        """The first of these sentences whose values are all known; empty if there is none."""
+        told = {name: self._spoken(value) for name, value in values.items()}
+        told |= {spoken_name(name): value for name, value in told.items()}
+        known = {name for name, value in told.items() if value is not None}
+        fit = (template for template in templates if fields(template) <= known)
+        template = next(fit, "")
+        return self._smooth(template.format(**told))
 
     def _spoken(self, value: Any) -> Any:
         """A value as sentences use it, or None for one that nothing is known of.
@@ -309,3 +297,8 @@ class Phrasebook:
         for pattern, replacement in self.smoothing:
             text = pattern.sub(replacement, text)
         return text
+
+
+def _formatted(english: str, values: Mapping[str, Any]) -> str:
+    """A skill's own English sentence."""
+    return english.format(**{name: in_english(value) for name, value in values.items()})

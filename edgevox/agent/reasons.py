@@ -4,21 +4,46 @@ import tomllib
 from collections.abc import Mapping
 from functools import cache
 from importlib import resources
+from typing import Any
 
+from edgevox.agent.phrase_words import Word, word_of
+from edgevox.agent.spelling import key
 from edgevox.core.reasons import Reason, in_english
 
 
 def because(code: str, text: str = "", /, **values: str | tuple[str, ...] | Reason) -> Reason:
     """The reason of this code. Raises `KeyError` for one that `phrases/en.toml` does not have.
 
-    `text` is the English sentence for programs, where it says more than that of the phrasebook.
+    `text` is the English sentence for programs, where it says more than the phrasebook does. What
+    the phrasebook itself has for programs stands in its table `errors`.
     """
-    told = {name: in_english(value).rstrip(".") for name, value in values.items()}
-    return Reason(text or _english()[code].format(**told), code, values)
+    english = _english()
+    sentence = english.get("errors", {}).get(code) or english["reasons"][code]
+    return Reason(text or in_words(sentence, values), code, values)
+
+
+def in_words(sentence: str, values: Mapping[str, str | tuple[str, ...] | Reason]) -> str:
+    """An English sentence of a reason, with what it is about."""
+    return sentence.format(**{name: _told(value) for name, value in values.items()})
+
+
+def _told(value: str | tuple[str, ...] | Reason) -> Word | str:
+    """What a reason is about, as its sentence needs it: a plain word has forms."""
+    said = in_english(value).rstrip(".")
+    return _words().get(key(said)) or _unknown().called(said) if isinstance(value, str) else said
 
 
 @cache
-def _english() -> Mapping[str, str]:
+def _english() -> Mapping[str, Any]:
     file = resources.files("edgevox.agent.phrases").joinpath("en.toml")
-    reasons: Mapping[str, str] = tomllib.loads(file.read_text("utf-8"))["reasons"]
-    return reasons
+    return tomllib.loads(file.read_text("utf-8"))
+
+
+@cache
+def _words() -> Mapping[str, Word]:
+    return {key(name): word_of(one) for name, one in _english()["words"].items()}
+
+
+@cache
+def _unknown() -> Word:
+    return word_of(_english()["unknown"])

@@ -53,7 +53,7 @@ class SkillExecutor:
         self,
         bus: Bus,
         halt: Callable[[str], bool],
-        announce: Callable[[str], None],
+        announce: Callable[[str, str], None],
         phrases: Callable[[], Phrasebook] = lambda: phrasebook(ENGLISH),
         *,
         interlock: Interlock | None = None,
@@ -197,7 +197,8 @@ class SkillExecutor:
             why, phrases = reason_of(error), self._phrases()
             turn.say(phrases.refusal(why), Outcome.REFUSED, detail=detail(phrases, why))
         except SkillFailed as error:
-            turn.say(self._phrases().failure(error.reason), Outcome.REFUSED)
+            why, phrases = error.reason, self._phrases()
+            turn.say(phrases.failure(why), Outcome.REFUSED, detail=detail(phrases, why))
         else:
             return goals
         return ()
@@ -240,7 +241,8 @@ class SkillExecutor:
             forget = turn.token.on_cancel(partial(_follow, goal, turn))
             self._runner.answer(goal)
             forget()
-            turn.say(_report(self._phrases(), goal))
+            phrases = self._phrases()
+            turn.say(_report(phrases, goal), detail=detail(phrases, goal.reason))
 
     def _held(self, skills: Sequence[Skill]) -> Reason:
         """Why these may not run; none if they may."""
@@ -253,7 +255,8 @@ class SkillExecutor:
         with self._gate:
             ended = self._runner.cancel_motion(reason)
         if ended:
-            self._announce(self._phrases().failure(reason))
+            phrases = self._phrases()
+            self._announce(phrases.failure(reason), detail(phrases, reason))
 
     def _stopping(self, goals: Sequence[Goal]) -> None:
         if any(goal.skill.name == STOP for goal in goals):
@@ -264,9 +267,10 @@ class SkillExecutor:
         self._bus.publish(ToolCalled(goal.skill.name, goal.arguments, source, goal.turn))
 
     def _ended(self, goal: Goal) -> None:
-        text = _report(self._phrases(), goal) if goal.turn else ""
+        phrases = self._phrases()
+        text = _report(phrases, goal) if goal.turn else ""
         if text:
-            self._announce(text)
+            self._announce(text, detail(phrases, goal.reason))
         for follower in self._followers:
             follower.goal_ended(goal)
 

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from difflib import SequenceMatcher
 from typing import TYPE_CHECKING
 
+from edgevox.agent.skills import STOP, Skill
 from edgevox.agent.spelling import key
 from edgevox.core.reasons import Reason
 
 if TYPE_CHECKING:
     from edgevox.agent.phrasebook import Phrasebook
-    from edgevox.agent.skills import Skill
 
 MOST_SPOKEN = 4
 """Lists up to this long are spoken whole; of a longer one all but one of so many are named."""
@@ -31,12 +31,13 @@ def whole(book: "Phrasebook", names: Sequence[str]) -> str:
 
 
 def detail(book: "Phrasebook", why: Reason) -> str:
-    """What a reason leaves out where it is spoken."""
+    """What a reason leaves out where it is spoken: most of a long list, and names of topics."""
     lists = [value for value in why.values.values() if isinstance(value, tuple)]
-    return " ".join(filter(None, (whole(book, names) for names in lists)))
+    topic = book.say("topic", topic=why.values["topic"]) if "topic" in why.values else ""
+    return " ".join(filter(None, (*(whole(book, names) for names in lists), topic)))
 
 
-def abilities(book: "Phrasebook", skills: Sequence["Skill"]) -> tuple[str, str]:
+def abilities(book: "Phrasebook", skills: Sequence[Skill]) -> tuple[str, str]:
     """What a robot with these skills can do, in one sentence; and all of it, if that is more."""
     everything = book.abilities(skills)
     if len(skills) <= MOST_SPOKEN:
@@ -46,11 +47,18 @@ def abilities(book: "Phrasebook", skills: Sequence["Skill"]) -> tuple[str, str]:
     return book.say("abilities_more", deeds=few, count=more), everything
 
 
-def not_understood(book: "Phrasebook", skills: Sequence["Skill"]) -> tuple[str, str]:
-    """That a sentence was not understood, with an example of what would be; and all that would."""
+def not_understood(book: "Phrasebook", skills: Sequence[Skill]) -> tuple[str, str]:
+    """That a sentence was not understood, with an example of what would be.
+
+    And what is only written: a few more examples, and how to ask for all.
+    """
     if not skills:
         return book.say("not_understood"), ""
-    return book.say("not_understood_but", deed=book.can(skills[0])), book.abilities(skills)
+    few, everything = abilities(book, sorted(skills, key=lambda one: one.name == STOP))
+    if everything:
+        question = book.say("abilities_question")
+        few = f"{few} {book.say('abilities_all', question=question)}"
+    return book.say("not_understood_but", deed=book.can(skills[0])), few
 
 
 def _nearness(book: "Phrasebook", name: str, said: str) -> float:

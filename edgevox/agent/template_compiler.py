@@ -15,9 +15,7 @@ from edgevox.agent.spelling import composed, folded, key, separated
 def compile_templates(skills: SkillSet, book: Phrasebook, *, loose: bool) -> Intents:
     """Intents, one per skill; `loose` lets any words stand where one of some words should."""
     templates = {
-        name: book.templates(one) if book.fallback else one.templates
-        for name, one in skills.items()
-        if not loose or one.choices
+        name: book.templates(one) for name, one in skills.items() if not loose or one.choices
     }
     data = {
         name: {

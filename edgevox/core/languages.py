@@ -34,12 +34,13 @@ class Language:
 
     `spaced` is False for scripts that write words without spaces between them. `stt_model` is the
     id in edgevox-models of what hears it. `voices` are best first; the last is espeak-ng's, which
-    needs no model.
+    needs no model. `signs` are the words for signs that a voice would swallow, such as a minus.
     """
 
     code: str
     name: str
     stop: StopWords
+    signs: Mapping[str, str]
     spaced: bool = True
     stt_model: str = ""
     voices: tuple[Voice, ...] = ()
@@ -67,6 +68,7 @@ def _read() -> Mapping[str, Language]:
                 code=code,
                 name=entry["name"],
                 stop=STOP_WORDS[code],
+                signs=MappingProxyType(entry["signs"]),
                 spaced=entry.get("spaced", True),
                 stt_model=entry["stt"],
                 voices=tuple(_voices(code, entry)),

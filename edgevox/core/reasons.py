@@ -11,12 +11,14 @@ class Reason:
 
     `code` is what the phrasebooks of all languages know it by, and `values` are what it is about:
     names, tuples of names, numbers as they are said, other reasons. Without a code it is
-    somebody's own sentence, which is said as it is in every language.
+    somebody's own sentence, which is said as it is in every language. `sentences` are its own by
+    language, of one that no phrasebook knows.
     """
 
     text: str
     code: str = ""
     values: Mapping[str, Any] = field(default_factory=dict)
+    sentences: Mapping[str, str] = field(default_factory=dict)
 
     def __bool__(self) -> bool:
         return bool(self.text)

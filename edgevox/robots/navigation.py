@@ -14,6 +14,7 @@ from edgevox.core.transforms import Pose2D
 from edgevox.robots import navigation_words as words
 from edgevox.robots.bounds import Bounds
 from edgevox.robots.capabilities import (
+    STOP_ASKED,
     Body,
     ChecksGoals,
     DrivesTo,
@@ -50,16 +51,15 @@ class DrivesToPoses(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class PlaceWord:
-    """What this body's places are called, and the preposition of being there."""
+    """What this body's places are called: the name of the argument that is one."""
 
     noun: str
-    being: str
 
 
 _ANYWHERE = Bounds.around("map", LARGEST)
 """The world of a body that does not say where its own ends."""
-ROOM = PlaceWord("room", "in")
-LOCATION = PlaceWord("location", "at")
+ROOM = PlaceWord("room")
+LOCATION = PlaceWord("location")
 
 
 def navigation_skills(
@@ -109,9 +109,6 @@ def _navigate_to(
     decorate = skill(
         templates=[template.replace("{room}", slot) for template in words.TO_ROOM],
         examples=_place_examples(known.fixed, hints, word),
-        says=f"Going to the {slot}.",
-        deed=f"go to the {slot}",
-        done=f"I am {word.being} the {slot}.",
     )
     return decorate(navigate_to)
 
@@ -151,9 +148,6 @@ def _navigate_xy(body: NavigableBody, word: PlaceWord) -> Skill:
     @skill(
         templates=words.TO_POINT,
         examples=words.TO_POINT_EXAMPLES,
-        says="Going to x {x:g}, y {y:g}.",
-        deed="go to x {x:g}, y {y:g}",
-        done="I am at x {x:.1f}, y {y:.1f}.",
         check=lambda x, y: check_goal(body, x, y),
     )
     def navigate_xy(
@@ -180,12 +174,11 @@ def _stop(body: NavigableBody) -> Skill:
     @skill(
         templates=words.STOP,
         examples=words.STOP_EXAMPLES,
-        says="Stopping.",
     )
     def stop(goal: GoalHandle) -> Result:
         """Stop moving at once and forget where it was going."""
         goal.token.check()
-        return {"was_moving": body.halt("stop was asked")}
+        return {"was_moving": body.halt(STOP_ASKED)}
 
     return stop
 
@@ -194,7 +187,6 @@ def _get_pose(body: NavigableBody, word: PlaceWord) -> Skill:
     @skill(
         templates=words.WHERE,
         examples=words.WHERE_EXAMPLES,
-        done="I am {where}.",
         moves=False,
     )
     def get_pose(goal: GoalHandle) -> Result:
@@ -209,7 +201,6 @@ def _battery(body: HasBattery) -> Skill:
     @skill(
         templates=words.BATTERY,
         examples=words.BATTERY_EXAMPLES,
-        done="My battery is at {percent} percent.",
         moves=False,
     )
     def battery(goal: GoalHandle) -> Result:
@@ -240,12 +231,9 @@ def _place_examples(
 def _where(body: NavigableBody, word: PlaceWord) -> dict[str, object]:
     pose = body.pose()
     place = body.place_at(pose.x_m, pose.y_m)
-    name = place.replace("_", " ") if place else None
-    point = f"at x {pose.x_m:.1f}, y {pose.y_m:.1f}"
     return {
         "x": round(pose.x_m, 3),
         "y": round(pose.y_m, 3),
         "yaw_deg": round(math.degrees(pose.yaw_rad), 1),
-        word.noun: name,
-        "where": f"{word.being} the {name}, {point}" if name else point,
+        word.noun: place.replace("_", " ") if place else None,
     }

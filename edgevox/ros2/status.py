@@ -42,7 +42,7 @@ class ExecutorComponent:
     def status(self) -> Status:
         """How it is now."""
         now = self._look()
-        found = stall(now.stalled_s, "a callback holds up all others: nothing has")
+        found = stall(now.stalled_s, "a callback holds up all others: the node has")
         if self._missing:
             found.append(Finding(Level.ERROR, f"not on ROS 2: {self._missing}"))
         if self._failing.grew(now.failed_callbacks):

@@ -2,6 +2,9 @@
 
 import re
 import unicodedata
+from collections.abc import Mapping
+
+from edgevox.core.languages import LANGUAGES
 
 _FENCE = re.compile(r"```.*?(```|$)", re.DOTALL)
 _LINK = re.compile(r"!?\[([^\]]*)\]\([^)]*\)")
@@ -11,7 +14,7 @@ _MARKUP = re.compile(r"[*`~|<>{}\\^]+|__+|(?<!\w)_+|_+(?!\w)|(?m:^\s*-{3,}\s*$)"
 _JOINED = re.compile(r"(?<=\w)_(?=\w)")
 _COORDINATE = re.compile(r"\b([xyz])\s*=?\s*(-?)(?=\d)", re.IGNORECASE)
 _MINUS = re.compile(r"(?<![\w.])-(?=\d)")
-_SIGNS = {"°C": " degrees", "°": " degrees", "m/s": "meters per second", "&": " and "}
+_DASH = "-"
 _JOINERS = "\N{ZERO WIDTH JOINER}\N{VARIATION SELECTOR-16}"
 _PICTURES = ("So", "Sk", "Cs", "Co", "Cn")
 
@@ -22,20 +25,20 @@ def sayable(text: str, language: str = "en") -> str:
     text = _LINK.sub(r"\1", text)
     text = _ADDRESS.sub(r"\1", text)
     text = _BULLET.sub("", text)
-    if language == "en":
-        text = _english(text)
+    text = _in_words(text, LANGUAGES[language].signs)
     text = _JOINED.sub(" ", _MARKUP.sub("", text))
     text = "".join(" " if _is_picture(c) else c for c in text)
     text = re.sub(r"\s+([,.;:!?])", r"\1", " ".join(text.split()))
     return text if any(c.isalnum() for c in text) else ""
 
 
-def _english(text: str) -> str:
+def _in_words(text: str, signs: Mapping[str, str]) -> str:
     """Signs that an engine would swallow, in words."""
-    text = _COORDINATE.sub(lambda m: f"{m[1]} {'minus ' if m[2] else ''}", text)
-    text = _MINUS.sub("minus ", text)
-    for sign, words in _SIGNS.items():
-        text = text.replace(sign, words)
+    minus = f"{signs[_DASH]} "
+    text = _COORDINATE.sub(lambda m: f"{m[1]} {minus if m[2] else ''}", text)
+    text = _MINUS.sub(minus, text)
+    for sign, words in signs.items():
+        text = text if sign == _DASH else text.replace(sign, f" {words} ")
     return text
 
 

@@ -168,7 +168,9 @@ class Doubts(Heard):
     def __init__(self, confirm="unsure", confidence=0.6, guard=None):
         self.bus, self.clock, self.body, self.turns = Bus(), HeldClock(100.0), Body(), 0
         super().__init__(self.bus)
-        self.executor = SkillExecutor(self.bus, self.body.halt, lambda text: None, guard=guard)
+        self.executor = SkillExecutor(
+            self.bus, self.body.halt, lambda text, detail: None, guard=guard
+        )
         agent = Agent("robot", "Be brief.", self.body.skills())
         asides = Asides([agent], self.bus, self.clock, lambda: self.mind.phrases)
         mind = Doubtful(asides.agents, self.bus, self.clock)

@@ -3,6 +3,7 @@
 import pytest
 
 from edgevox.agent.intents import Recogniser, Understood
+from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import SkillSet
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue
@@ -174,8 +175,11 @@ def test_the_skills_ask_the_body_for_metres_ahead_and_radians_to_the_left(skills
 
 
 def test_what_it_says_is_a_sentence(skills) -> None:
+    english = phrasebook("en")
     for skill in skills.values():
         arguments = skill.validate({})
         result = skill.function(Goal(), **arguments)
-        for said in (skill.says.format(**arguments), skill.done.format(**arguments, **result)):
+        done = english.report(skill, arguments, result)
+        for said in (english.acknowledge(skill, arguments), done):
+            assert bool(done) == (skill.name != "stop")
             assert not said or (said[0].isupper() and said.endswith("."))

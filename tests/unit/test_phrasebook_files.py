@@ -10,6 +10,7 @@ from edgevox.agent.intents import Recogniser, Understood
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.phrase_forms import fields
 from edgevox.agent.safety import SafetyWords
+from edgevox.agent.skills import STOP
 from edgevox.agent.spelling import key
 from edgevox.core.errors import InvalidValue
 from edgevox.core.languages import LANGUAGES
@@ -33,15 +34,25 @@ def test_a_phrasebook_says_every_sentence_that_english_says_with_the_same_values
 
 @pytest.mark.parametrize("code", OTHERS)
 def test_a_phrasebook_knows_every_skill_of_every_body(code):
-    book = phrasebook(code)
+    book, english = phrasebook(code), phrasebook(ENGLISH)
     assert book.skills.keys() == {one.name for one in SKILLS.values()}
     for one in SKILLS.values():
-        phrases = book.skills[one.name]
+        phrases, usual = book.skills[one.name], english.skills[one.name]
         assert phrases.can, one.name
         assert book.templates(one), one.name
-        assert bool(phrases.says) == bool(one.says), one.name
-        assert bool(phrases.done) == bool(one.done), one.name
-        assert bool(phrases.deeds) == one.drives == bool(one.deed), one.name
+        assert bool(phrases.says) == bool(usual.says), one.name
+        assert bool(phrases.done) == bool(usual.done), one.name
+        assert bool(phrases.deeds) == one.drives == bool(usual.deeds), one.name
+
+
+def test_english_has_what_each_skill_of_each_body_says():
+    english = phrasebook(ENGLISH)
+    assert english.skills.keys() == {one.name for one in SKILLS.values()}
+    for one in SKILLS.values():
+        phrases = english.skills[one.name]
+        assert phrases.can, one.name
+        assert bool(phrases.says) == one.moves, one.name
+        assert bool(phrases.done) == (one.name != STOP), one.name
 
 
 @pytest.mark.parametrize("code", OTHERS)

@@ -3,6 +3,7 @@
 import pytest
 
 from edgevox.agent.intents import Recogniser, Understood
+from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import Call, Skill, SkillFailed, SkillSet
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue
@@ -140,9 +141,10 @@ def test_the_skills_drive_halt_and_answer_as_a_person_hears_it() -> None:
     stopped = skills["stop"].function(Goal())
 
     assert body.goals == [(1.0, 2.0), (3.0, 4.0)]
-    assert skills["navigate_to"].done.format(**arrived) == "I am in the kitchen."
-    assert skills["navigate_xy"].done.format(**at_point) == "I am at x 1.0, y 2.0."
-    assert skills["get_pose"].done.format(**pose) == "I am in the living room, at x 1.0, y 2.0."
+    say = phrasebook("en").report
+    assert say(skills["navigate_to"], {}, arrived) == "I am in the kitchen."
+    assert say(skills["navigate_xy"], {}, at_point) == "I am at x 1.0, y 2.0."
+    assert say(skills["get_pose"], {}, pose) == "I am in the living room, at x 1.0, y 2.0."
     assert stopped == {"was_moving": True}
     assert body.halted == ["stop was asked"]
     assert [name for name, one in skills.items() if one.moves] == [

@@ -4,6 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from edgevox.core.languages import LANGUAGES
 from edgevox.voice.cutting import cut_text
 from edgevox.voice.phrases import phrases
 from edgevox.voice.sayable import sayable
@@ -92,6 +93,28 @@ def test_marks_of_other_scripts_are_pauses_too():
 )
 def test_signs_become_words_and_what_cannot_be_said_is_left_out(written: str, spoken: str):
     assert sayable(written) == spoken
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_every_language_has_words_for_the_signs_that_a_voice_would_swallow(language: str):
+    signs = LANGUAGES[language].signs
+    spoken = sayable("x 2, y -0.2, -3 °C & 0.3 m/s", language)
+
+    assert signs.keys() == LANGUAGES["en"].signs.keys()
+    assert all(words in spoken for words in signs.values())
+    assert not set("-°&/") & set(spoken)
+
+
+@pytest.mark.parametrize(
+    ("language", "spoken"),
+    [
+        ("de", "Ich bin bei x 2, y minus 0,2."),
+        ("fr", "Ich bin bei x 2, y moins 0,2."),
+        ("ja", "Ich bin bei x 2, y マイナス 0,2."),
+    ],
+)
+def test_a_minus_is_said_in_the_language_that_is_spoken(language: str, spoken: str):
+    assert sayable("Ich bin bei x 2, y -0,2.", language) == spoken
 
 
 @given(st.text(max_size=200))

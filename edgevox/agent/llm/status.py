@@ -42,7 +42,8 @@ class LlmComponent:
         if trouble:
             level = Level.WARN if self._on_board else Level.ERROR
             instead = "the model on board answers" if self._on_board else "nothing answers"
-            found.append(Finding(level, f"{self._endpoint} fails: {trouble}; {instead}"))
+            which = self._endpoint or "the model"
+            found.append(Finding(level, f"{which} fails: {trouble}; {instead}"))
         if self._failing.grew(failed):
             text = f"an answer failed, {failed} by now; the log says why"
             found.append(Finding(Level.ERROR, text))

@@ -151,7 +151,7 @@ def _spoken(words: Sequence[str], heard: Mapping[str, str]) -> dict[str, str]:
 
 def _chunks(one: Skill, book: Phrasebook, fillers: frozenset[str]) -> dict[str, float]:
     """The words of a skill's sentences; those of its templates count fully."""
-    templates = [_expanded(template, book) for template in _templates(one, book)]
+    templates = [_expanded(template, book) for template in book.templates(one)]
     said = _words([example.sentence for example in book.examples(one)])
     found = dict.fromkeys(said - fillers, _EXAMPLE_WEIGHT)
     found |= {word: _FILLER_WEIGHT if word in fillers else 1.0 for word in _words(templates)}
@@ -160,10 +160,6 @@ def _chunks(one: Skill, book: Phrasebook, fillers: frozenset[str]) -> dict[str, 
     if not book.hearing.spaced:
         return {word: weight for word, weight in found.items() if len(word) > 1}
     return found
-
-
-def _templates(one: Skill, book: Phrasebook) -> Sequence[str]:
-    return one.templates if book.fallback is None else book.templates(one)
 
 
 def _expanded(template: str, book: Phrasebook) -> str:
@@ -181,7 +177,7 @@ def _words(sentences: Iterable[str]) -> set[str]:
 def _units(one: Skill, book: Phrasebook) -> dict[str, frozenset[str]]:
     """What is said right after a number, by argument."""
     units: dict[str, set[str]] = {}
-    for template in _templates(one, book):
+    for template in book.templates(one):
         written = plain(_expanded(template, book))
         for match in re.finditer(r"\{(\w+)\}\s*(\([^()]*\)|\[[^\[\]]*\])?", written):
             units.setdefault(match[1], set()).update(_WORD.findall(match[2] or ""))

@@ -7,7 +7,7 @@ from pydantic import Field
 
 from edgevox.agent.skills import GoalHandle, Result, Skill, skill
 from edgevox.core.cancel import CancelToken
-from edgevox.robots.capabilities import Body, HasPose, Report
+from edgevox.robots.capabilities import STOP_ASKED, Body, HasPose, Report
 from edgevox.robots.humanoid import words
 
 LEAST_M, MOST_M = 0.05, 20.0
@@ -48,9 +48,6 @@ def _walk_forward(body: WalkingBody) -> Skill:
     @skill(
         templates=words.FORWARD,
         examples=words.FORWARD_EXAMPLES,
-        says="Walking {distance:g} metres forward.",
-        deed="walk {distance:g} metres forward",
-        done="I have walked {walked:.1f} metres forward.",
         relative=True,
     )
     def walk_forward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
@@ -64,9 +61,6 @@ def _walk_backward(body: WalkingBody) -> Skill:
     @skill(
         templates=words.BACKWARD,
         examples=words.BACKWARD_EXAMPLES,
-        says="Walking {distance:g} metres back.",
-        deed="walk {distance:g} metres back",
-        done="I have walked {walked:.1f} metres back.",
         relative=True,
     )
     def walk_backward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
@@ -80,9 +74,6 @@ def _turn_left(body: WalkingBody) -> Skill:
     @skill(
         templates=words.LEFT,
         examples=words.LEFT_EXAMPLES,
-        says="Turning left by {degrees:g} degrees.",
-        deed="turn left by {degrees:g} degrees",
-        done="I have turned left by {turned:.0f} degrees.",
         relative=True,
     )
     def turn_left(goal: GoalHandle, degrees: Degrees = 90.0) -> Result:
@@ -96,9 +87,6 @@ def _turn_right(body: WalkingBody) -> Skill:
     @skill(
         templates=words.RIGHT,
         examples=words.RIGHT_EXAMPLES,
-        says="Turning right by {degrees:g} degrees.",
-        deed="turn right by {degrees:g} degrees",
-        done="I have turned right by {turned:.0f} degrees.",
         relative=True,
     )
     def turn_right(goal: GoalHandle, degrees: Degrees = 90.0) -> Result:
@@ -112,9 +100,6 @@ def _turn_around(body: WalkingBody) -> Skill:
     @skill(
         templates=words.AROUND,
         examples=words.AROUND_EXAMPLES,
-        says="Turning around.",
-        deed="turn around",
-        done="I have turned around.",
     )
     def turn_around(goal: GoalHandle) -> Result:
         """Turn around, to look the other way."""
@@ -127,25 +112,21 @@ def _stand(body: WalkingBody) -> Skill:
     @skill(
         templates=words.STAND,
         examples=words.STAND_EXAMPLES,
-        says="Standing.",
-        deed="stand up",
-        done="{outcome}",
     )
     def stand(goal: GoalHandle) -> Result:
         """Stand still; after a fall, get up again."""
         got_up = body.stand(token=goal.token, report=goal.report)
-        outcome = "I am up again: the simulator put me on my feet." if got_up else "I am standing."
-        return {**_where(body), "got_up": got_up, "outcome": outcome}
+        return {**_where(body), "got_up": got_up}
 
     return stand
 
 
 def _stop(body: WalkingBody) -> Skill:
-    @skill(templates=words.STOP, examples=words.STOP_EXAMPLES, says="Stopping.")
+    @skill(templates=words.STOP, examples=words.STOP_EXAMPLES)
     def stop(goal: GoalHandle) -> Result:
         """Stop walking at once."""
         goal.token.check()
-        return {"was_moving": body.halt("stop was asked")}
+        return {"was_moving": body.halt(STOP_ASKED)}
 
     return stop
 
@@ -154,16 +135,13 @@ def _get_pose(body: WalkingBody) -> Skill:
     @skill(
         templates=words.WHERE,
         examples=words.WHERE_EXAMPLES,
-        done="I am {where}.",
         moves=False,
     )
     def get_pose(goal: GoalHandle) -> Result:
         """Say where the robot is, which way it looks, and whether it has fallen."""
         goal.token.check()
         fallen = bool(body.state()["fallen"])
-        where = _where(body)
-        point = f"at x {where['x']:.1f}, y {where['y']:.1f}, looking {where['yaw_deg']:.0f} degrees"
-        return {**where, "fallen": fallen, "where": f"on the floor {point}" if fallen else point}
+        return {**_where(body), "fallen": fallen, "upright": not fallen}
 
     return get_pose
 

@@ -21,7 +21,7 @@ from edgevox.robots.capabilities import CameraImage, CameraSpec, Report
 from edgevox.robots.mujoco.renderer import Renderer
 from edgevox.robots.panda import tasks
 from edgevox.robots.panda import things as seen
-from edgevox.robots.panda.reach import InTheWay, OutOfReach, spoken
+from edgevox.robots.panda.reach import InTheWay, OutOfReach
 from edgevox.robots.panda.scene import CAMERA, SHOW, TCP
 from edgevox.robots.panda.skills import manipulation_skills
 from edgevox.robots.panda.workcell import Workcell
@@ -159,7 +159,7 @@ class PandaRobot:
         }
 
     def describe_hand(self) -> dict[str, Any]:
-        """Where the hand is and what it holds, also as words."""
+        """Where the hand is and what it holds."""
         hand, held = self._cell.hand_m(), self._cell.arm.hand.held
         x, y, z = (round(float(value), 3) + 0.0 for value in hand)
         return {
@@ -167,18 +167,14 @@ class PandaRobot:
             "y": y,
             "z": z,
             "held": held,
-            "where": f"at x {x:.2f}, y {y:.2f}, z {z:.2f}",
-            "holding": f", and I hold the {spoken(held)}" if held else "",
         }
 
     def describe_objects(self) -> dict[str, Any]:
-        """Every object and where it is, also as words."""
+        """Every object and where it is."""
         things, held = self._cell.things(), self._cell.arm.hand.held
         places = {name: seen.where(name, things, held) for name in things}
-        said = [f"the {spoken(name)} {tasks.being(place)}" for name, place in places.items()]
         return {
             "objects": {name: {**_point(things[name]), "on": places[name]} for name in things},
-            "said": f"{', '.join(said[:-1])} and {said[-1]}",
         }
 
     def move_to(
@@ -205,7 +201,7 @@ class PandaRobot:
             tasks.pick(self._cell, task, name)
 
     def place(self, name: str | None, target: str, *, token: CancelToken, report: Report) -> str:
-        """Block until the cube (or what is held) lies there; what to say. Raises as `grasp`."""
+        """Block until the cube (or what is held) lies there; which it is. Raises as `grasp`."""
         held = self._cell.arm.hand.held
         name = name or held
         if name is None:
@@ -219,7 +215,7 @@ class PandaRobot:
             if held != name:
                 tasks.pick(self._cell, task, name)
             tasks.place(self._cell, task, name, target)
-        return f"The {spoken(name)} is {tasks.being(target)}"
+        return name
 
     def release(self, *, token: CancelToken, report: Report) -> str | None:
         """Block until the hand is open; what it held."""

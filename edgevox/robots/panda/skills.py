@@ -7,7 +7,7 @@ from pydantic import Field
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import GoalHandle, OneOf, Result, Skill, SkillFailed, skill
 from edgevox.core.cancel import CancelToken
-from edgevox.robots.capabilities import Body, Report
+from edgevox.robots.capabilities import STOP_ASKED, Body, Report
 from edgevox.robots.panda import words
 from edgevox.robots.panda.layout import BINS, CUBES, FAR_M, TABLE
 
@@ -71,9 +71,6 @@ def _carrying(body: Manipulator) -> tuple[Skill, ...]:
     @skill(
         templates=words.GRASP,
         examples=words.GRASP_EXAMPLES,
-        says="Picking up the {object}.",
-        deed="pick up the {object}",
-        done="I have the {object}.",
     )
     def grasp(goal: GoalHandle, object: Annotated[str, cube]) -> Result:  # noqa: A002
         """Pick up a cube and hold it."""
@@ -83,9 +80,6 @@ def _carrying(body: Manipulator) -> tuple[Skill, ...]:
     @skill(
         templates=words.PLACE,
         examples=words.PLACE_EXAMPLES,
-        says="Moving it to the {target}.",
-        deed="move it to the {target}",
-        done="{said}.",
     )
     def place(
         goal: GoalHandle,
@@ -94,21 +88,17 @@ def _carrying(body: Manipulator) -> tuple[Skill, ...]:
     ) -> Result:
         """Put a cube, or what is held, into a bin, onto another cube, or on the table."""
         name = None if object == IT else object
-        said = body.place(name, target, token=goal.token, report=goal.report)
-        return {**body.describe_hand(), "said": said}
+        placed = body.place(name, target, token=goal.token, report=goal.report)
+        return {**body.describe_hand(), "object": placed}
 
     @skill(
         templates=words.RELEASE,
         examples=words.RELEASE_EXAMPLES,
-        says="Opening my hand.",
-        deed="open my hand",
-        done="{said}.",
     )
     def release(goal: GoalHandle) -> Result:
         """Open the hand and let go of whatever it holds."""
         held = body.release(token=goal.token, report=goal.report)
-        said = f"I let go of the {held}" if held else "My hand is open"
-        return {**body.describe_hand(), "released": held, "said": said}
+        return {**body.describe_hand(), "released": held}
 
     return grasp, place, release
 
@@ -117,9 +107,6 @@ def _moving(body: Manipulator) -> tuple[Skill, ...]:
     @skill(
         templates=words.MOVE,
         examples=words.MOVE_EXAMPLES,
-        says="Moving my hand to x {x:g}, y {y:g}, z {z:g}.",
-        deed="move my hand to x {x:g}, y {y:g}, z {z:g}",
-        done="My hand is {where}.",
         check=_check_point,
     )
     def move_to(
@@ -135,20 +122,17 @@ def _moving(body: Manipulator) -> tuple[Skill, ...]:
     @skill(
         templates=words.HOME,
         examples=words.HOME_EXAMPLES,
-        says="Going home.",
-        deed="go home",
-        done="I am at home.",
     )
     def goto_home(goal: GoalHandle) -> Result:
         """Move the arm to its home position, out of the way."""
         body.go_home(token=goal.token, report=goal.report)
         return body.describe_hand()
 
-    @skill(templates=words.STOP, examples=words.STOP_EXAMPLES, says="Stopping.")
+    @skill(templates=words.STOP, examples=words.STOP_EXAMPLES)
     def stop(goal: GoalHandle) -> Result:
         """Stop moving at once; what is held stays held."""
         goal.token.check()
-        return {"was_moving": body.halt("stop was asked")}
+        return {"was_moving": body.halt(STOP_ASKED)}
 
     return move_to, goto_home, stop
 
@@ -163,7 +147,6 @@ def _telling(body: Manipulator) -> tuple[Skill, ...]:
     @skill(
         templates=words.WHERE,
         examples=words.WHERE_EXAMPLES,
-        done="My hand is {where}{holding}.",
         moves=False,
     )
     def get_pose(goal: GoalHandle) -> Result:
@@ -174,7 +157,6 @@ def _telling(body: Manipulator) -> tuple[Skill, ...]:
     @skill(
         templates=words.LIST,
         examples=words.LIST_EXAMPLES,
-        done="I see {said}.",
         moves=False,
     )
     def list_objects(goal: GoalHandle) -> Result:

@@ -57,7 +57,7 @@ def place(cell: Workcell, task: Task, name: str, target: str) -> None:
     cell.rest(task, _SETTLE_S)
     there = seen.where(name, cell.things(), None)
     if there != target:
-        raise SkillFailed(because("not_stayed", thing=spoken(name), place=being(there)))
+        raise SkillFailed(because("not_stayed", thing=spoken(name), place=spoken(there)))
 
 
 def release(cell: Workcell, task: Task) -> str | None:
@@ -114,7 +114,7 @@ def spot_for(cell: Workcell, name: str, target: str) -> Placed:
     else:
         spot, floor_m = seen.free_spot(name, BINS[target], things), BINS[target].floor_m
     if spot is None:
-        raise SkillFailed(because("no_room", place=being(target)))
+        raise SkillFailed(because("no_room", place=spoken(target)))
     return Placed(*spot, floor_m + half)
 
 
@@ -126,15 +126,6 @@ def _spot_on(cell: Workcell, name: str, target: str) -> Placed:
     if upper not in (None, name):
         raise SkillFailed(because("occupied", thing=spoken(target), upper=spoken(upper)))
     return replace(lower, z_m=lower.z_m + CUBE_SIZE_M)
-
-
-def being(there: str) -> str:
-    """Where something is, as said: "in the left bin"."""
-    if there in BINS:
-        return f"in the {spoken(there)}"
-    if there == seen.HAND:
-        return "in my hand"
-    return f"on the {spoken(there)}"
 
 
 def _try_pick(cell: Workcell, task: Task, name: str) -> bool:

@@ -56,7 +56,6 @@ def _remember_place(body: StandsSomewhere, memory: PlaceMemory) -> Skill:
     @skill(
         templates=words.REMEMBER,
         examples=words.REMEMBER_EXAMPLES,
-        done="I will remember this place as {name}.",
         moves=False,
         check=memory.check,
     )
@@ -89,7 +88,6 @@ def _forget_place(memory: PlaceMemory, known: OneOf, noun: str) -> Skill:
     forget_place.__name__ = "forget_place"
     decorate = skill(
         templates=[template.replace("{room}", f"{{{noun}}}") for template in words.FORGET],
-        done=f"I have forgotten the place {{{noun}}}.",
         moves=False,
     )
     return decorate(forget_place)
@@ -99,7 +97,6 @@ def _list_places(body: StandsSomewhere, memory: PlaceMemory) -> Skill:
     @skill(
         templates=words.LIST,
         examples=words.LIST_EXAMPLES,
-        done="{said}",
         moves=False,
     )
     def list_places(goal: GoalHandle) -> Result:
@@ -115,13 +112,6 @@ def _list_places(body: StandsSomewhere, memory: PlaceMemory) -> Skill:
             for one in learned
         }
         names = [*own, *remembered]
-        return {"places": own | remembered, "names": names, "said": _said(names)}
+        return {"places": own | remembered, "names": names}
 
     return list_places
-
-
-def _said(names: list[str]) -> str:
-    *others, last = [name.replace("_", " ") for name in names] or [""]
-    if not last:
-        return "I know no place by name yet."
-    return f"I know {', '.join(others)} and {last}." if others else f"I know {last}."

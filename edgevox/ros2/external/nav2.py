@@ -108,8 +108,9 @@ class Nav2Action:
         if run.status is None:
             return False
         if run.status != GoalStatus.STATUS_SUCCEEDED:
-            ended = "was cancelled" if run.status == GoalStatus.STATUS_CANCELED else "gave up"
-            raise SkillFailed(because("nav2_ended", how=ended))
+            cancelled = run.status == GoalStatus.STATUS_CANCELED
+            how = because("nav2_cancelled") if cancelled else because("nav2_gave_up")
+            raise SkillFailed(because("nav2_ended", how=how))
         return True
 
     def left_m(self, fix: Fix) -> float:

@@ -16,7 +16,7 @@ from edgevox.core.frame_names import MAP
 from edgevox.core.log import get_logger
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.bounds import Bounds
-from edgevox.robots.capabilities import Report, SpeedLimit, Twist2D
+from edgevox.robots.capabilities import STOP_ASKED, Report, SpeedLimit, Twist2D
 from edgevox.robots.navigation import LOCATION, navigation_skills
 from edgevox.robots.places.memory import PlaceMemory
 from edgevox.ros2.external.control_loop import Hold
@@ -234,7 +234,7 @@ class ExternalRobot:
         """The skill `stop`: ends when the robot stands, and fails when it does not obey."""
         goal.token.check()
         link = self._switched_on()
-        moved, hold = self._stand(link, "stop was asked")
+        moved, hold = self._stand(link, STOP_ASKED)
         if moved:
             hold.done.wait(self._settings.obey_s + 1.0)
         if hold.problem:

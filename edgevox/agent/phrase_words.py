@@ -1,0 +1,47 @@
+"""Words in the forms that sentences need: a thing's name, and how one speaks of it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+_NO_WORD = {"name": "{name}"}
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """A word that an argument or a result may be, in the forms that sentences need.
+
+    `name` with its article, `to` and `at` with the prepositions of going and of being there,
+    `taken` as what somebody grasps. `heard` is what people say for it, `hints` are sentences of
+    people who mean it without saying it.
+    """
+
+    name: str
+    to: str
+    at: str
+    taken: str
+    heard: tuple[str, ...] = ()
+    hints: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        return self.name
+
+    def called(self, name: str) -> "Word":
+        """The same forms, of another name."""
+        forms = (self.name, self.to, self.at, self.taken)
+        named, to, at, taken = (form.replace("{name}", name) for form in forms)
+        return Word(named, to, at, taken, heard=(name,))
+
+
+def word_of(data: Mapping[str, Any] | None) -> Word:
+    """A word of a phrasebook's file; without one the forms of a word that nobody knows."""
+    data = data or _NO_WORD
+    name = data["name"]
+    return Word(
+        name=name,
+        to=data.get("to", name),
+        at=data.get("at", name),
+        taken=data.get("taken", name),
+        heard=tuple(data.get("heard", (name,))),
+        hints=tuple(data.get("hints", ())),
+    )
