@@ -8,13 +8,10 @@ from importlib import resources
 from typing import Any
 
 from edgevox.agent.answers import AnswerWords
+from edgevox.agent.phrase_hearing import Hearing
 from edgevox.agent.phrase_numbers import Numbers, Rewriting
 from edgevox.agent.phrase_words import word_of
-from edgevox.agent.phrasebook import (
-    Exchange,
-    Hearing,
-    Phrasebook,
-)
+from edgevox.agent.phrasebook import Exchange, Phrasebook
 from edgevox.agent.programs.phrases import ProgramPhrases
 from edgevox.agent.skills import Example, SkillPhrases
 from edgevox.agent.spelling import composed, key
