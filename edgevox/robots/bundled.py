@@ -41,8 +41,9 @@ def _irsim(settings: Settings, speed: float | None) -> Body:
 def _panda(settings: Settings, speed: float | None) -> Body:
     path = locate(PANDA_MODEL)
     from edgevox.robots.panda.robot import PandaRobot
+    from edgevox.robots.panda.workcell import Workcell
 
-    return PandaRobot(path, seed=settings.seed, speed=speed)
+    return PandaRobot(Workcell(path, seed=settings.seed, speed=speed))
 
 
 def _humanoid(settings: Settings, speed: float | None) -> Body:
