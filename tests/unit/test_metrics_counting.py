@@ -3,6 +3,8 @@
 import http.client
 import socket
 import threading
+from collections.abc import Callable
+from typing import Any, get_args
 
 import pytest
 from clocks import HeldClock
@@ -130,8 +132,24 @@ def test_wake_words_and_who_called_are_counted(stage) -> None:
     assert stage.value("edgevox_skill_calls_total", source="model") == 1
 
 
+class AskedOf(Bus):
+    """A bus that remembers what anybody listens for."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.kinds: set[type] = set()
+
+    def subscribe(self, kind: Any, handler: Any) -> Callable[[], None]:
+        self.kinds.update(get_args(kind) or (kind,))
+        return super().subscribe(kind, handler)
+
+
 def test_a_token_is_nobodys_business_until_its_turn_ends(stage) -> None:
-    assert not stage.bus._handlers.get(TokenGenerated)
+    bus = AskedOf()
+    observe(bus, stage.registry, stage.clock)
+
+    assert TurnEnded in bus.kinds
+    assert TokenGenerated not in bus.kinds
 
 
 def test_nothing_is_counted_after_the_end(stage) -> None:
