@@ -185,15 +185,19 @@ class Part:
         return Status.judged(self.name, **self.values)
 
 
-def test_what_components_say_is_read_anew_and_one_that_breaks_takes_no_other_with_it() -> None:
+def test_what_components_say_is_read_anew_and_one_that_breaks_takes_no_other_with_it(
+    caplog,
+) -> None:
     executor = Part("executor", lag_s=0.5, failed_callbacks=2)
     registry = Registry(None, Components(Part("sim"), executor))
     assert b"edgevox_executor_lag_seconds 0.5" in registry.text()
+    assert [record.msg["component"] for record in caplog.records] == ["sim"]
     executor.values = {"lag_s": 1.5, "failed_callbacks": 2}
     text = registry.text()
     assert b"edgevox_executor_lag_seconds 1.5" in text
     assert b'edgevox_failures_total{part="executor"} 2.0' in text
     assert b"edgevox_sim_" not in text
+    assert b'edgevox_failures_total{part="metrics"} 2.0' in text
 
 
 def test_two_agents_in_one_process_count_apart() -> None:
