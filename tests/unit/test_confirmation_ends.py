@@ -168,7 +168,7 @@ def test_a_stop_while_a_yes_begins_to_move_the_robot_leaves_it_standing(monkeypa
 
     talk.bus.subscribe(GoalChanged, about_to_move)
     with talk:
-        talk.body.arrives.clear()  # what would begin to drive would never end by itself
+        talk.body.drive_on()  # what would begin to drive would never end by itself
         talk.say("go to the kitchen")
         talk.conversation.submit(TextInput("yes"))
         assert talk.conversation.wait_idle(60), "it drives after a stop"
