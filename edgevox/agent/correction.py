@@ -7,8 +7,8 @@ from edgevox.agent.answers import Answers
 from edgevox.agent.numbers import digits
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.skills import Call, Skill
-from edgevox.agent.spelling import composed
 from edgevox.core.json_reader import is_number
+from edgevox.core.text import one_form
 
 _IT = "it"
 """Stands for what was spoken of last, so it corrects nothing."""
@@ -28,7 +28,7 @@ def correct(call: Call, one: Skill, text: str, answers: Answers, book: Phraseboo
     if found:
         return None
     names = [name for name, value in call.arguments.items() if is_number(value)]
-    said = answers.numbers(digits(" ".join(composed(text).split()), book.code))
+    said = answers.numbers(digits(" ".join(one_form(text).split()), book.code))
     if not names or len(names) != len(said):
         return None
     changed = one.from_words(dict(zip(names, said, strict=True)))

@@ -12,11 +12,13 @@ from hassil.intents import TextSlotList
 from edgevox.agent.arguments import is_number_type
 from edgevox.agent.numbers import digits
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
-from edgevox.agent.phrasebook import Hearing, Phrasebook
+from edgevox.agent.phrase_hearing import Hearing
+from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.skills import NO_SKILLS, Call, Skill, SkillSet
-from edgevox.agent.spelling import composed, folded, key, separated, unpunctuated
+from edgevox.agent.spelling import folded, key, separated, unpunctuated
 from edgevox.agent.spoken_lists import brief, whole
 from edgevox.agent.template_compiler import compile_templates, word_list, written
+from edgevox.core.text import one_form
 
 MAX_CHARACTERS = 240
 """Longer utterances are not plain commands; they go to the model."""
@@ -74,7 +76,7 @@ class Recogniser:
         if len(text) > MAX_CHARACTERS:
             return None
         self._learn()
-        plain = digits(" ".join(composed(text).split()), self._language)
+        plain = digits(" ".join(one_form(text).split()), self._language)
         refused = None
         for reader in self._readers:
             found = reader.read(plain)

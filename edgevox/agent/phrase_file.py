@@ -14,9 +14,10 @@ from edgevox.agent.phrase_words import word_of
 from edgevox.agent.phrasebook import Exchange, Phrasebook
 from edgevox.agent.programs.phrases import ProgramPhrases
 from edgevox.agent.skills import Example, SkillPhrases
-from edgevox.agent.spelling import composed, key
+from edgevox.agent.spelling import key
 from edgevox.core.errors import InvalidValue
 from edgevox.core.languages import LANGUAGES
+from edgevox.core.text import one_form
 
 ENGLISH = "en"
 """The language that skills and robots speak by themselves, and that all others fall back to."""
@@ -80,7 +81,7 @@ def _numbers(data: Mapping[str, Any]) -> Numbers:
     return Numbers(
         decimal_comma=data.get("decimal_comma", False),
         rules=_rewritings(data.get("rules", ())),
-        words={composed(word): number for word, number in data.get("words", {}).items()},
+        words={one_form(word): number for word, number in data.get("words", {}).items()},
         units=data.get("units", ""),
         centimetres=data.get("centimetres", ""),
         metres=data.get("metres", ""),
@@ -124,5 +125,5 @@ def _exchanges(data: Mapping[str, Any], name: str) -> tuple[Exchange, ...]:
 
 def _rewritings(data: Any) -> tuple[Rewriting, ...]:
     return tuple(
-        (re.compile(composed(pattern), re.IGNORECASE), replacement) for pattern, replacement in data
+        (re.compile(one_form(pattern), re.IGNORECASE), replacement) for pattern, replacement in data
     )

@@ -1,19 +1,23 @@
-"""One spelling of what a recogniser reads and what it is compared with."""
+"""One spelling of what a recogniser reads and what it is compared with.
+
+It begins with the one form of each character that `core.text` gives any text from outside.
+"""
 
 import re
 import unicodedata
+from collections.abc import Mapping
+
+from edgevox.core.text import one_form
 
 _KANA_VOICING = 8
 """The combining class of the marks that make another Japanese letter, not an accented one."""
-_ONE_FORM = str.maketrans(
-    {
-        "\N{RIGHT SINGLE QUOTATION MARK}": "'",
-        "\N{MODIFIER LETTER APOSTROPHE}": "'",
-        "\N{LATIN SMALL LETTER DOTLESS I}": "i",
-        "\N{ARABIC LETTER ALEF MAKSURA}": "\N{ARABIC LETTER YEH}",
-        "\N{DEVANAGARI SIGN CANDRABINDU}": "\N{DEVANAGARI SIGN ANUSVARA}",
-    }
-)
+TYPED_ALIKE: Mapping[str, str] = {
+    "\N{LATIN SMALL LETTER DOTLESS I}": "i",
+    "\N{ARABIC LETTER ALEF MAKSURA}": "\N{ARABIC LETTER YEH}",
+    "\N{DEVANAGARI SIGN CANDRABINDU}": "\N{DEVANAGARI SIGN ANUSVARA}",
+}
+"""Letters that have no accent to take away, and are typed for each other all the same."""
+_TYPED_ALIKE = str.maketrans(dict(TYPED_ALIKE))
 _APOSTROPHE = re.compile(r"(?<=\w)' ?(?=\w)")
 _HYPHEN = re.compile(r"(?<=[^\W\d])[-\N{NON-BREAKING HYPHEN}](?=[^\W\d])")
 _PUNCTUATION = re.compile(
@@ -22,14 +26,12 @@ _PUNCTUATION = re.compile(
 )
 
 
-def composed(text: str) -> str:
-    """Letters and their accents as one character, wide digits and marks as narrow ones."""
-    return unicodedata.normalize("NFKC", text)
-
-
 def separated(text: str) -> str:
-    """Words that an apostrophe or a hyphen joins stand apart: "va-t'en" becomes "va t' en"."""
-    return _HYPHEN.sub(" ", _APOSTROPHE.sub("' ", text.translate(_ONE_FORM)))
+    """Words that an apostrophe or a hyphen joins stand apart: "va-t'en" becomes "va t' en".
+
+    Of a text in one form.
+    """
+    return _HYPHEN.sub(" ", _APOSTROPHE.sub("' ", text.translate(_TYPED_ALIKE)))
 
 
 def unpunctuated(text: str) -> str:
@@ -47,7 +49,7 @@ def folded(text: str) -> str:
 
 def key(text: str) -> str:
     """What two spellings of one word have in common."""
-    plain = folded(separated(composed(text.replace("_", " "))))
+    plain = folded(separated(one_form(text.replace("_", " "))))
     return unpunctuated(plain.casefold())
 
 

@@ -13,6 +13,7 @@ from itertools import groupby
 
 from confusable_homoglyphs.confusables import confusables_data
 
+from edgevox.agent.spelling import TYPED_ALIKE
 from edgevox.core.stop_words import STOP_SIGNS
 from edgevox.core.text import one_form, without_hidden
 
@@ -23,12 +24,11 @@ _LINE_ENDS = "\n\v\f\r\x1c\x1d\x1e\x85\u2028\u2029"
 _MARKS = ("Mn", "Me")
 _KANA_LENGTH = "\u30fc\uff70\u301c"
 _SAME_LETTER = str.maketrans(
-    {
+    dict(TYPED_ALIKE)
+    | {
         "đ": "d",
         "ł": "l",
         "ø": "o",
-        "\N{LATIN SMALL LETTER DOTLESS I}": "i",
-        "\N{ARABIC LETTER ALEF MAKSURA}": "\N{ARABIC LETTER YEH}",
         "\N{ARABIC LETTER TEH MARBUTA}": "\N{ARABIC LETTER HEH}",
         "\N{ARABIC TATWEEL}": None,
         "'": None,

@@ -7,9 +7,11 @@ from hassil import Intents
 from hassil.intents import TextSlotList
 
 from edgevox.agent.numbers import digits
-from edgevox.agent.phrasebook import Hearing, Phrasebook
+from edgevox.agent.phrase_hearing import Hearing
+from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.skills import OneOf, Skill, SkillSet
-from edgevox.agent.spelling import composed, folded, key, separated
+from edgevox.agent.spelling import folded, key, separated
+from edgevox.core.text import one_form
 
 
 def compile_templates(skills: SkillSet, book: Phrasebook, *, loose: bool) -> Intents:
@@ -34,7 +36,7 @@ def compile_templates(skills: SkillSet, book: Phrasebook, *, loose: bool) -> Int
 
 
 def _pattern(template: str) -> str:
-    return folded(separated(composed(template)))
+    return folded(separated(one_form(template)))
 
 
 def written(text: str, hearing: Hearing) -> str:

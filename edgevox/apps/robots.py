@@ -6,10 +6,13 @@ from edgevox.agent.agents import Agent
 from edgevox.agent.names import check_skills
 from edgevox.agent.skills import SkillSet
 from edgevox.apps.folders import places_folder
+from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
 from edgevox.robots.capabilities import Body, RemembersPlaces
 from edgevox.robots.places.store import PlaceStore
 from edgevox.robots.plugin import installed_robots
+
+log = get_logger(__name__)
 
 TALK_INSTRUCTIONS = (
     "You are EdgeVox, a voice agent that runs offline and has no robot at the moment. Be friendly"
@@ -21,8 +24,14 @@ ROBOTS = installed_robots()
 
 
 def build_body(name: str, settings: Settings, speed: float | None = 1.0) -> Body:
-    """The body of this robot, not yet started. Raises `EdgeVoxError` with the reason."""
-    return ROBOTS[name].build(settings, speed)
+    """The body of this robot, not yet started. Raises `EdgeVoxError` with the reason.
+
+    What somebody set that does nothing for this robot is logged.
+    """
+    robot = ROBOTS[name]
+    for setting in robot.unread(settings):
+        log.warning("setting_unread", setting=setting, robot=name)
+    return robot.build(settings, speed)
 
 
 def open_places(body: Body, settings: Settings) -> None:

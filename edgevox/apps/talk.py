@@ -9,27 +9,18 @@ from edgevox.apps.flags import add_flags, given_flags
 from edgevox.apps.program import run_program, set_up_logs
 from edgevox.apps.streams import with_streams
 from edgevox.core.settings import Settings, load_settings
+from edgevox.robots.plugin import FOR_BODIES
 from edgevox.ros2 import split_ros_args
 
 DOCTOR = "doctor"
 """The first argument that asks for the doctor instead."""
-OF_ROBOTS = frozenset(
-    {
-        "external_namespace",
-        "frame_prefix",
-        "locations",
-        "max_angular",
-        "max_linear",
-        "mjcf",
-        "model_source",
-        "odom_frame",
-        "publish_clock",
-        "render",
-        "ros2_state_hz",
-        "seed",
-        "world",
-    }
-)
+OF_ROBOTS = FOR_BODIES | {
+    "frame_prefix",
+    "odom_frame",
+    "publish_clock",
+    "render",
+    "ros2_state_hz",
+}
 """Settings that are about a body."""
 
 

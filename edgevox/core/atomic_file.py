@@ -4,16 +4,18 @@ import os
 from pathlib import Path
 
 PRIVATE = 0o600
+PUBLIC = 0o666
+"""Less what the process's umask takes away, as of any file."""
 
 
-def write_atomically(file: Path, text: str) -> None:
-    """Put this text there, readable by its owner. Raises `OSError`, and then it is as it was.
+def write_atomically(file: Path, text: str, mode: int = PRIVATE) -> None:
+    """Put this text there, with these permissions. Raises `OSError`, and then it is as it was.
 
     One writer at a time: what one left behind half is written over by the next.
     """
     partial = file.with_name(f".{file.name}.partial")
     try:
-        _write(partial, text.encode("utf-8"))
+        _write(partial, text.encode("utf-8"), mode)
         os.replace(partial, file)
     except OSError:
         partial.unlink(missing_ok=True)
@@ -21,9 +23,9 @@ def write_atomically(file: Path, text: str) -> None:
     _sync_folder(file.parent)
 
 
-def _write(file: Path, data: bytes) -> None:
+def _write(file: Path, data: bytes, mode: int) -> None:
     flags = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_NOFOLLOW | os.O_CLOEXEC
-    with open(os.open(file, flags, PRIVATE), "wb") as stream:
+    with open(os.open(file, flags, mode), "wb") as stream:
         stream.write(data)
         stream.flush()
         os.fsync(stream.fileno())

@@ -3,10 +3,15 @@
 What is judged in more than one place, such as when something stalls, is judged here.
 """
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Protocol, Self
+
+from edgevox.core.log import get_logger
+
+log = get_logger(__name__)
 
 LATE_S = 1.0
 """What should move and has not for this long is worth a word."""
@@ -114,6 +119,12 @@ class Components:
 
     def __init__(self, *components: Component) -> None:
         self._by_name = {one.name: one for one in components}
+        self._broke: Counter[str] = Counter()
+
+    @property
+    def failures(self) -> int:
+        """How often one of them was asked and could not say how it is."""
+        return self._broke.total()
 
     def add(self, *components: Component) -> None:
         """List these from now on, each in place of one of the same name."""
@@ -127,10 +138,19 @@ class Components:
     def statuses(self, names: Iterable[str] | None = None) -> list[Status]:
         """What all, or those of them that are named, say now.
 
-        One that cannot even be asked is an error, with its reason.
+        One that cannot even be asked is an error, with its reason; it is counted and logged.
         """
         asked = self._by_name if names is None else [one for one in self._by_name if one in names]
-        return [_ask(self._by_name[name]) for name in asked]
+        return [self._ask(name) for name in asked]
+
+    def _ask(self, name: str) -> Status:
+        try:
+            return self._by_name[name].status()
+        except Exception as error:  # noqa: BLE001 - one that breaks is a finding like any other
+            self._broke[name] += 1
+            if self._broke[name].bit_count() == 1:  # 1, 2, 4, 8, ...: not a line each time
+                log.warning("component_unreadable", component=name, error=repr(error))
+            return Status(name, Level.ERROR, f"cannot be looked at: {error!r}")
 
 
 def moves(stalled_s: Callable[[], float]) -> Callable[[], str]:
@@ -158,13 +178,6 @@ def stall(seconds: float, what: str) -> list[Finding]:
 
 def _still(seconds: float) -> str:
     return f"not moved for {seconds:.1f} s"
-
-
-def _ask(component: Component) -> Status:
-    try:
-        return component.status()
-    except Exception as error:  # noqa: BLE001 - one that breaks is a finding like any other
-        return Status(component.name, Level.ERROR, f"cannot be looked at: {error!r}")
 
 
 def _text(value: Value) -> str:

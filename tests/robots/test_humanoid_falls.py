@@ -116,7 +116,7 @@ def test_a_state_that_is_no_number_is_put_right_and_counted(
 
     robot.advance(1.0)
 
-    assert robot._stepper.failures >= 1
+    assert robot.breaks >= 1
     assert robot.state()["height"] > 0.7
 
 

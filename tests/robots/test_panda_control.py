@@ -119,8 +119,8 @@ def test_numbers_that_break_are_put_back_and_the_errand_fails(held_panda) -> Non
     asked = Asked(held_panda, held_panda.move_to, 0.4, 0.3, 0.2)
     asked.until(moving(held_panda, "moving"))
 
-    with held_panda._engine.lock:
-        held_panda._engine.data.qpos[3] = float("nan")
+    with held_panda.world.lock:
+        held_panda.world.data.qpos[3] = float("nan")
 
     error = asked.end()
     assert isinstance(error, SkillFailed)

@@ -10,6 +10,7 @@ from panda_table import ask, open_panda, put_cube
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.errors import InvalidValue
 from edgevox.robots.panda.robot import PandaRobot
+from edgevox.robots.panda.workcell import Workcell
 
 POINT = r"x (-?\d\.\d\d), y (-?\d\.\d\d), z (-?\d\.\d\d)\.?$"
 
@@ -119,6 +120,6 @@ def test_a_file_that_is_no_panda_is_refused(tmp_path) -> None:
     other.write_text("<mujoco><worldbody/></mujoco>")
 
     with pytest.raises(InvalidValue, match="a Franka Panda with its gripper"):
-        PandaRobot(other)
+        Workcell(other)
     with pytest.raises(InvalidValue, match="a readable MJCF"):
-        PandaRobot(tmp_path / "missing.xml")
+        Workcell(tmp_path / "missing.xml")

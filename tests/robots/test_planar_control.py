@@ -4,10 +4,12 @@ import json
 import logging
 import math
 import threading
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 from clocks import HeldClock
+from engines import meddled
 from guards import HUNG_S
 from held_time import STEP_S, Asked
 from waiting import wait_until
@@ -19,7 +21,7 @@ from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.engine import MotionState
 from edgevox.robots.planar import PlanarRobot
-from edgevox.robots.world import parse_world
+from edgevox.robots.world import load_world, parse_world
 
 BRAKE_TIME_S = 0.1
 BLUE = (37, 99, 235)
@@ -156,18 +158,15 @@ def test_a_velocity_that_is_no_number_is_refused_and_harms_nothing(robot, field,
     assert math.isfinite(robot.pose().x_m)
 
 
-def test_a_motion_that_becomes_no_number_is_logged_and_the_world_goes_on(robot, caplog) -> None:
-    real = robot._engine.step
-    broken = threading.Event()
+def test_a_motion_that_becomes_no_number_is_logged_and_the_world_goes_on(make, caplog) -> None:
+    robot, engine = meddled(make, load_world(), speed=None)
 
-    def step(command: Twist2D) -> MotionState:
-        if broken.is_set():
-            return real(command)
-        broken.set()
+    def break_once(command: Twist2D, step: Callable[[Twist2D], MotionState]) -> MotionState:
+        engine.meddle = None
         return MotionState(Pose2D(math.nan, 0.0, 0.0), Twist2D(0.0, 0.0), frozenset())
 
-    with caplog.at_level(logging.ERROR):
-        robot._engine.step = step
+    with caplog.at_level(logging.ERROR), robot:
+        engine.meddle = break_once
         with pytest.raises(SkillFailed, match="physics of my world broke"):
             robot.drive_to(3.4, 2.9, token=CancelToken(), report=lambda **f: None)
         robot.drive_to(3.4, 2.9, token=CancelToken(), report=lambda **f: None)

@@ -125,27 +125,24 @@ def test_progress_is_reported_while_it_drives(held_robot) -> None:
     assert told[-1] == 1.0
 
 
-def test_furniture_pushed_into_the_way_is_driven_around(in_hall) -> None:
-    robot = in_hall(
+def test_furniture_pushed_into_the_way_is_driven_around(meddled_hall) -> None:
+    robot, engine = meddled_hall(
         "obstacle: [{name: box, shape: {name: rectangle, length: 0.4, width: 0.4}, "
-        "state: [4, 3.4, 0], mass: 2, friction: 0.3}]",
-        speed=0.0,
+        "state: [4, 3.4, 0], mass: 2, friction: 0.3}]"
     )
     going = Asked(robot, robot.drive_to, 7.0, 2.0)
-    with robot._lock:
-        robot._engine.put(robot._run.motion.pose, [Pose2D(4.0, 2.0, 0.0)])
+    engine.put(robot.pose(), [Pose2D(4.0, 2.0, 0.0)])
 
     assert going.end() is None
     assert max(abs(y - 2.0) for _, y in robot.trail()) > 0.25
     assert robot.state()["collisions"] == 0
 
 
-def test_a_robot_that_cannot_move_says_that_it_is_stuck(in_hall) -> None:
-    robot = in_hall("", speed=0.0)
+def test_a_robot_that_cannot_move_says_that_it_is_stuck(meddled_hall) -> None:
+    robot, engine = meddled_hall()
     going = Asked(robot, robot.drive_to, 7.0, 2.0)
-    with robot._lock:
-        stands = MotionState(robot._run.motion.pose, Twist2D(0.0, 0.0), frozenset())
-        robot._engine.step = lambda command: stands
+    stands = MotionState(robot.pose(), Twist2D(0.0, 0.0), frozenset())
+    engine.meddle = lambda command, step: stands
 
     error = going.end()
 

@@ -1,8 +1,10 @@
 """What the two simulators share, where they differ, and what IR-SIM must not do to the program."""
 
+import gc
 import math
 import subprocess
 import sys
+import tracemalloc
 from dataclasses import astuple
 
 import pytest
@@ -10,10 +12,9 @@ from guards import HUNG_S
 
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.transforms import Pose2D
-from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.irsim import IrsimRobot
-from edgevox.robots.irsim_engine import IrsimEngine
+from edgevox.robots.irsim_engine import IrsimEngine, make_environment
 from edgevox.robots.irsim_world import irsim_config
 from edgevox.robots.physics import PymunkEngine
 from edgevox.robots.world import apartment_file, load_world, parse_world
@@ -44,7 +45,7 @@ def test_irsim_itself_loads_the_same_file_and_stands_everything_where_we_do():
 
     theirs = irsim.make(str(apartment_file()), headless=True, log_level="CRITICAL")
     world = load_world()
-    ours = IrsimEngine(world)._env
+    ours = make_environment(world)
 
     pairs = list(zip(theirs.obstacle_list, world.things, ours.obstacle_list, strict=False))
     assert len(theirs.obstacle_list) == len(world.things) == len(pairs)
@@ -58,12 +59,12 @@ def test_irsim_itself_loads_the_same_file_and_stands_everything_where_we_do():
 
 
 def test_both_lidars_see_the_same_apartment():
-    robots = ApartmentRobot(), IrsimRobot()
+    engines = PymunkEngine(load_world()), IrsimEngine(load_world())
     for pose in (Pose2D(3.0, 2.0, 0.7), Pose2D(6.6, 7.2, -2.0)):
         scans = []
-        for robot in robots:
-            robot._engine.put(pose, robot._engine.movable_poses())
-            scans.append(robot._engine.scan(1.5))
+        for engine in engines:
+            engine.put(pose, engine.movable_poses())
+            scans.append(engine.scan(1.5))
 
         # IR-SIM has a beam at both ends of the circle, so the angles part by up to a degree.
         near = [
@@ -143,7 +144,17 @@ def test_irsim_remembers_no_step_so_that_memory_does_not_grow():
     for _ in range(100):
         engine.step(Twist2D(0.5, 0.1))
 
-    assert max(len(one.trajectory) for one in engine._env.objects) <= 1
+    tracemalloc.start()
+    engine.step(Twist2D(0.5, 0.1))
+    gc.collect()
+    before = tracemalloc.get_traced_memory()[0]
+    for _ in range(200):
+        engine.step(Twist2D(0.5, 0.1))
+    gc.collect()
+    grown = tracemalloc.get_traced_memory()[0] - before
+    tracemalloc.stop()
+
+    assert grown < 200 * 100, "bytes; a step that it remembers is 500"
 
 
 def test_a_polygon_whose_sides_cross_is_refused_by_irsim_with_its_field():

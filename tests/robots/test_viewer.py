@@ -25,11 +25,25 @@ SCREEN = "900x900x24"
 RED, GREEN = (200, 30, 40), (20, 180, 60)
 
 
+def child_pids(pid: int) -> list[int]:
+    """The processes that a process started."""
+    found = Path(f"/proc/{pid}/task").glob("*/children")
+    return [int(child) for file in found for child in file.read_text().split()]
+
+
+def command_line(pid: int) -> bytes:
+    return Path(f"/proc/{pid}/cmdline").read_bytes()
+
+
 def children(pid: int) -> bytes:
     """The command lines of the processes that a process started."""
-    found = Path(f"/proc/{pid}/task").glob("*/children")
-    pids = " ".join(file.read_text() for file in found).split()
-    return b"\n".join(Path(f"/proc/{child}/cmdline").read_bytes() for child in pids)
+    return b"\n".join(map(command_line, child_pids(pid)))
+
+
+def window_of_mine() -> int:
+    """The process that shows this process's window."""
+    (window,) = (pid for pid in child_pids(os.getpid()) if b"viewer_window" in command_line(pid))
+    return window
 
 
 class Screen:
@@ -119,7 +133,7 @@ def test_a_window_that_dies_ends_the_viewer_and_nothing_else(screen, viewer, cap
     shown = viewer(canvas)
     wait_until(lambda: screen.count(RED))
 
-    shown._window.send_signal(signal.SIGTERM)
+    os.kill(window_of_mine(), signal.SIGTERM)
 
     wait_until(lambda: not shown.running)
     assert "no_window" in caplog.text
@@ -130,13 +144,14 @@ def test_a_window_that_hangs_is_closed_all_the_same(screen, viewer) -> None:
     canvas = Canvas()
     shown = viewer(canvas)
     wait_until(lambda: screen.count(RED))
-    shown._window.send_signal(signal.SIGSTOP)
+    window = window_of_mine()
+    os.kill(window, signal.SIGSTOP)
     wait_until(lambda: canvas.drawn > 2)
 
     shown.close()
 
     assert not shown.running
-    assert shown._window.poll() is not None
+    assert window not in child_pids(os.getpid())
 
 
 def test_a_picture_that_cannot_be_drawn_closes_the_window_and_is_logged(
@@ -150,7 +165,7 @@ def test_a_picture_that_cannot_be_drawn_closes_the_window_and_is_logged(
         wait_until(lambda: not shown.running)
 
     assert "no light" in caplog.text
-    assert shown._window.poll() is not None
+    assert b"viewer_window" not in children(os.getpid())
 
 
 def test_without_a_display_one_line_says_so(viewer, monkeypatch, caplog) -> None:

@@ -2,9 +2,9 @@
 
 import json
 import threading
-from typing import Annotated
 
 from action_msgs.msg import GoalStatus
+from fake_body import FakeBody
 from guards import HUNG_S
 from rclpy.action import ActionClient
 from rclpy.qos import QoSProfile
@@ -12,10 +12,8 @@ from waiting import wait_until
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
-from edgevox.agent.skills import OneOf, SkillFailed, SkillSet, skill
 from edgevox.core.agent_events import AgentEvent, as_json
 from edgevox.core.bus import Bus
-from edgevox.core.cancel import Cancelled
 from edgevox.core.commands import TextInput
 from edgevox.core.events import Responded
 from edgevox.ros2.node import RosNode
@@ -24,6 +22,7 @@ from edgevox_msgs.action import ExecuteSkill
 
 BURST = QoSProfile(depth=100)
 NAME = "/edgevox/execute_skill"
+SKILLS = ("navigate_to", "open_door", "get_pose")
 ENDS = {
     GoalStatus.STATUS_SUCCEEDED: "succeeded",
     GoalStatus.STATUS_CANCELED: "canceled",
@@ -31,54 +30,16 @@ ENDS = {
 }
 
 
-class Body:
-    """Drives until it is halted, cancelled, or told that it arrived."""
-
-    def __init__(self):
-        self.started = threading.Semaphore(0)
-        self.arrived = threading.Event()
-
-    def halt(self, reason):
-        return False
-
-    def skills(self):
-        @skill(templates=["go to [the] {room}"], says="Going to the {room}.", done="I am there.")
-        def navigate_to(goal, room: Annotated[str, OneOf(("kitchen", "bedroom"))]):
-            """Drive to a room."""
-            arrived = threading.Event()
-            forget = goal.token.on_cancel(arrived.set)
-            self.started.release()
-            while not (arrived.is_set() or self.arrived.is_set()):
-                goal.report(progress=0.5)
-                arrived.wait(0.002)
-            forget()
-            if goal.token.cancelled:
-                raise Cancelled(goal.token.reason)
-            return {"room": room, "far": float("inf")}
-
-        @skill(templates=["open the door"])
-        def open_door(goal):
-            """Open the door."""
-            raise SkillFailed("the door is locked")
-
-        @skill(templates=["where are you"], moves=False)
-        def get_pose(goal):
-            """Say where the robot is."""
-            return {"x": 1.25}
-
-        return SkillSet([navigate_to, open_door, get_pose])
-
-
 class Stage:
     """A conversation whose skills are served as an action, and all that it published."""
 
     def __init__(self):
-        self.bus, self.body = Bus(), Body()
+        self.bus, self.body = Bus(), FakeBody(reports=True)
         self.deeds, self.said = [], []
         self.bus.subscribe(AgentEvent, lambda e: self.deeds.append(as_json(e)))
         self.bus.subscribe(Responded, lambda e: self.said.append(e.text))
         self.conversation = Conversation(
-            [Agent("robot", "", self.body.skills())], self.bus, halt=self.body.halt
+            [Agent("robot", "", self.body.skills(*SKILLS))], self.bus, halt=self.body.halt
         )
         self.node = RosNode("/edgevox")
         self.action = SkillAction(self.node.node, self.bus, self.conversation, ExecuteSkill)
@@ -94,7 +55,7 @@ class Stage:
         self.conversation.submit(TextInput(text))
 
     def driving(self):
-        assert self.body.started.acquire(timeout=HUNG_S), "no drive began"
+        self.body.starts()
 
     def statuses(self, skill_name):
         goals = [d for d in self.deeds if d.get("skill") == skill_name and "status" in d]

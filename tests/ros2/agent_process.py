@@ -6,14 +6,24 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
+from typing import NamedTuple
 
 from guards import HUNG_S
-from waiting import Heard
+from waiting import Heard, wait_until
 
 AGENT = str(Path(sys.executable).with_name("edgevox-agent"))
 HEARS_CTRL_C = ("env", "--default-signal=INT")
 """What a script starts in the background is deaf to Ctrl-C, and so are its children."""
 READY = "is ready"
+MARGIN_MB = 25
+"""What memory may differ by and be as before."""
+
+
+class Taken(NamedTuple):
+    """What a process takes from the machine: resident memory, and threads."""
+
+    rss_mb: float
+    threads: int
 
 
 class Agent:
@@ -54,6 +64,18 @@ class Agent:
     def wait_for_line(self, text: str, timeout_s: float = HUNG_S) -> str:
         """The first that holds this; fails loudly if none comes, or the program ends before."""
         return self._printed.wait_for(lambda line: text in line, timeout_s)
+
+    def taken(self) -> Taken:
+        """What it takes now."""
+        lines = Path(f"/proc/{self.process.pid}/status").read_text("utf-8").splitlines()
+        status = dict(line.split(":", 1) for line in lines)
+        return Taken(int(status["VmRSS"].split()[0]) / 1024, int(status["Threads"]))
+
+    def takes_no_more_than(self, before: Taken) -> None:
+        """Wait until it has given back what it took since."""
+        wait_until(lambda: self.taken().threads <= before.threads, "the threads of before")
+        most_mb = before.rss_mb + MARGIN_MB
+        wait_until(lambda: self.taken().rss_mb < most_mb, "the memory of before")
 
     def terminate(self, timeout_s: float = HUNG_S) -> int:
         """Send SIGTERM and wait for the end; the exit code."""

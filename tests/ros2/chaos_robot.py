@@ -18,6 +18,7 @@ from geometry_msgs.msg import Twist
 from interop_rig import Stream, hear, twist
 from peer import STATE, Peer
 from rclpy.qos import QoSProfile
+from robot_states import moving, standing
 from waiting import wait_until
 
 from edgevox_msgs.action import ExecuteSkill
@@ -224,13 +225,4 @@ class Robot:
         return time.monotonic() - begun
 
 
-def moving(message: str) -> bool:
-    return json.loads(message)["velocity"]["linear"] > 0.05
-
-
-def standing(message: str) -> bool:
-    velocity = json.loads(message)["velocity"]
-    return abs(velocity["linear"]) < 0.01 and abs(velocity["angular"]) < 0.01
-
-
-__all__ = ["Robot", "Taken", "done", "moving", "standing"]
+__all__ = ["Robot", "Taken", "done"]

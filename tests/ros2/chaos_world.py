@@ -57,6 +57,8 @@ class ModelServer:
     def _handler(self) -> type[BaseHTTPRequestHandler]:
         server = self
 
+        over = self._over
+
         class Handler(BaseHTTPRequestHandler):
             def log_message(self, *_: object) -> None:
                 """The journal has what matters."""
@@ -95,7 +97,7 @@ class ModelServer:
                 self._reply(200, kind="text/event-stream")
                 for piece in ("talk: ", *("and " for _ in range(30))):
                     self._piece(piece)
-                    server._over.wait(0.2)
+                    over.wait(0.2)
                 self._raw("data: [DONE]\n\n")
 
             def _half(self) -> None:
@@ -109,7 +111,7 @@ class ModelServer:
                 self._reply(503, "out of order")
 
             def _silent(self) -> None:
-                server._over.wait(10)
+                over.wait(10)
 
         return Handler
 

@@ -152,6 +152,11 @@ class Stream:
         return time.monotonic()
 
 
+def seconds(stamp: Any) -> float:
+    """What a stamp of a message says."""
+    return float(stamp.sec + stamp.nanosec * 1e-9)
+
+
 def twist(linear: float, angular: float) -> Twist:
     """Forward and around."""
     message = Twist()

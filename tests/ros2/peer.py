@@ -2,6 +2,7 @@
 
 import contextlib
 import threading
+from typing import Any
 
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
@@ -66,6 +67,14 @@ class Peer:
             wait_until(lambda: matched() >= subscribers, topic)
         message = data if isinstance(data, bytes) else String(data=data)
         self._publishers[topic].publish(message)  # type: ignore[attr-defined]
+
+    def call(self, kind: Any, service: str, request: Any) -> Any:
+        """The answer of a service, once it is there."""
+        client = self.node.create_client(kind, service)
+        wait_until(client.service_is_ready, service)
+        future = client.call_async(request)
+        wait_until(future.done, f"an answer of {service}")
+        return future.result()
 
     def _spin(self) -> None:
         with contextlib.suppress(ExternalShutdownException):

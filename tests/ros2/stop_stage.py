@@ -13,6 +13,7 @@ from action_stage import Client
 from agent_process import READY, Agent
 from guards import HUNG_S
 from peer import RELIABLE, STATE, Peer
+from robot_states import moving, standing
 from std_msgs.msg import String
 from waiting import wait_until
 
@@ -117,15 +118,6 @@ class Robot:
     def own_time_s(self, number):
         """What its clock said in a state."""
         return json.loads(self.state.messages[number])["time"]
-
-
-def moving(message):
-    return json.loads(message)["velocity"]["linear"] > 0.05
-
-
-def standing(message):
-    velocity = json.loads(message)["velocity"]
-    return abs(velocity["linear"]) < 0.01 and abs(velocity["angular"]) < 0.01
 
 
 @contextmanager

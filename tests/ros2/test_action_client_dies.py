@@ -53,6 +53,6 @@ def test_what_was_asked_for_in_words_outlives_a_client(stage, doomed):
     doomed.terminate()
     doomed.wait(10)
     assert not stage.conversation.wait_idle(5)
-    stage.body.arrived.set()
+    stage.body.arrive()
     assert stage.conversation.wait_idle(10)
-    assert stage.said[-1] == "I am there."
+    assert stage.said[-1] == "I am in the bedroom."

@@ -31,7 +31,7 @@ def test_a_goal_succeeds_with_its_result_as_json_that_every_parser_reads(stage, 
     goal = client.send("navigate_to", room="the Kitchen")
     assert goal.accepted
     stage.driving()
-    stage.body.arrived.set()
+    stage.body.arrive()
     end, result = client.end_of(goal)
     assert (end, result.ok, result.error) == ("succeeded", True, "")
     assert json.loads(result.result_json) == {"room": "kitchen", "far": None}
@@ -42,7 +42,7 @@ def test_feedback_mirrors_the_agent_events_of_the_same_goal_id(stage, client):
     goal = client.send("navigate_to", room="kitchen")
     stage.driving()
     wait_until(lambda: any("feedback" in f for f in client.feedback), "progress")
-    stage.body.arrived.set()
+    stage.body.arrive()
     client.end_of(goal)
     wait_until(lambda: client.feedback[-1]["status"] == "succeeded", "the last feedback")
     progress = next(f for f in client.feedback if "feedback" in f)
@@ -69,7 +69,7 @@ def test_a_second_goal_preempts_the_first_which_ends_as_canceled(stage, client):
     end, result = client.end_of(first)
     assert (end, result.error) == ("canceled", "pre-empted by navigate_to")
     stage.driving()
-    stage.body.arrived.set()
+    stage.body.arrive()
     assert client.end_of(second)[0] == "succeeded"
 
 
@@ -79,9 +79,9 @@ def test_a_sentence_preempts_a_goal(stage, client):
     stage.say("go to the bedroom")
     assert client.end_of(goal)[0] == "canceled"
     stage.driving()
-    stage.body.arrived.set()
+    stage.body.arrive()
     assert stage.conversation.wait_idle(10)
-    assert stage.said == ["Going to the bedroom.", "I am there."]
+    assert stage.said == ["Going to the bedroom.", "I am in the bedroom."]
 
 
 def test_a_goal_preempts_what_was_asked_for_in_words_and_is_not_spoken_of(stage, client):
@@ -89,7 +89,7 @@ def test_a_goal_preempts_what_was_asked_for_in_words_and_is_not_spoken_of(stage,
     stage.driving()
     goal = client.send("navigate_to", room="kitchen")
     stage.driving()
-    stage.body.arrived.set()
+    stage.body.arrive()
     assert client.end_of(goal)[0] == "succeeded"
     assert stage.conversation.wait_idle(10)
     assert stage.said == ["Going to the bedroom."]
@@ -101,7 +101,7 @@ def test_a_skill_that_moves_nothing_leaves_a_drive_alone(stage, client):
     stage.driving()
     end, result = client.end_of(client.send("get_pose"))
     assert (end, json.loads(result.result_json)) == ("succeeded", {"x": 1.25})
-    stage.body.arrived.set()
+    stage.body.arrive()
     assert client.end_of(drive)[0] == "succeeded"
 
 
@@ -151,14 +151,14 @@ def test_a_rejected_goal_leaves_a_running_one_alone(stage, client):
     goal = client.send("navigate_to", room="kitchen")
     stage.driving()
     assert not client.send("navigate_to", room="moon").accepted
-    stage.body.arrived.set()
+    stage.body.arrive()
     assert client.end_of(goal)[0] == "succeeded"
 
 
 def test_fifty_goals_at_once_all_end_and_the_last_one_wins(stage, client):
     goals = client.send_all([("navigate_to", '{"room": "kitchen"}')] * 50)
     assert all(goal.accepted for goal in goals)
-    stage.body.arrived.set()
+    stage.body.arrive()
     ends = [end for end, _ in client.ends_of(goals)]
     assert set(ends) <= {"succeeded", "canceled"}
     assert "succeeded" in ends

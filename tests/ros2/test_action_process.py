@@ -8,15 +8,7 @@ import pytest
 from action_stage import Client
 from guards import HUNG_S
 from peer import RELIABLE, STATE
-
-
-def moving(message):
-    return json.loads(message)["velocity"]["linear"] > 0.05
-
-
-def standing(message):
-    velocity = json.loads(message)["velocity"]
-    return abs(velocity["linear"]) < 0.01 and abs(velocity["angular"]) < 0.01
+from robot_states import moving, standing
 
 
 def test_a_goal_drives_the_robot_to_its_room(agent, peer):

@@ -34,8 +34,9 @@ def sink(domain, monkeypatch, heard):
     audio = AudioOut(ros.node, relay)
     ros.start()
     other, _ = heard
+    (speech,) = (one for one in ros.node.publishers if one.topic_name == TOPIC)
     wait_until(
-        lambda: other.node.count_publishers(TOPIC) and audio._publisher.get_subscription_count(),
+        lambda: other.node.count_publishers(TOPIC) and speech.get_subscription_count(),
         "a listener for the speech",
     )
     sink = open_sink("ros2", relay=relay)

@@ -4,7 +4,7 @@ import json
 
 import pytest
 from guards import HUNG_S
-from peer import STATE, wait_until
+from peer import STATE
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import GetParameters, SetParametersAtomically
 
@@ -41,19 +41,12 @@ class Robot:
         wanted = [Parameter(name="confirm", value=text)]
         service = f"{NODE}/set_parameters_atomically"
         request = SetParametersAtomically.Request(parameters=wanted)
-        return self._call(SetParametersAtomically, service, request).result
+        return self.peer.call(SetParametersAtomically, service, request).result
 
     def confirm(self):
         request = GetParameters.Request(names=["confirm"])
-        (value,) = self._call(GetParameters, f"{NODE}/get_parameters", request).values
+        (value,) = self.peer.call(GetParameters, f"{NODE}/get_parameters", request).values
         return value.string_value
-
-    def _call(self, kind, service, request):
-        client = self.peer.node.create_client(kind, service)
-        wait_until(client.service_is_ready, service)
-        future = client.call_async(request)
-        wait_until(future.done, f"an answer of {service}")
-        return future.result()
 
 
 def is_question(message, status):

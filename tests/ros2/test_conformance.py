@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 import yaml
 from agent_process import READY, Agent
+from bodies_rig import full
 from interop_rig import hear
 from peer import RELIABLE, STATE, Peer
 from rclpy.action.graph import get_action_names_and_types
@@ -38,10 +39,6 @@ def live(domain):
     yield peer
     peer.close()
     agent.terminate()
-
-
-def full(name):
-    return name if name.startswith("/") else f"/edgevox/{name}"
 
 
 def message_class(kind):

@@ -12,6 +12,7 @@ from geometry_msgs.msg import PoseStamped, Twist
 from guards import HUNG_S
 from interop_rig import Messages, Stream, hear, tell, twist
 from peer import SENSOR, STATE, Peer
+from robot_states import moving, standing
 from rosgraph_msgs.msg import Clock
 from waiting import Heard, wait_until
 
@@ -58,17 +59,8 @@ def stamped(message):
     return message.header.stamp.sec + message.header.stamp.nanosec / 1e9
 
 
-def moving(message):
-    return json.loads(message)["velocity"]["linear"] > 0.05
-
-
 def turning(message):
     return abs(json.loads(message)["velocity"]["angular"]) > 0.1
-
-
-def standing(message):
-    velocity = json.loads(message)["velocity"]
-    return abs(velocity["linear"]) < 0.01 and abs(velocity["angular"]) < 0.01
 
 
 class Driven:

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 from agent_process import READY, Agent
-from chaos_robot import moving, standing
 from peer import RELIABLE, STATE, Peer
+from robot_states import moving, standing
 from std_msgs.msg import String
 from waiting import wait_until
 
@@ -18,7 +18,6 @@ FLOODER = str(Path(__file__).with_name("chaos_flooder.py"))
 FLOOD_S = 1.5
 STOP_S = 1.0
 """Of the robot's own time, which passes on a busy machine as it can."""
-MARGIN_MB = 25
 MOST_LINES = 150
 MEGABYTES = 2
 DEPTH = 10
@@ -33,16 +32,7 @@ class Robot:
         self.interrupt = peer.node.create_publisher(String, peer.name("interrupt"), RELIABLE)
         wait_until(lambda: self.interrupt.get_subscription_count() > 0, "interrupt")
         self.works()
-        self.before = self.taken()
-
-    def taken(self):
-        lines = (
-            Path(f"/proc/{self.process.process.pid}/status")
-            .read_text(encoding="utf-8")
-            .splitlines()
-        )
-        status = dict(line.split(":", 1) for line in lines)
-        return int(status["VmRSS"].split()[0]) / 1024, int(status["Threads"])
+        self.before = process.taken()
 
     def newest(self):
         return json.loads(self.state.wait_for(lambda _: True, since=len(self.state.messages)))
@@ -63,9 +53,7 @@ class Robot:
         assert self.stops() < STOP_S
 
     def is_as_before(self):
-        memory_mb, threads = self.before
-        wait_until(lambda: self.taken()[1] <= threads, "the threads of before")
-        wait_until(lambda: self.taken()[0] < memory_mb + MARGIN_MB, "the memory of before")
+        self.process.takes_no_more_than(self.before)
 
     def _answers(self):
         heard = len(self.response.messages)
@@ -126,7 +114,7 @@ def test_strings_of_megabytes_take_only_the_middlewares_own_buffers(robot):
         robot.works()
 
     flood(0)
-    robot.before = robot.taken()
+    robot.before = robot.process.taken()
     for number in range(3):
         flood(number)
     robot.is_as_before()

@@ -1,6 +1,5 @@
 """Floods: nothing hangs, memory and threads come back, and the next command works."""
 
-import json
 import subprocess
 import sys
 import threading
@@ -11,10 +10,9 @@ import pytest
 from action_stage import Client
 from guards import HUNG_S
 from peer import STATE
-from waiting import wait_until
+from robot_states import moving, standing
 
 DEAF = str(Path(__file__).with_name("deaf_peer.py"))
-MARGIN_MB = 25
 
 
 class Robot:
@@ -25,17 +23,7 @@ class Robot:
         self.response = peer.listen("response")
         self.state = peer.listen("robot_state", STATE)
         self.works()
-        self.before = self.taken()
-
-    def taken(self):
-        """Resident memory in MB, and the number of threads."""
-        lines = (
-            Path(f"/proc/{self._process.process.pid}/status")
-            .read_text(encoding="utf-8")
-            .splitlines()
-        )
-        status = dict(line.split(":", 1) for line in lines)
-        return int(status["VmRSS"].split()[0]) / 1024, int(status["Threads"])
+        self.before = process.taken()
 
     def works(self, timeout_s=HUNG_S):
         """The next command is answered, by one that drives and another that stops."""
@@ -58,22 +46,11 @@ class Robot:
             pause.wait(1.0)
 
     def is_as_before(self):
-        memory_mb, threads = self.before
-        wait_until(lambda: self.taken()[1] <= threads, "the threads of before")
-        wait_until(lambda: self.taken()[0] < memory_mb + MARGIN_MB, "the memory of before")
+        self._process.takes_no_more_than(self.before)
 
     def heartbeat(self):
         """The ROS 2 thread is alive: a state of the robot arrives."""
         self.state.wait_for(lambda _: True, since=len(self.state.messages))
-
-
-def moving(message):
-    return json.loads(message)["velocity"]["linear"] > 0.05
-
-
-def standing(message):
-    velocity = json.loads(message)["velocity"]
-    return abs(velocity["linear"]) < 0.01 and abs(velocity["angular"]) < 0.01
 
 
 def over_a_second(count, send):

@@ -14,6 +14,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from guards import HUNG_S
 from interop_rig import hear
+from scraper import free_port
 from waiting import wait_until
 
 from edgevox.apps.composition import build_parts, start_parts
@@ -27,11 +28,6 @@ from edgevox.robots.world import load_world
 from edgevox.ros2.node import BEAT_S
 
 HEALTH = str(Path(sys.executable).with_name("edgevox-health"))
-
-
-def free_port():
-    with socket.create_server(("127.0.0.1", 0)) as one:
-        return one.getsockname()[1]
 
 
 def live(port, path="/live"):

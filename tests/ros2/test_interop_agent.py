@@ -9,6 +9,7 @@ from geometry_msgs.msg import PoseStamped, Twist
 from guards import HUNG_S
 from interop_rig import Stream, hear, tell, twist
 from peer import SENSOR, STATE
+from robot_states import standing
 from rosgraph_msgs.msg import Clock
 from waiting import wait_until
 
@@ -27,11 +28,6 @@ def goal(frame, x, y):
 
 def is_kind(kind, status):
     return lambda m: json.loads(m)["kind"] == kind and json.loads(m).get("status") == status
-
-
-def standing(message):
-    velocity = json.loads(message)["velocity"]
-    return abs(velocity["linear"]) < 0.01 and abs(velocity["angular"]) < 0.01
 
 
 def test_a_velocity_takes_over_from_a_sentence_and_the_goal_ends_as_cancelled(agent, peer):

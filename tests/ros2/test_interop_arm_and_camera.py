@@ -94,10 +94,6 @@ def topics(peer):
     return {name for name, _ in peer.node.get_topic_names_and_types()}
 
 
-def seconds(stamp):
-    return stamp.sec + stamp.nanosec * 1e-9
-
-
 def test_a_body_without_capabilities_offers_nothing(offer, peer):
     offer(Statue())
     one = peer()

@@ -7,7 +7,7 @@ import time
 import pytest
 from geometry_msgs.msg import PoseStamped, Twist
 from held_ticks import HeldTime
-from interop_rig import HALL, Stream, hear, offer, tell, twist
+from interop_rig import HALL, Stream, hear, offer, seconds, tell, twist
 from nav_msgs.msg import Odometry
 from peer import SENSOR, STATE
 from rclpy.parameter import Parameter
@@ -28,10 +28,6 @@ TICK_S = 1 / 30
 @pytest.fixture
 def hall():
     return ApartmentRobot(parse_world(HALL, "hall.yaml"))
-
-
-def seconds(stamp):
-    return stamp.sec + stamp.nanosec * 1e-9
 
 
 def links(message):

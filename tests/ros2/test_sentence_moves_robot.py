@@ -4,6 +4,7 @@ import json
 
 import pytest
 from peer import SENSOR, STATE
+from robot_states import moving, standing
 
 
 @pytest.fixture
@@ -14,15 +15,6 @@ def robot(agent, peer):
 
 def in_room(room):
     return lambda message: json.loads(message)["room"] == room
-
-
-def moving(message):
-    return json.loads(message)["velocity"]["linear"] > 0.05
-
-
-def standing(message):
-    velocity = json.loads(message)["velocity"]
-    return abs(velocity["linear"]) < 0.01 and abs(velocity["angular"]) < 0.01
 
 
 def test_go_to_kitchen_drives_the_robot_there_for_everybody_to_see(robot):

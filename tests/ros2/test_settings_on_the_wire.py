@@ -21,16 +21,9 @@ class Settings:
     def __init__(self, peer):
         self.peer = peer
 
-    def call(self, kind, service, request):
-        client = self.peer.node.create_client(kind, service)
-        wait_until(client.service_is_ready, service)
-        future = client.call_async(request)
-        wait_until(future.done, f"an answer of {service}")
-        return future.result()
-
     def get(self, name):
         request = GetParameters.Request(names=[name])
-        (value,) = self.call(GetParameters, f"{NODE}/get_parameters", request).values
+        (value,) = self.peer.call(GetParameters, f"{NODE}/get_parameters", request).values
         kinds = {ParameterType.PARAMETER_BOOL: value.bool_value}
         return kinds.get(value.type, value.string_value)
 
@@ -38,7 +31,7 @@ class Settings:
         parameters = [ParameterMessage(name=n, value=_value(v)) for n, v in wanted.items()]
         request = SetParametersAtomically.Request(parameters=parameters)
         service = f"{NODE}/set_parameters_atomically"
-        return self.call(SetParametersAtomically, service, request).result
+        return self.peer.call(SetParametersAtomically, service, request).result
 
     def wait_for(self, name, value):
         wait_until(lambda: self.get(name) == value, f"{name} = {value}")
@@ -59,7 +52,9 @@ def settings(agent, peer):
 def test_every_parameter_says_what_it_is_and_what_it_may_be(settings):
     names = ["language", "voice", "muted", "confirm", "odom_frame", "frame_prefix"]
     request = DescribeParameters.Request(names=names)
-    found = settings.call(DescribeParameters, f"{NODE}/describe_parameters", request).descriptors
+    found = settings.peer.call(
+        DescribeParameters, f"{NODE}/describe_parameters", request
+    ).descriptors
     assert [one.name for one in found] == names
     assert all(one.description and one.additional_constraints for one in found)
     assert [settings.get(name) for name in names] == ["en", "", False, "unsure", "", ""]
@@ -120,14 +115,16 @@ def test_a_query_is_answered_alike_on_info_and_by_its_service(settings, query):
     info = settings.peer.listen("info")
     settings.peer.send("command", query)
     heard = json.loads(info.wait_for(lambda m: json.loads(m)["query"] == query))
-    answer = settings.call(Trigger, f"/edgevox/{query}", Trigger.Request())
+    answer = settings.peer.call(Trigger, f"/edgevox/{query}", Trigger.Request())
     assert answer.success
     assert json.loads(answer.message) == heard
 
 
 def test_the_answers_are_true(settings):
     def ask(query):
-        return json.loads(settings.call(Trigger, f"/edgevox/{query}", Trigger.Request()).message)
+        return json.loads(
+            settings.peer.call(Trigger, f"/edgevox/{query}", Trigger.Request()).message
+        )
 
     voices = ask("list_voices")["voices"]
     assert (voices[0], voices[-1]) == (VOICE, "espeak-en")
@@ -146,7 +143,7 @@ def test_parameters_come_from_the_command_line(agent, peer):
     one = peer("/robot1")
     settings = Settings(one)
     request = GetParameters.Request(names=["language", "muted", "frame_prefix"])
-    values = settings.call(GetParameters, "/robot1/voice/get_parameters", request).values
+    values = settings.peer.call(GetParameters, "/robot1/voice/get_parameters", request).values
     assert values[0].string_value == "fr"
     assert values[1].bool_value is True
     assert values[2].string_value == "robot1/"

@@ -6,7 +6,8 @@ own time, long before the drive is over, and the goal must end as canceled for w
 
 import pytest
 from peer import Peer
-from stop_stage import SITUATIONS, WAYS, Robot, moving, settle, standing
+from robot_states import moving, standing
+from stop_stage import SITUATIONS, WAYS, Robot, settle
 
 STOP_S = 1.0
 """Of the robot's own time, which passes on a busy machine as it can. A drive takes many more."""

@@ -2,9 +2,9 @@
 
 import threading
 from dataclasses import replace
-from typing import Annotated
 
 from clocks import HeldClock
+from fake_body import FakeBody
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.asking import Asking
@@ -12,84 +12,13 @@ from edgevox.agent.conversation import Conversation
 from edgevox.agent.dialogue_skills import Asides
 from edgevox.agent.mind import Mind
 from edgevox.agent.skill_executor import SkillExecutor
-from edgevox.agent.skills import OneOf, SkillFailed, SkillSet, skill
 from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import Confirmation, ConfirmationStatus
 from edgevox.core.bus import Bus
-from edgevox.core.cancel import Cancelled
 from edgevox.core.commands import TextInput
 from edgevox.core.events import Responded, TurnEnded
 
-ROOMS = OneOf(("kitchen", "living_room", "bedroom", "office"))
-
-
-class Body:
-    """Arrives at once, unless `arrives` is cleared; remembers where it was sent."""
-
-    def __init__(self):
-        self.sent, self.moving = [], False
-        self.started, self.arrives = threading.Event(), threading.Event()
-        self.arrives.set()
-        self.on_halt = lambda: None
-
-    def halt(self, reason):
-        self.on_halt()
-        moved, self.moving = self.moving, False
-        return moved
-
-    def drive(self, goal, where):
-        self.sent.append(where)
-        self.moving = True
-        self.started.set()
-        forget = goal.token.on_cancel(self.arrives.set)
-        assert self.arrives.wait(60)
-        forget()
-        self.moving = False
-        if goal.token.cancelled:
-            self.arrives.clear()
-            raise Cancelled(goal.token.reason)
-
-    def skills(self):
-        @skill(
-            templates=["go to [the] {room}"],
-            says="Going to the {room}.",
-            done="I am in the {room}.",
-            deed="go to the {room}",
-        )
-        def navigate_to(goal, room: Annotated[str, ROOMS]):
-            """Drive to a room."""
-            self.drive(goal, room)
-
-        def walkable(distance):
-            if distance > 9:
-                raise SkillFailed("that is too far")
-
-        @skill(
-            templates=["walk {distance} meters", "go ahead"],
-            says="Walking {distance:g} metres.",
-            done="I walked.",
-            deed="walk {distance:g} metres forward",
-            check=walkable,
-        )
-        def walk_forward(goal, distance: float = 1.0):
-            """Walk forward."""
-            self.drive(goal, distance)
-
-        @skill(templates=["do your dance"], says="Dancing.")
-        def dance(goal):
-            """Dance."""
-            self.drive(goal, "dance")
-
-        @skill(templates=["where are you"], done="I am here.", moves=False)
-        def get_pose(goal):
-            """Say where it is."""
-
-        @skill(templates=["stay there"], says="Stopping.")
-        def stop(goal):
-            """Stand."""
-            self.sent.append("stop")
-
-        return SkillSet([navigate_to, walk_forward, dance, get_pose, stop])
+SKILLS = ("navigate_to", "walk_forward", "dance", "get_pose", "stop")
 
 
 class Heard:
@@ -125,10 +54,10 @@ class Talk(Heard):
     """A whole conversation, as anybody submits to it."""
 
     def __init__(self, confirm="always", language="en", mouth=None, model=None):
-        self.bus, self.clock, self.body = Bus(), HeldClock(100.0), Body()
+        self.bus, self.clock, self.body = Bus(), HeldClock(100.0), FakeBody(arrives=True)
         super().__init__(self.bus)
         self.conversation = Conversation(
-            [Agent("robot", "Be brief.", self.body.skills())],
+            [Agent("robot", "Be brief.", self.body.skills(*SKILLS))],
             self.bus,
             halt=self.body.halt,
             language=language,
@@ -143,7 +72,7 @@ class Talk(Heard):
         return self
 
     def __exit__(self, *_):
-        self.body.arrives.set()
+        self.body.arrive()
         self.conversation.close()
 
     def say(self, *texts):
@@ -166,12 +95,13 @@ class Doubts(Heard):
     """What decides to act or to ask, alone, with a mind that is not sure."""
 
     def __init__(self, confirm="unsure", confidence=0.6, guard=None):
-        self.bus, self.clock, self.body, self.turns = Bus(), HeldClock(100.0), Body(), 0
+        self.bus, self.clock, self.turns = Bus(), HeldClock(100.0), 0
+        self.body = FakeBody(arrives=True)
         super().__init__(self.bus)
         self.executor = SkillExecutor(
             self.bus, self.body.halt, lambda text, detail: None, guard=guard
         )
-        agent = Agent("robot", "Be brief.", self.body.skills())
+        agent = Agent("robot", "Be brief.", self.body.skills(*SKILLS))
         asides = Asides([agent], self.bus, self.clock, lambda: self.mind.phrases)
         mind = Doubtful(asides.agents, self.bus, self.clock)
         mind.confidence = confidence

@@ -117,7 +117,7 @@ def test_whether_it_asks_follows_from_the_setting_and_how_sure_it_is(
 
 def test_unsure_is_no_reason_to_ask_before_it_tells_something():
     with Doubts("unsure", 0.6) as doubts:
-        assert doubts.say("where are you").text == "I am here."
+        assert doubts.say("where are you").text == "I am at 1.2."
         assert doubts.questions == []
 
 
@@ -192,16 +192,16 @@ def test_a_yes_from_before_the_question_is_no_answer_to_it():
 
 def test_being_asked_while_it_drives_does_not_stop_the_drive():
     with Talk("unsure") as talk:
-        talk.body.arrives.clear()
+        talk.body.drive_on()
         talk.conversation.submit(TextInput("go to the kitchen"))
-        assert talk.body.started.wait(60)
+        talk.body.starts()
         talk.conversation.set_confirm("always")
         asked = threading.Event()
         talk.bus.subscribe(Confirmation, lambda _: asked.set())
         talk.conversation.submit(TextInput("go to the office"))
         assert asked.wait(60)
         assert talk.body.moving
-        talk.body.arrives.set()
+        talk.body.arrive()
         assert talk.conversation.wait_idle(60)
         talk.say("sure")
         assert talk.body.sent == ["kitchen", "office"]

@@ -57,13 +57,12 @@ def test_another_place_is_understood_after_a_question(code, text):
 @pytest.mark.parametrize(("code", "text"), SAID)
 def test_another_place_is_understood_after_a_wrong_start_and_goes_there_instead(code, text):
     with Talk("unsure", language=code) as talk:
-        talk.body.arrives.clear()
+        talk.body.drive_on()
         talk.conversation.submit(TextInput(KITCHEN[code]))
-        assert talk.body.started.wait(60)
-        talk.body.started.clear()
+        talk.body.starts()
         talk.conversation.submit(TextInput(text))
-        assert talk.body.started.wait(60)
-        talk.body.arrives.set()
+        talk.body.starts()
+        talk.body.arrive()
         assert talk.conversation.wait_idle(60)
         assert talk.body.sent == ["kitchen", "office"]
 

@@ -4,10 +4,17 @@ import threading
 
 import pytest
 from confirmation_rig import Doubts, Talk
+from guards import HUNG_S
 
 from edgevox.agent.confirmation import EXPIRES_S, OpenQuestion, Question
 from edgevox.agent.mind import Meaning
-from edgevox.core.agent_events import Confirmation, ConfirmationStatus
+from edgevox.core.agent_events import (
+    Confirmation,
+    ConfirmationStatus,
+    GoalChanged,
+    GoalStatus,
+    ToolCalled,
+)
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Heard, Interrupt, Reset, TextInput
 from edgevox.core.events import TurnEnded
@@ -115,25 +122,66 @@ def test_a_yes_that_comes_while_the_body_is_halted_does_not_move_the_robot():
         assert talk.statuses == ["asked", "cancelled"]
 
 
-def test_a_stop_and_a_yes_at_once_leave_the_robot_standing():
+REAL_LOCK = threading.Lock
+
+
+class ToldLock:
+    """A lock that tells when this thread has to wait for it."""
+
+    def __init__(self, thread, on_wait):
+        self._lock, self._thread, self._on_wait = REAL_LOCK(), thread, on_wait
+
+    def acquire(self, blocking=True, timeout=-1):
+        if self._lock.acquire(blocking=False):
+            return True
+        if blocking and threading.get_ident() == self._thread.ident:
+            self._on_wait()
+        return self._lock.acquire(blocking, timeout)
+
+    def release(self):
+        self._lock.release()
+
+    def __enter__(self):
+        self.acquire()
+
+    def __exit__(self, *_):
+        self.release()
+
+
+def test_a_stop_while_a_yes_begins_to_move_the_robot_leaves_it_standing(monkeypatch):
+    """The stop comes when the yes has passed all checks, and goes as far as it is let."""
+    stopped_or_waits = threading.Event()
+
+    def stop():
+        talk.conversation.submit(TextInput("stop"))
+        stopped_or_waits.set()
+
+    stopping = threading.Thread(target=stop)
+    with monkeypatch.context() as patched:
+        patched.setattr(threading, "Lock", lambda: ToldLock(stopping, stopped_or_waits.set))
+        talk = Talk()
+
+    def about_to_move(event):
+        if event.status is GoalStatus.ACCEPTED:
+            stopping.start()
+            assert stopped_or_waits.wait(HUNG_S)
+
+    talk.bus.subscribe(GoalChanged, about_to_move)
+    with talk:
+        talk.body.drive_on()  # what would begin to drive would never end by itself
+        talk.say("go to the kitchen")
+        talk.conversation.submit(TextInput("yes"))
+        assert talk.conversation.wait_idle(60), "it drives after a stop"
+        stopping.join(HUNG_S)
+        assert not talk.body.moving
+
+
+def test_a_stop_between_a_yes_and_its_motion_keeps_the_robot_from_moving():
     with Talk() as talk:
-        talk.body.arrives.clear()  # what would begin to drive would never end by itself
-        for _ in range(50):
-            talk.say("go to the kitchen")
-            both = threading.Barrier(2)
-
-            def at_once(text, both=both):
-                both.wait(60)
-                talk.conversation.submit(TextInput(text))
-
-            threads = [threading.Thread(target=at_once, args=(text,)) for text in ("yes", "stop")]
-            for one in threads:
-                one.start()
-            for one in threads:
-                one.join()
-            assert talk.conversation.wait_idle(60), "it drives after a stop"
-            talk.body.arrives.clear()
-            assert not talk.body.moving
+        talk.bus.subscribe(ToolCalled, lambda _: talk.conversation.submit(TextInput("stop")))
+        talk.say("go to the kitchen", "yes")
+        assert talk.statuses == ["asked", "confirmed"]
+        assert talk.body.sent == []
 
 
 def question(turn):

@@ -1,17 +1,16 @@
 import threading
-from typing import Annotated
 
 import pytest
+from fake_body import FakeBody
 from logs_rig import logging_to_memory
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.grammar import SAY
 from edgevox.agent.inbox import MAX_WAITING
-from edgevox.agent.skills import OneOf, SkillFailed, SkillSet, skill
+from edgevox.agent.skills import SkillSet
 from edgevox.core.agent_events import AgentEvent, as_json
 from edgevox.core.bus import Bus
-from edgevox.core.cancel import Cancelled
 from edgevox.core.commands import Interrupt, Reset, RunSkill, Speak, TextInput
 from edgevox.core.events import (
     Responded,
@@ -22,49 +21,8 @@ from edgevox.core.events import (
 )
 from edgevox.ops.logs.limit import MOST_LINES
 
-ROOMS = OneOf(("kitchen", "bedroom"))
-
-
-class Body:
-    """A body that drives until it is halted or told that it arrived."""
-
-    def __init__(self):
-        self.moving = False
-        self.started = threading.Event()
-        self.arrived = threading.Event()
-
-    def halt(self, reason):
-        moved, self.moving = self.moving, False
-        return moved
-
-    def skills(self):
-        @skill(
-            templates=["go to [the] {room}"],
-            says="Going to the {room}.",
-            done="I am in the {room}.",
-        )
-        def navigate_to(goal, room: Annotated[str, ROOMS]):
-            """Drive to a room."""
-            self.moving = True
-            self.started.set()
-            forget = goal.token.on_cancel(self.arrived.set)
-            self.arrived.wait(60)
-            forget()
-            if goal.token.cancelled:
-                raise Cancelled(goal.token.reason)
-            self.moving = False
-
-        @skill(templates=["open the door"], says="Opening the door.")
-        def open_door(goal):
-            """Open the door."""
-            raise SkillFailed("the door is locked")
-
-        @skill(templates=["where are you"], done="I am at {x:.1f}.", moves=False)
-        def get_pose(goal):
-            """Say where the robot is."""
-            return {"x": 1.25}
-
-        return SkillSet([navigate_to, open_door, get_pose])
+ROOMS_SAID = "kitchen, living room, bedroom and office"
+SKILLS = ("navigate_to", "open_door", "get_pose")
 
 
 class StoryTeller:
@@ -98,7 +56,7 @@ class Stage:
     """A conversation with everything it said and did."""
 
     def __init__(self, model=None, agents=None):
-        self.bus, self.body, self.events = Bus(), Body(), []
+        self.bus, self.body, self.events = Bus(), FakeBody(), []
         for kind in (
             AgentEvent,
             Responded,
@@ -109,7 +67,7 @@ class Stage:
         ):
             self.bus.subscribe(kind, self.events.append)
         self.conversation = Conversation(
-            agents or [Agent("robot", "Be brief.", self.body.skills())],
+            agents or [Agent("robot", "Be brief.", self.body.skills(*SKILLS))],
             self.bus,
             halt=self.body.halt,
             model=model,
@@ -155,8 +113,8 @@ def stage(open_stage):
 
 def test_a_command_is_acknowledged_at_once_and_reported_when_done(stage):
     stage.say("go to the kitchen")
-    assert stage.body.started.wait(60)
-    stage.body.arrived.set()
+    stage.body.starts()
+    stage.body.arrive()
     stage.settle()
     assert stage.texts() == ["Going to the kitchen.", "I am in the kitchen."]
     assert stage.deeds() == [
@@ -177,13 +135,13 @@ def test_a_command_is_acknowledged_at_once_and_reported_when_done(stage):
 
 def test_the_robot_answers_a_question_while_it_drives(stage):
     stage.say("go to the kitchen")
-    assert stage.body.started.wait(60)
+    stage.body.starts()
     stage.say("where are you")
     answered = threading.Event()
     stage.bus.subscribe(Responded, lambda e: answered.set() if "1.2" in e.text else None)
     assert answered.wait(60)
     assert stage.body.moving
-    stage.body.arrived.set()
+    stage.body.arrive()
     stage.settle()
 
 
@@ -196,7 +154,7 @@ def test_a_failed_skill_is_said_with_its_reason(stage):
 @pytest.mark.parametrize("word", ["stop", "Halt!", "no, freeze"])
 def test_a_stop_word_halts_the_body_and_says_so(stage, word):
     stage.say("go to the kitchen")
-    assert stage.body.started.wait(60)
+    stage.body.starts()
     stage.say(word)
     assert not stage.body.moving
     stage.settle()
@@ -211,7 +169,7 @@ def test_stop_does_not_wait_for_a_busy_model(open_stage):
     model = StoryTeller()
     stage = open_stage(model=model)
     stage.say("go to the kitchen")
-    assert stage.body.started.wait(60)
+    stage.body.starts()
     stage.say("tell me a story")
     assert model.begun.wait(60)
     stage.say("stop")
@@ -246,7 +204,7 @@ def test_what_waited_before_a_stop_is_forgotten(open_stage):
     stage.say("go to the kitchen")
     stage.say("stop")
     stage.settle()
-    assert not stage.body.started.is_set()
+    assert stage.body.sent == []
 
 
 def test_a_stop_with_nothing_to_stop_is_answered(stage):
@@ -272,8 +230,8 @@ def test_ten_interrupts_in_a_row_change_nothing_when_idle(stage):
         ("", "I did not hear anything."),
         (" \x00\ufffd\n ", "I did not hear anything."),
         ("a" * 100_000, "That is too long: 100000 characters, and I take 2000."),
-        ("go to the garage", "I do not know the room 'garage'. I know kitchen and bedroom."),
-        ("go to", "I did not hear which room. I know kitchen and bedroom."),
+        ("go to the garage", f"I do not know the room 'garage'. I know {ROOMS_SAID}."),
+        ("go to", f"I did not hear which room. I know {ROOMS_SAID}."),
     ],
 )
 def test_bad_input_has_its_clear_answer(stage, text, answer):
@@ -290,7 +248,7 @@ def test_without_a_model_an_unknown_sentence_is_answered_with_what_the_robot_can
 
 def test_reset_stops_the_robot_and_forgets(stage):
     stage.say("go to the kitchen")
-    assert stage.body.started.wait(60)
+    stage.body.starts()
     stage.conversation.submit(Reset())
     assert not stage.body.moving
     stage.settle()
@@ -300,7 +258,7 @@ def test_reset_stops_the_robot_and_forgets(stage):
 def test_a_skill_can_be_run_without_language(stage):
     stage.conversation.submit(RunSkill("navigate_to", {"room": "moon"}))
     stage.settle()
-    assert stage.texts() == ["I cannot do that: I do not know moon. I know kitchen and bedroom."]
+    assert stage.texts() == [f"I cannot do that: I do not know moon. I know {ROOMS_SAID}."]
 
 
 def test_speak_says_the_text_as_it_is(stage):
@@ -344,7 +302,7 @@ def test_each_reason_of_a_refusal_is_on_the_log_a_few_times_only(open_stage):
 
 
 def test_a_plain_command_of_another_agent_is_handed_over(open_stage):
-    body_skills = Body().skills()
+    body_skills = FakeBody().skills(*SKILLS)
     talker = Agent("talker", "Talk.", SkillSet(()), handoffs=("driver",))
     stage = open_stage(agents=[talker, Agent("driver", "Drive.", body_skills)])
     stage.say("where are you")

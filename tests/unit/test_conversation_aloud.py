@@ -2,6 +2,8 @@
 
 import threading
 
+from clocks import HeldClock
+
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.grammar import SAY
@@ -53,16 +55,6 @@ class Mouth:
         return self.utterances[-1]
 
 
-class StoodClock:
-    """Time that passes when the test wants it to."""
-
-    def __init__(self):
-        self.time_s = 100.0
-
-    def now(self):
-        return self.time_s
-
-
 class Story:
     """A model that tells a story of two sentences."""
 
@@ -87,7 +79,7 @@ class Story:
 
 class Stage:
     def __init__(self):
-        self.bus, self.clock, self.model = Bus(), StoodClock(), Story()
+        self.bus, self.clock, self.model = Bus(), HeldClock(100.0), Story()
         self.mouth = Mouth(self.clock)
         self.events, self.spoken, self.driving = [], threading.Event(), threading.Event()
         for kind in (Responded, StateChanged, Transcribed, TurnMeasured, SentenceReady):

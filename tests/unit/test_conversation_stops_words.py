@@ -2,17 +2,14 @@
 
 import threading
 
+from clocks import HeldClock
+
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.skills import SkillSet, skill
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Heard, Interrupt, Reset, TextInput, Transcribing
 from edgevox.core.events import Responded, State, StateChanged, Transcribed
-
-
-class StoodClock:
-    def now(self):
-        return 100.0
 
 
 class Stage:
@@ -35,7 +32,7 @@ class Stage:
             [Agent("robot", "Be brief.", SkillSet([say_hello, think]))],
             self.bus,
             halt=lambda _: False,
-            clock=StoodClock(),
+            clock=HeldClock(100.0),
         )
 
     def of(self, kind):

@@ -102,7 +102,7 @@ def test_the_key_is_read_anew_for_each_request_and_never_logged(
         ask(model)
     assert server.keys == ["Bearer hunter-one", "Bearer hunter-two"]
     assert "hunter" not in caplog.text
-    assert "hunter" not in repr(model._address)
+    assert "hunter" not in repr(Address(server.url, key_file=file))
 
 
 @pytest.mark.parametrize("content", [None, "", "two words", "clé", "a\nb"])

@@ -10,10 +10,18 @@ from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.skills import OneOf, SkillFailed, SkillSet, skill
 from edgevox.apps.free_text import free_text
+from edgevox.core.agent_events import ToolCalled
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import Cancelled
 from edgevox.core.commands import Interrupt, TextInput
-from edgevox.core.events import Cause, ControlChanged, TurnEnded, WakeWordHeard
+from edgevox.core.events import (
+    Cause,
+    ControlChanged,
+    Outcome,
+    TurnEnded,
+    TurnMeasured,
+    WakeWordHeard,
+)
 from edgevox.core.log import get_logger
 from edgevox.ops.logs import BusLog
 from edgevox.ops.logs.observer import MOST_OPEN
@@ -141,11 +149,15 @@ def test_everything_that_was_said_is_there_where_it_is_asked_for(ask):
 def test_turns_that_never_end_are_forgotten_some_day():
     bus = Bus()
     observed = BusLog(bus, free_text([]))
-    for turn in range(10 * MOST_OPEN):
-        observed._paths[turn] = "model"
-        bus.publish(TurnEnded(turn))
-    assert not observed._paths
+    first, last = 1, MOST_OPEN + 1
+    with logging_to_memory() as logged:
+        for turn in range(first, last + 1):
+            bus.publish(ToolCalled("wave", {}, "template", turn))
+        for turn in (first, last):
+            bus.publish(TurnMeasured(0.0, 0.0, 0.0, 0.0, 0.0, turn))
+            bus.publish(TurnEnded(turn, Outcome.ACTED))
     observed.close()
+    assert [told["path"] for told in logged.of("turn_ended")] == ["none", "template"]
 
 
 @pytest.mark.parametrize(

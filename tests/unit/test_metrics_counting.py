@@ -3,6 +3,8 @@
 import http.client
 import socket
 import threading
+from collections.abc import Callable
+from typing import Any, get_args
 
 import pytest
 from clocks import HeldClock
@@ -130,8 +132,24 @@ def test_wake_words_and_who_called_are_counted(stage) -> None:
     assert stage.value("edgevox_skill_calls_total", source="model") == 1
 
 
+class AskedOf(Bus):
+    """A bus that remembers what anybody listens for."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.kinds: set[type] = set()
+
+    def subscribe(self, kind: Any, handler: Any) -> Callable[[], None]:
+        self.kinds.update(get_args(kind) or (kind,))
+        return super().subscribe(kind, handler)
+
+
 def test_a_token_is_nobodys_business_until_its_turn_ends(stage) -> None:
-    assert not stage.bus._handlers.get(TokenGenerated)
+    bus = AskedOf()
+    observe(bus, stage.registry, stage.clock)
+
+    assert TurnEnded in bus.kinds
+    assert TokenGenerated not in bus.kinds
 
 
 def test_nothing_is_counted_after_the_end(stage) -> None:
@@ -167,15 +185,19 @@ class Part:
         return Status.judged(self.name, **self.values)
 
 
-def test_what_components_say_is_read_anew_and_one_that_breaks_takes_no_other_with_it() -> None:
+def test_what_components_say_is_read_anew_and_one_that_breaks_takes_no_other_with_it(
+    caplog,
+) -> None:
     executor = Part("executor", lag_s=0.5, failed_callbacks=2)
     registry = Registry(None, Components(Part("sim"), executor))
     assert b"edgevox_executor_lag_seconds 0.5" in registry.text()
+    assert [record.msg["component"] for record in caplog.records] == ["sim"]
     executor.values = {"lag_s": 1.5, "failed_callbacks": 2}
     text = registry.text()
     assert b"edgevox_executor_lag_seconds 1.5" in text
     assert b'edgevox_failures_total{part="executor"} 2.0' in text
     assert b"edgevox_sim_" not in text
+    assert b'edgevox_failures_total{part="metrics"} 2.0' in text
 
 
 def test_two_agents_in_one_process_count_apart() -> None:

@@ -25,6 +25,9 @@ from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.world import load_world
 from edgevox.ros2.open import NullBridge
 
+ELSEWHERE = ("recorder.", "metrics.")
+"""What a program of its own says, and what `/metrics` says of itself."""
+
 
 class Server:
     """A model on a server that has gone, or one on board that has not."""
@@ -142,7 +145,7 @@ def test_every_value_that_the_table_names_is_one_that_a_component_says(parts, re
     said = {f"{one.name}.{name}" for one in parts.components.statuses() for name in one.values}
     for metric in METRICS.values():
         if isinstance(metric.read, Mapping):
-            shown = {place for place in metric.read.values() if not place.startswith("recorder.")}
+            shown = {place for place in metric.read.values() if not place.startswith(ELSEWHERE)}
             assert shown <= said, metric.name
             labels = [set(known) for known in metric.labels.values()] or [{""}]
             assert labels == [set(metric.read)]

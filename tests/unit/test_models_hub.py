@@ -10,7 +10,7 @@ from typing import ClassVar
 
 import pytest
 from models_places import CLOSED, serving
-from models_wheelhouse import CONFIG, VOICE, store, voice
+from models_wheelhouse import CONFIG, VOICE, Counts, store, voice
 
 from edgevox.models import FetchFailed, Store, fetch
 from edgevox.models.errors import SourceFailed
@@ -23,14 +23,6 @@ FILES = {
     "/us/voices/resolve/v1/en/voice.onnx": VOICE,
     "/us/voices/resolve/v1/en/voice.json": CONFIG,
 }
-
-
-class Counts(Silent):
-    def __init__(self) -> None:
-        self.counts: list[int] = []
-
-    def at(self, done: int) -> None:
-        self.counts.append(done)
 
 
 class HubHandler(BaseHTTPRequestHandler):

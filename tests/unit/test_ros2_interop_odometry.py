@@ -5,34 +5,23 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from poses import ON_FLOOR, same
 
 from edgevox.core.errors import InvalidValue
 from edgevox.core.transforms import (
     IDENTITY,
-    Pose2D,
     Pose3D,
     angle,
     compose,
     distance,
-    lift,
-    unit,
 )
 from edgevox.robots.capabilities import CameraSpec
 from edgevox.ros2.interop.camera import camera_info
 from edgevox.ros2.interop.frames import Frames
 from edgevox.ros2.interop.odometry import Odometer
 
-near = st.floats(-100, 100)
-part = st.floats(-1, 1)
-poses = st.builds(Pose3D, near, near, near, part, part, part, part).map(unit)
-floor = st.builds(Pose2D, near, near, st.floats(-math.pi, math.pi)).map(lift)
 
-
-def same(one, other):
-    return distance(one, other) < 1e-6 and angle(one, other) < 1e-5
-
-
-@given(st.lists(floor, min_size=1, max_size=30))
+@given(st.lists(ON_FLOOR, min_size=1, max_size=30))
 def test_the_chain_is_always_the_pose_and_odom_starts_at_the_robot(way):
     odometer = Odometer(1.0, 2.0)
     for number, pose in enumerate(way):
@@ -42,7 +31,7 @@ def test_the_chain_is_always_the_pose_and_odom_starts_at_the_robot(way):
         assert same(compose(odometer.map_to_odom, in_odom), pose)
 
 
-@given(floor, floor)
+@given(ON_FLOOR, ON_FLOOR)
 def test_odom_does_not_jump_when_the_robot_is_put_elsewhere(start, elsewhere):
     odometer = Odometer(1.0, 2.0)
     before = odometer.move(0.0, start)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from poses import ON_FLOOR, POSES
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from edgevox.core.errors import InvalidValue
@@ -19,17 +20,12 @@ from edgevox.core.transforms import (
     lift,
     project,
     rigid,
-    unit,
 )
 from edgevox.ros2.interop.frames import Frames
 from edgevox.ros2.interop.goal import on_map
 from edgevox.ros2.tf_buffer import AHEAD_NS, FOR_GOOD, KEPT, MOST_FRAMES, FramePose, TfBuffer
 
-near = st.floats(-100, 100)
-part = st.floats(-1, 1)
-poses = st.builds(Pose3D, near, near, near, part, part, part, part).map(unit)
-floor = st.builds(Pose2D, near, near, st.floats(-math.pi, math.pi)).map(lift)
-trees = st.lists(st.tuples(st.integers(0, 100), poses), min_size=1, max_size=8)
+trees = st.lists(st.tuples(st.integers(0, 100), POSES), min_size=1, max_size=8)
 """Frame number n hangs from one of those before it, where this pose is."""
 stamps = st.lists(st.integers(1, 10**9), min_size=1, max_size=40, unique=True).map(sorted)
 
@@ -81,7 +77,7 @@ def test_at_a_stamp_it_is_the_nearest_pose_that_is_kept_and_never_one_out_of_rea
     assert abs(found - asked) == min(abs(one - asked) for one in remembered)
 
 
-@given(stamps, floor, floor)
+@given(stamps, ON_FLOOR, ON_FLOOR)
 def test_links_of_one_moment_are_never_mixed_with_those_of_another(past, one, other):
     buffer = TfBuffer()
     for stamp_ns in past:
@@ -181,7 +177,7 @@ def test_the_newest_transform_counts() -> None:
     assert project(buffer.lookup("map", "odom")).x_m == pytest.approx(2)
 
 
-@given(floor, floor)
+@given(ON_FLOOR, ON_FLOOR)
 def test_there_and_back_is_nowhere(one, other) -> None:
     buffer = TfBuffer()
     put(buffer, "map", "odom", one)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from poses import FLOOR, POSES, same
 from scipy.spatial.transform import RigidTransform, Rotation
 
 from edgevox.core.transforms import (
@@ -15,19 +16,11 @@ from edgevox.core.transforms import (
     Pose3D,
     angle,
     compose,
-    distance,
     inverse,
     lift,
     project,
     rigid,
-    unit,
 )
-
-near = st.floats(-100, 100)
-part = st.floats(-1, 1)
-turns = st.floats(-math.pi, math.pi)
-poses = st.builds(Pose3D, near, near, near, part, part, part, part).map(unit)
-floor = st.builds(Pose2D, near, near, turns)
 
 
 def reference(pose: Pose3D) -> RigidTransform:
@@ -39,29 +32,25 @@ def matrices(*transforms: RigidTransform) -> list[np.ndarray]:
     return [transform.as_matrix() for transform in transforms]
 
 
-def same(one, other):
-    return distance(one, other) < 1e-6 and angle(one, other) < 1e-5
-
-
-@given(poses, poses)
+@given(POSES, POSES)
 def test_put_together_they_are_what_scipy_makes_of_them(parent, child):
     ours, theirs = matrices(reference(compose(parent, child)), reference(parent) * reference(child))
     assert np.allclose(ours, theirs, atol=1e-9)
 
 
-@given(poses)
+@given(POSES)
 def test_the_way_back_is_scipys(pose):
     ours, theirs = matrices(reference(inverse(pose)), reference(pose).inv())
     assert np.allclose(ours, theirs, atol=1e-9)
 
 
-@given(poses, poses)
+@given(POSES, POSES)
 def test_how_far_two_are_turned_apart_is_scipys(one, other):
     between = (reference(one).rotation.inv() * reference(other).rotation).magnitude()
     assert angle(one, other) == pytest.approx(between, abs=1e-6)
 
 
-@given(floor)
+@given(FLOOR)
 def test_a_pose_on_the_floor_is_a_turn_about_z_and_comes_back_the_same(pose):
     about_z = Rotation.from_euler("z", pose.yaw_rad)
     lifted = lift(pose)
@@ -71,7 +60,7 @@ def test_a_pose_on_the_floor_is_a_turn_about_z_and_comes_back_the_same(pose):
     assert math.cos(back.yaw_rad - pose.yaw_rad) == pytest.approx(1.0)
 
 
-@given(poses)
+@given(POSES)
 def test_seen_from_above_it_points_where_its_x_axis_does(pose):
     x, y, _ = reference(pose).rotation.apply([1.0, 0.0, 0.0])
     yaw_rad = project(pose).yaw_rad
@@ -79,13 +68,13 @@ def test_seen_from_above_it_points_where_its_x_axis_does(pose):
     assert (flat * math.cos(yaw_rad), flat * math.sin(yaw_rad)) == pytest.approx((x, y), abs=1e-9)
 
 
-@given(poses)
+@given(POSES)
 def test_there_and_back_is_nowhere(pose):
     assert same(compose(pose, inverse(pose)), IDENTITY)
     assert same(compose(inverse(pose), pose), IDENTITY)
 
 
-@given(poses, poses, poses)
+@given(POSES, POSES, POSES)
 def test_it_does_not_matter_which_two_are_put_together_first(one, two, three):
     assert same(compose(compose(one, two), three), compose(one, compose(two, three)))
 
@@ -102,7 +91,7 @@ def test_the_optical_frame_has_its_z_ahead_and_its_y_down():
     assert (down.x_m, down.y_m, down.z_m) == (0, 0, -1)
 
 
-@given(poses, st.floats(1 - 0.9 * OFF_UNIT, 1 + 0.9 * OFF_UNIT))
+@given(POSES, st.floats(1 - 0.9 * OFF_UNIT, 1 + 0.9 * OFF_UNIT))
 def test_a_quaternion_that_is_off_by_rounding_is_the_one_that_was_meant(pose, factor):
     q = (factor * part for part in (pose.qx, pose.qy, pose.qz, pose.qw))
     assert same(rigid(Pose3D(pose.x_m, pose.y_m, pose.z_m, *q)), pose)

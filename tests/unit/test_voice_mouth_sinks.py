@@ -1,7 +1,5 @@
 """The loudspeakers' promises, in simulated time and without a sound card."""
 
-import errno
-import io
 import logging
 import os
 import signal
@@ -143,27 +141,6 @@ def test_the_file_of_a_killed_process_is_whole_up_to_then(tmp_path: Path):
     ended = subprocess.run([sys.executable, "-c", KILLED, str(path)], timeout=60, env=os.environ)
     assert ended.returncode == -signal.SIGKILL
     assert len(read(path)[1]) == 24_000
-
-
-class FullDisk(io.RawIOBase):
-    def seek(self, offset: int, whence: int = 0) -> int:
-        return offset
-
-    def write(self, data: object) -> int:
-        raise OSError(errno.ENOSPC, "No space left on device")
-
-
-def test_a_full_disk_is_said_once_and_speech_goes_on(
-    clock: HeldClock, tmp_path: Path, caplog: pytest.LogCaptureFixture
-):
-    file = WavFile(tmp_path / "out.wav", clock)
-    file.close()
-    file._file = FullDisk()
-    sink = PacedSink(file, clock=clock, wait=clock.wait)
-    for _ in range(3):
-        sink.play(Chunk(beep(0.5), RATE_HZ), QUIET)
-    sink.close()
-    assert caplog.text.count("speech_file_not_written") == 1
 
 
 @dataclass

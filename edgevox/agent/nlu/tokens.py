@@ -4,7 +4,8 @@ import re
 from collections.abc import Iterable, Sequence
 
 from edgevox.agent.phrasebook import Phrasebook
-from edgevox.agent.spelling import composed, folded, separated
+from edgevox.agent.spelling import folded, separated
+from edgevox.core.text import one_form
 
 Words = tuple[str, ...]
 
@@ -18,7 +19,7 @@ _IS_MARK = re.compile(_MARKS)
 
 def plain(text: str) -> str:
     """One spelling: no accents, no capitals, words that are joined by a mark apart."""
-    return folded(separated(composed(text.replace("_", " ")))).casefold()
+    return folded(separated(one_form(text.replace("_", " ")))).casefold()
 
 
 def is_number(token: str) -> bool:

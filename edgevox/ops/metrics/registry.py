@@ -44,6 +44,7 @@ class Registry(Collector):
     """Counts what `METRICS` declares, and reads the rest when it is asked for its text.
 
     What the table has in a status is what `components` say then; a value nobody knows yet is 0.
+    What could not be read, of a component or by a look, is a failure of the part ``metrics``.
     `sets` holds, by the words that the table has for them, the values that only an agent knows. A
     counter of a known set is there from the start, with 0. With None nothing is counted, only read.
     """
@@ -111,6 +112,7 @@ class Registry(Collector):
             for name, value in status.values.items()
             if not isinstance(value, str)
         }
+        told["metrics.unreadable"] = float(self.failures + self._components.failures)
         for metric in METRICS.values():
             if isinstance(metric.read, Mapping) and metric.name not in self._looks:
                 places = metric.read.items()

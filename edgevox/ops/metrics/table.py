@@ -12,7 +12,7 @@ SKILLS, CHECKS, TOPICS = "the agent's skills", "the checks of health.md", "topic
 STAGES = ("stt", "llm", "tts", "ttfs", "total")
 SOURCES = ("template", "model", "command", "action", "program")
 QUEUES = ("conversation", "microphone", "understanding", "mouth", "recorder")
-PARTS = ("ears", "understanding", "mouth", "body", "executor", "ticker", "camera")
+PARTS = ("ears", "understanding", "mouth", "body", "executor", "ticker", "camera", "metrics")
 MODELS = ("stt", "llm", "tts")
 
 SIMULATED, MOVES = "a simulated body", "an agent with a body"
@@ -222,6 +222,7 @@ _READ = (
             "executor": "executor.failed_callbacks",
             "ticker": "executor.failed_ticks",
             "camera": "executor.failed_images",
+            "metrics": "metrics.unreadable",
         },
     ),
 )

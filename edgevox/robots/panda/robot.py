@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import astuple
-from pathlib import Path
 from types import TracebackType
 from typing import Any
 
@@ -13,7 +12,6 @@ from numpy.typing import NDArray
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import Skill, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
-from edgevox.core.clock import Clock
 from edgevox.core.errors import finite
 from edgevox.core.reasons import Reason
 from edgevox.core.transforms import Pose3D
@@ -34,26 +32,16 @@ _POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
 class PandaRobot:
     """A Franka Panda at a table with three cubes and two bins. The map frame is the arm's base.
 
-    `model_path` is the robot's MJCF. `seed` puts the cubes at their standard places (0) or at
-    random ones that are the same for the same seed. `speed` is how many seconds pass in its world
-    each second, 1 for real time; with None, for tests, they pass as fast as they can while the arm
-    moves, otherwise only as far as `advance` asks.
+    `cell` is the world that it stands in; nobody else may use the cell's arm.
     Every method may be called from any thread. The skills block until they are done; a cancelled
     or halted arm stands within 0.1 s of its own time and keeps hold of what it holds.
     """
 
     name = "robot-panda"
 
-    def __init__(
-        self,
-        model_path: Path,
-        *,
-        seed: int = 0,
-        speed: float | None = 1.0,
-        clock: Clock | None = None,
-    ) -> None:
-        self._cell = Workcell(model_path, seed=seed, speed=speed, clock=clock, name=self.name)
-        self._engine = self._cell.engine
+    def __init__(self, cell: Workcell) -> None:
+        self._cell = cell
+        self._engine = cell.engine
         self._renderer = Renderer(self._engine.model, *PICTURE_PX, name=self.name)
         self._camera_spec = CAMERA.spec(*CAMERA_PX)
         self._skills = manipulation_skills(self)

@@ -34,10 +34,22 @@ _THINKING_S = 60.0
 
 
 class Workcell:
-    """Owns the world and the arm in it. The motions block; they raise what ended the task."""
+    """Owns the world and the arm in it. The motions block; they raise what ended the task.
+
+    `model_path` is the robot's MJCF. `seed` puts the cubes at their standard places (0) or at
+    random ones that are the same for the same seed. `speed` is how many seconds pass in its world
+    each second, 1 for real time; with None, for tests, they pass as fast as they can while the arm
+    moves, otherwise only as far as `advance` asks.
+    """
 
     def __init__(
-        self, model_path: Path, *, seed: int, speed: float | None, clock: Clock | None, name: str
+        self,
+        model_path: Path,
+        *,
+        seed: int = 0,
+        speed: float | None = 1.0,
+        clock: Clock | None = None,
+        name: str = "robot-panda",
     ) -> None:
         model = build(model_path)
         self.engine = Engine(model, period_s=PERIOD_S, speed=speed, clock=clock, name=name)

@@ -31,6 +31,10 @@ def _build(settings: Settings, _speed: float | None) -> Body:
     return ExternalRobot(settings.external_namespace, places, ExternalSettings(steering=limits))
 
 
-EXTERNAL = Robot("any ROS 2 robot, over its odom, cmd_vel and goal_pose", _build)
+EXTERNAL = Robot(
+    "any ROS 2 robot, over its odom, cmd_vel and goal_pose",
+    _build,
+    reads=frozenset({"external_namespace", "locations", "max_angular", "max_linear"}),
+)
 
 __all__ = ["EXTERNAL"]

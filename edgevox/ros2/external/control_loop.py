@@ -67,13 +67,20 @@ class ControlLoop:
         self._clock, self._obey_s = clock, obey_s
 
     def start(self, drive: ExternalNavigation, fix: Fix) -> None:
-        """Drive from now on. What takes goals drops the old one for the new one by itself."""
+        """Drive from now on. What takes goals drops the old one for the new one by itself.
+
+        Where a driver raises, the drive has ended with that and the robot is held.
+        """
         before = self.mux.motion
         self.mux.start(lambda: drive)
-        if before is not None and before.driver is not drive.driver:
-            before.driver.cancel(fix)
-        self.hold.end()
-        drive.driver.begin(drive.target, fix)
+        try:
+            if before is not None and before.driver is not drive.driver:
+                before.driver.cancel(fix)
+            self.hold.end()
+            drive.driver.begin(drive.target, fix)
+        except Exception as error:
+            self.mux.halt(error)
+            raise
 
     def steer(self, twist: Twist2D) -> None:
         """Turn the wheels for a drive that steers them, no faster than it may."""

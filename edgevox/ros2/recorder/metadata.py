@@ -8,6 +8,7 @@ from typing import Any
 
 import yaml
 
+from edgevox.core.atomic_file import PUBLIC, write_atomically
 from edgevox.ros2.contract_rows import QosSpec
 from edgevox.ros2.recorder.definitions import type_hash
 from edgevox.ros2.recorder.topics import Recorded
@@ -47,9 +48,7 @@ def qos_yaml(qos: QosSpec) -> str:
 def write_metadata(folder: Path, files: Sequence[FileInfo]) -> None:
     """Write it for these finished files; it is whole or as it was. Raises `OSError`."""
     text = yaml.safe_dump({"rosbag2_bagfile_information": _describe(files)}, sort_keys=False)
-    partial = folder / f".{NAME}"
-    partial.write_text(text, encoding="utf-8")
-    os.replace(partial, folder / NAME)
+    write_atomically(folder / NAME, text, PUBLIC)
 
 
 def _describe(files: Sequence[FileInfo]) -> dict[str, Any]:

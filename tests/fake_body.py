@@ -1,0 +1,130 @@
+"""The body of tests that are about a conversation: it drives and tells where it is."""
+
+import threading
+from collections.abc import Callable
+from typing import Annotated, Any
+
+from guards import HUNG_S
+
+from edgevox.agent.skills import GoalHandle, OneOf, SkillFailed, SkillSet, skill
+from edgevox.core.cancel import Cancelled
+
+ROOMS = OneOf(("kitchen", "living_room", "bedroom", "office"))
+REPORT_S = 0.002
+
+
+class FakeBody:
+    """Drives until it is let `arrive`, halted or cancelled, and remembers where it was `sent`.
+
+    `on_halt` is called when it is halted. With `reports` a drive says all the time how far it is.
+    """
+
+    def __init__(self, *, arrives: bool = False, reports: bool = False) -> None:
+        self.sent: list[Any] = []
+        self.moving = False
+        self.on_halt: Callable[[], object] = lambda: None
+        self._arrives, self._reports = arrives, reports
+        self._started = threading.Semaphore(0)
+        self._changed = threading.Condition()
+
+    def halt(self, reason: str) -> bool:
+        self.on_halt()
+        moved, self.moving = self.moving, False
+        return moved
+
+    def starts(self) -> None:
+        """Wait until it has begun to drive, once more than it was waited for before."""
+        assert self._started.acquire(timeout=HUNG_S), "no drive began"
+
+    def arrive(self) -> None:
+        """Every drive comes to its end from now on."""
+        self._let(arrives=True)
+
+    def drive_on(self) -> None:
+        """No drive comes to its end by itself from now on."""
+        self._let(arrives=False)
+
+    def drive(self, goal: GoalHandle, where: Any) -> None:
+        """Raises `Cancelled`."""
+        self.sent.append(where)
+        self.moving = True
+        forget = goal.token.on_cancel(self._notify)
+        self._started.release()
+        self._wait_for_its_end(goal)
+        forget()
+        self.moving = False
+        if goal.token.cancelled:
+            raise Cancelled(goal.token.reason)
+
+    def skills(self, *names: str) -> SkillSet:
+        """Those of its skills that have these names."""
+
+        @skill(
+            templates=["go to [the] {room}"],
+            says="Going to the {room}.",
+            done="I am in the {room}.",
+            deed="go to the {room}",
+        )
+        def navigate_to(goal: GoalHandle, room: Annotated[str, ROOMS]):
+            """Drive to a room."""
+            self.drive(goal, room)
+            return {"room": room, "far": float("inf")}
+
+        def walkable(distance: float) -> None:
+            if distance > 9:
+                raise SkillFailed("that is too far")
+
+        @skill(
+            templates=["walk {distance} meters", "go ahead"],
+            says="Walking {distance:g} metres.",
+            done="I walked.",
+            deed="walk {distance:g} metres forward",
+            check=walkable,
+        )
+        def walk_forward(goal: GoalHandle, distance: float = 1.0):
+            """Walk forward."""
+            self.drive(goal, distance)
+
+        @skill(templates=["do your dance"], says="Dancing.")
+        def dance(goal: GoalHandle):
+            """Dance."""
+            self.drive(goal, "dance")
+
+        @skill(templates=["open the door"], says="Opening the door.")
+        def open_door(goal: GoalHandle):
+            """Open the door."""
+            raise SkillFailed("the door is locked")
+
+        @skill(templates=["where are you"], done="I am at {x:.1f}.", moves=False)
+        def get_pose(goal: GoalHandle):
+            """Say where it is."""
+            return {"x": 1.25}
+
+        @skill(templates=["stay there"], says="Stopping.")
+        def stop(goal: GoalHandle):
+            """Stand."""
+            self.sent.append("stop")
+
+        known = {
+            one.name: one for one in (navigate_to, walk_forward, dance, open_door, get_pose, stop)
+        }
+        return SkillSet([known[name] for name in names])
+
+    def _let(self, *, arrives: bool) -> None:
+        with self._changed:
+            self._arrives = arrives
+            self._changed.notify_all()
+
+    def _notify(self) -> None:
+        with self._changed:
+            self._changed.notify_all()
+
+    def _wait_for_its_end(self, goal: GoalHandle) -> None:
+        def over() -> bool:
+            return self._arrives or goal.token.cancelled
+
+        while not over():
+            if self._reports:
+                goal.report(progress=0.5)
+            with self._changed:
+                self._changed.wait_for(over, REPORT_S if self._reports else HUNG_S)

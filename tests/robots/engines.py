@@ -1,0 +1,61 @@
+"""A 2D simulator under a body, that a test holds in its hands as well."""
+
+from collections.abc import Callable, Sequence
+
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.apartment import ApartmentRobot
+from edgevox.robots.capabilities import LidarScan, Twist2D
+from edgevox.robots.engine import Engine, MotionState
+from edgevox.robots.irsim import IrsimRobot
+from edgevox.robots.irsim_engine import IrsimEngine
+from edgevox.robots.physics import PymunkEngine
+from edgevox.robots.planar import PlanarRobot
+from edgevox.robots.world_model import World
+
+ENGINES: dict[type[PlanarRobot], Callable[[World], Engine]] = {
+    ApartmentRobot: PymunkEngine,
+    IrsimRobot: IrsimEngine,
+}
+"""What each 2D body is simulated by."""
+
+
+class MeddledEngine:
+    """Does what the real engine does, but that each step goes through `meddle` once there is one.
+
+    `meddle` is given the command and the real step.
+    """
+
+    def __init__(self, engine: Engine) -> None:
+        self._engine = engine
+        self.meddle: Callable[[Twist2D, Callable[[Twist2D], MotionState]], MotionState] | None = (
+            None
+        )
+
+    def step(self, command: Twist2D) -> MotionState:
+        if self.meddle:
+            return self.meddle(command, self._engine.step)
+        return self._engine.step(command)
+
+    def motion(self) -> MotionState:
+        return self._engine.motion()
+
+    @property
+    def still(self) -> bool:
+        return self._engine.still
+
+    def movable_poses(self) -> tuple[Pose2D, ...]:
+        return self._engine.movable_poses()
+
+    def scan(self, time_s: float) -> LidarScan:
+        return self._engine.scan(time_s)
+
+    def put(self, robot: Pose2D, movable: Sequence[Pose2D]) -> None:
+        self._engine.put(robot, movable)
+
+
+def meddled(
+    kind: type[PlanarRobot], world: World, speed: float | None
+) -> tuple[PlanarRobot, MeddledEngine]:
+    """A body like those of this kind, and the engine under it."""
+    engine = MeddledEngine(ENGINES[kind](world))
+    return PlanarRobot("robot", world, engine, speed=speed), engine

@@ -1,0 +1,12 @@
+"""What a message of `robot_state` says of a robot on wheels."""
+
+import json
+
+
+def moving(message: str) -> bool:
+    return bool(json.loads(message)["velocity"]["linear"] > 0.05)
+
+
+def standing(message: str) -> bool:
+    velocity = json.loads(message)["velocity"]
+    return abs(velocity["linear"]) < 0.01 and abs(velocity["angular"]) < 0.01
