@@ -93,7 +93,7 @@ def _programs(data: Mapping[str, Any]) -> ProgramPhrases:
         templates={kind: tuple(some) for kind, some in data.get("templates", {}).items()},
         rules=data.get("rules", {}),
         rewrite=_rewritings(data.get("rewrite", ())),
-        words={composed(word): number for word, number in data.get("words", {}).items()},
+        words={one_form(word): number for word, number in data.get("words", {}).items()},
         units=data.get("units", ""),
         ahead=data.get("ahead", ""),
         go=data.get("go", ""),

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from edgevox.agent.nlu.encoder import SentenceReader
-from edgevox.agent.nlu.evidence import evidence
-from edgevox.agent.nlu.function_words import words_of
+from edgevox.agent.nlu.evidence import SAYS_SO, evidence, is_denied, is_doubted
 from edgevox.agent.nlu.judge import ASK_FROM, SURE_FROM, Head
 from edgevox.agent.nlu.lexicon import Lexicon
 from edgevox.agent.nlu.readings import Reader, Reading
@@ -45,8 +44,8 @@ class Judged:
     reading: Reading
     evidence: Mapping[str, float]
     held_back: bool
-    unlisted: bool
-    """Its language has no table of function words, so that a denial in it is not noticed."""
+    doubted: bool
+    """No word says that it is wanted, or a number may go on in a word that nobody knows."""
 
 
 class Readings:
@@ -55,7 +54,6 @@ class Readings:
     def __init__(self, skills: SkillSet, language: str) -> None:
         self._skills = skills
         self._language = language
-        self._unlisted = not words_of(language).negations
         self._words: Any = None
         self._readers: list[tuple[Lexicon, Reader]] = []
 
@@ -67,7 +65,10 @@ class Readings:
             reading = reader.read(digits(plain, lexicon.book.code))
             if reading is not None:
                 facts = evidence(reading, lexicon, text)
-                return Judged(reading, facts, _held_back(reading, facts), self._unlisted)
+                spoken = self._readers[0][0]
+                denied = lexicon is not spoken and is_denied(plain, spoken)
+                held_back = denied or _held_back(reading, facts)
+                return Judged(reading, facts, held_back, is_doubted(reading, facts, lexicon))
         return None
 
     def _renew(self) -> None:
@@ -94,8 +95,7 @@ class Decider:
             return None
         order = self._order(text)
         confidence = self._head.confidence(self._head.likelihood(order, judged.evidence))
-        unlisted = judged.unlisted and judged.evidence["moves"]
-        if unlisted or _is_doubtful(judged.evidence, confidence):
+        if _is_doubtful(judged, order, confidence):
             confidence = min(confidence, _DOUBTFUL)
         return Decision(judged.reading.calls, confidence) if confidence >= ASK_FROM else None
 
@@ -110,12 +110,18 @@ class Decider:
         return self._last[1]
 
 
-def _is_doubtful(facts: Mapping[str, float], confidence: float) -> bool:
-    """Whether to ask before a motion however likely it is: not all of it was understood."""
+def _is_doubtful(judged: Judged, order: float, confidence: float) -> bool:
+    """Whether to ask before a motion however likely it is.
+
+    That is where not all of it was understood, and where no word says that it is wanted.
+    """
+    facts = judged.evidence
     if not facts["moves"]:
         return False
     strange = facts["strange_inside"]
     if facts["asks"] or facts["strange_alone"] or (facts["parts"] > 1 and facts["strange"]):
+        return True
+    if judged.doubted or (order < 0 and facts["least_support"] < SAYS_SO):
         return True
     return strange > 1 or bool(strange and (facts["unspaced"] or confidence < _SURER))
 

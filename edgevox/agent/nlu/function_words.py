@@ -13,14 +13,16 @@ _FILE = "function_words.toml"
 class FunctionWords:
     """What is said around a command, in one language.
 
-    `fillers` mean nothing to a robot. `negations` deny what follows. `corrections` take back what
-    came before. `reports` tell what somebody said, `conditions` what was, will be or might be, and
-    `doubts` speak of others than the robot; `questions` open one. `asking` opens an order that is
-    put politely, so that it is one although it looks like a question. `reversals` say that the
-    order of doing is not that of saying.
+    `fillers` mean nothing to a robot. `urges` are said to whoever should do something, where
+    nothing else says so: "kitchen, quickly"; where none are listed none is needed. `negations` deny
+    what follows. `corrections` take back what came before. `reports` tell what somebody said or
+    needs, `conditions` what was, will be or might be, and `doubts` speak of others than the robot;
+    `questions` open one. `asking` opens an order that is put politely, so that it is one although
+    it looks like a question. `reversals` say that the order of doing is not that of saying.
     """
 
     fillers: tuple[str, ...] = ()
+    urges: tuple[str, ...] = ()
     negations: tuple[str, ...] = ()
     corrections: tuple[str, ...] = ()
     reports: tuple[str, ...] = ()
@@ -33,8 +35,8 @@ class FunctionWords:
     def all(self) -> tuple[str, ...]:
         """Every one of them."""
         return (
-            *self.fillers, *self.negations, *self.corrections, *self.reports, *self.conditions,
-            *self.doubts, *self.questions, *self.asking, *self.reversals,
+            *self.fillers, *self.urges, *self.negations, *self.corrections, *self.reports,
+            *self.conditions, *self.doubts, *self.questions, *self.asking, *self.reversals,
         )  # fmt: skip
 
 

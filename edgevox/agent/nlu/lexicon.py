@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from edgevox.agent.arguments import is_number_type
 from edgevox.agent.nlu.function_words import words_of
-from edgevox.agent.nlu.tokens import Tokenizer, Words, plain
+from edgevox.agent.nlu.tokens import WORD, Tokenizer, Words, plain
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.skills import Skill, SkillSet
 
@@ -20,7 +20,7 @@ _SYNTAX = re.compile(r"[()\[\]|{}<>]")
 _RULE = re.compile(r"<(\w+)>")
 _SLOT = re.compile(r"\{(\w+)\}")
 _NAME_WORDS = re.compile(r"[a-z]+")
-_WORD = re.compile(r"[^\W\d_]+'?")
+_WORD = re.compile(WORD)
 _FILLER_WEIGHT = 0.1
 """What a word counts that may mean nothing as well: "up", "got"."""
 _EXAMPLE_WEIGHT = 0.25

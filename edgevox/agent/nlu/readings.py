@@ -45,7 +45,7 @@ class Reader:
         self._lexicon = lexicon
         words = lexicon.function_words
         split = lexicon.tokenize
-        self._fillers = [split(one) for one in words.fillers]
+        self._fillers = [split(one) for one in (*words.fillers, *words.urges)]
         self._courtesies = [one for one in self._fillers if len(one) > 2]
         self._courtesies += [split(one) for one in words.asking]
         self._negations = [split(one) for one in words.negations]

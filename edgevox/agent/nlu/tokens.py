@@ -1,6 +1,7 @@
 """A sentence as words, numbers and marks, in the one spelling that everything is compared in."""
 
 import re
+import unicodedata
 from collections.abc import Iterable, Sequence
 
 from edgevox.agent.phrasebook import Phrasebook
@@ -12,14 +13,19 @@ Words = tuple[str, ...]
 _MARKS = r"[,;.!?:\u2026\u3001\u3002\u060c\u061b\u061f\u0964]+"
 _ORDINAL = r"\d+(?:st|nd|rd|th)\b"
 _NUMBER = r"(?<![\d.])-?\d+(?:\.\d+)?"
-_TOKEN = re.compile(rf"{_ORDINAL}|{_NUMBER}|[^\W\d_]+'?|{_MARKS}|%|\u00b0")
+WORD = r"(?:[^\W\d_]|[\u0900-\u0963])+'?"
+"""A word; the vowels and joiners of Devanagari are no letters to `re`, and part of one."""
+_TOKEN = re.compile(rf"{_ORDINAL}|{_NUMBER}|{WORD}|{_MARKS}|%|\u00b0")
 _IS_NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
 _IS_MARK = re.compile(_MARKS)
+_JOINING = frozenset({0, 8, 9})
+"""The combining classes of marks that make another letter or join two: kana voicing, virama."""
 
 
 def plain(text: str) -> str:
-    """One spelling: no accents, no capitals, words that are joined by a mark apart."""
-    return folded(separated(one_form(text.replace("_", " ")))).casefold()
+    """One spelling: no accents, no vowel points, no capitals, words that a mark joins apart."""
+    spelled = folded(separated(one_form(text.replace("_", " ")))).casefold()
+    return "".join(one for one in spelled if unicodedata.combining(one) in _JOINING)
 
 
 def is_number(token: str) -> bool:

@@ -19,7 +19,8 @@ from hassil.expression import (
 )
 from hassil.parse_expression import parse_sentence
 
-from edgevox.agent.spelling import composed, folded, separated
+from edgevox.agent.spelling import folded, separated
+from edgevox.core.text import one_form
 
 NUMBERS = frozenset({"count", "seconds", "minutes", "hours", "percent"})
 """Slots that hold a number; all others hold words."""
@@ -50,7 +51,7 @@ class Pattern:
 
 def prepared(text: str) -> str:
     """A text as patterns read it: letters, accents and apostrophes in one form."""
-    return " ".join(separated(composed(text)).split()).strip(" .,;:!?\u3002\u0964\u061f")
+    return " ".join(separated(one_form(text)).split()).strip(" .,;:!?\u3002\u0964\u061f")
 
 
 def compiled(template: str, rules: Mapping[str, str], *, spaced: bool) -> Pattern:
@@ -111,4 +112,4 @@ class _Writer:
 
 
 def _folded(template: str) -> str:
-    return folded(separated(composed(template)))
+    return folded(separated(one_form(template)))
