@@ -89,10 +89,12 @@ class Asking:
             return True
         unsure = not meaning.sure
         asks = self.confirm == "always" or (unsure and self.confirm == "unsure")
-        if not self._performer.drives(prepared) or not (asks or unsure):
+        drives = self._performer.drives(prepared)
+        stays = unsure and self._performer.lasts(prepared)
+        if not (drives or stays) or not (asks or unsure):
             self._performer.perform(prepared, turn)
             return True
-        if asks:
+        if asks and drives:
             self._ask(prepared, turn)
         else:
             turn.say(self._mind.phrases.say("say_plainly"), Outcome.REFUSED)

@@ -69,6 +69,10 @@ class Performer:
         program = prepared.meaning.program
         return self._programs.drives(program) if program else bool(_driving(prepared))
 
+    def lasts(self, prepared: Prepared) -> bool:
+        """Whether what it changes stays when it is over, as a place that is forgotten does."""
+        return any(goal.skill.lasting for goal in prepared.goals)
+
     def question(self, prepared: Prepared) -> str:
         """Asks whether it shall be done."""
         phrases, program = self._mind.phrases, prepared.meaning.program

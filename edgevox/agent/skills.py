@@ -95,9 +95,10 @@ class Skill:
 
     `moves`: it uses the body, so it runs beside the conversation and pre-empts whatever moves; a
     skill that does not is answered on the spot. `relative`: it moves by so much, not to somewhere,
-    so that it can go on further. `says` acknowledges the call, `done` reports success, `deed` ends
-    a question that begins "Shall I"; all are formatted with the arguments, `done` also with the
-    result's keys. `phrases`
+    so that it can go on further. `lasting`: what it changes stays when it is over, as when a place
+    is forgotten, so that it is not done where it may not have been meant. `says` acknowledges the
+    call, `done` reports success, `deed` ends a question that begins "Shall I"; all are formatted
+    with the arguments, `done` also with the result's keys. `phrases`
     are other languages by code, for a skill that no phrasebook knows. `check` takes the arguments
     before a goal is accepted and raises `SkillFailed` for those that can never be honoured, such as
     a point outside the world; it is quick, and does nothing else.
@@ -116,6 +117,7 @@ class Skill:
     phrases: Mapping[str, SkillPhrases] = field(default_factory=dict)
     check: Callable[..., None] | None = None
     relative: bool = False
+    lasting: bool = False
 
     @property
     def drives(self) -> bool:
@@ -186,6 +188,7 @@ def skill(
     phrases: Mapping[str, SkillPhrases] | None = None,
     check: Callable[..., None] | None = None,
     relative: bool = False,
+    lasting: bool = False,
 ) -> Callable[[Callable[..., Result | None]], Skill]:
     """Turn a function into a `Skill`; see the module's docstring."""
 
@@ -204,6 +207,7 @@ def skill(
             phrases=phrases or {},
             check=check,
             relative=relative,
+            lasting=lasting,
         )
 
     return decorate

@@ -57,6 +57,7 @@ def _remember_place(body: StandsSomewhere, memory: PlaceMemory) -> Skill:
         templates=words.REMEMBER,
         examples=words.REMEMBER_EXAMPLES,
         moves=False,
+        lasting=True,
         check=memory.check,
     )
     def remember_place(goal: GoalHandle, name: Annotated[str, NewName()]) -> Result:
@@ -89,6 +90,7 @@ def _forget_place(memory: PlaceMemory, known: OneOf, noun: str) -> Skill:
     decorate = skill(
         templates=[template.replace("{room}", f"{{{noun}}}") for template in words.FORGET],
         moves=False,
+        lasting=True,
     )
     return decorate(forget_place)
 
