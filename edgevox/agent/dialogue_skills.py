@@ -8,7 +8,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Annotated
 
-from edgevox.agent import dialogue_words as words
 from edgevox.agent.agents import Agent
 from edgevox.agent.dialogue import Dialogue
 from edgevox.agent.dialogue_answers import DialogueAnswers
@@ -35,18 +34,8 @@ from edgevox.core.events import Outcome
 from edgevox.core.transforms import Pose2D
 
 CAN = "what_can_you_do"
-QUESTIONS: Mapping[str, Sequence[str]] = {
-    "what_are_you_doing": words.DOING,
-    "why_did_you": words.WHY,
-    "what_did_you_hear": words.HEARD,
-    CAN: words.CAN,
-}
-REFERENCES: Mapping[str, Sequence[str]] = {
-    "again": words.AGAIN,
-    "go_back": words.BACK,
-    "further": words.FURTHER,
-    "the_other": words.OTHER,
-}
+QUESTIONS = ("what_are_you_doing", "why_did_you", "what_did_you_hear", CAN)
+REFERENCES = ("again", "go_back", "further", "the_other")
 ALSO = "this_one_too"
 ASIDES = (*QUESTIONS, *REFERENCES, ALSO)
 """All of them, by name."""
@@ -149,7 +138,7 @@ class Asides:
     def _beside(self, skills: SkillSet) -> SkillSet:
         """Those whose names this agent does not use itself."""
         asides = [_question(name, self._answers) for name in QUESTIONS]
-        asides += [_reference(name, said) for name, said in REFERENCES.items()]
+        asides += [_reference(name) for name in REFERENCES]
         choices = _every_choice(skills)
         asides += [_also(choices)] if choices.words else []
         return SkillSet(one for one in asides if one.name not in skills)
@@ -170,17 +159,17 @@ def _question(name: str, answers: DialogueAnswers) -> Skill:
         return {"answer": answer()}
 
     ask.__name__ = name
-    return skill(templates=QUESTIONS[name], done="{answer}", moves=False)(ask)
+    return skill(done="{answer}", moves=False)(ask)
 
 
-def _reference(name: str, templates: Sequence[str]) -> Skill:
+def _reference(name: str) -> Skill:
     def refer(goal: GoalHandle) -> Result:
         """Do what this refers to: `Asides.meant` puts that in its place."""
         goal.token.check()
         raise SkillFailed(because("nothing_before"))
 
     refer.__name__ = name
-    return skill(templates=templates, moves=False)(refer)
+    return skill(moves=False)(refer)
 
 
 def _also(choices: OneOf) -> Skill:
@@ -190,7 +179,7 @@ def _also(choices: OneOf) -> Skill:
         raise SkillFailed(because("does_not_go", value=value))
 
     refer.__name__ = ALSO
-    return skill(templates=words.ALSO, moves=False)(refer)
+    return skill(moves=False)(refer)
 
 
 def _every_choice(skills: SkillSet) -> OneOf:

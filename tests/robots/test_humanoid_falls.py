@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 from humanoid_stage import apart, g1, stand, turned_deg, walk, walking
 
+from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue
@@ -94,7 +95,7 @@ def test_the_skill_says_that_the_simulator_put_it_up(environment) -> None:
         result = skill.function(_Goal(), **skill.validate({}))
 
     assert result["got_up"] is True
-    assert "put me on my feet" in result["outcome"]
+    assert "put me on my feet" in phrasebook("en").report(skill, {}, result)
 
 
 def test_reset_gets_it_up_too(robot, environment) -> None:

@@ -56,7 +56,7 @@ def test_without_a_robot_the_agent_says_that_it_hears_none(agent, peer):
     robot = peer()
     response = robot.listen("response")
     robot.send("text_input", "go to x 1 y 2")
-    unheard = "I have not heard from the robot's odometry on /nobody/odom yet"
+    unheard = "I have not heard yet where the robot is. The topic is /nobody/odom."
     response.wait_for(lambda m: unheard in m)
     robot.send("text_input", "where are you")
     response.wait_for(lambda m: unheard in m, since=len(response.messages))

@@ -28,7 +28,7 @@ def sentences(code, body):
     """Each question and reference with sentences of every template."""
     book, source = phrasebook(code), random.Random(7)
     for name, one in AGENTS[body].asides.items():
-        templates = book.templates(one) if book.fallback else one.templates
+        templates = book.templates(one)
         assert templates, (code, name)
         for template in templates * SAMPLES:
             yield name, say_it(book, one, template, source)
@@ -72,7 +72,7 @@ def test_what_a_body_understands_by_itself_it_understands_beside_these_too(code,
     alone, beside = Recogniser(agent.skills, code), Recogniser(agent.skills, code, agent.asides)
 
     for one in agent.skills.values():
-        for template in book.templates(one) if book.fallback else one.templates:
+        for template in book.templates(one):
             sentence = say_it(book, one, template, source)
             assert beside.recognise(sentence) == alone.recognise(sentence), sentence
 

@@ -16,7 +16,6 @@ OTHERS = [code for code in LANGUAGES if code != ENGLISH]
 RESULTS = {
     "room": "living room",
     "location": "living room",
-    "where": "in the living room",
     "x": 2.0,
     "y": -0.25,
     "z": 0.3,
@@ -24,15 +23,12 @@ RESULTS = {
     "percent": 87,
     "walked": 1.02,
     "turned": 89.6,
-    "outcome": "I am standing.",
     "got_up": True,
     "fallen": False,
     "held": "red_cube",
-    "holding": ", and I hold the red cube",
     "released": "blue_cube",
     "name": "wine_cellar",
     "names": ["kitchen", "office"],
-    "said": "I know kitchen and office.",
     "objects": {"red_cube": {"x": 0.5, "on": "table"}, "blue_cube": {"x": 0.5, "on": "hand"}},
 }
 ARGUMENTS = {"room": "kitchen", "x": 1.5, "y": 2.0, "z": 0.25, "distance": 0.5, "degrees": 90.0}
@@ -132,7 +128,7 @@ def test_a_room_that_no_phrasebook_knows_is_said_by_its_own_name():
     ],
 )
 def test_the_first_sentence_whose_values_are_known_is_said(room, said):
-    result = {"x": 2.0, "y": -0.25, "room": room, "where": "at x 2.0, y -0.2"}
+    result = {"x": 2.0, "y": -0.25, "room": room}
 
     assert phrasebook("fr").report(BODIES["apartment"]["get_pose"], {}, result) == said
 
