@@ -41,8 +41,8 @@ class FunctionWords:
 
 
 def words_of(code: str) -> FunctionWords:
-    """Those of a language; none of one that nobody has written down yet."""
-    return _read().get(code, FunctionWords())
+    """Those of a language of the catalogue."""
+    return _read()[code]
 
 
 @lru_cache(maxsize=1)
