@@ -1,6 +1,7 @@
 """What the product makes of the sentences of strangers: what is right, moves wrongly, is asked.
 
-Each sentence goes the way that a spoken one goes: stop words, templates, readings and their judge.
+Each sentence goes the way that a spoken one goes: stop words, templates of skills and of programs,
+readings and their judge.
 A language model is not asked, since it only answers in words; what the default one would do if it
 were let is told of a sample. "asked" is what is asked back; a
 wrong motion is one that is begun unasked and is none of the right outcomes.
@@ -11,6 +12,7 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -21,13 +23,15 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from corpus_robots import is_right, skills_of_robots
 from corpus_sentences import Sentence, read_corpus
 
-from edgevox.agent.intents import Recogniser, Understood
+from edgevox.agent.intents import Recogniser, Refused, Understood
 from edgevox.agent.llm.base import LanguageModel, Message, ModelFailed
 from edgevox.agent.llm.factory import load_model
 from edgevox.agent.mind import ANSWER_TOKENS
 from edgevox.agent.nlu.decider import Decider, Readings
 from edgevox.agent.nlu.encoder import ENCODER, Encoder
-from edgevox.agent.nlu.judge import SURE_FROM, read_head
+from edgevox.agent.nlu.judge import ASK_FROM, SURE_FROM, read_head
+from edgevox.agent.programs.program import Program, calls_of
+from edgevox.agent.programs.reader import Plain, ProgramReader
 from edgevox.agent.safety import find_stop_word
 from edgevox.agent.skills import STOP, Call
 from edgevox.agent.toolcalls import Protocol
@@ -76,37 +80,63 @@ class Product:
 
     def __init__(self, decider: Decider | None) -> None:
         self._decider = decider
-        self._ways: dict[tuple[str, str], tuple[Recogniser, Readings]] = {}
+        self._ways: dict[tuple[str, str], tuple[Recogniser, ProgramReader, Readings]] = {}
 
     def tell(self, sentence: Sentence) -> Told:
         """What becomes of a sentence."""
-        recogniser, readings = self._way(sentence.robot, sentence.language)
+        way = self._way(sentence.robot, sentence.language)
         started = time.perf_counter()
-        calls, confidence, stage = self._understand(sentence, recogniser, readings)
+        calls, confidence, stage = self._understand(sentence, *way)
         return Told(sentence, calls, confidence, stage, time.perf_counter() - started)
 
     def _understand(
-        self, sentence: Sentence, recogniser: Recogniser, readings: Readings
+        self,
+        sentence: Sentence,
+        recogniser: Recogniser,
+        programs: ProgramReader,
+        readings: Readings,
     ) -> tuple[tuple[Call, ...], float, str]:
         if find_stop_word(sentence.language, sentence.says):
             return (Call(STOP),), 1.0, "stop word"
         found = recogniser.recognise(sentence.says)
         if isinstance(found, Understood):
             return found.calls, 1.0, "template"
+        plain = partial(_plain, recogniser)
+        program, sure = programs.understand(
+            sentence.says, plain, partial(self._free, plain, readings)
+        )
+        if isinstance(program, Program):
+            return calls_of(program), 1.0 if sure else ASK_FROM, "program"
         if self._decider is None:
             return (), 1.0, "none"
         decision = self._decider.decide(readings.of(sentence.says), sentence.says)
         if decision is None:
             return (), 1.0, "none"
+        skills = skills_of_robots()[sentence.robot]
+        if program and any(skills[call.skill].drives for call in decision.calls):
+            return (), 1.0, "none"  # for later, or never
         return decision.calls, decision.confidence, "reading"
 
-    def _way(self, robot: str, language: str) -> tuple[Recogniser, Readings]:
+    def _free(self, plain: Plain, readings: Readings, text: str) -> Sequence[Call] | Refused | None:
+        found = plain(text)
+        if isinstance(found, Sequence) or self._decider is None:
+            return found
+        decision = self._decider.decide(readings.of(text), text)
+        return decision.calls if decision and decision.sure else found
+
+    def _way(self, robot: str, language: str) -> tuple[Recogniser, ProgramReader, Readings]:
         if (robot, language) not in self._ways:
             skills = skills_of_robots()[robot]
             readings = Readings(skills, language)
             readings.of("ready")
-            self._ways[robot, language] = Recogniser(skills, language), readings
+            recogniser = Recogniser(skills, language)
+            self._ways[robot, language] = recogniser, ProgramReader(language), readings
         return self._ways[robot, language]
+
+
+def _plain(recogniser: Recogniser, text: str) -> Sequence[Call] | Refused | None:
+    found = recogniser.recognise(text)
+    return found.calls if isinstance(found, Understood) else found
 
 
 def open_decider() -> Decider:
@@ -145,7 +175,7 @@ def _figures(identifier: str, column: str, told: Sequence[Told]) -> Iterator[Fig
                            WANTED_RIGHT_ELSEWHERE)  # fmt: skip
     commands = [one for one in english if one.sentence.is_command]
     yield _share(f"{identifier}.commands", column, "of commands, right", commands, _is_right)
-    for stage in ("template", "reading", "none"):
+    for stage in ("template", "program", "reading", "none"):
         samples = [one.seconds for one in told if one.stage == stage]
         if samples:
             yield Figure.of(

@@ -32,6 +32,9 @@ log = get_logger(__name__)
 MAX_HANDOFFS = 3
 """How often one utterance may be handed on; nobody gets it twice."""
 
+BACK = "go_back"
+"""The aside that leads back to where the last motion began."""
+
 ANSWER_TOKENS = 160
 """The longest answer or sequence of calls that a model may generate."""
 
@@ -104,17 +107,21 @@ class Mind:
     def understand(self, text: str, turn: Turn) -> Meaning | None:
         """The calls that an utterance asks for; None if it was answered in words, into `turn`."""
         plain = self.plain(text)
-        if isinstance(plain, Meaning):
+        if isinstance(plain, Meaning) and not _goes_back_from_there(plain):
             self._hand_over(plain.agent, turn)
             return plain
-        program = self._programs.read(text, self._plain_calls)
+        program, sure = self._programs.understand(text, self._plain_calls, self._free_calls)
         if isinstance(program, Program):
-            return Meaning(self.active, (), "template", program=program)
+            how = ("template", 1.0) if sure else ("reading", ASK_FROM)
+            return Meaning(self.active, (), *how, program=program)
+        if isinstance(plain, Meaning):
+            self._say_unclear(turn)
+            return None
         meaning = self._read(text, turn)
         if meaning and not (program and _drives(meaning)):
             return meaning
         if meaning and isinstance(program, Unclear):  # not now, whatever it is
-            turn.say(self.phrases.say("program_unclear"), Outcome.NOT_UNDERSTOOD)
+            self._say_unclear(turn)
             return None
         refused = program if isinstance(program, Refused) else plain
         if refused:
@@ -136,19 +143,33 @@ class Mind:
         return None
 
     def _plain_calls(self, text: str) -> Sequence[Call] | Refused | None:
-        """What `plain` finds, for a program to hold; a question has no place in one."""
+        """What `plain` finds, for a program to hold."""
         plain = self.plain(text)
-        return plain.calls if isinstance(plain, Meaning) else plain
+        if isinstance(plain, Meaning):
+            return None if _goes_back_from_there(plain) else plain.calls
+        return plain
+
+    def _free_calls(self, text: str) -> Sequence[Call] | Refused | None:
+        """The same, or what a reading finds that is sure."""
+        found = self._plain_calls(text)
+        decided = None if isinstance(found, Sequence) else self._decide(text)
+        return decided[1].calls if decided and decided[1].sure else found
 
     def _read(self, text: str, turn: Turn) -> Meaning | None:
         """What the first agent would do who could be meant; none of them without a judge."""
+        if decided := self._decide(text):
+            agent, decision = decided
+            self._hand_over(agent, turn)
+            return Meaning(agent, decision.calls, "reading", decision.confidence)
+        return None
+
+    def _decide(self, text: str) -> tuple[Agent, Decision] | None:
         if self._decider is None:
             return None
         for agent in self._active_first():
             decision = self._decider.decide(self._readings[agent.name].of(text), text)
-            if isinstance(decision, Decision):
-                self._hand_over(agent, turn)
-                return Meaning(agent, decision.calls, "reading", decision.confidence)
+            if decision:
+                return agent, decision
         return None
 
     def remember(self, said: str, turn: Turn, meaning: Meaning | None) -> None:
@@ -183,6 +204,9 @@ class Mind:
             self._hand_over(self._agents[str(handoffs[0].arguments["agent"])], turn)
         turn.say(self.phrases.say("nobody"), Outcome.FAILED)
         return None
+
+    def _say_unclear(self, turn: Turn) -> None:
+        turn.say(self.phrases.say("program_unclear"), Outcome.NOT_UNDERSTOOD)
 
     def _say_not_understood(self, turn: Turn) -> None:
         told, detail = not_understood(self.phrases, self._every_skill())
@@ -242,6 +266,11 @@ class Mind:
 
 def _drives(meaning: Meaning) -> bool:
     return any(meaning.agent.every_skill[call.skill].drives for call in meaning.calls)
+
+
+def _goes_back_from_there(meaning: Meaning) -> bool:
+    """Whether to go back follows another order: then it is about where that one began."""
+    return any(call.skill == BACK for call in meaning.calls[1:])
 
 
 def _for_models(agent: Agent) -> SkillSet:

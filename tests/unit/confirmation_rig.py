@@ -8,9 +8,13 @@ from fake_body import FakeBody
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.asking import Asking
+from edgevox.agent.confirmation import OpenQuestion
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.dialogue_skills import Asides
+from edgevox.agent.last_drive import LastDrive
 from edgevox.agent.mind import Mind
+from edgevox.agent.performer import Performer
+from edgevox.agent.programs.keeper import Programs
 from edgevox.agent.skill_executor import SkillExecutor
 from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import Confirmation, ConfirmationStatus
@@ -106,7 +110,18 @@ class Doubts(Heard):
         mind = Doubtful(asides.agents, self.bus, self.clock)
         mind.confidence = confidence
         self.mind = mind
-        self.asking = Asking(mind, self.executor, asides, self.bus, self.clock, confirm=confirm)
+        programs = Programs(
+            self.bus,
+            self.executor,
+            agent.skills,
+            announce=lambda text: None,
+            phrases=lambda: mind.phrases,
+            clock=self.clock,
+        )
+        last = LastDrive(self.bus, self.clock)
+        performer = Performer(mind, self.executor, programs, asides, last)
+        question = OpenQuestion(self.bus, self.clock)
+        self.asking = Asking(mind, performer, asides, question, confirm=confirm)
 
     def __enter__(self):
         self.executor.start()

@@ -3,12 +3,14 @@
 import itertools
 import threading
 from collections.abc import Callable
+from pathlib import Path
 from typing import Annotated, Any
 
 from guards import HUNG_S
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
+from edgevox.agent.policy import Guard
 from edgevox.agent.programs.senses import Senses
 from edgevox.agent.skills import Call, OneOf, SkillFailed, SkillSet, skill
 from edgevox.core.agent_events import AgentEvent, ProgramChanged, as_json
@@ -17,6 +19,8 @@ from edgevox.core.cancel import Cancelled
 from edgevox.core.commands import TextInput
 from edgevox.core.events import Responded, TurnEnded
 from edgevox.core.interlock import Interlock
+from edgevox.core.settings import Confirm
+from edgevox.core.ways import Way
 
 ROOMS = OneOf(("kitchen", "office", "bedroom", "dock"))
 
@@ -136,7 +140,14 @@ class Drives:
 class Talk:
     """A conversation with that robot, everything that was said, and what became of programs."""
 
-    def __init__(self, language: str = "en", *, battery: bool = True) -> None:
+    def __init__(
+        self,
+        language: str = "en",
+        *,
+        battery: bool = True,
+        confirm: Confirm = "unsure",
+        policy: Path | None = None,
+    ) -> None:
         self.bus, self.body, self.time, self.interlock = Bus(), Drives(), HeldTime(), Interlock()
         self.said: list[str] = []
         self.events: list[dict[str, Any]] = []
@@ -151,6 +162,8 @@ class Talk:
             self.bus,
             halt=self.body.halt,
             language=language,
+            confirm=confirm,
+            guard=Guard(policy, self.bus),
             clock=self.time,
             interlock=self.interlock,
             timer=self.time,
@@ -161,10 +174,10 @@ class Talk:
         )
         self.conversation.start()
 
-    def say(self, text: str) -> str:
+    def say(self, text: str, way: Way = Way.TEXT_INPUT) -> str:
         """Say it; the first that is answered."""
         before = len(self.said)
-        self.conversation.submit(TextInput(text))
+        self.conversation.submit(TextInput(text, way))
         self.until(lambda: len(self.said) > before)
         return self.said[before]
 

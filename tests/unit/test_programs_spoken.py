@@ -207,3 +207,37 @@ def test_wrappers_may_stand_around_each_other():
     assert isinstance(inner, Repeat)
     assert inner.count == 3
     assert isinstance(inner.program, Steps)
+
+
+STOPS = [
+    ("en", "until I say stop, stop"),
+    ("en", "until I say stop stop"),
+    ("en", "stop until I say go"),
+    ("en", "don't move until I say stop"),
+    ("en", "I say stop until you stop"),
+    ("en", "somebody says stop"),
+    ("en", "patrol until I say stop. Stop!"),
+    ("de", "bis ich stopp sage, stopp"),
+    ("de", "bleib stehen bis ich was sage"),
+    ("es", "hasta que diga para, para"),
+    ("fr", "arrête jusqu'à ce que je te dise"),
+    ("ja", "止まれと言うまで、止まれ"),
+    ("tr", "ben dur diyene kadar dur"),
+    ("zh", "直到我说停，停"),
+]
+
+
+@pytest.mark.parametrize(("code", "sentence"), STOPS)
+def test_until_i_say_stop_hides_no_stop(code, sentence):
+    assert SafetyWords(code).find(sentence)
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "go to the kitchen in five minutes three times",
+        "go to the kitchen and when you are there, in five minutes go to the office",
+    ],
+)
+def test_nothing_that_waits_stands_inside_what_is_done_at_once(sentence):
+    assert not isinstance(read("en", sentence), Program)

@@ -22,6 +22,7 @@ from edgevox.agent.programs.program import (
     Say,
     Steps,
     When,
+    parts_of,
 )
 from edgevox.agent.skills import Call
 
@@ -33,8 +34,8 @@ DEEPEST = 4
 _SECONDS = {"hours": 3600.0, "minutes": 60.0, "seconds": 1.0}
 _KINDS = ("low", "after", "until", "times", "arrived", "saying", "back", "patrol", "say")
 """The kinds of wrappers, the outermost first."""
-_LATER = ("low", "after")
-"""What must never be done at once: where such an order is not understood, nothing is done."""
+_AT_ONCE = ("until", "times", "arrived", "saying", "back")
+"""Wrappers around what is done on the spot: nothing in them may wait for its time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +52,18 @@ class ProgramReader:
     def __init__(self, language: str = ENGLISH) -> None:
         codes = dict.fromkeys((language, ENGLISH))
         self._languages = [_Language(phrasebook(code)) for code in codes]
+
+    def understand(self, text: str, plain: Plain, free: Plain) -> tuple[Read, bool]:
+        """As `read`, and whether the templates alone say so.
+
+        Only where they do not, `free` reads what stands inside, which knows more words than
+        `plain` and is less sure.
+        """
+        strict = self.read(text, plain)
+        if isinstance(strict, Program):
+            return strict, True
+        loose = self.read(text, free)
+        return (loose, False) if isinstance(loose, Program) else (strict, True)
 
     def read(self, text: str, plain: Plain) -> Read:
         """The program that a sentence is; None for none. It is no plain command by itself."""
@@ -131,6 +144,8 @@ class _Language:
         order = self._read(self._order(slots), plain, left) if "order" in slots else Again()
         if order is None or isinstance(order, Refused):
             return order
+        if kind in _AT_ONCE and _waits(order) and order != Again():
+            return None
         if kind in ("arrived", "saying"):
             return self._then(order, slots, plain, left)
         return _around(kind, order, slots)
@@ -148,7 +163,9 @@ class _Language:
         after = spoken or self._read(slots["next"], plain, left)
         if after is None or isinstance(after, Refused):
             return after
-        return When(Arrived(), after) if order == Again() else Steps((order, after))
+        if order == Again():
+            return When(Arrived(), after)
+        return None if _waits(after) else Steps((order, after))
 
     def _patrol(self, places: str, plain: Plain) -> Program | Refused | None:
         """To each of these places in turn, until it is stopped."""
@@ -172,6 +189,10 @@ def _around(kind: str, order: Program, slots: dict[str, str]) -> Program:
         case "times":
             return Repeat(_once(order), number(slots["count"]))
     return Steps((order, Return()))
+
+
+def _waits(program: Program) -> bool:
+    return any(isinstance(one, After | When) for one in parts_of(program))
 
 
 def _once(order: Program) -> Program:

@@ -1,0 +1,155 @@
+"""Programs are asked about and permitted as what they hold is: when they are told and when done."""
+
+import pytest
+from programs_rig import Talk
+
+from edgevox.agent.programs.keeper import LEAD_S
+from edgevox.core.ways import Way
+
+LATER = "in five minutes, go to the office"
+PATROL = "patrol between the kitchen and the office"
+QUESTION = "Shall I do this? In 5 minutes: going to the office."
+DENIED = "I cannot do that: I am not permitted to do that."
+REMARKS = [
+    "I patrol between the kitchen and the office every night",
+    "she said in five minutes go to the office",
+    "my phone says in five minutes go to the office",
+    "don't go to the office in five minutes",
+    "in five minutes, never go to the office",
+    "in five minutes I go to the office",
+    "if the battery were low you'd go to the dock",
+    "if the battery is not below twenty percent, go to the dock",
+    "would you go to the dock if the battery is below twenty percent?",
+    "do you patrol between the kitchen and the office?",
+    "did you go to the kitchen three times",
+    "do not go to the kitchen and back three times",
+    "go to the office not in five minutes but now",
+    "go to the office in five minutes three times a day",
+    "go to the office every five minutes",
+    "until I say stop you are my friend",
+    "imagine that in five minutes you go to the office",
+]
+
+
+@pytest.fixture
+def always():
+    one = Talk(confirm="always")
+    yield one
+    one.conversation.close()
+
+
+@pytest.fixture
+def ruled(tmp_path):
+    """Makes a conversation under a policy, which can be written anew."""
+    file, talks = tmp_path / "policy.yaml", []
+
+    def write(text):
+        file.write_text(text)
+        talks.append(Talk(policy=file))
+        return talks[-1]
+
+    yield write
+    for one in talks:
+        one.conversation.close()
+
+
+def confirmations(talk):
+    return [event for event in talk.events if event["kind"] == "confirmation"]
+
+
+def test_a_program_is_asked_about_in_words_and_kept_after_a_yes(always):
+    assert always.say(LATER) == QUESTION
+    assert not always.conversation.programs.kept
+    assert confirmations(always)[0]["calls"] == [
+        {"skill": "navigate_to", "arguments": {"room": "office"}}
+    ]
+    assert always.say("yes") == "In 5 minutes: going to the office."
+    always.time.advance(300 + LEAD_S)
+    always.body.arrive()
+    always.until_said("I am in the office.")
+
+
+@pytest.mark.parametrize("answer", ["no", "stop", "where are you"])
+def test_a_program_that_nobody_said_yes_to_never_moves(always, answer):
+    always.say(LATER)
+    always.say(answer)
+    always.say("yes")
+    always.time.advance(3600)
+    assert not always.conversation.programs.kept
+    assert not always.body.begun
+
+
+def test_words_for_later_are_not_asked_about(always):
+    assert always.say("in two minutes, say dinner is ready").startswith("In 2 minutes")
+
+
+def test_a_program_with_a_forbidden_step_is_refused_when_it_is_told(ruled):
+    talk = ruled("rules: {'*': {navigate_to: deny}}")
+    assert talk.say(PATROL) == DENIED
+    assert talk.say(LATER) == DENIED
+    assert not talk.conversation.programs.kept
+
+
+def test_a_step_that_needs_a_yes_is_asked_about_once_and_done_when_it_is_due(ruled):
+    talk = ruled("rules: {text_input: confirm}")
+    assert talk.say(LATER) == QUESTION
+    talk.say("yes")
+    talk.body.arrive()
+    talk.time.advance(300 + LEAD_S)
+    talk.until_said("I am in the office.")
+
+
+def test_a_step_is_judged_again_when_it_is_due_by_the_way_of_who_gave_the_order(tmp_path, ruled):
+    talk = ruled("rules: {}")
+    talk.say(LATER, Way.VOICE)
+    (tmp_path / "policy.yaml").write_text("rules: {voice: {navigate_to: deny}}  # changed since")
+    talk.time.advance(300 + LEAD_S)
+    talk.until(lambda: "failed" in talk.statuses())
+    assert not talk.body.begun
+    assert talk.programs()[-1]["code"] == "policy_denied"
+    (refused,) = [event for event in talk.events if event.get("way")]
+    assert refused["way"] == "voice"
+
+
+def test_each_round_of_a_patrol_is_judged_again(tmp_path, ruled):
+    talk = ruled("rules: {}")
+    talk.say(PATROL)
+    talk.body.wait_for(1)
+    (tmp_path / "policy.yaml").write_text("limits: {places: {never: [office]}}  # changed since")
+    talk.body.arrive()
+    talk.until(lambda: "failed" in talk.statuses())
+    assert talk.body.begun == ["kitchen"]
+
+
+def test_an_order_for_later_is_no_drive_that_no_the_kitchen_corrects(always):
+    always.conversation.set_confirm("unsure")
+    always.say(LATER)
+    always.say("no, the kitchen")
+    assert not always.body.begun
+
+
+def test_again_after_a_program_asks_to_say_all_of_it(always):
+    always.conversation.set_confirm("unsure")
+    always.say(LATER)
+    assert "Say all of it" in always.say("again")
+    assert not always.body.begun
+
+
+def test_three_times_after_a_round_trip_is_about_the_round_trip(always):
+    always.conversation.set_confirm("unsure")
+    always.body.arrive(2)
+    assert always.say("go to the kitchen and come back") == (
+        "Going to the kitchen. Then: going back."
+    )
+    always.until(lambda: "done" in always.statuses())
+    assert always.say("do that three times") == ("3 times: going to the kitchen. Then: going back.")
+
+
+@pytest.mark.parametrize("remark", REMARKS)
+def test_a_remark_about_times_and_conditions_starts_nothing(remark):
+    talk = Talk()
+    talk.say(remark)
+    kept, begun = talk.conversation.programs.kept, talk.body.begun
+    talk.conversation.close()
+    assert not kept
+    assert not begun
