@@ -181,7 +181,11 @@ def test_a_model_hands_over_to_the_agent_that_can_do_it(home):
         return [talker, Agent("driver", "You drive a robot.", skills, handoffs=("host",))]
 
     one = home(agents=two)
-    one.talk("let me speak with the driver please")
+    handed_over = one.when(HandedOver)
+    one.say("let me speak with the driver please")
+    assert handed_over.wait(HUNG_S)
+    one.conversation.submit(Interrupt())  # what the other one reads and answers is not waited for
+    assert one.conversation.wait_idle(HUNG_S)
     assert HandedOver("host", "driver", turn=1) in one.events
     assert one.conversation.mind.active.name == "driver"
 
