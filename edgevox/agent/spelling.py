@@ -2,6 +2,7 @@
 
 import re
 import unicodedata
+from functools import lru_cache
 
 _KANA_VOICING = 8
 """The combining class of the marks that make another Japanese letter, not an accented one."""
@@ -51,6 +52,7 @@ def key(text: str) -> str:
     return unpunctuated(plain.casefold())
 
 
+@lru_cache(maxsize=4096)
 def _bare(character: str) -> str:
     parts = unicodedata.normalize("NFD", character)
     if any(unicodedata.combining(mark) in (0, _KANA_VOICING) for mark in parts[1:]):
