@@ -218,7 +218,7 @@ def plot_calibration(results: Results) -> str:
     dots = [Dot(x.value, y.value / 100, y.n) for x, y in zip(given, right, strict=True)]
     return reliability(
         "How often a reading was what was meant",
-        "confidence that it was given: from 0.5 on it asks, from 0.8 on it acts",
+        "confidence: from 0.5 on it asks, from 0.8 on it acts",
         "what was meant, of the held-out half",
         dots,
     )
