@@ -3,8 +3,9 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
+import calibration
 from figures import Figure
-from plots import Bar, bars
+from plots import Bar, Dot, bars, reliability
 from results import Results, Run
 from tables import at_commit, beside, largest, measured, number, ratio, table, wanted
 
@@ -31,12 +32,11 @@ ANSWERS = (
     Shown("latency", "plain_command"),
     Shown("latency", "stop"),
     Shown("latency", "first_token", "question to the first token of a long answer"),
-    Shown("latency", "for_model"),
-    Shown("latency", "first_for_model"),
-    Shown("latency", "start", "start to ready, typed"),
+    START := Shown("latency", "start", "start to ready, typed"),
     Shown("latency", "memory_bare"),
     Shown("latency", "memory_small"),
-    Shown("ros2", "idle_heard", "a standing robot whose `/tf` and `robot_state` are heard"),
+    MEMORY := Shown("memory", "resident", "memory of the default set, hearing and speaking"),
+    IDLE := Shown("ros2", "idle_heard", "a standing robot whose `/tf` and `robot_state` are heard"),
 )
 VOICE = (
     Shown("voice", "word_errors"),
@@ -68,16 +68,25 @@ STRANGERS = (
     Shown("corpus", "whole.held_out.right", "what strangers say: right, or rightly nothing"),
     Shown("corpus", "whole.held_out.moved", "what strangers say, of some 800: wrong motions"),
 )
+DECIDED = (
+    *STRANGERS,
+    Shown("corpus", "whole.held_out.asked", "what strangers say: asked back"),
+    Shown("corpus", "whole.held_out.time_template"),
+    Shown("corpus", "whole.held_out.time_reading"),
+    Shown("corpus", "whole.held_out.p95", "time to decide, 95th percentile"),
+)
 CONTAINER = (
     Shown("image", "image.all", "image with models and all robots"),
     Shown("image", "slim.all", "slim image"),
     Shown("image", "ready"),
 )
 FRONT = (
-    *(ANSWERS[at] for at in (0, 1)),
+    *ANSWERS[:2],
     *STRANGERS,
     *(VOICE[at] for at in (1, 5)),
-    *(ANSWERS[at] for at in (5, 7, 8)),
+    START,
+    MEMORY,
+    IDLE,
     CONTAINER[0],
 )
 """What a user decides by: these stand in the README, too."""
@@ -86,12 +95,6 @@ BODIES = (
     ("`robot-irsim`, driving", "irsim_driving", "added"),
     ("`robot-panda`, picking and placing", "panda_picking_and_placing", "added"),
     ("`robot-humanoid`, walking", "humanoid_g1_walking", "added"),
-)
-THINKERS = (
-    ("templates", "plain commands", "templates"),
-    ("Qwen2.5-Coder 0.5B (set `small`)", "sentences that no template catches", "qwen-0.5b"),
-    ("Qwen2.5-Coder 1.5B (set `quality`)", "", "qwen-1.5b"),
-    ("SmolLM2 135M (for smoke tests)", "", "smollm2-135m"),
 )
 
 
@@ -161,18 +164,9 @@ def bodies(results: Results) -> str:
     return table(("body", *heads, "our layer adds", "with all it thinks and plans"), rows)
 
 
-def understanding(results: Results) -> str:
-    """Who understands how much."""
-    run = results.run("understanding")
-    rows = []
-    for who, what, name in THINKERS:
-        right, invalid = run.figure(f"{name}.all"), run.figure(f"{name}.invalid")
-        time = run.figure(f"{name}.time")
-        taken = f"{1000 * time.value:.1f} ms" if time.value < 0.1 else measured(time)
-        share = f"{100 * right.value / right.n:.0f} %"
-        heard = f"{right.n} {what}" if what else "the same"
-        rows.append((f"{who}, {taken}", heard, share, number(invalid.value)))
-    return table(("who understands", "of what", "right", "invalid calls"), rows)
+def decided(results: Results) -> str:
+    """What becomes of sentences that nothing was tuned to."""
+    return _chosen(results, DECIDED, {"measured": measured, "wanted": wanted})
 
 
 BLOCKS: Mapping[str, Callable[[Results], str]] = {
@@ -184,13 +178,13 @@ BLOCKS: Mapping[str, Callable[[Results], str]] = {
     "short-container": container,
     "short-plain": plain,
     "short-bodies": bodies,
-    "short-understanding": understanding,
+    "short-decided": decided,
 }
 
 
 def plot_answers(results: Results) -> str:
     """How long people wait, from milliseconds to seconds."""
-    chosen = (ANSWERS[0], ANSWERS[1], VOICE[5], ANSWERS[2], ANSWERS[3], VOICE[1])
+    chosen = (*ANSWERS[:3], VOICE[5], VOICE[1])
     rows = []
     for one in chosen:
         figure, _ = one.of(results)
@@ -213,9 +207,27 @@ def plot_plain(results: Results) -> str:
     return bars("Time that EdgeVox takes; the plain library takes 1", rows, mark=1.0)
 
 
+def plot_calibration(results: Results) -> str:
+    """How far the confidence of a decision can be believed."""
+    run = results.run("corpus")
+    found = [one for one in run.figures if one.table == calibration.TABLE]
+    given, right = (
+        [one for one in found if one.column == column]
+        for column in (calibration.GIVEN, calibration.RIGHT)
+    )
+    dots = [Dot(x.value, y.value / 100, y.n) for x, y in zip(given, right, strict=True)]
+    return reliability(
+        "How often a reading was what was meant",
+        "confidence: from 0.5 on it asks, from 0.8 on it acts",
+        "what was meant, of the held-out half",
+        dots,
+    )
+
+
 PLOTS: Mapping[str, Callable[[Results], str]] = {
     "figures-answers.svg": plot_answers,
     "figures-plain.svg": plot_plain,
+    "figures-calibration.svg": plot_calibration,
 }
 
 

@@ -6,7 +6,7 @@ would.
 
 from figures import Figure, Measured
 from stopwatch import resident_mb
-from talker import FOR_THE_MODEL, PLAIN, Talker
+from talker import PLAIN, QUESTIONS, READ, Talker
 
 TABLE = "Answering and stopping"
 ROUNDS = 5
@@ -24,9 +24,9 @@ def measure(quick: bool = False) -> Measured:
             figures=(
                 _one("start", "start to ready", [talker.start_s], "s"),
                 _one(
-                    "first_for_model",
-                    "first sentence for the model, right after the start",
-                    [1000 * talker.acknowledged_s(FOR_THE_MODEL[0])],
+                    "first_answer",
+                    "first question to the model, right after the start, to its first sentence",
+                    [1000 * talker.acknowledged_s(QUESTIONS[0])],
                     "ms",
                 ),
                 _one(
@@ -36,9 +36,15 @@ def measure(quick: bool = False) -> Measured:
                     "ms",
                 ),
                 _one(
-                    "for_model",
-                    "sentence for the model to acknowledgement",
-                    [1000 * talker.acknowledged_s(text) for text in FOR_THE_MODEL * rounds],
+                    "read_command",
+                    "command that no template knows to acknowledgement",
+                    [1000 * talker.acknowledged_s(text) for text in READ * rounds],
+                    "ms",
+                ),
+                _one(
+                    "answer",
+                    "question to the first sentence of the model's answer",
+                    [1000 * talker.acknowledged_s(text) for text in QUESTIONS * rounds],
                     "ms",
                 ),
                 _one(

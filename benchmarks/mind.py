@@ -1,7 +1,7 @@
 """The language model as our mind uses it, beside plain llama-cpp-python.
 
-The same weights, the same chat, the same grammar and as many threads, each in a process of its own,
-all of which take turns. Plain is `Llama.create_chat_completion`, as it comes.
+The same weights, the same chat, the same grammar of words and as many threads, each in a process of
+its own, all of which take turns. Plain is `Llama.create_chat_completion`, as it comes.
 """
 
 import multiprocessing
@@ -14,11 +14,12 @@ from typing import Any
 
 from figures import Figure, Measured, NotHere
 
+from edgevox.agent.grammar import grammar
 from edgevox.agent.llm import tuning
 from edgevox.agent.llm.base import CONTEXT_TOKENS, LanguageModel, Message, ModelFailed
 from edgevox.agent.llm.factory import load_model
 from edgevox.agent.mind import ANSWER_TOKENS, Mind
-from edgevox.agent.toolcalls import Protocol
+from edgevox.agent.skills import NO_SKILLS
 from edgevox.agent.turn import Turn
 from edgevox.apps.robots import build_agents
 from edgevox.core.bus import Bus
@@ -104,10 +105,9 @@ class Plain:
     def __init__(self) -> None:
         import llama_cpp
 
-        (agent,) = build_agents(ApartmentRobot())
-        self._protocol = Protocol(agent.instructions, agent.skills, agent.handoffs)
+        self._mind = Mind(build_agents(ApartmentRobot()), Bus(), SystemClock())
         self._grammar: Callable[[], Any] = lambda: llama_cpp.LlamaGrammar.from_string(
-            self._protocol.grammar, verbose=False
+            grammar(NO_SKILLS), verbose=False
         )
         threads = tuning.default_threads()
         self._llama = llama_cpp.Llama(
@@ -120,7 +120,7 @@ class Plain:
         self.close = self._llama.close
 
     def ask(self, question: str) -> Answer:
-        chat = [*self._protocol.opening, Message("user", self._protocol.prepare(question))]
+        chat = self._mind.chat(question)
         text, times, began = "", [], time.perf_counter()
         for chunk in self._llama.create_chat_completion(
             [{"role": one.role, "content": one.content} for one in chat],

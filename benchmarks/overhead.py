@@ -22,7 +22,7 @@ from figures import Figure, Measured
 from paced_model import paced_model
 from ros2_listener import listener
 from stopwatch import cpu_s
-from talker import PLAIN, Talker
+from talker import PLAIN, QUESTIONS, Talker
 
 TABLE = "Logs, metrics and diagnostics"
 BARE = (sys.executable, str(Path(__file__).with_name("agent_bare.py")))
@@ -30,7 +30,7 @@ ON, OFF = "with all", "with none"
 SCRAPE_S = 5.0
 SETTLE_S = 5.0
 WANTED_PERCENT = 1.0
-FOR_THE_MODEL = "tell me who you are and what you do all day"
+FOR_THE_MODEL = QUESTIONS[0]
 Talkers = dict[str, Talker]
 
 

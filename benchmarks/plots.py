@@ -1,16 +1,17 @@
-"""Bars as SVG: drawn by hand, so that the same figures always make the same file."""
+"""Pictures as SVG: drawn by hand, so that the same figures always make the same file."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import log10
+from math import log10, sqrt
 from xml.sax.saxutils import escape
 
 WIDTH, LABELS, NUMBERS, ROW, TOP = 760, 350, 70, 26, 34
+SQUARE, LEFT, SMALLEST, LARGEST = 320, 60, 3.0, 14.0
 STYLE = """
   text { font: 13px sans-serif; fill: #24292f } .head { font-weight: bold }
   .bar { fill: #4c78a8 } .mark { stroke: #d1661f; stroke-width: 1.5; stroke-dasharray: 4 3 }
-  .axis { stroke: #8c959f }
-  @media (prefers-color-scheme: dark) { text { fill: #e6edf3 } .bar { fill: #79a6d2 } }
+  .axis { stroke: #8c959f } .dot { fill: #4c78a8; fill-opacity: 0.8 }
+  @media (prefers-color-scheme: dark) { text { fill: #e6edf3 } .bar, .dot { fill: #79a6d2 } }
 """
 
 
@@ -37,12 +38,7 @@ def bars(title: str, rows: Sequence[Bar], *, logarithmic: bool = False, mark: fl
 
     line = length(mark) if mark else 0.0
     height = TOP + ROW * len(rows) + 10
-    frame = f'viewBox="0 0 {WIDTH} {height}" role="img" aria-label="{escape(title)}"'
-    lines = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" {frame}>',
-        f"<style>{STYLE}</style>",
-        f'<text class="head" x="8" y="20">{escape(title)}</text>',
-    ]
+    lines = _framed(title, WIDTH, height)
     for index, row in enumerate(rows):
         y, end = TOP + ROW * index, length(row.value)
         # Beyond the mark where it would go through the number.
@@ -58,3 +54,52 @@ def bars(title: str, rows: Sequence[Bar], *, logarithmic: bool = False, mark: fl
         x = f"{LABELS + line:.1f}"
         lines.append(f'<line class="mark" x1="{x}" y1="{TOP}" x2="{x}" y2="{foot}"/>')
     return "\n".join([*lines, "</svg>", ""])
+
+
+@dataclass(frozen=True, slots=True)
+class Dot:
+    """So many cases of an average confidence `x`, of which the share `y` was right, both 0 to 1."""
+
+    x: float
+    y: float
+    count: int
+
+
+def reliability(title: str, across: str, up: str, dots: Sequence[Dot]) -> str:
+    """Dots in a square, the larger the more cases; on the dashed line the confidence is kept."""
+    width, height = LEFT + SQUARE + 40, TOP + SQUARE + 56
+    foot, most = TOP + SQUARE, max((dot.count for dot in dots), default=1)
+    lines = [
+        *_framed(title, width, height),
+        f'<line class="axis" x1="{LEFT}" y1="{TOP}" x2="{LEFT}" y2="{foot}"/>',
+        f'<line class="axis" x1="{LEFT}" y1="{foot}" x2="{LEFT + SQUARE}" y2="{foot}"/>',
+        f'<line class="mark" x1="{LEFT}" y1="{foot}" x2="{LEFT + SQUARE}" y2="{TOP}"/>',
+    ]
+    for tick in (0.0, 0.25, 0.5, 0.75, 1.0):
+        x, y = LEFT + SQUARE * tick, foot - SQUARE * tick
+        lines += [
+            f'<text x="{x:.1f}" y="{foot + 18}" text-anchor="middle">{tick:g}</text>',
+            f'<text x="{LEFT - 8}" y="{y + 4:.1f}" text-anchor="end">{tick:.0%}</text>',
+        ]
+    for dot in dots:
+        x, y = LEFT + SQUARE * dot.x, foot - SQUARE * dot.y
+        radius = max(SMALLEST, LARGEST * sqrt(dot.count / most))
+        lines.append(
+            f'<circle class="dot" cx="{x:.1f}" cy="{y:.1f}" r="{radius:.1f}">'
+            f"<title>{dot.y:.0%} of {dot.count}</title></circle>"
+        )
+    middle = LEFT + SQUARE / 2
+    lines += [
+        f'<text x="{middle:.1f}" y="{foot + 42}" text-anchor="middle">{escape(across)}</text>',
+        f'<text x="{LEFT + 10}" y="{TOP + 14}">{escape(up)}</text>',
+    ]
+    return "\n".join([*lines, "</svg>", ""])
+
+
+def _framed(title: str, width: int, height: int) -> list[str]:
+    frame = f'viewBox="0 0 {width} {height}" role="img" aria-label="{escape(title)}"'
+    return [
+        f'<svg xmlns="http://www.w3.org/2000/svg" {frame}>',
+        f"<style>{STYLE}</style>",
+        f'<text class="head" x="8" y="20">{escape(title)}</text>',
+    ]

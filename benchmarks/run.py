@@ -28,6 +28,7 @@ from results import FILE, IDLE_LOAD, BadResults, read, write
 BENCHMARKS = {
     "sim": "steps, scans and plans of the 2D apartment",
     "latency": "how fast a running agent answers and stops",
+    "memory": "how much memory the default set takes, hearing and speaking",
     "spine": "through how much code a sentence passes before a wheel turns",
     "stop": "how soon a robot stands, by every way to say so",
     "ros2": "messages, round trips, an idle robot, rates, images",
@@ -37,7 +38,6 @@ BENCHMARKS = {
     "overhead": "what logs, metrics and diagnostics cost",
     "voice": "hearing, answering aloud, barging in, an hour of listening",
     "corpus": "what becomes of what strangers say, and whether anything moves that should not",
-    "understanding": "what templates and models understand",
     "image": "size and start of the container's image",
 }
 """Each is a module here, in the order in which they run."""

@@ -16,17 +16,25 @@ from peer import RELIABLE, SENSOR, STATE, Peer
 from waiting import Heard, wait_until
 
 PLAIN = ("where are you", "go to the kitchen", "go to the bedroom", "what is your battery level")
-FOR_THE_MODEL = (
-    "I feel like having a snack",
-    "my bed is calling me",
-    "I ought to answer my mail now",
-    "would you mind checking how much power remains",
+READ = (
+    "I would like you over in the kitchen, please",
+    "off you go to the bedroom",
+    "let's have you in the living room",
+    "get yourself to the kitchen, please",
 )
+"""No template knows these: they are read and judged."""
+QUESTIONS = (
+    "how do bees make honey",
+    "what is a lighthouse good for",
+    "why do cats sleep so much",
+    "why is the sea salty",
+)
+"""What the model answers, in words."""
 STORY = "why is the sky blue and why do people like to look at it"
 """Answered in many words, so that there is time to interrupt."""
 SETTLE_S = 0.3
 """Two topics have no order between them; after this long the first message has arrived."""
-__all__ = ["FOR_THE_MODEL", "PLAIN", "RELIABLE", "Talker", "isolate", "wait_until"]
+__all__ = ["PLAIN", "QUESTIONS", "READ", "RELIABLE", "Talker", "isolate", "wait_until"]
 
 STANDING = ("Stopped.", "I am standing still.")
 
@@ -79,7 +87,7 @@ class Talker:
         """Seconds from the message out to the first sentence in; then the robot is stopped."""
         heard = len(self.sentence.messages)
         begun = self.say(text)
-        self.sentence.wait_for(lambda _: True, timeout_s=60, since=heard)
+        self.sentence.wait_for(lambda _: True, since=heard)
         taken = self.sentence.times[heard] - begun
         self.stop()
         return taken
@@ -89,7 +97,7 @@ class Talker:
         self.forget()
         heard = len(self.token.messages)
         begun = self.say(STORY)
-        self.token.wait_for(lambda _: True, timeout_s=60, since=heard)
+        self.token.wait_for(lambda _: True, since=heard)
         taken = self.token.times[heard] - begun
         self.stop()
         return taken
@@ -101,7 +109,7 @@ class Talker:
         _wait(self.robot, lambda m: json.loads(m)["velocity"]["linear"] > 0.3)
         heard = len(self.token.messages)
         self.say(STORY)
-        self.token.wait_for(lambda _: True, timeout_s=60, since=heard)
+        self.token.wait_for(lambda _: True, since=heard)
         seen = len(self.robot.messages)
         begun = self.say("stop")
         self.robot.wait_for(_standing, since=seen)

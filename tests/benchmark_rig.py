@@ -11,9 +11,10 @@ import environment as describing
 import render
 import run
 import sim
+from calibration import calibrated
 from environment import Environment
 from figures import Figure, Measured, NotHere
-from plots import Bar, bars
+from plots import Bar, Dot, bars, reliability
 from results import FILE, BadResults, Results, read, write
 from tables import number
 
@@ -21,11 +22,14 @@ __all__ = [
     "FILE",
     "BadResults",
     "Bar",
+    "Dot",
     "NotHere",
     "bars",
+    "calibrated",
     "describing",
     "number",
     "read",
+    "reliability",
     "render",
     "run",
     "sim",

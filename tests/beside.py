@@ -15,8 +15,8 @@ WAITING = ("compose", "ros2")
 """Those that mostly wait: for containers, for the other end of a wire, for a robot to arrive."""
 LAST = "test_chaos.py"
 SHARING = {
-    "tests/models/test_llm_endpoint_server.py": "tests/models/test_commands.py",
-    "tests/models/test_mind_and_body.py": "tests/models/test_commands.py",
+    "tests/models/test_llm_endpoint_server.py": "tests/models/test_words.py",
+    "tests/models/test_mind_and_body.py": "tests/models/test_words.py",
 }
 """Files that run in the worker of another one, which has already prepared what costs them most."""
 

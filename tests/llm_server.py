@@ -18,7 +18,7 @@ CHAT = [Message("system", "Be brief."), Message("user", "Where to?")]
 ROOMS = 'root ::= "go " ("kitchen" | "bedroom") "!"'
 Chat = Callable[["Reply"], None]
 AT_ONCE_S = [0.0 for _ in PAUSES_S]
-PATIENCE_S = 60.0
+PATIENCE_S = HUNG_S
 """What answers has so long, on whatever machine; shorter where silence is the subject."""
 
 

@@ -1,10 +1,11 @@
 """What a model reads before the first utterance: its role, its skills, and examples.
 
-The wording, the words of the format, the order and the number of the examples were chosen by trial
-with the smallest model; `benchmarks/understanding.py` tells what a change does.
+A model answers in words, hands over, and calls only skills that take any words, so that is all it
+is told of. The wording, the words of the format and the order of the examples were chosen by trial
+with the smallest model.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
 from typing import Any
@@ -15,10 +16,8 @@ from edgevox.agent.phrasebook import Exchange, Phrasebook
 from edgevox.agent.skills import Call, Skill, SkillSet
 
 EXAMPLES_PER_SKILL = 3
-"""More where an argument is one of more words, so that each of them is seen."""
 MOST_LEARNED = 20
-"""So many words that came later are named."""
-_LEARNED = "a name that was given"
+"""So many words that came later are named; the grammar knows all."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,13 +34,14 @@ def system_prompt(
 ) -> str:
     """The role, the calls there are, and how to answer, in that language."""
     lines = [instructions, ""]
-    if not skills and not handoffs:
+    known = [one for one in skills.values() if one.callable_now]
+    if not known and not handoffs:
         lines.append(
             f'Answer with "{SAY}" and one short sentence. Others do what can be done here.'
         )
         return "\n".join([*lines, *_spoken_in(language)])
     lines.append("You can only make these calls:")
-    lines += [f"{_signature(one)}: {one.description}" for one in skills.values()]
+    lines += [f"{_signature(one)}: {one.description}" for one in known]
     if handoffs:
         who = " or ".join(literal(name) for name in handoffs)
         lines.append(f"{HANDOFF}(agent={who}): Hand over to a colleague who can do it.")
@@ -90,22 +90,11 @@ def _singles(skills: SkillSet, book: Phrasebook) -> list[Shown]:
     given = [
         [
             Shown(e.sentence, (Call(name, dict(e.arguments)),))
-            for e in book.examples(one)[: _enough(one)]
+            for e in book.examples(one)[:EXAMPLES_PER_SKILL]
         ]
         for name, one in skills.items()
     ]
     return [one for each in zip_longest(*given) for one in each if one is not None]
-
-
-def _enough(one: Skill) -> int:
-    return max([EXAMPLES_PER_SKILL, *_counts(one)])
-
-
-def _counts(one: Skill) -> Iterator[int]:
-    """How many words each argument takes, as long as nothing is learned."""
-    choices = one.choices
-    for name, kind in one.schema.get("properties", {}).items():
-        yield len(choices[name].fixed if name in choices else kind.get("enum", ()))
 
 
 def _pairs(singles: Sequence[Shown], skills: int, links: Sequence[str]) -> list[Shown]:
@@ -136,30 +125,14 @@ def _signature(one: Skill) -> str:
     return f"{one.name}({arguments})"
 
 
-def learned_words(skills: SkillSet) -> str:
-    """Words to choose from that no system prompt has, since they came later; empty without any.
-
-    They stand behind everything else, for a model reads again what follows a change. Of many the
-    newest are named; the grammar knows all.
-    """
-    takers: dict[tuple[str, ...], list[str]] = {}
-    for one in skills.values():
-        for argument, choices in one.choices.items():
-            takers.setdefault(choices.learned()[-MOST_LEARNED:], []).append(
-                f"{one.name}({argument})"
-            )
-    return " ".join(
-        f"{' and '.join(names)} can be {' or '.join(map(literal, words))}, too."
-        for words, names in takers.items()
-        if words
-    )
-
-
 def _kinds(one: Skill) -> Mapping[str, str]:
-    """What each argument may be, as long as nothing is learned."""
-    fixed = {name: choices.fixed for name, choices in one.choices.items()}
+    """What each argument may be now."""
+    known = {
+        name: (*choices.fixed, *choices.learned()[-MOST_LEARNED:])
+        for name, choices in one.choices.items()
+    }
     return {
-        name: " or ".join(map(literal, fixed[name])) or _LEARNED if name in fixed else _kind(kind)
+        name: " or ".join(map(literal, known[name])) if name in known else _kind(kind)
         for name, kind in one.schema.get("properties", {}).items()
     }
 

@@ -6,6 +6,7 @@ It begins with the one form of each character that `core.text` gives any text fr
 import re
 import unicodedata
 from collections.abc import Mapping
+from functools import lru_cache
 
 from edgevox.core.text import one_form
 
@@ -53,6 +54,7 @@ def key(text: str) -> str:
     return unpunctuated(plain.casefold())
 
 
+@lru_cache(maxsize=4096)
 def _bare(character: str) -> str:
     parts = unicodedata.normalize("NFD", character)
     if any(unicodedata.combining(mark) in (0, _KANA_VOICING) for mark in parts[1:]):

@@ -8,8 +8,7 @@ from dataclasses import dataclass, field, replace
 from edgevox.agent.grammar import DO, END, HANDOFF, JOINT, SAY, grammar, literal
 from edgevox.agent.llm.base import Message
 from edgevox.agent.numbers import digits
-from edgevox.agent.phrase_file import phrasebook
-from edgevox.agent.prompt import examples, learned_words, system_prompt
+from edgevox.agent.prompt import examples, system_prompt
 from edgevox.agent.skills import NO_SKILLS, Call, SkillSet
 from edgevox.agent.spelling import key
 
@@ -78,9 +77,6 @@ class Protocol:
                 self.render_calls(example.calls) if example.calls else self.render(example.says)
             )
             shown += [Message("user", self.prepare(example.sentence)), Message("assistant", answer)]
-        if learned := learned_words(self.skills):
-            answer = self.render(phrasebook(self.language).say("all_right"))
-            shown += [Message("user", learned), Message("assistant", answer)]
         object.__setattr__(self, "opening", (system, *shown))
 
     def renewed(self) -> "Protocol":

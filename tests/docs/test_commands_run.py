@@ -7,9 +7,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from guards import HUNG_S
 from page_commands import PAGES, ROOT, commands, proofs
 
-LONGEST_S = 120
 TABLE = proofs()
 
 
@@ -69,7 +69,7 @@ def test_the_commands_of_a_page_do_what_they_should(page, folder, environment):
             stdin=subprocess.DEVNULL,
             capture_output=True,
             text=True,
-            timeout=LONGEST_S,
+            timeout=HUNG_S,
         )
         assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
         assert "Traceback" not in done.stderr, command

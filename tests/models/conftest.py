@@ -1,7 +1,6 @@
 """The models that the tests share, as `edgevox-models` keeps them."""
 
-import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -10,28 +9,6 @@ from edgevox.agent.llm import tuning
 from edgevox.agent.llm.base import LanguageModel
 from edgevox.agent.llm.factory import load_model
 from edgevox.models import locate
-
-# The tests judge a model as the benchmark does.
-sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
-
-import understanding
-from understanding import Command, Outcome
-
-
-class Apartment:
-    """What the small model makes of what is said in the apartment: each command asked once."""
-
-    def __init__(self, model: LanguageModel) -> None:
-        self._model = model
-        self._known: dict[str, Outcome] = {}
-
-    def understands(self, commands: Sequence[Command]) -> list[Outcome]:
-        """Their outcomes, in their order."""
-        new = [one for one in commands if one.says not in self._known]
-        if new:
-            found = understanding.through_model(understanding.apartment_skills(), self._model, new)
-            self._known |= {outcome.command.says: outcome for outcome in found}
-        return [self._known[one.says] for one in commands]
 
 
 @pytest.fixture(scope="session")
@@ -49,17 +26,12 @@ def threads(worker: tuple[int, int]) -> int:
 def small(threads: int) -> Iterator[LanguageModel]:
     """The model of the set `small`.
 
-    To read the apartment's instructions takes as long as twenty commands: `beside.SHARING` has the
-    files that ask it about the apartment run in one worker, where it reads them once.
+    To read the apartment's instructions takes as long as ten answers: `beside.SHARING` has the
+    files that ask it something in the apartment run in one worker, where it reads them once.
     """
     model = load_model(locate("qwen2.5-coder-0.5b-instruct"), threads=threads)
     yield model
     model.close()
-
-
-@pytest.fixture(scope="session")
-def apartment(small: LanguageModel) -> Apartment:
-    return Apartment(small)
 
 
 @pytest.fixture(scope="session")

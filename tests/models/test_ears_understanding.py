@@ -119,17 +119,18 @@ def test_with_a_wake_word_its_command_and_any_stop_are_understood(whisper):
     assert [plain(h.text) for h in heard] == ["go to the bedroom", "stop"]
 
 
-def test_listening_to_silence_costs_less_than_a_twentieth_of_a_core(whisper):
-    wakeword = WakeWord("hey jarvis", locate("wake-words"))
-    quiet = silence(60.0)
-    before_s = time.process_time()
+def test_listening_to_silence_costs_a_fraction_of_listening_awake(whisper):
+    """How much of a core that is depends on the machine: it is a figure of the benchmarks."""
 
-    heard = listen(whisper, quiet, wakeword=wakeword)
+    def computed_s(**more):
+        wakeword = WakeWord("hey jarvis", locate("wake-words"), **more)
+        before_s = time.process_time()
+        assert listen(whisper, silence(15.0), wakeword=wakeword) == []
+        wakeword.close()
+        return time.process_time() - before_s
 
-    share = (time.process_time() - before_s) / 60.0
-    wakeword.close()
-    assert heard == []
-    assert share < 0.05
+    asleep, awake = computed_s(), computed_s(always_awake=True)
+    assert asleep < awake / 3
 
 
 def test_ten_minutes_leave_no_thread_and_no_memory_behind(whisper):

@@ -23,6 +23,7 @@ from edgevox.core.settings import LlmBackend
 
 BACKENDS: tuple[LlmBackend, ...] = ("xllamacpp", "llama-cpp-python")
 STORY = [Message("user", "Tell me a long story about a robot in a kitchen.")]
+SPUN_S = 0.5
 ROOMS = 'root ::= "go " ("kitchen" | "bedroom") "!"'
 
 
@@ -45,6 +46,17 @@ def timed(action: Callable[[], object]) -> float:
     begun = time.process_time()
     action()
     return time.process_time() - begun
+
+
+def computed_beside(seconds: float) -> float:
+    """Seconds that all other threads computed while this one did for so long, on any machine.
+
+    One that spins gets as much of a core as this one, however fast and however busy that is.
+    """
+    own_s, whole_s = time.thread_time(), time.process_time()
+    while (spun_s := time.thread_time() - own_s) < seconds:
+        pass
+    return time.process_time() - whole_s - spun_s
 
 
 def long_prompt(words: int, start: str) -> list[Message]:
@@ -218,13 +230,11 @@ def test_a_loaded_model_that_is_not_asked_anything_does_not_spin(
     model = load_model(tiny_path, backend, context_tokens=512)
     ask(model, STORY, max_tokens=4)
     CancelToken().wait(0.2)
-    begun_cpu_s, begun_s = time.process_time(), time.perf_counter()
 
-    CancelToken().wait(1.0)
-    share = (time.process_time() - begun_cpu_s) / (time.perf_counter() - begun_s)
+    beside_s = computed_beside(SPUN_S)
     model.close()
 
-    assert share < 0.05
+    assert beside_s < SPUN_S / 20
 
 
 @pytest.mark.parametrize("backend", BACKENDS)

@@ -1,4 +1,4 @@
-"""A real llama-server in another process, with the model that robots have on board."""
+"""A real llama-server in another process, with the smallest model, as a fleet may share one."""
 
 import itertools
 import logging
@@ -9,20 +9,23 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-import understanding
+from corpus_robots import skills_of_robots
 from guards import HUNG_S
-from understanding import Command, through_model
 
 from edgevox.agent.llm.base import LanguageModel, Message
 from edgevox.agent.llm.endpoint import Address, EndpointModel, FallbackModel
 from edgevox.agent.llm.endpoint.errors import Refused
+from edgevox.agent.llm.factory import load_model
 from edgevox.agent.prompt import examples
+from edgevox.agent.skills import Example, GoalHandle, SkillSet, skill
+from edgevox.agent.toolcalls import Protocol
 from edgevox.core.cancel import CancelToken
 from edgevox.core.languages import LANGUAGES
 from edgevox.models import locate
 
-MODEL = "qwen2.5-coder-0.5b-instruct"
-SENTENCES = 6
+MODEL = "smollm2-135m-instruct"
+ASKED = (("jot down that the milk is empty", True), ("how do you do?", False))
+"""Each with whether it is an order, to which a model may make calls."""
 COUNT = [Message("user", "Count, and do not stop.")]
 NUMBERS = 'root ::= ([0-9] " "){60}'
 
@@ -65,20 +68,35 @@ def shared(server: Process) -> Iterator[EndpointModel]:
     model.close()
 
 
-def some_commands() -> list[Command]:
-    for_model = [c for c in understanding.read_commands() if c.by == "model"]
-    return for_model[:: len(for_model) // SENTENCES]
+@skill(examples=[Example("make a note, the door squeaks", {"text": "the door squeaks"})])
+def take_note(goal: GoalHandle, text: str) -> None:
+    """Write something down."""
 
 
-def test_the_shared_model_understands_what_the_same_one_on_board_does(shared, apartment) -> None:
-    skills, commands = understanding.apartment_skills(), some_commands()
+@pytest.fixture(scope="module")
+def on_board(threads: int) -> Iterator[LanguageModel]:
+    model = load_model(locate(MODEL), threads=threads)
+    yield model
+    model.close()
 
-    there = through_model(skills, shared, commands)
-    here = apartment.understands(commands)
 
-    assert [one.calls for one in there] == [one.calls for one in here]
-    assert sum(one.right for one in there) >= 0.7 * len(commands)
-    assert not [one.invalid for one in there if one.invalid]
+def test_the_shared_model_answers_and_calls_as_the_same_one_on_board_does(
+    shared: EndpointModel, on_board: LanguageModel
+) -> None:
+    protocol = Protocol("You keep the notes of a household.", SkillSet([take_note]))
+
+    def answer(model: LanguageModel, said: str, *, ordered: bool) -> str:
+        chat = [protocol.opening[0], Message("user", protocol.prepare(said))]
+        grammar = protocol.grammar_of(ordered=ordered)
+        token = CancelToken()
+        return "".join(model.generate(chat, grammar=grammar, max_tokens=24, token=token))
+
+    here, there = (
+        [answer(one, said, ordered=ordered) for said, ordered in ASKED]
+        for one in (on_board, shared)
+    )
+    assert there == here
+    assert all(there)
 
 
 def test_a_cancelled_answer_frees_the_server_for_the_next(
@@ -109,17 +127,16 @@ def test_a_chat_longer_than_the_servers_context_is_refused(shared: EndpointModel
 
 
 def test_tokens_are_never_counted_too_low(shared: EndpointModel, small: LanguageModel) -> None:
-    skills = understanding.apartment_skills()
+    skills = skills_of_robots()["robot-apartment"]
     said = [one.sentence for code in LANGUAGES for one in examples(skills, (), code)]
     said += ["x 12.345, y -0.5", "🤖 🦾", "ok " * 50]
 
     assert [t for t in said if shared.count_tokens(t) < small.count_tokens(t)] == []
 
 
-def test_when_the_server_dies_the_one_on_board_answers(small, threads, caplog) -> None:
-    server = Process(locate("smollm2-135m-instruct"), threads)
-    shared = EndpointModel(Address(server.url, timeout_s=HUNG_S))
-    model = FallbackModel(shared, small)
+def test_when_the_server_dies_the_one_on_board_answers(on_board, threads, caplog) -> None:
+    server = Process(locate(MODEL), threads)
+    model = FallbackModel(EndpointModel(Address(server.url, timeout_s=HUNG_S)), on_board)
     rooms = 'root ::= "kitchen" | "bedroom"'
     chat = [Message("user", "Where do people cook? In the kitchen or in the bedroom?")]
 

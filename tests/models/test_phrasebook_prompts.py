@@ -1,5 +1,7 @@
 """What a model reads in each language, counted by the model of the small set."""
 
+from functools import lru_cache
+
 import pytest
 
 from edgevox.agent.llm.factory import load_model
@@ -33,6 +35,7 @@ def test_the_prompt_names_the_language_to_answer_in(code):
     assert f"Every sentence that you say is {LANGUAGES[code].name}." in opening(code)[0].content
 
 
+@lru_cache
 def opening(code):
     """What the mind of the apartment's robot shows a model before anything is said."""
     return Mind(build_agents(ApartmentRobot()), Bus(), SystemClock(), language=code).chat()

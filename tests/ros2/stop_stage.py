@@ -12,8 +12,9 @@ from pathlib import Path
 from action_stage import Client
 from agent_process import READY, Agent
 from guards import HUNG_S
+from halting import halt_of, stands_for_good
 from peer import RELIABLE, STATE, Peer
-from robot_states import moving, standing
+from robot_states import moving
 from std_msgs.msg import String
 from waiting import wait_until
 
@@ -110,14 +111,14 @@ class Robot:
 
     def stood(self, since):
         """Now that its goal has ended: which state is the first from which on it stands."""
-        self.state.wait_for(standing, since=len(self.state.messages))
+        self.state.wait_for(stands_for_good, since=len(self.state.messages))
         heard = self.state.messages
-        moved = [number for number in range(since, len(heard)) if not standing(heard[number])]
+        moved = [n for n in range(since, len(heard)) if not stands_for_good(heard[n])]
         return moved[-1] + 1 if moved else since
 
-    def own_time_s(self, number):
-        """What its clock said in a state."""
-        return json.loads(self.state.messages[number])["time"]
+    def halted(self, since):
+        """How it stopped, of a goal that it had at `since` or after it."""
+        return halt_of(self.state.messages[since : self.stood(since) + 1])
 
 
 @contextmanager
@@ -139,24 +140,27 @@ def priming(robot):
 
 @contextmanager
 def generating(robot):
-    goal = robot.drives()
-    robot.thinker.primed.set()
-    robot.thinker.tells.clear()
-    robot.peer.send("text_input", "why is the sky blue")
-    assert robot.thinker.tells.wait(HUNG_S)
-    yield goal
+    _let_it_think(robot)
+    yield robot.drives()
 
 
 @contextmanager
 def crowded(robot):
     """It thinks, and as many sentences wait as may."""
-    with generating(robot) as goal:
-        pause = threading.Event()
-        for _ in range(SENTENCES):
-            robot.peer.send("text_input", "where are you")
-            pause.wait(0.005)  # a topic keeps the last 10
-        robot.has_looked()
-        yield goal
+    _let_it_think(robot)
+    pause = threading.Event()
+    for _ in range(SENTENCES):
+        robot.peer.send("text_input", "where are you")
+        pause.wait(0.005)  # a topic keeps the last 10
+    robot.has_looked()
+    yield robot.drives()
+
+
+def _let_it_think(robot):
+    robot.thinker.primed.set()
+    robot.thinker.tells.clear()
+    robot.peer.send("text_input", "why is the sky blue")
+    assert robot.thinker.tells.wait(HUNG_S)
 
 
 @contextmanager
@@ -211,4 +215,4 @@ def settle(robot):
     """Whatever was asked for before is over."""
     robot.peer.send("command", "reset")
     robot.has_looked()
-    robot.state.wait_for(standing, since=len(robot.state.messages))
+    robot.state.wait_for(stands_for_good, since=len(robot.state.messages))

@@ -1,16 +1,15 @@
 """Stop means stop: every way to say it, whatever the robot is busy with, seen from outside.
 
-How long it takes on a machine is a figure of the benchmarks. Here it must be soon in the robot's
-own time, long before the drive is over, and the goal must end as canceled for who asked for it.
+How long a word takes to reach it is a figure of the benchmarks. Here it must stand soon after it
+has let go of its goal, in its own time, before it has arrived, and the goal must end as canceled
+for who asked for it.
 """
 
 import pytest
+from halting import BRAKED_S, LEFT_M
 from peer import Peer
 from robot_states import moving, standing
 from stop_stage import SITUATIONS, WAYS, Robot, settle
-
-STOP_S = 1.0
-"""Of the robot's own time, which passes on a busy machine as it can. A drive takes many more."""
 
 
 @pytest.fixture(scope="module")
@@ -30,10 +29,12 @@ def robot(home):
 @pytest.mark.parametrize("situation", SITUATIONS)
 def test_it_stands(robot, situation, way):
     with SITUATIONS[situation](robot) as goal:
-        since, before = len(robot.state.messages), robot.newest()["time"]
+        since = len(robot.state.messages) - 1
         WAYS[way](robot, goal)
     assert robot.client.end_of(goal)[0] == "canceled"
-    assert robot.own_time_s(robot.stood(since)) - before < STOP_S
+    halt = robot.halted(since)
+    assert halt.braked_s < BRAKED_S
+    assert halt.left_m > LEFT_M
 
 
 @pytest.mark.parametrize("way", ["text_input", "standard input", "command"])
@@ -58,13 +59,14 @@ def test_a_drive_by_standard_input_is_stopped_by_the_line_after_it(robot):
     robot.type("go to the bedroom" if robot.newest()["pose"]["x"] > 5 else "go to the kitchen")
     robot.state.wait_for(moving, since=len(robot.state.messages))
     robot.type("where are you")  # waits for the end of the drive
-    heard, since = len(robot.sentence.messages), len(robot.state.messages)
-    before = robot.newest()["time"]
+    heard, since = len(robot.sentence.messages), len(robot.state.messages) - 1
 
     robot.type("stop\nwhat is your battery level")
 
     robot.sentence.wait_for(lambda m: m == "Stopped.", since=heard)
-    assert robot.own_time_s(robot.stood(since)) - before < STOP_S
+    halt = robot.halted(since)
+    assert halt.braked_s < BRAKED_S
+    assert halt.left_m > LEFT_M
     robot.sentence.wait_for(lambda m: "percent" in m, since=heard)
     assert not any(m.startswith("I am in") for m in robot.sentence.messages[heard:])
     robot.agent.wait_for_line("[lines before it that are not done: 1]")

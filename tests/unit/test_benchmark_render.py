@@ -6,11 +6,14 @@ import pytest
 from benchmark_rig import (
     FILE,
     Bar,
+    Dot,
     Results,
     bars,
+    calibrated,
     found,
     number,
     read,
+    reliability,
     render,
     run,
     with_run,
@@ -129,6 +132,29 @@ def test_the_same_figures_always_make_the_same_picture():
     assert not re.search(r"20\d\d-|date", picture)
     widths = [float(one) for one in re.findall(r'class="bar" .*? width="([\d.]+)"', picture)]
     assert 0 < widths[0] < widths[1]
+
+
+def test_the_more_cases_a_dot_stands_for_the_larger_it_is_and_what_is_right_stands_higher():
+    picture = reliability("<Right>", "given", "right", [Dot(0.5, 0.25, 4), Dot(1.0, 1.0, 100)])
+
+    found = re.findall(r'cx="([\d.]+)" cy="([\d.]+)" r="([\d.]+)"', picture)
+    few, many = [tuple(map(float, one)) for one in found]
+    assert few[0] < many[0]
+    assert few[1] > many[1], "SVG counts downwards"
+    assert few[2] < many[2]
+    assert "&lt;Right&gt;" in picture
+
+
+def test_confidence_is_counted_by_tenths_with_what_was_right():
+    weighed = [(0.82, True), (0.88, False), (1.0, True), (0.0, False)]
+
+    found = {one.id: (one.what, one.value, one.n) for one in calibrated(weighed)}
+
+    assert found["calibration.given.8"] == ("0.8 to 0.9", 0.85, 2)
+    assert found["calibration.right.8"] == ("0.8 to 0.9", 50.0, 2)
+    assert found["calibration.right.9"] == ("0.9 to 1.0", 100.0, 1)
+    assert found["calibration.right.0"] == ("0.0 to 0.1", 0.0, 1)
+    assert len(found) == 9
 
 
 @pytest.mark.parametrize(
