@@ -104,7 +104,7 @@ class Inbox:
             log.warning("request_refused", reason=refusal, limit=LIMITS[refusal])
         return refusal
 
-    def announce(self, text: str, detail: str) -> None:
+    def announce(self, text: str, detail: str = "") -> None:
         """Have something said that nobody asked for now, and `detail` written beside it."""
         self.put(Announce(text, detail))
 
