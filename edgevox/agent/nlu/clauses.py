@@ -49,6 +49,7 @@ class Clauses:
         names: Sequence[Name],
         numbers: Sequence[Number],
         filled: frozenset[int],
+        unsaid: frozenset[int] = frozenset(),
     ) -> None:
         self.tokens = tokens
         self._lexicon = lexicon
@@ -56,6 +57,7 @@ class Clauses:
         self._numbers = numbers
         self._named = frozenset(i for one in names for i in range(one.start, one.end))
         self._filled = filled
+        self._unsaid = unsaid  # words that only take something back
         functions = lexicon.function_words.fillers
         self._filled_words = {at for at, token in enumerate(tokens) if token in functions}
 
@@ -126,7 +128,10 @@ class Clauses:
             seen = {
                 token: words.weights[token]
                 for at, token in enumerate(self.tokens[start:end], start)
-                if token in words.weights and at not in self._named and token not in units
+                if token in words.weights
+                and at not in self._named
+                and at not in self._unsaid
+                and token not in units
             }
             yield Part(
                 Call(words.skill.name, arguments),

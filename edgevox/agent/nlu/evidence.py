@@ -2,13 +2,17 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
+from edgevox.agent.nlu.clauses import Part
 from edgevox.agent.nlu.lexicon import Lexicon
 from edgevox.agent.nlu.readings import Reading
 from edgevox.agent.nlu.tokens import find, is_mark
 
 _QUESTION_MARKS = "?\N{FULLWIDTH QUESTION MARK}\N{ARABIC QUESTION MARK}"
 _MOST_DOUBTS = 4
+_SPEAKS = 0.4
+"""What a word weighs at least that opens an order."""
 
 
 def evidence(reading: Reading, lexicon: Lexicon, text: str) -> Mapping[str, float]:
@@ -16,7 +20,9 @@ def evidence(reading: Reading, lexicon: Lexicon, text: str) -> Mapping[str, floa
     parts, tokens = reading.parts, reading.tokens
     words = lexicon.function_words
     size = max(1, sum(not is_mark(token) for token in tokens))
-    asking = _count(lexicon, tokens, words.asking) > 0
+    asking = any(find(tokens, lexicon.phrase(one)) for one in words.asking)
+    wishing = any(find(tokens, lexicon.phrase(one)) for one in words.wishes)
+    said = _Said(lexicon, tokens, reading.courteous)
     asks = any(mark in text for mark in _QUESTION_MARKS)
     return {
         "strange": reading.strange,
@@ -34,25 +40,68 @@ def evidence(reading: Reading, lexicon: Lexicon, text: str) -> Mapping[str, floa
         "unitless": any(part.unitless for part in parts),
         "corrected": reading.corrected,
         "denied": reading.denied,
-        "reports": _count(lexicon, tokens, words.reports) > 0,
-        "conditions": min(_count(lexicon, tokens, words.conditions), 2),
-        "doubts": min(_count(lexicon, tokens, words.doubts), _MOST_DOUBTS),
+        "reports": said.count(words.reports) > 0,
+        "conditions": min(said.count(words.conditions), 2),
+        "doubts": min(said.count(words.doubts), _MOST_DOUBTS),
+        "doubts_inside": min(said.count(words.doubts, reading.parts), _MOST_DOUBTS),
         "asks": asks and not asking,
-        "opens_as_question": (_opens(lexicon, tokens, words.questions) and not asking)
-        or (asks and _count(lexicon, tokens, words.questions) > 0),
-        "doubted_first": _opens(lexicon, tokens, (*words.doubts, *words.conditions)),
+        "opens_as_question": (said.opens(words.questions) and not asking)
+        or (asks and said.count(words.questions) > 0),
+        "doubted_first": said.opens((*words.doubts, *words.conditions)),
         "asking": asking,
+        "wishing": wishing,
+        "courteous": len(reading.courteous) > 0,
+        "imperative": _is_imperative(reading, lexicon),
         "moves": all(lexicon.skills[part.call.skill].moves for part in parts),
         "elliptic": any(part.support <= 0 for part in parts),
         "unspaced": not lexicon.book.hearing.spaced,
     }
 
 
-def _count(lexicon: Lexicon, tokens: Sequence[str], phrases: Sequence[str]) -> int:
-    return sum(bool(find(tokens, lexicon.tokenize(phrase))) for phrase in phrases)
+@dataclass(frozen=True, slots=True)
+class _Said:
+    """What of the tables of small words a sentence holds, but for its courtesies."""
+
+    lexicon: Lexicon
+    tokens: Sequence[str]
+    courteous: frozenset[int]
+
+    def count(self, phrases: Sequence[str], parts: Sequence[Part] | None = None) -> int:
+        """How many of these it holds, anywhere or within these parts."""
+        return sum(
+            any(parts is None or any(p.start <= at < p.end for p in parts) for at in self._at(one))
+            for one in phrases
+        )
+
+    def opens(self, phrases: Sequence[str]) -> bool:
+        """Whether it, or a part of it after a mark, begins with one of these."""
+        starts = {0, *(at + 1 for at, token in enumerate(self.tokens) if is_mark(token))}
+        return any(starts.intersection(self._at(one)) for one in phrases)
+
+    def _at(self, phrase: str) -> list[int]:
+        words = self.lexicon.phrase(phrase)
+        return [
+            at
+            for at in find(self.tokens, words)
+            if not self.courteous.issuperset(range(at, at + len(words)))
+        ]
 
 
-def _opens(lexicon: Lexicon, tokens: Sequence[str], phrases: Sequence[str]) -> bool:
-    """Whether the sentence, or a part of it after a mark, begins with one of these."""
-    starts = {0, *(at + 1 for at, token in enumerate(tokens) if is_mark(token))}
-    return any(starts.intersection(find(tokens, lexicon.tokenize(one))) for one in phrases)
+def _is_imperative(reading: Reading, lexicon: Lexicon) -> bool:
+    """Whether each part begins, but for courtesies, with a word that speaks for its skill."""
+    words = set(lexicon.function_words.fillers)
+    for part in reading.parts:
+        weights = lexicon.words[part.call.skill].weights
+        opening = next(
+            (
+                token
+                for at, token in enumerate(reading.tokens[part.start : part.end], part.start)
+                if not is_mark(token)
+                and at not in reading.courteous
+                and (weights.get(token, 0.0) >= _SPEAKS or token not in words)
+            ),
+            "",
+        )
+        if weights.get(opening, 0.0) < _SPEAKS:
+            return False
+    return True

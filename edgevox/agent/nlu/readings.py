@@ -17,17 +17,18 @@ from edgevox.agent.skills import Call
 
 _BESIDE = 3.0
 """What the words for a call without a name or a number must weigh at least, beside others."""
-_MOST_PARTS = 7
+_MOST_PARTS = 12
 MAX_TOKENS = 60
 """Longer sentences are stories."""
 
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """A sentence as calls, in their order."""
+    """A sentence as calls, in their order. `courteous` are the places of its courtesies."""
 
     parts: tuple[Part, ...]
     tokens: Words
+    courteous: frozenset[int]
     strange: int
     corrected: bool
     denied: bool
@@ -44,18 +45,18 @@ class Reader:
     def __init__(self, lexicon: Lexicon) -> None:
         self._lexicon = lexicon
         words = lexicon.function_words
-        split = lexicon.tokenize
+        split = lexicon.phrase
         self._fillers = [split(one) for one in words.fillers]
+        self._joints = [split(one) for one in lexicon.book.hearing.joints]
         self._courtesies = [one for one in self._fillers if len(one) > 2]
-        self._courtesies += [split(one) for one in words.asking]
+        self._courtesies += [split(one) for one in (*words.asking, *words.wishes)]
+        self._courtesies += [one for one in self._joints if len(one) > 1]
+        self._reasons = [split(one) for one in words.reasons]
         self._negations = [split(one) for one in words.negations]
         self._corrections = [split(one) for one in words.corrections]
         self._reversals = [split(one) for one in words.reversals]
         self._articles = frozenset(split(one) for one in lexicon.book.hearing.articles)
-        self._joints = [split(one) for one in lexicon.book.hearing.joints]
-        self._linking = frozenset(
-            {"is", "equals", "=", "ist", "gleich", "est", "es", "igual", "at"}
-        )
+        self._linking = frozenset(words.linking)
 
     def read(self, text: str) -> Reading | None:
         """The best reading; None where no skill could be meant."""
@@ -74,15 +75,19 @@ class Reader:
         corrected = len(names) < len(said) or len(numbers) < len(counted)
         gone = {at for one in said for at in range(one.start, one.end)}
         gone |= {one.start for one in counted}
-        filled = self._filled(tokens) | gone
-        sentence = Clauses(self._lexicon, tokens, names, numbers, filled)
+        courteous = frozenset(_places(tokens, self._courtesies))
+        filled = self._filled(tokens) | courteous | gone
+        unsaid = frozenset(_places(tokens, self._negations)) if corrected else frozenset()
+        sentence = Clauses(self._lexicon, tokens, names, numbers, filled, unsaid)
         parts = self._parts(sentence)
         if not parts:
             return None
         strange = sum(sentence.strange(a, b) for a, b in _gaps(parts, len(tokens)))
         strange += sum(part.strange for part in parts)
         parts = self._meant(parts)
-        return Reading(_once(self._ordered(parts, tokens)), tokens, strange, corrected, denied)
+        return Reading(
+            _once(self._ordered(parts, tokens)), tokens, courteous, strange, corrected, denied
+        )
 
     def _is_article(self, tokens: Words, one: Name) -> bool:
         """Whether it is the "the" of what follows, which elsewhere is "it"."""
@@ -139,7 +144,7 @@ class Reader:
         borders = {0, len(tokens)}
         borders |= {at for at, token in enumerate(tokens) if is_mark(token)}
         borders |= {at for joint in self._joints for at in find(tokens, joint)}
-        for words in (self._corrections, self._reversals):
+        for words in (self._corrections, self._reversals, self._reasons):
             borders |= {at for one in words for at in find(tokens, one)}
         return sorted(borders)
 
