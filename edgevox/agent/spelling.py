@@ -3,6 +3,9 @@
 import re
 import unicodedata
 
+NUMBER = r"-?\d+(?:\.\d+)?"
+"""The pattern of a number in digits."""
+
 _KANA_VOICING = 8
 """The combining class of the marks that make another Japanese letter, not an accented one."""
 _ONE_FORM = str.maketrans(

@@ -111,7 +111,7 @@ def _navigate_to(
         examples=_place_examples(known.fixed, hints, word),
         says=f"Going to the {slot}.",
         deed=f"go to the {slot}",
-        done=f"I am {word.being} the {slot}.",
+        done="I am {there}.",
     )
     return decorate(navigate_to)
 
@@ -130,7 +130,9 @@ def _go(
     else:
         x_m, y_m = body.places[place]
         body.drive_to(x_m, y_m, token=goal.token, report=goal.report)
-    return {**_where(body, word), word.noun: place.replace("_", " ")}
+    name = place.replace("_", " ")
+    being = word.being if place in body.places else LOCATION.being
+    return {**_where(body, word), word.noun: name, "there": f"{being} the {name}"}
 
 
 def _go_back(body: NavigableBody, goal: GoalHandle, there: Place | None, name: str) -> None:

@@ -21,10 +21,10 @@ _STROLL = (
     "wind|zip|zoom)"
 )
 _ALONG = "[yourself] [on|over|back|along|off|out|down|up|across|round|around|through|by|your way]"
-_THERE = "(to|into|toward|towards|in to|inside|over to|across to|down to|up to|for|by|past|via|at)"
+_THERE = "(to|into|toward|towards|in to|inside|in|for|by|past|via|at)"
 _BRING = (
     "(take|bring|drive|guide|lead|get|move|steer|wheel|roll|drag|haul|send|dispatch) "
-    "(me|us|yourself|it|your self|your wheels|your base|the base)"
+    "(me|us|yourself|your self|your wheels|your base|the base)"
 )
 _WANTED = "(wanted|needed|required|expected|missed|due)"
 _TO = "(to|into|toward|towards|in to|inside)"
@@ -39,8 +39,8 @@ _Y = f"y {_IS} {{y}} {_METRES}"
 _HALT = "(stop|halt|freeze|wait|stand still|hold on|stay|cancel|abort) [moving|driving|it|that]"
 _AT_ONCE = "[now|right now|there|here|right there|please|immediately|at once]"
 _POSITION = (
-    "(position|location|pose|place|coordinates|whereabouts|x and y|fix|waypoint|position on the map|"
-    "coordinates on the map|present position|exact position|exact location)"
+    "(position|location|pose|place|coordinates|whereabouts|x and y|fix|waypoint|"
+    "position on the map|coordinates on the map|present position|exact position|exact location)"
 )
 _TELL = (
     "(what is|what's|what are|how is|how's|check|tell (me|us)|give (me|us)|report|say|state|show|"
@@ -49,34 +49,32 @@ _TELL = (
 _POWER = "(battery|charge|power|energy)"
 
 TO_ROOM = (
-    f"{_PLEASE} {_MOVE} {_TO} [the] {{room}} {_END}",
-    f"{_PLEASE} {_BRING} {_TO} [the] {{room}} {_END}",
-    f"{_PLEASE} {_STROLL} {_ALONG} {_THERE} [the] {{room}} {_END}",
-    f"{_PLEASE} (set (off|out|sail|course)|make (your way|tracks)|be off) {_TO} [the] {{room}} {_END}",
-    f"{_PLEASE} (get|haul|move|plant|park) your (self|wheels|backside|bum) {_THERE} [the] {{room}}",
-    f"{_PLEASE} (visit|enter|look into|look in on|check on|reach|check out) [the] {{room}} {_END}",
-    f"{_PLEASE} (go|drive|head|return) [back] (home|there) {_TO} [the] {{room}} {_END}",
+    (
+        f"{_PLEASE} (({_MOVE}|{_BRING}) {_TO}|{_STROLL} {_ALONG} {_THERE}|"
+        f"(set (off|out|sail|course)|make (your way|tracks)|be off) {_TO}|"
+        f"(get|haul|move|plant|park) your (self|wheels|backside|bum) {_THERE}|"
+        "visit|enter|look into|look in on|check on|reach|check out|"
+        "(do|make) (a|the) (round|rounds|tour) of|(start|begin|finish|end) (with|in|at)) "
+        f"[the] {{room}} {_END}"
+    ),
     "(let's|let us) (go|drive|head|move) [over|back] (to|into) [the] {room} [now|please|again]",
     (
-        "(meet me|join (me|us)|find (me|us)|wait for (me|us)|I (need|want) you|come and see (me|us)|"
-        f"be|report|show up|appear) {_THERE} [the] {{room}} [now|please]"
+        "(meet me|join (me|us)|find (me|us)|wait for (me|us)|I (need|want) you|"
+        f"come and see (me|us)|be|report|show up|appear) {_THERE} [the] {{room}} [now|please]"
     ),
-    f"(you are|you're|your presence is) {_WANTED} [over|down|up|back] (in|at) [the] {{room}} {_END}",
-    "[to] [the] {room} next [please]",
+    (
+        f"(you are|you're|your presence is) {_WANTED} [over|down|up|back] (in|at) "
+        f"[the] {{room}} {_END}"
+    ),
+    "[to] [the] {room} (next|with you|now please|please now|at once|right away|right now|pronto)",
     "(destination|target|waypoint|goal|navigation goal) [is] [the] {room}",
-    f"{_PLEASE} (do|make) [a|the] (round|rounds|tour) [of] [the] {{room}} {_END}",
-    f"{_PLEASE} (start|begin|finish|end) (with|in|at) [the] {{room}} {_END}",
     "off to [the] {room} [you go|with you|now|please]",
-    "[to] [the] {room} (with you|now please|please now|at once|right away|right now|pronto)",
 )
 
+_GO_TO = f"({_MOVE} to|{_BRING} to|{_STROLL} {_ALONG} to|[map] (coordinates|waypoint|destination))"
 TO_POINT = (
     f"{_PLEASE} {_MOVE} [to] {_POINT} {_X} {_AND} {_Y} {_END}",
-    f"{_PLEASE} {_MOVE} to {_POINT} {{x}} {_AND} {{y}} {_END}",
-    f"{_PLEASE} {_STROLL} {_ALONG} to [map] {_POINT} {_X} {_AND} {_Y} {_END}",
-    f"{_PLEASE} {_BRING} to [map] {_POINT} {{x}} {_AND} {{y}} {_END}",
-    f"[map] (coordinates|waypoint|destination) {_X} {_AND} {_Y} {_END}",
-    f"[map] (coordinates|waypoint|destination) {{x}} {_AND} {{y}} {_END}",
+    f"{_PLEASE} {_GO_TO} [map] {_POINT} ({_X} {_AND} {_Y}|{{x}} {_AND} {{y}}) {_END}",
 )
 TO_POINT_EXAMPLES = (
     Example("stand at two metres right and three metres up", {"x": 2.0, "y": 3.0}),

@@ -21,9 +21,6 @@ _LEAST_MARGIN = 0.25
 _DOUBTFUL = (ASK_FROM + SURE_FROM) / 2
 """At most so sure is a motion of which not all was understood."""
 
-_SURER = 0.9
-"""So sure it must be where a word was said that nobody knows."""
-
 
 @dataclass(frozen=True, slots=True)
 class Decision:
@@ -95,7 +92,7 @@ class Decider:
         order = self._order(text)
         confidence = self._head.confidence(self._head.likelihood(order, judged.evidence))
         unlisted = judged.unlisted and judged.evidence["moves"]
-        if unlisted or _is_doubtful(judged.evidence, confidence):
+        if unlisted or _is_doubtful(judged.evidence):
             confidence = min(confidence, _DOUBTFUL)
         return Decision(judged.reading.calls, confidence) if confidence >= ASK_FROM else None
 
@@ -110,14 +107,27 @@ class Decider:
         return self._last[1]
 
 
-def _is_doubtful(facts: Mapping[str, float], confidence: float) -> bool:
-    """Whether to ask before a motion however likely it is: not all of it was understood."""
-    if not facts["moves"]:
-        return False
-    strange = facts["strange_inside"]
-    if facts["asks"] or facts["strange_alone"] or (facts["parts"] > 1 and facts["strange"]):
+def _is_doubtful(facts: Mapping[str, float]) -> bool:
+    """Whether to ask however likely it is.
+
+    Not all of it was understood or, of a motion, somebody else is spoken to or will move, or it is
+    a bare name.
+    """
+    if facts["strange_alone"]:
         return True
-    return strange > 1 or bool(strange and (facts["unspaced"] or confidence < _SURER))
+    return bool(
+        facts["moves"]
+        and (
+            facts["asks"]
+            or facts["strange_inside"]
+            or facts["plans"]
+            or facts["addressed"]
+            or facts["half_filled"]
+            or (
+                facts["elliptic"] and not (facts["urged"] or facts["wishing"] or facts["corrected"])
+            )
+        )
+    )
 
 
 def _held_back(reading: Reading, facts: Mapping[str, float]) -> bool:

@@ -1,16 +1,17 @@
 """What speaks for and against a reading being an order, as numbers that a head weighs."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from edgevox.agent.nlu.clauses import Part
 from edgevox.agent.nlu.lexicon import Lexicon
 from edgevox.agent.nlu.readings import Reading
-from edgevox.agent.nlu.tokens import find, is_mark
+from edgevox.agent.nlu.tokens import Words, is_mark
 
 _QUESTION_MARKS = "?\N{FULLWIDTH QUESTION MARK}\N{ARABIC QUESTION MARK}"
 _MOST_DOUBTS = 4
+_MOST_NAMED = 2
 _SPEAKS = 0.4
 """What a word weighs at least that opens an order."""
 
@@ -20,8 +21,8 @@ def evidence(reading: Reading, lexicon: Lexicon, text: str) -> Mapping[str, floa
     parts, tokens = reading.parts, reading.tokens
     words = lexicon.function_words
     size = max(1, sum(not is_mark(token) for token in tokens))
-    asking = any(find(tokens, lexicon.phrase(one)) for one in words.asking)
-    wishing = any(find(tokens, lexicon.phrase(one)) for one in words.wishes)
+    asking = bool(lexicon.index(words.asking).starts(tokens))
+    wishing = bool(lexicon.index(words.wishes).starts(tokens))
     said = _Said(lexicon, tokens, reading.courteous)
     asks = any(mark in text for mark in _QUESTION_MARKS)
     return {
@@ -50,6 +51,10 @@ def evidence(reading: Reading, lexicon: Lexicon, text: str) -> Mapping[str, floa
         "doubted_first": said.opens((*words.doubts, *words.conditions)),
         "asking": asking,
         "wishing": wishing,
+        "plans": said.count(words.plans) > 0,
+        "urged": bool(lexicon.index(words.urges).starts(tokens)),
+        "addressed": _addresses_another(reading, lexicon),
+        "half_filled": any(part.unfilled > 0 and part.grounded > 0 for part in parts),
         "courteous": len(reading.courteous) > 0,
         "imperative": _is_imperative(reading, lexicon),
         "moves": all(lexicon.skills[part.call.skill].moves for part in parts),
@@ -66,25 +71,39 @@ class _Said:
     tokens: Sequence[str]
     courteous: frozenset[int]
 
-    def count(self, phrases: Sequence[str], parts: Sequence[Part] | None = None) -> int:
+    def count(self, phrases: tuple[str, ...], parts: Sequence[Part] | None = None) -> int:
         """How many of these it holds, anywhere or within these parts."""
-        return sum(
-            any(parts is None or any(p.start <= at < p.end for p in parts) for at in self._at(one))
-            for one in phrases
+        return len(
+            {
+                one
+                for at, one in self._found(phrases)
+                if parts is None or any(part.start <= at < part.end for part in parts)
+            }
         )
 
-    def opens(self, phrases: Sequence[str]) -> bool:
+    def opens(self, phrases: tuple[str, ...]) -> bool:
         """Whether it, or a part of it after a mark, begins with one of these."""
         starts = {0, *(at + 1 for at, token in enumerate(self.tokens) if is_mark(token))}
-        return any(starts.intersection(self._at(one)) for one in phrases)
+        return any(at in starts for at, _ in self._found(phrases))
 
-    def _at(self, phrase: str) -> list[int]:
-        words = self.lexicon.phrase(phrase)
-        return [
-            at
-            for at in find(self.tokens, words)
-            if not self.courteous.issuperset(range(at, at + len(words)))
-        ]
+    def _found(self, phrases: tuple[str, ...]) -> Iterator[tuple[int, Words]]:
+        for at, one in self.lexicon.index(phrases).find(self.tokens):
+            if not self.courteous.issuperset(range(at, at + len(one))):
+                yield at, one
+
+
+def _addresses_another(reading: Reading, lexicon: Lexicon) -> bool:
+    """Whether one or two unknown words stand alone between marks: "Lucy, go to the office"."""
+    clauses: list[list[str]] = [[]]
+    for token in reading.tokens:
+        if is_mark(token):
+            clauses.append([])
+        else:
+            clauses[-1].append(token)
+    return len(clauses) > 1 and any(
+        one and len(one) <= _MOST_NAMED and not any(map(lexicon.knows, one))
+        for one in (clauses[0], clauses[-1])
+    )
 
 
 def _is_imperative(reading: Reading, lexicon: Lexicon) -> bool:

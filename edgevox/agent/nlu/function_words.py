@@ -18,9 +18,10 @@ class FunctionWords:
     `doubts` speak of others than the robot; `questions` open one. `asking` opens an order that is
     put politely, so that it is one although it looks like a question. `wishes` open one that is put
     as a statement: "you' re needed". `reasons` open a clause that only says why. `reversals` say
-    that the order of doing is not that of saying. `linking` stand between an axis and its number,
-    `gerunds` before a verb that stands for its order: "mind going". `misheard` are words as a
-    recogniser of speech writes them down, with those that were said.
+    that the order of doing is not that of saying. `plans` are what the speaker or others do
+    themselves, `urges` make an order of a bare name, `pronouns` stand for a thing. `linking` stand
+    between an axis and its number, `gerunds` before a verb that stands for its order: "mind going".
+    `misheard` are words as a recogniser of speech writes them down, with those that were said.
     """
 
     fillers: tuple[str, ...] = ()
@@ -34,6 +35,9 @@ class FunctionWords:
     wishes: tuple[str, ...] = ()
     reasons: tuple[str, ...] = ()
     reversals: tuple[str, ...] = ()
+    plans: tuple[str, ...] = ()
+    urges: tuple[str, ...] = ()
+    pronouns: tuple[str, ...] = ()
     linking: tuple[str, ...] = ()
     gerunds: tuple[str, ...] = ()
     misheard: Mapping[str, str] = field(default_factory=dict)

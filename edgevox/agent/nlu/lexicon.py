@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from edgevox.agent.arguments import is_number_type
 from edgevox.agent.nlu.function_words import words_of
+from edgevox.agent.nlu.phrase_index import PhraseIndex
 from edgevox.agent.nlu.tokens import Tokenizer, Words, find, plain
 from edgevox.agent.numbers import digits
 from edgevox.agent.phrasebook import Phrasebook
@@ -73,6 +74,7 @@ class Lexicon:
         known |= {plain(one) for one in words_of(book.code).all()}
         self.tokenize = Tokenizer(book, known)
         self._phrases: dict[str, Words] = {}
+        self._indices: dict[tuple[str, ...], PhraseIndex] = {}
         self._functions = {part for one in self.function_words.all() for part in self.phrase(one)}
         self._misheard = [
             (self.tokenize(written), self.tokenize(said))
@@ -85,6 +87,7 @@ class Lexicon:
         }
         self.common, self.words = self._weigh(chunks)
         named = {part for names in self.names.values() for name in names for part in name}
+        self._named = named
         self._orders = {
             _letters(word): word
             for word in (*named, *(w for one in self.words.values() for w in one.weights))
@@ -93,7 +96,7 @@ class Lexicon:
 
     def knows(self, word: str) -> bool:
         """Whether it is a word of some skill, or means nothing to any."""
-        return self.speaks(word) or word in self._functions
+        return self.speaks(word) or word in self._functions or word in self._named
 
     def phrase(self, text: str) -> Words:
         """Words of the language's tables as they stand in sentences: "1st" for "first"."""
@@ -101,12 +104,20 @@ class Lexicon:
             self._phrases[text] = self.tokenize(digits(text, self.book.code))
         return self._phrases[text]
 
+    def index(self, phrases: tuple[str, ...]) -> PhraseIndex:
+        """What finds these in sentences."""
+        if phrases not in self._indices:
+            self._indices[phrases] = PhraseIndex(map(self.phrase, phrases))
+        return self._indices[phrases]
+
     def spelled(self, tokens: Words) -> Words:
         """With unknown words as those that were meant: see `_spelled`."""
         for written, said in self._misheard:
             for at in reversed(find(tokens, written)):
                 tokens = (*tokens[:at], *said, *tokens[at + len(written) :])
-        return tuple(self._spelled(one, tokens[max(0, at - 2) : at]) for at, one in enumerate(tokens))
+        return tuple(
+            self._spelled(one, tokens[max(0, at - 2) : at]) for at, one in enumerate(tokens)
+        )
 
     def _spelled(self, word: str, before: Words) -> str:
         """The word that was meant, where this one is unknown: "trun" is "turn".

@@ -4,15 +4,14 @@ import re
 from collections.abc import Iterable, Sequence
 
 from edgevox.agent.phrasebook import Phrasebook
-from edgevox.agent.spelling import composed, folded, separated
+from edgevox.agent.spelling import NUMBER, composed, folded, separated
 
 Words = tuple[str, ...]
 
 _MARKS = r"[,;.!?:\u2026\u3001\u3002\u060c\u061b\u061f\u0964]+"
 _ORDINAL = r"\d+(?:st|nd|rd|th)\b"
-_NUMBER = r"(?<![\d.])-?\d+(?:\.\d+)?"
-_TOKEN = re.compile(rf"{_ORDINAL}|{_NUMBER}|[^\W\d_]+'?|{_MARKS}|%|\u00b0")
-_IS_NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
+_TOKEN = re.compile(rf"{_ORDINAL}|(?<![\d.]){NUMBER}|[^\W\d_]+'?|{_MARKS}|%|\u00b0")
+_IS_NUMBER = re.compile(NUMBER)
 _IS_MARK = re.compile(_MARKS)
 
 

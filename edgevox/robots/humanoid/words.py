@@ -36,7 +36,8 @@ _LEFT = (
 _RIGHT = "[to|on|toward|towards] [the|your] (right|clockwise|right hand side|right side)"
 _DEGREES = "(degrees|degree|°)"
 _TELL = (
-    "(what is|what's|what are|tell (me|us)|give (me|us)|report|say|state|show|let me know|print|log)"
+    "(what is|what's|what are|tell (me|us)|give (me|us)|report|say|state|show|"
+    "let me know|print|log)"
 )
 _POSITION = "(position|location|pose|place|coordinates|whereabouts|heading|orientation)"
 _HALT = "(stop|halt|freeze|wait|hold on|cancel|abort) [moving|walking|turning|it|that]"
@@ -47,12 +48,12 @@ _RETREAT = "(back up|back off|back away|retreat|reverse|withdraw)"
 
 def _walking(way: str, far: str) -> tuple[str, ...]:
     return (
-        f"{_PLEASE} {_WALK} {far} {_BY} {{distance}} {_METRES} {_END}",
-        f"{_PLEASE} {_WALK} {_BY} {{distance}} {_METRES} {far} {_END}",
         f"{_PLEASE} {_WALK} {way} {_BY} {{distance}} {_METRES} {_END}",
         f"{_PLEASE} {_WALK} {_BY} {{distance}} {_METRES} [to the] {way} {_END}",
         f"{_PLEASE} {_WALK} {way} {_A_METRE} {_END}",
         f"{_PLEASE} {_WALK} (a|another) (meter|metre) {way} {_END}",
+        f"{_PLEASE} {_WALK} {far} {_BY} {{distance}} {_METRES} {_END}",
+        f"{_PLEASE} {_WALK} {_BY} {{distance}} {_METRES} {far} {_END}",
     )
 
 
@@ -164,7 +165,7 @@ WHERE = (
     "(which|what) (way|direction) are you (facing|looking) [now]",
     "how far have you (walked|gone|come)",
     "(did|have) you (fall|fell|fallen|tip|tipped|topple|toppled|trip) [over|down]",
-    "are you [still] (upright|standing|ok|okay|on your feet|up)",
+    "are you [still] (standing|ok|okay|on your feet)",
     "where (are you|did you|do you) (standing|stand|end up|finish|walk to) [now]",
     "[tell me] (your|the) [current] (x and y|heading|orientation|pose)",
     "whereabouts are you [now]",

@@ -23,8 +23,11 @@ GRASP = (
         "snatch|collect|nab|scoop up|retrieve|clasp|clamp|raise|catch|get ahold of|pinch|hoist) "
         f"[hold of|up|on to|onto] {_THE} {{object}} {_END}"
     ),
-    f"{_PLEASE} (pick up|take|grab|hold) {_THE} {{object}} (in|with) your (hand|gripper|claw) {_END}",
-    f"{_PLEASE} (get|put|wrap|close) your (claw|hand|gripper|fingers) (around|round|on) {{object}}",
+    (
+        f"{_PLEASE} (pick up|take|grab|hold) {_THE} {{object}} "
+        f"(in|with) your (hand|gripper|claw) {_END}"
+    ),
+    f"{_PLEASE} (get|wrap|close) your (claw|hand|gripper|fingers) (around|round|on) {{object}}",
     f"{_PLEASE} (pick|lift|take) {_THE} {{object}} up {_END}",
 )
 GRASP_EXAMPLES = (
@@ -35,7 +38,7 @@ GRASP_EXAMPLES = (
 
 _PUT = (
     "(put|place|drop|set|lay|move|bring|stack|stick|throw|deliver|carry|pop|chuck|bung|shove|stash|"
-    "deposit|shift|transfer|dump|toss|slide|rest|plonk|sling|lob|leave|tuck|slip|plop|insert|tip|"
+    "deposit|shift|transfer|dump|toss|slide|rest|plonk|sling|lob|tuck|slip|plop|insert|tip|"
     "store|park|sit|position|balance|pile|return|release|file|sort|toss|fling|bin|pitch|hand)"
 )
 _INTO = "(in|into|inside|inside of|on|onto|on top of|over|to|in to|on to|at)"
@@ -58,8 +61,9 @@ PLACE_EXAMPLES = (
 RELEASE = (
     f"{_PLEASE} open {_HAND} {_END}",
     f"{_PLEASE} (let go|let it go|let go of it|release|release it|drop it|ungrip|let loose) {_END}",
-    f"{_PLEASE} (loosen|relax|undo|free|unclench|unclamp) your (grip|grasp|hold|fingers|hand) {_END}",
+    f"{_PLEASE} (loosen|relax|undo|free|unclench|unclamp) your (grip|grasp|fingers|hand) {_END}",
     f"{_PLEASE} (let it loose|set it free) {_END}",
+    f"[would you|do you] mind letting (go|it go|go of it|go of that) {_END}",
     f"{_PLEASE} (unclench|spread|part|widen) [your|the] (hand|gripper|fingers|claw|jaws) {_END}",
     "(hand|gripper|claw|jaws|fingers) (open|wide|apart)",
     (
@@ -79,8 +83,8 @@ HOME = (
     ),
     f"{_PLEASE} (go|move|get) (back to rest|to rest|out of the way) {_END}",
     (
-        f"{_PLEASE} (go|move|return|bring|drive|send|take|park|put|retract|command|retreat|fold|tuck|"
-        "reset) [your|the] [arm|hand|gripper|claw|yourself] [back] [to|at|in] [the|your|its] [home] "
+        f"{_PLEASE} (go|move|return|bring|drive|send|park|retract|command|retreat|fold|reset) "
+        "[your|the] [arm|hand|gripper|claw|yourself] [back] [to|at|in] [the|your|its] [home] "
         "(home|rest|parking|neutral|starting|ready|default|initial) "
         f"[position|pose|configuration|state|posture|place] {_END}"
     ),
@@ -100,7 +104,7 @@ _GO = (
     "[to] [the] [point|position|coordinates|location]"
 )
 _BRING_HAND = (
-    "(put|place|position|bring|take|drive|send|move|set|steer|guide|raise|lower|lift|hold|hover|swing) "
+    "(position|bring|drive|send|move|set|steer|guide|raise|lower|hover|swing) "
     "[your|the] [hand|gripper|arm|end effector|fingers|claw|tcp|tool|tip|fingertips]"
 )
 _POINT = "[the|that] [point|position|coordinates|location]"
@@ -126,7 +130,8 @@ STOP_EXAMPLES = (
 )
 
 _TELL = (
-    "(what is|what's|what are|tell (me|us)|give (me|us)|report|say|state|show|let me know|print|log)"
+    "(what is|what's|what are|tell (me|us)|give (me|us)|report|say|state|show|"
+    "let me know|print|log)"
 )
 WHERE = (
     f"[please] [(tell|show) me] where (is|are) {_YOUR_HAND} [right now|now|at the moment] [please]",
@@ -138,7 +143,7 @@ WHERE = (
         "(anything|something|a cube|a block) "
         "[still] [in|between] [your|the] [hand|gripper|claw|fingers|grip|grasp]"
     ),
-    "is your (hand|gripper|claw) (empty|full|open|closed)",
+    "is your (hand|gripper|claw) (empty|full)",
     "whereabouts (is|are) {_YOUR_HAND} [now]".replace("{_YOUR_HAND}", _YOUR_HAND),
 )
 WHERE_EXAMPLES = (
@@ -159,7 +164,10 @@ LIST = (
     ),
     "[please] [tell me] where are the (objects|things|cubes|blocks) [now]",
     "what (have we|have you|do we|do you) (got|have) (on|there on) [the|your] table [now]",
-    "(which|what|how many) (cubes|blocks|objects|things|items) (do you|can you|have you) (have|got)",
+    (
+        "(which|what|how many) (cubes|blocks|objects|things|items) "
+        "(do you|can you|have you) (have|got)"
+    ),
     "what is (there|lying|sitting|left|around) [on] [the|your] [table|desk|bench|worktop] [now]",
     "what is (in front of|before|around) you [now]",
     "how many (cubes|blocks|objects|things) are (there|on the table|left) [now]",
