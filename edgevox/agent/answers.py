@@ -7,7 +7,7 @@ from enum import StrEnum
 from functools import lru_cache
 from itertools import chain
 
-from edgevox.agent.spelling import key, separated, unpunctuated
+from edgevox.agent.spelling import NUMBER, key, separated, unpunctuated
 from edgevox.core.text import one_form
 
 MAX_TOKENS = 32
@@ -16,8 +16,8 @@ MAX_TOKENS = 32
 _CLAUSE_END = re.compile(
     r"[;!?\u061b\u061f\u0964\u2026\u3001\u3002\uff01\uff0c\uff1b\uff1f\u060c]+|[.,:](?!\d)"
 )
-_NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
-_TOKEN = re.compile(rf"{_NUMBER.pattern}|[a-z']+|\S")
+_NUMBER = re.compile(NUMBER)
+_TOKEN = re.compile(rf"{NUMBER}|[a-z']+|\S")
 """Where words have no spaces between them, each character is one; foreign words stay whole."""
 
 

@@ -139,8 +139,8 @@ class Asides:
         """Those whose names this agent does not use itself."""
         asides = [_question(name, self._answers) for name in QUESTIONS]
         asides += [_reference(name) for name in REFERENCES]
-        choices = _every_choice(skills)
-        asides += [_also(choices)] if choices.words else []
+        if any(one.choices for one in skills.values()):
+            asides.append(_also(_every_choice(skills)))
         return SkillSet(one for one in asides if one.name not in skills)
 
 
@@ -183,7 +183,13 @@ def _also(choices: OneOf) -> Skill:
 
 
 def _every_choice(skills: SkillSet) -> OneOf:
-    """All the words that arguments of these skills may be."""
+    """All the words that arguments of these skills may be, with those that are learned."""
     choices = [one for each in skills.values() for one in each.choices.values()]
-    known = tuple(dict.fromkeys(word for one in choices for word in one.words))
-    return OneOf(known, {said: word for one in choices for said, word in one.aliases.items()})
+    fixed = tuple(dict.fromkeys(word for one in choices for word in one.fixed))
+    aliases = {said: word for one in choices for said, word in one.aliases.items()}
+
+    def learned() -> tuple[str, ...]:
+        words = dict.fromkeys(word for one in choices for word in one.words)
+        return tuple(word for word in words if word not in fixed)
+
+    return OneOf(fixed, aliases, learned)

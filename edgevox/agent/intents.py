@@ -15,7 +15,7 @@ from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.phrase_hearing import Hearing
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.skills import NO_SKILLS, Call, Skill, SkillSet
-from edgevox.agent.spelling import folded, key, separated, unpunctuated
+from edgevox.agent.spelling import NUMBER, folded, key, separated, unpunctuated
 from edgevox.agent.spoken_lists import brief, whole
 from edgevox.agent.template_compiler import compile_templates, word_list, written
 from edgevox.core.text import one_form
@@ -23,8 +23,8 @@ from edgevox.core.text import one_form
 MAX_CHARACTERS = 240
 """Longer utterances are not plain commands; they go to the model."""
 
-_NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
-_PAIR = re.compile(rf"({_NUMBER.pattern})\s*,?\s+(?={_NUMBER.pattern}(?:[\s,]|\W*$))")
+_NUMBER = re.compile(NUMBER)
+_PAIR = re.compile(rf"({NUMBER})\s*,?\s+(?={NUMBER}(?:[\s,]|\W*$))")
 _NOTHING = "nothingatall"
 _NEAR, _WORD_NEAR = 0.8, 0.6
 """How alike a misheard name is to a known one as a whole, and each of its words."""

@@ -6,12 +6,11 @@ from text_to_num import alpha2digit
 
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.phrase_numbers import Numbers
-from edgevox.agent.spelling import key
+from edgevox.agent.spelling import NUMBER, key
 
 SPOKEN_LANGUAGES = frozenset({"en", "fr", "es", "pt", "de", "nl", "it"})
 """Languages whose number words the library knows; phrasebooks list the usual ones of others."""
 
-_NUMBER = r"-?\d+(?:\.\d+)?"
 _GLUED = re.compile(r"\s*(?<![^\W\d])([xyz])\s*(?=-?\d)", re.IGNORECASE)
 _DECIMAL_COMMA = re.compile(r"(?<![\d.,])(\d+),(\d+)(?![\d.,]*\d)")
 
@@ -50,9 +49,9 @@ def _listed_words(text: str, known: Numbers) -> str:
 def _in_metres(text: str, known: Numbers) -> str:
     if not known.centimetres:
         return text
-    pattern = rf"({_NUMBER})\s*(?:{known.centimetres})(?!\w)"
+    pattern = rf"({NUMBER})\s*(?:{known.centimetres})(?!\w)"
     if known.units:
-        pattern = rf"({_NUMBER})\s*(?:{known.centimetres})"
+        pattern = rf"({NUMBER})\s*(?:{known.centimetres})"
     return re.sub(
         pattern,
         lambda match: f"{float(match[1]) / 100:g} {known.metres}",

@@ -238,10 +238,12 @@ class SkillSet(Mapping[str, Skill]):
     def __len__(self) -> int:
         return len(self._skills)
 
-    def words(self) -> tuple[tuple[str, ...], ...]:
-        """The words that there are now to choose from: what was made of others is outdated."""
+    def words(self) -> tuple[tuple[tuple[str, str], ...], ...]:
+        """What may now be said for what word: what was made of others is outdated."""
         return tuple(
-            choices.words for one in self._skills.values() for choices in one.choices.values()
+            tuple(choices.spoken().items())
+            for one in self._skills.values()
+            for choices in one.choices.values()
         )
 
 

@@ -10,6 +10,9 @@ from functools import lru_cache
 
 from edgevox.core.text import one_form
 
+NUMBER = r"-?\d+(?:\.\d+)?"
+"""The pattern of a number in digits."""
+
 _KANA_VOICING = 8
 """The combining class of the marks that make another Japanese letter, not an accented one."""
 TYPED_ALIKE: Mapping[str, str] = {

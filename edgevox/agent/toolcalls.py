@@ -59,7 +59,7 @@ class Protocol:
     skills: SkillSet
     handoffs: tuple[str, ...] = ()
     language: str = "en"
-    words: tuple[tuple[str, ...], ...] = field(init=False)
+    words: tuple[tuple[tuple[str, str], ...], ...] = field(init=False)
     grammar: str = field(init=False)
     words_grammar: str = field(init=False)
     opening: tuple[Message, ...] = field(init=False)

@@ -127,7 +127,9 @@ def _go(
     else:
         x_m, y_m = body.places[place]
         body.drive_to(x_m, y_m, token=goal.token, report=goal.report)
-    return {**_where(body, word), word.noun: place.replace("_", " ")}
+    name = place.replace("_", " ")
+    at = {word.noun: name} if place in body.places else {word.noun: name, LOCATION.noun: name}
+    return {**_where(body, word), **at}
 
 
 def _go_back(body: NavigableBody, goal: GoalHandle, there: Place | None, name: str) -> None:

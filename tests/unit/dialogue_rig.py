@@ -23,10 +23,10 @@ HUNG_S = 60.0
 class Walker:
     """A body that is in a place or steps forward at once, unless it is told to take its time."""
 
-    def __init__(self, rooms=("kitchen", "office")):
+    def __init__(self, rooms=("kitchen", "office"), learned=tuple):
         self.at, self.moves = Pose2D(0.0, 0.0, 0.0), []
         self.slow, self.started, self.arrived = False, threading.Event(), threading.Event()
-        rooms, cubes = OneOf(rooms), OneOf(("red_cube", "green_cube", "blue_cube"))
+        rooms, cubes = OneOf(rooms, {}, learned), OneOf(("red_cube", "green_cube", "blue_cube"))
         bins = OneOf(("left_bin", "right_bin", "red_cube", "green_cube", "blue_cube"))
 
         @skill(templates=["go to [the] {room}"], says="Going to the {room}.", done="There.")

@@ -36,8 +36,10 @@ def product_sentences() -> Iterator[str]:
                 yield from (e.sentence for e in phrasebook(language).examples(one))
     for file in (ROOT / "edgevox" / "robots").rglob("*words*.py"):
         yield from re.findall(r'"([^"\n]+)"', file.read_text(encoding="utf-8"))
-    data = (ROOT / "scripts" / "decision_sentences.yaml").read_text(encoding="utf-8")
-    yield from strings(yaml.safe_load(data))
+    scripts = ROOT / "scripts"
+    for file in (scripts / "decision_sentences.yaml", *scripts.glob("decision_cases/*.yaml")):
+        for data in yaml.safe_load_all(file.read_text(encoding="utf-8")):
+            yield from strings(data)
 
 
 def strings(data: object) -> Iterator[str]:

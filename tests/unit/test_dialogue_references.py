@@ -211,6 +211,17 @@ def test_this_one_too_puts_a_word_in_the_place_of_its_like(stage, said):
     assert stage.body.moves == ["green_cube", ("green_cube", "left_bin")]
 
 
+def test_this_one_too_can_be_a_place_that_was_remembered_since_the_start():
+    known = []
+    one = Stage(Walker(learned=lambda: tuple(known)))
+    with closing(one.talk):
+        one.say("go to the kitchen")
+        known.append("charger")
+        one.say("and the charger too")
+
+        assert one.body.moves == ["kitchen", "charger"]
+
+
 def test_this_one_too_can_be_a_place_as_well(stage):
     stage.say("put the red cube into the left bin")
     stage.say("the right bin too")

@@ -99,6 +99,24 @@ def test_a_motion_beside_a_strange_word_is_never_sure() -> None:
     assert decision is None or not decision.sure
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "turn the lamp on in the kitchen",
+        "bring the tray to the kitchen",
+        "bring it to the kitchen",
+        "Lucy, drive to the kitchen",
+        "I want to go to the kitchen",
+        "off to the kitchen then, see you all",
+        "nice kitchen",
+    ],
+)
+def test_a_thing_another_person_or_a_plan_beside_a_place_is_never_sure(text: str) -> None:
+    decision = decider(ORDER).decide(Readings(APARTMENT, "en").of(text), text)
+
+    assert decision is None or not decision.sure
+
+
 def test_a_remark_about_a_place_is_asked_about_however_sure_the_head_is() -> None:
     text = "la cuisine est l\u00e0"
     decision = decider(ORDER).decide(Readings(APARTMENT, "fr").of(text), text)

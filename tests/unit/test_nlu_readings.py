@@ -29,6 +29,13 @@ def calls(robot: str, text: str) -> list[Call]:
         ("humanoid", "a quarter turn to the right please", [Call("turn_right", {"degrees": 90.0})]),
         ("humanoid", "an eighth of a turn left", [Call("turn_left", {"degrees": 45.0})]),
         ("humanoid", "wlak forward, two metres", [Call("walk_forward", {"distance": 2.0})]),
+        ("apartment", "would you mind going to the kitchen", [KITCHEN]),
+        ("apartment", "you're wanted in the kitchen, get a move on", [KITCHEN]),
+        ("apartment", "gotta the kitchen", [KITCHEN]),
+        ("humanoid", "half a turn to the left", [Call("turn_left", {"degrees": 180.0})]),
+        ("humanoid", "step back a metre, robot dear", [Call("walk_backward", {"distance": 1.0})]),
+        ("humanoid", "march for word two metres", [Call("walk_forward", {"distance": 2.0})]),
+        ("humanoid", "spin left 40 degres", [Call("turn_left", {"degrees": 40.0})]),
         (
             "panda",
             "put your gripper at 0.5, -0.1, 0.4",
@@ -48,6 +55,8 @@ def test_orders_in_the_words_of_strangers_are_read(
         ("apartment", "drive to the kitchen, no, the office", [OFFICE]),
         ("apartment", "not the kitchen, the office", [OFFICE]),
         ("humanoid", "turn left 30 degrees, make that 40", [Call("turn_left", {"degrees": 40.0})]),
+        ("humanoid", "spin left, no, right", [Call("turn_right")]),
+        ("humanoid", "not left, spin right 20 degrees", [Call("turn_right", {"degrees": 20.0})]),
     ],
 )
 def test_what_the_speaker_takes_back_is_not_read(robot: str, text: str, meant: list[Call]) -> None:

@@ -121,3 +121,20 @@ def test_a_skill_without_a_word_to_choose_is_not_offered_to_the_model_until_it_h
     learner.learned = ("charger",)
     assert "go(" in before.renewed().grammar
     assert isinstance(recogniser.recognise("go to the charger"), Understood)
+
+
+def test_what_is_said_for_a_word_may_change_as_well_as_the_words():
+    aliases = {"fridge": "kitchen"}
+    rooms = OneOf(("kitchen",), aliases)
+
+    @skill(templates=["go to [the] {room}"])
+    def navigate_to(goal, room: Annotated[str, rooms]):
+        """Drive to a room."""
+
+    recogniser = Recogniser(SkillSet([navigate_to]))
+    assert not isinstance(recogniser.recognise("go to the cooker"), Understood)
+    aliases["cooker"] = "kitchen"
+
+    assert recogniser.recognise("go to the cooker") == Understood(
+        (Call("navigate_to", {"room": "kitchen"}),)
+    )

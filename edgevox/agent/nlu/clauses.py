@@ -14,6 +14,8 @@ from edgevox.core.errors import InvalidValue
 
 _CALL_COSTS = 1.0
 _STRANGE_COSTS = 0.25
+_STRANGE_INSIDE_COSTS = 0.27
+"""Rather leave strange words out of a call, where the sentence has a border before them."""
 _PLAIN, _BARE = 0.0, 1.2
 """What the words must weigh at least that speak for a skill: for one that moves, where a name or a
 number is said that it takes, and for all else."""
@@ -48,7 +50,9 @@ class Clauses:
         tokens: Words,
         names: Sequence[Name],
         numbers: Sequence[Number],
+        *,
         filled: frozenset[int],
+        unsaid: frozenset[int] = frozenset(),
     ) -> None:
         self.tokens = tokens
         self._lexicon = lexicon
@@ -56,7 +60,9 @@ class Clauses:
         self._numbers = numbers
         self._named = frozenset(i for one in names for i in range(one.start, one.end))
         self._filled = filled
+        self._unsaid = unsaid  # words that only take something back
         functions = lexicon.function_words.fillers
+        self._pronouns = frozenset(lexicon.function_words.pronouns)
         self._filled_words = {at for at, token in enumerate(tokens) if token in functions}
 
     def options(
@@ -84,7 +90,7 @@ class Clauses:
             others = [o.support for o in ranked if o.call.skill != part.call.skill]
             rival = max(others, default=0.0)
             again = any(part.call.skill == one.call.skill for one in before)
-            value = part.support + 0.6 * part.grounded - _STRANGE_COSTS * part.strange
+            value = part.support + 0.6 * part.grounded - _STRANGE_INSIDE_COSTS * part.strange
             yield value - _CALL_COSTS + 0.3 * again - 0.01 * index, replace(part, rival=rival)
 
     def _may_be_short(self, part: Part) -> bool:
@@ -99,7 +105,8 @@ class Clauses:
         """How many words are neither a name, a number, a courtesy nor a word of this skill."""
         known = words.weights if words else {}
         return sum(
-            not (
+            self._is_thing(at, known)
+            or not (
                 at in self._named
                 or at in self._filled
                 or is_mark(token)
@@ -108,6 +115,14 @@ class Clauses:
             )
             for at, token in enumerate(self.tokens[start:end], start)
         )
+
+    def _is_thing(self, at: int, known: Mapping[str, float]) -> bool:
+        """Whether it stands for a thing that no skill takes: "bring it to the kitchen"."""
+        if at in self._named or self.tokens[at] not in self._pronouns:
+            return False
+        before = self.tokens[at - 1] if at else ""
+        after = self.tokens[at + 1 : at + 2]
+        return known.get(before, 0.0) > 0 and not any(map(is_mark, after)) and bool(after)
 
     def _calls(
         self,
@@ -126,7 +141,10 @@ class Clauses:
             seen = {
                 token: words.weights[token]
                 for at, token in enumerate(self.tokens[start:end], start)
-                if token in words.weights and at not in self._named and token not in units
+                if token in words.weights
+                and at not in self._named
+                and at not in self._unsaid
+                and token not in units
             }
             yield Part(
                 Call(words.skill.name, arguments),

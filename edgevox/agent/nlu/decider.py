@@ -20,9 +20,6 @@ _LEAST_MARGIN = 0.25
 _DOUBTFUL = (ASK_FROM + SURE_FROM) / 2
 """At most so sure is a motion of which not all was understood."""
 
-_SURER = 0.9
-"""So sure it must be where a word was said that nobody knows."""
-
 
 @dataclass(frozen=True, slots=True)
 class Decision:
@@ -95,7 +92,7 @@ class Decider:
             return None
         order = self._order(text)
         confidence = self._head.confidence(self._head.likelihood(order, judged.evidence))
-        if _is_doubtful(judged, order, confidence):
+        if _is_doubtful(judged, order):
             confidence = min(confidence, _DOUBTFUL)
         return Decision(judged.reading.calls, confidence) if confidence >= ASK_FROM else None
 
@@ -110,20 +107,20 @@ class Decider:
         return self._last[1]
 
 
-def _is_doubtful(judged: Judged, order: float, confidence: float) -> bool:
-    """Whether to ask before a motion however likely it is.
+def _is_doubtful(judged: Judged, order: float) -> bool:
+    """Whether to ask however likely it is.
 
-    That is where not all of it was understood, and where no word says that it is wanted.
+    Not all of it was understood or, of a motion, no word says that it is wanted, or somebody else
+    is spoken to or will move.
     """
     facts = judged.evidence
+    if facts["strange_alone"]:
+        return True
     if not facts["moves"]:
         return False
-    strange = facts["strange_inside"]
-    if facts["asks"] or facts["strange_alone"] or (facts["parts"] > 1 and facts["strange"]):
-        return True
-    if judged.doubted or (order < 0 and facts["least_support"] < SAYS_SO):
-        return True
-    return strange > 1 or bool(strange and (facts["unspaced"] or confidence < _SURER))
+    unwanted = judged.doubted or (order < 0 and facts["least_support"] < SAYS_SO)
+    inside = facts["strange_inside"] or facts["half_filled"]
+    return bool(unwanted or inside or facts["asks"] or facts["plans"] or facts["addressed"])
 
 
 def _held_back(reading: Reading, facts: Mapping[str, float]) -> bool:

@@ -2,14 +2,19 @@
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
+from edgevox.agent.nlu.clauses import Part
 from edgevox.agent.nlu.lexicon import Lexicon
 from edgevox.agent.nlu.readings import Reading
-from edgevox.agent.nlu.tokens import find, is_mark, is_number
+from edgevox.agent.nlu.tokens import Words, is_mark, is_number
 
 _QUESTION_MARKS = "?\N{FULLWIDTH QUESTION MARK}\N{ARABIC QUESTION MARK}"
 _MOST_DOUBTS = 4
+_MOST_NAMED = 2
+_SPEAKS = 0.4
+"""What a word weighs at least that opens an order."""
 SAYS_SO = 0.6
 """What the words of a skill weigh at least that say that it is wanted, where nothing else does."""
 
@@ -19,10 +24,10 @@ def evidence(reading: Reading, lexicon: Lexicon, text: str) -> Mapping[str, floa
     parts, tokens = reading.parts, reading.tokens
     words = lexicon.function_words
     size = max(1, sum(not is_mark(token) for token in tokens))
-    asking = _count(lexicon, tokens, words.asking) > 0
+    asking = bool(lexicon.index(words.asking).starts(tokens))
+    wishing = bool(lexicon.index(words.wishes).starts(tokens))
+    said = _Said(lexicon, tokens, reading.courteous)
     asks = any(mark in text for mark in _QUESTION_MARKS)
-    questions = _starts(lexicon, tokens, words.questions) - _covered(lexicon, tokens, words.asking)
-    opened = questions & _openings(tokens)
     return {
         "strange": reading.strange,
         "strange_inside": max(part.strange for part in parts),
@@ -39,15 +44,22 @@ def evidence(reading: Reading, lexicon: Lexicon, text: str) -> Mapping[str, floa
         "unitless": any(part.unitless for part in parts),
         "corrected": reading.corrected,
         "denied": reading.denied,
-        "reports": _count(lexicon, tokens, words.reports) > 0,
-        "conditions": min(_count(lexicon, tokens, words.conditions), 2),
-        "doubts": min(_count(lexicon, tokens, words.doubts), _MOST_DOUBTS),
+        "reports": said.count(words.reports) > 0,
+        "conditions": min(said.count(words.conditions), 2),
+        "doubts": min(said.count(words.doubts), _MOST_DOUBTS),
+        "doubts_inside": min(said.count(words.doubts, reading.parts), _MOST_DOUBTS),
         "asks": asks and not asking,
-        "opens_as_question": bool(questions if asks else opened and not asking),
-        "doubted_first": bool(
-            _starts(lexicon, tokens, (*words.doubts, *words.conditions)) & _openings(tokens)
-        ),
+        "opens_as_question": (said.opens(words.questions) and not asking)
+        or (asks and said.count(words.questions) > 0),
+        "doubted_first": said.opens((*words.doubts, *words.conditions)),
         "asking": asking,
+        "wishing": wishing,
+        "plans": said.count(words.plans) > 0,
+        "urged": bool(lexicon.index(words.urges).starts(tokens)),
+        "addressed": _addresses_another(reading, lexicon),
+        "half_filled": any(part.unfilled > 0 and part.grounded > 0 for part in parts),
+        "courteous": len(reading.courteous) > 0,
+        "imperative": _is_imperative(reading, lexicon),
         "moves": all(lexicon.skills[part.call.skill].moves for part in parts),
         "elliptic": any(part.support <= 0 for part in parts),
         "unspaced": not lexicon.book.hearing.spaced,
@@ -56,7 +68,7 @@ def evidence(reading: Reading, lexicon: Lexicon, text: str) -> Mapping[str, floa
 
 def is_denied(text: str, lexicon: Lexicon) -> bool:
     """Whether a word of this language denies something in a sentence that was read in another."""
-    return _count(lexicon, lexicon.tokenize(text), lexicon.function_words.negations) > 0
+    return bool(lexicon.index(lexicon.function_words.negations).starts(lexicon.tokenize(text)))
 
 
 def is_doubted(reading: Reading, facts: Mapping[str, float], lexicon: Lexicon) -> bool:
@@ -64,27 +76,69 @@ def is_doubted(reading: Reading, facts: Mapping[str, float], lexicon: Lexicon) -
     pairs = itertools.pairwise(reading.tokens)
     if any(is_number(a) and b.isalpha() and not lexicon.knows(b) for a, b in pairs):
         return True
-    words = lexicon.function_words
-    if not words.urges or facts["least_support"] >= SAYS_SO:
+    if facts["least_support"] >= SAYS_SO:
         return False
-    return _count(lexicon, reading.tokens, (*words.urges, *words.asking)) == 0
+    return not (facts["urged"] or facts["asking"] or facts["wishing"] or facts["corrected"])
 
 
-def _count(lexicon: Lexicon, tokens: Sequence[str], phrases: Sequence[str]) -> int:
-    return sum(bool(find(tokens, lexicon.tokenize(phrase))) for phrase in phrases)
+@dataclass(frozen=True, slots=True)
+class _Said:
+    """What of the tables of small words a sentence holds, but for its courtesies."""
+
+    lexicon: Lexicon
+    tokens: Sequence[str]
+    courteous: frozenset[int]
+
+    def count(self, phrases: tuple[str, ...], parts: Sequence[Part] | None = None) -> int:
+        """How many of these it holds, anywhere or within these parts."""
+        return len(
+            {
+                one
+                for at, one in self._found(phrases)
+                if parts is None or any(part.start <= at < part.end for part in parts)
+            }
+        )
+
+    def opens(self, phrases: tuple[str, ...]) -> bool:
+        """Whether it, or a part of it after a mark, begins with one of these."""
+        starts = {0, *(at + 1 for at, token in enumerate(self.tokens) if is_mark(token))}
+        return any(at in starts for at, _ in self._found(phrases))
+
+    def _found(self, phrases: tuple[str, ...]) -> Iterator[tuple[int, Words]]:
+        for at, one in self.lexicon.index(phrases).find(self.tokens):
+            if not self.courteous.issuperset(range(at, at + len(one))):
+                yield at, one
 
 
-def _starts(lexicon: Lexicon, tokens: Sequence[str], phrases: Sequence[str]) -> set[int]:
-    """Where one of these begins."""
-    return {at for phrase in phrases for at in find(tokens, lexicon.tokenize(phrase))}
+def _addresses_another(reading: Reading, lexicon: Lexicon) -> bool:
+    """Whether one or two unknown words stand alone between marks: "Lucy, go to the office"."""
+    clauses: list[list[str]] = [[]]
+    for token in reading.tokens:
+        if is_mark(token):
+            clauses.append([])
+        else:
+            clauses[-1].append(token)
+    return len(clauses) > 1 and any(
+        one and len(one) <= _MOST_NAMED and not any(map(lexicon.knows, one))
+        for one in (clauses[0], clauses[-1])
+    )
 
 
-def _covered(lexicon: Lexicon, tokens: Sequence[str], phrases: Sequence[str]) -> set[int]:
-    """Where a word of one of these stands."""
-    sized = [lexicon.tokenize(phrase) for phrase in phrases]
-    return {at + i for one in sized for at in find(tokens, one) for i in range(len(one))}
-
-
-def _openings(tokens: Sequence[str]) -> set[int]:
-    """Where the sentence, or a part of it after a mark, begins."""
-    return {0, *(at + 1 for at, token in enumerate(tokens) if is_mark(token))}
+def _is_imperative(reading: Reading, lexicon: Lexicon) -> bool:
+    """Whether each part begins, but for courtesies, with a word that speaks for its skill."""
+    words = set(lexicon.function_words.fillers)
+    for part in reading.parts:
+        weights = lexicon.words[part.call.skill].weights
+        opening = next(
+            (
+                token
+                for at, token in enumerate(reading.tokens[part.start : part.end], part.start)
+                if not is_mark(token)
+                and at not in reading.courteous
+                and (weights.get(token, 0.0) >= _SPEAKS or token not in words)
+            ),
+            "",
+        )
+        if weights.get(opening, 0.0) < _SPEAKS:
+            return False
+    return True

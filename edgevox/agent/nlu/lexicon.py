@@ -12,7 +12,9 @@ from dataclasses import dataclass
 
 from edgevox.agent.arguments import is_number_type
 from edgevox.agent.nlu.function_words import words_of
-from edgevox.agent.nlu.tokens import WORD, Tokenizer, Words, plain
+from edgevox.agent.nlu.phrase_index import PhraseIndex
+from edgevox.agent.nlu.tokens import WORD, Tokenizer, Words, find, plain
+from edgevox.agent.numbers import digits
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.skills import Skill, SkillSet
 
@@ -26,6 +28,8 @@ _FILLER_WEIGHT = 0.1
 _EXAMPLE_WEIGHT = 0.25
 """What a word of an example counts, against one of a template: examples are of few people."""
 _SHORTEST_MIXED = 4
+_SHORTEST_SLIP = 6
+"""Shorter words are too often others when one letter differs."""
 _EVERYWHERE = 0.6
 """A word that this share of the skills knows belongs to none of them."""
 
@@ -69,13 +73,21 @@ class Lexicon:
         known |= {said for spoken in self.places.values() for said in spoken}
         known |= {plain(one) for one in words_of(book.code).all()}
         self.tokenize = Tokenizer(book, known)
-        self._functions = {part for one in self.function_words.all() for part in self.tokenize(one)}
+        self._phrases: dict[str, Words] = {}
+        self._indices: dict[tuple[str, ...], PhraseIndex] = {}
+        self._functions = {part for one in self.function_words.all() for part in self.phrase(one)}
+        self._misheard = [
+            (self.tokenize(written), self.tokenize(said))
+            for written, said in self.function_words.misheard.items()
+        ]
+        self._gerunds = frozenset(self.function_words.gerunds)
         self.names = {
             place: {self.tokenize(said): word for said, word in spoken.items()}
             for place, spoken in self.places.items()
         }
         self.common, self.words = self._weigh(chunks)
         named = {part for names in self.names.values() for name in names for part in name}
+        self._named = named
         self._orders = {
             _letters(word): word
             for word in (*named, *(w for one in self.words.values() for w in one.weights))
@@ -84,17 +96,50 @@ class Lexicon:
 
     def knows(self, word: str) -> bool:
         """Whether it is a word of some skill, or means nothing to any."""
-        return (
-            word in self.common
-            or any(word in one.weights for one in self.words.values())
-            or word in self._functions
-        )
+        return self.speaks(word) or word in self._functions or word in self._named
+
+    def phrase(self, text: str) -> Words:
+        """Words of the language's tables as they stand in sentences: "1st" for "first"."""
+        if text not in self._phrases:
+            self._phrases[text] = self.tokenize(digits(text, self.book.code))
+        return self._phrases[text]
+
+    def index(self, phrases: tuple[str, ...]) -> PhraseIndex:
+        """What finds these in sentences."""
+        if phrases not in self._indices:
+            self._indices[phrases] = PhraseIndex(map(self.phrase, phrases))
+        return self._indices[phrases]
 
     def spelled(self, tokens: Words) -> Words:
-        """With the letters of unknown words in the order of a known one: "trun" is "turn"."""
+        """With unknown words as those that were meant: see `_spelled`."""
+        for written, said in self._misheard:
+            for at in reversed(find(tokens, written)):
+                tokens = (*tokens[:at], *said, *tokens[at + len(written) :])
         return tuple(
-            one if self.knows(one) else self._orders.get(_letters(one), one) for one in tokens
+            self._spelled(one, tokens[max(0, at - 2) : at]) for at, one in enumerate(tokens)
         )
+
+    def _spelled(self, word: str, before: Words) -> str:
+        """The word that was meant, where this one is unknown: "trun" is "turn".
+
+        That is one of the same letters, one that differs in one letter, or the verb that a gerund
+        is of, where one may stand.
+        """
+        if self.knows(word):
+            return word
+        if word.endswith("ing") and self._gerunds.intersection(before):
+            stems = (word[:-3], word[:-3] + "e", word[:-4])
+            return next((one for one in stems if self.speaks(one)), word)
+        if same := self._orders.get(_letters(word)):
+            return same
+        if len(word) < _SHORTEST_SLIP:
+            return word
+        near = (one for one in self._orders.values() if len(one) >= _SHORTEST_SLIP)
+        return next((one for one in near if _is_one_off(word, one)), word)
+
+    def speaks(self, word: str) -> bool:
+        """Whether it speaks for some skill."""
+        return word in self.common or any(word in one.weights for one in self.words.values())
 
     def _weigh(
         self, chunks: Mapping[str, Mapping[str, float]]
@@ -137,6 +182,17 @@ class Lexicon:
 def _letters(word: str) -> tuple[str, str]:
     """What a word has in common with those of which somebody typed two letters the wrong way."""
     return word[:1], "".join(sorted(word))
+
+
+def _is_one_off(one: str, other: str) -> bool:
+    """Whether one letter was left out, put in, or is another; never the first."""
+    if one[0] != other[0] or abs(len(one) - len(other)) > 1:
+        return False
+    same = next((i for i, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), None)
+    if same is None:
+        return True
+    rest, longer = sorted((one[same:], other[same:]), key=len)
+    return rest[len(rest) == len(longer) :] == longer[1:]
 
 
 def _parts(name: str) -> list[str]:

@@ -12,22 +12,23 @@ from dataclasses import dataclass
 from edgevox.agent.nlu.clauses import Clauses, Part
 from edgevox.agent.nlu.lexicon import Lexicon
 from edgevox.agent.nlu.mentions import Name, Number, find_names, find_numbers
-from edgevox.agent.nlu.tokens import Words, find, is_mark
+from edgevox.agent.nlu.tokens import Words, is_mark
 from edgevox.agent.skills import Call
 
 _BESIDE = 3.0
 """What the words for a call without a name or a number must weigh at least, beside others."""
-_MOST_PARTS = 7
+_MOST_PARTS = 12
 MAX_TOKENS = 60
 """Longer sentences are stories."""
 
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """A sentence as calls, in their order."""
+    """A sentence as calls, in their order. `courteous` are the places of its courtesies."""
 
     parts: tuple[Part, ...]
     tokens: Words
+    courteous: frozenset[int]
     strange: int
     corrected: bool
     denied: bool
@@ -44,25 +45,27 @@ class Reader:
     def __init__(self, lexicon: Lexicon) -> None:
         self._lexicon = lexicon
         words = lexicon.function_words
-        split = lexicon.tokenize
-        self._fillers = [split(one) for one in (*words.fillers, *words.urges)]
-        self._courtesies = [one for one in self._fillers if len(one) > 2]
-        self._courtesies += [split(one) for one in words.asking]
-        self._negations = [split(one) for one in words.negations]
-        self._corrections = [split(one) for one in words.corrections]
-        self._reversals = [split(one) for one in words.reversals]
-        self._articles = frozenset(split(one) for one in lexicon.book.hearing.articles)
-        self._joints = [split(one) for one in lexicon.book.hearing.joints]
-        self._linking = frozenset(
-            {"is", "equals", "=", "ist", "gleich", "est", "es", "igual", "at"}
+        joints = lexicon.book.hearing.joints
+        courtesies = (one for one in words.fillers if len(lexicon.phrase(one)) > 2)
+        linked = (one for one in joints if len(lexicon.phrase(one)) > 1)
+        self._joints = lexicon.index(joints)
+        self._courtesies = lexicon.index((*courtesies, *words.asking, *words.wishes, *linked))
+        self._filling = lexicon.index((*words.fillers, *words.urges, *joints, *words.corrections))
+        self._negations = lexicon.index(words.negations)
+        self._corrections = lexicon.index(words.corrections)
+        self._reversal = lexicon.index(words.reversals[:1])
+        self._opening = lexicon.index(
+            (*joints, *words.corrections, *words.reversals, *words.reasons)
         )
+        self._articles = frozenset(map(lexicon.phrase, lexicon.book.hearing.articles))
+        self._linking = frozenset(words.linking)
 
     def read(self, text: str) -> Reading | None:
         """The best reading; None where no skill could be meant."""
         tokens = self._lexicon.spelled(self._lexicon.tokenize(text))
         if not tokens or len(tokens) > MAX_TOKENS:
             return None
-        joining = frozenset(_places(tokens, self._joints))
+        joining = self._joints.places(tokens)
         said = [
             one
             for one in find_names(self._lexicon, tokens)
@@ -74,29 +77,34 @@ class Reader:
         corrected = len(names) < len(said) or len(numbers) < len(counted)
         gone = {at for one in said for at in range(one.start, one.end)}
         gone |= {one.start for one in counted}
-        filled = self._filled(tokens) | gone
-        sentence = Clauses(self._lexicon, tokens, names, numbers, filled)
+        courteous = self._courtesies.places(tokens)
+        filled = self._filled(tokens) | courteous | gone
+        unsaid = self._negations.places(tokens) if corrected else frozenset()
+        sentence = Clauses(self._lexicon, tokens, names, numbers, filled=filled, unsaid=unsaid)
         parts = self._parts(sentence)
         if not parts:
             return None
         strange = sum(sentence.strange(a, b) for a, b in _gaps(parts, len(tokens)))
         strange += sum(part.strange for part in parts)
         parts = self._meant(parts)
-        return Reading(_once(self._ordered(parts, tokens)), tokens, strange, corrected, denied)
+        if self._takes_back(parts, tokens):
+            parts, corrected, denied = parts[1:], True, False
+        return Reading(
+            _once(self._ordered(parts, tokens)), tokens, courteous, strange, corrected, denied
+        )
 
     def _is_article(self, tokens: Words, one: Name) -> bool:
         """Whether it is the "the" of what follows, which elsewhere is "it"."""
         return one.end < len(tokens) and tokens[one.start : one.end] in self._articles
 
     def _filled(self, tokens: Words) -> frozenset[int]:
-        filled = set(_places(tokens, [*self._fillers, *self._joints, *self._corrections]))
-        filled |= {i for i, token in enumerate(tokens) if token in self._lexicon.common}
-        return frozenset(filled)
+        common = {i for i, token in enumerate(tokens) if token in self._lexicon.common}
+        return self._filling.places(tokens) | common
 
     def _take_back(self, tokens: Words, names: Sequence[Name]) -> tuple[list[Name], bool]:
         """Without the names that the speaker took back: "the office, no, the bedroom"."""
-        denied = set(_places(tokens, self._negations)) - set(_places(tokens, self._courtesies))
-        correcting = set(_places(tokens, self._corrections))
+        denied = self._negations.places(tokens) - self._courtesies.places(tokens)
+        correcting = self._corrections.places(tokens)
         kept = list(names)
         allowed: set[int] = set()
         for first, second in itertools.pairwise(names):
@@ -111,7 +119,7 @@ class Reader:
 
     def _corrected(self, tokens: Words, numbers: Sequence[Number]) -> list[Number]:
         """Without a number that the next one corrects: "90 degrees, make that 60"."""
-        correcting = set(_places(tokens, self._corrections))
+        correcting = self._corrections.places(tokens)
         taken_back = {
             first.start
             for first, second in itertools.pairwise(numbers)
@@ -138,10 +146,7 @@ class Reader:
     def _borders(self, tokens: Words) -> list[int]:
         borders = {0, len(tokens)}
         borders |= {at for at, token in enumerate(tokens) if is_mark(token)}
-        borders |= {at for joint in self._joints for at in find(tokens, joint)}
-        for words in (self._corrections, self._reversals):
-            borders |= {at for one in words for at in find(tokens, one)}
-        return sorted(borders)
+        return sorted(borders | self._opening.starts(tokens))
 
     def _meant(self, parts: tuple[Part, ...]) -> tuple[Part, ...]:
         """Without what a stray word beside a real order speaks for."""
@@ -155,12 +160,26 @@ class Reader:
         ]
         return tuple(strong) or parts
 
+    def _takes_back(self, parts: tuple[Part, ...], tokens: Words) -> bool:
+        """Whether the first of two motions is taken back: "not left, right", "left, no, right"."""
+        if len(parts) != 2 or not all(self._lexicon.skills[p.call.skill].drives for p in parts):
+            return False
+        first, second = parts
+        denied = self._negations.places(tokens) - self._courtesies.places(tokens)
+        opening = range(first.start, min(first.start + 2, first.end))
+        alone = bool(denied) and denied <= set(range(first.start, first.end))
+        if alone and denied.intersection(opening) and is_mark(tokens[second.start]):
+            return first.call.skill != second.call.skill
+        between = range(first.start + 1, second.start + 2)
+        corrected = bool(self._corrections.starts(tokens).intersection(between))
+        return corrected and first.call.skill != second.call.skill
+
     def _ordered(self, parts: tuple[Part, ...], tokens: Words) -> tuple[Part, ...]:
         """The order of doing: "before A, B" is B and then A, "A, but first B" too."""
         if len(parts) != 2:
             return parts
         second = parts[1]
-        first_words = set(_places(tokens, self._reversals[:1]))
+        first_words = self._reversal.starts(tokens)
         opening = range(parts[0].start, min(parts[0].start + 2, len(tokens)))
         if first_words & set(opening):
             return second, parts[0]
@@ -179,13 +198,6 @@ def _once(parts: tuple[Part, ...]) -> tuple[Part, ...]:
 
 def _counts(call: Call) -> bool:
     return any(isinstance(value, float) for value in call.arguments.values())
-
-
-def _places(tokens: Words, phrases: Sequence[Words]) -> Iterator[int]:
-    for phrase in phrases:
-        if phrase:
-            for start in find(tokens, phrase):
-                yield from range(start, start + len(phrase))
 
 
 def _gaps(parts: Sequence[Part], size: int) -> Iterator[tuple[int, int]]:

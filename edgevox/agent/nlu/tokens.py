@@ -5,18 +5,17 @@ import unicodedata
 from collections.abc import Iterable, Sequence
 
 from edgevox.agent.phrasebook import Phrasebook
-from edgevox.agent.spelling import folded, separated
+from edgevox.agent.spelling import NUMBER, folded, separated
 from edgevox.core.text import one_form
 
 Words = tuple[str, ...]
 
 _MARKS = r"[,;.!?:\u2026\u3001\u3002\u060c\u061b\u061f\u0964]+"
 _ORDINAL = r"\d+(?:st|nd|rd|th)\b"
-_NUMBER = r"(?<![\d.])-?\d+(?:\.\d+)?"
 WORD = r"(?:[^\W\d_]|[\u0900-\u0963])+'?"
 """A word; the vowels and joiners of Devanagari are no letters to `re`, and part of one."""
-_TOKEN = re.compile(rf"{_ORDINAL}|{_NUMBER}|{WORD}|{_MARKS}|%|\u00b0")
-_IS_NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
+_TOKEN = re.compile(rf"{_ORDINAL}|(?<![\d.]){NUMBER}|{WORD}|{_MARKS}|%|\u00b0")
+_IS_NUMBER = re.compile(NUMBER)
 _IS_MARK = re.compile(_MARKS)
 _JOINING = frozenset({0, 8, 9})
 """The combining classes of marks that make another letter or join two: kana voicing, virama."""

@@ -10,28 +10,50 @@ _PLEASE = (
     "[(could|can|would|will) you [please]|I (want|need|would like) you to|you (should|have to)]"
 )
 _END = "[now|please|right now|for me|again]"
-_WALK = "(walk|go|move|step|come|march|head|run) [on|over|straight|slowly|carefully]"
-_AHEAD = "(forward|forwards|ahead|straight ahead|straight on|straight)"
-_BACK = "(backward|backwards|back|in reverse)"
+_WALK = (
+    "(walk|go|move|step|come|march|head|run|pace|stride|stroll|shuffle|trot|jog|proceed|travel|"
+    "advance|edge|inch|hop|plod|scoot|get|take yourself|take it|bring yourself|move yourself) "
+    "[on|over|straight|slowly|carefully]"
+)
+_AHEAD = (
+    "(forward|forwards|ahead|straight ahead|straight on|straight|onward|onwards|further forward|"
+    "towards me|closer|nearer)"
+)
+_TO_THE_FRONT = "(to me|in front|to the front|up)"
+_BACK = "(backward|backwards|back|in reverse|rearward|rearwards)"
+_TO_THE_REAR = "(behind|to the rear|away from me)"
 _BY = "[by|for|about|another|a distance of]"
 _METRES = "(meters|metres|meter|metre|m)"
 _A_METRE = "[[by] (a|another|one) (meter|metre)]"
-_TURN = "(turn|rotate|spin|pivot|swing) [yourself] [around|round]"
-_LEFT = "[to] [the|your] (left|counterclockwise|counter clockwise|anticlockwise)"
-_RIGHT = "[to] [the|your] (right|clockwise)"
+_TURN = (
+    "(turn|rotate|spin|pivot|swing|swivel|yaw|twist|veer|revolve|wheel|angle|twirl|turning|swing) "
+    "[yourself] [around|round]"
+)
+_LEFT = (
+    "[to|on|toward|towards] [the|your] (left|counterclockwise|counter clockwise|anticlockwise|"
+    "left hand side|left side)"
+)
+_RIGHT = "[to|on|toward|towards] [the|your] (right|clockwise|right hand side|right side)"
 _DEGREES = "(degrees|degree|°)"
-_TELL = "(what is|what's|tell me|give me|report|say|show)"
+_TELL = (
+    "(what is|what's|what are|tell (me|us)|give (me|us)|report|say|state|show|"
+    "let me know|print|log)"
+)
 _POSITION = "(position|location|pose|place|coordinates|whereabouts|heading|orientation)"
 _HALT = "(stop|halt|freeze|wait|hold on|cancel|abort) [moving|walking|turning|it|that]"
 _AT_ONCE = "[now|right now|there|here|right there|please|immediately|at once]"
 
+_RETREAT = "(back up|back off|back away|retreat|reverse|withdraw)"
 
-def _walking(way: str) -> tuple[str, ...]:
+
+def _walking(way: str, far: str) -> tuple[str, ...]:
     return (
         f"{_PLEASE} {_WALK} {way} {_BY} {{distance}} {_METRES} {_END}",
         f"{_PLEASE} {_WALK} {_BY} {{distance}} {_METRES} [to the] {way} {_END}",
         f"{_PLEASE} {_WALK} {way} {_A_METRE} {_END}",
         f"{_PLEASE} {_WALK} (a|another) (meter|metre) {way} {_END}",
+        f"{_PLEASE} {_WALK} {far} {_BY} {{distance}} {_METRES} {_END}",
+        f"{_PLEASE} {_WALK} {_BY} {{distance}} {_METRES} {far} {_END}",
     )
 
 
@@ -42,13 +64,17 @@ def _turning(way: str) -> tuple[str, ...]:
         f"{_PLEASE} {_TURN} {way} {_END}",
         f"{_PLEASE} (make|take|do) a {way} [turn] {_END}",
         f"{_PLEASE} (face|look) {way} {_END}",
+        f"[another|make it|about] {{degrees}} {_DEGREES} to (the|your) {way} {_END}",
+        f"{way} [by|about|another] {{degrees}} {_DEGREES} {_END}",
     )
 
 
 FORWARD = (
-    *_walking(_AHEAD),
+    *_walking(_AHEAD, _TO_THE_FRONT),
     f"{_PLEASE} (walk|march|step) {{distance}} {_METRES} {_END}",
     f"{_PLEASE} advance {_BY} {{distance}} {_METRES} {_END}",
+    f"[another|about] {{distance}} {_METRES} [further] (forward|forwards) {_END}",
+    f"(forward|forwards) {_BY} {{distance}} {_METRES} {_END}",
 )
 FORWARD_EXAMPLES = (
     Example("come two metres closer to me", {"distance": 2.0}),
@@ -58,9 +84,11 @@ FORWARD_EXAMPLES = (
 )
 
 BACKWARD = (
-    *_walking(_BACK),
-    f"{_PLEASE} (back up|back off|retreat|back away) {_BY} {{distance}} {_METRES} {_END}",
-    f"{_PLEASE} (back up|back off|retreat|back away) {_END}",
+    *_walking(_BACK, _TO_THE_REAR),
+    f"{_PLEASE} {_RETREAT} {_BY} {{distance}} {_METRES} {_END}",
+    f"[another|about] {{distance}} {_METRES} (backward|backwards) {_END}",
+    f"(backward|backwards) {_BY} {{distance}} {_METRES} {_END}",
+    f"{_PLEASE} {_RETREAT} {_END}",
 )
 BACKWARD_EXAMPLES = (
     Example("give me two metres of space", {"distance": 2.0}),
@@ -89,7 +117,13 @@ AROUND = (
     f"{_PLEASE} (turn|spin|swing|face) (around|round|about) {_END}",
     f"{_PLEASE} (turn|face|look) (the other way|backwards|back) [around|round] {_END}",
     f"{_PLEASE} (make|do|take) [a] (0.5|half|u|you) [-] turn {_END}",
-    "about (face|turn)",
+    f"{_PLEASE} {_TURN} [by] 180 [degrees] [around|round] {_END}",
+    f"{_PLEASE} (do|make|take|pull) [a|an] (180|about turn|about face) {_END}",
+    f"180 [degrees] (turn|round|around|turn round|turn around) {_END}",
+    f"[a] 0.5 [-] (turn|rotation|circle) {_END}",
+    f"{_PLEASE} (face|look|turn to) [in] the (opposite|other) (way|direction|side) {_END}",
+    f"{_PLEASE} (show me your back|turn your back|look behind you|reverse direction) {_END}",
+    "(right about|about) (face|turn) [now|please]",
 )
 AROUND_EXAMPLES = (
     Example("show me your back"),
@@ -100,7 +134,11 @@ AROUND_EXAMPLES = (
 STAND = (
     f"{_PLEASE} (stand|get|rise) [back] up [again] {_END}",
     f"{_PLEASE} (get|get back|stand|be) on your feet [again] {_END}",
-    f"{_PLEASE} stand [up] [still|straight|upright|there|here] {_END}",
+    f"[back] [up] on your (feet|legs) [again] {_END}",
+    f"[up] (up you get|up you come|upsy daisy|get up|rise) {_END}",
+    f"{_PLEASE} (pick|get) yourself [back] up [again] {_END}",
+    f"{_PLEASE} stand [up] [still|straight|upright|tall|there|here] {_END}",
+    f"{_PLEASE} (straighten|come) [yourself] up [straight|right] {_END}",
     f"{_PLEASE} (stay|keep) standing {_END}",
 )
 STAND_EXAMPLES = (
@@ -126,6 +164,11 @@ WHERE = (
     f"{_TELL} your [current] {_POSITION} [now|please]",
     "(which|what) (way|direction) are you (facing|looking) [now]",
     "how far have you (walked|gone|come)",
+    "(did|have) you (fall|fell|fallen|tip|tipped|topple|toppled|trip) [over|down]",
+    "are you [still] (standing|ok|okay|on your feet)",
+    "where (are you|did you|do you) (standing|stand|end up|finish|walk to) [now]",
+    "[tell me] (your|the) [current] (x and y|heading|orientation|pose)",
+    "whereabouts are you [now]",
 )
 WHERE_EXAMPLES = (
     Example("have you got lost?"),
