@@ -2,6 +2,7 @@
 
 import heapq
 import itertools
+import math
 import threading
 from collections.abc import Callable
 
@@ -22,6 +23,8 @@ class Deadlines:
         self._changed = threading.Condition()
         self._set: list[tuple[float, int, Callable[[], None]]] = []
         self._numbers = itertools.count()
+        self._wakes_s = math.inf
+        """When the thread looks again by itself, also for what was called off meanwhile."""
         self._closed = False
         self._thread = threading.Thread(target=self._work, name=name)
 
@@ -37,11 +40,18 @@ class Deadlines:
             self._thread.join()
 
     def set(self, seconds: float, action: Callable[[], None]) -> Callable[[], None]:
-        """Do it after so many seconds. Returns a way to call it off; does not block."""
-        entry = (self._clock.now() + seconds, next(self._numbers), action)
+        """Do it after so many seconds. Returns a way to call it off; does not block.
+
+        Nearly all are called off. The thread that waits is woken only where it would wake too late
+        by itself, so that of many such deadlines it notices one.
+        """
+        due_s = self._clock.now() + seconds
+        entry = (due_s, next(self._numbers), action)
         with self._changed:
             heapq.heappush(self._set, entry)
-            self._changed.notify_all()
+            if due_s < self._wakes_s:
+                self._wakes_s = due_s
+                self._changed.notify_all()
         return lambda: self._call_off(entry)
 
     def _call_off(self, entry: tuple[float, int, Callable[[], None]]) -> None:
@@ -61,8 +71,10 @@ class Deadlines:
         """What is due, once something is; None at the end."""
         with self._changed:
             while not self._closed:
-                left_s = self._set[0][0] - self._clock.now() if self._set else None
-                if left_s is not None and left_s <= 0:
+                now_s = self._clock.now()
+                if self._set and self._set[0][0] <= now_s:
                     return heapq.heappop(self._set)[2]
-                self._changed.wait(left_s)
+                if self._wakes_s <= now_s:
+                    self._wakes_s = self._set[0][0] if self._set else math.inf
+                self._changed.wait(None if self._wakes_s == math.inf else self._wakes_s - now_s)
         return None

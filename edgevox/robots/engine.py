@@ -6,6 +6,7 @@ same in every simulator. Nothing here is safe to use from two threads at a time;
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isfinite
 from typing import Protocol
 
 from edgevox.core.transforms import Pose2D
@@ -29,8 +30,10 @@ class MotionState:
 
     @property
     def finite(self) -> bool:
-        """Whether every number is one."""
-        return self.pose.finite and self.twist.finite
+        """Whether every number is one: a sum is none where one of them is none."""
+        pose, twist = self.pose, self.twist
+        along = pose.x_m + pose.y_m + pose.yaw_rad
+        return isfinite(along + twist.linear_m_s + twist.angular_rad_s)
 
 
 class Engine(Protocol):

@@ -52,7 +52,9 @@ class _Side:
         """How far along the path the point of this side is that is nearest to another."""
         x, y = point[0] - self.a[0], point[1] - self.a[1]
         past_m = x * self.ahead[0] + y * self.ahead[1]
-        return self.begin_m + min(max(past_m, 0.0), self.length_m)
+        if past_m <= 0.0:
+            return self.begin_m
+        return self.begin_m + past_m if past_m < self.length_m else self.end_m
 
 
 class Follower:

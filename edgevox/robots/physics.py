@@ -23,6 +23,7 @@ _SUBSTEPS = 2
 _ITERATIONS = 15
 _GRAVITY_M_S2 = 9.81
 _LINE_RADIUS_M = 0.005
+_NOTHING: frozenset[str] = frozenset()
 
 
 class PymunkEngine:
@@ -94,12 +95,11 @@ class PymunkEngine:
 
     def _touching(self) -> frozenset[str]:
         names: set[str] = set()
+        self._robot.each_arbiter(self._note, names)
+        return frozenset(names) if names else _NOTHING
 
-        def note(arbiter: pymunk.Arbiter) -> None:
-            names.update(self._names[s] for s in arbiter.shapes if s in self._names)
-
-        self._robot.each_arbiter(note)
-        return frozenset(names)
+    def _note(self, arbiter: pymunk.Arbiter, names: set[str]) -> None:
+        names.update(self._names[s] for s in arbiter.shapes if s in self._names)
 
     def _add_fixed(self, thing: Thing) -> None:
         for part in thing.parts:

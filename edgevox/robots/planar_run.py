@@ -87,7 +87,8 @@ class PlanarRun:
             self._movable = movable
         self.motion = motion
         self._resting = not self.busy and self.engine.still
-        self.collisions += len(motion.touching - before.touching)
+        if motion.touching:
+            self.collisions += len(motion.touching - before.touching)
         here = (motion.pose.x_m, motion.pose.y_m)
         if math.dist(here, self.trail[-1]) >= TRAIL_STEP_M:
             self.trail.append(here)

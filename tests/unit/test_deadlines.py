@@ -42,6 +42,15 @@ def test_they_are_done_in_the_order_in_which_they_are_due(deadlines):
     assert done == ["first", "second"]
 
 
+@pytest.mark.parametrize("seconds", [0.05, 3600.0])
+def test_one_that_was_called_off_keeps_no_later_one_from_being_done(deadlines, seconds):
+    done = threading.Event()
+    call_off = deadlines.set(seconds, lambda: None)
+    call_off()
+    deadlines.set(0.1, done.set)
+    assert done.wait(60)
+
+
 def test_one_that_fails_keeps_no_other_from_being_done(deadlines):
     done = threading.Event()
     deadlines.set(0.0, lambda: {}["nothing"])
