@@ -32,6 +32,7 @@ QUESTIONS = (
 """What the model answers, in words."""
 STORY = "why is the sky blue and why do people like to look at it"
 """Answered in many words, so that there is time to interrupt."""
+ROOMS = ("bedroom", "office", "kitchen")
 SETTLE_S = 0.3
 """Two topics have no order between them; after this long the first message has arrived."""
 __all__ = ["PLAIN", "QUESTIONS", "READ", "RELIABLE", "Talker", "isolate", "wait_until"]
@@ -105,7 +106,8 @@ class Talker:
     def stopped_s(self) -> float:
         """Seconds from "stop" out to zero velocity in, while the robot drives and a model works."""
         self.forget()
-        self.say(random.choice(("go to the bedroom", "go to the office", "go to the kitchen")))
+        here = json.loads(self.robot.messages[-1])["room"]
+        self.say(f"go to the {random.choice([room for room in ROOMS if room != here])}")
         _wait(self.robot, lambda m: json.loads(m)["velocity"]["linear"] > 0.3)
         heard = len(self.token.messages)
         self.say(STORY)

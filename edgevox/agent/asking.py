@@ -67,7 +67,7 @@ class Asking:
             if not rest:
                 turn.say(self._mind.phrases.say("left_undone"))
                 return None
-            if not self._is_plain(rest) and self._performer.answer(rest, turn):
+            if self._performer.answer(rest, turn):
                 return None
             meaning = self._asides.meant(self._mind.understand(rest, turn), turn)
         if meaning is None or turn.token.cancelled:

@@ -42,7 +42,11 @@ class Performer:
         self._executor = executor
         self._programs = programs
         self._asides = asides
-        self._questions = ProgramQuestions(programs, lambda: mind.phrases)
+        self._questions = ProgramQuestions(
+            programs,
+            phrases=lambda: mind.phrases,
+            is_plain=lambda text: isinstance(mind.plain(text), Meaning),
+        )
 
     def prepare(self, meaning: Meaning, turn: Turn, *, confirmed: bool = False) -> Prepared | None:
         """What may be done; None if it is wrong or forbidden, which is said.

@@ -19,21 +19,30 @@ _KINDS = ("list", "forget_all", "forget")
 
 
 class ProgramQuestions:
-    """Answers them, in the language of `phrases`."""
+    """Answers them, in the language of `phrases`; what `is_plain` is a command, and no question."""
 
-    def __init__(self, programs: Programs, phrases: Callable[[], Phrasebook]) -> None:
+    def __init__(
+        self,
+        programs: Programs,
+        *,
+        phrases: Callable[[], Phrasebook],
+        is_plain: Callable[[str], bool],
+    ) -> None:
         self._programs = programs
         self._phrases = phrases
+        self._is_plain = is_plain
 
     def answer(self, text: str, turn: Turn) -> bool:
         """Answer what is asked of the programs; False if nothing is."""
         phrases = self._phrases()
-        for code in dict.fromkeys((phrases.code, ENGLISH)):
-            for kind, slots in _asked(text, phrasebook(code)):
-                what = slots.get("what", "")
-                if said := _answer(kind, what, self._programs, phrases, phrasebook(code)):
-                    turn.say(said)
-                    return True
+        codes = dict.fromkeys((phrases.code, ENGLISH))
+        asked = [(book, *one) for book in map(phrasebook, codes) for one in _asked(text, book)]
+        if not asked or self._is_plain(text):
+            return False
+        for book, kind, slots in asked:
+            if said := _answer(kind, slots.get("what", ""), self._programs, phrases, book):
+                turn.say(said)
+                return True
         return False
 
 
