@@ -22,6 +22,10 @@ _DOUBTFUL = (ASK_FROM + SURE_FROM) / 2
 """At most so sure is a motion of which not all was understood."""
 
 
+_SURER = 0.9
+"""So sure it must be where a word was said that nobody knows, in a language that is little listed."""
+
+
 @dataclass(frozen=True, slots=True)
 class Decision:
     """Calls with the confidence that they are meant: at least `ASK_FROM`."""
@@ -44,6 +48,8 @@ class Judged:
     held_back: bool
     unlisted: bool
     """Its language has no table of function words, so that a denial in it is not noticed."""
+    terse: bool
+    """Its language does not list what makes an order of a bare name, so that one needs none."""
 
 
 class Readings:
@@ -64,7 +70,8 @@ class Readings:
             reading = reader.read(digits(plain, lexicon.book.code))
             if reading is not None:
                 facts = evidence(reading, lexicon, text)
-                return Judged(reading, facts, _held_back(reading, facts), self._unlisted)
+                terse = not lexicon.function_words.urges
+                return Judged(reading, facts, _held_back(reading, facts), self._unlisted, terse)
         return None
 
     def _renew(self) -> None:
@@ -92,7 +99,7 @@ class Decider:
         order = self._order(text)
         confidence = self._head.confidence(self._head.likelihood(order, judged.evidence))
         unlisted = judged.unlisted and judged.evidence["moves"]
-        if unlisted or _is_doubtful(judged.evidence):
+        if unlisted or _is_doubtful(judged, confidence):
             confidence = min(confidence, _DOUBTFUL)
         return Decision(judged.reading.calls, confidence) if confidence >= ASK_FROM else None
 
@@ -107,19 +114,23 @@ class Decider:
         return self._last[1]
 
 
-def _is_doubtful(facts: Mapping[str, float]) -> bool:
+def _is_doubtful(judged: Judged, confidence: float) -> bool:
     """Whether to ask however likely it is.
 
     Not all of it was understood or, of a motion, somebody else is spoken to or will move, or it is
     a bare name.
     """
-    if facts["strange_alone"]:
+    facts, strange = judged.evidence, judged.evidence["strange_inside"]
+    if facts["strange_alone"] or (facts["moves"] and judged.reading.unread):
         return True
+    if judged.terse and facts["moves"]:
+        unknown = strange > 1 or (strange and (facts["unspaced"] or confidence < _SURER))
+        return bool(facts["asks"] or unknown or (facts["parts"] > 1 and strange))
     return bool(
         facts["moves"]
         and (
             facts["asks"]
-            or facts["strange_inside"]
+            or strange
             or facts["plans"]
             or facts["addressed"]
             or facts["half_filled"]
