@@ -37,7 +37,7 @@ FOLDS = 10
 ORDER_PENALTY, PENALTY = 30.0, 1.0
 BEYOND = ("beyond", "exist", "not there", "cannot do", "no skill answers", "to others")
 """Categories of others that are orders or questions to a robot, of what it cannot do."""
-ASK_LIKELIHOOD, SURE_LIKELIHOOD = 0.5, 0.8
+ASK_LIKELIHOOD, SURE_LIKELIHOOD = 0.5, 0.9
 
 
 @dataclass(frozen=True, slots=True)

@@ -112,7 +112,7 @@ WHERE_EXAMPLES = (
     Example("have you got lost?"),
     Example("I cannot see you, what place have you reached?"),
     Example("how far have you come?"),
-    Example("what are your x and y?"),
+    Example("what is your x and y on the map?"),
 )
 
 BATTERY = (

@@ -2,6 +2,7 @@
 
 import pytest
 
+from edgevox.agent.choices import OneOf
 from edgevox.agent.intents import Recogniser, Understood
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import Call, Skill, SkillFailed, SkillSet
@@ -10,6 +11,7 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.navigation import navigation_skills
+from edgevox.robots.places.memory import PlaceMemory
 from edgevox.robots.world import parse_world
 
 SAID = {
@@ -178,3 +180,13 @@ def test_what_a_body_lacks_it_is_not_asked_for() -> None:
 def test_calls_with_wrong_arguments_are_refused_by_name(call: Call, apartment_skills) -> None:
     with pytest.raises(InvalidValue, match=call.skill):
         apartment_skills[call.skill].validate(call.arguments)
+
+
+def test_it_is_in_a_room_and_at_a_place_that_it_remembers() -> None:
+    memory = PlaceMemory("flat", OneOf(("kitchen",)))
+    memory.remember("charger", Pose2D(1.0, 2.0, 0.0), "map")
+    (drive, *_) = navigation_skills(StandsInKitchen(), memory=memory)
+
+    told = [drive.done.format(**drive.function(Goal(), one)) for one in ("kitchen", "charger")]
+
+    assert told == ["I am in the kitchen.", "I am at the charger."]

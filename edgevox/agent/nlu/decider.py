@@ -119,8 +119,8 @@ def _is_doubtful(judged: Judged, order: float) -> bool:
     if not facts["moves"]:
         return False
     unwanted = judged.doubted or (order < 0 and facts["least_support"] < SAYS_SO)
-    inside = facts["strange_inside"] or facts["half_filled"]
-    return bool(unwanted or inside or facts["asks"] or facts["plans"] or facts["addressed"])
+    unread = facts["strange_inside"] or facts["half_filled"] or judged.reading.unread
+    return bool(unwanted or unread or facts["asks"] or facts["plans"] or facts["addressed"])
 
 
 def _held_back(reading: Reading, facts: Mapping[str, float]) -> bool:

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from importlib.resources import files
+from typing import Any
 
 _FILE = "function_words.toml"
 
@@ -60,9 +61,11 @@ def words_of(code: str) -> FunctionWords:
 @lru_cache(maxsize=1)
 def _read() -> Mapping[str, FunctionWords]:
     text = files(__package__).joinpath(_FILE).read_text(encoding="utf-8")
+    tables: dict[str, dict[str, Any]] = tomllib.loads(text)
     return {
         code: FunctionWords(
-            **{n: words if n == "misheard" else tuple(words) for n, words in table.items()}
+            misheard=table.get("misheard", {}),
+            **{n: tuple(words) for n, words in table.items() if n != "misheard"},
         )
-        for code, table in tomllib.loads(text).items()
+        for code, table in tables.items()
     }

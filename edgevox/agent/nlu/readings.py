@@ -32,6 +32,8 @@ class Reading:
     strange: int
     corrected: bool
     denied: bool
+    unread: bool
+    """Whether words that a joint opens are no call and not all known: perhaps another order."""
 
     @property
     def calls(self) -> tuple[Call, ...]:
@@ -86,11 +88,18 @@ class Reader:
             return None
         strange = sum(sentence.strange(a, b) for a, b in _gaps(parts, len(tokens)))
         strange += sum(part.strange for part in parts)
+        unread = any(a in joining and sentence.strange(a, b) for a, b in _gaps(parts, len(tokens)))
         parts = self._meant(parts)
         if self._takes_back(parts, tokens):
             parts, corrected, denied = parts[1:], True, False
         return Reading(
-            _once(self._ordered(parts, tokens)), tokens, courteous, strange, corrected, denied
+            _once(self._ordered(parts, tokens)),
+            tokens,
+            courteous,
+            strange,
+            corrected,
+            denied,
+            unread,
         )
 
     def _is_article(self, tokens: Words, one: Name) -> bool:

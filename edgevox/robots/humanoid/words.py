@@ -94,7 +94,7 @@ BACKWARD_EXAMPLES = (
     Example("give me two metres of space", {"distance": 2.0}),
     Example("you are too close, half a metre away from me please", {"distance": 0.5}),
     Example("take one step back", {"distance": 0.4}),
-    Example("reverse for three metres", {"distance": 3.0}),
+    Example("in reverse please, for three metres", {"distance": 3.0}),
 )
 
 LEFT = _turning(_LEFT)
@@ -126,8 +126,8 @@ AROUND = (
     "(right about|about) (face|turn) [now|please]",
 )
 AROUND_EXAMPLES = (
-    Example("show me your back"),
-    Example("look behind you"),
+    Example("reverse your direction"),
+    Example("look the other way, behind you"),
     Example("you are facing the wrong way"),
 )
 
@@ -172,6 +172,6 @@ WHERE = (
 )
 WHERE_EXAMPLES = (
     Example("have you got lost?"),
-    Example("are you still standing?"),
+    Example("still on your feet, are you?"),
     Example("what are your x and y?"),
 )

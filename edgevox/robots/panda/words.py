@@ -116,7 +116,7 @@ MOVE = (
 )
 MOVE_EXAMPLES = (
     Example("I want your fingertips at x 0.5, y 0.2, z 0.4", {"x": 0.5, "y": 0.2, "z": 0.4}),
-    Example("hover at 0.4 0 0.3", {"x": 0.4, "y": 0.0, "z": 0.3}),
+    Example("at 0.4 0 0.3, hover", {"x": 0.4, "y": 0.0, "z": 0.3}),
 )
 
 _HALT = "(stop|halt|freeze|wait|hold still|hold on|stay|cancel|abort) [moving|it|that]"
