@@ -198,7 +198,7 @@ def _waits(program: Program) -> bool:
 
 
 def _is_joined(program: Program) -> bool:
-    return all(isinstance(one, Do | Steps) for one in parts_of(program))
+    return all(isinstance(one, Do | Return | Steps) for one in parts_of(program))
 
 
 def _once(order: Program) -> Program:
