@@ -57,13 +57,15 @@ class ProgramReader:
         """As `read`, and whether the templates alone say so.
 
         Only where they do not, `free` reads what stands inside, which knows more words than
-        `plain` and is less sure.
+        `plain` and is less sure; what is only one after another is a reading by itself.
         """
         strict = self.read(text, plain)
         if isinstance(strict, Program):
             return strict, True
         loose = self.read(text, free)
-        return (loose, False) if isinstance(loose, Program) else (strict, True)
+        if isinstance(loose, Program) and not _is_joined(loose):
+            return loose, False
+        return strict, True
 
     def read(self, text: str, plain: Plain) -> Read:
         """The program that a sentence is; None for none. It is no plain command by itself."""
@@ -193,6 +195,10 @@ def _around(kind: str, order: Program, slots: dict[str, str]) -> Program:
 
 def _waits(program: Program) -> bool:
     return any(isinstance(one, After | When) for one in parts_of(program))
+
+
+def _is_joined(program: Program) -> bool:
+    return all(isinstance(one, Do | Return | Steps) for one in parts_of(program))
 
 
 def _once(order: Program) -> Program:
