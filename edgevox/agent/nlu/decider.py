@@ -23,7 +23,7 @@ _DOUBTFUL = (ASK_FROM + SURE_FROM) / 2
 
 
 _SURER = 0.9
-"""So sure it must be where a word was said that nobody knows, in a language that is little listed."""
+"""So sure it must be beside a word that nobody knows, in a language that is little listed."""
 
 
 @dataclass(frozen=True, slots=True)
