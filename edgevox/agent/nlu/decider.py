@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from edgevox.agent.nlu.encoder import SentenceReader
-from edgevox.agent.nlu.evidence import SAYS_SO, evidence, is_denied, is_doubted
+from edgevox.agent.nlu.evidence import evidence, is_denied, is_doubted, is_unsupported
 from edgevox.agent.nlu.judge import ASK_FROM, SURE_FROM, Head
 from edgevox.agent.nlu.lexicon import Lexicon
 from edgevox.agent.nlu.readings import Reader, Reading
@@ -43,6 +43,8 @@ class Judged:
     held_back: bool
     doubted: bool
     """No word says that it is wanted, or a number may go on in a word that nobody knows."""
+    unsupported: bool
+    """The words of the skills alone do not say that they are wanted."""
 
 
 class Readings:
@@ -65,7 +67,13 @@ class Readings:
                 spoken = self._readers[0][0]
                 denied = lexicon is not spoken and is_denied(plain, spoken)
                 held_back = denied or _held_back(reading, facts)
-                return Judged(reading, facts, held_back, is_doubted(reading, facts, lexicon))
+                return Judged(
+                    reading,
+                    facts,
+                    held_back,
+                    doubted=is_doubted(reading, facts, lexicon),
+                    unsupported=is_unsupported(facts, lexicon),
+                )
         return None
 
     def _renew(self) -> None:
@@ -118,7 +126,7 @@ def _is_doubtful(judged: Judged, order: float) -> bool:
         return True
     if not facts["moves"]:
         return False
-    unwanted = judged.doubted or (order < 0 and facts["least_support"] < SAYS_SO)
+    unwanted = judged.doubted or (order < 0 and judged.unsupported)
     unread = facts["strange_inside"] or facts["half_filled"] or judged.reading.unread
     return bool(unwanted or unread or facts["asks"] or facts["plans"] or facts["addressed"])
 

@@ -9,14 +9,18 @@ from edgevox.agent.nlu.clauses import Part
 from edgevox.agent.nlu.lexicon import Lexicon
 from edgevox.agent.nlu.readings import Reading
 from edgevox.agent.nlu.tokens import Words, is_mark, is_number
+from edgevox.agent.phrase_file import ENGLISH
 
 _QUESTION_MARKS = "?\N{FULLWIDTH QUESTION MARK}\N{ARABIC QUESTION MARK}"
 _MOST_DOUBTS = 4
 _MOST_NAMED = 2
 _SPEAKS = 0.4
 """What a word weighs at least that opens an order."""
-SAYS_SO = 0.6
-"""What the words of a skill weigh at least that say that it is wanted, where nothing else does."""
+_SAYS_SO = 0.6
+"""What the words of a skill weigh at least that say that it is wanted, where nothing else does.
+
+In English, of which the judge was shown ten times as many sentences, any of them say so.
+"""
 
 
 def evidence(reading: Reading, lexicon: Lexicon, text: str) -> Mapping[str, float]:
@@ -76,9 +80,15 @@ def is_doubted(reading: Reading, facts: Mapping[str, float], lexicon: Lexicon) -
     pairs = itertools.pairwise(reading.tokens)
     if any(is_number(a) and b.isalpha() and not lexicon.knows(b) for a, b in pairs):
         return True
-    if facts["least_support"] >= SAYS_SO:
+    if not is_unsupported(facts, lexicon):
         return False
     return not (facts["urged"] or facts["asking"] or facts["wishing"] or facts["corrected"])
+
+
+def is_unsupported(facts: Mapping[str, float], lexicon: Lexicon) -> bool:
+    """Whether the words of the skills alone do not say that they are wanted."""
+    least = facts["least_support"]
+    return least <= 0 if lexicon.book.code == ENGLISH else least < _SAYS_SO
 
 
 @dataclass(frozen=True, slots=True)
