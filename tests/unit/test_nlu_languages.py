@@ -11,8 +11,10 @@ from edgevox.agent.nlu.function_words import FunctionWords, words_of
 from edgevox.agent.skills import Call
 from edgevox.core.languages import LANGUAGES
 
-NEEDLESS = {"en": {"urges"}, "ja": {"reversals"}}
-"""English tells an order by its verb, and Japanese says in the verb what is done first."""
+NEEDLESS = {"ja": {"reversals"}}
+"""Japanese says in the verb what is done first."""
+OWN = {"wishes", "reasons", "plans", "pronouns", "linking", "gerunds", "misheard"}
+"""What helps to read more orders, where it is listed, and holds nothing back where it is not."""
 KITCHEN = (Call("navigate_to", {"room": "kitchen"}),)
 
 
@@ -30,7 +32,7 @@ def test_every_language_lists_every_class_of_function_words(language: str) -> No
     words = words_of(language)
     missing = {one.name for one in fields(FunctionWords) if not getattr(words, one.name)}
 
-    assert missing - NEEDLESS.get(language, set()) == set()
+    assert missing - OWN - NEEDLESS.get(language, set()) == set()
 
 
 @pytest.mark.parametrize(

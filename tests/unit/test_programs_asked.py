@@ -141,7 +141,7 @@ def test_three_times_after_a_round_trip_is_about_the_round_trip(always):
     assert always.say("go to the kitchen and come back") == (
         "Going to the kitchen. Then: going back."
     )
-    always.until(lambda: "done" in always.statuses())
+    always.until_said("I am there.")
     assert always.say("do that three times") == ("3 times: going to the kitchen. Then: going back.")
 
 

@@ -4,7 +4,7 @@ import pytest
 
 from edgevox.agent.choices import OneOf
 from edgevox.agent.intents import Recogniser, Understood
-from edgevox.agent.phrase_file import phrasebook
+from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.skills import Call, Skill, SkillFailed, SkillSet
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue
@@ -187,6 +187,10 @@ def test_it_is_in_a_room_and_at_a_place_that_it_remembers() -> None:
     memory.remember("charger", Pose2D(1.0, 2.0, 0.0), "map")
     (drive, *_) = navigation_skills(StandsInKitchen(), memory=memory)
 
-    told = [drive.done.format(**drive.function(Goal(), one)) for one in ("kitchen", "charger")]
+    book = phrasebook(ENGLISH)
+    told = [
+        book.report(drive, {"room": one}, drive.function(Goal(), one))
+        for one in ("kitchen", "charger")
+    ]
 
     assert told == ["I am in the kitchen.", "I am at the charger."]

@@ -57,7 +57,7 @@ def _answer(kind: str, what: str, programs: Programs, phrases: Phrasebook, book:
     if not some:
         return phrases.say("program_which", orders=listing(programs, phrases))
     told = " ".join(programs.told(one) for one in some)
-    programs.forget(some, because("called_off", "somebody said to forget it"))
+    programs.forget(some, because("called_off"))
     return phrases.say("program_forgotten", orders=told)
 
 

@@ -14,7 +14,7 @@ from edgevox.robots.panda.layout import BINS, CUBES, FAR_M, TABLE
 IT = "it"
 """What stands for the thing that is held."""
 
-_THINGS = ("cube", "block", "box", "brick", "object", "one", "1")
+_THINGS = ("cube", "block", "box", "brick", "object", "thing", "one", "1")
 """The last is how "one" arrives after numbers were written as digits."""
 _CUBE_WORDS = {f"{name.split('_')[0]} {noun}": name for name in CUBES for noun in _THINGS} | {
     name.split("_")[0]: name for name in CUBES

@@ -46,7 +46,7 @@ PLACE = (
     f"{_PLEASE} {_PUT} {_THE} {{object}} [down|back] {_INTO} [the] {{target}} {_END}",
     f"{_PLEASE} (put|set|lay|place) {_THE} {{object}} (down|back|aside|away) {_END}",
     f"{_PLEASE} (put|set|lay) (down|back) {_THE} {{object}} {_END}",
-    f"I (want|would like|need) {_THE} {{object}} {_INTO} [the] {{target}} {_END}",
+    f"(I|we) (want|would like|need) {_THE} {{object}} {_INTO} [the] {{target}} {_END}",
 )
 PLACE_EXAMPLES = (
     Example("tidy the red cube away to the left", {"object": "red_cube", "target": "left_bin"}),
