@@ -23,12 +23,12 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from corpus_robots import is_right, skills_of_robots
 from corpus_sentences import Sentence, read_corpus
 
-from edgevox.agent.intents import Recogniser, Refused, Understood
+from edgevox.agent.nlu.confidence import ASK_FROM, SURE_FROM, Head, read_head
 from edgevox.agent.nlu.decider import Decider, Judged, Readings
 from edgevox.agent.nlu.encoder import ENCODER, Encoder
-from edgevox.agent.nlu.judge import ASK_FROM, SURE_FROM, Head, read_head
+from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood
 from edgevox.agent.programs.program import Program, calls_of
-from edgevox.agent.programs.reader import Plain, ProgramReader
+from edgevox.agent.programs.program_reader import Plain, ProgramReader
 from edgevox.agent.safety import find_stop_word
 from edgevox.agent.skills import STOP, Call, Skill
 from edgevox.models import ModelMissing, locate
@@ -155,7 +155,9 @@ class Product:
             return NOTHING  # for later, or never
         return meant
 
-    def _free(self, plain: Plain, readings: Readings, text: str) -> Sequence[Call] | Refused | None:
+    def _free(
+        self, plain: Plain, readings: Readings, text: str
+    ) -> Sequence[Call] | RefusedCommand | None:
         found = plain(text)
         if isinstance(found, Sequence) or self._judge is None:
             return found
@@ -172,7 +174,7 @@ class Product:
         return self._ways[robot, language]
 
 
-def _plain(recogniser: Recogniser, text: str) -> Sequence[Call] | Refused | None:
+def _plain(recogniser: Recogniser, text: str) -> Sequence[Call] | RefusedCommand | None:
     found = recogniser.recognise(text)
     return found.calls if isinstance(found, Understood) else found
 

@@ -50,8 +50,8 @@ VOICE = (
     Shown("voice", "hour_threads", "an hour of sound: growth of threads"),
 )
 BESIDE = (
-    Shown("mind", "first.xllamacpp", "llama-cpp-python: to the first token"),
-    Shown("mind", "rate.xllamacpp", "llama-cpp-python: each further token"),
+    Shown("language_model", "first.xllamacpp", "llama-cpp-python: to the first token"),
+    Shown("language_model", "rate.xllamacpp", "llama-cpp-python: each further token"),
     Shown("hearing", "time.ours", "faster-whisper, same options: an utterance"),
     Shown("ros2", "round_trip", "rclpy, a node that only echoes: a round trip"),
     Shown("ros2", "publish.bot_sentence.heard", "rclpy: publishing a sentence"),

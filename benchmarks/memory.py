@@ -22,8 +22,8 @@ sys.path.insert(0, str(HERE.parent / "tests"))
 sys.path.insert(0, str(HERE.parent / "tests" / "models"))
 
 import numpy as np  # noqa: E402
-from ears_rig import loud, says_piper, silence  # noqa: E402
 from figures import Figure, Measured, NotHere  # noqa: E402
+from listener_rig import loud, says_piper, silence  # noqa: E402
 from talker import AGENT, isolate  # noqa: E402
 
 from edgevox.models import ModelMissing  # noqa: E402

@@ -7,9 +7,9 @@ threads and other programs share a machine.
 import re
 from collections.abc import Iterator
 
+import robots_diff_drive
 import robots_humanoid
 import robots_panda
-import robots_planar
 from figures import Figure, Measured, NotHere
 from worlds import Row
 
@@ -25,7 +25,7 @@ def measure(quick: bool = False) -> Measured:
     rounds = 1 if quick else ROUNDS
     try:
         rows = [
-            *robots_planar.measure(rounds),
+            *robots_diff_drive.measure(rounds),
             *robots_panda.measure(rounds),
             *robots_humanoid.measure(rounds),
         ]

@@ -12,7 +12,7 @@ from worlds import Row, Run, compare
 from edgevox.models import locate
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.humanoid import HumanoidRobot, MujocoHumanoidEnvironment, OnnxWalkingPolicy
-from edgevox.robots.humanoid.policy import Observation, Vector, WalkingPolicy
+from edgevox.robots.humanoid.walking_policy import Observation, Vector, WalkingPolicy
 
 BODY = "robot-humanoid"
 WORLD = f"{BODY} world"

@@ -32,7 +32,7 @@ BENCHMARKS = {
     "spine": "through how much code a sentence passes before a wheel turns",
     "stop": "how soon a robot stands, by every way to say so",
     "ros2": "messages, round trips, an idle robot, rates, images",
-    "mind": "the language model beside plain llama-cpp-python",
+    "language_model": "the language model beside plain llama-cpp-python",
     "hearing": "speech to text beside plain faster-whisper",
     "robots": "every body beside its simulator alone",
     "overhead": "what logs, metrics and diagnostics cost",

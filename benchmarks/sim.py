@@ -8,8 +8,8 @@ from figures import Figure, Measured
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.engine import STEP_S
 from edgevox.robots.lidar import Lidar
-from edgevox.robots.physics import PymunkEngine
-from edgevox.robots.planner import Planner
+from edgevox.robots.path_planner import PathPlanner
+from edgevox.robots.pymunk_engine import PymunkEngine
 from edgevox.robots.text_map import draw
 from edgevox.robots.world import load_world
 
@@ -32,7 +32,7 @@ def measure(quick: bool = False) -> Measured:
     """The 2D world's parts, one after the other."""
     rounds = 2 if quick else ROUNDS
     world = load_world()
-    physics, lidar, planner = PymunkEngine(world), Lidar(world), Planner(world)
+    physics, lidar, planner = PymunkEngine(world), Lidar(world), PathPlanner(world)
     pose, movable = world.robot.start, physics.movable_poses()
     goals = {room.name: room.goal for room in world.rooms}
     step = seconds(lambda: physics.step(Twist2D(0.5, 1.0)), 2000, rounds)

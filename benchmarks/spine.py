@@ -1,4 +1,4 @@
-"""Through how much of the house a typed sentence passes before a wheel turns.
+"""Through how much of the code a typed sentence passes before a wheel turns.
 
 An agent with the apartment's robot runs in this process, its threads under Python's profiler. What
 they call while nothing is asked is no part of the sentence's way; the rest, from the message on

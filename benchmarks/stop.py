@@ -16,7 +16,7 @@ from talker import isolate
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "ros2"))
 
-from stop_stage import SITUATIONS, WAYS, Robot, settle
+from stop_rig import SITUATIONS, WAYS, Robot, settle
 
 TABLE = "From the word to zero velocity"
 WANTED_MS = 200.0

@@ -14,11 +14,11 @@ sys.path.insert(0, str(HERE.parent / "tests"))
 sys.path.insert(0, str(HERE.parent / "tests" / "models"))
 
 import voice_parts  # noqa: E402
-from ears import listen, quiet_room  # noqa: E402
 from figures import Figure, Measured, NotHere  # noqa: E402
+from listening import listen, quiet_room  # noqa: E402
 from voice_endurance import Endured, endure  # noqa: E402
 from voice_engines import words, wrong_words  # noqa: E402
-from voice_stage import Stage  # noqa: E402
+from voice_rig import VoiceRig  # noqa: E402
 from voice_turns import Talk, Turn  # noqa: E402
 
 from edgevox.apps.queries import find_model  # noqa: E402
@@ -161,7 +161,7 @@ def endurance(minutes: int) -> Iterator[Figure]:
     """So much sound in a loop, as fast as it goes."""
     with (
         tempfile.TemporaryDirectory() as folder,
-        Stage(Patch(), Path(folder, "answers.wav"), robot="robot-apartment") as stage,
+        VoiceRig(Patch(), Path(folder, "answers.wav"), robot="robot-apartment") as stage,
     ):
         found: Endured = endure(stage, minutes)
 

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from ears import quiet_room, resident_kib
-from ears_rig import loud, says_espeak
-from voice_stage import Stage
+from listener_rig import loud, says_espeak
+from listening import quiet_room, resident_kib
+from voice_rig import VoiceRig
 
 from edgevox.core.commands import Speak
 from edgevox.core.events import Responded, TurnMeasured
@@ -67,12 +67,12 @@ def minute() -> Samples:
     return np.asarray(sound, np.int16)
 
 
-def endure(stage: Stage, minutes: int) -> Endured:
+def endure(stage: VoiceRig, minutes: int) -> Endured:
     """Let it hear so many minutes after two to get warm; every question must be answered."""
     sound = minute()
     for _ in range(WARM_MINUTES):
         _hear(stage, sound)
-        stage.parts.switchboard.submit(Speak(LONG))
+        stage.parts.command_router.submit(Speak(LONG))
         assert stage.parts.conversation.wait_idle(PATIENCE_S)
     gc.collect()
     threads = threading.active_count()
@@ -98,7 +98,7 @@ def endure(stage: Stage, minutes: int) -> Endured:
     )
 
 
-def _hear(stage: Stage, sound: Samples) -> list[_Turn]:
+def _hear(stage: VoiceRig, sound: Samples) -> list[_Turn]:
     """How long each turn of a minute took, from its words being sought to its end."""
     stage.events.clear()
     work_s: list[float] = []

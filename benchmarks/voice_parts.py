@@ -17,10 +17,10 @@ from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import SystemClock
 from edgevox.core.languages import LANGUAGES
 from edgevox.voice.audio import RATE_HZ, Chunk
-from edgevox.voice.phrases import phrases
+from edgevox.voice.phrase_splitter import split_phrases
 from edgevox.voice.resample import resampled
-from edgevox.voice.tts.base import Synthesiser
 from edgevox.voice.tts.pool import VoicePool
+from edgevox.voice.tts.synthesiser import Synthesiser
 from edgevox.voice.voices import VoiceChoice, choose
 
 SENTENCES = (
@@ -47,7 +47,7 @@ def measure_voices(language: str = "en", sentences: Sequence[str] = SENTENCES) -
 
 
 def measure_voice(choice: VoiceChoice, sentences: Sequence[str] = SENTENCES) -> Measured:
-    """Load a voice and let it say the sentences, in the phrases that the mouth would give it."""
+    """Load a voice and let it say the sentences, in the phrases that are made of them."""
     began_s = _CLOCK.now()
     engine = VoicePool().get(choice)
     load_s = _CLOCK.now() - began_s
@@ -65,17 +65,17 @@ def measure_ears(recordings: Sequence[Chunk], language: str = "en", threads: int
     path = find_model(LANGUAGES[language].stt_model)
     assert path is not None, f"edgevox-models fetch {LANGUAGES[language].stt_model}"
     began_s = _CLOCK.now()
-    ears = WhisperModel(str(path), device="cpu", compute_type="int8", cpu_threads=threads)
-    _hear(ears, recordings[0], language)
+    listener = WhisperModel(str(path), device="cpu", compute_type="int8", cpu_threads=threads)
+    _hear(listener, recordings[0], language)
     load_s = _CLOCK.now() - began_s
-    took = [_hear(ears, recording, language) for recording in recordings]
+    took = [_hear(listener, recording, language) for recording in recordings]
     seconds = [len(one.samples) / one.rate_hz for one in recordings]
     factor = statistics.median(work / sound for work, sound in zip(took, seconds, strict=True))
     return Measured(Path(path).name, load_s, factor, statistics.median(took))
 
 
 def record(choice: VoiceChoice, sentences: Sequence[str] = SENTENCES) -> list[Chunk]:
-    """The sentences as sound, for the ears."""
+    """The sentences as sound, for the listener."""
     engine = VoicePool().get(choice)
     pieces = [list(engine.synthesise(sentence, CancelToken())) for sentence in sentences]
     return [
@@ -86,17 +86,17 @@ def record(choice: VoiceChoice, sentences: Sequence[str] = SENTENCES) -> list[Ch
 def _say(engine: Synthesiser, sentence: str) -> tuple[float, float, float]:
     """Seconds of work, of sound, and to the first sound."""
     began_s, first_s, sound_s = _CLOCK.now(), 0.0, 0.0
-    for phrase in phrases(sentence, engine.phrase_chars):
+    for phrase in split_phrases(sentence, engine.phrase_chars):
         for chunk in engine.synthesise(phrase, CancelToken()):
             first_s = first_s or _CLOCK.now() - began_s
             sound_s += len(chunk.samples) / chunk.rate_hz
     return _CLOCK.now() - began_s, sound_s, first_s
 
 
-def _hear(ears: WhisperModel, recording: Chunk, language: str) -> float:
+def _hear(listener: WhisperModel, recording: Chunk, language: str) -> float:
     sound = resampled(recording.samples, recording.rate_hz, RATE_HZ).astype(np.float32) / 32768
     began_s = _CLOCK.now()
-    segments, _ = ears.transcribe(
+    segments, _ = listener.transcribe(
         sound, language=language, beam_size=1, temperature=0, without_timestamps=True
     )
     assert list(segments), "nothing was heard"

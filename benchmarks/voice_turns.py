@@ -12,13 +12,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from ears import quiet_room
-from ears_rig import loud, says_espeak
+from listener_rig import loud, says_espeak
+from listening import quiet_room
 from sentence_stream import SentenceBoundaryDetector
-from voice_stage import says
+from voice_rig import says
 
 from edgevox.agent.grammar import SAY
-from edgevox.agent.llm.base import LanguageModel, Message
+from edgevox.agent.llm.language_model import ChatMessage, LanguageModel
 from edgevox.apps import composition
 from edgevox.apps.queries import present_voices
 from edgevox.apps.robots import build_body
@@ -29,10 +29,10 @@ from edgevox.core.commands import Heard, Interrupt, Reset, Speak, Transcribing
 from edgevox.core.events import SentenceReady, State, StateChanged, Transcribed, TurnMeasured
 from edgevox.core.settings import Settings
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, Samples
-from edgevox.voice.phrases import phrases
-from edgevox.voice.playing import _loud
-from edgevox.voice.sayable import sayable
+from edgevox.voice.phrase_splitter import split_phrases
+from edgevox.voice.playback import _loud
 from edgevox.voice.sinks.relay import BLOCK_S, LEAD_S
+from edgevox.voice.text_normalisation import normalise_for_speech
 from edgevox.voice.tts.pool import VoicePool
 
 PATIENCE_S = 120.0
@@ -54,17 +54,17 @@ class Talkative:
         self.count_tokens, self.close = model.count_tokens, model.close
         self.done = threading.Event()
 
-    def prime(self, _: Sequence[Message], token: CancelToken) -> None:
-        self._model.prime([Message("system", TALK)], token)
+    def prime(self, _: Sequence[ChatMessage], token: CancelToken) -> None:
+        self._model.prime([ChatMessage("system", TALK)], token)
 
-    def generate(self, messages: Sequence[Message], **more: Any) -> Iterator[str]:
+    def generate(self, messages: Sequence[ChatMessage], **more: Any) -> Iterator[str]:
         yield SAY
         yield from self.answer(messages[-1].content, more["token"])
         self.done.set()
 
     def answer(self, question: str, token: CancelToken) -> Iterator[str]:
         """To nobody but who asks."""
-        chat = [Message("system", TALK), Message("user", question)]
+        chat = [ChatMessage("system", TALK), ChatMessage("user", question)]
         yield from self._model.generate(chat, grammar=FOUR_SENTENCES, max_tokens=160, token=token)
 
 
@@ -116,7 +116,7 @@ class Talk:
         composition.open_model = opened
         self.voice = self.parts.voice
         self._listen()
-        for part in (body, self.voice.mouth, self.parts.conversation, self.parts.ears):
+        for part in (body, self.voice.speech_output, self.parts.conversation, self.parts.listener):
             composition.start(self._stack, part)
         warm_up(self.voice, "en")
         if self.model:
@@ -241,7 +241,7 @@ class Talk:
         """Seconds until the first audible sample is there, and until all sound is."""
         first_s, begun_s = 0.0, CLOCK.now()
         for sentence in sentences:
-            for phrase in phrases(sayable(sentence), self._voice.phrase_chars):
+            for phrase in split_phrases(normalise_for_speech(sentence), self._voice.phrase_chars):
                 for chunk in self._voice.synthesise(phrase, CancelToken()):
                     if not first_s:
                         silent_s = float(_loud(chunk.samples)[0]) / chunk.rate_hz

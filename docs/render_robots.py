@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from edgevox.apps.composition import build_parts, start_parts
+from edgevox.apps.conversation_harness import ConversationHarness
 from edgevox.apps.robots import build_body
-from edgevox.apps.scenario_stage import ConversationStage
 from edgevox.core.settings import load_settings
 from edgevox.robots.capabilities import Body
 from edgevox.robots.picture import picture
@@ -37,20 +37,20 @@ State = Mapping[str, Any]
 class Director:
     """A robot with an agent, in a world whose time passes only in `until`."""
 
-    def __init__(self, body: Body, stage: ConversationStage) -> None:
-        self.body, self._stage = body, stage
+    def __init__(self, body: Body, harness: ConversationHarness) -> None:
+        self.body, self._harness = body, harness
 
     def say(self, words: str) -> None:
         """Let it be told."""
-        self._stage.say(words, LIMIT_S)
+        self._harness.say(words, LIMIT_S)
 
     def until(self, condition: Callable[[State], bool]) -> None:
         """Let time pass until its state is like this."""
-        begun_s = self._stage.time_s
+        begun_s = self._harness.time_s
         while not condition(self.body.state()):
-            if self._stage.time_s - begun_s > LIMIT_S:
+            if self._harness.time_s - begun_s > LIMIT_S:
                 raise TimeoutError(f"{self.body.name} never came to it: {self.body.state()}")
-            self._stage.let_pass(STEP_S)
+            self._harness.let_pass(STEP_S)
 
     def until_done(self) -> None:
         """Let time pass until it does nothing any more."""
@@ -68,11 +68,11 @@ def directed(robot: str, **flags: object) -> Iterator[Director]:
     with ExitStack() as stack:
         body = build_body(robot, settings, 0.0)
         parts = build_parts(stack, settings, body)
-        stage = ConversationStage(parts.bus, parts.conversation, body)
-        stack.callback(stage.close)
+        harness = ConversationHarness(parts.bus, parts.conversation, body)
+        stack.callback(harness.close)
         start_parts(stack, parts)
-        stack.callback(stage.come_to_rest, LIMIT_S)
-        yield Director(body, stage)
+        stack.callback(harness.come_to_rest, LIMIT_S)
+        yield Director(body, harness)
 
 
 def irsim() -> Pixels:

@@ -1,7 +1,7 @@
 """Talks to a robot and takes a picture of its full-screen terminal: docs/images/tui.svg.
 
-Voice, ears, model and robot are the real ones; a WAV file of a synthetic voice is the microphone,
-and nobody hears what the robot says. Takes about a minute.
+Voice, speech recognition, model and robot are the real ones; a WAV file of a synthetic voice is the
+microphone, and nobody hears what the robot says. Takes about a minute.
 """
 
 import asyncio
@@ -14,11 +14,11 @@ from pathlib import Path
 
 import numpy as np
 
-from edgevox.apps.composition import Parts, build_parts, start_parts
+from edgevox.apps.composition import AgentParts, build_parts, start_parts
 from edgevox.apps.robots import build_body
-from edgevox.apps.terminal.commands import Desk
+from edgevox.apps.terminal.slash_commands import Desk
 from edgevox.apps.tui.face import Face
-from edgevox.apps.tui.feed import Feed
+from edgevox.apps.tui.update_buffer import UpdateBuffer
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import SystemClock
 from edgevox.core.settings import load_settings
@@ -51,24 +51,24 @@ def main() -> None:
         speak_into(heard)
         settings = load_settings({"audio_in": str(heard), "audio_out": "none"})
         parts = build_parts(stack, settings, build_body("robot-apartment", settings))
-        feed = Feed(parts.bus, parts.controls)
-        stack.callback(feed.close)
+        updates = UpdateBuffer(parts.bus, parts.controls)
+        stack.callback(updates.close)
         start_parts(stack, parts)
-        IMAGE.write_text(FONTS.sub("", asyncio.run(screenshot(parts, feed))), encoding="utf-8")
+        IMAGE.write_text(FONTS.sub("", asyncio.run(screenshot(parts, updates))), encoding="utf-8")
 
 
-async def screenshot(parts: Parts, feed: Feed) -> str:
+async def screenshot(parts: AgentParts, updates: UpdateBuffer) -> str:
     """The screen, as SVG, when the last drive is under way and its sentence is over."""
     desk = Desk(parts.conversation, parts.body)
-    face = Face(feed, desk, parts.queries, parts.switchboard.submit, SystemClock())
+    face = Face(updates, desk, parts.queries, parts.command_router.submit, SystemClock())
     async with face.run_test(size=SIZE) as pilot:
         await until(lambda: goes_to_the_kitchen(parts))
         await pilot.pause()
-        feed.changed = lambda: None
+        updates.changed = lambda: None
         return face.export_screenshot(title="edgevox-agent robot-apartment")
 
 
-def goes_to_the_kitchen(parts: Parts) -> bool:
+def goes_to_the_kitchen(parts: AgentParts) -> bool:
     """Whether it is half way there."""
     state = parts.body.state() if parts.body else {}
     goal = state.get("goal")

@@ -44,10 +44,10 @@ def build(place: Path) -> None:
     }
     # Not pip's own cache: it does not tell wheels of different options apart.
     options = ("--no-deps", "--no-build-isolation", "--no-cache-dir", "--require-hashes")
-    with tempfile.TemporaryDirectory(dir=place.parent) as bench:
-        command = ("wheel", *options, "--requirement", LOCK, "--wheel-dir", bench)
+    with tempfile.TemporaryDirectory(dir=place.parent) as staging:
+        command = ("wheel", *options, "--requirement", LOCK, "--wheel-dir", staging)
         _pip(*command, environment=environment)
-        (wheel,) = Path(bench).glob("*.whl")
+        (wheel,) = Path(staging).glob("*.whl")
         place.mkdir(exist_ok=True)
         wheel.replace(place / wheel.name)
 

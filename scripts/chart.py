@@ -17,7 +17,7 @@ import yaml
 
 from edgevox.agent.policy.format import PolicyFile
 from edgevox.apps.container import ENVIRONMENT
-from edgevox.apps.container.table import AGENTS
+from edgevox.apps.container.variables import AGENTS
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.settings import Settings
 

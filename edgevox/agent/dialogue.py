@@ -37,13 +37,14 @@ _HUSHED = (Cause.BARGE_IN, Cause.WAKE_WORD)
 
 
 @dataclass(slots=True)
-class Exchange:
+class DialogueExchange:
     """What somebody said, or a command asked; `source` is who understood it, if anybody did.
 
     `meant` are the words that it said yes to. What was kept for later is its `program`; what that
     calls is not in `calls`.
 
-    `aside` is a question about the conversation: it is not what the next question asks about.
+    `about_dialogue` is a question about the conversation: it is not what the next question asks
+    about.
     """
 
     turn: int
@@ -54,7 +55,7 @@ class Exchange:
     confidence: float = 1.0
     calls: list[Call] = field(default_factory=list)
     program: Program | None = None
-    aside: bool = False
+    about_dialogue: bool = False
     stopped: bool = False
 
     @property
@@ -64,7 +65,7 @@ class Exchange:
 
 
 @dataclass(slots=True)
-class Motion:
+class MotionRecord:
     """A goal that sets the body in motion, once it `began`; `start` is where, if the body knows."""
 
     goal_id: str
@@ -81,8 +82,8 @@ class Motion:
 class Dialogue:
     """Listens on the bus, and can be asked from any thread. All it holds is bounded.
 
-    `skills` are all that there are, `pose` is the body's, and calls of `asides` are not kept: they
-    ask about the others.
+    `skills` are all that there are, `pose` is the body's, and calls of `dialogue_skills` are not
+    kept: they ask about the others.
     """
 
     def __init__(
@@ -91,27 +92,27 @@ class Dialogue:
         clock: Clock,
         skills: Mapping[str, Skill],
         *,
-        asides: Collection[str] = (),
+        dialogue_skills: Collection[str] = (),
         pose: Callable[[], Pose2D] | None = None,
     ) -> None:
         self._clock = clock
         self._skills = skills
-        self._asides = asides
+        self._dialogue_skills = dialogue_skills
         self._pose = pose
         self._lock = threading.Lock()
-        self._exchanges: deque[Exchange] = deque(maxlen=MOST_EXCHANGES)
-        self._motions: deque[Motion] = deque(maxlen=MOST_EXCHANGES)
+        self._exchanges: deque[DialogueExchange] = deque(maxlen=MOST_EXCHANGES)
+        self._motions: deque[MotionRecord] = deque(maxlen=MOST_EXCHANGES)
         bus.subscribe(Transcribed, self._on_words)
         bus.subscribe(ToolCalled, self._on_call)
         bus.subscribe(GoalChanged | GoalCancelled, self._on_goal)
         bus.subscribe(SafetyPreempted, lambda _: self._on_stop())
         bus.subscribe(Interrupted, self._on_interrupt)
 
-    def decided(self, turn: int, source: str, confidence: float, *, aside: bool) -> None:
+    def decided(self, turn: int, source: str, confidence: float, *, about_dialogue: bool) -> None:
         """Who understood the words of this turn, and how sure."""
         with self._lock:
             one = self._of(turn)
-            one.source, one.confidence, one.aside = source, confidence, aside
+            one.source, one.confidence, one.about_dialogue = source, confidence, about_dialogue
 
     def confirmed(self, turn: int, asked: int) -> None:
         """The words of this turn are a yes: what is done in it was said in the one that `asked`."""
@@ -126,46 +127,48 @@ class Dialogue:
         with self._lock:
             self._of(turn).program = program
 
-    def heard(self) -> Exchange | None:
+    def heard(self) -> DialogueExchange | None:
         """What was said last, unless that asks about it."""
-        return self._last(lambda one: bool(one.words) and not one.aside)
+        return self._last(lambda one: bool(one.words) and not one.about_dialogue)
 
-    def asked(self, fits: Callable[[Exchange], bool] = lambda _: True) -> Exchange | None:
+    def asked(
+        self, fits: Callable[[DialogueExchange], bool] = lambda _: True
+    ) -> DialogueExchange | None:
         """What was last asked for in words, and called or kept, of what `fits`."""
-        return self._last(lambda one: one.acted and not one.aside and fits(one))
+        return self._last(lambda one: one.acted and not one.about_dialogue and fits(one))
 
-    def repeatable(self, exchange: Exchange) -> bool:
+    def repeatable(self, exchange: DialogueExchange) -> bool:
         """Whether it is not too long ago that this ended."""
         return self._clock.now() - exchange.last_s <= REPEATABLE_S
 
-    def exchange(self, turn: int) -> Exchange | None:
+    def exchange(self, turn: int) -> DialogueExchange | None:
         """What was said in this turn; None for that of no turn."""
         return self._last(lambda one: turn > 0 and one.turn == turn)
 
-    def running(self) -> Motion | None:
+    def running(self) -> MotionRecord | None:
         """What uses the body now."""
         with self._lock:
             live = [one for one in self._motions if one.status is GoalStatus.RUNNING]
             return live[-1] if live else None
 
-    def moved(self) -> Motion | None:
+    def moved(self) -> MotionRecord | None:
         """What used the body last, or uses it."""
         begun_s = self._clock.now() - REMEMBERED_S
         with self._lock:
             ran = [one for one in self._motions if one.began and one.last_s >= begun_s]
             return ran[-1] if ran else None
 
-    def _last(self, fits: Callable[[Exchange], bool]) -> Exchange | None:
+    def _last(self, fits: Callable[[DialogueExchange], bool]) -> DialogueExchange | None:
         begun_s = self._clock.now() - REMEMBERED_S
         with self._lock:
             fit = [one for one in self._exchanges if one.last_s >= begun_s and fits(one)]
             return fit[-1] if fit else None
 
-    def _of(self, turn: int, words: str = "") -> Exchange:
+    def _of(self, turn: int, words: str = "") -> DialogueExchange:
         for one in self._exchanges:
             if turn and one.turn == turn:
                 return one
-        self._exchanges.append(Exchange(turn, words, self._clock.now()))
+        self._exchanges.append(DialogueExchange(turn, words, self._clock.now()))
         return self._exchanges[-1]
 
     def _on_words(self, event: Transcribed) -> None:
@@ -173,7 +176,7 @@ class Dialogue:
             self._of(event.turn, event.text)
 
     def _on_call(self, event: ToolCalled) -> None:
-        if not event.turn or event.skill in self._asides or event.source == PROGRAM:
+        if not event.turn or event.skill in self._dialogue_skills or event.source == PROGRAM:
             return
         with self._lock:
             one = self._of(event.turn)
@@ -202,13 +205,13 @@ class Dialogue:
                 one.last_s = self._clock.now()
                 one.stopped = one.stopped or event.status is GoalStatus.CANCELLED
 
-    def _motion(self, event: GoalChanged | GoalCancelled) -> Motion:
+    def _motion(self, event: GoalChanged | GoalCancelled) -> MotionRecord:
         for one in self._motions:
             if one.goal_id == event.goal_id:
                 return one
         now_s = self._clock.now()
         about = (event.goal_id, event.skill, event.arguments, event.turn)
-        self._motions.append(Motion(*about, now_s, event.status))
+        self._motions.append(MotionRecord(*about, now_s, event.status))
         return self._motions[-1]
 
     def _on_stop(self) -> None:

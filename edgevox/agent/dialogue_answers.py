@@ -32,11 +32,11 @@ class DialogueAnswers:
         if running is None:
             return book.say("idle")
         skill = self._skills[running.skill]
-        deed = book.acknowledge(skill, running.arguments)
-        deed = deed or book.say("busy", deed=book.can(skill))
+        action = book.acknowledge(skill, running.arguments)
+        action = action or book.say("busy", action=book.can(skill))
         if running.progress is None:
-            return deed
-        return book.say("doing", deed=deed, percent=round(100 * running.progress))
+            return action
+        return book.say("doing", action=action, percent=round(100 * running.progress))
 
     def why(self) -> str:
         """Which words made the body move last, who understood them, and how sure that was."""

@@ -1,7 +1,8 @@
 """Questions and references as skills of the agent itself: plain sentences in every language.
 
 They move nothing, stop nothing and are no part of what a model may call or is told. A question is
-answered from what happened; a reference stands for the calls that `Aside.meant` puts in its place.
+answered from what happened; a reference stands for the calls that `DialogueSkills.meant` puts in
+its place.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -11,7 +12,7 @@ from typing import Annotated
 from edgevox.agent.agents import Agent
 from edgevox.agent.dialogue import Dialogue
 from edgevox.agent.dialogue_answers import DialogueAnswers
-from edgevox.agent.mind import Meaning
+from edgevox.agent.nlu.interpreter import Meaning
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.programs.program import Again, Do, Program, calls_of, replaced
 from edgevox.agent.reasons import because
@@ -37,11 +38,11 @@ CAN = "what_can_you_do"
 QUESTIONS = ("what_are_you_doing", "why_did_you", "what_did_you_hear", CAN)
 REFERENCES = ("again", "go_back", "further", "the_other")
 ALSO = "this_one_too"
-ASIDES = (*QUESTIONS, *REFERENCES, ALSO)
+DIALOGUE_SKILLS = (*QUESTIONS, *REFERENCES, ALSO)
 """All of them, by name."""
 
 
-class Asides:
+class DialogueSkills:
     """Remembers what happens on the bus and answers for it, in the language of `phrases`.
 
     `agents` are those that were given, each with these skills beside its own.
@@ -57,10 +58,14 @@ class Asides:
     ) -> None:
         self._skills = {name: one for agent in agents for name, one in agent.skills.items()}
         self._phrases = phrases
-        self._dialogue = Dialogue(bus, clock, self._skills, asides=ASIDES, pose=pose)
+        self._dialogue = Dialogue(
+            bus, clock, self._skills, dialogue_skills=DIALOGUE_SKILLS, pose=pose
+        )
         self._references = References(self._dialogue, self._skills)
         self._answers = DialogueAnswers(self._dialogue, self._skills, phrases)
-        self.agents = tuple(replace(one, asides=self._beside(one.skills)) for one in agents)
+        self.agents = tuple(
+            replace(one, dialogue_skills=self._beside(one.skills)) for one in agents
+        )
 
     def meant(self, meaning: Meaning | None, turn: Turn) -> Meaning | None:
         """The same with calls in the place of references; None where one refers to nothing.
@@ -71,7 +76,7 @@ class Asides:
             return None
         if meaning.program:
             return self._kept(meaning, meaning.program, turn)
-        aside = all(call.skill in ASIDES for call in meaning.calls)
+        about_dialogue = all(call.skill in DIALOGUE_SKILLS for call in meaning.calls)
         refers = any(call.skill in REFERENCES or call.skill == ALSO for call in meaning.calls)
         try:
             calls = tuple(one for call in meaning.calls for one in self._resolved(call))
@@ -79,7 +84,9 @@ class Asides:
             self._refuse(error, turn)
             calls = ()
         sure = (meaning.source, meaning.confidence)
-        self._dialogue.decided(turn.number, *sure, aside=aside and not (refers and calls))
+        self._dialogue.decided(
+            turn.number, *sure, about_dialogue=about_dialogue and not (refers and calls)
+        )
         if not calls:
             return None
         if any(call.skill == CAN for call in calls):
@@ -88,13 +95,15 @@ class Asides:
 
     def _kept(self, meaning: Meaning, program: Program, turn: Turn) -> Meaning | None:
         """A program, with what its references mean now: "do that three times"."""
-        self._dialogue.decided(turn.number, meaning.source, meaning.confidence, aside=False)
+        self._dialogue.decided(
+            turn.number, meaning.source, meaning.confidence, about_dialogue=False
+        )
         try:
             meant = replaced(program, self._meant_in_program)
         except SkillFailed as error:
             self._refuse(error, turn)
             return None
-        if any(call.skill in ASIDES for call in calls_of(meant)):  # a question is for now
+        if any(call.skill in DIALOGUE_SKILLS for call in calls_of(meant)):  # a question is for now
             turn.say(self._phrases().say("program_unclear"), Outcome.NOT_UNDERSTOOD)
             return None
         return replace(meaning, program=meant)
@@ -137,11 +146,11 @@ class Asides:
 
     def _beside(self, skills: SkillSet) -> SkillSet:
         """Those whose names this agent does not use itself."""
-        asides = [_question(name, self._answers) for name in QUESTIONS]
-        asides += [_reference(name) for name in REFERENCES]
+        dialogue_skills = [_question(name, self._answers) for name in QUESTIONS]
+        dialogue_skills += [_reference(name) for name in REFERENCES]
         if any(one.choices for one in skills.values()):
-            asides.append(_also(_every_choice(skills)))
-        return SkillSet(one for one in asides if one.name not in skills)
+            dialogue_skills.append(_also(_every_choice(skills)))
+        return SkillSet(one for one in dialogue_skills if one.name not in skills)
 
 
 def _question(name: str, answers: DialogueAnswers) -> Skill:
@@ -164,7 +173,7 @@ def _question(name: str, answers: DialogueAnswers) -> Skill:
 
 def _reference(name: str) -> Skill:
     def refer(goal: GoalHandle) -> Result:
-        """Do what this refers to: `Asides.meant` puts that in its place."""
+        """Do what this refers to: `DialogueSkills.meant` puts that in its place."""
         goal.token.check()
         raise SkillFailed(because("nothing_before"))
 
@@ -174,7 +183,7 @@ def _reference(name: str) -> Skill:
 
 def _also(choices: OneOf) -> Skill:
     def refer(goal: GoalHandle, value: Annotated[str, choices]) -> Result:
-        """Do the same with this word: `Asides.meant` puts that in its place."""
+        """Do the same with this word: `DialogueSkills.meant` puts that in its place."""
         goal.token.check()
         raise SkillFailed(because("does_not_go", value=value))
 

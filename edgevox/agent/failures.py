@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from edgevox.agent.reasons import because
 from edgevox.agent.wrong_arguments import WrongArgument, spoken
 from edgevox.core.errors import EdgeVoxError
-from edgevox.core.reasons import Reason
+from edgevox.core.reason import Reason
 
 
 class SkillFailed(EdgeVoxError):

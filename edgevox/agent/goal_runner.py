@@ -6,7 +6,7 @@ from edgevox.agent.goals import Goal
 from edgevox.agent.lane import Lane, Plan
 from edgevox.agent.reasons import because
 from edgevox.core.deadlines import Deadlines
-from edgevox.core.reasons import Reason
+from edgevox.core.reason import Reason
 
 MAX_BACKGROUND = 64
 """How many background goals may wait."""

@@ -13,7 +13,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.errors import EdgeVoxError, shorten
 from edgevox.core.log import bound, get_logger
-from edgevox.core.reasons import NO_REASON, Reason
+from edgevox.core.reason import NO_REASON, Reason
 
 log = get_logger(__name__)
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 
-from edgevox.agent.llm.base import Message
+from edgevox.agent.llm.language_model import ChatMessage
 
 CUT_MARK = " [interrupted]"
 """Ends an answer in the history that the person did not hear to its end."""
@@ -11,7 +11,7 @@ _OVERHEAD_TOKENS = 8
 """What a chat template adds to each message, rounded up."""
 
 
-def size_tokens(count_tokens: Callable[[str], int], messages: Sequence[Message]) -> int:
+def size_tokens(count_tokens: Callable[[str], int], messages: Sequence[ChatMessage]) -> int:
     """How much of a context window these messages take, with what a chat template adds."""
     return sum(count_tokens(message.content) + _OVERHEAD_TOKENS for message in messages)
 
@@ -26,14 +26,14 @@ class History:
     def __init__(self, count_tokens: Callable[[str], int], budget_tokens: int) -> None:
         self._count = count_tokens
         self._budget = budget_tokens
-        self._exchanges: list[tuple[Message, Message]] = []
+        self._exchanges: list[tuple[ChatMessage, ChatMessage]] = []
         self._sizes: list[int] = []
 
     def add(self, said: str, answered: str, *, cut: bool = False) -> None:
         """Remember one exchange."""
         exchange = (
-            Message("user", said),
-            Message("assistant", answered + CUT_MARK if cut else answered),
+            ChatMessage("user", said),
+            ChatMessage("assistant", answered + CUT_MARK if cut else answered),
         )
         self._exchanges.append(exchange)
         self._sizes.append(size_tokens(self._count, exchange))
@@ -46,5 +46,5 @@ class History:
         self._exchanges.clear()
         self._sizes.clear()
 
-    def messages(self) -> Sequence[Message]:
+    def messages(self) -> Sequence[ChatMessage]:
         return [message for exchange in self._exchanges for message in exchange]

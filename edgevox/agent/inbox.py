@@ -45,7 +45,7 @@ class Settle:
 
 
 @dataclass(frozen=True, slots=True)
-class Language:
+class SwitchLanguage:
     """Understand another language, between turns."""
 
     code: str
@@ -63,7 +63,7 @@ class TooLong:
     asked: bool
 
 
-Item = TextInput | Heard | Speak | RunSkill | TooLong | Announce | Forget | Settle | Language
+Item = TextInput | Heard | Speak | RunSkill | TooLong | Announce | Forget | Settle | SwitchLanguage
 
 _ASKED = TextInput | Heard | Speak | RunSkill
 
@@ -135,7 +135,7 @@ class Inbox:
     def stop(self) -> None:
         """Forget all that is to be said and done; who is forgotten and what is spoken stays."""
         with self.gate:
-            kept = [one for one in self._items if isinstance(one[0], Language | Forget)]
+            kept = [one for one in self._items if isinstance(one[0], SwitchLanguage | Forget)]
             self._items = deque({type(item): (item, at_s) for item, at_s in kept}.values())
 
     def close(self) -> None:
@@ -149,7 +149,7 @@ class Inbox:
         if isinstance(item, _ASKED) and len(self._items) >= MAX_WAITING:
             return self._refuse(Refusal.TOO_MANY)
         last = self._items[-1][0] if self._items else None
-        if isinstance(item, Language | Forget) and type(last) is type(item):
+        if isinstance(item, SwitchLanguage | Forget) and type(last) is type(item):
             self._items.pop()  # of two on end only the last one counts
         bounded = _bounded(item)
         self._items.append((bounded, self._clock.now()))

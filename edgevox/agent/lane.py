@@ -11,7 +11,7 @@ from edgevox.agent.reasons import because
 from edgevox.core.agent_events import GOAL_ENDS, GoalStatus
 from edgevox.core.deadlines import Deadlines
 from edgevox.core.log import bound, get_logger
-from edgevox.core.reasons import Reason
+from edgevox.core.reason import Reason
 
 log = get_logger(__name__)
 

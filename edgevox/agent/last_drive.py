@@ -13,7 +13,7 @@ CORRECTED_S = 20.0
 
 
 @dataclass(frozen=True, slots=True)
-class Drive:
+class DriveCall:
     """A call that set the body in motion, in which turn, and whose skill it is."""
 
     agent: Agent
@@ -26,13 +26,13 @@ class LastDrive:
 
     def __init__(self, bus: Bus, clock: Clock) -> None:
         self._clock = clock
-        self._drive: Drive | None = None
+        self._drive: DriveCall | None = None
         self._ends_s: dict[int, float] = {}
         bus.subscribe(GoalChanged, self._on_goal)
         bus.subscribe(GoalCancelled, self._on_goal)
 
     @property
-    def corrigible(self) -> Drive | None:
+    def corrigible(self) -> DriveCall | None:
         """The drive, if somebody may still correct it."""
         drive = self._drive
         if drive is None:
@@ -41,7 +41,7 @@ class LastDrive:
         late = ended_s is not None and self._clock.now() - ended_s > CORRECTED_S
         return None if late else drive
 
-    def begin(self, drive: Drive) -> None:
+    def begin(self, drive: DriveCall) -> None:
         """Remember this one instead; before it begins, so that no end is missed."""
         self._drive, self._ends_s = drive, {}
 

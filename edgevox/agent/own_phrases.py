@@ -20,7 +20,7 @@ from edgevox.agent.reasons import in_words
 from edgevox.agent.skills import SkillPhrases
 from edgevox.core.errors import InvalidValue
 from edgevox.core.languages import LANGUAGES
-from edgevox.core.reasons import Reason
+from edgevox.core.reason import Reason
 
 
 class OwnPhrases:

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from edgevox.agent.dialogue_skills import Asides
+from edgevox.agent.dialogue_skills import DialogueSkills
 from edgevox.agent.goals import Goal
-from edgevox.agent.last_drive import Drive, LastDrive
-from edgevox.agent.mind import Meaning, Mind
+from edgevox.agent.last_drive import DriveCall, LastDrive
+from edgevox.agent.nlu.interpreter import Interpreter, Meaning
 from edgevox.agent.programs.keeper import Programs
 from edgevox.agent.programs.spoken import ProgramQuestions
 from edgevox.agent.skill_executor import SkillExecutor
@@ -31,21 +31,21 @@ class Performer:
 
     def __init__(
         self,
-        mind: Mind,
+        interpreter: Interpreter,
         executor: SkillExecutor,
         programs: Programs,
-        asides: Asides,
+        dialogue_skills: DialogueSkills,
         last: LastDrive,
     ) -> None:
         self.last = last
-        self._mind = mind
+        self._interpreter = interpreter
         self._executor = executor
         self._programs = programs
-        self._asides = asides
+        self._dialogue_skills = dialogue_skills
         self._questions = ProgramQuestions(
             programs,
-            phrases=lambda: mind.phrases,
-            is_plain=lambda text: isinstance(mind.plain(text), Meaning),
+            phrases=lambda: interpreter.phrases,
+            is_plain=lambda text: isinstance(interpreter.plain(text), Meaning),
         )
 
     def prepare(self, meaning: Meaning, turn: Turn, *, confirmed: bool = False) -> Prepared | None:
@@ -79,7 +79,7 @@ class Performer:
 
     def question(self, prepared: Prepared) -> str:
         """Asks whether it shall be done."""
-        phrases, program = self._mind.phrases, prepared.meaning.program
+        phrases, program = self._interpreter.phrases, prepared.meaning.program
         if program:
             return phrases.say("do_this", told=self._programs.in_words(program))
         asked = _driving(prepared) or prepared.goals
@@ -96,13 +96,13 @@ class Performer:
         program = prepared.meaning.program
         if program and self._programs.keep(program, turn, confirmed=prepared.confirmed):
             self.last.forget()
-            self._asides.kept(turn.number, program)
+            self._dialogue_skills.kept(turn.number, program)
 
     def _run(self, prepared: Prepared, turn: Turn) -> None:
         driving = _driving(prepared)
         if len(driving) == 1:
             call = Call(driving[0].skill.name, driving[0].arguments)
-            self.last.begin(Drive(prepared.meaning.agent, call, turn.number))
+            self.last.begin(DriveCall(prepared.meaning.agent, call, turn.number))
         elif driving:
             self.last.forget()  # of several nobody knows which one was wrong
         if not self._executor.run(prepared.goals, turn, prepared.meaning.source):

@@ -11,8 +11,8 @@ from edgevox.agent.answers import AnswerWords
 from edgevox.agent.phrase_hearing import Hearing
 from edgevox.agent.phrase_numbers import Numbers, Rewriting
 from edgevox.agent.phrase_words import word_of
-from edgevox.agent.phrasebook import Exchange, Phrasebook
-from edgevox.agent.programs.phrases import ProgramPhrases
+from edgevox.agent.phrasebook import Phrasebook, SmallTalk
+from edgevox.agent.programs.program_phrases import ProgramPhrases
 from edgevox.agent.skills import Example, SkillPhrases
 from edgevox.agent.spelling import key
 from edgevox.core.errors import InvalidValue
@@ -107,7 +107,7 @@ def skill_phrases(data: Mapping[str, Any]) -> SkillPhrases:
     examples = [dict(one) for one in data.get("examples", ())]
     return SkillPhrases(
         can=data.get("can", ""),
-        deeds=_several(data.get("deed", ())),
+        actions=_several(data.get("action", ())),
         templates=tuple(data.get("templates", ())),
         says=_several(data.get("says", ())),
         done=_several(data.get("done", ())),
@@ -119,8 +119,8 @@ def _several(data: Any) -> tuple[str, ...]:
     return (data,) if isinstance(data, str) else tuple(data)
 
 
-def _exchanges(data: Mapping[str, Any], name: str) -> tuple[Exchange, ...]:
-    return tuple(Exchange(asked, answer) for asked, answer in data.get(name, {}).items())
+def _exchanges(data: Mapping[str, Any], name: str) -> tuple[SmallTalk, ...]:
+    return tuple(SmallTalk(asked, answer) for asked, answer in data.get(name, {}).items())
 
 
 def _rewritings(data: Any) -> tuple[Rewriting, ...]:

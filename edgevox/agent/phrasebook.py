@@ -21,18 +21,18 @@ from edgevox.agent.phrase_forms import (
 from edgevox.agent.phrase_hearing import Hearing
 from edgevox.agent.phrase_numbers import Numbers, Rewriting
 from edgevox.agent.phrase_words import Word, word_of
-from edgevox.agent.programs.phrases import ProgramPhrases
+from edgevox.agent.programs.program_phrases import ProgramPhrases
 from edgevox.agent.skills import Example, OneOf, Skill, SkillPhrases
 from edgevox.agent.spelling import key
 from edgevox.agent.spoken_lists import brief
-from edgevox.core.reasons import Reason
+from edgevox.core.reason import Reason
 
 MOST_HINTS = 6
 """How many hints of words a model is shown."""
 
 
 @dataclass(frozen=True, slots=True)
-class Exchange:
+class SmallTalk:
     """What somebody may say that is no command, and an answer to it."""
 
     asked: str
@@ -55,8 +55,8 @@ class Phrasebook:
     reasons: Mapping[str, str] = field(default_factory=dict)
     arguments: Mapping[str, str] = field(default_factory=dict)
     dialogue: Mapping[str, SkillPhrases] = field(default_factory=dict)
-    small_talk: tuple[Exchange, ...] = ()
-    declined: tuple[Exchange, ...] = ()
+    small_talk: tuple[SmallTalk, ...] = ()
+    declined: tuple[SmallTalk, ...] = ()
     links: tuple[str, ...] = ()
     answers: AnswerWords = field(default_factory=AnswerWords)
     smoothing: tuple[Rewriting, ...] = ()
@@ -128,9 +128,9 @@ class Phrasebook:
 
     def question(self, calls: Sequence[tuple[Skill, Mapping[str, Any]]]) -> str:
         """Asks whether these calls shall be done: "Shall I go to the kitchen?"."""
-        deeds = [self._deed(one, arguments) for one, arguments in calls]
-        if all(deeds):
-            return self.say("shall_i", deeds=self.say("and_then").join(deeds))
+        actions = [self._deed(one, arguments) for one, arguments in calls]
+        if all(actions):
+            return self.say("shall_i", actions=self.say("and_then").join(actions))
         told = (self.acknowledge(one, a) or one.description for one, a in calls)
         return self.say("do_this", told=" ".join(told))
 
@@ -157,8 +157,8 @@ class Phrasebook:
 
     def abilities(self, skills: Sequence[Skill]) -> str:
         """What a robot with these skills can do, in one sentence; empty if it can do nothing."""
-        deeds = [self.can(one) for one in skills]
-        return self.say("abilities", deeds="; ".join(deeds)) if deeds else ""
+        actions = [self.can(one) for one in skills]
+        return self.say("abilities", actions="; ".join(actions)) if actions else ""
 
     def chained(self, sentences: Sequence[str]) -> str:
         """What is done one after another: "Going to the kitchen. Then: going to the bedroom."."""
@@ -236,12 +236,12 @@ class Phrasebook:
     def _deed(self, one: Skill, arguments: Mapping[str, Any]) -> str:
         """The part of a question about it: an English one fits no other language's sentence."""
         if self._speaks(one):
-            return _formatted(one.deed, arguments)
-        return self._first(self._phrases(one).deeds, arguments)
+            return _formatted(one.action, arguments)
+        return self._first(self._phrases(one).actions, arguments)
 
     def _speaks(self, one: Skill) -> bool:
         """Whether a skill brings its own sentences in this language."""
-        return not self.fallback and bool(one.says or one.done or one.deed)
+        return not self.fallback and bool(one.says or one.done or one.action)
 
     def _first(self, templates: Sequence[str], values: Mapping[str, Any]) -> str:
         """The first of these sentences whose values are all known; empty if there is none."""

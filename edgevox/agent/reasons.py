@@ -8,7 +8,7 @@ from typing import Any
 
 from edgevox.agent.phrase_words import Word, word_of
 from edgevox.agent.spelling import key
-from edgevox.core.reasons import Reason, in_english
+from edgevox.core.reason import Reason, in_english
 
 
 def because(code: str, text: str = "", /, **values: str | tuple[str, ...] | Reason) -> Reason:

@@ -7,7 +7,7 @@ person hears what to say instead.
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from edgevox.agent.dialogue import Dialogue, Exchange
+from edgevox.agent.dialogue import Dialogue, DialogueExchange
 from edgevox.agent.programs.program import After, Do, Program, When, kernel, parts_of
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import Call, OneOf, Skill, SkillFailed
@@ -40,11 +40,11 @@ class References:
             raise SkillFailed(because("nothing_before"))
         return kernel(asked.program)
 
-    def _moved(self, asked: Exchange) -> bool:
+    def _moved(self, asked: DialogueExchange) -> bool:
         known = [call for call in asked.calls if call.skill in self._skills]
         return bool(asked.program) or any(self._skills[call.skill].drives for call in known)
 
-    def _repeatable(self, asked: Exchange | None) -> Exchange:
+    def _repeatable(self, asked: DialogueExchange | None) -> DialogueExchange:
         if asked is None or not self._dialogue.repeatable(asked):
             raise SkillFailed(because("nothing_before"))
         running = self._dialogue.running()

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import chain
 
-from edgevox.agent.stop_spelling import Word, readings, spelled_out, words
+from edgevox.agent.stop_spelling import SpelledWord, readings, spelled_out, words
 from edgevox.core.stop_words import STOP_SIGNS, STOP_WORDS, StopWords
 from edgevox.core.text import one_form
 
@@ -15,7 +15,7 @@ MAX_CHARACTERS = 4000
 _SPELLED_MIN = 3
 _CLAUSE_END = "."
 
-Phrase = tuple[Word, ...]
+Phrase = tuple[SpelledWord, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +133,7 @@ class _Rules:
                 if all(map(self._same, reading[start:end], phrase)):
                     yield _Found(said, start, end)
 
-    def _same(self, word: Word, wanted: Word) -> bool:
+    def _same(self, word: SpelledWord, wanted: SpelledWord) -> bool:
         """Folded they are one, and unfolded it is no other word of the language."""
         return word.exact == wanted.exact or (
             word.bare == wanted.bare and word.exact not in self._others
@@ -157,7 +157,7 @@ class _Rules:
                         return True
         return False
 
-    def _same_innocent(self, word: Word, wanted: Word) -> bool:
+    def _same_innocent(self, word: SpelledWord, wanted: SpelledWord) -> bool:
         """As `_same`, and it is no other stop word: "dừng dừng" is not "đừng dừng"."""
         return self._same(word, wanted) and (
             word.exact == wanted.exact or word.exact not in self._exact

@@ -9,7 +9,7 @@ from edgevox.agent.goal_runner import MAX_BACKGROUND, GoalRunner
 from edgevox.agent.goals import Goal
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.phrasebook import Phrasebook
-from edgevox.agent.policy import Asked, Denied, Guard, NeedsConfirmation
+from edgevox.agent.policy import CheckedCall, Denied, Guard, NeedsConfirmation
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import STOP, Call, Skill, SkillFailed, SkillSet, reason_of
 from edgevox.agent.spoken_lists import detail
@@ -20,7 +20,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import Outcome
 from edgevox.core.interlock import Interlock
-from edgevox.core.reasons import NO_REASON, Reason
+from edgevox.core.reason import NO_REASON, Reason
 from edgevox.core.ways import Way
 
 MAX_CALLS = 8
@@ -109,7 +109,7 @@ class SkillExecutor:
         """
         skill = skills[call.skill]
         arguments = skill.validate(call.arguments)
-        asked = Asked(skill.name, arguments, skill.drives)
+        asked = CheckedCall(skill.name, arguments, skill.drives)
         self._guard.permit(way, [asked], turn, confirmed=confirmed)
         if held := self._held([skill]):
             raise SkillFailed(held)
@@ -187,7 +187,7 @@ class SkillExecutor:
         """
         try:
             goals = self._goals(calls, skills, turn)
-            asked = [Asked(one.skill.name, one.arguments, one.skill.drives) for one in goals]
+            asked = [CheckedCall(one.skill.name, one.arguments, one.skill.drives) for one in goals]
             self._guard.check(turn.way, asked, turn.number, confirmed=confirmed)
         except NeedsConfirmation:
             raise

@@ -77,12 +77,12 @@ class Example:
 class SkillPhrases:
     """One skill in one language. Of `says` and `done` the first counts whose values are all known.
 
-    `can` is what a robot with this skill can do, as a part of a sentence; `deeds` are the part of a
-    question that asks whether it shall do it, with the arguments.
+    `can` is what a robot with this skill can do, as a part of a sentence; `actions` are the part of
+    a question that asks whether it shall do it, with the arguments.
     """
 
     can: str = ""
-    deeds: tuple[str, ...] = ()
+    actions: tuple[str, ...] = ()
     templates: tuple[str, ...] = ()
     says: tuple[str, ...] = ()
     done: tuple[str, ...] = ()
@@ -97,7 +97,7 @@ class Skill:
     skill that does not is answered on the spot. `relative`: it moves by so much, not to somewhere,
     so that it can go on further. `lasting`: what it changes stays when it is over, as when a place
     is forgotten, so that it is not done where it may not have been meant. `says` acknowledges the
-    call, `done` reports success, `deed` ends a question that begins "Shall I"; all are formatted
+    call, `done` reports success, `action` ends a question that begins "Shall I"; all are formatted
     with the arguments, `done` also with the result's keys. `phrases`
     are other languages by code, for a skill that no phrasebook knows. `check` takes the arguments
     before a goal is accepted and raises `SkillFailed` for those that can never be honoured, such as
@@ -112,7 +112,7 @@ class Skill:
     examples: tuple[Example, ...] = ()
     says: str = ""
     done: str = ""
-    deed: str = ""
+    action: str = ""
     moves: bool = True
     phrases: Mapping[str, SkillPhrases] = field(default_factory=dict)
     check: Callable[..., None] | None = None
@@ -183,7 +183,7 @@ def skill(
     examples: Sequence[Example] = (),
     says: str = "",
     done: str = "",
-    deed: str = "",
+    action: str = "",
     moves: bool = True,
     phrases: Mapping[str, SkillPhrases] | None = None,
     check: Callable[..., None] | None = None,
@@ -202,7 +202,7 @@ def skill(
             examples=tuple(examples),
             says=says,
             done=done,
-            deed=deed,
+            action=action,
             moves=moves,
             phrases=phrases or {},
             check=check,

@@ -1,4 +1,4 @@
-"""Long lists, for ears and for eyes: aloud a few and how many more, where it is read all."""
+"""Long lists: spoken, a few and how many more there are; written, all."""
 
 from collections.abc import Sequence
 from difflib import SequenceMatcher
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from edgevox.agent.skills import STOP, Skill
 from edgevox.agent.spelling import key
-from edgevox.core.reasons import Reason
+from edgevox.core.reason import Reason
 
 if TYPE_CHECKING:
     from edgevox.agent.phrasebook import Phrasebook
@@ -44,7 +44,7 @@ def abilities(book: "Phrasebook", skills: Sequence[Skill]) -> tuple[str, str]:
         return everything, ""
     few = "; ".join(book.can(one) for one in skills[: MOST_SPOKEN - 1])
     more = len(skills) - MOST_SPOKEN + 1
-    return book.say("abilities_more", deeds=few, count=more), everything
+    return book.say("abilities_more", actions=few, count=more), everything
 
 
 def not_understood(book: "Phrasebook", skills: Sequence[Skill]) -> tuple[str, str]:
@@ -58,7 +58,7 @@ def not_understood(book: "Phrasebook", skills: Sequence[Skill]) -> tuple[str, st
     if everything:
         question = book.say("abilities_question")
         few = f"{few} {book.say('abilities_all', question=question)}"
-    return book.say("not_understood_but", deed=book.can(skills[0])), few
+    return book.say("not_understood_but", action=book.can(skills[0])), few
 
 
 def _nearness(book: "Phrasebook", name: str, said: str) -> float:

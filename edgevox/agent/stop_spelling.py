@@ -43,7 +43,7 @@ _FRAMED = {first + i: chr(ord("a") + i) for first in (0x1F150, 0x1F170, 0x1F1E6)
 
 
 @dataclass(frozen=True, slots=True)
-class Word:
+class SpelledWord:
     """A word of a text.
 
     `exact` is lower case with its accents; `bare` is what it has in common with the other ways to
@@ -55,7 +55,7 @@ class Word:
     breaks: bool
 
 
-def readings(text: str) -> Iterator[tuple[Word, ...]]:
+def readings(text: str) -> Iterator[tuple[SpelledWord, ...]]:
     """The words of a text, in each of the ways in which it can be read.
 
     Hidden characters may stand in a word or between two, and so may punctuation ("s.t.o.p",
@@ -70,7 +70,7 @@ def readings(text: str) -> Iterator[tuple[Word, ...]]:
         yield words(uncut)
 
 
-def spelled_out(found: tuple[Word, ...]) -> Iterator[str]:
+def spelled_out(found: tuple[SpelledWord, ...]) -> Iterator[str]:
     """What letters that stand alone spell, bare: one text for each row of them."""
     for alone, row in groupby(found, lambda word: len(word.exact) == 1 and word.exact.isalpha()):
         if alone:
@@ -78,18 +78,18 @@ def spelled_out(found: tuple[Word, ...]) -> Iterator[str]:
 
 
 @lru_cache(maxsize=64)
-def words(text: str) -> tuple[Word, ...]:
+def words(text: str) -> tuple[SpelledWord, ...]:
     """The words of a text without hidden characters, in their order.
 
     A script without spaces has a word for each character.
     """
-    found: list[Word] = []
+    found: list[SpelledWord] = []
     breaks, letters = True, ""
 
     def end() -> None:
         nonlocal breaks, letters
         for part in _parts(letters):
-            found.append(Word(part, bare(part), breaks))
+            found.append(SpelledWord(part, bare(part), breaks))
             breaks = False
         letters = ""
 
@@ -101,7 +101,7 @@ def words(text: str) -> tuple[Word, ...]:
             end()
             kana = _hiragana(character)
             if not (found and found[-1].exact == kana and not breaks):  # said long
-                found.append(Word(kana, _skeleton(kana), breaks))
+                found.append(SpelledWord(kana, _skeleton(kana), breaks))
             breaks = False
         elif not letters and unicodedata.category(character) in _MARKS:
             continue  # on nothing, or on a character that is a word

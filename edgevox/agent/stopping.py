@@ -17,7 +17,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
 from edgevox.core.commands import Heard, TextInput
 from edgevox.core.events import Cause, Interrupted, State, Transcribed
-from edgevox.core.reasons import Reason
+from edgevox.core.reason import Reason
 from edgevox.core.text import clean
 
 

@@ -6,16 +6,16 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from edgevox.agent.grammar import DO, END, HANDOFF, JOINT, SAY, grammar, literal
-from edgevox.agent.llm.base import Message
+from edgevox.agent.llm.language_model import ChatMessage
+from edgevox.agent.model_prompt import examples, system_prompt
 from edgevox.agent.numbers import digits
-from edgevox.agent.prompt import examples, system_prompt
 from edgevox.agent.skills import NO_SKILLS, Call, SkillSet
 from edgevox.agent.spelling import key
 
 _CONTROL = re.compile(r"[\x00-\x1f\x7f]+")
 
 
-class Parser:
+class OutputParser:
     """Reads a model's output as it is generated. Feed all of it, then `finish`."""
 
     def __init__(self) -> None:
@@ -50,9 +50,9 @@ class Protocol:
     """How one agent and its model understand each other.
 
     `opening` are the messages that every chat begins with: the instructions, the skills and
-    examples. `grammar` is what a model's output must obey, for `Parser` to read. A mind allows it
-    less, `words_grammar`, words and hand-overs, to a sentence that is no order. All are of the
-    `words` that there were to choose from.
+    examples. `grammar` is what a model's output must obey, for `OutputParser` to read. The
+    interpreter allows it less, `words_grammar`, words and hand-overs, to a sentence that is no
+    order. All are of the `words` that there were to choose from.
     """
 
     instructions: str
@@ -62,21 +62,24 @@ class Protocol:
     words: tuple[tuple[tuple[str, str], ...], ...] = field(init=False)
     grammar: str = field(init=False)
     words_grammar: str = field(init=False)
-    opening: tuple[Message, ...] = field(init=False)
+    opening: tuple[ChatMessage, ...] = field(init=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "words", self.skills.words())
         object.__setattr__(self, "grammar", grammar(self.skills, self.handoffs))
         object.__setattr__(self, "words_grammar", grammar(NO_SKILLS, self.handoffs))
-        system = Message(
+        system = ChatMessage(
             "system", system_prompt(self.instructions, self.skills, self.handoffs, self.language)
         )
-        shown: list[Message] = []
+        shown: list[ChatMessage] = []
         for example in examples(self.skills, self.handoffs, self.language):
             answer = (
                 self.render_calls(example.calls) if example.calls else self.render(example.says)
             )
-            shown += [Message("user", self.prepare(example.sentence)), Message("assistant", answer)]
+            shown += [
+                ChatMessage("user", self.prepare(example.sentence)),
+                ChatMessage("assistant", answer),
+            ]
         object.__setattr__(self, "opening", (system, *shown))
 
     def renewed(self) -> "Protocol":
@@ -110,9 +113,9 @@ class Protocol:
             key(str(call.arguments.get(name, ""))) in spoken for name in one.free_text
         )
 
-    def parser(self) -> Parser:
+    def parser(self) -> OutputParser:
         """A parser for one answer."""
-        return Parser()
+        return OutputParser()
 
     def prepare(self, text: str) -> str:
         """An utterance as the model sees it: number words are digits, in metres."""
@@ -148,4 +151,4 @@ def _call(text: str) -> Call:
     return Call(tree.func.id, arguments)
 
 
-__all__ = ["HANDOFF", "Parser", "Protocol"]
+__all__ = ["HANDOFF", "OutputParser", "Protocol"]

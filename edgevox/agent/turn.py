@@ -9,12 +9,12 @@ from edgevox.core.bus import Bus
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.events import Outcome, Responded, SentenceReady, TokenGenerated, TurnMeasured
-from edgevox.core.speech import Mouth, Spoken, Utterance
+from edgevox.core.speech import Spoken, TextToSpeech, Utterance
 from edgevox.core.ways import Way
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class InputTiming:
     """When a person ended what they said or typed, and how long it took to be understood.
 
     `at_s` is the clock's time, None for the moment in which the turn began.
@@ -27,8 +27,8 @@ class Asked:
 class Turn:
     """Owns a `CancelToken` and a stopwatch, and speaks the turn's answer.
 
-    Sentences go onto the bus and, if there is one, to the mouth. `on_speech` is called when the
-    first of them can be noticed: heard, or read where there is no mouth. Nothing is said once the
+    Sentences go onto the bus and, if there is one, to the speech output. `on_speech` is called when
+    the first can be noticed: heard, or read where nothing is spoken. Nothing is said once the
     token is cancelled. `way` is how it was asked for.
     """
 
@@ -39,8 +39,8 @@ class Turn:
         clock: Clock,
         on_speech: Callable[[], object],
         *,
-        mouth: Mouth | None = None,
-        asked: Asked | None = None,
+        speech_output: TextToSpeech | None = None,
+        asked: InputTiming | None = None,
         way: Way = Way.TEXT_INPUT,
     ) -> None:
         self.number = number
@@ -50,13 +50,13 @@ class Turn:
         self._bus = bus
         self._clock = clock
         self._on_speech = on_speech
-        self._mouth = mouth
+        self._speech_output = speech_output
         self._utterance: Utterance | None = None
         self._sentences = SentenceBoundaryDetector()
         self._said: list[str] = []
         self._detail = ""
         self._spoken: Spoken | None = None
-        asked = asked or Asked()
+        asked = asked or InputTiming()
         self._asked_s = clock.now() if asked.at_s is None else asked.at_s
         self._stt_s = asked.stt_s
         self._first_s: float | None = None
@@ -77,7 +77,7 @@ class Turn:
     def noticed_s(self) -> float | None:
         """The clock's time when its answer could first be noticed; None if it could not yet.
 
-        With a mouth it is known once the turn is `settled`.
+        With speech output it is known once the turn is `settled`.
         """
         return self._first_s
 
@@ -87,7 +87,7 @@ class Turn:
         return self.token.cancelled or (self._spoken is not None and self._spoken.cut)
 
     def stream(self, piece: str) -> None:
-        """Say a piece of an answer as a model generates it; empty for one that is not for ears."""
+        """Say a piece of an answer as a model generates it; empty for one that is not spoken."""
         self.tokens += 1
         if self.token.cancelled or not piece:
             return
@@ -167,8 +167,8 @@ class Turn:
             self._utterance.say(sentence)
 
     def _begin(self) -> None:
-        if self._mouth is not None:
-            self._utterance = self._mouth.begin(self.token, self._on_speech)
+        if self._speech_output is not None:
+            self._utterance = self._speech_output.begin(self.token, self._on_speech)
             return
         self._first_s = self._clock.now()
         self._on_speech()

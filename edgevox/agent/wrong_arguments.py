@@ -8,7 +8,7 @@ from pydantic import BaseModel, ValidationError
 
 from edgevox.agent.reasons import because
 from edgevox.core.errors import InvalidValue
-from edgevox.core.reasons import Reason
+from edgevox.core.reason import Reason
 from edgevox.core.validation import dotted, explain
 
 MOST_CHARACTERS = 40

@@ -4,12 +4,12 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from edgevox.apps.arguments import Asked, parse_arguments
-from edgevox.apps.ending import Ending, Terminated
+from edgevox.apps.agent_arguments import AgentArguments, parse_arguments
 from edgevox.apps.play import play, read_script
-from edgevox.apps.program import run_program, set_up_logs
 from edgevox.apps.robots import build_body, open_places
+from edgevox.apps.run_program import run_program, set_up_logs
 from edgevox.apps.serving import serve
+from edgevox.apps.shutdown_signals import ShutdownSignals, Terminated
 from edgevox.apps.snapshot import take_snapshot
 from edgevox.apps.streams import with_streams
 from edgevox.core.settings import load_settings
@@ -25,7 +25,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     return run_program("edgevox-agent", lambda: _prepare(asked))
 
 
-def _prepare(asked: Asked) -> Callable[[], bool]:
+def _prepare(asked: AgentArguments) -> Callable[[], bool]:
     """What to run; it says whether it went well. Raises `EdgeVoxError` for what cannot be."""
     if asked.scenario:
         return _prepare_scenario(asked, asked.scenario)
@@ -39,7 +39,7 @@ def _prepare(asked: Asked) -> Callable[[], bool]:
     return lambda: serve(settings, body, asked.ros_args)
 
 
-def _prepare_scenario(asked: Asked, file: Path) -> Callable[[], bool]:
+def _prepare_scenario(asked: AgentArguments, file: Path) -> Callable[[], bool]:
     script = read_script(file, asked.robot)
     settings = load_settings(script.flags(asked.flags), asked.config)
     set_up_logs("edgevox-agent", settings)
@@ -55,7 +55,7 @@ def _prepare_scenario(asked: Asked, file: Path) -> Callable[[], bool]:
 def _interruptible(run: Callable[[], bool], leave_s: float) -> bool:
     """Run it; a signal that ends it early means that it did not go well."""
     try:
-        with Ending(leave_s):
+        with ShutdownSignals(leave_s):
             return run()
     except (Terminated, KeyboardInterrupt):
         return False

@@ -5,23 +5,23 @@ asked for is well, and says that it is off.
 """
 
 from edgevox import __version__
-from edgevox.agent.llm.status import LlmComponent
-from edgevox.agent.policy.status import PolicyComponent
+from edgevox.agent.llm.llm_status import LlmComponent
+from edgevox.agent.policy.policy_status import PolicyComponent
 from edgevox.agent.skills import Skill
+from edgevox.apps.agent_parts import AgentParts
 from edgevox.apps.folders import written_folders
-from edgevox.apps.parts import Parts
-from edgevox.apps.policy import known_names
+from edgevox.apps.policy_setup import known_names
 from edgevox.core.gauges import Gauges
 from edgevox.core.status import Component, Off
 from edgevox.ops.diagnostics.disk import DiskComponent
 from edgevox.ops.diagnostics.process import ProcessComponent
-from edgevox.robots.status import SimComponent
-from edgevox.voice.status import AudioComponent, SttComponent, TtsComponent
+from edgevox.robots.sim_status import SimComponent
+from edgevox.voice.voice_status import AudioComponent, SttComponent, TtsComponent
 
 TYPED = "text is typed"
 
 
-def list_components(parts: Parts, gauges: Gauges) -> None:
+def list_components(parts: AgentParts, gauges: Gauges) -> None:
     """List all; executor and presence are off until a bridge is there, which lists its own."""
     audio, stt, tts = _of_voice(parts, gauges)
     parts.components.add(
@@ -38,20 +38,25 @@ def list_components(parts: Parts, gauges: Gauges) -> None:
     )
 
 
-def _of_voice(parts: Parts, gauges: Gauges) -> tuple[Component, Component, Component]:
-    voice, ears, controls = parts.voice, parts.ears, parts.controls
-    if not voice or not ears:
+def _of_voice(parts: AgentParts, gauges: Gauges) -> tuple[Component, Component, Component]:
+    voice, listener, controls = parts.voice, parts.listener, parts.controls
+    if not voice or not listener:
         return Off("audio", TYPED), Off("stt", TYPED), Off("tts", TYPED)
     return (
         AudioComponent(
-            voice.source, voice.sink, ears, voice.mouth, controls=controls, gauges=gauges
+            voice.source,
+            voice.sink,
+            listener,
+            voice.speech_output,
+            controls=controls,
+            gauges=gauges,
         ),
-        SttComponent(voice.stt, ears, controls),
-        TtsComponent(voice.mouth, controls, gauges),
+        SttComponent(voice.stt, listener, controls),
+        TtsComponent(voice.speech_output, controls, gauges),
     )
 
 
-def _llm(parts: Parts, gauges: Gauges) -> Component:
+def _llm(parts: AgentParts, gauges: Gauges) -> Component:
     if not parts.model:
         return Off("llm", "none was asked for")
     return LlmComponent(
@@ -63,5 +68,5 @@ def _llm(parts: Parts, gauges: Gauges) -> Component:
     )
 
 
-def _skills(parts: Parts) -> tuple[Skill, ...]:
+def _skills(parts: AgentParts) -> tuple[Skill, ...]:
     return parts.body.skills if parts.body else ()

@@ -5,20 +5,20 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from edgevox.agent.conversation import Conversation
-from edgevox.agent.llm.base import LanguageModel, ModelFailed
-from edgevox.agent.llm.primer import Primer
+from edgevox.agent.llm.language_model import LanguageModel, ModelFailed
+from edgevox.agent.llm.prefill import PromptPrefill
 from edgevox.agent.programs.senses import NO_SENSES
+from edgevox.apps.agent_parts import AgentParts, Startable
+from edgevox.apps.command_router import CommandRouter
 from edgevox.apps.components import list_components
 from edgevox.apps.decision import open_decider
 from edgevox.apps.free_text import free_text
-from edgevox.apps.language_model import find_weights, open_model, open_without
 from edgevox.apps.metrics import read_bridge, read_parts, serve_metrics
-from edgevox.apps.parts import Part, Parts
-from edgevox.apps.policy import build_guard
+from edgevox.apps.model_choice import find_weights, open_model, open_without
+from edgevox.apps.policy_setup import build_guard
 from edgevox.apps.queries import available_voices, build_queries, deafness
 from edgevox.apps.robots import build_agents
-from edgevox.apps.switchboard import Switchboard
-from edgevox.apps.voice import build_ears, build_voice, warm_up
+from edgevox.apps.voice import build_listener, build_voice, warm_up
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Speak
 from edgevox.core.controls import Controls
@@ -29,16 +29,16 @@ from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
 from edgevox.core.status import Components, HealthCheck, lives
 from edgevox.models import ModelMissing
-from edgevox.ops.health import Health
+from edgevox.ops.health_checks import Health
 from edgevox.ops.logs import BusLog
 from edgevox.robots.capabilities import Body, HasPose
-from edgevox.robots.senses import senses_of
-from edgevox.ros2 import Wiring, open_bridge
+from edgevox.robots.program_senses import senses_of
+from edgevox.ros2 import BridgeContext, open_bridge
 
 log = get_logger(__name__)
 
 
-def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Parts:
+def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> AgentParts:
     """Make everything; what must be closed is left to the stack. Raises `EdgeVoxError`.
 
     Only health and metrics are served from now on: a model may take long to load.
@@ -70,7 +70,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Part
         bus,
         halt=body.halt if body else lambda _: False,
         model=model,
-        mouth=voice.mouth if voice else None,
+        speech_output=voice.speech_output if voice else None,
         language=settings.language,
         confirm=settings.confirm,
         interlock=interlock,
@@ -87,30 +87,30 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Part
         programs=conversation.programs.listed,
         **(voice.infos(controls) if voice else {}),
     )
-    switchboard = Switchboard(conversation, controls, queries, bus)
-    ears = (
-        build_ears(
+    command_router = CommandRouter(conversation, controls, queries, bus)
+    listener = (
+        build_listener(
             voice,
             settings,
             bus,
             controls,
-            submit=switchboard.submit,
+            submit=command_router.submit,
             is_stop=conversation.is_stop,
         )
         if voice
         else None
     )
-    return Parts(
+    return AgentParts(
         settings,
         bus,
         body,
         controls,
         queries,
         conversation,
-        switchboard,
+        command_router,
         model,
         voice,
-        ears,
+        listener,
         components,
         health,
         model_path,
@@ -121,7 +121,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Part
     )
 
 
-def start_parts(stack: ExitStack, parts: Parts, ros_args: Sequence[str] = ()) -> None:
+def start_parts(stack: ExitStack, parts: AgentParts, ros_args: Sequence[str] = ()) -> None:
     """Start everything, from the body outwards; what is closed last is started first.
 
     With a voice, everything is loaded and warm when this returns: who speaks does not wait. Typed
@@ -130,31 +130,33 @@ def start_parts(stack: ExitStack, parts: Parts, ros_args: Sequence[str] = ()) ->
     if parts.body:
         start(stack, parts.body)
     if parts.voice:
-        start(stack, parts.voice.mouth)
+        start(stack, parts.voice.speech_output)
     read_parts(parts)
     gauges = Gauges(parts.bus)
     stack.callback(gauges.close)
     list_components(parts, gauges)
     parts.health.add(HealthCheck("conversation", lives(lambda: parts.conversation.alive)))
     if parts.settings.ros2:
-        bridge = open_bridge(_wiring(parts), ros_args)
+        bridge = open_bridge(_bridge_context(parts), ros_args)
         parts.components.add(*bridge.components)
         read_bridge(parts, bridge)
         start(stack, bridge)
         print(f"ROS 2: {bridge.where}", flush=True)
-    primer = Primer(parts.model, parts.conversation.mind.chat()) if parts.model else None
-    if primer:
-        start(stack, primer)
+    prefill = (
+        PromptPrefill(parts.model, parts.conversation.interpreter.chat()) if parts.model else None
+    )
+    if prefill:
+        start(stack, prefill)
     if parts.voice:
         print("warming up ...", flush=True)
         warm_up(parts.voice, parts.controls.language)
-        if primer:
-            primer.wait()
+        if prefill:
+            prefill.wait()
     start(stack, parts.conversation)  # late, so that its first state is heard on the bridge
-    if parts.ears:
-        start(stack, parts.ears)
+    if parts.listener:
+        start(stack, parts.listener)
     if parts.absent:
-        phrases = parts.conversation.mind.phrases
+        phrases = parts.conversation.interpreter.phrases
         parts.conversation.submit(Speak(phrases.say("model_failed")))
     parts.health.started()
 
@@ -182,12 +184,12 @@ def _serve_health(stack: ExitStack, settings: Settings, components: Components) 
     return health
 
 
-def _wiring(parts: Parts) -> Wiring:
+def _bridge_context(parts: AgentParts) -> BridgeContext:
     voice = parts.voice
-    return Wiring(
+    return BridgeContext(
         parts.settings,
         parts.bus,
-        parts.switchboard.submit,
+        parts.command_router.submit,
         parts.controls,
         parts.queries,
         parts.body,
@@ -200,7 +202,7 @@ def _wiring(parts: Parts) -> Wiring:
     )
 
 
-def start(stack: ExitStack, part: Part) -> None:
+def start(stack: ExitStack, part: Startable) -> None:
     """Start it, and leave its end to the stack."""
     stack.callback(part.close)
     part.start()

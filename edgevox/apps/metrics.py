@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 from edgevox import __version__
 from edgevox.agent.skills import Skill
-from edgevox.apps.parts import Parts
+from edgevox.apps.agent_parts import AgentParts
 from edgevox.core.bus import Bus
 from edgevox.core.settings import Settings
 from edgevox.core.status import Components
 from edgevox.ops.diagnostics.process import count_threads
-from edgevox.ops.health import Health
+from edgevox.ops.health_checks import Health
 from edgevox.ros2 import Bridge
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def serve_metrics(
     if not settings.metrics_port:
         return None
     from edgevox.ops.metrics import Registry, observe
-    from edgevox.ops.metrics.table import SKILLS
+    from edgevox.ops.metrics.metric_table import SKILLS
 
     registry = Registry({SKILLS: [skill.name for skill in skills]}, components)
     _serve(stack, settings, registry, health)
@@ -59,7 +59,7 @@ def serve_recorders_metrics(
     _serve(stack, settings, registry, health)
 
 
-def read_parts(parts: Parts) -> None:
+def read_parts(parts: AgentParts) -> None:
     """From now on read, too, what no component says: what runs, a control, sizes of files."""
     metrics = parts.metrics
     if metrics is None:
@@ -70,7 +70,7 @@ def read_parts(parts: Parts) -> None:
     metrics.read("edgevox_policy_refusals_total", lambda: parts.guard.refusals)
 
 
-def read_bridge(parts: Parts, bridge: Bridge) -> None:
+def read_bridge(parts: AgentParts, bridge: Bridge) -> None:
     """From now on read, too, which messages the bridge refused, by topic and reason."""
     if parts.metrics is not None:
         parts.metrics.read("edgevox_refused_messages_total", lambda: bridge.refusals)
@@ -89,11 +89,11 @@ def _serve(stack: ExitStack, settings: Settings, registry: "Registry", health: H
     server.start()
 
 
-def _build_info(parts: Parts) -> Mapping[tuple[str, ...], float]:
+def _build_info(parts: AgentParts) -> Mapping[tuple[str, ...], float]:
     return {(__version__, parts.name, parts.controls.language): 1.0}
 
 
-def _weights(parts: Parts) -> Mapping[str, float]:
+def _weights(parts: AgentParts) -> Mapping[str, float]:
     loaded: dict[str, Iterable[Path]] = {"llm": [parts.model_path] if parts.model_path else []}
     if parts.voice:
         loaded |= parts.voice.weights()

@@ -9,8 +9,8 @@ from edgevox.apps.streams import with_streams
 from edgevox.core.errors import EdgeVoxError
 from edgevox.models import Store, UnknownModel, fetch
 from edgevox.models.fetch import OFFLINE_VARIABLE
+from edgevox.models.fetch_progress import megabytes, shown_on
 from edgevox.models.manifest import Manifest, Model
-from edgevox.models.progress import megabytes, shown_on
 from edgevox.models.store import ROOT_VARIABLE
 
 OK, FAILED, USAGE = 0, 1, 2

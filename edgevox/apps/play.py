@@ -7,14 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from edgevox.apps.composition import build_parts, start_parts
-from edgevox.apps.scenario_stage import ConversationStage
+from edgevox.apps.conversation_harness import ConversationHarness
 from edgevox.apps.snapshot import check_picture, write_picture
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import Settings
 from edgevox.robots.capabilities import Body
 from edgevox.scenario import Scenario, load_scenario, run_scenario
-from edgevox.scenario.report import heading, line, summary
-from edgevox.scenario.run import Outcome
+from edgevox.scenario.run_scenario import StepResult
+from edgevox.scenario.scenario_report import heading, line, summary
 
 REST_S = 30.0
 """How much of the robot's time it may take to come to rest at the end."""
@@ -54,20 +54,20 @@ def play(
 ) -> bool:
     """Play it from start to end, with the report on stdout; whether all came true."""
     shown = check_picture(body, snapshot) if snapshot else None
-    last: list[Outcome] = []
+    last: list[StepResult] = []
 
-    def tell(outcome: Outcome) -> None:
+    def tell(outcome: StepResult) -> None:
         last[:] = [outcome]
         _write(line(outcome))
 
     with ExitStack() as stack:
         parts = build_parts(stack, settings, body)
-        stage = ConversationStage(parts.bus, parts.conversation, body, parts.guard)
-        stack.callback(stage.close)
+        harness = ConversationHarness(parts.bus, parts.conversation, body, parts.guard)
+        stack.callback(harness.close)
         start_parts(stack, parts, ros_args)
         _write(heading(script.scenario, script.file.name, body.name))
-        stack.callback(stage.come_to_rest, REST_S)
-        passed = run_scenario(script.scenario, stage, tell)
+        stack.callback(harness.come_to_rest, REST_S)
+        passed = run_scenario(script.scenario, harness, tell)
         if shown and snapshot:
             write_picture(shown, snapshot)
     _write(summary(script.scenario, last[0] if last else None))

@@ -9,7 +9,7 @@ from edgevox.core.extras import install_extra
 from edgevox.core.languages import LANGUAGES, STT_BACKEND, Language
 from edgevox.models import Store
 from edgevox.ops.hardware import hardware_info
-from edgevox.voice.speaker import Speaker
+from edgevox.voice.sentence_synthesiser import SentenceSynthesiser
 from edgevox.voice.tts.engines import installed
 from edgevox.voice.voices import PresentVoices, available
 
@@ -82,11 +82,11 @@ def build_queries(
     }
 
 
-def tts_info(speaker: Speaker) -> Mapping[str, Any]:
+def tts_info(synthesiser: SentenceSynthesiser) -> Mapping[str, Any]:
     """What spoke last, or was made ready to speak, as `model_info` says it."""
-    if speaker.last is None:
+    if synthesiser.last is None:
         return NO_TTS
-    choice, rate_hz = speaker.last
+    choice, rate_hz = synthesiser.last
     return {"backend": choice.backend, "voice": choice.name, "sample_rate": rate_hz}
 
 

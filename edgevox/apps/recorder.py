@@ -9,19 +9,19 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from edgevox.apps.ending import Ending, Terminated
 from edgevox.apps.metrics import serve_recorders_metrics
-from edgevox.apps.program import run_program, set_up_logs
-from edgevox.apps.recorder_arguments import Asked, parse_arguments
+from edgevox.apps.recorder_arguments import RecorderArguments, parse_arguments
+from edgevox.apps.run_program import run_program, set_up_logs
+from edgevox.apps.shutdown_signals import ShutdownSignals, Terminated
 from edgevox.apps.streams import with_streams
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.extras import install_extra
 from edgevox.core.settings import Settings
 from edgevox.core.status import Components
-from edgevox.ops.health import Health
+from edgevox.ops.health_checks import Health
 from edgevox.scenario import Scenario, load_scenario, run_scenario
-from edgevox.scenario.report import heading, line, summary
-from edgevox.scenario.run import Outcome
+from edgevox.scenario.run_scenario import StepResult
+from edgevox.scenario.scenario_report import heading, line, summary
 
 if TYPE_CHECKING:
     from edgevox.ros2.recorder import Recorder
@@ -57,7 +57,7 @@ def _prepare(argv: Sequence[str], lost: list[str]) -> Callable[[], bool]:
     return lambda: _record(asked, scenario, lost)
 
 
-def _record(asked: Asked, scenario: Scenario | None, lost: list[str]) -> bool:
+def _record(asked: RecorderArguments, scenario: Scenario | None, lost: list[str]) -> bool:
     from edgevox.ros2.recorder import Disk, Recorder, choose_topics
 
     namespace = asked.settings.ros2_namespace
@@ -65,7 +65,7 @@ def _record(asked: Asked, scenario: Scenario | None, lost: list[str]) -> bool:
     disk = Disk(folder, round(asked.max_size_mb * MB), round(asked.spare_mb * MB))
     topics = choose_topics(namespace, asked.topics)
     try:
-        with ExitStack() as stack, Ending(asked.settings.leave_s):
+        with ExitStack() as stack, ShutdownSignals(asked.settings.leave_s):
             recorder = Recorder(namespace, topics, disk, asked.ros_args)
             stack.callback(_conclude, recorder, folder, lost)
             stack.callback(recorder.close)
@@ -85,25 +85,25 @@ def _record(asked: Asked, scenario: Scenario | None, lost: list[str]) -> bool:
 
 
 def _stage(
-    stack: ExitStack, recorder: "Recorder", asked: Asked, scenario: Scenario
+    stack: ExitStack, recorder: "Recorder", asked: RecorderArguments, scenario: Scenario
 ) -> Callable[[], bool]:
-    from edgevox.ros2.recorder import RobotStage
+    from edgevox.ros2.recorder import TopicHarness
 
-    stage = RobotStage(recorder.ros)
+    harness = TopicHarness(recorder.ros)
 
     def play() -> bool:
-        stack.callback(stage.close)
-        stage.wait_for_robot(scenario, asked.wait_s)
-        print(heading(scenario, asked.scenario.name if asked.scenario else "", stage.name))
+        stack.callback(harness.close)
+        harness.wait_for_robot(scenario, asked.wait_s)
+        print(heading(scenario, asked.scenario.name if asked.scenario else "", harness.name))
         if scenario.settings:
             print("its settings are not made: the robot runs with its own")
-        last: list[Outcome] = []
+        last: list[StepResult] = []
 
-        def tell(outcome: Outcome) -> None:
+        def tell(outcome: StepResult) -> None:
             last[:] = [outcome]
             print(line(outcome), flush=True)
 
-        passed = run_scenario(scenario, stage, tell)
+        passed = run_scenario(scenario, harness, tell)
         print(summary(scenario, last[0] if last else None), flush=True)
         return passed
 
@@ -122,6 +122,6 @@ def _serve_health(stack: ExitStack, settings: Settings, health: Health) -> None:
 def _conclude(recorder: "Recorder", folder: Path, lost: list[str]) -> None:
     print(f"{recorder.written} messages in {recorder.files} files in {folder}", flush=True)
     dropped = recorder.dropped
-    if dropped or recorder.trouble:
+    if dropped or recorder.fault:
         most = ", ".join(f"{count} of {name}" for name, count in list(dropped.items())[:5])
-        lost.append(f"not all was recorded: {recorder.trouble or 'dropped ' + most}")
+        lost.append(f"not all was recorded: {recorder.fault or 'dropped ' + most}")

@@ -24,7 +24,7 @@ SETTINGS = (
 
 
 @dataclass(frozen=True)
-class Asked:
+class RecorderArguments:
     """What to record, where to, and what to judge."""
 
     settings: Settings
@@ -38,11 +38,11 @@ class Asked:
     ros_args: tuple[str, ...]
 
 
-def parse_arguments(argv: Sequence[str]) -> Asked:
+def parse_arguments(argv: Sequence[str]) -> RecorderArguments:
     """Read a command line. Raises `InvalidValue`; ends the process for what makes no sense."""
     own, ros = split_ros_args(argv)
     arguments = _parser().parse_args(own)
-    return Asked(
+    return RecorderArguments(
         load_settings(given_flags(arguments), arguments.config),
         arguments.output,
         tuple(arguments.topics),

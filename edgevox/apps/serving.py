@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 
 from edgevox.apps.composition import build_parts, start, start_parts
-from edgevox.apps.ending import Ending
+from edgevox.apps.shutdown_signals import ShutdownSignals
 from edgevox.apps.terminal import run_terminal
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
@@ -20,14 +20,14 @@ def serve(settings: Settings, body: Body | None, ros_args: Sequence[str]) -> boo
     began_s = time.monotonic()
     with ExitStack() as stack:
         parts = build_parts(stack, settings, body)
-        with Ending(settings.leave_s) as ending:
+        with ShutdownSignals(settings.leave_s) as shutdown:
             start_parts(stack, parts, ros_args)
             if settings.render and has_display() and isinstance(body, HasPicture):
                 start(stack, Viewer(body.picture, f"EdgeVox: {body.name}"))
             print(f"{parts.name} is ready. /help shows what can be typed.", flush=True)
             log.info("ready", agent=parts.name, after_s=round(time.monotonic() - began_s, 1))
             try:
-                run_terminal(parts, ending)
+                run_terminal(parts, shutdown)
             finally:
-                log.info("shutting_down", agent=parts.name, reason=ending.signal or "left")
+                log.info("shutting_down", agent=parts.name, reason=shutdown.signal or "left")
     return True

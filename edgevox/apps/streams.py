@@ -13,7 +13,7 @@ from collections.abc import Callable
 from functools import wraps
 from typing import ParamSpec, TextIO, cast
 
-from edgevox.core.outlet import Outlet, Tell
+from edgevox.core.output_stream import OutputStream, Tell
 
 P = ParamSpec("P")
 FAILED = 1
@@ -61,7 +61,7 @@ def open_streams(tell: Tell, *, waits: bool) -> None:
 def _outlet(stream: TextIO | None, tell: Tell, *, waits: bool, by_line: bool = False) -> TextIO:
     if stream is None:
         return _nobody("w")
-    raw = Outlet(stream.fileno(), tell, waits=waits)
+    raw = OutputStream(stream.fileno(), tell, waits=waits)
     return io.TextIOWrapper(
         io.BufferedWriter(raw),
         encoding=_encoding(stream),

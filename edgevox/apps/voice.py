@@ -1,4 +1,4 @@
-"""The ears and the mouth of an agent, made from the settings."""
+"""Speech in and out of an agent, made from the settings."""
 
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -18,14 +18,14 @@ from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
 from edgevox.models import locate
 from edgevox.voice.audio import AudioSink, AudioSource
-from edgevox.voice.ears import Ears
-from edgevox.voice.mouth import SpeakingMouth
-from edgevox.voice.sinks.opening import open_sink
+from edgevox.voice.listener import Listener
+from edgevox.voice.sentence_synthesiser import SentenceSynthesiser
+from edgevox.voice.sinks.open_sink import open_sink
 from edgevox.voice.sinks.relay import Relay
 from edgevox.voice.sources.files import WavFiles
-from edgevox.voice.sources.opening import ROS2, open_source
+from edgevox.voice.sources.open_source import ROS2, open_source
 from edgevox.voice.sources.pushed import Pushed
-from edgevox.voice.speaker import Speaker
+from edgevox.voice.speech_output import SpeechOutput
 from edgevox.voice.stt.watched import WatchedSpeechToText
 from edgevox.voice.stt.whisper import Whisper
 from edgevox.voice.tts.pool import VoicePool
@@ -36,7 +36,7 @@ log = get_logger(__name__)
 
 
 @dataclass(frozen=True)
-class Voice:
+class VoiceChain:
     """What hears and speaks. `relay` carries speech to ROS 2 when `audio_out` says so.
 
     `weights` gives the files that are loaded, of ``stt`` and ``tts``, or folders of them.
@@ -45,7 +45,7 @@ class Voice:
     source: AudioSource
     sink: AudioSink
     stt: WatchedSpeechToText
-    mouth: SpeakingMouth
+    speech_output: SpeechOutput
     wakeword: WakeWord | None
     relay: Relay | None
     weights: Callable[[], Mapping[str, Iterable[Path]]]
@@ -59,7 +59,7 @@ class Voice:
         """What hears and what speaks, as `model_info` says it."""
         return {
             "stt": lambda: _stt_info(controls.language),
-            "tts": lambda: tts_info(self.mouth.speaker),
+            "tts": lambda: tts_info(self.speech_output.synthesiser),
         }
 
 
@@ -68,7 +68,7 @@ def build_voice(
     settings: Settings,
     bus: Bus,
     controls: Controls,
-) -> Voice:
+) -> VoiceChain:
     """Open sound in both directions and load what the first sentence needs.
 
     Raises `InvalidValue` for a setting that cannot be honoured, `ModelMissing` for wake words that
@@ -86,49 +86,49 @@ def build_voice(
     stt = WatchedSpeechToText(whisper)
     stack.callback(stt.close)
     pool = VoicePool()
-    mouth = SpeakingMouth(Speaker(present_voices(controls), pool), sink)
-    stack.callback(bus.subscribe(ControlChanged, lambda change: _prepare(mouth, change)))
+    speech_output = SpeechOutput(SentenceSynthesiser(present_voices(controls), pool), sink)
+    stack.callback(bus.subscribe(ControlChanged, lambda change: _prepare(speech_output, change)))
     connected = relay if settings.ros2 and settings.audio_out == ROS2 else None
-    return Voice(
+    return VoiceChain(
         source,
         sink,
         stt,
-        mouth,
+        speech_output,
         wakeword,
         connected,
         weights=lambda: {"stt": whisper.loaded, "tts": pool.files},
     )
 
 
-def warm_up(voice: Voice, language: str) -> None:
+def warm_up(voice: VoiceChain, language: str) -> None:
     """Load and try what hears and speaks, so that the first person does not wait for it.
 
     What cannot be loaded is logged, and says so itself: the rest of the robot is of use without it.
     """
-    voice.mouth.prepare()
+    voice.speech_output.prepare()
     # On another thread: a signal that arrives inside a C library's start would be lost there.
     with ThreadPoolExecutor(1, "edgevox-warm-up") as worker:
         error = worker.submit(voice.stt.warm_up, language).exception()
     if error:
         log.error("stt_missing", language=language, reason=str(error))
-    voice.mouth.warm_up()
+    voice.speech_output.warm_up()
 
 
-def build_ears(
-    voice: Voice,
+def build_listener(
+    voice: VoiceChain,
     settings: Settings,
     bus: Bus,
     controls: Controls,
     *,
     submit: Callable[[Command], None],
     is_stop: Callable[[str], bool],
-) -> Ears:
-    """The ears, not started; what they hear goes to `submit`.
+) -> Listener:
+    """The listener, not started; what it hears goes to `submit`.
 
-    Who speaks to ears that understand nothing is told that.
+    Who speaks while no speech can be recognised is told that.
     """
     voice.stt.tell = lambda: submit(Speak(phrasebook(controls.language).say("deaf")))
-    return Ears(
+    return Listener(
         voice.source,
         SileroVad(),
         voice.stt,
@@ -148,9 +148,9 @@ def _hearing_model(language: str) -> Path:
     return locate(LANGUAGES[language].stt_model)
 
 
-def _prepare(mouth: SpeakingMouth, change: ControlChanged) -> None:
+def _prepare(speech_output: SpeechOutput, change: ControlChanged) -> None:
     if change.name in ("language", "voice"):
-        mouth.prepare()
+        speech_output.prepare()
 
 
 def _stt_info(language: str) -> dict[str, str]:

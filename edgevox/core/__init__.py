@@ -1,4 +1,4 @@
-"""The vocabulary of the house: events, commands, the bus, cancellation, settings, languages.
+"""The vocabulary: events, commands, the bus, cancellation, settings, languages.
 
 Imports nothing else of edgevox.
 """

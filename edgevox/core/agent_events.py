@@ -9,7 +9,7 @@ from dataclasses import Field, asdict, dataclass, field, fields
 from enum import StrEnum
 from typing import Any, ClassVar
 
-from edgevox.core.reasons import Reason, in_english
+from edgevox.core.reason import Reason, in_english
 
 
 class AgentEventKind(StrEnum):

@@ -3,7 +3,7 @@
 import threading
 from collections.abc import Callable
 
-from edgevox.core.reasons import NO_REASON, Reason
+from edgevox.core.reason import NO_REASON, Reason
 
 
 class Cancelled(Exception):

@@ -13,7 +13,7 @@ DEEPEST = 32
 """The most objects and lists inside each other."""
 
 
-class _Refused(ValueError):
+class _RefusedJson(ValueError):
     """It is JSON, and still not taken; the message says what would be right."""
 
 
@@ -35,7 +35,7 @@ def read_json(text: str | bytes, field: str, *, largest_bytes: int = LARGEST_BYT
         )
         json.dumps(data, ensure_ascii=False).encode()  # half a character is not Unicode
         _check_depth(data)
-    except _Refused as error:
+    except _RefusedJson as error:
         raise InvalidValue(field, text, str(error)) from None
     except (ValueError, RecursionError) as error:
         raise InvalidValue(field, text, f"valid JSON ({error})") from None
@@ -56,18 +56,18 @@ def _object(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) < len(pairs):
         twice = next(key for key, times in Counter(key for key, _ in pairs).items() if times > 1)
-        raise _Refused(f"each key once in its object; {twice!r} is there more than once")
+        raise _RefusedJson(f"each key once in its object; {twice!r} is there more than once")
     return found
 
 
 def _no_constant(constant: str) -> float:
-    raise _Refused(f"finite numbers; {constant} is none")
+    raise _RefusedJson(f"finite numbers; {constant} is none")
 
 
 def _finite(digits: str) -> float:
     number = float(digits)
     if number in (float("inf"), float("-inf")):
-        raise _Refused(f"finite numbers; {digits[:40]} is none")
+        raise _RefusedJson(f"finite numbers; {digits[:40]} is none")
     return number
 
 
@@ -78,7 +78,7 @@ def _check_depth(data: Any) -> None:
         if not level:
             return
     if level:
-        raise _Refused(f"at most {DEEPEST} objects and lists inside each other")
+        raise _RefusedJson(f"at most {DEEPEST} objects and lists inside each other")
 
 
 def _holders(value: dict[str, Any] | list[Any]) -> Iterable[dict[str, Any] | list[Any]]:

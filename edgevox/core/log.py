@@ -48,8 +48,8 @@ class Said:
         return f"<{len(self.text)} characters>"
 
 
-class News:
-    """Says whether something differs from what was told last: trouble that stays is one line."""
+class ChangeDetector:
+    """Says whether something differs from what was told last: a fault that stays is one line."""
 
     def __init__(self) -> None:
         self._said: tuple[str, ...] = ()
@@ -60,7 +60,7 @@ class News:
         return news
 
 
-class Line(dict[str, Any]):
+class LogLine(dict[str, Any]):
     """An event and its fields, as a log record's message; reads ``event field=value ...``."""
 
     def __str__(self) -> str:
@@ -84,7 +84,7 @@ class Logger(BoundLogger):
         if event_args:
             raise TypeError(f"{event}: got positional arguments, expected fields by name")
         error = _exc_info(event_kw.pop("exc_info", None))
-        line = Line(get_contextvars())
+        line = LogLine(get_contextvars())
         line.update(self._context, **event_kw, event=event)
         frame = sys._getframe(_CALLER)  # noqa: SLF001 - as logging does it
         code = frame.f_code

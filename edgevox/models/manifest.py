@@ -11,7 +11,7 @@ from typing import Any, Self
 from pydantic import Field, model_validator
 
 from edgevox.core.errors import InvalidValue
-from edgevox.models.places import Entry, SafePath, Source
+from edgevox.models.source_specs import ManifestEntry, SafePath, Source
 
 NOTICE = "LICENCE.txt"
 """The file that is put beside every model's own files."""
@@ -29,7 +29,7 @@ class UnknownModel(InvalidValue):
         super().__init__("model", name, f"one of {', '.join(names)}{hint}")
 
 
-class Licence(Entry):
+class Licence(ManifestEntry):
     """What a model's licence is called and whether it allows commercial use."""
 
     name: str
@@ -37,7 +37,7 @@ class Licence(Entry):
     commercial_use: bool
 
 
-class ModelFile(Entry):
+class ModelFile(ManifestEntry):
     """One file; `size` in bytes. These very bytes or none. A row of its values will do."""
 
     name: SafePath
@@ -52,7 +52,7 @@ class ModelFile(Entry):
         return given
 
 
-class Model(Entry):
+class Model(ManifestEntry):
     """One model: files that belong together, in a folder named by its id.
 
     `licence_file` is the one of its files that is its licence, where it brings that along;
@@ -94,7 +94,7 @@ class Model(Entry):
         return (self.licence, *self.further_licences)
 
 
-class Manifest(Entry):
+class Manifest(ManifestEntry):
     """All models, the sets they form and the licences they come under."""
 
     licences: Mapping[str, Licence]

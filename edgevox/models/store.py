@@ -9,8 +9,8 @@ from importlib.resources import files
 from pathlib import Path
 
 from edgevox.models import verification
-from edgevox.models.errors import ModelMissing, SourceFailed, StoreNotWritable
 from edgevox.models.manifest import NOTICE, Manifest, Model, ModelFile, builtin_manifest
+from edgevox.models.model_errors import ModelMissing, SourceFailed, StoreNotWritable
 
 ROOT_VARIABLE = "EDGEVOX_MODELS_DIR"
 PARTIAL = ".partial"
@@ -78,7 +78,7 @@ class Store:
         verification.remember(self.folder(model), file)
 
     def finish(self, model: Model) -> None:
-        """Put the licence beside the model's files and clear the workbench away."""
+        """Put the licence beside the model's files and remove the staging folder."""
         folder = self.folder(model)
         urls = [self.manifest.licences[licence].url for licence in model.licences]
         head = [model.title, model.publisher, model.copyright, model.caution, *urls]
@@ -92,15 +92,15 @@ class Store:
         shutil.rmtree(folder / PARTIAL, ignore_errors=True)
 
     @contextmanager
-    def workbench(self, model: Model, waiting: Callable[[], None]) -> Iterator[Path]:
+    def staging_folder(self, model: Model, waiting: Callable[[], None]) -> Iterator[Path]:
         """A folder for half-fetched files of one model, held by one process at a time.
 
         Calls `waiting` if another process holds it. What is left in it is there the next time.
         Raises `StoreNotWritable`.
         """
-        bench = self.folder(model) / PARTIAL
+        staging = self.folder(model) / PARTIAL
         try:
-            bench.mkdir(parents=True, exist_ok=True)
+            staging.mkdir(parents=True, exist_ok=True)
             lock = (self.root / f".{model.id}.lock").open("wb")
         except OSError as error:
             raise StoreNotWritable(
@@ -113,11 +113,11 @@ class Store:
             except BlockingIOError:
                 waiting()
                 fcntl.flock(lock, fcntl.LOCK_EX)
-            bench.mkdir(parents=True, exist_ok=True)
+            staging.mkdir(parents=True, exist_ok=True)
             try:
-                yield bench
+                yield staging
             finally:
-                _remove_empty(bench, self.folder(model))
+                _remove_empty(staging, self.folder(model))
 
 
 def _licence_text(licence: str) -> str:

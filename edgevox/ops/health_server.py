@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from http import HTTPStatus
 
-from edgevox.ops.health import Health, Report
+from edgevox.ops.health_checks import Health, Report
 from edgevox.ops.http_server import HttpServer, Page, json_page
 
 

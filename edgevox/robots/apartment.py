@@ -1,14 +1,14 @@
 """`robot-apartment`: a robot on two wheels in a 2D apartment, simulated with pymunk."""
 
 from edgevox.core.clock import Clock
-from edgevox.robots.physics import PymunkEngine
-from edgevox.robots.planar import PlanarRobot
+from edgevox.robots.diff_drive import DiffDriveRobot
+from edgevox.robots.pymunk_engine import PymunkEngine
 from edgevox.robots.world import load_world
 from edgevox.robots.world_model import World
 
 
-class ApartmentRobot(PlanarRobot):
-    """A `PlanarRobot` in pymunk, in the apartment or any other world.
+class ApartmentRobot(DiffDriveRobot):
+    """A `DiffDriveRobot` in pymunk, in the apartment or any other world.
 
     Nothing in it is random: the same world and the same requests give the same run. What a world
     file leaves to chance is decided by `load_world` and its seed.

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from edgevox.agent.skills import Skill
 from edgevox.core.cancel import CancelToken
 from edgevox.core.transforms import IDENTITY, ORIGIN, Pose2D, Pose3D
-from edgevox.robots.places.memory import PlaceMemory
+from edgevox.robots.places.place_memory import PlaceMemory
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +127,7 @@ class TakesVelocity(Protocol):
 
 
 SpeedLimit = Callable[[Twist2D], Twist2D]
-"""What of a velocity may be asked for: it, or a slower one. Quick; it may change its mind."""
+"""What of a velocity may be asked for: it, or a slower one. Quick; what it answers may change."""
 
 
 @runtime_checkable

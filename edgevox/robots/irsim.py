@@ -1,14 +1,14 @@
 """`robot-irsim`: the same robot in the same apartment, simulated with IR-SIM."""
 
 from edgevox.core.clock import Clock
+from edgevox.robots.diff_drive import DiffDriveRobot
 from edgevox.robots.irsim_engine import IrsimEngine
-from edgevox.robots.planar import PlanarRobot
 from edgevox.robots.world import load_world
 from edgevox.robots.world_model import World
 
 
-class IrsimRobot(PlanarRobot):
-    """A `PlanarRobot` in IR-SIM, in the apartment or any other world.
+class IrsimRobot(DiffDriveRobot):
+    """A `DiffDriveRobot` in IR-SIM, in the apartment or any other world.
 
     Walls are solid and furniture with a mass can be pushed, by IR-SIM's own law of contacts.
     IR-SIM's goals and behaviours are not used: the drives are ours. Nothing in it is random;

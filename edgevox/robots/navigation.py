@@ -23,9 +23,9 @@ from edgevox.robots.capabilities import (
     HasPose,
     Report,
 )
-from edgevox.robots.places.memory import PlaceMemory
+from edgevox.robots.places.place_memory import PlaceMemory
+from edgevox.robots.places.place_store import Place
 from edgevox.robots.places.skills import located, place_skills
-from edgevox.robots.places.store import Place
 from edgevox.robots.world_fields import LARGEST
 
 

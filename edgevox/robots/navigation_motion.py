@@ -9,9 +9,9 @@ from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.command_mux import STILL
 from edgevox.robots.engine import MotionState
-from edgevox.robots.follower import Follower
 from edgevox.robots.motion import Motion, Progress
-from edgevox.robots.planner import Planner
+from edgevox.robots.path_follower import PathFollower
+from edgevox.robots.path_planner import PathPlanner
 from edgevox.robots.shapes import Point
 from edgevox.robots.world_model import RobotSpec
 
@@ -31,7 +31,7 @@ class NavigationMotion(Motion):
     def __init__(
         self,
         goal: Point,
-        planner: Planner,
+        planner: PathPlanner,
         limits: RobotSpec,
         *,
         cruise_m_s: float,
@@ -73,7 +73,7 @@ class NavigationMotion(Motion):
 
     def _follow(self, pose: Pose2D, movable: Sequence[Pose2D]) -> None:
         path = self._planner.plan((pose.x_m, pose.y_m), self.goal, movable)
-        self._follower = Follower(path, self._limits)
+        self._follower = PathFollower(path, self._limits)
         self._planned_with = tuple(movable)
 
     def _look(self, time_s: float, pose: Pose2D, movable: Sequence[Pose2D]) -> None:

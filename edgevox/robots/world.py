@@ -26,11 +26,11 @@ from edgevox.core.user_file import read_text
 from edgevox.core.validation import Place
 from edgevox.core.yaml_file import YamlFile
 from edgevox.robots.shapes import distance, place
-from edgevox.robots.world_fields import XY, Finite, Part, within, words
+from edgevox.robots.world_fields import XY, Finite, WorldPart, within, words
 from edgevox.robots.world_model import RobotSpec, Thing, World
 from edgevox.robots.world_objects import Entries, Member, members
-from edgevox.robots.world_places import Area
-from edgevox.robots.world_rooms import Ours
+from edgevox.robots.world_placement import Area
+from edgevox.robots.world_rooms import EdgevoxPart
 
 MOST_THINGS = 2000
 _MARGIN_M = 0.5
@@ -40,7 +40,7 @@ def _no_map(_map: Any) -> None:
     raise ValueError("no map, only obstacles")
 
 
-class Extent(Part):
+class Extent(WorldPart):
     """The rectangle of the map frame that is the world."""
 
     is_open: ClassVar[bool] = True
@@ -63,14 +63,14 @@ class Extent(Part):
         )
 
 
-class Custom(Part):
+class Custom(WorldPart):
     """What IR-SIM leaves to others."""
 
     is_open: ClassVar[bool] = True
-    edgevox: Ours = Ours()
+    edgevox: EdgevoxPart = EdgevoxPart()
 
 
-class WorldFile(Part):
+class WorldFile(WorldPart):
     """A whole file."""
 
     world: Extent = Extent()

@@ -17,7 +17,7 @@ LARGEST = 1e6
 """No coordinate, size or speed of a world may be greater; it keeps arithmetic well-behaved."""
 
 
-class Part(BaseModel):
+class WorldPart(BaseModel):
     """A mapping of a file. What is empty in it counts as absent; a mistyped key is refused.
 
     `also` are keys that change nothing here. Another one is refused, too, unless `is_open`.
@@ -81,7 +81,7 @@ def listed(expected: str, least: int, most: float = float("inf")) -> BeforeValid
 
 
 def called(check: Callable[[str, Any], str]) -> BeforeValidator:
-    """A name that passes a check of `names`."""
+    """A name that passes a check of `name_fields`."""
 
     def checked(name: object) -> str:
         try:
@@ -92,7 +92,7 @@ def called(check: Callable[[str, Any], str]) -> BeforeValidator:
     return BeforeValidator(checked)
 
 
-def chosen(kinds: Mapping[str, type[Part]], usual: str) -> BeforeValidator:
+def chosen(kinds: Mapping[str, type[WorldPart]], usual: str) -> BeforeValidator:
     """One of several kinds of mappings, by its `name`."""
 
     def choose(data: Any) -> Any:

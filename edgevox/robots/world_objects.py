@@ -20,16 +20,16 @@ from edgevox.core.log import get_logger
 from edgevox.core.transforms import Pose2D
 from edgevox.core.validation import Place
 from edgevox.core.yaml_file import YamlFile
-from edgevox.robots.names import check_thing
+from edgevox.robots.name_fields import check_thing
 from edgevox.robots.shapes import Circle, Line, Polygon, Shape, reach
 from edgevox.robots.world_fields import (
     Finite,
     Flag,
-    Part,
     Positive,
     Text,
     ThreeOrMore,
     Whole,
+    WorldPart,
     called,
     listed,
     one_or_more,
@@ -37,7 +37,7 @@ from edgevox.robots.world_fields import (
     words,
 )
 from edgevox.robots.world_model import LidarSpec, RobotSpec, Thing
-from edgevox.robots.world_places import AnyDistribution, Area, Distribution, Placing, Poses
+from edgevox.robots.world_placement import AnyDistribution, Area, Distribution, Placing, Poses
 from edgevox.robots.world_shapes import AnyShape, ShapePart, hull
 
 log = get_logger(__name__)
@@ -47,7 +47,7 @@ MOST_OBJECTS = 1000
 _ONE_NUMBER_EACH = frozenset({"mass", "friction", "inertia", "restitution"})
 
 
-class Entry(Part):
+class ObjectEntry(WorldPart):
     """One or several objects. What is a list is that of each object, by its index."""
 
     is_open: ClassVar[bool] = True
@@ -62,11 +62,11 @@ class Entry(Part):
     state: Poses = (Pose2D(1.0, 1.0, 0.0),)
 
 
-Entries = Annotated[tuple[Entry, ...], BeforeValidator(one_or_more)]
+Entries = Annotated[tuple[ObjectEntry, ...], BeforeValidator(one_or_more)]
 
 
 def members(
-    file: YamlFile, entry: Entry, place: Place, area: Area, dice: random.Random
+    file: YamlFile, entry: ObjectEntry, place: Place, area: Area, dice: random.Random
 ) -> Iterator["Member"]:
     """The single objects of an entry."""
     try:
@@ -89,7 +89,7 @@ class Member:
 
     def robot(self, dice: random.Random) -> RobotSpec:
         """The robot that is driven. Its shape counts as the circle around it."""
-        part = self.file.read(_Driven, self.data, self.place)
+        part = self.file.read(_RobotEntry, self.data, self.place)
         if part.kinematics.name != "diff":
             field, expected = ("kinematics", "name"), "'diff', a robot with two driven wheels"
             raise self.file.wrong((*self.place, *field), part.kinematics.name or "none", expected)
@@ -113,7 +113,7 @@ class Member:
         """
         if self.data.get("unobstructed") is True:
             return None
-        part = self.file.read(_Thing, self.data, self.place)
+        part = self.file.read(_ThingEntry, self.data, self.place)
         parts = self._parts(part.shape, dice)
         if math.isfinite(part.mass_kg):
             if any(isinstance(one, Line) for one in parts):
@@ -142,7 +142,7 @@ class Member:
             if "lidar2d" not in (sensor.get("name"), sensor.get("type")):
                 log.warning("world_sensor_ignored", where=self.file.field(place))
                 continue
-            part = self.file.read(_Lidar, sensor, place)
+            part = self.file.read(_LidarEntry, sensor, place)
             part.warn_of_others(self.file, place)
             if part.noise:
                 log.warning("world_noise_ignored", where=self.file.field((*place, "noise")))
@@ -150,7 +150,7 @@ class Member:
         return LidarSpec()
 
 
-class _Kinematics(BaseModel):
+class _DriveKinematics(BaseModel):
     name: Text = ""
 
 
@@ -165,9 +165,9 @@ Limits = Annotated[
 ]
 
 
-class _Driven(BaseModel):
+class _RobotEntry(BaseModel):
     shape: AnyShape | None = None
-    kinematics: _Kinematics = _Kinematics()
+    kinematics: _DriveKinematics = _DriveKinematics()
     vel_max: Limits = (None, None)
     acce: Limits = (None, None)
     mass: Positive = 20.0
@@ -182,9 +182,9 @@ def _weighs(mass: float, info: ValidationInfo) -> float:
     return mass
 
 
-class _Thing(BaseModel):
+class _ThingEntry(BaseModel):
     shape: AnyShape | None = None
-    kinematics: _Kinematics = _Kinematics()
+    kinematics: _DriveKinematics = _DriveKinematics()
     unobstructed: Flag = False
     static: Flag = False
     mass: Annotated[float, Field(strict=True), AfterValidator(_weighs)] | None = None
@@ -201,7 +201,7 @@ class _Thing(BaseModel):
         return 1.0 if drives else math.inf
 
 
-class _Lidar(Part):
+class _LidarEntry(WorldPart):
     is_open: ClassVar[bool] = True
     also: ClassVar[frozenset[str]] = words(
         "name type scan_time std angle_std alpha has_velocity color"

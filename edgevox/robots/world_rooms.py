@@ -6,9 +6,9 @@ import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from edgevox.core.validation import wrong
-from edgevox.robots.names import read_name
+from edgevox.robots.name_fields import read_name
 from edgevox.robots.shapes import Point, Polygon, inside
-from edgevox.robots.world_fields import XY, Part, called, check_keys, listed
+from edgevox.robots.world_fields import XY, WorldPart, called, check_keys, listed
 from edgevox.robots.world_model import BatterySpec, Room
 
 MOST_ROOMS = 200
@@ -16,7 +16,7 @@ TEXTS = listed("a list of texts", 0)
 Name = Annotated[str, called(read_name)]
 
 
-class RoomPart(Part):
+class RoomPart(WorldPart):
     """A room, and the point that it is driven to: the middle, unless it is given."""
 
     outline: Annotated[tuple[XY, ...], listed("a list of 3 to 1000 [x, y] points", 3, 1000)]
@@ -53,7 +53,7 @@ def _battery(data: Any) -> Any:
     return data
 
 
-class Ours(Part):
+class EdgevoxPart(WorldPart):
     """All of it."""
 
     rooms: Annotated[dict[Name, RoomPart], AfterValidator(_few)] = Field(default_factory=dict)

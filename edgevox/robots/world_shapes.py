@@ -16,9 +16,9 @@ from edgevox.robots.world_fields import (
     XY,
     Flag,
     NotNegative,
-    Part,
     Positive,
     ThreeOrMore,
+    WorldPart,
     chosen,
     listed,
     one_or_more,
@@ -26,7 +26,7 @@ from edgevox.robots.world_fields import (
 )
 
 
-class ShapePart(Part):
+class ShapePart(WorldPart):
     """Any shape. `pose` is where it stands in a compound."""
 
     also: ClassVar[frozenset[str]] = frozenset({"name"})
@@ -44,7 +44,7 @@ def _sizes(sizes: Point) -> Point:
     return sizes
 
 
-class _Circle(ShapePart):
+class _CirclePart(ShapePart):
     radius: Positive = 0.2
     center: XY = (0.0, 0.0)
     wheelbase: NotNegative = 0.0
@@ -57,7 +57,7 @@ class _Circle(ShapePart):
         return (shapes.Circle((x + self.wheelbase / 2, y), radius),)
 
 
-class _Rectangle(ShapePart):
+class _RectanglePart(ShapePart):
     """About its middle, or about the middle of its rear axle."""
 
     length: Positive = 1.0
@@ -84,7 +84,7 @@ def _ring(vertices: tuple[Point, ...]) -> tuple[Point, ...]:
     return vertices if area(vertices) > 0 else vertices[::-1]
 
 
-class _Cornered(ShapePart):
+class _CorneredPart(ShapePart):
     """What has corners; IR-SIM could make them up."""
 
     also: ClassVar[frozenset[str]] = words(
@@ -94,7 +94,7 @@ class _Cornered(ShapePart):
     random_shape: Annotated[Flag, AfterValidator(_not_random)] = False
 
 
-class _Polygon(_Cornered):
+class _PolygonPart(_CorneredPart):
     vertices: Annotated[
         tuple[XY, ...], listed("a list of 3 to 1000 [x, y] points", 3, 1000), AfterValidator(_ring)
     ]
@@ -103,17 +103,17 @@ class _Polygon(_Cornered):
         return (Polygon(self.vertices),)
 
 
-class _Line(_Cornered):
+class _LinePart(_CorneredPart):
     vertices: Annotated[tuple[XY, ...], listed("a list of 2 to 1000 [x, y] points", 2, 1000)]
 
     def made(self, dice: random.Random) -> tuple[Shape, ...]:  # noqa: ARG002
         return (Line(self.vertices),)
 
 
-_SIMPLE = {"circle": _Circle, "rectangle": _Rectangle, "polygon": _Polygon}
+_SIMPLE = {"circle": _CirclePart, "rectangle": _RectanglePart, "polygon": _PolygonPart}
 
 
-class _Compound(ShapePart):
+class _CompoundPart(ShapePart):
     parts: Annotated[
         tuple[Annotated[ShapePart, chosen(_SIMPLE, "")], ...],
         listed("a list of at least 1 shape", 1),
@@ -136,7 +136,7 @@ def _alone(data: Any) -> Any:
 
 AnyShape = Annotated[
     ShapePart,
-    chosen({**_SIMPLE, "linestring": _Line, "compound": _Compound}, "circle"),
+    chosen({**_SIMPLE, "linestring": _LinePart, "compound": _CompoundPart}, "circle"),
     BeforeValidator(_alone),
 ]
 

@@ -3,7 +3,7 @@
 The only package that imports rclpy. Imports core, agent.skills and robots of edgevox.
 """
 
+from edgevox.ros2.bridge_context import BridgeContext
 from edgevox.ros2.open import Bridge, NullBridge, open_bridge, split_ros_args
-from edgevox.ros2.wiring import Wiring
 
-__all__ = ["Bridge", "NullBridge", "Wiring", "open_bridge", "split_ros_args"]
+__all__ = ["Bridge", "BridgeContext", "NullBridge", "open_bridge", "split_ros_args"]

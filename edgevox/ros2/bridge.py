@@ -10,6 +10,8 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.status import Component
 from edgevox.core.ways import Way
 from edgevox.robots.capabilities import Body
+from edgevox.ros2.bridge_context import BridgeContext
+from edgevox.ros2.bridge_status import ExecutorComponent, ExecutorCounts
 from edgevox.ros2.contract import PARAMETERS
 from edgevox.ros2.diagnostics import DiagnosticsPublisher
 from edgevox.ros2.external.robot import ExternalRobot
@@ -18,15 +20,13 @@ from edgevox.ros2.logs import Rosout
 from edgevox.ros2.node import RosBridgeFailed, RosNode
 from edgevox.ros2.parameters import Parameters, declare
 from edgevox.ros2.presence import Presence
-from edgevox.ros2.queries import QueryServices
+from edgevox.ros2.query_services import QueryServices
 from edgevox.ros2.skill_action import open_skill_action
-from edgevox.ros2.status import ExecutorComponent, ExecutorCounts
 from edgevox.ros2.ticker import MakeTicker, Ticker
 from edgevox.ros2.topics import Topics
-from edgevox.ros2.wiring import Wiring
 
 
-class Part(Protocol):
+class BridgePart(Protocol):
     """One concern of the bridge, served from its making to `close`."""
 
     def close(self) -> None: ...
@@ -50,15 +50,15 @@ class RosBridge:
     """
 
     def __init__(
-        self, wiring: Wiring, ros_args: Sequence[str] = (), tickers: MakeTicker = Ticker
+        self, context: BridgeContext, ros_args: Sequence[str] = (), tickers: MakeTicker = Ticker
     ) -> None:
-        self._node = RosNode(wiring.settings.ros2_namespace, ros_args)
+        self._node = RosNode(context.settings.ros2_namespace, ros_args)
         self._ticker, self._tickers = tickers("edgevox-ticker"), tickers
         self._watching = tickers("edgevox-diagnostics")
-        self._body = wiring.body
-        self._parts: list[Part] = []
+        self._body = context.body
+        self._parts: list[BridgePart] = []
         try:
-            self._open(wiring)
+            self._open(context)
         except InvalidValue as error:
             self.close()
             raise RosBridgeFailed(str(error)) from None
@@ -101,8 +101,8 @@ class RosBridge:
             node.stalled_s, node.failed, node.lag_s, failed_ticks, sum(failed_images)
         )
 
-    def _open(self, wiring: Wiring) -> None:
-        node, bus, controls = self._node.node, wiring.bus, wiring.controls
+    def _open(self, context: BridgeContext) -> None:
+        node, bus, controls = self._node.node, context.bus, context.controls
         values = declare(
             node,
             {
@@ -111,37 +111,39 @@ class RosBridge:
                 "muted": controls.muted,
                 "confirm": controls.confirm,
                 **{
-                    row.name: getattr(wiring.settings, row.name)
+                    row.name: getattr(context.settings, row.name)
                     for row in PARAMETERS
                     if row.read_only
                 },
             },
         )
         controls.change({name: values[name] for name in ("language", "voice", "muted", "confirm")})
-        robot = wiring.body.name if wiring.body else ""
-        self._presence = Presence(node, robot, wiring.interlock, self._ticker)
+        robot = context.body.name if context.body else ""
+        self._presence = Presence(node, robot, context.interlock, self._ticker)
         self._parts = [
             self._presence,
             Rosout(node, self._ticker),
             Parameters(node, self._node.executor, controls, bus),
-            Topics(node, wiring, self._ticker),
-            QueryServices(node, wiring.queries),
+            Topics(node, context, self._ticker),
+            QueryServices(node, context.queries),
         ]
-        self._parts += _audio(node, wiring)
-        if wiring.components:
-            self._parts.append(DiagnosticsPublisher(node, wiring.components, self._watching))
-        if wiring.goals and (action := open_skill_action(node, bus, wiring.goals)):
+        self._parts += _audio(node, context)
+        if context.components:
+            self._parts.append(DiagnosticsPublisher(node, context.components, self._watching))
+        if context.goals and (action := open_skill_action(node, bus, context.goals)):
             self._parts.append(action)
-        if wiring.body and not isinstance(wiring.body, ExternalRobot):  # it has its own topics
-            self._parts.append(self._interop(wiring, wiring.body, values))
+        if context.body and not isinstance(context.body, ExternalRobot):  # it has its own topics
+            self._parts.append(self._interop(context, context.body, values))
 
-    def _interop(self, wiring: Wiring, body: Body, values: dict[str, str | bool]) -> Interop:
+    def _interop(
+        self, context: BridgeContext, body: Body, values: dict[str, str | bool]
+    ) -> Interop:
         def run_skill(name: str, arguments: Mapping[str, Any]) -> None:
             """At once, as a program's goal; where nobody runs those, as a command."""
-            if wiring.goals:
-                wiring.goals.start_goal(name, arguments, way=Way.GOAL_POSE)
+            if context.goals:
+                context.goals.start_goal(name, arguments, way=Way.GOAL_POSE)
             else:
-                wiring.submit(RunSkill(name, arguments, Way.GOAL_POSE))
+                context.submit(RunSkill(name, arguments, Way.GOAL_POSE))
 
         return Interop(
             self._node.node,
@@ -151,21 +153,21 @@ class RosBridge:
             odom_frame=str(values["odom_frame"]),
             frame_prefix=str(values["frame_prefix"]),
             publish_clock=bool(values["publish_clock"]),
-            interlock=wiring.interlock,
-            guard=wiring.guard,
+            interlock=context.interlock,
+            guard=context.guard,
             tickers=self._tickers,
         )
 
 
-def _audio(node: Node, wiring: Wiring) -> list[Part]:
+def _audio(node: Node, context: BridgeContext) -> list[BridgePart]:
     """Microphone and loudspeaker on the wire. Their message is in edgevox_msgs."""
-    parts: list[Part] = []
-    if wiring.audio_in:
+    parts: list[BridgePart] = []
+    if context.audio_in:
         from edgevox.ros2.audio_in import AudioIn
 
-        parts.append(AudioIn(node, wiring.audio_in))
-    if wiring.audio_out:
+        parts.append(AudioIn(node, context.audio_in))
+    if context.audio_out:
         from edgevox.ros2.audio_out import AudioOut
 
-        parts.append(AudioOut(node, wiring.audio_out))
+        parts.append(AudioOut(node, context.audio_out))
     return parts

@@ -38,12 +38,12 @@ from edgevox.core.frame_names import ODOM_EXPECTED, PREFIX_EXPECTED
 from edgevox.core.settings import CONFIRM, Settings
 from edgevox.ros2.contract_rows import (
     Incoming,
-    Interop,
     Parameter,
     Periodic,
     Published,
     Qos,
     Shared,
+    StandardTopic,
     Subscribed,
 )
 from edgevox.ros2.json_text import write
@@ -226,7 +226,7 @@ TAKE_OVER = Shared(
 SHARED: tuple[Shared, ...] = (PRESENCE, TAKE_OVER)
 """Which of several agents on one namespace moves the robot: an extra, additions only."""
 
-Rated = Published | Interop | Shared | Periodic
+Rated = Published | StandardTopic | Shared | Periodic
 _OURS: tuple[Rated, ...] = (*PUBLISHED, *INTEROP, *SHARED, DIAGNOSTICS)
 RATED: tuple[Rated, ...] = tuple(row for row in _OURS if row.rate_hz)
 """What comes at a rate."""

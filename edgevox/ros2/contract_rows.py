@@ -112,7 +112,7 @@ class Parameter:
 
 
 @dataclass(frozen=True, slots=True)
-class Interop:
+class StandardTopic:
     """A standard topic that a body with a capability has; `rate_hz` 0 is for what comes in."""
 
     topic: str

@@ -6,8 +6,8 @@ from typing import Protocol
 
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.status import Component
-from edgevox.ros2.status import ExecutorComponent, ExecutorCounts
-from edgevox.ros2.wiring import Wiring
+from edgevox.ros2.bridge_context import BridgeContext
+from edgevox.ros2.bridge_status import ExecutorComponent, ExecutorCounts
 
 
 class Bridge(Protocol):
@@ -46,7 +46,7 @@ class NullBridge:
         """There is nothing to close."""
 
 
-def open_bridge(wiring: Wiring, ros_args: Sequence[str] = ()) -> Bridge:
+def open_bridge(context: BridgeContext, ros_args: Sequence[str] = ()) -> Bridge:
     """A bridge on real ROS 2, or a `NullBridge` where rclpy cannot be imported.
 
     Raises `EdgeVoxError` where rclpy is here but does not work: no robot is silent in secret.
@@ -61,7 +61,7 @@ def open_bridge(wiring: Wiring, ros_args: Sequence[str] = ()) -> Bridge:
             f"ROS 2 is here, but {missing} is not: got no module, expected it from an installed"
             " ROS 2 Jazzy or from make msgs"
         ) from error
-    return RosBridge(wiring, ros_args)
+    return RosBridge(context, ros_args)
 
 
 def split_ros_args(argv: Sequence[str]) -> tuple[list[str], list[str]]:

@@ -45,7 +45,7 @@ CLOSING_S = 1.0
 """How long `close` waits for what the executor still has to do."""
 
 
-class _Run:
+class _ActionRun:
     """An accepted goal: its handle on the wire, what runs for it, and how it will have ended."""
 
     def __init__(self, handle: ServerGoalHandle) -> None:
@@ -72,7 +72,7 @@ class SkillAction:
         self._goals = goals
         self._kind = kind
         self._clock = clock or SystemClock()
-        self._runs: dict[str, _Run] = {}
+        self._runs: dict[str, _ActionRun] = {}
         self._idle = threading.Event()
         self._idle.set()
         self._server = ActionServer(
@@ -126,7 +126,9 @@ class SkillAction:
 
     def _accept(self, handle: ServerGoalHandle) -> None:
         goal_id = _key(handle)
-        run = self._runs[goal_id] = _Run(handle)  # before it starts: none of its events is missed
+        run = self._runs[goal_id] = _ActionRun(
+            handle
+        )  # before it starts: none of its events is missed
         self._idle.clear()
         handle.execute()
         self._watch.begin()
@@ -182,7 +184,7 @@ class SkillAction:
             if event.status in GOAL_ENDS:
                 self._end(run, event)
 
-    def _tell(self, run: _Run, event: GoalChanged | GoalCancelled) -> None:
+    def _tell(self, run: _ActionRun, event: GoalChanged | GoalCancelled) -> None:
         now_s, status = self._clock.now(), event.status
         if status == run.status and now_s - run.told_s < FEEDBACK_EVERY_S:
             return
@@ -190,7 +192,7 @@ class SkillAction:
         feedback = mirror(event)
         run.handle.publish_feedback(self._kind.Feedback(feedback_json=feedback))
 
-    def _end(self, run: _Run, end: GoalChanged | GoalCancelled) -> None:
+    def _end(self, run: _ActionRun, end: GoalChanged | GoalCancelled) -> None:
         run.ended.set_result(end)
         if self._node.executor:
             self._node.executor.wake()  # a future that is set on another thread wakes nobody

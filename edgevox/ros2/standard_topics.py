@@ -6,10 +6,10 @@ it reads that here.
 
 from collections.abc import Mapping
 
-from edgevox.ros2.contract_rows import Interop, latched, lossy, reliable
+from edgevox.ros2.contract_rows import StandardTopic, latched, lossy, reliable
 
-INTEROP: tuple[Interop, ...] = (
-    Interop(
+INTEROP: tuple[StandardTopic, ...] = (
+    StandardTopic(
         "/tf",
         "tf2_msgs/msg/TFMessage",
         "out",
@@ -18,7 +18,7 @@ INTEROP: tuple[Interop, ...] = (
         "a pose",
         30.0,
     ),
-    Interop(
+    StandardTopic(
         "/tf_static",
         "tf2_msgs/msg/TFMessage",
         "out",
@@ -26,7 +26,7 @@ INTEROP: tuple[Interop, ...] = (
         "where its sensors are",
         "a lidar or a camera",
     ),
-    Interop(
+    StandardTopic(
         "pose",
         "geometry_msgs/msg/PoseStamped",
         "out",
@@ -35,7 +35,7 @@ INTEROP: tuple[Interop, ...] = (
         "a pose",
         30.0,
     ),
-    Interop(
+    StandardTopic(
         "odom",
         "nav_msgs/msg/Odometry",
         "out",
@@ -44,7 +44,7 @@ INTEROP: tuple[Interop, ...] = (
         "a pose and a velocity",
         30.0,
     ),
-    Interop(
+    StandardTopic(
         "scan",
         "sensor_msgs/msg/LaserScan",
         "out",
@@ -53,8 +53,8 @@ INTEROP: tuple[Interop, ...] = (
         "a lidar",
         10.0,
     ),
-    Interop("image_raw", "sensor_msgs/msg/Image", "out", lossy(5), "rgb8", "a camera", 5.0),
-    Interop(
+    StandardTopic("image_raw", "sensor_msgs/msg/Image", "out", lossy(5), "rgb8", "a camera", 5.0),
+    StandardTopic(
         "camera_info",
         "sensor_msgs/msg/CameraInfo",
         "out",
@@ -63,7 +63,7 @@ INTEROP: tuple[Interop, ...] = (
         "a camera",
         5.0,
     ),
-    Interop(
+    StandardTopic(
         "cmd_vel",
         "geometry_msgs/msg/Twist",
         "in",
@@ -71,10 +71,10 @@ INTEROP: tuple[Interop, ...] = (
         "a stream; halts 0.5 s after its end",
         "wheels",
     ),
-    Interop(
+    StandardTopic(
         "goal_pose", "geometry_msgs/msg/PoseStamped", "in", reliable(10), "where to go", "a drive"
     ),
-    Interop(
+    StandardTopic(
         "/clock",
         "rosgraph_msgs/msg/Clock",
         "out",
@@ -84,14 +84,14 @@ INTEROP: tuple[Interop, ...] = (
         100.0,
     ),
 )
-STANDARD: Mapping[str, Interop] = {row.topic: row for row in INTEROP}
+STANDARD: Mapping[str, StandardTopic] = {row.topic: row for row in INTEROP}
 """The same by topic, for whoever serves them: what goes out, how often and how surely."""
 
-EXTERNAL: tuple[Interop, ...] = (
-    Interop(
+EXTERNAL: tuple[StandardTopic, ...] = (
+    StandardTopic(
         "odom", "nav_msgs/msg/Odometry", "in", lossy(5), "where it is; silence is said", "always"
     ),
-    Interop(
+    StandardTopic(
         "scan",
         "sensor_msgs/msg/LaserScan",
         "in",
@@ -99,10 +99,10 @@ EXTERNAL: tuple[Interop, ...] = (
         "what is ahead makes it wait",
         "optional",
     ),
-    Interop(
+    StandardTopic(
         "camera/image_raw", "sensor_msgs/msg/Image", "in", lossy(1), "whether it sees", "optional"
     ),
-    Interop(
+    StandardTopic(
         "cmd_vel",
         "geometry_msgs/msg/Twist",
         "out",
@@ -110,7 +110,7 @@ EXTERNAL: tuple[Interop, ...] = (
         "where it is steered to",
         "no goal_pose",
     ),
-    Interop(
+    StandardTopic(
         "goal_pose",
         "geometry_msgs/msg/PoseStamped",
         "out",
@@ -120,10 +120,10 @@ EXTERNAL: tuple[Interop, ...] = (
     ),
 )
 """The topics of a robot that `robot-external` drives, in that robot's namespace."""
-DRIVEN: Mapping[str, Interop] = {row.topic: row for row in EXTERNAL}
+DRIVEN: Mapping[str, StandardTopic] = {row.topic: row for row in EXTERNAL}
 
-AUDIO: tuple[Interop, ...] = (
-    Interop(
+AUDIO: tuple[StandardTopic, ...] = (
+    StandardTopic(
         "audio_in",
         "edgevox_msgs/msg/AudioData",
         "in",
@@ -131,7 +131,7 @@ AUDIO: tuple[Interop, ...] = (
         "a microphone: 16 kHz mono, 16 bit little-endian, up to 1 s a message; best effort",
         "--audio-in ros2",
     ),
-    Interop(
+    StandardTopic(
         "audio_out",
         "edgevox_msgs/msg/AudioData",
         "out",

@@ -19,7 +19,7 @@ TOGETHER_S = 0.001
 """What is due within this time is done at once."""
 
 
-class _Job:
+class _TickerJob:
     """Something to do, and when the next time."""
 
     def __init__(self, tick: Callable[[], None], period_s: float, due_s: float) -> None:
@@ -36,15 +36,15 @@ class Ticker:
 
     A rate does not drift. A tick that comes too late is skipped, not made up for. One that raises
     is counted in `failures`, logged, and the next one comes. Jobs should be quick: one that is not
-    makes the others late. Whoever holds the clock in his own hand calls `begin` and then `tick`
-    instead of `start`.
+    makes the others late. Whoever turns the clock calls `begin` and then `tick` instead of
+    `start`.
     """
 
     def __init__(self, name: str, clock: Clock | None = None) -> None:
         self._clock = clock or SystemClock()
         self._closing = threading.Event()
         self._ticking = threading.RLock()
-        self._jobs: tuple[_Job, ...] = ()
+        self._jobs: tuple[_TickerJob, ...] = ()
         self._thread = threading.Thread(target=self._work, name=name)
         self.failures = 0
 
@@ -53,7 +53,7 @@ class Ticker:
 
         Returns a way to end it, which waits for the tick that runs.
         """
-        job = _Job(tick, period_s, self._clock.now())
+        job = _TickerJob(tick, period_s, self._clock.now())
         self._jobs = (*self._jobs, job)
         return lambda: self._forget(job)
 
@@ -89,11 +89,11 @@ class Ticker:
         while not self._closing.wait(wait_s):
             wait_s = self.tick()
 
-    def _forget(self, job: _Job) -> None:
+    def _forget(self, job: _TickerJob) -> None:
         with self._ticking:
             self._jobs = tuple(one for one in self._jobs if one is not job)
 
-    def _try_tick(self, job: _Job) -> None:
+    def _try_tick(self, job: _TickerJob) -> None:
         try:
             with self._ticking:
                 if job in self._jobs:

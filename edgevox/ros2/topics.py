@@ -8,7 +8,7 @@ from typing import Any
 from rclpy.node import Node
 from std_msgs.msg import Float32, String
 
-from edgevox.agent.policy import Asked, Denied
+from edgevox.agent.policy import CheckedCall, Denied
 from edgevox.core.agent_events import AgentEvent
 from edgevox.core.commands import CancelProgram, Reset
 from edgevox.core.errors import EdgeVoxError, InvalidValue
@@ -16,11 +16,11 @@ from edgevox.core.events import RobotState
 from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
 from edgevox.core.ways import Way
+from edgevox.ros2.bridge_context import BridgeContext
 from edgevox.ros2.contract import PUBLISHED, SUBSCRIBED
 from edgevox.ros2.contract_rows import STRING, Published, Subscribed
 from edgevox.ros2.qos import profile
 from edgevox.ros2.ticker import Ticker
-from edgevox.ros2.wiring import Wiring
 
 log = get_logger(__name__)
 
@@ -34,17 +34,17 @@ class Topics:
     `refusals` counts by topic and reason the messages that were no valid command, or forbidden.
     """
 
-    def __init__(self, node: Node, wiring: Wiring, ticker: Ticker) -> None:
+    def __init__(self, node: Node, context: BridgeContext, ticker: Ticker) -> None:
         self._node = node
-        self._bus = wiring.bus
-        self._submit = wiring.submit
-        self._guard = wiring.guard
+        self._bus = context.bus
+        self._submit = context.submit
+        self._guard = context.guard
         self.refusals: Counter[tuple[str, ...]] = Counter(
             {(row.topic, Refusal.INVALID): 0 for row in SUBSCRIBED}
             | {(row.topic, Refusal.FORBIDDEN): 0 for row in SUBSCRIBED if row.verbs}
         )
         self._forget: list[Callable[[], None]] = []
-        body = wiring.body
+        body = context.body
         for published in PUBLISHED:
             if body or published.event not in (RobotState, AgentEvent):
                 self._publish(published)
@@ -53,7 +53,7 @@ class Topics:
         if body:
             self._forget.append(
                 ticker.every(
-                    1.0 / wiring.settings.ros2_state_hz,
+                    1.0 / context.settings.ros2_state_hz,
                     lambda: self._bus.publish(RobotState(body.state())),
                 )
             )
@@ -81,7 +81,7 @@ class Topics:
         try:
             command = row.decode(message.data)
             if row.verbs and not isinstance(command, Reset | CancelProgram):  # to end is free
-                self._guard.permit(Way.COMMAND, [Asked(message.data.strip(), moves=False)])
+                self._guard.permit(Way.COMMAND, [CheckedCall(message.data.strip(), moves=False)])
             self._submit(command)
         except InvalidValue as error:
             self._refuse(row.topic, error.reason, error)

@@ -1,14 +1,14 @@
 """Scenario files: what is said when, and what must be true by when. docs/scenarios.md is for users.
 
-`model`, `steps`, `conditions` and `comparisons` are the format; `judge` decides from what is seen
-and knows nothing of who saw it; `run` plays on a `stage`; `report` tells a person. The stages
-themselves are elsewhere: a conversation with a body in apps, a robot on the wire in ros2.
-Imports core, nothing else of edgevox.
+`scenario`, `scenario_steps`, `conditions` and `comparisons` are the format; `scenario_judge`
+decides from what is seen and knows nothing of who saw it; `run_scenario` plays in a `harness`;
+`scenario_report` tells a person. The harnesses are elsewhere: a conversation with a body in apps, a
+robot on the wire in ros2. Imports core, nothing else of edgevox.
 """
 
-from edgevox.scenario.model import Scenario
+from edgevox.scenario.harness import Harness
 from edgevox.scenario.reading import load_scenario
-from edgevox.scenario.run import run_scenario
-from edgevox.scenario.stage import Stage
+from edgevox.scenario.run_scenario import run_scenario
+from edgevox.scenario.scenario import Scenario
 
-__all__ = ["Scenario", "Stage", "load_scenario", "run_scenario"]
+__all__ = ["Harness", "Scenario", "load_scenario", "run_scenario"]

@@ -5,8 +5,8 @@ from pathlib import Path
 from edgevox.core.errors import InvalidValue
 from edgevox.core.user_file import read_text
 from edgevox.core.yaml_file import YamlFile
-from edgevox.scenario.model import Scenario
-from edgevox.scenario.steps import STEPS
+from edgevox.scenario.scenario import Scenario
+from edgevox.scenario.scenario_steps import STEPS
 
 
 def load_scenario(file: Path) -> Scenario:

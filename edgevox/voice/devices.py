@@ -2,7 +2,7 @@
 
 PortAudio, below sounddevice, is one for the whole process and lists the devices only when it
 starts. So who opens a stream says so with `in_use`, and `look_again` starts PortAudio anew only
-while nobody does: it would pull the loudspeaker from under the mouth to find a microphone.
+while nobody does: it would pull the loudspeaker from under the speech output to find a microphone.
 """
 
 import threading
@@ -57,7 +57,7 @@ def in_use() -> Iterator[None]:
 
 
 @contextmanager
-def troubles() -> Iterator[None]:
+def portaudio_errors() -> Iterator[None]:
     """What PortAudio raises becomes `DeviceMissing`: it is tried again like what is not there."""
     sounddevice = _sounddevice()
     try:
@@ -69,7 +69,7 @@ def troubles() -> Iterator[None]:
 def is_active(stream: Any) -> bool:
     """Whether PortAudio still serves this stream; a device that is gone may fail to say so."""
     try:
-        with troubles():
+        with portaudio_errors():
             return bool(stream.active)
     except DeviceMissing:
         return False

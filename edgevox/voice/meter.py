@@ -12,7 +12,7 @@ FRAMES = 3
 """About ten levels a second."""
 
 
-class Meter:
+class LevelMeter:
     """Publishes the loudness of every three frames."""
 
     def __init__(self, publish: Callable[[AudioLevel], None]) -> None:

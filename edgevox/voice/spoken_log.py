@@ -3,14 +3,14 @@
 import threading
 from dataclasses import dataclass, field
 
-from edgevox.voice.cutting import cut_text
+from edgevox.voice.cut_text import cut_text
 
 _CHAR_S, _UNSPACED_CHAR_S = 0.07, 0.2
 """How long a character takes to say, where nothing better is known."""
 
 
 @dataclass(slots=True)
-class _Line:
+class _SpokenLine:
     """One sentence; all times in seconds of sound."""
 
     sentence: str
@@ -38,13 +38,13 @@ class _Line:
 class SpokenLog:
     """Written by the thread that synthesises and the one that plays."""
 
-    _lines: list[_Line] = field(default_factory=list)
+    _lines: list[_SpokenLine] = field(default_factory=list)
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
     def begin(self, sentence: str) -> int:
         """A sentence of the utterance; its number."""
         with self._lock:
-            self._lines.append(_Line(sentence))
+            self._lines.append(_SpokenLine(sentence))
             return len(self._lines) - 1
 
     def expect(self, line: int, chars: int, *, spaced: bool) -> None:

@@ -12,9 +12,9 @@ log = get_logger(__name__)
 
 
 class SpeakingUtterance:
-    """An `Utterance`, and what the mouth's two threads note down about it.
+    """An `Utterance`, and what the two threads of the speech output note down about it.
 
-    `say` and `end` hand over to the mouth.
+    `say` and `end` hand over to the speech output.
     """
 
     def __init__(

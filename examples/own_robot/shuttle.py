@@ -19,7 +19,7 @@ from edgevox.robots.command_mux import CommandMux
 from edgevox.robots.motion import Motion, Progress
 from edgevox.robots.navigation import LOCATION, navigation_skills
 from edgevox.robots.plugin import Robot
-from edgevox.robots.stepper import Stepper
+from edgevox.robots.sim_loop import SimLoop
 
 STEP_S = 0.02
 RAIL_M = 12.0
@@ -59,7 +59,7 @@ class Shuttle:
         self._mux: CommandMux[Trip] = CommandMux(self._lock, max_linear_m_s=self.max_linear_m_s)
         self._x_m = self._speed_m_s = 0.0
         self._ticks = 0
-        self._stepper = Stepper(self._step, period_s=STEP_S, speed=speed, name=self.name)
+        self._sim_loop = SimLoop(self._step, period_s=STEP_S, speed=speed, name=self.name)
         self._skills = navigation_skills(self, word=LOCATION)
 
     @property
@@ -72,21 +72,21 @@ class Shuttle:
 
     @property
     def stalled_s(self) -> float:
-        return self._stepper.stalled_s
+        return self._sim_loop.stalled_s
 
     @property
     def watchdog_halts(self) -> int:
         return self._mux.watchdog_halts
 
     def start(self) -> None:
-        self._stepper.start()
+        self._sim_loop.start()
 
     def close(self) -> None:
         self.halt("the shuttle was switched off")
-        self._stepper.close()
+        self._sim_loop.close()
 
     def advance(self, seconds: float) -> None:
-        self._stepper.advance(seconds)
+        self._sim_loop.advance(seconds)
 
     def reset(self) -> None:
         with self._lock:
@@ -119,7 +119,7 @@ class Shuttle:
     def set_velocity(self, twist: Twist2D) -> None:
         with self._lock:
             self._mux.stream(twist, self.time_s)
-        self._stepper.wake()
+        self._sim_loop.wake()
 
     def halt(self, reason: str) -> bool:
         with self._lock:
@@ -129,11 +129,11 @@ class Shuttle:
         if y_m != 0.0 or not 0.0 <= x_m <= RAIL_M:
             raise SkillFailed(f"My rail goes from x 0 to x {RAIL_M:g}, with y at 0.")
         trip = self._mux.start(lambda: Trip(x_m, self._x_m))
-        self._stepper.wake()
+        self._sim_loop.wake()
         self._mux.carry_out(trip, token, lambda: report(progress=round(trip.progress().part, 3)))
 
     def _step(self) -> bool:
-        """Let 0.02 s pass, on the stepper's thread. True if more is to come."""
+        """Let 0.02 s pass, on the sim loop's thread. True if more is to come."""
         with self._lock:
             self._ticks += 1
             change = ACCELERATION_M_S2 * STEP_S

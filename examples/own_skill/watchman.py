@@ -7,9 +7,9 @@ from pydantic import Field
 
 from edgevox.agent.skills import Example, GoalHandle, Result, Skill, SkillPhrases, skill
 from edgevox.core.settings import Settings
-from edgevox.robots.physics import PymunkEngine
-from edgevox.robots.planar import PlanarRobot
+from edgevox.robots.diff_drive import DiffDriveRobot
 from edgevox.robots.plugin import Robot
+from edgevox.robots.pymunk_engine import PymunkEngine
 from edgevox.robots.world import load_world
 from edgevox.robots.world_model import World
 
@@ -20,12 +20,12 @@ GERMAN = SkillPhrases(
         "sieh [bitte] [überall] nach dem Rechten",
     ),
     says=("Ich mache meinen Rundgang.",),
-    deeds=("meinen Rundgang machen",),
+    actions=("meinen Rundgang machen",),
     done=("Ich habe {seen} Räume gesehen, alles ist ruhig.",),
 )
 
 
-def patrol_skill(body: PlanarRobot) -> Skill:
+def patrol_skill(body: DiffDriveRobot) -> Skill:
     """A round through every room of the body's world."""
 
     @skill(
@@ -38,7 +38,7 @@ def patrol_skill(body: PlanarRobot) -> Skill:
             Example("have a look everywhere, and then once more", {"rounds": 2}),
         ],
         says="Going on my round.",
-        deed="go on my round",
+        action="go on my round",
         done="I have seen {seen} rooms, and all is quiet.",
         phrases={"de": GERMAN},
     )
@@ -61,7 +61,7 @@ def _part(goal: GoalHandle, number: int, count: int) -> Callable[..., None]:
     return report
 
 
-class Watchman(PlanarRobot):
+class Watchman(DiffDriveRobot):
     """Whatever the apartment's robot is, and a skill more."""
 
     def __init__(self, world: World, speed: float | None) -> None:

@@ -31,7 +31,7 @@ def speaks(robot: Stack, server: SoundServer) -> bool:
 
 
 def is_open(server: SoundServer) -> bool:
-    """Whether the robot's two streams are there: its microphone is as patient as its mouth."""
+    """Whether the robot's two streams are there: both wait for the sound server."""
     return wait_until(lambda: server.streams() == (1, 1), "two streams")
 
 

@@ -9,7 +9,7 @@ import pytest
 import yaml
 from page_commands import PAGES, ROOT, commands, fences, programs, proofs
 
-from edgevox.apps.arguments import parse_arguments
+from edgevox.apps.agent_arguments import parse_arguments
 from edgevox.apps.robots import ROBOTS
 from edgevox.core.settings import Settings, check_settings
 from edgevox.models.manifest import builtin_manifest

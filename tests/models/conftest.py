@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from edgevox.agent.llm import tuning
-from edgevox.agent.llm.base import LanguageModel
 from edgevox.agent.llm.factory import load_model
+from edgevox.agent.llm.language_model import LanguageModel
 from edgevox.models import locate
 
 

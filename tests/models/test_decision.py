@@ -7,10 +7,10 @@ import pytest
 from corpus_robots import is_right, skills_of_robots
 from corpus_sentences import Sentence, held_out, read_corpus, tuning
 
-from edgevox.agent.intents import Recogniser, Understood
+from edgevox.agent.nlu.confidence import SURE_FROM, read_head
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
 from edgevox.agent.nlu.encoder import ENCODER, Encoder
-from edgevox.agent.nlu.judge import SURE_FROM, read_head
+from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.safety import find_stop_word
 from edgevox.models import locate
 

@@ -13,12 +13,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from ears_rig import loud, says_espeak, silence
 from guards import HUNG_S
+from listener_rig import loud, says_espeak, silence
 from test_voice_program import AGENT, write_wav
 from waiting import Heard
 
-from edgevox.apps.ending import STUCK
+from edgevox.apps.shutdown_signals import STUCK
 
 DEAF_TO_NOTHING = ("env", "--default-signal=INT")
 """What a script starts in the background ignores Ctrl-C, and so do its children."""
@@ -28,7 +28,7 @@ STORY = "tell me a very long story about a dragon and a princess"
 
 
 class Program:
-    """The agent with ears and a mouth, its lines as they come, and a hand that types."""
+    """The agent with speech in and out, its lines as they come, and a hand that types."""
 
     def __init__(self, folder: Path, *, llm: str) -> None:
         said, self.answers = folder / "said.wav", folder / "answers.wav"

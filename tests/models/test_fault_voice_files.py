@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from ears_rig import loud, silence
 from guards import HUNG_S
-from voice_stage import Stage, says
+from listener_rig import loud, silence
+from voice_rig import VoiceRig, says
 
 from edgevox.core.commands import SetVoice
 from edgevox.core.errors import InvalidValue
@@ -41,11 +41,13 @@ def store(tmp_path, monkeypatch) -> Path:
 
 
 @pytest.fixture
-def stage(store, monkeypatch, tmp_path):
+def rig(store, monkeypatch, tmp_path):
     made = []
 
-    def start() -> Stage:
-        made.append(Stage(monkeypatch, tmp_path / "answers.wav", robot="robot-apartment").start())
+    def start() -> VoiceRig:
+        made.append(
+            VoiceRig(monkeypatch, tmp_path / "answers.wav", robot="robot-apartment").start()
+        )
         return made[-1]
 
     yield start
@@ -60,19 +62,19 @@ def cut_short(file: Path) -> bytes:
     return whole
 
 
-def ask(stage: Stage, question, answer: str) -> None:
-    stage.room.play(question)
-    stage.wait_for(Responded, lambda event: answer in event.text)
-    assert stage.parts.conversation.wait_idle(HUNG_S)
+def ask(rig: VoiceRig, question, answer: str) -> None:
+    rig.room.play(question)
+    rig.wait_for(Responded, lambda event: answer in event.text)
+    assert rig.parts.conversation.wait_idle(HUNG_S)
 
 
-def voice_of(stage: Stage) -> str:
-    choice, _ = stage.parts.voice.mouth.speaker.last
+def voice_of(rig: VoiceRig) -> str:
+    choice, _ = rig.parts.voice.speech_output.synthesiser.last
     return choice.backend
 
 
-def test_files_that_go_away_are_not_missed_by_who_has_loaded_them(stage, store, question):
-    one = stage()
+def test_files_that_go_away_are_not_missed_by_who_has_loaded_them(rig, store, question):
+    one = rig()
     ask(one, question, ANSWER)
 
     shutil.rmtree(store)
@@ -83,26 +85,26 @@ def test_files_that_go_away_are_not_missed_by_who_has_loaded_them(stage, store, 
     assert one.answer().size
 
 
-def test_ears_whose_model_is_cut_short_say_so_and_hear_once_it_is_whole(stage, store, question):
+def test_ears_whose_model_is_cut_short_say_so_and_hear_once_it_is_whole(rig, store, question):
     whole = cut_short(store / STT / "model.bin")
-    one = stage()
+    one = rig()
     one.wait_for(Responded, lambda event: event.text == DEAF)
-    assert f"edgevox-models fetch {STT}" in one.parts.voice.stt.trouble
+    assert f"edgevox-models fetch {STT}" in one.parts.voice.stt.fault
 
     (store / STT / "model.bin").write_bytes(whole)
 
     ask(one, question, ANSWER)
-    assert one.parts.voice.stt.trouble == ""
+    assert one.parts.voice.stt.fault == ""
 
 
-def test_a_voice_that_is_cut_short_is_refused_and_another_one_speaks(stage, store, question):
+def test_a_voice_that_is_cut_short_is_refused_and_another_one_speaks(rig, store, question):
     cut_short(store / JOE / "en_US-joe-medium.onnx")
-    one = stage()
+    one = rig()
 
     with pytest.raises(
         InvalidValue, match="voice: got 'en_US-joe-medium', expected for the language en one"
     ):
-        one.parts.switchboard.submit(SetVoice("en_US-joe-medium"))
+        one.parts.command_router.submit(SetVoice("en_US-joe-medium"))
 
     ask(one, question, ANSWER)
     assert voice_of(one) == "espeak"

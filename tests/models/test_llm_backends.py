@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from edgevox.agent.llm.base import LanguageModel, Message, ModelFailed
 from edgevox.agent.llm.factory import load_model
+from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelFailed
 from edgevox.agent.llm.llama_cpp_model import LlamaCppModel
 from edgevox.agent.llm.socket_client import post
 from edgevox.agent.llm.xllamacpp_model import XllamacppModel
@@ -22,14 +22,14 @@ from edgevox.core.cancel import CancelToken
 from edgevox.core.settings import LlmBackend
 
 BACKENDS: tuple[LlmBackend, ...] = ("xllamacpp", "llama-cpp-python")
-STORY = [Message("user", "Tell me a long story about a robot in a kitchen.")]
+STORY = [ChatMessage("user", "Tell me a long story about a robot in a kitchen.")]
 SPUN_S = 0.5
 ROOMS = 'root ::= "go " ("kitchen" | "bedroom") "!"'
 
 
 def ask(
     model: LanguageModel,
-    messages: list[Message],
+    messages: list[ChatMessage],
     *,
     grammar: str | None = None,
     max_tokens: int = 24,
@@ -59,11 +59,11 @@ def computed_beside(seconds: float) -> float:
     return time.process_time() - whole_s - spun_s
 
 
-def long_prompt(words: int, start: str) -> list[Message]:
-    return [Message("system", start + " kind" * words), Message("user", "Hello")]
+def long_prompt(words: int, start: str) -> list[ChatMessage]:
+    return [ChatMessage("system", start + " kind" * words), ChatMessage("user", "Hello")]
 
 
-def first_piece_s(model: LanguageModel, messages: list[Message]) -> float:
+def first_piece_s(model: LanguageModel, messages: list[ChatMessage]) -> float:
     return timed(lambda: ask(model, messages, grammar='root ::= "a"', max_tokens=1))
 
 
@@ -149,7 +149,7 @@ def test_what_was_primed_is_not_read_again(model: LanguageModel) -> None:
     cold_s = first_piece_s(model, long_prompt(300, "Always be"))
     model.prime(long_prompt(300, "Never be"), CancelToken())
 
-    warm_s = first_piece_s(model, [*long_prompt(300, "Never be")[:1], Message("user", "Who?")])
+    warm_s = first_piece_s(model, [*long_prompt(300, "Never be")[:1], ChatMessage("user", "Who?")])
 
     assert warm_s < cold_s / 3
 

@@ -12,11 +12,11 @@ import pytest
 from corpus_robots import skills_of_robots
 from guards import HUNG_S
 
-from edgevox.agent.llm.base import LanguageModel, Message
 from edgevox.agent.llm.endpoint import Address, EndpointModel, FallbackModel
-from edgevox.agent.llm.endpoint.errors import Refused
+from edgevox.agent.llm.endpoint.server_errors import RequestRefused
 from edgevox.agent.llm.factory import load_model
-from edgevox.agent.prompt import examples
+from edgevox.agent.llm.language_model import ChatMessage, LanguageModel
+from edgevox.agent.model_prompt import examples
 from edgevox.agent.skills import Example, GoalHandle, SkillSet, skill
 from edgevox.agent.toolcalls import Protocol
 from edgevox.core.cancel import CancelToken
@@ -26,7 +26,7 @@ from edgevox.models import locate
 MODEL = "smollm2-135m-instruct"
 ASKED = (("jot down that the milk is empty", True), ("how do you do?", False))
 """Each with whether it is an order, to which a model may make calls."""
-COUNT = [Message("user", "Count, and do not stop.")]
+COUNT = [ChatMessage("user", "Count, and do not stop.")]
 NUMBERS = 'root ::= ([0-9] " "){60}'
 
 
@@ -86,7 +86,7 @@ def test_the_shared_model_answers_and_calls_as_the_same_one_on_board_does(
     protocol = Protocol("You keep the notes of a household.", SkillSet([take_note]))
 
     def answer(model: LanguageModel, said: str, *, ordered: bool) -> str:
-        chat = [protocol.opening[0], Message("user", protocol.prepare(said))]
+        chat = [protocol.opening[0], ChatMessage("user", protocol.prepare(said))]
         grammar = protocol.grammar_of(ordered=ordered)
         token = CancelToken()
         return "".join(model.generate(chat, grammar=grammar, max_tokens=24, token=token))
@@ -120,9 +120,9 @@ def test_a_cancelled_answer_frees_the_server_for_the_next(
 
 
 def test_a_chat_longer_than_the_servers_context_is_refused(shared: EndpointModel) -> None:
-    long = [Message("user", "kind " * 6000)]
+    long = [ChatMessage("user", "kind " * 6000)]
 
-    with pytest.raises(Refused, match="exceeds"):
+    with pytest.raises(RequestRefused, match="exceeds"):
         list(shared.generate(long, grammar=None, max_tokens=1, token=CancelToken()))
 
 
@@ -138,7 +138,7 @@ def test_when_the_server_dies_the_one_on_board_answers(on_board, threads, caplog
     server = Process(locate(MODEL), threads)
     model = FallbackModel(EndpointModel(Address(server.url, timeout_s=HUNG_S)), on_board)
     rooms = 'root ::= "kitchen" | "bedroom"'
-    chat = [Message("user", "Where do people cook? In the kitchen or in the bedroom?")]
+    chat = [ChatMessage("user", "Where do people cook? In the kitchen or in the bedroom?")]
 
     def ask() -> str:
         return "".join(model.generate(chat, grammar=rooms, max_tokens=8, token=CancelToken()))

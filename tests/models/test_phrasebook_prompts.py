@@ -5,7 +5,7 @@ from functools import lru_cache
 import pytest
 
 from edgevox.agent.llm.factory import load_model
-from edgevox.agent.mind import Mind
+from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.apps.robots import build_agents
 from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
@@ -37,5 +37,5 @@ def test_the_prompt_names_the_language_to_answer_in(code):
 
 @lru_cache
 def opening(code):
-    """What the mind of the apartment's robot shows a model before anything is said."""
-    return Mind(build_agents(ApartmentRobot()), Bus(), SystemClock(), language=code).chat()
+    """What the interpreter of the apartment's robot shows a model before anything is said."""
+    return Interpreter(build_agents(ApartmentRobot()), Bus(), SystemClock(), language=code).chat()

@@ -1,4 +1,4 @@
-"""What the voices say is understood by ears that know nothing of it."""
+"""What the voices say is understood by a recogniser that knows nothing of it."""
 
 import numpy as np
 import pytest
@@ -6,10 +6,10 @@ from voice_engines import hear, speak, voice, words, wrong_words
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.languages import LANGUAGES
-from edgevox.voice.tts.base import SynthesisFailed
 from edgevox.voice.tts.espeak import EspeakSynthesiser, open_espeak
 from edgevox.voice.tts.espeak_command import EspeakCommand
 from edgevox.voice.tts.pool import VoicePool
+from edgevox.voice.tts.synthesiser import SynthesisFailed
 
 KITCHEN = {
     "en": "The robot drives to the kitchen and picks up the red cup.",

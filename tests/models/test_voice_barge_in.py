@@ -1,15 +1,15 @@
 """Barge-in in simulated time: a person speaks over the robot in a room that echoes.
 
-Real ears (voice activity, echo gate), a real mouth and voice (Piper); time passes only while the
-loudspeaker plays, and each frame of it is heard before the next is played.
+A real listener (voice activity, echo gate), real speech output and voice (Piper); time passes only
+while the loudspeaker plays, and each frame of it is heard before the next is played.
 """
 
 import threading
 
 import numpy as np
 import pytest
-from ears_rig import loud, says_espeak
 from guards import HUNG_S
+from listener_rig import loud, says_espeak
 from piper import PiperVoice, SynthesisConfig
 from voice_engines import voice
 
@@ -17,10 +17,10 @@ from edgevox.core.bus import Bus
 from edgevox.core.cancel import CancelToken
 from edgevox.core.commands import Interrupt
 from edgevox.voice.audio import FRAME_SAMPLES, RATE_HZ, EndOfSound, Frame
-from edgevox.voice.ears import Ears
-from edgevox.voice.mouth import SpeakingMouth
+from edgevox.voice.listener import Listener
+from edgevox.voice.sentence_synthesiser import SentenceSynthesiser
 from edgevox.voice.sinks.paced import PacedSink
-from edgevox.voice.speaker import Speaker
+from edgevox.voice.speech_output import SpeechOutput
 from edgevox.voice.tts.pool import VoicePool
 from edgevox.voice.vad import SileroVad
 
@@ -94,7 +94,7 @@ class EchoingRoom:
             self._changed.notify_all()
 
     def _hear(self, number):
-        """One frame; returns when the ears ask for the next."""
+        """One frame; returns when the listener asks for the next."""
         where = np.arange(number * FRAME_SAMPLES, (number + 1) * FRAME_SAMPLES)
         late = where - round(ECHO_DELAY_S * RATE_HZ)
         sound = np.where(late >= 0, self.played[late], 0.0) * self.echo
@@ -106,12 +106,12 @@ class EchoingRoom:
             self._frame = frame
             self._changed.notify_all()
             asked = self._changed.wait_for(lambda: self._frame is not frame, HUNG_S)
-        assert asked, "the ears do not listen"
+        assert asked, "the listener does not listen"
 
 
 @pytest.fixture
 def speak_in(monkeypatch):
-    """Speaks in a room until all is said, or somebody is heard; gives what the ears submitted."""
+    """Speaks in a room until all is said, or somebody is heard; gives what was submitted."""
     synthesize = PiperVoice.synthesize
     monkeypatch.setattr(PiperVoice, "synthesize", lambda one, text: synthesize(one, text, STEADY))
 
@@ -119,14 +119,16 @@ def speak_in(monkeypatch):
         token, said = CancelToken(), []
         choice = voice("en", "en_US-joe-medium")
         sink = PacedSink(room, clock=room, wait=room.wait)
-        mouth = SpeakingMouth(Speaker(lambda: [choice], VoicePool(), clock=room), sink, clock=room)
+        speech_output = SpeechOutput(
+            SentenceSynthesiser(lambda: [choice], VoicePool(), clock=room), sink, clock=room
+        )
 
         def submit(command):
             if isinstance(command, Interrupt):
                 said.append(room.now_s)
                 token.cancel(command.reason)
 
-        ears = Ears(
+        listener = Listener(
             room,
             SileroVad(),
             Deaf(),
@@ -137,13 +139,13 @@ def speak_in(monkeypatch):
             audible=sink.audible,
             clock=room,
         )
-        mouth.start()
-        ears.start()
-        utterance = mouth.begin(token, lambda: None)
+        speech_output.start()
+        listener.start()
+        utterance = speech_output.begin(token, lambda: None)
         utterance.say(ANSWER)
         spoken = utterance.finish()
-        ears.close()
-        mouth.close()
+        listener.close()
+        speech_output.close()
         sink.close()
         return spoken, said
 

@@ -6,15 +6,17 @@ espeak-ng answers here: Piper's memory grows in steps until it has met its large
 
 import pytest
 from voice_endurance import endure
-from voice_stage import Stage
+from voice_rig import VoiceRig
 
 
 def test_five_minutes_of_talk_leave_no_thread_and_no_memory_and_make_it_no_slower(tmp_path):
     with (
         pytest.MonkeyPatch.context() as patch,
-        Stage(patch, tmp_path / "answers.wav", robot="robot-apartment", voice="espeak-en") as stage,
+        VoiceRig(
+            patch, tmp_path / "answers.wav", robot="robot-apartment", voice="espeak-en"
+        ) as rig,
     ):
-        endured = endure(stage, 5)
+        endured = endure(rig, 5)
 
     assert endured.turns == 10
     assert endured.thread_growth == 0

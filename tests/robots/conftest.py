@@ -8,8 +8,8 @@ import pytest
 from engines import MeddledEngine, meddled
 
 from edgevox.robots.apartment import ApartmentRobot
+from edgevox.robots.diff_drive import DiffDriveRobot
 from edgevox.robots.irsim import IrsimRobot
-from edgevox.robots.planar import PlanarRobot
 from edgevox.robots.world import parse_world
 
 HALL = """
@@ -23,7 +23,7 @@ robot:
 """
 
 
-Make = Callable[..., PlanarRobot]
+Make = Callable[..., DiffDriveRobot]
 Held = Callable[..., Any]
 
 
@@ -41,18 +41,18 @@ def make(request: pytest.FixtureRequest) -> Make:
 
 
 @pytest.fixture
-def robot(make: Make) -> Iterator[PlanarRobot]:
+def robot(make: Make) -> Iterator[DiffDriveRobot]:
     """In the apartment, where time passes as fast as it can while it drives."""
     with make(speed=None) as one:
         yield one
 
 
 @pytest.fixture
-def in_hall(make: Make) -> Iterator[Callable[[str], PlanarRobot]]:
+def in_hall(make: Make) -> Iterator[Callable[[str], DiffDriveRobot]]:
     """In an empty hall of 8 x 4 m, at x = 1 and looking along x, plus what the test adds."""
-    made: list[PlanarRobot] = []
+    made: list[DiffDriveRobot] = []
 
-    def build(more: str = "", speed: float | None = None) -> PlanarRobot:
+    def build(more: str = "", speed: float | None = None) -> DiffDriveRobot:
         made.append(make(parse_world(HALL + more, "hall.yaml"), speed=speed))
         made[-1].start()
         return made[-1]
@@ -63,11 +63,11 @@ def in_hall(make: Make) -> Iterator[Callable[[str], PlanarRobot]]:
 
 
 @pytest.fixture
-def meddled_hall(make: Make) -> Iterator[Callable[[str], tuple[PlanarRobot, MeddledEngine]]]:
+def meddled_hall(make: Make) -> Iterator[Callable[[str], tuple[DiffDriveRobot, MeddledEngine]]]:
     """As `in_hall`, where time passes only as told, with the engine in the test's hands."""
     with ExitStack() as stack:
 
-        def build(more: str = "") -> tuple[PlanarRobot, MeddledEngine]:
+        def build(more: str = "") -> tuple[DiffDriveRobot, MeddledEngine]:
             robot, engine = meddled(make, parse_world(HALL + more, "hall.yaml"), speed=0.0)
             return stack.enter_context(robot), engine
 
@@ -75,6 +75,6 @@ def meddled_hall(make: Make) -> Iterator[Callable[[str], tuple[PlanarRobot, Medd
 
 
 @pytest.fixture
-def held_robot(make: Make, held: Held) -> PlanarRobot:
+def held_robot(make: Make, held: Held) -> DiffDriveRobot:
     """In the apartment, where time stands still until it is told."""
     return held(make)

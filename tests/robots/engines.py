@@ -5,14 +5,14 @@ from collections.abc import Callable, Sequence
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.capabilities import LidarScan, Twist2D
+from edgevox.robots.diff_drive import DiffDriveRobot
 from edgevox.robots.engine import Engine, MotionState
 from edgevox.robots.irsim import IrsimRobot
 from edgevox.robots.irsim_engine import IrsimEngine
-from edgevox.robots.physics import PymunkEngine
-from edgevox.robots.planar import PlanarRobot
+from edgevox.robots.pymunk_engine import PymunkEngine
 from edgevox.robots.world_model import World
 
-ENGINES: dict[type[PlanarRobot], Callable[[World], Engine]] = {
+ENGINES: dict[type[DiffDriveRobot], Callable[[World], Engine]] = {
     ApartmentRobot: PymunkEngine,
     IrsimRobot: IrsimEngine,
 }
@@ -54,8 +54,8 @@ class MeddledEngine:
 
 
 def meddled(
-    kind: type[PlanarRobot], world: World, speed: float | None
-) -> tuple[PlanarRobot, MeddledEngine]:
+    kind: type[DiffDriveRobot], world: World, speed: float | None
+) -> tuple[DiffDriveRobot, MeddledEngine]:
     """A body like those of this kind, and the engine under it."""
     engine = MeddledEngine(ENGINES[kind](world))
-    return PlanarRobot("robot", world, engine, speed=speed), engine
+    return DiffDriveRobot("robot", world, engine, speed=speed), engine

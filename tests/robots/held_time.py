@@ -17,7 +17,7 @@ STEP_S = 0.02
 """The time that passes in one step of every body here."""
 
 
-class Asked:
+class HeldSkill:
     """A skill's method on a thread of its own, as a goal runs it. It has begun; no time passed."""
 
     def __init__(self, robot: Any, skill: Callable[..., Any], *arguments: object) -> None:
@@ -92,7 +92,7 @@ class _Token(CancelToken):
 
 def carry_out(robot: Any, skill: Callable[..., Any], *arguments: object) -> Any:
     """Call a skill's method and let time pass until its end; what it gives back or raises."""
-    asked = Asked(robot, skill, *arguments)
+    asked = HeldSkill(robot, skill, *arguments)
     error = asked.end()
     if error is not None:
         raise error

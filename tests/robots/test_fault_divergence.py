@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 import pytest
 from engines import meddled
-from held_time import STEP_S, Asked
-from humanoid_stage import g1, h1
+from held_time import STEP_S, HeldSkill
+from humanoid_rig import g1, h1
 from panda_table import open_panda
 
 from edgevox.agent.phrase_file import phrasebook
@@ -24,11 +24,11 @@ from edgevox.core.languages import LANGUAGES
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.capabilities import Twist2D
+from edgevox.robots.diff_drive import DiffDriveRobot
 from edgevox.robots.engine import MotionState
 from edgevox.robots.humanoid import HumanoidRobot, MujocoHumanoidEnvironment
 from edgevox.robots.irsim import IrsimRobot
-from edgevox.robots.planar import PlanarRobot
-from edgevox.robots.stepper import BROKE
+from edgevox.robots.sim_loop import BROKE
 from edgevox.robots.world import load_world
 
 NAN = math.nan
@@ -57,7 +57,7 @@ def reach(robot, **handle) -> None:
     robot.move_to(0.4, 0.3, 0.3, **handle)
 
 
-def with_wheels(kind: type[PlanarRobot]) -> tuple[Any, Poison]:
+def with_wheels(kind: type[DiffDriveRobot]) -> tuple[Any, Poison]:
     """Its wheels are told what is no number, once."""
     robot, engine = meddled(kind, load_world(), speed=0.0)
 
@@ -110,9 +110,9 @@ CASES = {
 }
 
 
-def going(robot, case: Case) -> Asked:
+def going(robot, case: Case) -> HeldSkill:
     """A goal that has begun and moves the robot."""
-    return Asked(robot, case.goal, robot).until(lambda: moves(robot))
+    return HeldSkill(robot, case.goal, robot).until(lambda: moves(robot))
 
 
 @pytest.fixture(params=CASES, ids=str)

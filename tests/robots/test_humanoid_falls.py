@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from humanoid_stage import apart, g1, stand, turned_deg, walk, walking
+from humanoid_rig import apart, g1, stand, turned_deg, walk, walking
 
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import SkillFailed

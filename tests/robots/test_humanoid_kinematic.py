@@ -6,14 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from humanoid_stage import along, apart, g1, h1, stand, turn, turned_deg, walk, walking
+from humanoid_rig import along, apart, g1, h1, stand, turn, turned_deg, walk, walking
 
 from edgevox.core.errors import InvalidValue
 from edgevox.models import locate
 from edgevox.robots.capabilities import CountsHalts, Twist2D
 from edgevox.robots.command_mux import WATCHDOG_S
 from edgevox.robots.humanoid import HumanoidRobot, MujocoHumanoidEnvironment
-from edgevox.robots.humanoid.policy import WalkingCommand
+from edgevox.robots.humanoid.walking_policy import WalkingCommand
 
 BISCUIT = """
 <mujoco>

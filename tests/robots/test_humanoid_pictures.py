@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from humanoid_stage import h1, turn, walk
+from humanoid_rig import h1, turn, walk
 
 from edgevox.core.transforms import Pose3D
 from edgevox.robots.humanoid import HumanoidRobot

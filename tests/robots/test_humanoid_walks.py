@@ -4,7 +4,7 @@ import random
 from collections.abc import Iterator
 
 import pytest
-from humanoid_stage import along, apart, g1, stand, turn, turned_deg, walk, walking
+from humanoid_rig import along, apart, g1, stand, turn, turned_deg, walk, walking
 
 from edgevox.core.cancel import Cancelled
 from edgevox.core.errors import InvalidValue

@@ -7,7 +7,7 @@ import mujoco
 import pytest
 from guards import HUNG_S
 
-from edgevox.robots.mujoco.engine import Engine
+from edgevox.robots.mujoco.mujoco_engine import MujocoEngine
 
 BALL = """
 <mujoco><option timestep="0.005"/><worldbody>
@@ -21,7 +21,7 @@ PERIOD_S = 0.02
 class Ball:
     """Falls; is busy for so many periods."""
 
-    def __init__(self, engine: Engine, periods: int = 0) -> None:
+    def __init__(self, engine: MujocoEngine, periods: int = 0) -> None:
         self.left = periods
         self.put_back_times = 0
         self.idle = threading.Event()
@@ -39,15 +39,17 @@ class Ball:
 
 
 @pytest.fixture
-def engines() -> Iterator[list[Engine]]:
-    made: list[Engine] = []
+def engines() -> Iterator[list[MujocoEngine]]:
+    made: list[MujocoEngine] = []
     yield made
     for engine in made:
         engine.close()
 
 
-def falling(engines: list[Engine], speed: float | None, busy: int = 0) -> tuple[Engine, Ball]:
-    engine = Engine(mujoco.MjModel.from_xml_string(BALL), period_s=PERIOD_S, speed=speed)
+def falling(
+    engines: list[MujocoEngine], speed: float | None, busy: int = 0
+) -> tuple[MujocoEngine, Ball]:
+    engine = MujocoEngine(mujoco.MjModel.from_xml_string(BALL), period_s=PERIOD_S, speed=speed)
     engines.append(engine)
     ball = Ball(engine, busy)
     engine.start(ball)

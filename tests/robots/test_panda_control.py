@@ -4,7 +4,7 @@ import json
 from collections.abc import Iterator
 
 import pytest
-from held_time import Asked, carry_out
+from held_time import HeldSkill, carry_out
 from panda_table import ask, is_lifted, moving, open_panda, turning_rad_s
 
 from edgevox.agent.skills import SkillFailed
@@ -29,7 +29,7 @@ def held_panda(held) -> PandaRobot:
 
 def test_a_halt_stops_the_arm_and_keeps_what_it_holds(held_panda) -> None:
     carry_out(held_panda, held_panda.grasp, "red_cube")
-    asked = Asked(held_panda, held_panda.place, "red_cube", "left_bin")
+    asked = HeldSkill(held_panda, held_panda.place, "red_cube", "left_bin")
     asked.until(moving(held_panda, "taking"))
 
     assert held_panda.halt("the stop word")
@@ -49,7 +49,7 @@ def test_a_halt_stops_the_arm_and_keeps_what_it_holds(held_panda) -> None:
 
 def test_after_a_halt_the_work_can_go_on(held_panda) -> None:
     carry_out(held_panda, held_panda.grasp, "red_cube")
-    asked = Asked(held_panda, held_panda.place, "red_cube", "left_bin")
+    asked = HeldSkill(held_panda, held_panda.place, "red_cube", "left_bin")
     asked.until(moving(held_panda, "taking"))
     held_panda.halt("enough")
     asked.ended()
@@ -75,7 +75,7 @@ def test_halting_an_arm_at_rest_stops_nothing(panda) -> None:
     ],
 )
 def test_what_ends_an_errand_is_its_reason(held_panda, act, reason) -> None:
-    asked = Asked(held_panda, held_panda.move_to, 0.4, 0.3, 0.2)
+    asked = HeldSkill(held_panda, held_panda.move_to, 0.4, 0.3, 0.2)
     asked.until(moving(held_panda, "moving"))
 
     act(held_panda, asked)
@@ -116,7 +116,7 @@ def test_a_reset_puts_everything_back_and_time_goes_on(panda) -> None:
 
 def test_numbers_that_break_are_put_back_and_the_errand_fails(held_panda) -> None:
     carry_out(held_panda, held_panda.place, "red_cube", "left_bin")
-    asked = Asked(held_panda, held_panda.move_to, 0.4, 0.3, 0.2)
+    asked = HeldSkill(held_panda, held_panda.move_to, 0.4, 0.3, 0.2)
     asked.until(moving(held_panda, "moving"))
 
     with held_panda.world.lock:
@@ -132,7 +132,7 @@ def test_numbers_that_break_are_put_back_and_the_errand_fails(held_panda) -> Non
 
 
 def test_the_state_says_what_is_going_on(held_panda) -> None:
-    asked = Asked(held_panda, held_panda.place, "red_cube", "left_bin")
+    asked = HeldSkill(held_panda, held_panda.place, "red_cube", "left_bin")
     asked.until(moving(held_panda, "reaching"))
     early = held_panda.state()
     asked.until(moving(held_panda, "taking"))
@@ -151,7 +151,7 @@ def test_the_state_says_what_is_going_on(held_panda) -> None:
 
 
 def test_with_speed_zero_time_passes_only_when_asked(held_panda) -> None:
-    asked = Asked(held_panda, held_panda.go_home)
+    asked = HeldSkill(held_panda, held_panda.go_home)
     assert held_panda.time_s == 0.0
     held_panda.advance(0.1)
     assert held_panda.time_s == pytest.approx(0.1)

@@ -4,7 +4,7 @@ import itertools
 from collections.abc import Iterator
 
 import pytest
-from held_time import STEP_S, Asked, carry_out
+from held_time import STEP_S, HeldSkill, carry_out
 from panda_table import ask, is_lifted, moving, open_panda, put_cube
 
 from edgevox.agent.skills import SkillFailed
@@ -61,7 +61,7 @@ def test_where_time_is_held_a_run_is_the_same_step_by_step(held) -> None:
     runs = []
     for _ in range(2):
         panda = held(open_panda, 3)
-        going = Asked(panda, panda.place, "green_cube", "right_bin")
+        going = HeldSkill(panda, panda.place, "green_cube", "right_bin")
         states = [panda.state()]
         while states[-1]["goal"] is not None:
             panda.advance(STEP_S)
@@ -105,7 +105,7 @@ def test_two_cubes_share_a_bin_and_come_out_again(panda) -> None:
 
 
 def test_a_cube_that_is_moved_while_the_hand_comes_is_grasped_where_it_is(held_panda) -> None:
-    asked = Asked(held_panda, held_panda.grasp, "red_cube")
+    asked = HeldSkill(held_panda, held_panda.grasp, "red_cube")
     asked.until(moving(held_panda, "reaching"))
     put_cube(held_panda, "red_cube", 0.56, 0.06, 0.025)
 
@@ -116,7 +116,7 @@ def test_a_cube_that_is_moved_while_the_hand_comes_is_grasped_where_it_is(held_p
 
 def test_a_cube_that_slips_out_of_the_hand_is_noticed(held_panda) -> None:
     carry_out(held_panda, held_panda.grasp, "red_cube")
-    asked = Asked(held_panda, held_panda.place, "red_cube", "left_bin")
+    asked = HeldSkill(held_panda, held_panda.place, "red_cube", "left_bin")
     asked.until(moving(held_panda, "taking"))
     put_cube(held_panda, "red_cube", 0.6, 0.0, 0.025)
 
@@ -127,7 +127,7 @@ def test_a_cube_that_slips_out_of_the_hand_is_noticed(held_panda) -> None:
 
 
 def test_a_cube_that_is_taken_away_is_not_grasped_for_ever(held_panda) -> None:
-    asked = Asked(held_panda, held_panda.grasp, "red_cube")
+    asked = HeldSkill(held_panda, held_panda.grasp, "red_cube")
     asked.until(moving(held_panda, "reaching"))
     put_cube(held_panda, "red_cube", 0.5, 0.0, -0.6)
 

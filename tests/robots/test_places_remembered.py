@@ -7,7 +7,7 @@ from typing import Any, Self
 
 import pytest
 from guards import HUNG_S
-from held_time import Asked, carry_out
+from held_time import HeldSkill, carry_out
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
@@ -19,7 +19,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.commands import RunSkill, TextInput
 from edgevox.core.events import Responded
 from edgevox.core.settings import check_settings
-from edgevox.robots.planar import PlanarRobot
+from edgevox.robots.diff_drive import DiffDriveRobot
 
 CHARGER = (7.0, 1.2)
 WORKSHOP = Path(__file__).parents[2] / "examples" / "own_world" / "workshop.yaml"
@@ -158,10 +158,10 @@ def test_a_german_place_is_spoken_of_with_the_right_little_words(talk) -> None:
         assert one.said[-2:] == ["Ich fahre zur Ladestation.", "Ich bin an der Ladestation."]
 
 
-def test_it_remembers_no_place_while_it_moves(held_robot: PlanarRobot) -> None:
+def test_it_remembers_no_place_while_it_moves(held_robot: DiffDriveRobot) -> None:
     remember = SkillSet(held_robot.skills)["remember_place"]
     goal = Goal(remember, {"name": "charger"}, turn=0, bus=Bus())
-    drive = Asked(held_robot, held_robot.drive_to, *CHARGER)
+    drive = HeldSkill(held_robot, held_robot.drive_to, *CHARGER)
 
     with pytest.raises(SkillFailed) as before_it_moves:
         remember.function(goal, name="charger")

@@ -12,7 +12,7 @@ from edgevox.core.agent_events import GoalChanged, GoalStatus, ProgramChanged
 from edgevox.core.bus import Bus
 from edgevox.core.commands import TextInput
 from edgevox.robots.apartment import ApartmentRobot
-from edgevox.robots.senses import senses_of
+from edgevox.robots.program_senses import senses_of
 
 STEP_S = 0.5
 

@@ -10,10 +10,10 @@ from textual.widgets import Footer, Input, RichLog, Static
 
 from edgevox.apps.composition import build_parts, start_parts
 from edgevox.apps.robots import build_body
-from edgevox.apps.terminal.commands import Desk
+from edgevox.apps.terminal.slash_commands import Desk
 from edgevox.apps.tui.face import Face
-from edgevox.apps.tui.feed import Feed
 from edgevox.apps.tui.screen import stderr_as_lines
+from edgevox.apps.tui.update_buffer import UpdateBuffer
 from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
 from edgevox.core.events import AudioLevel, TokenGenerated, TurnMeasured
@@ -49,13 +49,13 @@ async def screen(size=(80, 24)):
     with ExitStack() as stack:
         parts = build_parts(stack, settings, build_body("robot-apartment", settings, 1.0))
         start_parts(stack, parts)
-        feed = Feed(parts.bus, parts.controls)
-        stack.callback(feed.close)
+        updates = UpdateBuffer(parts.bus, parts.controls)
+        stack.callback(updates.close)
         desk = Desk(parts.conversation, parts.body)
-        face = Face(feed, desk, parts.queries, parts.switchboard.submit, SystemClock())
+        face = Face(updates, desk, parts.queries, parts.command_router.submit, SystemClock())
         async with face.run_test(size=size) as pilot:
             yield Screen(face, pilot, parts)
-        feed.changed = lambda: None
+        updates.changed = lambda: None
 
 
 def drive(play, **options):
@@ -181,12 +181,12 @@ def test_a_feed_asks_to_be_drawn_once_for_many_events():
         language, voice, muted = "en", "", False
 
     bus, asked = Bus(), []
-    feed = Feed(bus, Controls())
-    feed.changed = lambda: asked.append(1)
+    updates = UpdateBuffer(bus, Controls())
+    updates.changed = lambda: asked.append(1)
     for _ in range(100):
         bus.publish(AudioLevel(0.5))
     assert len(asked) == 1
-    assert feed.take().level == 0.5
+    assert updates.take().level == 0.5
     bus.publish(AudioLevel(0.25))
     assert len(asked) == 2
-    feed.close()
+    updates.close()

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from action_stage import Client
+from action_rig import Client
 from agent_process import READY, Agent
 from geometry_msgs.msg import PoseStamped
 from guards import HUNG_S

@@ -91,7 +91,7 @@ class Actions:
         }  # fmt: skip
 
     def warm_up(self) -> None:
-        """What else would grow some time: the middleware's buffers, and ears for each language."""
+        """What else would grow: the middleware's buffers, a recogniser for each language."""
         for topic in TOPICS:
             for _ in range(DEPTH + 2):
                 self._strings[topic].publish(String(data="x" * LONGEST))
@@ -302,7 +302,7 @@ class Actions:
 
 
 def spoken(text: str) -> Samples:
-    """Spoken by espeak-ng, at the ears' rate, with quiet around it."""
+    """Spoken by espeak-ng, at the listener's rate, with quiet around it."""
     chunk = open_espeak().speak(text, "en-us", CancelToken())
     sound = resampled(chunk.samples, chunk.rate_hz, RATE_HZ) * LOUD
     quiet = np.zeros(RATE_HZ, np.int16)

@@ -1,4 +1,4 @@
-"""A body on ROS 2 without a conversation, and ears for messages of every type."""
+"""A body on ROS 2 without a conversation, and a subscriber for messages of every type."""
 
 import threading
 import time

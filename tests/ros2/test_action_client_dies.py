@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from action_stage import Stage
+from action_rig import ActionRig
 from guards import HUNG_S
 from lease import SHORT_LEASE
 
@@ -16,15 +16,15 @@ GIVEN_UP_S = 60.0
 
 
 @pytest.fixture
-def stage(domain, monkeypatch):
+def rig(domain, monkeypatch):
     monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-    stage = Stage()
-    yield stage
-    stage.close()
+    rig = ActionRig()
+    yield rig
+    rig.close()
 
 
 @pytest.fixture
-def doomed(stage):
+def doomed(rig):
     """A client in a process of its own, whose goal was accepted."""
     process = subprocess.Popen(
         [sys.executable, CLIENT, "/edgevox/execute_skill", "navigate_to", '{"room": "kitchen"}'],
@@ -39,20 +39,20 @@ def doomed(stage):
     process.stdout.close()
 
 
-def test_a_client_killed_in_the_middle_ends_its_goal(stage, doomed):
-    stage.driving()
+def test_a_client_killed_in_the_middle_ends_its_goal(rig, doomed):
+    rig.driving()
     doomed.kill()
-    assert stage.conversation.wait_idle(GIVEN_UP_S)
-    assert stage.deeds[-1]["reason"] == "its client is gone"
+    assert rig.conversation.wait_idle(GIVEN_UP_S)
+    assert rig.agent_events[-1]["reason"] == "its client is gone"
 
 
-def test_what_was_asked_for_in_words_outlives_a_client(stage, doomed):
-    stage.driving()
-    stage.say("go to the bedroom")
-    stage.driving()
+def test_what_was_asked_for_in_words_outlives_a_client(rig, doomed):
+    rig.driving()
+    rig.say("go to the bedroom")
+    rig.driving()
     doomed.terminate()
     doomed.wait(10)
-    assert not stage.conversation.wait_idle(5)
-    stage.body.arrive()
-    assert stage.conversation.wait_idle(10)
-    assert stage.said[-1] == "I am in the bedroom."
+    assert not rig.conversation.wait_idle(5)
+    rig.body.arrive()
+    assert rig.conversation.wait_idle(10)
+    assert rig.said[-1] == "I am in the bedroom."

@@ -5,7 +5,7 @@ import subprocess
 import sys
 
 import pytest
-from action_stage import Client
+from action_rig import Client
 from guards import HUNG_S
 from peer import RELIABLE, STATE
 from robot_states import moving, standing

@@ -1,4 +1,4 @@
-"""The rows of the contract that need ears, eyes and a language model, each with a real source.
+"""The rows of the contract that need microphone, camera and model, each with a real source.
 
 One agent hears a recording of "hey jarvis" and a question, spoken by Piper, looks at its table, and
 is asked something that only a model can answer. It starts to hear when all is loaded; the peer is

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 from agent_process import AGENT
-from external_stage import Velocities, wheels
+from external_rig import Velocities, wheels
 from guards import HUNG_S
 from peer import STATE
 

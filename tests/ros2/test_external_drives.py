@@ -6,7 +6,7 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from external_stage import (
+from external_rig import (
     Goal,
     Velocities,
     drive,
@@ -26,9 +26,9 @@ from waiting import wait_until
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled
 from edgevox.robots.capabilities import Twist2D
+from edgevox.ros2.external.external_settings import ExternalSettings, Patience, SteeringLimits
 from edgevox.ros2.external.locations import Location
 from edgevox.ros2.external.robot import ExternalRobot
-from edgevox.ros2.external.settings import ExternalSettings, Patience, SteeringLimits
 from edgevox.ros2.stamps import NS_PER_S, to_ns
 from edgevox_msgs.action import ExecuteSkill
 
@@ -42,7 +42,7 @@ QUICK = ExternalSettings(
 
 
 @pytest.fixture
-def stage(domain, monkeypatch):
+def rig(domain, monkeypatch):
     """Starts a robot and a body for it; ends both."""
     monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
     with contextlib.ExitStack() as stack:
@@ -64,8 +64,8 @@ def distance(robot: ExternalRobot, x_m: float, y_m: float) -> float:
     return math.hypot(pose.x_m - x_m, pose.y_m - y_m)
 
 
-def test_a_robot_that_takes_no_goals_is_steered_to_a_location_and_looks_as_it_says(stage, peer):
-    robot = stage("--reliability", "best_effort")
+def test_a_robot_that_takes_no_goals_is_steered_to_a_location_and_looks_as_it_says(rig, peer):
+    robot = rig("--reliability", "best_effort")
     asked = Velocities(peer(), "/robot1/cmd_vel")
 
     drive_to_desk = drive_to_place(robot, "desk")
@@ -82,8 +82,8 @@ def test_a_robot_that_takes_no_goals_is_steered_to_a_location_and_looks_as_it_sa
     assert max(abs(angular) for _, angular in asked.moving) <= 1.5
 
 
-def test_a_robot_is_steered_no_faster_than_somebody_else_permits(stage, peer):
-    robot = stage("--reliability", "best_effort")
+def test_a_robot_is_steered_no_faster_than_somebody_else_permits(rig, peer):
+    robot = rig("--reliability", "best_effort")
     robot.limit_speed(lambda twist: Twist2D(twist.linear_m_s / 3, twist.angular_rad_s / 3))
     asked = Velocities(peer(), "/robot1/cmd_vel")
     drive(robot, 0.8, 0.0).result()
@@ -92,8 +92,8 @@ def test_a_robot_is_steered_no_faster_than_somebody_else_permits(stage, peer):
     assert max(abs(angular) for _, angular in asked.moving) <= 0.5 + 1e-9
 
 
-def test_a_robot_that_takes_goals_gets_one_and_is_never_steered(stage, peer):
-    robot = stage("--takes-goals", "--reliability", "reliable")
+def test_a_robot_that_takes_goals_gets_one_and_is_never_steered(rig, peer):
+    robot = rig("--takes-goals", "--reliability", "reliable")
     asked = Velocities(peer(), "/robot1/cmd_vel")
 
     going = drive_to_place(robot, "desk")
@@ -105,8 +105,8 @@ def test_a_robot_that_takes_goals_gets_one_and_is_never_steered(stage, peer):
     assert asked.heard == []
 
 
-def test_stop_recalls_the_goal_and_holds_zero_until_the_robot_stands(stage, peer):
-    robot = stage("--takes-goals")
+def test_stop_recalls_the_goal_and_holds_zero_until_the_robot_stands(rig, peer):
+    robot = rig("--takes-goals")
     asked = Velocities(peer(), "/robot1/cmd_vel")
     going = drive(robot, 5.0, 0.0)
     moving(robot)
@@ -127,8 +127,8 @@ def test_stop_recalls_the_goal_and_holds_zero_until_the_robot_stands(stage, peer
     assert distance(robot, where.x_m, where.y_m) < 0.36
 
 
-def test_a_halt_does_not_block_and_stands_a_steered_robot(stage):
-    robot = stage()
+def test_a_halt_does_not_block_and_stands_a_steered_robot(rig):
+    robot = rig()
     going = drive(robot, 5.0, 0.0)
     moving(robot)
     assert robot.halt("a test") is True
@@ -138,8 +138,8 @@ def test_a_halt_does_not_block_and_stands_a_steered_robot(stage):
     assert robot.pose().x_m < 4.0
 
 
-def test_a_cancelled_token_ends_the_drive_and_stands_the_robot(stage):
-    robot = stage()
+def test_a_cancelled_token_ends_the_drive_and_stands_the_robot(rig):
+    robot = rig()
     going = drive(robot, 5.0, 0.0)
     moving(robot)
     going.token.cancel("changed my mind")
@@ -148,8 +148,8 @@ def test_a_cancelled_token_ends_the_drive_and_stands_the_robot(stage):
     standing(robot, 3.0)
 
 
-def test_a_new_goal_ends_the_one_before(stage):
-    robot = stage()
+def test_a_new_goal_ends_the_one_before(rig):
+    robot = rig()
     first = drive(robot, 5.0, 0.0)
     moving(robot)
     second = drive(robot, 0.0, 0.5)
@@ -159,8 +159,8 @@ def test_a_new_goal_ends_the_one_before(stage):
     assert distance(robot, 0.0, 0.5) < 0.12
 
 
-def test_a_robot_that_does_not_obey_is_said_not_to(stage, peer, caplog):
-    robot = stage()
+def test_a_robot_that_does_not_obey_is_said_not_to(rig, peer, caplog):
+    robot = rig()
     control = peer("/robot1")
     control.send("do", "runaway")
     moving(robot)
@@ -169,23 +169,23 @@ def test_a_robot_that_does_not_obey_is_said_not_to(stage, peer, caplog):
     assert "it still moves" in caplog.text
 
 
-def test_a_robot_that_is_stuck_fails_its_goal_with_a_reason(stage, peer):
-    robot = stage()
+def test_a_robot_that_is_stuck_fails_its_goal_with_a_reason(rig, peer):
+    robot = rig()
     peer("/robot1").send("do", "stuck")
     going = drive(robot, 2.0, 0.0)
     with pytest.raises(SkillFailed, match="I am not getting closer"):
         going.result()
 
 
-def test_a_robot_that_takes_goals_but_does_not_go_fails_with_a_reason(stage, peer):
-    robot = stage("--takes-goals")
+def test_a_robot_that_takes_goals_but_does_not_go_fails_with_a_reason(rig, peer):
+    robot = rig("--takes-goals")
     peer("/robot1").send("do", "stuck")
     with pytest.raises(SkillFailed, match="I am not getting closer"):
         drive(robot, 2.0, 0.0).result()
 
 
-def test_silent_odometry_stops_the_robot_and_is_said(stage, peer, caplog):
-    robot = stage()
+def test_silent_odometry_stops_the_robot_and_is_said(rig, peer, caplog):
+    robot = rig()
     control = peer("/robot1")
     asked = Velocities(control, "/robot1/cmd_vel")
     going = drive(robot, 5.0, 0.0)
@@ -205,8 +205,8 @@ def test_silent_odometry_stops_the_robot_and_is_said(stage, peer, caplog):
     standing(robot)
 
 
-def test_something_in_the_way_is_waited_for_and_then_given_up(stage, peer):
-    robot = stage("--scan")
+def test_something_in_the_way_is_waited_for_and_then_given_up(rig, peer):
+    robot = rig("--scan")
     control = peer("/robot1")
     scans = hear(control, LaserScan, "/robot1/scan", SENSOR)
     wait_until(lambda: robot.state()["lidar"], "a scan")
@@ -220,16 +220,16 @@ def test_something_in_the_way_is_waited_for_and_then_given_up(stage, peer):
     drive(robot, 0.5, 0.0).result()
 
 
-def test_whether_a_camera_is_heard_is_in_its_state(stage, peer):
-    robot = stage()
+def test_whether_a_camera_is_heard_is_in_its_state(rig, peer):
+    robot = rig()
     assert robot.state()["camera"] is False
     tell(peer(), Image, "/robot1/camera/image_raw", SENSOR)(Image())
     wait_until(lambda: robot.state()["camera"], "a picture")
     wait_until(lambda: not robot.state()["camera"], "a second without one")
 
 
-def test_goals_are_compared_in_the_map_where_transforms_join_it_to_odometry(stage):
-    robot = stage("--map-to-odom", "3,-2,1.2", "--start", "1,1,0", "--frame-prefix", "robot1/")
+def test_goals_are_compared_in_the_map_where_transforms_join_it_to_odometry(rig):
+    robot = rig("--map-to-odom", "3,-2,1.2", "--start", "1,1,0", "--frame-prefix", "robot1/")
     wait_until(lambda: robot.state()["frame"] == "map", "the transform")
     pose = robot.pose()
     assert (pose.x_m, pose.y_m) == pytest.approx((1.0, 1.0), abs=0.01)
@@ -238,15 +238,15 @@ def test_goals_are_compared_in_the_map_where_transforms_join_it_to_odometry(stag
     assert distance(robot, 1.5, 1.3) < 0.12
 
 
-def test_goals_are_sent_in_the_map_where_there_is_one(stage):
-    robot = stage("--map-to-odom", "3,-2,1.2", "--start", "1,1,0", "--takes-goals")
+def test_goals_are_sent_in_the_map_where_there_is_one(rig):
+    robot = rig("--map-to-odom", "3,-2,1.2", "--start", "1,1,0", "--takes-goals")
     wait_until(lambda: robot.state()["frame"] == "map", "the transform")
     drive(robot, 1.5, 1.3).result()
     assert distance(robot, 1.5, 1.3) < 0.36
 
 
-def test_odometry_is_taken_for_the_map_where_no_transform_says_better(stage, caplog):
-    robot = stage()
+def test_odometry_is_taken_for_the_map_where_no_transform_says_better(rig, caplog):
+    robot = rig()
     drive(robot, 0.3, 0.0).result()
     drive(robot, 0.0, 0.0).result()
     said = [r for r in caplog.records if "frame_taken_for_map" in r.message]
@@ -268,9 +268,9 @@ def test_a_drive_is_refused_while_nothing_was_heard(domain, monkeypatch):
         robot.close()
 
 
-def test_robots_in_other_namespaces_are_left_alone(stage, peer):
-    one = stage(namespace="/robot1")
-    two = stage("--takes-goals", namespace="/robot2")
+def test_robots_in_other_namespaces_are_left_alone(rig, peer):
+    one = rig(namespace="/robot1")
+    two = rig("--takes-goals", namespace="/robot2")
     for_two = Velocities(peer(), "/robot2/cmd_vel")
     drive(one, 0.5, 0.0).result()
     assert distance(one, 0.5, 0.0) < 0.12
@@ -278,8 +278,8 @@ def test_robots_in_other_namespaces_are_left_alone(stage, peer):
     assert for_two.heard == []
 
 
-def test_closing_leaves_the_robot_standing(stage, peer):
-    robot = stage()
+def test_closing_leaves_the_robot_standing(rig, peer):
+    robot = rig()
     asked = Velocities(peer(), "/robot1/cmd_vel")
     going = drive(robot, 5.0, 0.0)
     moving(robot)
@@ -289,8 +289,8 @@ def test_closing_leaves_the_robot_standing(stage, peer):
     wait_until(lambda: asked.heard[-1] == (0.0, 0.0), "zero velocity")
 
 
-def test_a_halt_cancels_the_goals_of_an_action_that_somebody_else_sent(stage, peer):
-    robot = stage()
+def test_a_halt_cancels_the_goals_of_an_action_that_somebody_else_sent(rig, peer):
+    robot = rig()
     nav2 = peer("/robot1")
     accepted, cancelled = threading.Event(), threading.Event()
 

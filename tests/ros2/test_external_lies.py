@@ -8,7 +8,7 @@ import time
 import pytest
 import scraper
 from diagnostic_msgs.msg import DiagnosticArray
-from external_stage import Velocities, drive, heard, moving, standing, wheels
+from external_rig import Velocities, drive, heard, moving, standing, wheels
 from geometry_msgs.msg import PoseStamped
 from guards import HUNG_S
 from interop_rig import hear
@@ -17,8 +17,8 @@ from waiting import wait_until
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.refusals import Refusal
+from edgevox.ros2.external.external_settings import ExternalSettings, Patience, SteeringLimits
 from edgevox.ros2.external.robot import ExternalRobot
-from edgevox.ros2.external.settings import ExternalSettings, Patience, SteeringLimits
 
 ODOM = "What the robot says on /robot1/odom cannot be true"
 QUICK = ExternalSettings(
@@ -30,7 +30,7 @@ NOT_SO = ("claim 1e300", "claim -10001", "claim nan", "length 3")
 STOPPED_S = 0.5
 
 
-class Stage:
+class Rig:
     """A robot in a process of its own, a body that drives it, and what it was asked for."""
 
     def __init__(self, robot: ExternalRobot, control, asked: Velocities) -> None:
@@ -53,25 +53,25 @@ class Stage:
 
 
 @pytest.fixture
-def stage(domain, monkeypatch, peer):
+def rig(domain, monkeypatch, peer):
     monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
     with contextlib.ExitStack() as stack:
 
-        def start(*arguments: str) -> Stage:
+        def start(*arguments: str) -> Rig:
             stack.enter_context(wheels(*arguments, domain=domain, namespace="/robot1"))
             robot = ExternalRobot("/robot1", settings=QUICK)
             stack.callback(robot.close)
             robot.start()
             heard(robot)
             control = peer("/robot1")
-            return Stage(robot, control, Velocities(control, "/robot1/cmd_vel"))
+            return Rig(robot, control, Velocities(control, "/robot1/cmd_vel"))
 
         yield start
 
 
 @pytest.mark.parametrize("lie", NOT_SO)
-def test_odometry_that_cannot_be_true_stops_the_drive_and_says_why(stage, lie, caplog):
-    one = stage()
+def test_odometry_that_cannot_be_true_stops_the_drive_and_says_why(rig, lie, caplog):
+    one = rig()
     going = drive(one.robot, 5.0, 0.0)
     moving(one.robot)
     told_s = one.tell(lie)
@@ -79,26 +79,26 @@ def test_odometry_that_cannot_be_true_stops_the_drive_and_says_why(stage, lie, c
         going.result()
     one.zero_since(told_s)
     assert "odometry_impossible topic='/robot1/odom'" in caplog.text
-    assert one.robot.trouble == "what is heard on /robot1/odom cannot be true"
+    assert one.robot.fault == "what is heard on /robot1/odom cannot be true"
     assert one.robot.state()["pose"] is None
     assert one.robot.refusals["/robot1/odom", Refusal.IMPLAUSIBLE] > 0
 
 
-def test_a_robot_that_lies_is_not_driven_and_one_that_stops_lying_is(stage):
-    one = stage()
+def test_a_robot_that_lies_is_not_driven_and_one_that_stops_lying_is(rig):
+    one = rig()
     one.tell("claim 1e300")
-    wait_until(lambda: one.robot.trouble, "the lie")
+    wait_until(lambda: one.robot.fault, "the lie")
     with pytest.raises(SkillFailed, match=ODOM):
         drive(one.robot, 1.0, 0.0).result()
     assert one.asked.moving == []
     one.tell("truth")
-    wait_until(lambda: not one.robot.trouble, "the truth")
+    wait_until(lambda: not one.robot.fault, "the truth")
     drive(one.robot, 0.5, 0.0).result()
 
 
 @pytest.mark.parametrize("metres", [5, -3])
-def test_a_jump_stops_the_drive_and_the_next_goal_is_driven_from_the_new_pose(stage, metres):
-    one = stage()
+def test_a_jump_stops_the_drive_and_the_next_goal_is_driven_from_the_new_pose(rig, metres):
+    one = rig()
     going = drive(one.robot, 4.0, 0.0)
     moving(one.robot)
     told_s = one.tell(f"jump {metres}")
@@ -108,21 +108,21 @@ def test_a_jump_stops_the_drive_and_the_next_goal_is_driven_from_the_new_pose(st
         going.result()
     one.zero_since(told_s)
     standing(one.robot)
-    assert one.robot.trouble == ""
+    assert one.robot.fault == ""
     at = one.robot.pose()
     drive(one.robot, at.x_m + 0.4, at.y_m).result()
     assert math.hypot(one.robot.pose().x_m - at.x_m - 0.4, one.robot.pose().y_m - at.y_m) < 0.12
 
 
-def test_a_jump_while_nothing_drives_is_only_where_the_robot_is(stage):
-    one = stage()
+def test_a_jump_while_nothing_drives_is_only_where_the_robot_is(rig):
+    one = rig()
     one.tell("jump 50")
     wait_until(lambda: one.robot.pose().x_m > 49, "the new pose")
     drive(one.robot, 50.4, 0.0).result()
 
 
-def test_a_robot_that_takes_goals_gets_its_own_place_as_its_goal_when_it_jumps(stage, peer):
-    one = stage("--takes-goals")
+def test_a_robot_that_takes_goals_gets_its_own_place_as_its_goal_when_it_jumps(rig, peer):
+    one = rig("--takes-goals")
     goals = hear(peer(), PoseStamped, "/robot1/goal_pose")
     going = drive(one.robot, 5.0, 0.0)
     moving(one.robot)
@@ -133,8 +133,8 @@ def test_a_robot_that_takes_goals_gets_its_own_place_as_its_goal_when_it_jumps(s
     assert recalled.pose.position.x == pytest.approx(one.robot.pose().x_m, abs=1.0)
 
 
-def test_localisation_may_correct_a_robot_by_metres_while_it_drives(stage):
-    one = stage("--map-to-odom", "3,-2,0", "--start", "3,-2,0")
+def test_localisation_may_correct_a_robot_by_metres_while_it_drives(rig):
+    one = rig("--map-to-odom", "3,-2,0", "--start", "3,-2,0")
     wait_until(lambda: one.robot.state()["frame"] == "map", "the transform")
     going = drive(one.robot, 6.0, -2.0)
     moving(one.robot)
@@ -150,8 +150,8 @@ def test_localisation_may_correct_a_robot_by_metres_while_it_drives(stage):
         (20_000, "What the robot says on /tf cannot be true"),
     ],
 )
-def test_a_correction_beyond_all_measure_stops_the_drive(stage, metres, reason):
-    one = stage("--map-to-odom", "3,-2,0", "--start", "3,-2,0")
+def test_a_correction_beyond_all_measure_stops_the_drive(rig, metres, reason):
+    one = rig("--map-to-odom", "3,-2,0", "--start", "3,-2,0")
     wait_until(lambda: one.robot.state()["frame"] == "map", "the transform")
     going = drive(one.robot, 6.0, -2.0)
     moving(one.robot)
@@ -161,16 +161,16 @@ def test_a_correction_beyond_all_measure_stops_the_drive(stage, metres, reason):
     one.zero_since(told_s)
 
 
-def test_a_transform_that_can_be_none_moves_nobody(stage):
-    one = stage("--map-to-odom", "3,-2,0", "--start", "3,-2,0")
+def test_a_transform_that_can_be_none_moves_nobody(rig):
+    one = rig("--map-to-odom", "3,-2,0", "--start", "3,-2,0")
     wait_until(lambda: one.robot.state()["frame"] == "map", "the transform")
     one.tell("correct 1e300")
     wait_until(lambda: one.robot.refusals["/tf", Refusal.IMPLAUSIBLE] == 1, "the transform")
     assert one.robot.pose().x_m == pytest.approx(3.0, abs=0.01)
 
 
-def test_nobody_is_steered_by_a_lidar_that_cannot_see(stage):
-    one = stage("--scan")
+def test_nobody_is_steered_by_a_lidar_that_cannot_see(rig):
+    one = rig("--scan")
     wait_until(lambda: one.robot.state()["lidar"], "a scan")
     going = drive(one.robot, 5.0, 0.0)
     moving(one.robot)
@@ -185,8 +185,8 @@ def test_nobody_is_steered_by_a_lidar_that_cannot_see(stage):
     drive(one.robot, at.x_m + 0.3, at.y_m).result()
 
 
-def test_a_robot_that_only_turns_is_given_up_and_stands(stage):
-    one = stage()
+def test_a_robot_that_only_turns_is_given_up_and_stands(rig):
+    one = rig()
     one.tell("spinning")
     going = drive(one.robot, 3.0, 0.0)
     with pytest.raises(SkillFailed, match="I am not getting closer"):

@@ -15,7 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-from external_stage import Velocities, drive, heard, moving, standing, wheels
+from external_rig import Velocities, drive, heard, moving, standing, wheels
 from geometry_msgs.msg import PoseStamped
 from guards import HUNG_S
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
@@ -139,7 +139,7 @@ class StandIn:
 
 
 @pytest.fixture
-def stage(action, domain, monkeypatch, peer):
+def rig(action, domain, monkeypatch, peer):
     monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
     nav2 = peer("/robot1")
     with (
@@ -159,8 +159,8 @@ def stage(action, domain, monkeypatch, peer):
             server.close()
 
 
-def test_a_drive_is_a_goal_of_the_action_and_never_steered(stage):
-    robot, server, asked = stage
+def test_a_drive_is_a_goal_of_the_action_and_never_steered(rig):
+    robot, server, asked = rig
     going = drive(robot, 1.0, 0.5)
     moving(robot)
     assert robot.state()["goal"]["by"] == "navigate_to_pose"
@@ -171,8 +171,8 @@ def test_a_drive_is_a_goal_of_the_action_and_never_steered(stage):
     assert going.reports[-1]["progress"] == 1
 
 
-def test_a_cancel_reaches_the_server_and_the_robot_stands(stage):
-    robot, server, asked = stage
+def test_a_cancel_reaches_the_server_and_the_robot_stands(rig):
+    robot, server, asked = rig
     going = drive(robot, 5.0, 0.0)
     moving(robot)
     going.token.cancel("changed my mind")
@@ -183,8 +183,8 @@ def test_a_cancel_reaches_the_server_and_the_robot_stands(stage):
     assert asked.moving == []
 
 
-def test_a_new_goal_pre_empts_the_one_before_and_is_reached(stage):
-    robot, server, _ = stage
+def test_a_new_goal_pre_empts_the_one_before_and_is_reached(rig):
+    robot, server, _ = rig
     first = drive(robot, 5.0, 0.0)
     moving(robot)
     second = drive(robot, 0.5, 0.5)
@@ -194,8 +194,8 @@ def test_a_new_goal_pre_empts_the_one_before_and_is_reached(stage):
     assert server.ends == ["abort", "succeed"]
 
 
-def test_a_goal_right_after_a_cancel_is_not_cancelled_with_it(stage):
-    robot, server, _ = stage
+def test_a_goal_right_after_a_cancel_is_not_cancelled_with_it(rig):
+    robot, server, _ = rig
     first = drive(robot, 5.0, 0.0)
     moving(robot)
     first.token.cancel("something better came")
@@ -207,15 +207,15 @@ def test_a_goal_right_after_a_cancel_is_not_cancelled_with_it(stage):
     ("mode", "reason"),
     [("reject", "Nav2 does not accept this goal"), ("abort", "Nav2 gave up on the way")],
 )
-def test_a_goal_that_nav2_does_not_reach_fails_with_its_reason(stage, mode, reason):
-    robot, server, _ = stage
+def test_a_goal_that_nav2_does_not_reach_fails_with_its_reason(rig, mode, reason):
+    robot, server, _ = rig
     server.mode = mode
     with pytest.raises(SkillFailed, match=reason):
         drive(robot, 2.0, 0.0).result()
 
 
-def test_a_robot_that_jumps_has_its_goal_cancelled_and_is_driven_again(stage, peer):
-    robot, server, asked = stage
+def test_a_robot_that_jumps_has_its_goal_cancelled_and_is_driven_again(rig, peer):
+    robot, server, asked = rig
     going = drive(robot, 3.0, 3.0)  # not where it jumps to
     moving(robot)
     peer("/robot1").send("do", "jump 5")
@@ -226,8 +226,8 @@ def test_a_robot_that_jumps_has_its_goal_cancelled_and_is_driven_again(stage, pe
     assert asked.moving == []
 
 
-def test_a_way_that_is_left_and_no_number_is_not_believed(stage):
-    robot, server, _ = stage
+def test_a_way_that_is_left_and_no_number_is_not_believed(rig):
+    robot, server, _ = rig
     server.mode = "nonsense"
     going = drive(robot, 0.6, 0.0)
     going.result()

@@ -7,7 +7,7 @@ import subprocess
 import time
 
 import pytest
-from external_stage import wheels
+from external_rig import wheels
 from geometry_msgs.msg import PoseStamped, Twist
 from guards import HUNG_S
 from interop_rig import Messages, Stream, hear, tell, twist

@@ -16,9 +16,9 @@ from peer import RELIABLE, STATE, Peer
 
 from edgevox.apps.composition import build_parts, start_parts
 from edgevox.core.settings import load_settings
-from edgevox.robots.physics import PymunkEngine
-from edgevox.robots.planar import PlanarRobot
-from edgevox.robots.stepper import BROKE
+from edgevox.robots.diff_drive import DiffDriveRobot
+from edgevox.robots.pymunk_engine import PymunkEngine
+from edgevox.robots.sim_loop import BROKE
 from edgevox.robots.world import load_world
 from tf2_msgs.msg import TFMessage
 
@@ -46,7 +46,7 @@ def node(domain, monkeypatch):
     world = load_world()
     engine = Fragile(world)
     with ExitStack() as stack:
-        body = PlanarRobot("robot-apartment", world, engine)
+        body = DiffDriveRobot("robot-apartment", world, engine)
         settings = load_settings({"text_mode": True, "ros2": True, "llm": "none"})
         start_parts(stack, build_parts(stack, settings, body))
         yield engine

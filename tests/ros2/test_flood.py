@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 
 import pytest
-from action_stage import Client
+from action_rig import Client
 from guards import HUNG_S
 from peer import STATE
 from robot_states import moving, standing

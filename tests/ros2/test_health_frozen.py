@@ -22,8 +22,8 @@ from edgevox.core.commands import TextInput
 from edgevox.core.events import Answered
 from edgevox.core.settings import load_settings
 from edgevox.core.status import STALL_S
-from edgevox.robots.physics import PymunkEngine
-from edgevox.robots.planar import PlanarRobot
+from edgevox.robots.diff_drive import DiffDriveRobot
+from edgevox.robots.pymunk_engine import PymunkEngine
 from edgevox.robots.world import load_world
 from edgevox.ros2.node import BEAT_S
 
@@ -73,7 +73,7 @@ def node(domain, monkeypatch):
     world = load_world()
     engine = Sticky(world)
     with ExitStack() as stack:
-        body = PlanarRobot("robot-apartment", world, engine)
+        body = DiffDriveRobot("robot-apartment", world, engine)
         parts = build_parts(stack, load_settings(flags), body)
         start_parts(stack, parts)
         stack.callback(engine.free.set)

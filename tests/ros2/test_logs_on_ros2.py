@@ -20,7 +20,7 @@ SECRET = "xyzzy plugh"  # noqa: S105 - said aloud
 DEBUG, WARN = 10, 30
 
 
-class Ears:
+class RosoutListener:
     """A peer that hears /rosout and calls the logger services."""
 
     def __init__(self, peer):
@@ -50,8 +50,8 @@ class Ears:
 
 
 @pytest.fixture
-def ears(peer):
-    return Ears(peer())
+def listener(peer):
+    return RosoutListener(peer())
 
 
 def logged(agent):
@@ -59,13 +59,13 @@ def logged(agent):
     return [json.loads(line) for line in agent.lines if line.startswith("{")]
 
 
-def test_a_warning_of_ours_is_on_rosout_once_as_the_nodes_and_once_in_the_stream(agent, ears):
+def test_a_warning_of_ours_is_on_rosout_once_as_the_nodes_and_once_in_the_stream(agent, listener):
     one = agent(*JSON)
-    ears.peer.send("set_language", "klingon")
-    wait_until(lambda: ears.of("message_refused"), "the warning on /rosout")
-    ears.peer.send("set_language", "romulan")
-    wait_until(lambda: len(ears.of("message_refused")) == 2, "the other one")
-    said = ears.of("message_refused")[0]
+    listener.peer.send("set_language", "klingon")
+    wait_until(lambda: listener.of("message_refused"), "the warning on /rosout")
+    listener.peer.send("set_language", "romulan")
+    wait_until(lambda: len(listener.of("message_refused")) == 2, "the other one")
+    said = listener.of("message_refused")[0]
     assert said.name == "edgevox.edgevox.ros2.topics"
     assert said.level == WARN
     assert "klingon" in said.msg
@@ -78,37 +78,37 @@ def test_a_warning_of_ours_is_on_rosout_once_as_the_nodes_and_once_in_the_stream
     assert plain == []
 
 
-def test_levels_are_set_and_told_by_the_nodes_services_for_both_worlds(agent, ears):
+def test_levels_are_set_and_told_by_the_nodes_services_for_both_worlds(agent, listener):
     one = agent(*JSON)
-    ears.peer.send("text_input", "where are you")
-    assert [r.successful for r in ears.set(edgevox=DEBUG, rcl=DEBUG, httpx=WARN)] == [True] * 3
+    listener.peer.send("text_input", "where are you")
+    assert [r.successful for r in listener.set(edgevox=DEBUG, rcl=DEBUG, httpx=WARN)] == [True] * 3
     wanted = {"edgevox": DEBUG, "rcl": DEBUG, "httpx": WARN, "edgevox.voice": 0}
-    assert ears.get(*wanted) == wanted
-    assert ears.get("") == {"": WARN}
-    ears.peer.send("text_input", "where are you")
+    assert listener.get(*wanted) == wanted
+    assert listener.get("") == {"": WARN}
+    listener.peer.send("text_input", "where are you")
     one.wait_for_line('"event":"state"')
     one.wait_for_line('"logger":"rcl"')
-    assert [r.successful for r in ears.set(edgevox=0, edgevox_edgevox=WARN)] == [True, True]
-    assert ears.get("edgevox", "edgevox.edgevox") == {"edgevox": WARN, "edgevox.edgevox": WARN}
-    (refused,) = ears.set(edgevox=7)
+    assert [r.successful for r in listener.set(edgevox=0, edgevox_edgevox=WARN)] == [True, True]
+    assert listener.get("edgevox", "edgevox.edgevox") == {"edgevox": WARN, "edgevox.edgevox": WARN}
+    (refused,) = listener.set(edgevox=7)
     assert not refused.successful
     assert "expected one of 0, 10, 20" in refused.reason
 
 
 def test_a_whole_run_is_json_and_tells_no_words_where_levels_come_from_ros_2s_arguments(
-    agent, ears
+    agent, listener
 ):
     levels = ("--ros-args", "--log-level", "edgevox:=info", "--log-level", "rcl:=debug")
     one = agent(*JSON, *levels)
-    answers = ears.peer.listen("response")
-    state = ears.peer.listen("robot_state", STATE)
-    ears.peer.send("text_input", f"my name is {SECRET}")
+    answers = listener.peer.listen("response")
+    state = listener.peer.listen("robot_state", STATE)
+    listener.peer.send("text_input", f"my name is {SECRET}")
     answers.wait_for(bool)
-    ears.peer.send("text_input", "go to the kitchen")
+    listener.peer.send("text_input", "go to the kitchen")
     state.wait_for(lambda text: json.loads(text)["velocity"]["linear"] > 0.05)
-    ears.peer.send("text_input", f"stop {SECRET}")
+    listener.peer.send("text_input", f"stop {SECRET}")
     one.wait_for_line("goal_cancelled")
-    wait_until(lambda: ears.of("goal_cancelled"), "the end on /rosout")
+    wait_until(lambda: listener.of("goal_cancelled"), "the end on /rosout")
     assert one.terminate() == 0
     lines = logged(one)
     events = [line["event"] for line in lines]
@@ -119,17 +119,17 @@ def test_a_whole_run_is_json_and_tells_no_words_where_levels_come_from_ros_2s_ar
     assert "rcl" in {line["logger"] for line in lines}
     assert all(line["turn"] for line in lines if line["event"] == "goal_started")
     assert "xyzzy" not in one.output
-    assert "xyzzy" not in "".join(said.msg for said in ears.heard)
+    assert "xyzzy" not in "".join(said.msg for said in listener.heard)
 
 
-def test_a_peer_whose_qos_does_not_fit_is_warned_of_on_both_of_its_ways(agent, ears):
+def test_a_peer_whose_qos_does_not_fit_is_warned_of_on_both_of_its_ways(agent, listener):
     one = agent(*JSON)
-    node = ears.peer.node
+    node = listener.peer.node
     lasting = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     careless = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
-    node.create_subscription(String, ears.peer.name("bot_sentence"), lambda _: None, lasting)
-    node.create_publisher(String, ears.peer.name("text_input"), careless)
+    node.create_subscription(String, listener.peer.name("bot_sentence"), lambda _: None, lasting)
+    node.create_publisher(String, listener.peer.name("text_input"), careless)
 
     one.wait_for_line("New subscription discovered on topic 'bot_sentence'")
     one.wait_for_line("New publisher discovered on topic 'text_input'")

@@ -15,7 +15,7 @@ from scraper import free_port, scrape_until
 from waiting import wait_until
 
 from edgevox import __version__
-from edgevox.ops.metrics.table import METRICS
+from edgevox.ops.metrics.metric_table import METRICS
 
 RECORDER = str(Path(sys.executable).with_name("edgevox-recorder"))
 LAG_S = 30.0
@@ -142,7 +142,7 @@ def test_a_typed_sentence_moves_the_counters_of_a_running_agent() -> None:
 
 def test_without_a_port_nothing_of_it_is_imported() -> None:
     code = (
-        "import sys, edgevox.apps.agent, edgevox.apps.talk;"
+        "import sys, edgevox.apps.agent, edgevox.apps.edgevox;"
         "sys.exit(any(m.partition('.')[0] == 'prometheus_client' for m in sys.modules))"
     )
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0

@@ -4,17 +4,17 @@ import json
 import math
 
 import pytest
-from action_stage import Client
-from external_stage import Goal, drive, heard, moving, standing, wheels
+from action_rig import Client
+from external_rig import Goal, drive, heard, moving, standing, wheels
 from guards import HUNG_S
 from peer import wait_until
 from std_msgs.msg import String
 
 from edgevox.agent.skills import SkillFailed
-from edgevox.robots.places.store import PlaceStore
+from edgevox.robots.places.place_store import PlaceStore
+from edgevox.ros2.external.external_settings import ExternalSettings, SteeringLimits
 from edgevox.ros2.external.locations import Location
 from edgevox.ros2.external.robot import ExternalRobot
-from edgevox.ros2.external.settings import ExternalSettings, SteeringLimits
 
 LOCATIONS = {"dock": Location(-1.0, 0.0, math.pi)}
 QUICK = ExternalSettings(steering=SteeringLimits(max_linear_m_s=0.6, max_angular_rad_s=1.5))
@@ -71,7 +71,7 @@ def test_a_name_that_cannot_be_is_rejected_with_its_code(agent, peer, tmp_path, 
 
 
 @pytest.fixture
-def stage(domain, monkeypatch, tmp_path):
+def rig(domain, monkeypatch, tmp_path):
     """Starts a body for a robot, with the places of the last one."""
     monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
     made = []
@@ -93,9 +93,9 @@ def skill(robot, name, /, **arguments):
     return one.function(Goal(), **one.validate(arguments))
 
 
-def test_any_ros_2_robot_finds_back_and_looks_as_it_did(stage, domain):
+def test_any_ros_2_robot_finds_back_and_looks_as_it_did(rig, domain):
     with wheels("--start=0.5,0.2,1.0", "--map-to-odom=0,0,0", domain=domain, namespace="/robot1"):
-        robot = stage()
+        robot = rig()
         heard(robot)
         wait_until(lambda: robot.located()[1] == "map", "the map")
         with pytest.raises(SkillFailed, match="I know no place|forget"):
@@ -104,7 +104,7 @@ def test_any_ros_2_robot_finds_back_and_looks_as_it_did(stage, domain):
         drive(robot, -0.5, -0.2).result()
         robot.close()
 
-        again = stage()
+        again = rig()
         heard(again)
         wait_until(lambda: again.located()[1] == "map", "the map")
         skill(again, "navigate_to", location="charger")
@@ -113,8 +113,8 @@ def test_any_ros_2_robot_finds_back_and_looks_as_it_did(stage, domain):
         assert pose.yaw_rad == pytest.approx(1.0, abs=0.15)
 
 
-def test_a_robot_without_a_map_or_on_its_way_or_unheard_is_told_why(stage, domain, peer):
-    robot = stage()
+def test_a_robot_without_a_map_or_on_its_way_or_unheard_is_told_why(rig, domain, peer):
+    robot = rig()
     with pytest.raises(SkillFailed) as unheard:
         skill(robot, "remember_place", name="charger")
     assert unheard.value.reason.code == "robot_unheard"
@@ -138,9 +138,9 @@ def test_a_robot_without_a_map_or_on_its_way_or_unheard_is_told_why(stage, domai
     assert robot.place_memory.names() == ("charger",)
 
 
-def test_a_place_of_another_frame_is_not_driven_to(stage, domain):
+def test_a_place_of_another_frame_is_not_driven_to(rig, domain):
     with wheels(domain=domain, namespace="/robot1"):
-        robot = stage()
+        robot = rig()
         heard(robot)
         robot.place_memory.remember("charger", robot.pose(), "map")
         with pytest.raises(SkillFailed) as refused:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from action_stage import Client
+from action_rig import Client
 from agent_process import READY, Agent
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseStamped, Twist

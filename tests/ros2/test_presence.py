@@ -6,10 +6,10 @@ from collections.abc import Callable
 from contextlib import suppress
 
 import pytest
-from action_stage import Client
+from action_rig import Client
 from agent_process import Agent
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from external_stage import Velocities, wheels
+from external_rig import Velocities, wheels
 from geometry_msgs.msg import PoseStamped, Twist
 from guards import HUNG_S
 from interop_rig import Messages, Stream, hear, tell, twist

@@ -30,8 +30,8 @@ from edgevox.robots.capabilities import (
     Twist2D,
 )
 from edgevox.ros2.bridge import RosBridge
+from edgevox.ros2.bridge_context import BridgeContext
 from edgevox.ros2.contract import QUERIES, RATED
-from edgevox.ros2.wiring import Wiring
 
 HELD_S = 2
 
@@ -79,13 +79,13 @@ class Equipped:
 
 
 @pytest.fixture(scope="module")
-def stage(domain):
+def rig(domain):
     """A held time, and a peer of the bridge that ticks by it."""
     held, bus = HeldTime(), Bus()
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_DOMAIN_ID", str(domain))
         bridge = RosBridge(
-            Wiring(
+            BridgeContext(
                 settings=Settings(publish_clock=True),
                 bus=bus,
                 submit=lambda _: None,
@@ -111,8 +111,8 @@ def stage(domain):
 
 
 @pytest.mark.parametrize("row", RATED, ids=lambda row: row.topic.strip("/"))
-def test_so_many_messages_come_in_a_held_second_as_the_contract_says(stage, row):
-    held, peer = stage
+def test_so_many_messages_come_in_a_held_second_as_the_contract_says(rig, row):
+    held, peer = rig
     heard = hear_all(peer, row)
     wait_until(lambda: held.advance(1.0) or heard.messages, "a first message: both ends know")
 
@@ -125,8 +125,8 @@ def test_so_many_messages_come_in_a_held_second_as_the_contract_says(stage, row)
     assert a_step.tolist() == [1] * steps(row)
 
 
-def test_what_a_scan_says_of_its_rate_is_its_rate(stage):
-    held, peer = stage
+def test_what_a_scan_says_of_its_rate_is_its_rate(rig):
+    held, peer = rig
     (row,) = (one for one in RATED if one.topic == "scan")
     heard = hear_all(peer, row)
     wait_until(lambda: held.advance(1.0) or heard.messages, "a scan")

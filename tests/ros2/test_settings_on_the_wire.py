@@ -75,12 +75,12 @@ def test_a_topic_command_is_seen_as_a_parameter(settings):
 
 def test_a_parameter_takes_effect_and_is_seen_by_queries(settings):
     info = settings.peer.listen("info")
-    deeds = settings.peer.listen("agent_event")
+    agent_events = settings.peer.listen("agent_event")
     assert settings.set(language="fr").successful
     settings.peer.send("command", "list_languages")
     assert json.loads(info.wait_for(lambda m: True))["current"] == "fr"
     settings.peer.send("text_input", "arrête")
-    assert json.loads(deeds.wait_for(lambda m: "safety_preempt" in m))["word"] == "arrête"
+    assert json.loads(agent_events.wait_for(lambda m: "safety_preempt" in m))["word"] == "arrête"
 
 
 @pytest.mark.parametrize(

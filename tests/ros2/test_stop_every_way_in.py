@@ -9,7 +9,7 @@ import pytest
 from halting import BRAKED_S, LEFT_M
 from peer import Peer
 from robot_states import moving, standing
-from stop_stage import SITUATIONS, WAYS, Robot, settle
+from stop_rig import SITUATIONS, WAYS, Robot, settle
 
 
 @pytest.fixture(scope="module")

@@ -27,7 +27,7 @@ def robots(domain, _domains):
 
 def test_a_command_on_one_domain_is_not_heard_on_the_other(robots):
     here, there = robots
-    deeds = [one.listen("agent_event") for one in robots]
+    agent_events = [one.listen("agent_event") for one in robots]
     words = [one.listen("transcription") for one in robots]
     answers = [one.listen("response") for one in robots]
     states = [one.listen("robot_state", STATE) for one in robots]
@@ -35,7 +35,7 @@ def test_a_command_on_one_domain_is_not_heard_on_the_other(robots):
     states[0].wait_for(lambda m: json.loads(m)["goal"] is not None)
     here.send("set_language", "fr")
     here.send("interrupt", "now")
-    deeds[0].wait_for(lambda m: json.loads(m)["kind"] == "skill_cancelled")
+    agent_events[0].wait_for(lambda m: json.loads(m)["kind"] == "skill_cancelled")
     # what the other would have heard meanwhile, it would have told before it answers this
     info = there.listen("info")
     there.send("command", "list_languages")
@@ -43,5 +43,5 @@ def test_a_command_on_one_domain_is_not_heard_on_the_other(robots):
     there.send("text_input", "where are you")
     answers[1].wait_for(lambda m: m.startswith("I am in the living room"))
     assert words[1].messages == ["where are you"]
-    assert {json.loads(m)["skill"] for m in deeds[1].messages} == {"get_pose"}
+    assert {json.loads(m)["skill"] for m in agent_events[1].messages} == {"get_pose"}
     assert all(json.loads(m)["goal"] is None for m in states[1].messages)

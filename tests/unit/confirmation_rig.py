@@ -1,4 +1,4 @@
-"""A conversation that asks back, with a robot that drives at once and a clock held in hand."""
+"""A conversation that asks back, with a robot that drives at once and a held clock."""
 
 import threading
 from dataclasses import replace
@@ -10,9 +10,9 @@ from edgevox.agent.agents import Agent
 from edgevox.agent.asking import Asking
 from edgevox.agent.confirmation import OpenQuestion
 from edgevox.agent.conversation import Conversation
-from edgevox.agent.dialogue_skills import Asides
+from edgevox.agent.dialogue_skills import DialogueSkills
 from edgevox.agent.last_drive import LastDrive
-from edgevox.agent.mind import Mind
+from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.performer import Performer
 from edgevox.agent.programs.keeper import Programs
 from edgevox.agent.skill_executor import SkillExecutor
@@ -57,7 +57,7 @@ class Eloquent:
 class Talk(Heard):
     """A whole conversation, as anybody submits to it."""
 
-    def __init__(self, confirm="always", language="en", mouth=None, model=None):
+    def __init__(self, confirm="always", language="en", speech_output=None, model=None):
         self.bus, self.clock, self.body = Bus(), HeldClock(100.0), FakeBody(arrives=True)
         super().__init__(self.bus)
         self.conversation = Conversation(
@@ -67,7 +67,7 @@ class Talk(Heard):
             language=language,
             confirm=confirm,
             clock=self.clock,
-            mouth=mouth,
+            speech_output=speech_output,
             model=model,
         )
 
@@ -85,7 +85,7 @@ class Talk(Heard):
             assert self.conversation.wait_idle(60)
 
 
-class Doubtful(Mind):
+class Doubtful(Interpreter):
     """Is as sure of what it understands as the test says."""
 
     confidence = 1.0
@@ -96,7 +96,7 @@ class Doubtful(Mind):
 
 
 class Doubts(Heard):
-    """What decides to act or to ask, alone, with a mind that is not sure."""
+    """What decides to act or to ask, alone, with an interpreter that is not sure."""
 
     def __init__(self, confirm="unsure", confidence=0.6, guard=None):
         self.bus, self.clock, self.turns = Bus(), HeldClock(100.0), 0
@@ -106,22 +106,24 @@ class Doubts(Heard):
             self.bus, self.body.halt, lambda text, detail: None, guard=guard
         )
         agent = Agent("robot", "Be brief.", self.body.skills(*SKILLS))
-        asides = Asides([agent], self.bus, self.clock, lambda: self.mind.phrases)
-        mind = Doubtful(asides.agents, self.bus, self.clock)
-        mind.confidence = confidence
-        self.mind = mind
+        dialogue_skills = DialogueSkills(
+            [agent], self.bus, self.clock, lambda: self.interpreter.phrases
+        )
+        interpreter = Doubtful(dialogue_skills.agents, self.bus, self.clock)
+        interpreter.confidence = confidence
+        self.interpreter = interpreter
         programs = Programs(
             self.bus,
             self.executor,
             agent.skills,
             announce=lambda text: None,
-            phrases=lambda: mind.phrases,
+            phrases=lambda: interpreter.phrases,
             clock=self.clock,
         )
         last = LastDrive(self.bus, self.clock)
-        performer = Performer(mind, self.executor, programs, asides, last)
+        performer = Performer(interpreter, self.executor, programs, dialogue_skills, last)
         question = OpenQuestion(self.bus, self.clock)
-        self.asking = Asking(mind, performer, asides, question, confirm=confirm)
+        self.asking = Asking(interpreter, performer, dialogue_skills, question, confirm=confirm)
 
     def __enter__(self):
         self.executor.start()

@@ -1,4 +1,4 @@
-"""A conversation with a body whose drives end when the test says, and a clock in its hand."""
+"""A conversation with a body whose drives end when the test says, and a held clock."""
 
 import threading
 from typing import Annotated
@@ -102,7 +102,7 @@ class Model:
         """Nothing to free."""
 
 
-class Stage:
+class Rig:
     """Talks, and keeps what was answered and called."""
 
     def __init__(self, body=None, *, model=None, language="en", confirm="unsure"):

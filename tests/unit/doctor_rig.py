@@ -1,6 +1,6 @@
 """What the doctor's tests share: the levels, and a machine of which something is asked."""
 
-from edgevox.apps.doctor.verdict import Situation, Verdict
+from edgevox.apps.doctor.check import CheckVerdict, Situation
 from edgevox.core.settings import check_settings
 from edgevox.core.status import Level
 
@@ -13,4 +13,4 @@ def situation(agent="", refused="", environment=None, **settings):
 
 
 def levels(said):
-    return [one.level for one in ([said] if isinstance(said, Verdict) else said)]
+    return [one.level for one in ([said] if isinstance(said, CheckVerdict) else said)]

@@ -19,7 +19,7 @@ from edgevox.agent.skills import OneOf, Skill, SkillSet
 from edgevox.robots.humanoid.skills import walking_skills
 from edgevox.robots.navigation import navigation_skills
 from edgevox.robots.panda.skills import manipulation_skills
-from edgevox.robots.places.memory import PlaceMemory
+from edgevox.robots.places.place_memory import PlaceMemory
 
 
 class Nobody:

@@ -24,7 +24,7 @@ from edgevox.core.agent_events import (
     as_json,
 )
 from edgevox.core.bus import Bus
-from edgevox.core.reasons import Reason
+from edgevox.core.reason import Reason
 
 AT_SEA = Reason("I am at sea.", "stuck", {"x": Reason("sea")})
 EVENTS = (

@@ -8,7 +8,7 @@ from phrasebook_bodies import BODIES
 from test_confirmation_corrections import KITCHEN
 
 from edgevox.agent.answers import Answer, Answers, AnswerWords
-from edgevox.agent.intents import Recogniser, Understood
+from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.safety import SafetyWords
 from edgevox.agent.skills import STOP

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from edgevox.agent.llm.base import ModelFailed
 from edgevox.agent.llm.endpoint import FallbackModel
+from edgevox.agent.llm.language_model import ModelFailed
 from edgevox.apps.components import list_components
 from edgevox.apps.composition import build_parts
 from edgevox.apps.folders import places_folder, written_folders
@@ -15,7 +15,7 @@ from edgevox.core.cancel import CancelToken
 from edgevox.core.gauges import Gauges
 from edgevox.core.settings import check_settings
 from edgevox.core.status import Level
-from edgevox.ops.diagnostics.table import COMPONENTS
+from edgevox.ops.diagnostics.component_table import COMPONENTS
 from edgevox.robots.apartment import ApartmentRobot
 from edgevox.ros2.contract import DIAGNOSTICS
 from edgevox.ros2.open import NullBridge
@@ -104,10 +104,10 @@ def test_a_shared_model_tells_its_trouble_until_it_answers_again():
     ask = {"grammar": None, "max_tokens": 1, "token": CancelToken()}
     with pytest.raises(ModelFailed):
         list(model.generate([], **ask))
-    assert model.trouble == "nobody answers"
+    assert model.fault == "nobody answers"
     server.down = False
     assert list(model.generate([], **ask)) == ["yes"]
-    assert model.trouble == ""
+    assert model.fault == ""
 
 
 def test_the_example_for_the_aggregator_finds_the_names_that_are_published():

@@ -3,7 +3,7 @@
 import pytest
 
 from edgevox.agent.llm.endpoint import FallbackModel
-from edgevox.apps.language_model import find_weights, open_model
+from edgevox.apps.model_choice import find_weights, open_model
 from edgevox.apps.queries import build_queries
 from edgevox.core.bus import Bus
 from edgevox.core.controls import Controls

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from edgevox.agent.intents import Recogniser, Understood
+from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import Call, SkillSet
 from edgevox.core.errors import EdgeVoxError

@@ -6,7 +6,7 @@ import pytest
 from confirmation_rig import Doubts, Eloquent, Talk
 
 from edgevox.agent.confirmation import EXPIRES_S
-from edgevox.agent.nlu.judge import SURE_FROM
+from edgevox.agent.nlu.confidence import SURE_FROM
 from edgevox.agent.policy import Guard
 from edgevox.core.agent_events import AskedCall, Confirmation, ToolCalled
 from edgevox.core.commands import RunSkill, TextInput
@@ -34,7 +34,7 @@ def test_what_is_asked_first_is_told_with_its_calls_and_done_when_confirmed():
 def test_a_model_is_not_shown_a_question_since_it_would_ask_the_like_and_mean_nothing():
     with Talk(model=Eloquent()) as talk:
         talk.say("go to the kitchen", "yes", "where are you")
-        told = [message.content for message in talk.conversation.mind.chat()]
+        told = [message.content for message in talk.conversation.interpreter.chat()]
         assert talk.answers[0] == "Shall I go to the kitchen?"
         assert not any("Shall I" in said for said in told)
         assert any("get_pose" in said for said in told)

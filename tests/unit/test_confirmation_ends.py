@@ -7,7 +7,7 @@ from confirmation_rig import Doubts, Talk
 from guards import HUNG_S
 
 from edgevox.agent.confirmation import EXPIRES_S, OpenQuestion, Question
-from edgevox.agent.mind import Meaning
+from edgevox.agent.nlu.interpreter import Meaning
 from edgevox.core.agent_events import (
     Confirmation,
     ConfirmationStatus,
@@ -202,21 +202,21 @@ def test_a_turn_that_was_stopped_while_it_thought_asks_nothing_any_more():
 class Saying:
     """Plays as much of a question as the test wants before it is spoken over."""
 
-    def __init__(self, token, on_audible, mouth):
-        self._token, self._on_audible, self._mouth = token, on_audible, mouth
+    def __init__(self, token, on_audible, speech_output):
+        self._token, self._on_audible, self._speech_output = token, on_audible, speech_output
 
     def say(self, sentence):
-        self._mouth.began.set()
-        if self._mouth.audible:
+        self._speech_output.began.set()
+        if self._speech_output.audible:
             self._on_audible()
 
     def finish(self):
         assert self._token.wait(60)
-        first_s = self._mouth.clock.now() if self._mouth.audible else None
+        first_s = self._speech_output.clock.now() if self._speech_output.audible else None
         return Spoken("", cut=True, first_audible_s=first_s)
 
 
-class Mouth:
+class PacedSpeech:
     def __init__(self, *, audible):
         self.audible, self.began, self.clock = audible, threading.Event(), None
 
@@ -226,11 +226,11 @@ class Mouth:
 
 @pytest.mark.parametrize(("audible", "status"), [(True, "confirmed"), (False, "cancelled")])
 def test_a_question_that_is_spoken_over_stands_if_any_of_it_was_heard(audible, status):
-    mouth = Mouth(audible=audible)
-    with Talk(mouth=mouth) as talk:
-        mouth.clock = talk.clock
+    speech_output = PacedSpeech(audible=audible)
+    with Talk(speech_output=speech_output) as talk:
+        speech_output.clock = talk.clock
         talk.conversation.submit(TextInput("go to the kitchen"))
-        assert mouth.began.wait(60)
+        assert speech_output.began.wait(60)
         talk.conversation.submit(Interrupt(motion=False))
         assert talk.conversation.wait_idle(60)
         talk.conversation.submit(TextInput("yes"))

@@ -9,23 +9,23 @@ VOICES = {"en": ["joe", "af_bella"], "fr": ["ff_siwis"]}
 
 
 @pytest.fixture
-def stage():
+def rig():
     bus, heard = Bus(), []
     bus.subscribe(ControlChanged, lambda e: heard.append((e.name, e.value)))
     controls = Controls(bus, language="en", voices=lambda code: VOICES.get(code, []))
     return controls, heard
 
 
-def test_a_change_is_told_once(stage):
-    controls, heard = stage
+def test_a_change_is_told_once(rig):
+    controls, heard = rig
     controls.change({"voice": "af_bella"})
     controls.change({"voice": "af_bella"})
     assert controls.voice == "af_bella"
     assert heard == [("voice", "af_bella")]
 
 
-def test_another_language_drops_the_voice_of_the_old_one(stage):
-    controls, heard = stage
+def test_another_language_drops_the_voice_of_the_old_one(rig):
+    controls, heard = rig
     controls.change({"voice": "af_bella"})
     controls.change({"language": "fr"})
     assert (controls.language, controls.voice) == ("fr", "")
@@ -43,8 +43,8 @@ def test_another_language_drops_the_voice_of_the_old_one(stage):
         ({"muted": True, "language": "xx"}, "language: got 'xx'"),
     ],
 )
-def test_what_cannot_be_honoured_is_refused_and_nothing_changes(stage, wanted, message):
-    controls, heard = stage
+def test_what_cannot_be_honoured_is_refused_and_nothing_changes(rig, wanted, message):
+    controls, heard = rig
     with pytest.raises(InvalidValue) as refused:
         controls.change(wanted)
     assert message in str(refused.value)
@@ -52,14 +52,14 @@ def test_what_cannot_be_honoured_is_refused_and_nothing_changes(stage, wanted, m
     assert heard == []
 
 
-def test_when_it_asks_back_is_a_control(stage):
-    controls, heard = stage
+def test_when_it_asks_back_is_a_control(rig):
+    controls, heard = rig
     assert controls.confirm == "unsure"
     controls.change({"confirm": "always"})
     assert (controls.confirm, heard) == ("always", [("confirm", "always")])
 
 
-def test_language_and_voice_change_together(stage):
-    controls, _ = stage
+def test_language_and_voice_change_together(rig):
+    controls, _ = rig
     controls.change({"language": "fr", "voice": "ff_siwis"})
     assert (controls.language, controls.voice) == ("fr", "ff_siwis")

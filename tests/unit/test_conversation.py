@@ -52,7 +52,7 @@ class StoryTeller:
         """Nothing to free."""
 
 
-class Stage:
+class Rig:
     """A conversation with everything it said and did."""
 
     def __init__(self, model=None, agents=None):
@@ -86,44 +86,44 @@ class Stage:
     def states(self):
         return [str(e.state) for e in self.events if isinstance(e, StateChanged)]
 
-    def deeds(self):
+    def agent_events(self):
         told = [as_json(event) for event in self.events if isinstance(event, AgentEvent)]
         return [(str(one["kind"]), one.get("status")) for one in told]
 
 
 @pytest.fixture
-def open_stage():
-    stages = []
+def open_rig():
+    rigs = []
 
     def make(**parts):
-        stages.append(Stage(**parts))
-        return stages[-1]
+        rigs.append(Rig(**parts))
+        return rigs[-1]
 
     yield make
-    for stage in stages:
-        stage.conversation.close()
+    for rig in rigs:
+        rig.conversation.close()
     names = {thread.name for thread in threading.enumerate()}
     assert not [n for n in names if n.startswith(("edgevox-conversation", "edgevox-goals"))]
 
 
 @pytest.fixture
-def stage(open_stage):
-    return open_stage()
+def rig(open_rig):
+    return open_rig()
 
 
-def test_a_command_is_acknowledged_at_once_and_reported_when_done(stage):
-    stage.say("go to the kitchen")
-    stage.body.starts()
-    stage.body.arrive()
-    stage.settle()
-    assert stage.texts() == ["Going to the kitchen.", "I am in the kitchen."]
-    assert stage.deeds() == [
+def test_a_command_is_acknowledged_at_once_and_reported_when_done(rig):
+    rig.say("go to the kitchen")
+    rig.body.starts()
+    rig.body.arrive()
+    rig.settle()
+    assert rig.texts() == ["Going to the kitchen.", "I am in the kitchen."]
+    assert rig.agent_events() == [
         ("tool_call", None),
         ("skill_goal", "accepted"),
         ("skill_goal", "running"),
         ("skill_goal", "succeeded"),
     ]
-    assert stage.states() == [
+    assert rig.states() == [
         "listening",
         "thinking",
         "speaking",
@@ -133,95 +133,95 @@ def test_a_command_is_acknowledged_at_once_and_reported_when_done(stage):
     ]
 
 
-def test_the_robot_answers_a_question_while_it_drives(stage):
-    stage.say("go to the kitchen")
-    stage.body.starts()
-    stage.say("where are you")
+def test_the_robot_answers_a_question_while_it_drives(rig):
+    rig.say("go to the kitchen")
+    rig.body.starts()
+    rig.say("where are you")
     answered = threading.Event()
-    stage.bus.subscribe(Responded, lambda e: answered.set() if "1.2" in e.text else None)
+    rig.bus.subscribe(Responded, lambda e: answered.set() if "1.2" in e.text else None)
     assert answered.wait(60)
-    assert stage.body.moving
-    stage.body.arrive()
-    stage.settle()
+    assert rig.body.moving
+    rig.body.arrive()
+    rig.settle()
 
 
-def test_a_failed_skill_is_said_with_its_reason(stage):
-    stage.say("open the door")
-    stage.settle()
-    assert stage.texts()[-1] == "I could not do that: the door is locked."
+def test_a_failed_skill_is_said_with_its_reason(rig):
+    rig.say("open the door")
+    rig.settle()
+    assert rig.texts()[-1] == "I could not do that: the door is locked."
 
 
 @pytest.mark.parametrize("word", ["stop", "Halt!", "no, freeze"])
-def test_a_stop_word_halts_the_body_and_says_so(stage, word):
-    stage.say("go to the kitchen")
-    stage.body.starts()
-    stage.say(word)
-    assert not stage.body.moving
-    stage.settle()
-    assert stage.texts()[-1] == "Stopped."
-    assert ("safety_preempt", None) in stage.deeds()
-    assert ("skill_cancelled", "cancelled") in stage.deeds()
-    assert "interrupted" in stage.states()
-    assert stage.states()[-1] == "listening"
+def test_a_stop_word_halts_the_body_and_says_so(rig, word):
+    rig.say("go to the kitchen")
+    rig.body.starts()
+    rig.say(word)
+    assert not rig.body.moving
+    rig.settle()
+    assert rig.texts()[-1] == "Stopped."
+    assert ("safety_preempt", None) in rig.agent_events()
+    assert ("skill_cancelled", "cancelled") in rig.agent_events()
+    assert "interrupted" in rig.states()
+    assert rig.states()[-1] == "listening"
 
 
-def test_stop_does_not_wait_for_a_busy_model(open_stage):
+def test_stop_does_not_wait_for_a_busy_model(open_rig):
     model = StoryTeller()
-    stage = open_stage(model=model)
-    stage.say("go to the kitchen")
-    stage.body.starts()
-    stage.say("tell me a story")
+    rig = open_rig(model=model)
+    rig.say("go to the kitchen")
+    rig.body.starts()
+    rig.say("tell me a story")
     assert model.begun.wait(60)
-    stage.say("stop")
-    assert not stage.body.moving
-    stage.settle()
-    assert stage.texts()[-1] == "Stopped."
+    rig.say("stop")
+    assert not rig.body.moving
+    rig.settle()
+    assert rig.texts()[-1] == "Stopped."
 
 
-def test_an_interrupted_answer_is_marked_as_cut_and_the_next_turn_is_clean(open_stage):
+def test_an_interrupted_answer_is_marked_as_cut_and_the_next_turn_is_clean(open_rig):
     model = StoryTeller()
-    stage = open_stage(model=model)
+    rig = open_rig(model=model)
     heard = threading.Event()
-    stage.bus.subscribe(TokenGenerated, lambda e: heard.set())
-    stage.say("tell me a story")
+    rig.bus.subscribe(TokenGenerated, lambda e: heard.set())
+    rig.say("tell me a story")
     model.allowed.release(3)
     assert heard.wait(60)
-    stage.conversation.submit(Interrupt())
-    stage.settle()
-    assert all(e.cut for e in stage.events if isinstance(e, Responded))
-    assert stage.states()[-2:] == ["interrupted", "listening"]
-    stage.say("where are you")
-    stage.settle()
-    assert stage.texts()[-1] == "I am at 1.2."
-    assert not [e for e in stage.events if isinstance(e, Responded)][-1].cut
+    rig.conversation.submit(Interrupt())
+    rig.settle()
+    assert all(e.cut for e in rig.events if isinstance(e, Responded))
+    assert rig.states()[-2:] == ["interrupted", "listening"]
+    rig.say("where are you")
+    rig.settle()
+    assert rig.texts()[-1] == "I am at 1.2."
+    assert not [e for e in rig.events if isinstance(e, Responded)][-1].cut
 
 
-def test_what_waited_before_a_stop_is_forgotten(open_stage):
+def test_what_waited_before_a_stop_is_forgotten(open_rig):
     model = StoryTeller()
-    stage = open_stage(model=model)
-    stage.say("tell me a story")
+    rig = open_rig(model=model)
+    rig.say("tell me a story")
     assert model.begun.wait(60)
-    stage.say("go to the kitchen")
-    stage.say("stop")
-    stage.settle()
-    assert stage.body.sent == []
+    rig.say("go to the kitchen")
+    rig.say("stop")
+    rig.settle()
+    assert rig.body.sent == []
 
 
-def test_a_stop_with_nothing_to_stop_is_answered(stage):
-    stage.say("stop")
-    stage.settle()
-    assert stage.texts() == ["I am standing still."]
-    assert "interrupted" not in stage.states()
+def test_a_stop_with_nothing_to_stop_is_answered(rig):
+    rig.say("stop")
+    rig.settle()
+    assert rig.texts() == ["I am standing still."]
+    assert "interrupted" not in rig.states()
 
 
-def test_ten_interrupts_in_a_row_change_nothing_when_idle(stage):
+def test_ten_interrupts_in_a_row_change_nothing_when_idle(rig):
     for _ in range(10):
-        stage.conversation.submit(Interrupt())
-    stage.settle()
-    assert stage.states() == ["listening"]
-    stage.say("where are you")
-    stage.settle()
-    assert stage.texts() == ["I am at 1.2."]
+        rig.conversation.submit(Interrupt())
+    rig.settle()
+    assert rig.states() == ["listening"]
+    rig.say("where are you")
+    rig.settle()
+    assert rig.texts() == ["I am at 1.2."]
 
 
 @pytest.mark.parametrize(
@@ -234,103 +234,103 @@ def test_ten_interrupts_in_a_row_change_nothing_when_idle(stage):
         ("go to", f"I did not hear which room. I know {ROOMS_SAID}."),
     ],
 )
-def test_bad_input_has_its_clear_answer(stage, text, answer):
-    stage.say(text)
-    stage.settle()
-    assert stage.texts() == [answer]
+def test_bad_input_has_its_clear_answer(rig, text, answer):
+    rig.say(text)
+    rig.settle()
+    assert rig.texts() == [answer]
 
 
-def test_without_a_model_an_unknown_sentence_is_answered_with_what_the_robot_can_do(stage):
-    stage.say("sing a song")
-    stage.settle()
-    assert stage.texts() == ["I did not understand that, but I can drive to a room, for example."]
+def test_without_a_model_an_unknown_sentence_is_answered_with_what_the_robot_can_do(rig):
+    rig.say("sing a song")
+    rig.settle()
+    assert rig.texts() == ["I did not understand that, but I can drive to a room, for example."]
 
 
-def test_reset_stops_the_robot_and_forgets(stage):
-    stage.say("go to the kitchen")
-    stage.body.starts()
-    stage.conversation.submit(Reset())
-    assert not stage.body.moving
-    stage.settle()
-    assert [m.role for m in stage.conversation.mind.chat()][-1:] != ["user"]
+def test_reset_stops_the_robot_and_forgets(rig):
+    rig.say("go to the kitchen")
+    rig.body.starts()
+    rig.conversation.submit(Reset())
+    assert not rig.body.moving
+    rig.settle()
+    assert [m.role for m in rig.conversation.interpreter.chat()][-1:] != ["user"]
 
 
-def test_a_skill_can_be_run_without_language(stage):
-    stage.conversation.submit(RunSkill("navigate_to", {"room": "moon"}))
-    stage.settle()
-    assert stage.texts() == [f"I cannot do that: I do not know moon. I know {ROOMS_SAID}."]
+def test_a_skill_can_be_run_without_language(rig):
+    rig.conversation.submit(RunSkill("navigate_to", {"room": "moon"}))
+    rig.settle()
+    assert rig.texts() == [f"I cannot do that: I do not know moon. I know {ROOMS_SAID}."]
 
 
-def test_speak_says_the_text_as_it_is(stage):
-    stage.conversation.submit(Speak("The shop closes in ten minutes."))
-    stage.settle()
-    assert stage.texts() == ["The shop closes in ten minutes."]
+def test_speak_says_the_text_as_it_is(rig):
+    rig.conversation.submit(Speak("The shop closes in ten minutes."))
+    rig.settle()
+    assert rig.texts() == ["The shop closes in ten minutes."]
 
 
 @pytest.mark.parametrize("characters", [2001, 1_000_000, 5_000_000])
 @pytest.mark.parametrize("command", [Speak, TextInput])
-def test_what_is_too_long_is_refused_for_that_and_the_person_is_told(stage, command, characters):
-    stage.conversation.submit(command("x" * characters))
-    stage.settle()
+def test_what_is_too_long_is_refused_for_that_and_the_person_is_told(rig, command, characters):
+    rig.conversation.submit(command("x" * characters))
+    rig.settle()
     told = f"That is too long: {characters} characters, and I take 2000."
-    assert stage.texts() == [told]
-    assert stage.conversation.refusals == {"too_many": 0, "too_long": 1}
+    assert rig.texts() == [told]
+    assert rig.conversation.refusals == {"too_many": 0, "too_long": 1}
 
 
-def test_what_is_just_not_too_long_is_said_whole(stage):
-    stage.conversation.submit(Speak("x" * 2000))
-    stage.settle()
-    assert stage.texts() == ["x" * 2000]
-    assert stage.conversation.refusals == {"too_many": 0, "too_long": 0}
+def test_what_is_just_not_too_long_is_said_whole(rig):
+    rig.conversation.submit(Speak("x" * 2000))
+    rig.settle()
+    assert rig.texts() == ["x" * 2000]
+    assert rig.conversation.refusals == {"too_many": 0, "too_long": 0}
 
 
-def test_each_reason_of_a_refusal_is_on_the_log_a_few_times_only(open_stage):
+def test_each_reason_of_a_refusal_is_on_the_log_a_few_times_only(open_rig):
     model = StoryTeller()
     with logging_to_memory() as logged:
-        stage = open_stage(model=model)
+        rig = open_rig(model=model)
         for _ in range(20):
-            stage.conversation.submit(Speak("x" * 1_000_000))
-        stage.settle()
-        stage.say("tell me a story")
+            rig.conversation.submit(Speak("x" * 1_000_000))
+        rig.settle()
+        rig.say("tell me a story")
         assert model.begun.wait(5)
         for _ in range(1000):
-            stage.say("where are you")
-        stage.conversation.submit(Interrupt())
-        stage.settle()
+            rig.say("where are you")
+        rig.conversation.submit(Interrupt())
+        rig.settle()
     refused = [(one["reason"], one["limit"]) for one in logged.of("request_refused")]
     assert refused == [("too_long", 2000)] * MOST_LINES + [("too_many", MAX_WAITING)] * MOST_LINES
 
 
-def test_a_plain_command_of_another_agent_is_handed_over(open_stage):
+def test_a_plain_command_of_another_agent_is_handed_over(open_rig):
     body_skills = FakeBody().skills(*SKILLS)
     talker = Agent("talker", "Talk.", SkillSet(()), handoffs=("driver",))
-    stage = open_stage(agents=[talker, Agent("driver", "Drive.", body_skills)])
-    stage.say("where are you")
-    stage.settle()
-    assert ("handoff", None) in stage.deeds()
-    assert stage.conversation.mind.active.name == "driver"
-    stage.conversation.submit(Reset())
-    stage.settle()
-    assert stage.conversation.mind.active.name == "talker"
+    rig = open_rig(agents=[talker, Agent("driver", "Drive.", body_skills)])
+    rig.say("where are you")
+    rig.settle()
+    assert ("handoff", None) in rig.agent_events()
+    assert rig.conversation.interpreter.active.name == "driver"
+    rig.conversation.submit(Reset())
+    rig.settle()
+    assert rig.conversation.interpreter.active.name == "talker"
 
 
-def test_a_turn_is_measured(stage):
-    stage.say("where are you")
-    stage.settle()
-    (measured,) = [e for e in stage.events if isinstance(e, TurnMeasured)]
+def test_a_turn_is_measured(rig):
+    rig.say("where are you")
+    rig.settle()
+    (measured,) = [e for e in rig.events if isinstance(e, TurnMeasured)]
     assert 0 < measured.ttfs <= measured.total
 
 
-def test_a_flood_is_bounded_and_the_next_command_works(open_stage):
+def test_a_flood_is_bounded_and_the_next_command_works(open_rig):
     model = StoryTeller()
-    stage = open_stage(model=model)
-    stage.say("tell me a story")
+    rig = open_rig(model=model)
+    rig.say("tell me a story")
     assert model.begun.wait(60)
     for _ in range(1000):
-        stage.say("where are you")
-    assert stage.conversation.refusals == {"too_many": 1000 - MAX_WAITING, "too_long": 0}
-    stage.conversation.submit(Interrupt())
-    stage.settle()
-    stage.say("where are you")
-    stage.settle()
-    assert stage.texts()[-1] == "I am at 1.2."
+        rig.say("where are you")
+    assert rig.conversation.refusals == {"too_many": 1000 - MAX_WAITING, "too_long": 0}
+    rig.conversation.submit(Interrupt())
+    rig.settle()
+    rig.say("where are you")
+    rig.settle()
+    assert rig.texts()[-1] == "I am at 1.2."

@@ -1,4 +1,4 @@
-"""A conversation with a mouth that plays as far as the test lets it."""
+"""A conversation with speech output that plays as far as the test lets it."""
 
 import threading
 
@@ -46,7 +46,7 @@ class Saying:
         )
 
 
-class Mouth:
+class PacedSpeech:
     def __init__(self, clock):
         self.utterances, self.played, self._clock = [], threading.Event(), clock
 
@@ -77,10 +77,10 @@ class Story:
         """Nothing to free."""
 
 
-class Stage:
+class Rig:
     def __init__(self):
         self.bus, self.clock, self.model = Bus(), HeldClock(100.0), Story()
-        self.mouth = Mouth(self.clock)
+        self.speech_output = PacedSpeech(self.clock)
         self.events, self.spoken, self.driving = [], threading.Event(), threading.Event()
         for kind in (Responded, StateChanged, Transcribed, TurnMeasured, SentenceReady):
             self.bus.subscribe(kind, self.events.append)
@@ -100,7 +100,7 @@ class Stage:
             self.bus,
             halt=lambda _: False,
             model=self.model,
-            mouth=self.mouth,
+            speech_output=self.speech_output,
             clock=self.clock,
         )
         self.conversation.start()
@@ -120,90 +120,90 @@ class Stage:
         return self
 
     def __exit__(self, *_):
-        self.mouth.played.set()
+        self.speech_output.played.set()
         self.conversation.close()
 
 
 def test_it_speaks_until_the_mouth_has_played_all():
-    with Stage() as stage:
-        stage.conversation.submit(Speak("Hello there."))
-        assert stage.spoken.wait(60)
-        assert not stage.of(Responded)
-        stage.mouth.played.set()
-        assert stage.conversation.wait_idle(10)
-        assert stage.of(Responded) == [Responded("Hello there.", 1)]
-        assert stage.states == [State.LISTENING, State.SPEAKING, State.LISTENING]
+    with Rig() as rig:
+        rig.conversation.submit(Speak("Hello there."))
+        assert rig.spoken.wait(60)
+        assert not rig.of(Responded)
+        rig.speech_output.played.set()
+        assert rig.conversation.wait_idle(10)
+        assert rig.of(Responded) == [Responded("Hello there.", 1)]
+        assert rig.states == [State.LISTENING, State.SPEAKING, State.LISTENING]
 
 
 def test_heard_words_go_from_transcribing_to_thinking_to_speaking():
-    with Stage() as stage:
-        stage.mouth.played.set()
-        stage.conversation.submit(Transcribing())
-        stage.conversation.submit(Heard("tell me a story", ended_s=99.0, stt_s=0.4))
-        assert stage.conversation.wait_idle(10)
-        assert stage.states == [
+    with Rig() as rig:
+        rig.speech_output.played.set()
+        rig.conversation.submit(Transcribing())
+        rig.conversation.submit(Heard("tell me a story", ended_s=99.0, stt_s=0.4))
+        assert rig.conversation.wait_idle(10)
+        assert rig.states == [
             State.LISTENING,
             State.TRANSCRIBING,
             State.THINKING,
             State.SPEAKING,
             State.LISTENING,
         ]
-        assert [event.text for event in stage.of(Transcribed)] == ["tell me a story"]
+        assert [event.text for event in rig.of(Transcribed)] == ["tell me a story"]
 
 
 def test_a_turn_is_measured_from_the_end_of_the_speech_to_the_first_audible_sample():
-    with Stage() as stage:
-        stage.mouth.played.set()
-        stage.conversation.submit(Heard("tell me a story", ended_s=99.0, stt_s=0.4))
-        assert stage.conversation.wait_idle(10)
-        (measured,) = stage.of(TurnMeasured)
+    with Rig() as rig:
+        rig.speech_output.played.set()
+        rig.conversation.submit(Heard("tell me a story", ended_s=99.0, stt_s=0.4))
+        assert rig.conversation.wait_idle(10)
+        (measured,) = rig.of(TurnMeasured)
         assert (measured.stt, measured.tts) == (0.4, 0.125)
         assert measured.ttfs == 1.25
         assert measured.total == 1.0
 
 
 def test_silence_that_was_taken_for_speech_is_not_answered():
-    with Stage() as stage:
-        stage.conversation.submit(Transcribing())
-        stage.conversation.submit(Heard("", ended_s=99.0))
-        assert stage.conversation.wait_idle(10)
-        assert stage.states == [State.LISTENING, State.TRANSCRIBING, State.LISTENING]
-        assert not stage.of(Transcribed)
-        assert not stage.mouth.utterances
+    with Rig() as rig:
+        rig.conversation.submit(Transcribing())
+        rig.conversation.submit(Heard("", ended_s=99.0))
+        assert rig.conversation.wait_idle(10)
+        assert rig.states == [State.LISTENING, State.TRANSCRIBING, State.LISTENING]
+        assert not rig.of(Transcribed)
+        assert not rig.speech_output.utterances
 
 
 def test_history_holds_what_was_heard_with_a_mark_that_it_was_cut():
-    with Stage() as stage:
-        stage.conversation.submit(TextInput("tell me a story"))
-        assert stage.spoken.wait(60)
-        stage.conversation.submit(Interrupt("spoken over", motion=False))
-        assert stage.conversation.wait_idle(10)
-        assert stage.of(Responded) == [Responded("Once upon", 1, cut=True)]
-        assert State.INTERRUPTED in stage.states
-        stage.mouth.played.set()
-        stage.conversation.submit(TextInput("and then?"))
-        assert stage.conversation.wait_idle(10)
-        told = [m.content for m in stage.model.seen[-1] if m.role == "assistant"]
+    with Rig() as rig:
+        rig.conversation.submit(TextInput("tell me a story"))
+        assert rig.spoken.wait(60)
+        rig.conversation.submit(Interrupt("spoken over", motion=False))
+        assert rig.conversation.wait_idle(10)
+        assert rig.of(Responded) == [Responded("Once upon", 1, cut=True)]
+        assert State.INTERRUPTED in rig.states
+        rig.speech_output.played.set()
+        rig.conversation.submit(TextInput("and then?"))
+        assert rig.conversation.wait_idle(10)
+        told = [m.content for m in rig.model.seen[-1] if m.role == "assistant"]
         assert told[-1].endswith(f"Once upon{CUT_MARK}")
 
 
 def test_speaking_over_the_robot_cuts_its_words_but_not_its_drive():
-    with Stage() as stage:
-        stage.conversation.submit(TextInput("drive on"))
-        assert stage.driving.wait(60)
-        assert stage.spoken.wait(60)
-        stage.conversation.submit(Interrupt("spoken over", motion=False))
-        assert stage.mouth.utterances[0].token.cancelled
-        assert not stage.goal_token.cancelled
-        stage.conversation.submit(Heard("stop", ended_s=99.0))
-        assert stage.goal_token.cancelled
+    with Rig() as rig:
+        rig.conversation.submit(TextInput("drive on"))
+        assert rig.driving.wait(60)
+        assert rig.spoken.wait(60)
+        rig.conversation.submit(Interrupt("spoken over", motion=False))
+        assert rig.speech_output.utterances[0].token.cancelled
+        assert not rig.goal_token.cancelled
+        rig.conversation.submit(Heard("stop", ended_s=99.0))
+        assert rig.goal_token.cancelled
 
 
 def test_an_interrupt_cuts_words_and_drive():
-    with Stage() as stage:
-        stage.conversation.submit(TextInput("drive on"))
-        assert stage.driving.wait(60)
-        assert stage.spoken.wait(60)
-        stage.conversation.submit(Interrupt())
-        assert stage.mouth.utterances[0].token.cancelled
-        assert stage.goal_token.cancelled
+    with Rig() as rig:
+        rig.conversation.submit(TextInput("drive on"))
+        assert rig.driving.wait(60)
+        assert rig.spoken.wait(60)
+        rig.conversation.submit(Interrupt())
+        assert rig.speech_output.utterances[0].token.cancelled
+        assert rig.goal_token.cancelled

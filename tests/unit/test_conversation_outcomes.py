@@ -8,7 +8,7 @@ import pytest
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.grammar import SAY
-from edgevox.agent.llm.base import ModelFailed
+from edgevox.agent.llm.language_model import ModelFailed
 from edgevox.agent.skills import SkillSet, skill
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Interrupt, Reset, Speak, TextInput
@@ -41,7 +41,7 @@ class Model:
         return len(text.split())
 
 
-class Stage:
+class Rig:
     def __init__(self, model: Model | None = None) -> None:
         self.ends: list[TurnEnded] = []
         self.causes: list[Cause] = []
@@ -63,10 +63,10 @@ class Stage:
 
 
 @pytest.fixture
-def stage() -> Iterator[type[Stage]]:
-    made: list[Stage] = []
+def rig() -> Iterator[type[Rig]]:
+    made: list[Rig] = []
 
-    class Made(Stage):
+    class Made(Rig):
         def __init__(self, model: Model | None = None) -> None:
             super().__init__(model)
             made.append(self)
@@ -76,8 +76,8 @@ def stage() -> Iterator[type[Stage]]:
         one.conversation.close()
 
 
-def test_plain_commands_are_acted_on_and_all_else_is_not_understood(stage) -> None:
-    one = stage()
+def test_plain_commands_are_acted_on_and_all_else_is_not_understood(rig) -> None:
+    one = rig()
 
     assert one.outcome("wave") is Outcome.ACTED
     assert one.outcome("what is love") is Outcome.NOT_UNDERSTOOD
@@ -85,20 +85,20 @@ def test_plain_commands_are_acted_on_and_all_else_is_not_understood(stage) -> No
     assert one.outcome("   ") is Outcome.NOT_UNDERSTOOD
 
 
-def test_a_model_answers_or_fails_and_all_its_pieces_count(stage) -> None:
-    answering = stage(Model(SAY, "Hello. ", "World. "))
+def test_a_model_answers_or_fails_and_all_its_pieces_count(rig) -> None:
+    answering = rig(Model(SAY, "Hello. ", "World. "))
     assert answering.outcome("who are you") is Outcome.ANSWERED
     (end,) = [one for one in answering.ends if one.outcome]
     assert end.tokens == 3
-    assert len(answering.pieces) < end.tokens, "the first is not for ears"
+    assert len(answering.pieces) < end.tokens, "the first is not spoken"
 
-    failing = stage(Model(SAY, "Hello. ", fails=True))
+    failing = rig(Model(SAY, "Hello. ", fails=True))
     assert failing.outcome("who are you") is Outcome.FAILED
 
 
-def test_what_is_cut_was_interrupted_whatever_it_said_before(stage) -> None:
+def test_what_is_cut_was_interrupted_whatever_it_said_before(rig) -> None:
     model = Model(SAY, "Hello. ", waits=True)
-    one = stage(model)
+    one = rig(model)
     one.conversation.submit(TextInput("who are you"))
     assert model.begun.wait(60)
     one.conversation.submit(Interrupt(cause=Cause.BARGE_IN, motion=False))
@@ -108,8 +108,8 @@ def test_what_is_cut_was_interrupted_whatever_it_said_before(stage) -> None:
     assert one.causes == [Cause.BARGE_IN]
 
 
-def test_what_nobody_asked_for_in_words_has_no_outcome(stage) -> None:
-    one = stage()
+def test_what_nobody_asked_for_in_words_has_no_outcome(rig) -> None:
+    one = rig()
     one.conversation.submit(Speak("Good morning."))
     one.conversation.submit(Reset())
     assert one.conversation.wait_idle(20)

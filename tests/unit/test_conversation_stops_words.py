@@ -12,7 +12,7 @@ from edgevox.core.commands import Heard, Interrupt, Reset, TextInput, Transcribi
 from edgevox.core.events import Responded, State, StateChanged, Transcribed
 
 
-class Stage:
+class Rig:
     def __init__(self):
         self.bus, self.events, self.busy, self.go_on = Bus(), [], threading.Event(), None
 
@@ -49,54 +49,54 @@ class Stage:
 
 
 def test_what_was_said_before_an_interrupt_and_is_understood_after_it_is_not_done():
-    with Stage() as stage:
-        stage.conversation.submit(Transcribing())
-        stage.conversation.submit(Interrupt())
-        stage.conversation.submit(Heard("say hello", ended_s=99.5))
-        assert stage.conversation.wait_idle(10)
+    with Rig() as rig:
+        rig.conversation.submit(Transcribing())
+        rig.conversation.submit(Interrupt())
+        rig.conversation.submit(Heard("say hello", ended_s=99.5))
+        assert rig.conversation.wait_idle(10)
 
-        assert stage.of(Transcribed) == []
-        states = [event.state for event in stage.of(StateChanged)]
+        assert rig.of(Transcribed) == []
+        states = [event.state for event in rig.of(StateChanged)]
         assert State.INTERRUPTED in states
         assert states[-1] is State.LISTENING
 
 
 def test_what_is_said_after_an_interrupt_is_done():
-    with Stage() as stage:
-        stage.conversation.submit(Interrupt())
-        stage.conversation.submit(Heard("say hello", ended_s=100.5))
-        assert stage.conversation.wait_idle(10)
+    with Rig() as rig:
+        rig.conversation.submit(Interrupt())
+        rig.conversation.submit(Heard("say hello", ended_s=100.5))
+        assert rig.conversation.wait_idle(10)
 
-        assert [event.text for event in stage.of(Transcribed)] == ["say hello"]
+        assert [event.text for event in rig.of(Transcribed)] == ["say hello"]
 
 
 def test_a_stop_that_was_said_before_an_interrupt_still_stops():
-    with Stage() as stage:
-        stage.conversation.submit(Interrupt())
-        stage.conversation.submit(Heard("stop", ended_s=99.0))
-        assert stage.conversation.wait_idle(10)
+    with Rig() as rig:
+        rig.conversation.submit(Interrupt())
+        rig.conversation.submit(Heard("stop", ended_s=99.0))
+        assert rig.conversation.wait_idle(10)
 
-        assert [event.text for event in stage.of(Responded)] == ["I am standing still."]
+        assert [event.text for event in rig.of(Responded)] == ["I am standing still."]
 
 
 def test_what_was_said_after_a_spoken_stop_is_done_though_that_was_understood_late():
-    with Stage() as stage:
-        stage.conversation.submit(Heard("stop", ended_s=98.0))
-        stage.conversation.submit(Heard("say hello", ended_s=99.0))
-        assert stage.conversation.wait_idle(10)
+    with Rig() as rig:
+        rig.conversation.submit(Heard("stop", ended_s=98.0))
+        rig.conversation.submit(Heard("say hello", ended_s=99.0))
+        assert rig.conversation.wait_idle(10)
 
-        assert [event.text for event in stage.of(Transcribed)] == ["stop", "say hello"]
+        assert [event.text for event in rig.of(Transcribed)] == ["stop", "say hello"]
 
 
 def test_a_language_that_was_set_is_not_forgotten_by_a_stop():
-    with Stage() as stage:
-        stage.conversation.submit(TextInput("think"))
-        assert stage.busy.wait(60)
-        stage.conversation.set_language("fr")
-        stage.conversation.submit(Reset())
-        stage.go_on.set()
-        assert stage.conversation.wait_idle(10)
-        stage.conversation.submit(TextInput("blorp"))
-        assert stage.conversation.wait_idle(10)
+    with Rig() as rig:
+        rig.conversation.submit(TextInput("think"))
+        assert rig.busy.wait(60)
+        rig.conversation.set_language("fr")
+        rig.conversation.submit(Reset())
+        rig.go_on.set()
+        assert rig.conversation.wait_idle(10)
+        rig.conversation.submit(TextInput("blorp"))
+        assert rig.conversation.wait_idle(10)
 
-        assert stage.of(Responded)[-1].text.startswith("Je n'ai pas compris")
+        assert rig.of(Responded)[-1].text.startswith("Je n'ai pas compris")

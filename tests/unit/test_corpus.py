@@ -10,8 +10,8 @@ import yaml
 from corpus_robots import is_right, skills_of_robots
 from corpus_sentences import ROBOTS, held_out, is_held_out, read_corpus, tuning
 
+from edgevox.agent.model_prompt import examples
 from edgevox.agent.phrase_file import phrasebook
-from edgevox.agent.prompt import examples
 from edgevox.agent.skills import Call
 from edgevox.agent.spelling import key
 

@@ -9,12 +9,12 @@ from types import SimpleNamespace
 import pytest
 from clocks import HeldClock
 
-from edgevox.agent.llm.status import LlmComponent
+from edgevox.agent.llm.llm_status import LlmComponent
 from edgevox.core.bus import Bus
 from edgevox.core.events import AudioLevel, Outcome, TokenGenerated, TurnEnded, TurnMeasured
 from edgevox.core.gauges import Gauges
 from edgevox.core.languages import LANGUAGES
-from edgevox.core.lately import LATELY_S, Lately
+from edgevox.core.recent_increase import LATELY_S, RecentIncrease
 from edgevox.core.status import (
     STALL_S,
     Components,
@@ -24,16 +24,16 @@ from edgevox.core.status import (
     Off,
     Status,
 )
-from edgevox.ops.diagnostics.disk import MIB, Room, disk_status, room, rooms
+from edgevox.ops.diagnostics.disk import MIB, DiskSpace, disk_status, room, rooms
 from edgevox.ops.diagnostics.process import ProcessComponent
-from edgevox.ops.health import Health
+from edgevox.ops.health_checks import Health
 from edgevox.robots.capabilities import Twist2D
-from edgevox.robots.physics import PymunkEngine
-from edgevox.robots.planar import PlanarRobot
-from edgevox.robots.status import SimComponent
+from edgevox.robots.diff_drive import DiffDriveRobot
+from edgevox.robots.pymunk_engine import PymunkEngine
+from edgevox.robots.sim_status import SimComponent
 from edgevox.robots.world import load_world
-from edgevox.ros2.status import ExecutorComponent, ExecutorCounts
-from edgevox.voice.status import AudioComponent, SttComponent, TtsComponent
+from edgevox.ros2.bridge_status import ExecutorComponent, ExecutorCounts
+from edgevox.voice.voice_status import AudioComponent, SttComponent, TtsComponent
 
 GIB = 1024 * MIB
 CONTROLS = SimpleNamespace(language="en", voice="", muted=False)
@@ -77,21 +77,21 @@ def test_the_worst_finding_decides_and_comes_first_and_unknown_values_are_not_sh
 
 def test_what_happened_is_shown_for_a_while_and_then_over():
     clock = HeldClock()
-    lately = Lately(clock)
-    assert not lately.grew(0)
+    increase = RecentIncrease(clock)
+    assert not increase.grew(0)
     clock.now_s = 100.0
-    assert lately.grew(2)
+    assert increase.grew(2)
     clock.now_s += LATELY_S - 0.1
-    assert lately.grew(2)
+    assert increase.grew(2)
     clock.now_s += 0.2
-    assert not lately.grew(2)
-    assert lately.grew(3)
+    assert not increase.grew(2)
+    assert increase.grew(3)
 
 
-def sound(clock, *, alive=True, muted=False, source_trouble="", sink_trouble="", dropped=0):
+def sound(clock, *, alive=True, muted=False, source_fault="", sink_fault="", dropped=0):
     return AudioComponent(
-        SimpleNamespace(name="a microphone", trouble=source_trouble, dropped=dropped),
-        SimpleNamespace(name="a loudspeaker", trouble=sink_trouble),
+        SimpleNamespace(name="a microphone", fault=source_fault, dropped=dropped),
+        SimpleNamespace(name="a loudspeaker", fault=sink_fault),
         SimpleNamespace(alive=alive, failed=0),
         SimpleNamespace(alive=alive),
         controls=SimpleNamespace(muted=muted),
@@ -105,8 +105,8 @@ def sound(clock, *, alive=True, muted=False, source_trouble="", sink_trouble="",
     [
         ({}, Level.OK, "hears and speaks"),
         ({"muted": True}, Level.OK, "muted"),
-        ({"source_trouble": "unplugged"}, Level.ERROR, "microphone: unplugged"),
-        ({"sink_trouble": "unplugged"}, Level.ERROR, "loudspeaker: unplugged"),
+        ({"source_fault": "unplugged"}, Level.ERROR, "microphone: unplugged"),
+        ({"sink_fault": "unplugged"}, Level.ERROR, "loudspeaker: unplugged"),
         ({"alive": False}, Level.ERROR, "ears: its thread has ended; mouth: its thread has ended"),
         ({"dropped": 9}, Level.WARN, "9 by now"),
     ],
@@ -115,7 +115,7 @@ def test_audio_says_what_is_wrong_with_its_devices(changed, level, said):
     seen = sound(HeldClock(), **changed).status()
     assert seen.level is level
     assert said in seen.message
-    wrong = "source_trouble" in changed
+    wrong = "source_fault" in changed
     assert seen.values["source_state"] == ("retrying" if wrong else "open")
 
 
@@ -125,10 +125,10 @@ def test_frames_that_were_dropped_some_time_ago_are_only_counted():
     assert (seen.level, seen.values["dropped_frames"]) == (Level.OK, 9)
 
 
-def hearing(clock, last=None, *, refused=0, failed=0, trouble=""):
-    understanding = SimpleNamespace(last=last, refused=refused, failed=failed)
-    ears = SimpleNamespace(understanding=understanding)
-    return SttComponent(SimpleNamespace(trouble=trouble), ears, CONTROLS, clock)
+def hearing(clock, last=None, *, refused=0, failed=0, fault=""):
+    transcriber = SimpleNamespace(last=last, refused=refused, failed=failed)
+    listener = SimpleNamespace(transcriber=transcriber)
+    return SttComponent(SimpleNamespace(fault=fault), listener, CONTROLS, clock)
 
 
 @pytest.mark.parametrize(
@@ -140,7 +140,7 @@ def hearing(clock, last=None, *, refused=0, failed=0, trouble=""):
         ({"last": (5.0, 20.0)}, Level.OK, Level.OK),
         ({"refused": 1}, Level.WARN, Level.OK),
         ({"failed": 1}, Level.ERROR, Level.OK),
-        ({"trouble": "no model"}, Level.ERROR, Level.ERROR),
+        ({"fault": "no model"}, Level.ERROR, Level.ERROR),
     ],
 )
 def test_speech_to_text_says_when_it_is_slow_flooded_or_failing(changed, level, later):
@@ -168,15 +168,15 @@ def test_speech_to_text_tells_its_real_time_factor():
 def test_text_to_speech_says_when_another_voice_must_do(asked, speaks, failures, level):
     voices = {one.backend: one for row in LANGUAGES.values() for one in row.voices}
     last = (SimpleNamespace(name=speaks, backend=speaks), 16000) if speaks else None
-    speaker = SimpleNamespace(last=last, failures=failures, trouble="")
+    synthesiser = SimpleNamespace(last=last, failures=failures, fault="")
     language = next(code for code, row in LANGUAGES.items() if voices[asked] in row.voices)
     controls = SimpleNamespace(language=language, voice=voices[asked].name)
-    mouth = SimpleNamespace(speaker=speaker, refused=0)
-    assert TtsComponent(mouth, controls, Gauges(Bus()), HeldClock()).status().level is level
+    speech_output = SimpleNamespace(synthesiser=synthesiser, refused=0)
+    assert TtsComponent(speech_output, controls, Gauges(Bus()), HeldClock()).status().level is level
 
 
-def thinking(clock=None, *, on_board=False, endpoint="", trouble="", failed=0):
-    model = SimpleNamespace(trouble=trouble, context_tokens=4096)
+def thinking(clock=None, *, on_board=False, endpoint="", fault="", failed=0):
+    model = SimpleNamespace(fault=fault, context_tokens=4096)
     gauges = SimpleNamespace(model_failures=failed, tokens_per_s=None)
     weights = Path("a.gguf") if on_board else None
     return LlmComponent(model, gauges, weights=weights, endpoint=endpoint, clock=clock)
@@ -188,11 +188,11 @@ def thinking(clock=None, *, on_board=False, endpoint="", trouble="", failed=0):
         ({"on_board": True}, Level.OK, "on board"),
         ({"on_board": True, "endpoint": "http://llm"}, Level.OK, "endpoint"),
         (
-            {"on_board": True, "endpoint": "http://llm", "trouble": "refused"},
+            {"on_board": True, "endpoint": "http://llm", "fault": "refused"},
             Level.WARN,
             "on board",
         ),
-        ({"endpoint": "http://llm", "trouble": "refused"}, Level.ERROR, "on board"),
+        ({"endpoint": "http://llm", "fault": "refused"}, Level.ERROR, "on board"),
         ({"on_board": True, "failed": 1}, Level.ERROR, "on board"),
     ],
 )
@@ -202,7 +202,7 @@ def test_the_language_model_says_who_answers(changed, level, answers):
 
 
 def robot(clock=None, **changed):
-    at_rest = {"real_time_factor": 0.0, "pace": None, "breaks": 0, "stalled_s": 0.0, "trouble": ""}
+    at_rest = {"real_time_factor": 0.0, "pace": None, "breaks": 0, "stalled_s": 0.0, "fault": ""}
     return SimComponent(SimpleNamespace(name="robot-apartment", **{**at_rest, **changed}), clock)
 
 
@@ -219,7 +219,7 @@ def robot(clock=None, **changed):
         ({"breaks": 1}, Level.ERROR),
         ({"battery": lambda: 0.1}, Level.WARN),
         ({"battery": lambda: 0.0}, Level.ERROR),
-        ({"trouble": "nothing is heard on /odom"}, Level.ERROR),
+        ({"fault": "nothing is heard on /odom"}, Level.ERROR),
     ],
 )
 def test_a_robot_says_when_its_world_stands_breaks_or_is_slow(changed, level):
@@ -268,7 +268,7 @@ class Sticky(PymunkEngine):
 def test_a_step_that_hangs_keeps_nobody_from_asking_how_its_world_is():
     world = load_world()
     engine = Sticky(world)
-    with PlanarRobot("robot-apartment", world, engine) as body, ThreadPoolExecutor(1) as asking:
+    with DiffDriveRobot("robot-apartment", world, engine) as body, ThreadPoolExecutor(1) as asking:
         engine.free.clear()
         body.set_velocity(Twist2D(0.1, 0.0))
         assert engine.stuck.wait(60)
@@ -307,7 +307,7 @@ def test_the_executor_says_when_a_callback_holds_up_all_others(seen, missing, le
     ],
 )
 def test_a_disk_is_full_by_what_is_left_and_a_small_one_by_which_part(free, size, level):
-    said = disk_status([Room(Path("/data"), 1, free, size, writable=True)])
+    said = disk_status([DiskSpace(Path("/data"), 1, free, size, writable=True)])
     assert said.level is level
     assert said.values == {"/data free_mib": free // MIB}
 

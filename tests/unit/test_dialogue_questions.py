@@ -1,116 +1,116 @@
 from contextlib import closing
 
 import pytest
-from dialogue_rig import Stage, Walker
+from dialogue_rig import Rig, Walker
 
 from edgevox.agent.dialogue import MOST_EXCHANGES, REMEMBERED_S
-from edgevox.agent.mind import Meaning
+from edgevox.agent.nlu.interpreter import Meaning
 from edgevox.agent.skills import Call, SkillSet
 from edgevox.core.agent_events import GoalStatus
 from edgevox.core.commands import Reset, RunSkill
 
 
 @pytest.fixture
-def stage():
-    one = Stage()
+def rig():
+    one = Rig()
     with closing(one.talk):
         yield one
 
 
-def test_asked_what_it_does_it_says_so_and_how_far_it_is_and_drives_on(stage):
-    stage.begin("go to the office")
+def test_asked_what_it_does_it_says_so_and_how_far_it_is_and_drives_on(rig):
+    rig.begin("go to the office")
 
-    assert stage.ask("what are you doing?") == "Going to the office. 42 percent of that is done."
-    assert stage.talk.wait_idle(0.0) is False
-    stage.arrive()
-    assert stage.ended("navigate_to") == [GoalStatus.SUCCEEDED]
-
-
-def test_asked_what_it_does_it_says_when_that_is_nothing(stage):
-    assert stage.say("what are you doing?") == "I am doing nothing right now."
-    stage.say("go to the office")
-    assert stage.say("Are you busy?") == "I am doing nothing right now."
+    assert rig.ask("what are you doing?") == "Going to the office. 42 percent of that is done."
+    assert rig.talk.wait_idle(0.0) is False
+    rig.arrive()
+    assert rig.ended("navigate_to") == [GoalStatus.SUCCEEDED]
 
 
-def test_asked_why_it_quotes_the_words_and_says_that_they_were_plain(stage):
-    stage.say("go to the kitchen")
-    stage.say("where are you")
+def test_asked_what_it_does_it_says_when_that_is_nothing(rig):
+    assert rig.say("what are you doing?") == "I am doing nothing right now."
+    rig.say("go to the office")
+    assert rig.say("Are you busy?") == "I am doing nothing right now."
 
-    why = stage.say("Why did you go there?")
+
+def test_asked_why_it_quotes_the_words_and_says_that_they_were_plain(rig):
+    rig.say("go to the kitchen")
+    rig.say("where are you")
+
+    why = rig.say("Why did you go there?")
 
     assert why == "Because I heard: “go to the kitchen”. That is a plain command."
 
 
-def test_asked_why_it_says_that_it_took_words_for_a_command_and_how_sure_it_was(monkeypatch, stage):
+def test_asked_why_it_says_that_it_took_words_for_a_command_and_how_sure_it_was(monkeypatch, rig):
     call = Call("navigate_to", {"room": "office"})
 
     def read(text, turn):
-        return Meaning(stage.talk.mind.active, (call,), "reading", 0.93)
+        return Meaning(rig.talk.interpreter.active, (call,), "reading", 0.93)
 
-    monkeypatch.setattr(stage.talk.mind, "understand", read)
-    stage.say("somebody should check the stove")
+    monkeypatch.setattr(rig.talk.interpreter, "understand", read)
+    rig.say("somebody should check the stove")
     monkeypatch.undo()
 
-    assert stage.say("why did you do that?") == (
+    assert rig.say("why did you do that?") == (
         "Because I heard: “somebody should check the stove”. "
         "I took that for a command and was 93 percent sure."
     )
 
 
-def test_asked_why_it_names_a_program(stage):
-    stage.say("go to the kitchen")
-    stage.talk.start_goal("navigate_to", {"room": "office"}).wait(10.0)
-    assert stage.say("why did you do that?") == "A program asked me to."
+def test_asked_why_it_names_a_program(rig):
+    rig.say("go to the kitchen")
+    rig.talk.start_goal("navigate_to", {"room": "office"}).wait(10.0)
+    assert rig.say("why did you do that?") == "A program asked me to."
 
-    stage.talk.submit(RunSkill("navigate_to", {"room": "kitchen"}))
-    assert stage.talk.wait_idle(10.0)
-    assert stage.say("why did you do that?") == "A program asked me to."
+    rig.talk.submit(RunSkill("navigate_to", {"room": "kitchen"}))
+    assert rig.talk.wait_idle(10.0)
+    assert rig.say("why did you do that?") == "A program asked me to."
 
 
-def test_asked_why_after_so_much_else_that_it_forgot_the_words_it_names_no_program(stage):
-    stage.say("go to the kitchen")
+def test_asked_why_after_so_much_else_that_it_forgot_the_words_it_names_no_program(rig):
+    rig.say("go to the kitchen")
     for _ in range(MOST_EXCHANGES + 1):
-        stage.say("what did you hear?")
-    assert stage.say("why did you do that?") == "I have done nothing lately."
+        rig.say("what did you hear?")
+    assert rig.say("why did you do that?") == "I have done nothing lately."
 
 
-def test_asked_why_after_nothing_it_says_so(stage):
-    assert stage.say("why did you do that?") == "I have done nothing lately."
-    stage.say("go to the kitchen")
-    stage.clock.now_s += REMEMBERED_S + 1
-    assert stage.say("why did you do that?") == "I have done nothing lately."
+def test_asked_why_after_nothing_it_says_so(rig):
+    assert rig.say("why did you do that?") == "I have done nothing lately."
+    rig.say("go to the kitchen")
+    rig.clock.now_s += REMEMBERED_S + 1
+    assert rig.say("why did you do that?") == "I have done nothing lately."
 
 
-def test_asked_what_it_heard_it_quotes_the_last_words_and_never_the_question(stage):
-    assert stage.say("what did you hear?") == "I did not hear anything."
-    stage.say("Blorp fizzle, please.")
-    assert stage.say("what did you hear?") == "I heard: “Blorp fizzle, please”."
-    assert stage.say("what did I say?") == "I heard: “Blorp fizzle, please”."
+def test_asked_what_it_heard_it_quotes_the_last_words_and_never_the_question(rig):
+    assert rig.say("what did you hear?") == "I did not hear anything."
+    rig.say("Blorp fizzle, please.")
+    assert rig.say("what did you hear?") == "I heard: “Blorp fizzle, please”."
+    assert rig.say("what did I say?") == "I heard: “Blorp fizzle, please”."
 
 
-def test_a_stop_word_is_among_what_it_heard(stage):
-    stage.say("go to the kitchen")
-    stage.say("Stop!")
+def test_a_stop_word_is_among_what_it_heard(rig):
+    rig.say("go to the kitchen")
+    rig.say("Stop!")
 
-    assert stage.say("what did you hear?") == "I heard: “Stop!”."
-
-
-def test_a_long_sentence_is_quoted_in_part(stage):
-    stage.say("blorp " * 100)
-
-    assert len(stage.say("what did you hear?")) < 150
+    assert rig.say("what did you hear?") == "I heard: “Stop!”."
 
 
-def test_after_a_reset_nothing_is_known_of_what_was_said(stage):
-    stage.say("go to the kitchen")
-    stage.talk.submit(Reset())
+def test_a_long_sentence_is_quoted_in_part(rig):
+    rig.say("blorp " * 100)
 
-    assert stage.say("what did you hear?") == "I did not hear anything."
-    assert stage.say("why did you do that?") == "I have done nothing lately."
+    assert len(rig.say("what did you hear?")) < 150
 
 
-def test_asked_what_it_can_do_it_says_one_sentence_and_writes_the_rest(stage):
-    answer = stage.hear("what can you do here?")
+def test_after_a_reset_nothing_is_known_of_what_was_said(rig):
+    rig.say("go to the kitchen")
+    rig.talk.submit(Reset())
+
+    assert rig.say("what did you hear?") == "I did not hear anything."
+    assert rig.say("why did you do that?") == "I have done nothing lately."
+
+
+def test_asked_what_it_can_do_it_says_one_sentence_and_writes_the_rest(rig):
+    answer = rig.hear("what can you do here?")
 
     assert answer.text == (
         "I can: drive to a room; drive to a point of the map; walk forward; and 3 more things."
@@ -124,48 +124,48 @@ def test_asked_what_it_can_do_it_says_one_sentence_and_writes_the_rest(stage):
 def test_a_robot_with_few_skills_says_all_and_one_with_none_that_it_talks():
     body = Walker()
     body.skills = SkillSet([body.skills["navigate_to"], body.skills["get_pose"]])
-    few = Stage(body)
+    few = Rig(body)
     with closing(few.talk):
         assert few.say("what can you do?") == "I can: drive to a room; say where I am."
     body.skills = SkillSet(())
-    none = Stage(body)
+    none = Rig(body)
     with closing(none.talk):
         assert none.say("what can you do?") == "I can only talk."
 
 
 def test_questions_are_answered_in_the_language_that_is_spoken():
-    stage = Stage(language="de")
-    with closing(stage.talk):
-        stage.say("Fahr in die Küche.")
+    rig = Rig(language="de")
+    with closing(rig.talk):
+        rig.say("Fahr in die Küche.")
 
-        assert stage.say("Warum bist du dahin gefahren?") == (
+        assert rig.say("Warum bist du dahin gefahren?") == (
             "Weil ich gehört habe: „Fahr in die Küche“. Das ist ein klarer Befehl."
         )
-        assert stage.say("Was machst du gerade?") == "Ich tue gerade nichts."
+        assert rig.say("Was machst du gerade?") == "Ich tue gerade nichts."
 
 
-def test_what_is_remembered_is_bounded(stage):
-    stage.say("go to the kitchen")
+def test_what_is_remembered_is_bounded(rig):
+    rig.say("go to the kitchen")
     for number in range(MOST_EXCHANGES):
-        stage.say(f"blorp {number}")
+        rig.say(f"blorp {number}")
 
-    assert stage.say("again").startswith("I cannot do that: nothing was asked of me just now")
+    assert rig.say("again").startswith("I cannot do that: nothing was asked of me just now")
 
 
-def test_a_question_is_a_call_that_everybody_sees_and_that_moves_nothing(stage):
-    stage.say("what are you doing?")
+def test_a_question_is_a_call_that_everybody_sees_and_that_moves_nothing(rig):
+    rig.say("what are you doing?")
 
-    assert [one.skill for one in stage.calls] == ["what_are_you_doing"]
-    assert stage.body.moves == []
+    assert [one.skill for one in rig.calls] == ["what_are_you_doing"]
+    assert rig.body.moves == []
 
 
 def test_asked_why_after_a_yes_it_quotes_what_the_yes_was_said_to():
-    stage = Stage(confirm="always")
-    with closing(stage.talk):
-        assert stage.say("go to the kitchen") == "Shall I do this? Going to the kitchen."
-        stage.say("yes")
+    rig = Rig(confirm="always")
+    with closing(rig.talk):
+        assert rig.say("go to the kitchen") == "Shall I do this? Going to the kitchen."
+        rig.say("yes")
 
-        why = stage.say("why did you do that?")
+        why = rig.say("why did you do that?")
 
         assert why == "Because I heard: “go to the kitchen”. That is a plain command."
-        assert stage.body.moves == ["kitchen"]
+        assert rig.body.moves == ["kitchen"]

@@ -4,8 +4,8 @@ import pytest
 from phrasebook_bodies import BODIES, say_it
 
 from edgevox.agent.agents import Agent
-from edgevox.agent.dialogue_skills import ALSO, ASIDES, REFERENCES, Asides
-from edgevox.agent.intents import Recogniser, Understood
+from edgevox.agent.dialogue_skills import ALSO, DIALOGUE_SKILLS, REFERENCES, DialogueSkills
+from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.safety import SafetyWords
 from edgevox.agent.toolcalls import Protocol
@@ -14,7 +14,7 @@ from edgevox.core.clock import SystemClock
 from edgevox.core.languages import LANGUAGES
 
 AGENTS = {
-    body: Asides(
+    body: DialogueSkills(
         [Agent(body, "", skills)], Bus(), SystemClock(), lambda: phrasebook(ENGLISH)
     ).agents[0]
     for body, skills in BODIES.items()
@@ -27,7 +27,7 @@ OF_THE_BODY = {"go_back": "walk_backward", "further": "walk_forward"}
 def sentences(code, body):
     """Each question and reference with sentences of every template."""
     book, source = phrasebook(code), random.Random(7)
-    for name, one in AGENTS[body].asides.items():
+    for name, one in AGENTS[body].dialogue_skills.items():
         templates = book.templates(one)
         assert templates, (code, name)
         for template in templates * SAMPLES:
@@ -38,7 +38,7 @@ def sentences(code, body):
 @pytest.mark.parametrize("code", LANGUAGES)
 def test_what_is_asked_about_the_conversation_is_understood_in_every_language(code, body):
     agent = AGENTS[body]
-    recogniser = Recogniser(agent.skills, code, agent.asides)
+    recogniser = Recogniser(agent.skills, code, agent.dialogue_skills)
 
     for name, sentence in sentences(code, body):
         found = recogniser.recognise(sentence)
@@ -69,7 +69,10 @@ def test_a_stop_word_beside_such_a_sentence_still_stops(code):
 @pytest.mark.parametrize("body", BODIES)
 def test_what_a_body_understands_by_itself_it_understands_beside_these_too(code, body):
     agent, book, source = AGENTS[body], phrasebook(code), random.Random(8)
-    alone, beside = Recogniser(agent.skills, code), Recogniser(agent.skills, code, agent.asides)
+    alone, beside = (
+        Recogniser(agent.skills, code),
+        Recogniser(agent.skills, code, agent.dialogue_skills),
+    )
 
     for one in agent.skills.values():
         for template in book.templates(one):
@@ -83,12 +86,12 @@ def test_a_model_is_neither_told_of_them_nor_able_to_call_them(code):
     protocol = Protocol(agent.instructions, agent.skills, agent.handoffs, code)
     told = " ".join(message.content for message in protocol.opening) + protocol.grammar
 
-    assert not [name for name in ASIDES if f"{name}(" in told]
+    assert not [name for name in DIALOGUE_SKILLS if f"{name}(" in told]
 
 
 @pytest.mark.parametrize("code", [code for code in LANGUAGES if code != ENGLISH])
 def test_a_phrasebook_has_them_all_and_a_name_for_each_argument(code):
     book, english = phrasebook(code), phrasebook(ENGLISH)
 
-    assert set(book.dialogue) == set(ASIDES)
+    assert set(book.dialogue) == set(DIALOGUE_SKILLS)
     assert set(book.arguments) == set(english.arguments) - {"location"}

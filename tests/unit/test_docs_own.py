@@ -7,17 +7,18 @@ from typing import Protocol
 
 import pytest
 
-from edgevox.agent import mind, skill_executor
+from edgevox.agent import skill_executor
 from edgevox.agent.inbox import MAX_WAITING
-from edgevox.agent.llm.endpoint import exchange
+from edgevox.agent.llm.endpoint import http_request
+from edgevox.agent.nlu import interpreter
 from edgevox.apps.terminal import lines
 from edgevox.core import text, user_file
 from edgevox.ops import http_server
 from edgevox.robots import capabilities, world
 from edgevox.ros2 import skill_requests
 from edgevox.ros2.external import locations
-from edgevox.ros2.recorder import inbox
-from edgevox.scenario import model
+from edgevox.ros2.recorder import write_queue
+from edgevox.scenario import scenario
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -62,14 +63,14 @@ def test_the_page_of_robots_has_every_protocol_with_its_methods():
         ("{} KB |", skill_requests.MAX_ARGUMENTS_BYTES >> 10),
         ("| {} KB, 2 s", http_server.MOST_BYTES >> 10),
         ("2 s, {} at once", http_server.MOST_AT_ONCE),
-        ("reply | {} MB", exchange.MOST_BYTES >> 20),
-        ("{} tokens", mind.ANSWER_TOKENS),
-        ("{:,} steps", model.MAX_STEPS),
+        ("reply | {} MB", http_request.MOST_BYTES >> 20),
+        ("{} tokens", interpreter.ANSWER_TOKENS),
+        ("{:,} steps", scenario.MAX_STEPS),
         ("{:,} things", world.MOST_THINGS),
         ("{} places", locations.MOST_LOCATIONS),
         ("names | {} MB", user_file.LARGEST_TEXT_BYTES // 1_000_000),
-        ("{:,} messages", inbox.MOST_MESSAGES),
-        ("or {} MB that wait", inbox.MOST_BYTES >> 20),
+        ("{:,} messages", write_queue.MOST_MESSAGES),
+        ("or {} MB that wait", write_queue.MOST_BYTES >> 20),
     ],
 )
 def test_a_bound_on_the_page_of_security_is_that_of_the_code(told, number):

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from phrasebook_bodies import BODIES, MEMORY, Nobody
 
-from edgevox.agent.intents import Recogniser, Understood
+from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.skills import SkillSet
 from edgevox.apps.robots import ROBOTS
 from edgevox.robots.navigation import LOCATION, navigation_skills

@@ -10,8 +10,8 @@ from edgevox.core.events import TurnMeasured
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.settings import Settings
 from edgevox.models.manifest import builtin_manifest
-from edgevox.voice.attention import FOLLOW_S, SHORT_S
 from edgevox.voice.endpoint import END_S
+from edgevox.voice.wake_gate import FOLLOW_S, SHORT_S
 
 PAGE = (Path(__file__).parents[2] / "docs" / "voice.md").read_text()
 

@@ -6,12 +6,12 @@ import os
 import pytest
 from doctor_rig import ERROR, OK, SKIPPED, WARNING, situation
 
-from edgevox.apps import talk
+from edgevox.apps import edgevox
 from edgevox.apps.doctor import runner
+from edgevox.apps.doctor.check import Check, CheckAnswer, CheckVerdict, error, ok, warning
 from edgevox.apps.doctor.checks import CHECKS
 from edgevox.apps.doctor.report import as_json, print_table, worst
 from edgevox.apps.doctor.runner import ProbeFailed, ask, probe_apart
-from edgevox.apps.doctor.verdict import Answer, Check, Verdict, error, ok, warning
 
 HERE = "doctor_probes"
 
@@ -57,12 +57,12 @@ def test_a_check_that_breaks_is_an_error_and_what_needs_it_is_not_tried(monkeypa
 
 def test_the_report_says_all_to_people_and_to_programs(capsys):
     answers = [
-        Answer("clock", ok("set")),
-        Answer("models", error("whisper [base] is damaged", "edgevox-models fetch small")),
-        Answer("sound", warning("no microphone")),
+        CheckAnswer("clock", ok("set")),
+        CheckAnswer("models", error("whisper [base] is damaged", "edgevox-models fetch small")),
+        CheckAnswer("sound", warning("no microphone")),
     ]
     assert worst(answers) is ERROR
-    assert worst([Answer("gpu", Verdict(SKIPPED, ""))]) is OK
+    assert worst([CheckAnswer("gpu", CheckVerdict(SKIPPED, ""))]) is OK
     print_table(answers)
     table = capsys.readouterr().out
     assert "whisper [base] is damaged" in table
@@ -77,8 +77,8 @@ def test_edgevox_doctor_is_the_doctor(capsys):
     assert len(names) == len(CHECKS)
     assert {need for check in CHECKS for need in check.needs} <= names
     with pytest.raises(SystemExit) as ended:
-        talk.main(["doctor", "--only", "astrology"])
+        edgevox.main(["doctor", "--only", "astrology"])
     assert ended.value.code == 2
     assert "astrology" in capsys.readouterr().err
-    assert talk.main(["doctor", "--only", "python", "--json"]) == 0
+    assert edgevox.main(["doctor", "--only", "python", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["checks"][0]["check"] == "python"

@@ -4,10 +4,10 @@ import pytest
 from doctor_rig import ERROR, OK, SKIPPED, WARNING, levels, situation
 from gguf_files import small_gguf
 
-from edgevox.agent.llm import gguf, memory
-from edgevox.agent.llm.base import ModelFailed
+from edgevox.agent.llm import gguf, memory_estimate
 from edgevox.agent.llm.factory import load_model
-from edgevox.apps.doctor import graphics, machine, models, sound, surroundings
+from edgevox.agent.llm.language_model import ModelFailed
+from edgevox.apps.doctor import graphics, machine, model_files, process_environment, sound
 from edgevox.models import Store
 from edgevox.ops.diagnostics.disk import MIB
 
@@ -61,11 +61,11 @@ def test_memory_must_hold_the_models_below_the_limit_of_a_container(changed, set
 def test_what_the_language_model_takes_is_what_its_loader_asks_for(tmp_path, monkeypatch):
     path = small_gguf(tmp_path)
     here = situation(llm=str(path), llm_context=8192)
-    needed = memory.needed_bytes(gguf.check(path), 8192)
+    needed = memory_estimate.needed_bytes(gguf.check(path), 8192)
     assert machine.probe_memory(here)["llm"] == needed // MIB
-    there = memory.Memory(8000 * MIB, (needed // MIB - 1) * MIB, "a control group's limit")
+    there = memory_estimate.Memory(8000 * MIB, (needed // MIB - 1) * MIB, "a control group's limit")
     monkeypatch.setattr(machine, "read_memory", lambda: there)
-    monkeypatch.setattr(memory, "read_memory", lambda: there)
+    monkeypatch.setattr(memory_estimate, "read_memory", lambda: there)
     said = machine.judge_memory(machine.probe_memory(here), here)
     assert said.level is ERROR
     assert "of 8000 MiB (a control group's limit); the language model takes" in said.found
@@ -77,7 +77,7 @@ def test_a_model_that_is_not_here_yet_takes_at_least_its_size(tmp_path, monkeypa
     monkeypatch.setenv("EDGEVOX_MODELS_DIR", str(tmp_path))
     here = situation()
     size = Store().manifest.models[here.settings.llm].size
-    assert machine.probe_memory(here)["llm"] == (size + memory.BUFFERS_BYTES) // MIB
+    assert machine.probe_memory(here)["llm"] == (size + memory_estimate.BUFFERS_BYTES) // MIB
     assert machine.probe_memory(situation(llm="none"))["llm"] == 0
 
 
@@ -98,11 +98,13 @@ def test_a_clock_must_have_been_set(now_s, synchronised, level):
 
 def test_a_misspelled_variable_is_found_and_nonsense_is_an_error():
     here = situation(environment={"EDGEVOX_LANGAUGE": "en", "EDGEVOX_LLM": "none"})
-    said = surroundings.judge_settings(surroundings.probe_settings(here), here)
+    said = process_environment.judge_settings(process_environment.probe_settings(here), here)
     assert levels(said) == [WARNING, OK]
     assert "did you mean EDGEVOX_LANGUAGE" in said[0].found
     refused = situation(refused="EDGEVOX_LANGUAGE: got 'xx'")
-    assert levels(surroundings.judge_settings({"given": [], "unknown": []}, refused)) == [ERROR]
+    assert levels(process_environment.judge_settings({"given": [], "unknown": []}, refused)) == [
+        ERROR
+    ]
 
 
 @pytest.mark.parametrize(
@@ -114,7 +116,7 @@ def test_a_misspelled_variable_is_found_and_nonsense_is_an_error():
     ],
 )
 def test_files_must_be_writable_where_they_are_made(facts, level):
-    assert surroundings.judge_folders(facts, situation()).level is level
+    assert process_environment.judge_folders(facts, situation()).level is level
 
 
 @pytest.mark.parametrize(
@@ -122,7 +124,7 @@ def test_files_must_be_writable_where_they_are_made(facts, level):
 )
 def test_a_container_needs_no_root(inside, uid, level):
     facts = {"inside": inside, "uid": uid, "read_only": True}
-    assert surroundings.judge_container(facts, situation()).level is level
+    assert process_environment.judge_container(facts, situation()).level is level
 
 
 SEEN = {
@@ -147,7 +149,7 @@ SEEN = {
     ],
 )
 def test_models_that_are_needed_must_be_right(found, expected):
-    said = models.judge_models(SEEN | {"found": SEEN["found"] | found}, situation())
+    said = model_files.judge_models(SEEN | {"found": SEEN["found"] | found}, situation())
     assert levels(said) == expected
     for name, state in found.items():
         if state == "damaged":
@@ -155,12 +157,12 @@ def test_models_that_are_needed_must_be_right(found, expected):
 
 
 def test_what_is_needed_follows_from_the_settings():
-    assert list(models.needed(situation(text_mode=True, llm="none"))) == []
-    assert list(models.needed(situation(llm="none", wakeword="hey jarvis"))) == [
+    assert list(model_files.needed(situation(text_mode=True, llm="none"))) == []
+    assert list(model_files.needed(situation(llm="none", wakeword="hey jarvis"))) == [
         "whisper-tiny.en",
         "wake-words",
     ]
-    assert "franka-panda" in models.needed(situation(agent="robot-panda"))
+    assert "franka-panda" in model_files.needed(situation(agent="robot-panda"))
 
 
 def test_a_truncated_and_an_altered_file_are_damaged_and_one_that_is_gone_absent(
@@ -168,17 +170,17 @@ def test_a_truncated_and_an_altered_file_are_damaged_and_one_that_is_gone_absent
 ):
     monkeypatch.setenv("EDGEVOX_MODELS_DIR", str(tmp_path))
     here = situation(llm="none", text_mode=False)
-    assert models.probe_models(here)["found"]["whisper-tiny.en"] == "absent"
+    assert model_files.probe_models(here)["found"]["whisper-tiny.en"] == "absent"
     folder = tmp_path / "whisper-tiny.en"
     folder.mkdir()
     (folder / "model.bin").write_bytes(b"cut")
-    facts = models.probe_models(here)
+    facts = model_files.probe_models(here)
     assert facts["found"]["whisper-tiny.en"] == "damaged"
-    assert levels(models.judge_models(facts, here))[0] is ERROR
+    assert levels(model_files.judge_models(facts, here))[0] is ERROR
     (folder / "model.bin").unlink()
     file = min(Store().manifest.models["whisper-tiny.en"].files, key=lambda one: one.size)
     (folder / file.name).write_bytes(b"x" * file.size)
-    assert models.probe_models(here)["found"]["whisper-tiny.en"] == "damaged"
+    assert model_files.probe_models(here)["found"]["whisper-tiny.en"] == "damaged"
 
 
 DEVICES = {"library": "", "inputs": ["USB microphone"], "outputs": ["HDMI"]}

@@ -11,11 +11,11 @@ from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.command_mux import STILL
 from edgevox.ros2.external.control_loop import ControlLoop
-from edgevox.ros2.external.navigation import ExternalNavigation
-from edgevox.ros2.external.settings import Patience
-from edgevox.ros2.external.target import Fix, Target
+from edgevox.ros2.external.external_navigation import ExternalNavigation
+from edgevox.ros2.external.external_settings import Patience
+from edgevox.ros2.external.target import PoseEstimate, Target
 
-HERE = Fix(Pose2D(0.0, 0.0, 0.0), STILL, "odom", 0)
+HERE = PoseEstimate(Pose2D(0.0, 0.0, 0.0), STILL, "odom", 0)
 
 
 class Driver:
@@ -30,12 +30,12 @@ class Driver:
         self.cancelled = 0
         self.error: Exception | None = None
 
-    def begin(self, target: Target, fix: Fix) -> None:
+    def begin(self, target: Target, estimate: PoseEstimate) -> None:
         self.begun.append(target)
         if self.error:
             raise self.error
 
-    def cancel(self, fix: Fix | None) -> None:
+    def cancel(self, estimate: PoseEstimate | None) -> None:
         self.cancelled += 1
 
 
@@ -45,7 +45,9 @@ class Robot:
     def __init__(self) -> None:
         self.told: list[Twist2D] = []
         senses = SimpleNamespace(
-            fix=lambda: HERE, sightings=SimpleNamespace(still=lambda: True), odom_topic="/odom"
+            estimate=lambda: HERE,
+            odometry_history=SimpleNamespace(still=lambda: True),
+            odom_topic="/odom",
         )
         wheels = SimpleNamespace(turn=self.told.append)
         goals = SimpleNamespace(recall=lambda _: None)

@@ -12,10 +12,10 @@ from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import LidarScan, Twist2D
-from edgevox.ros2.external.navigation import Watch
-from edgevox.ros2.external.plausible import Speeds, sweeps
-from edgevox.ros2.external.settings import Patience
-from edgevox.ros2.external.sightings import Sighting, Sightings
+from edgevox.ros2.external.external_navigation import ProgressWatch
+from edgevox.ros2.external.external_settings import Patience
+from edgevox.ros2.external.motion_bounds import Speeds, sweeps
+from edgevox.ros2.external.odometry_history import OdometryHistory, OdometrySample
 from edgevox.ros2.external.steering import blocked
 
 MIDDLE = Pose2D(0, 0, 0)
@@ -27,7 +27,7 @@ def clock() -> HeldClock:
 
 
 def see(
-    sightings: Sightings,
+    odometry_history: OdometryHistory,
     clock: HeldClock,
     x_m: float = 0.0,
     speed_m_s: float = 0.0,
@@ -35,8 +35,8 @@ def see(
     yaw_rad: float = 0.0,
     stamp_s: float = 0.0,
 ) -> bool:
-    return sightings.add(
-        Sighting(
+    return odometry_history.add(
+        OdometrySample(
             pose=Pose2D(x_m, 0.0, yaw_rad),
             twist=Twist2D(speed_m_s, 0.0),
             frame="odom",
@@ -48,37 +48,37 @@ def see(
 
 
 def test_odometry_of_more_than_a_second_ago_is_no_position(clock) -> None:
-    sightings = Sightings(clock)
-    assert sightings.fresh() is None
-    see(sightings, clock)
+    odometry_history = OdometryHistory(clock)
+    assert odometry_history.fresh() is None
+    see(odometry_history, clock)
     clock.now_s = 1.0
-    assert sightings.fresh() is not None
+    assert odometry_history.fresh() is not None
     clock.now_s = 1.1
-    assert sightings.fresh() is None
-    assert sightings.newest() is not None
+    assert odometry_history.fresh() is None
+    assert odometry_history.newest() is not None
 
 
 @pytest.mark.parametrize("wrong", [math.nan, math.inf, 1e300, -1e300, 1e12, -10_001.0])
 def test_odometry_that_cannot_be_true_is_not_taken(clock, wrong) -> None:
-    sightings = Sightings(clock)
+    odometry_history = OdometryHistory(clock)
 
-    assert not see(sightings, clock, x_m=wrong)
-    assert not see(sightings, clock, speed_m_s=wrong)
-    assert sightings.newest() is None
-    assert sightings.refused == 2
-    assert sightings.absurd
+    assert not see(odometry_history, clock, x_m=wrong)
+    assert not see(odometry_history, clock, speed_m_s=wrong)
+    assert odometry_history.newest() is None
+    assert odometry_history.refused == 2
+    assert odometry_history.absurd
 
 
 def test_a_robot_is_believed_again_with_the_first_thing_that_can_be_true(clock) -> None:
-    sightings = Sightings(clock)
-    see(sightings, clock)
-    see(sightings, clock, x_m=1e300)
-    assert sightings.absurd
-    assert sightings.doubt.jump is None
-    see(sightings, clock, x_m=0.01)
-    assert not sightings.absurd
-    assert sightings.fresh().pose.x_m == 0.01
-    assert sightings.doubt.number == 1
+    odometry_history = OdometryHistory(clock)
+    see(odometry_history, clock)
+    see(odometry_history, clock, x_m=1e300)
+    assert odometry_history.absurd
+    assert odometry_history.doubt.jump is None
+    see(odometry_history, clock, x_m=0.01)
+    assert not odometry_history.absurd
+    assert odometry_history.fresh().pose.x_m == 0.01
+    assert odometry_history.doubt.number == 1
 
 
 @pytest.mark.parametrize(
@@ -100,20 +100,20 @@ def test_a_robot_is_believed_again_with_the_first_thing_that_can_be_true(clock) 
 def test_what_is_further_than_a_robot_can_have_come_is_a_jump(
     clock, seconds, stamped_s, x_m, yaw_rad, jumped
 ) -> None:
-    sightings = Sightings(clock)
-    see(sightings, clock, stamp_s=100.0)
+    odometry_history = OdometryHistory(clock)
+    see(odometry_history, clock, stamp_s=100.0)
     clock.now_s += seconds
-    assert see(sightings, clock, x_m, yaw_rad=yaw_rad, stamp_s=100.0 + stamped_s)
+    assert see(odometry_history, clock, x_m, yaw_rad=yaw_rad, stamp_s=100.0 + stamped_s)
 
-    assert (sightings.doubt is not None) is jumped
-    assert sightings.newest().pose.x_m == x_m, "it is where the robot is from now on"
+    assert (odometry_history.doubt is not None) is jumped
+    assert odometry_history.newest().pose.x_m == x_m, "it is where the robot is from now on"
 
 
 def test_a_jump_is_said_with_how_far_it_was(clock) -> None:
-    sightings = Sightings(clock)
-    see(sightings, clock)
-    see(sightings, clock, x_m=5.04, yaw_rad=math.pi / 2)
-    said = sightings.doubt.jump.reason
+    odometry_history = OdometryHistory(clock)
+    see(odometry_history, clock)
+    see(odometry_history, clock, x_m=5.04, yaw_rad=math.pi / 2)
+    said = odometry_history.doubt.jump.reason
     assert str(said) == "The robot's pose jumped by 5.0 metres and 90 degrees, so I stopped."
     assert (
         phrasebook("de")
@@ -123,7 +123,7 @@ def test_a_jump_is_said_with_how_far_it_was(clock) -> None:
 
 
 def test_a_fast_robot_does_not_jump_by_being_fast(clock) -> None:
-    fast = Sightings(clock, Speeds(linear_m_s=20.0))
+    fast = OdometryHistory(clock, Speeds(linear_m_s=20.0))
     for step in range(10):
         see(fast, clock, x_m=1.0 * step, stamp_s=0.05 * step)
         clock.now_s += 0.05
@@ -132,10 +132,10 @@ def test_a_fast_robot_does_not_jump_by_being_fast(clock) -> None:
 
 @given(st.lists(st.tuples(st.floats(), st.floats(), st.floats(allow_nan=True)), max_size=20))
 def test_whatever_is_heard_only_what_can_be_is_a_position(heard) -> None:
-    sightings = Sightings(HeldClock())
+    odometry_history = OdometryHistory(HeldClock())
     for x_m, speed_m_s, yaw_rad in heard:
-        see(sightings, HeldClock(), x_m, speed_m_s, yaw_rad=yaw_rad)
-    newest = sightings.newest()
+        see(odometry_history, HeldClock(), x_m, speed_m_s, yaw_rad=yaw_rad)
+    newest = odometry_history.newest()
     assert newest is None or (abs(newest.pose.x_m) <= 10_000 and newest.pose.finite)
 
 
@@ -163,41 +163,41 @@ def test_a_sweep_in_which_nothing_could_be_seen_is_none(
 
 
 def test_a_robot_stands_when_it_was_seen_not_to_move_for_a_while(clock) -> None:
-    sightings = Sightings(clock)
-    see(sightings, clock, speed_m_s=0.3)
+    odometry_history = OdometryHistory(clock)
+    see(odometry_history, clock, speed_m_s=0.3)
     for _ in range(3):
         clock.now_s += 0.1
-        see(sightings, clock)
-    assert not sightings.stands(0.0)
+        see(odometry_history, clock)
+    assert not odometry_history.stands(0.0)
     clock.now_s += 0.15
-    see(sightings, clock)
-    assert sightings.stands(0.0)
-    assert not sightings.stands(0.2)
+    see(odometry_history, clock)
+    assert odometry_history.stands(0.0)
+    assert not odometry_history.stands(0.2)
 
 
 def test_a_robot_that_does_not_tell_its_speed_stands_only_if_it_stays(clock) -> None:
-    sightings = Sightings(clock)
+    odometry_history = OdometryHistory(clock)
     for step in range(20):
         clock.now_s += 0.1
-        see(sightings, clock, x_m=0.02 * step)
-    assert not sightings.stands(0.0)
+        see(odometry_history, clock, x_m=0.02 * step)
+    assert not odometry_history.stands(0.0)
     for _ in range(5):
         clock.now_s += 0.1
-        see(sightings, clock, x_m=0.38)
-    assert sightings.stands(0.0)
+        see(odometry_history, clock, x_m=0.38)
+    assert odometry_history.stands(0.0)
 
 
 def test_a_silent_robot_is_not_seen_to_stand(clock) -> None:
-    sightings = Sightings(clock)
+    odometry_history = OdometryHistory(clock)
     for _ in range(10):
         clock.now_s += 0.1
-        see(sightings, clock)
+        see(odometry_history, clock)
     clock.now_s += 2.0
-    assert not sightings.stands(0.0)
+    assert not odometry_history.stands(0.0)
 
 
-def watch() -> Watch:
-    return Watch(Patience(unmoved_s=5.0, no_nearer_s=20.0), Pose2D(0, 0, 0), 4.0, 0.0)
+def watch() -> ProgressWatch:
+    return ProgressWatch(Patience(unmoved_s=5.0, no_nearer_s=20.0), Pose2D(0, 0, 0), 4.0, 0.0)
 
 
 def test_a_robot_that_does_not_move_has_failed_after_a_while() -> None:

@@ -11,24 +11,24 @@ from mcap import records
 from mcap.exceptions import EndOfFile, McapError
 from mcap.stream_reader import StreamReader
 from models_wheelhouse import VOICE, VOICE_WHEEL, store, voice
-from mouth_rig import beep
 from rclpy.serialization import serialize_message
 from rosbags.rosbag2 import Reader
 from small_disk import small_disk
+from speech_output_rig import beep
 from std_msgs.msg import String
 from waiting import wait_until
 
 from edgevox.core.cancel import CancelToken
 from edgevox.models import StoreNotWritable, fetch
-from edgevox.models.places import WheelSource
-from edgevox.models.sources.bench import place_for
-from edgevox.ros2.recorder.inbox import Inbox
-from edgevox.ros2.recorder.mcap_file import Message
-from edgevox.ros2.recorder.topics import choose_topics
+from edgevox.models.source_specs import WheelSource
+from edgevox.models.sources.staging import place_for
+from edgevox.ros2.recorder.mcap_file import RecordedMessage
+from edgevox.ros2.recorder.recorded_topics import choose_topics
+from edgevox.ros2.recorder.write_queue import WriteQueue
 from edgevox.ros2.recorder.writing import Disk, Writing
 from edgevox.voice.audio import Chunk
 from edgevox.voice.sinks.paced import PacedSink
-from edgevox.voice.sinks.wav import RATE_HZ, RETRY_S, WavFile
+from edgevox.voice.sinks.wav_file import RATE_HZ, RETRY_S, WavFile
 
 (TEXT,) = choose_topics("/robot1", ["response"])
 NOISE = np.random.default_rng(1)
@@ -45,7 +45,7 @@ def disk(tmp_path):
 def said(number, size=2000):
     noise = NOISE.integers(97, 123, size, np.uint8).tobytes().decode()
     data = serialize_message(String(data=f"{number} {noise}"))
-    return Message(TEXT, data, 1_000_000_000 + number, 1_000_000_000 + number)
+    return RecordedMessage(TEXT, data, 1_000_000_000 + number, 1_000_000_000 + number)
 
 
 def in_file(path):
@@ -62,7 +62,7 @@ def in_file(path):
 
 @pytest.fixture
 def recording(disk):
-    inbox = Inbox()
+    inbox = WriteQueue()
     one = Writing(inbox, Disk(disk.path / "bag", spare_bytes=0), retry_s=0.1)
     one.start()
     yield inbox, one
@@ -75,14 +75,14 @@ def test_a_recording_on_a_full_disk_stays_readable_and_goes_on_when_there_is_roo
     wait_until(lambda: writing.written == 1)
     disk.fill()
     inbox.put(said(2, size=9000))
-    wait_until(lambda: writing.trouble)
-    assert "No space left on device" in writing.trouble
+    wait_until(lambda: writing.fault)
+    assert "No space left on device" in writing.fault
     file = writing.bag.folder / "bag_0.mcap"
     assert in_file(file) == [1]
     inbox.put(said(3))  # while nothing can be written
     wait_until(lambda: inbox.dropped)
     disk.free()
-    wait_until(lambda: not writing.trouble)
+    wait_until(lambda: not writing.fault)
     inbox.put(said(4))
     wait_until(lambda: writing.written == 3)
     writing.close()
@@ -98,7 +98,7 @@ def test_a_recording_that_ends_on_a_full_disk_keeps_what_was_written(recording, 
     wait_until(lambda: writing.written == 1)
     disk.fill()
     inbox.put(said(2, size=9000))
-    wait_until(lambda: writing.trouble)
+    wait_until(lambda: writing.fault)
     writing.close()
     assert in_file(writing.bag.folder / "bag_0.mcap") == [1]
     assert inbox.dropped == {"/robot1/response": 1}
@@ -118,7 +118,7 @@ def test_speech_into_a_file_on_a_full_disk_is_dropped_and_goes_on_when_there_is_
         sink.play(Chunk(beep(1.0), 16_000), NOBODY)
     sink.drain(NOBODY)
     assert clock.now() - began_s == pytest.approx(20.0, abs=0.1)  # as long as ever
-    assert "No space left on device" in sink.trouble
+    assert "No space left on device" in sink.fault
     assert caplog.text.count("speech_file_not_written") == 1
     kept = seconds_of(path)
     assert whole <= kept < whole + 1.0
@@ -127,7 +127,7 @@ def test_speech_into_a_file_on_a_full_disk_is_dropped_and_goes_on_when_there_is_
     sink.play(Chunk(beep(1.0), 16_000), NOBODY)
     sink.drain(NOBODY)
     sink.close()
-    assert sink.trouble == ""
+    assert sink.fault == ""
     assert seconds_of(path) == pytest.approx(22.0 + RETRY_S, abs=0.3)
     assert caplog.text.count("speech_file_written_again") == 1
 
@@ -146,9 +146,9 @@ class Filling:
     def __init__(self, disk=None):
         self.disk = disk
 
-    def provide(self, spec, files, bench, progress):
+    def provide(self, spec, files, staging, progress):
         for file in files:
-            path = place_for(file, bench)
+            path = place_for(file, staging)
             with path.open("wb", buffering=0) as out:
                 out.write(VOICE[:4096])
                 if self.disk:

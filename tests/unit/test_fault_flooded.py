@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from edgevox.agent.inbox import MAX_WAITING, Announce, Forget, Inbox, Language, Settle
+from edgevox.agent.inbox import MAX_WAITING, Announce, Forget, Inbox, Settle, SwitchLanguage
 from edgevox.core.commands import Heard, RunSkill, Speak, TextInput
 from edgevox.core.refusals import Refusal
 from edgevox.core.text import MAX_CHARACTERS
@@ -46,21 +46,35 @@ def test_it_is_said_of_one_too_many_and_too_long_that_too_many_wait():
 
 def test_of_languages_on_end_the_last_one_counts_and_each_sentence_keeps_its_own():
     waiting = Inbox()
-    for item in (Language("fr"), Language("de"), TextInput("los"), Language("en"), Language("fr")):
+    for item in (
+        SwitchLanguage("fr"),
+        SwitchLanguage("de"),
+        TextInput("los"),
+        SwitchLanguage("en"),
+        SwitchLanguage("fr"),
+    ):
         waiting.put(item)
-    assert all_of(waiting) == [Language("de"), TextInput("los"), Language("fr")]
+    assert all_of(waiting) == [SwitchLanguage("de"), TextInput("los"), SwitchLanguage("fr")]
 
 
 def test_a_stop_forgets_what_was_asked_and_not_what_was_set():
     waiting = Inbox()
-    for item in (Language("fr"), TextInput("go"), Forget(), Announce("x"), Language("de")):
+    for item in (
+        SwitchLanguage("fr"),
+        TextInput("go"),
+        Forget(),
+        Announce("x"),
+        SwitchLanguage("de"),
+    ):
         waiting.put(item)
     waiting.stop()
-    assert sorted(all_of(waiting), key=repr) == [Forget(), Language("de")]
+    assert sorted(all_of(waiting), key=repr) == [Forget(), SwitchLanguage("de")]
 
 
 _STEPS = st.lists(
-    st.sampled_from([*ASKED, Language("en"), Language("fr"), Forget(), Settle(), "stop"]),
+    st.sampled_from(
+        [*ASKED, SwitchLanguage("en"), SwitchLanguage("fr"), Forget(), Settle(), "stop"]
+    ),
     max_size=400,
 )
 

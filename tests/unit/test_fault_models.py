@@ -18,10 +18,10 @@ from waiting import Heard
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.grammar import SAY
-from edgevox.agent.llm import factory, gguf, memory
-from edgevox.agent.llm.base import ModelFailed
+from edgevox.agent.llm import factory, gguf, memory_estimate
 from edgevox.agent.llm.endpoint import Address, EndpointModel, FallbackModel
 from edgevox.agent.llm.endpoint.breaker import FIRST_REST_S, Breaker
+from edgevox.agent.llm.language_model import ModelFailed
 from edgevox.apps.composition import build_parts, start_parts
 from edgevox.apps.queries import deafness
 from edgevox.apps.robots import build_body
@@ -101,9 +101,9 @@ def test_a_model_id_that_nobody_knows_is_a_mistake_and_refused(agent):
 def test_the_context_counts_as_memory_by_what_the_file_says(tmp_path, monkeypatch):
     small_file = small_gguf(tmp_path)
     assert gguf.check(small_file).bytes_per_token == 2 * 2 * 24 * 2 * 64
-    free = memory.needed_bytes(gguf.Weights(small_file.stat().st_size, 12288), 4096)
-    assert free == memory.BUFFERS_BYTES + small_file.stat().st_size + 4096 * 12288
-    monkeypatch.setattr(memory, "read_memory", lambda: memory.Memory(free, free))
+    free = memory_estimate.needed_bytes(gguf.Weights(small_file.stat().st_size, 12288), 4096)
+    assert free == memory_estimate.BUFFERS_BYTES + small_file.stat().st_size + 4096 * 12288
+    monkeypatch.setattr(memory_estimate, "read_memory", lambda: memory_estimate.Memory(free, free))
 
     with pytest.raises(ModelFailed, match="out of memory: a context of 4097 tokens needs"):
         factory.load_model(small_file, "xllamacpp", context_tokens=4097)
@@ -162,13 +162,13 @@ def test_a_server_that_is_gone_is_spoken_of_and_heard_again_when_it_is_back(aski
 
     one.submit(TextInput(WISH))
     heard.wait_for(lambda said: "I cannot think right now" in said)
-    assert model.trouble
+    assert model.fault
 
     back.set()
     clock.now_s += FIRST_REST_S
     one.submit(TextInput(WISH))
     heard.wait_for(lambda said: "Here I am." in said)
-    assert model.trouble == ""
+    assert model.fault == ""
 
 
 def test_a_server_that_is_gone_is_not_noticed_by_who_is_answered_on_board(asking):
@@ -178,7 +178,7 @@ def test_a_server_that_is_gone_is_not_noticed_by_who_is_answered_on_board(asking
 
     heard.wait_for(lambda said: "I think for myself." in said)
     assert heard.messages == ["I think for myself."]
-    assert "503" in model.trouble
+    assert "503" in model.fault
 
 
 def test_an_answer_that_breaks_off_is_ended_with_the_reason(asking):
@@ -189,7 +189,7 @@ def test_an_answer_that_breaks_off_is_ended_with_the_reason(asking):
     heard.wait_for(lambda said: "my language model failed" in said)
     (said,) = heard.messages
     assert said.startswith("Once upon a time there was a robot.")
-    assert model.trouble
+    assert model.fault
 
 
 class Deaf:
@@ -221,11 +221,11 @@ def test_who_speaks_to_deaf_ears_is_told_so_now_and_then_and_not_once_they_hear(
     with pytest.raises(MemoryError):
         stt.transcribe(silence, "en")
     assert told == [0.0, TELL_EVERY_S]
-    assert stt.trouble == "std::bad_alloc"
+    assert stt.fault == "std::bad_alloc"
 
     deaf.failing = False
     assert stt.transcribe(silence, "en") == "where are you"
-    assert stt.trouble == ""
+    assert stt.fault == ""
 
 
 def test_a_language_that_cannot_be_heard_here_is_refused_and_the_old_one_stays(

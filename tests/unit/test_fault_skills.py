@@ -85,7 +85,7 @@ class Skills:
         )
 
 
-class Stage:
+class Rig:
     def __init__(self):
         self.skills = Skills()
         self.answers, self.ends = Heard(), []
@@ -106,8 +106,8 @@ class Stage:
 
 
 @pytest.fixture
-def stage():
-    one = Stage()
+def rig():
+    one = Rig()
     one.conversation.start()
     yield one
     one.skills.free.set()
@@ -126,16 +126,16 @@ def stage():
         ("mumble", "mumble broke: Object of type object is not JSON"),
     ],
 )
-def test_whatever_a_skill_does_its_failure_is_spoken_and_the_next_one_runs(stage, said, reason):
-    stage.say(said)
-    stage.hear(f"I could not do that: {reason}")
+def test_whatever_a_skill_does_its_failure_is_spoken_and_the_next_one_runs(rig, said, reason):
+    rig.say(said)
+    rig.hear(f"I could not do that: {reason}")
 
-    stage.say("walk")
-    stage.hear("I have walked.")
+    rig.say("walk")
+    rig.hear("I have walked.")
 
-    assert stage.conversation.alive
-    json.dumps(stage.ends)
-    assert {"failed", "succeeded"} <= {end["status"] for end in stage.ends}
+    assert rig.conversation.alive
+    json.dumps(rig.ends)
+    assert {"failed", "succeeded"} <= {end["status"] for end in rig.ends}
 
 
 @pytest.fixture
@@ -145,39 +145,39 @@ def little_grace(monkeypatch):
 
 
 @pytest.mark.parametrize("said", ["wander", "ponder"])
-def test_a_skill_that_never_ends_is_left_alone_when_it_is_stopped(stage, little_grace, said):
-    stage.say(said)
-    assert stage.skills.hangs.wait(HUNG_S)
+def test_a_skill_that_never_ends_is_left_alone_when_it_is_stopped(rig, little_grace, said):
+    rig.say(said)
+    assert rig.skills.hangs.wait(HUNG_S)
 
-    stage.say("stop")
-    stage.hear("Stopped.")
-    stage.say("walk")
-    stage.hear("I have walked.")
+    rig.say("stop")
+    rig.hear("Stopped.")
+    rig.say("walk")
+    rig.hear("I have walked.")
 
-    assert [e["status"] for e in stage.ends if e["skill"] == said][-1] == "cancelled"
+    assert [e["status"] for e in rig.ends if e["skill"] == said][-1] == "cancelled"
 
 
-def test_an_answer_that_does_not_come_does_not_hold_up_the_next_for_ever(stage, monkeypatch):
+def test_an_answer_that_does_not_come_does_not_hold_up_the_next_for_ever(rig, monkeypatch):
     monkeypatch.setattr(goal_runner, "ANSWER_S", 0.2)
-    stage.say("ponder")
+    rig.say("ponder")
 
-    stage.hear("I could not do that: ponder took longer than 0 s")
-    stage.say("walk")
-    stage.hear("I have walked.")
+    rig.hear("I could not do that: ponder took longer than 0 s")
+    rig.say("walk")
+    rig.hear("I have walked.")
 
 
-def test_what_it_says_when_it_comes_back_after_all_is_not_heard(stage, little_grace):
-    stage.say("wander")
-    assert stage.skills.hangs.wait(HUNG_S)
-    stage.say("stop")
-    stage.hear("Stopped.")
-    assert stage.conversation.wait_idle(HUNG_S)
+def test_what_it_says_when_it_comes_back_after_all_is_not_heard(rig, little_grace):
+    rig.say("wander")
+    assert rig.skills.hangs.wait(HUNG_S)
+    rig.say("stop")
+    rig.hear("Stopped.")
+    assert rig.conversation.wait_idle(HUNG_S)
 
-    stage.skills.free.set()
-    stage.skills.wanderer.join(HUNG_S)
-    assert not stage.skills.wanderer.is_alive()
+    rig.skills.free.set()
+    rig.skills.wanderer.join(HUNG_S)
+    assert not rig.skills.wanderer.is_alive()
 
-    assert [e["status"] for e in stage.ends if e["skill"] == "wander"][-1] == "cancelled"
+    assert [e["status"] for e in rig.ends if e["skill"] == "wander"][-1] == "cancelled"
 
 
 def test_a_skill_that_never_ends_does_not_keep_the_process():

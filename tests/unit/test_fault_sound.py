@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from clocks import HeldClock
 from guards import HUNG_S
-from mouth_rig import Beeper, Voices, choices, wait_for
+from speech_output_rig import Beeper, Voices, choices, wait_for
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
@@ -21,13 +21,13 @@ from edgevox.core.events import Responded
 from edgevox.voice import devices
 from edgevox.voice.audio import FRAME_SAMPLES
 from edgevox.voice.devices import DeviceMissing
-from edgevox.voice.ears import Ears
-from edgevox.voice.mouth import SpeakingMouth
+from edgevox.voice.listener import Listener
+from edgevox.voice.sentence_synthesiser import SentenceSynthesiser
 from edgevox.voice.sinks.card import RETRY_S, SoundCardSink
-from edgevox.voice.sinks.portaudio import open_loudspeaker
-from edgevox.voice.sources.portaudio import open_microphone
+from edgevox.voice.sinks.portaudio_playback import open_loudspeaker
+from edgevox.voice.sources.portaudio_capture import open_microphone
 from edgevox.voice.sources.soundcard import SoundCard
-from edgevox.voice.speaker import Speaker
+from edgevox.voice.speech_output import SpeechOutput
 
 RATE_HZ = 16_000
 ANSWER = "My battery is full and I am well."
@@ -71,8 +71,10 @@ class Talk:
     def __init__(self, card, clock, sink=None):
         self.bus, self.answers, self._answered = Bus(), [], threading.Semaphore(0)
         self.sink = sink or SoundCardSink("usb", opener=card.open, clock=clock, wait=card.wait)
-        speaker = Speaker(lambda: choices("best"), Voices(best=Beeper()), clock=clock)
-        self.mouth = SpeakingMouth(speaker, self.sink, clock=clock)
+        synthesiser = SentenceSynthesiser(
+            lambda: choices("best"), Voices(best=Beeper()), clock=clock
+        )
+        self.speech_output = SpeechOutput(synthesiser, self.sink, clock=clock)
         self.bus.subscribe(Responded, self._hear)
 
         @skill(templates=["how are you"], moves=False)
@@ -82,9 +84,13 @@ class Talk:
 
         how = SkillSet([how])
         self.conversation = Conversation(
-            [Agent("robot", "", how)], self.bus, halt=lambda _: False, mouth=self.mouth, clock=clock
+            [Agent("robot", "", how)],
+            self.bus,
+            halt=lambda _: False,
+            speech_output=self.speech_output,
+            clock=clock,
         )
-        self.mouth.start()
+        self.speech_output.start()
         self.conversation.start()
 
     def ask(self):
@@ -94,7 +100,7 @@ class Talk:
 
     def close(self):
         self.conversation.close()
-        self.mouth.close()
+        self.speech_output.close()
         self.sink.close()
 
     def _hear(self, answer):
@@ -131,7 +137,7 @@ def test_a_loudspeaker_that_vanishes_in_a_sentence_ends_no_turn_and_is_used_agai
     one = talk()
     card.on_play = lambda: card.pull() if card.played > RATE_HZ / 2 else None
     cut_off = one.ask()
-    assert "usb" in one.sink.trouble
+    assert "usb" in one.sink.fault
     assert one.ask().text == cut_off.text  # typed and written, as ever
     card.plugged, card.on_play = True, lambda: None
     clock.wait(CancelToken(), RETRY_S)
@@ -139,7 +145,7 @@ def test_a_loudspeaker_that_vanishes_in_a_sentence_ends_no_turn_and_is_used_agai
     one.ask()
     assert card.opened == 2
     assert card.played > before + RATE_HZ
-    assert one.sink.trouble == ""
+    assert one.sink.fault == ""
 
 
 def test_a_device_that_complains_while_it_is_given_up_is_given_up_all_the_same(talk, card, caplog):
@@ -178,8 +184,8 @@ def test_a_driver_that_breaks_leaves_the_mouth_alive_and_the_words_written(talk,
     assert one.ask().cut
     one.conversation.submit(Interrupt())
     assert one.ask().cut
-    assert one.mouth.alive
-    assert one.mouth.failed >= 2
+    assert one.speech_output.alive
+    assert one.speech_output.failed >= 2
     sink.mended = True
     assert not one.ask().cut
     assert card.played > RATE_HZ
@@ -188,11 +194,11 @@ def test_a_driver_that_breaks_leaves_the_mouth_alive_and_the_words_written(talk,
 def test_a_hundred_changes_of_the_voice_load_it_once_before_the_next_sentence(talk):
     one = talk()
     held = threading.Event()
-    one.mouth.speaker.prepare = lambda: held.wait(HUNG_S)
-    first = one.mouth.prepare()
-    waiting = {id(one.mouth.prepare()) for _ in range(100)} - {id(first)}
+    one.speech_output.synthesiser.prepare = lambda: held.wait(HUNG_S)
+    first = one.speech_output.prepare()
+    waiting = {id(one.speech_output.prepare()) for _ in range(100)} - {id(first)}
     held.set()
-    wait_for(one.mouth.prepare())
+    wait_for(one.speech_output.prepare())
     assert len(waiting) <= 1
 
 
@@ -242,11 +248,11 @@ def test_what_was_said_before_a_microphone_vanished_is_understood_and_it_hears_a
             understood.release()
 
     source = SoundCard("usb", opener=microphone.open, retry_s=0.02, silent_s=0.2)
-    ears = Ears(
+    listener = Listener(
         source, Vad(), Stt(), submit=submit, bus=Bus(), language=lambda: "en",
         muted=lambda: False, audible=lambda: 0.0,
     )  # fmt: skip
-    ears.start()
+    listener.start()
     try:
         for _ in range(2):
             assert microphone.opened.acquire(timeout=HUNG_S)
@@ -254,15 +260,15 @@ def test_what_was_said_before_a_microphone_vanished_is_understood_and_it_hears_a
                 microphone.hear(np.full(FRAME_SAMPLES, 8000, np.int16))
             microphone.pull()  # in the middle of a word
             assert understood.acquire(timeout=HUNG_S), "what was said is lost"
-            assert "usb" in source.trouble
-            assert ears.alive
+            assert "usb" in source.fault
+            assert listener.alive
             microphone.plugged = True
         assert [type(one) for one in said[:2]] == [Transcribing, Heard]
         assert microphone.opened.acquire(timeout=HUNG_S)
-        while source.trouble:
+        while source.fault:
             threading.Event().wait(0.01)
     finally:
-        ears.close()
+        listener.close()
 
 
 class PortAudio(SimpleNamespace):

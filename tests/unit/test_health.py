@@ -15,10 +15,10 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.heartbeat import Heartbeat
 from edgevox.core.settings import ENV_PREFIX, Settings
 from edgevox.core.status import STALL_S, Components, HealthCheck, lives, moves
-from edgevox.ops.health import Health
+from edgevox.ops.health_checks import Health
 from edgevox.ops.health_server import HealthServer
 from edgevox.ops.http_server import MOST_AT_ONCE
-from edgevox.robots.stepper import Stepper
+from edgevox.robots.sim_loop import SimLoop
 
 
 @pytest.fixture
@@ -54,11 +54,11 @@ def test_it_is_alive_but_not_ready_until_all_is_started(health, server):
 
 def test_what_is_missing_makes_it_not_ready_and_what_is_dead_not_alive(health, server):
     health.started()
-    trouble = {"rclpy": "cannot be imported", "body": ""}
-    health.add(HealthCheck("rclpy", lambda: trouble["rclpy"], vital=False))
-    health.add(HealthCheck("body", lambda: trouble["body"]))
+    fault = {"rclpy": "cannot be imported", "body": ""}
+    health.add(HealthCheck("rclpy", lambda: fault["rclpy"], vital=False))
+    health.add(HealthCheck("body", lambda: fault["body"]))
     assert (ask(server)[0], ask(server, "/ready")[0]) == (200, 503)
-    trouble.update(rclpy="", body="has not moved for 7.0 s")
+    fault.update(rclpy="", body="has not moved for 7.0 s")
     assert (ask(server)[0], ask(server, "/ready")[0]) == (503, 503)
     assert ask(server)[1]["checks"] == {"body": "has not moved for 7.0 s"}
 
@@ -138,18 +138,18 @@ def test_a_step_that_blocks_is_a_stall_and_ends_with_it():
         released.wait(60)
         return False
 
-    stepper = Stepper(step, period_s=0.02, speed=None, clock=clock)
-    assert stepper.stalled_s == 0.0
-    stepper.start()
+    sim_loop = SimLoop(step, period_s=0.02, speed=None, clock=clock)
+    assert sim_loop.stalled_s == 0.0
+    sim_loop.start()
     assert entered.wait(60)
     clock.now_s = 7.0
-    assert stepper.stalled_s == 7.0
+    assert sim_loop.stalled_s == 7.0
     released.set()
-    stepper.advance(0.02)
+    sim_loop.advance(0.02)
     clock.now_s = 100.0
-    assert stepper.stalled_s == 0.0  # nothing to do, so it rests
-    stepper.close()
-    assert stepper.stalled_s == 0.0
+    assert sim_loop.stalled_s == 0.0  # nothing to do, so it rests
+    sim_loop.close()
+    assert sim_loop.stalled_s == 0.0
 
 
 def test_steps_that_all_fail_are_a_stall():
@@ -160,12 +160,12 @@ def test_steps_that_all_fail_are_a_stall():
         failed.release()
         raise ValueError("diverged")
 
-    stepper = Stepper(step, period_s=0.02, speed=None, clock=clock, sleep=lambda _: None)
-    stepper.start()
+    sim_loop = SimLoop(step, period_s=0.02, speed=None, clock=clock, sleep=lambda _: None)
+    sim_loop.start()
     for _ in range(4):
         assert failed.acquire(timeout=60)
-    assert stepper.stalled_s >= 3.0
-    stepper.close()
+    assert sim_loop.stalled_s >= 3.0
+    sim_loop.close()
 
 
 def test_the_command_tells_and_its_exit_code_does(health, server, monkeypatch, capsys):

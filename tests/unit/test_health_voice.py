@@ -1,4 +1,4 @@
-"""When ears and a mouth are well: not by what they hear or say, but whether they can."""
+"""When speech in and out are well: not by what they hear or say, but whether they can."""
 
 import threading
 
@@ -7,8 +7,8 @@ import pytest
 from edgevox.core.bus import Bus
 from edgevox.core.errors import EdgeVoxError
 from edgevox.voice.audio import EndOfSound
-from edgevox.voice.ears import Ears
-from edgevox.voice.mouth import SpeakingMouth
+from edgevox.voice.listener import Listener
+from edgevox.voice.speech_output import SpeechOutput
 
 
 class Source:
@@ -42,8 +42,8 @@ def source():
 
 
 @pytest.fixture
-def ears(source):
-    one = Ears(
+def listener(source):
+    one = Listener(
         source,
         Vad(),
         None,
@@ -62,29 +62,29 @@ def end(source, error):
     source.told.set()
 
 
-def test_ears_are_well_before_while_and_after_they_listen(ears):
-    assert ears.alive
-    ears.start()
-    assert ears.alive
-    ears.close()
-    assert ears.alive
+def test_ears_are_well_before_while_and_after_they_listen(listener):
+    assert listener.alive
+    listener.start()
+    assert listener.alive
+    listener.close()
+    assert listener.alive
 
 
-def test_ears_that_heard_all_there_is_are_well(ears, source):
-    ears.start()
+def test_ears_that_heard_all_there_is_are_well(listener, source):
+    listener.start()
     end(source, EndOfSound("all of it was heard"))
-    assert ears.wait_over(10)
-    assert ears.alive
+    assert listener.wait_over(10)
+    assert listener.alive
 
 
-def test_ears_that_lost_their_source_for_good_are_not(ears, source):
-    ears.start()
+def test_ears_that_lost_their_source_for_good_are_not(listener, source):
+    listener.start()
     end(source, EdgeVoxError("the file is broken"))
-    assert ears.wait_over(10)
+    assert listener.wait_over(10)
     for thread in threading.enumerate():
-        if thread.name == "edgevox-ears":
+        if thread.name == "edgevox-listener":
             thread.join(60)
-    assert not ears.alive
+    assert not listener.alive
 
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
@@ -93,14 +93,14 @@ def test_a_mouth_is_well_until_one_of_its_threads_ends():
         def prepare(self):
             raise SystemExit
 
-    mouth = SpeakingMouth(Broken(), None)
-    assert mouth.alive
-    mouth.start()
-    assert mouth.alive
-    mouth.prepare()
+    speech_output = SpeechOutput(Broken(), None)
+    assert speech_output.alive
+    speech_output.start()
+    assert speech_output.alive
+    speech_output.prepare()
     for thread in threading.enumerate():
         if thread.name == "edgevox-synthesis":
             thread.join(60)
-    assert not mouth.alive
-    mouth.close()
-    assert mouth.alive
+    assert not speech_output.alive
+    speech_output.close()
+    assert speech_output.alive

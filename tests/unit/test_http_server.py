@@ -9,7 +9,7 @@ import threading
 import pytest
 
 from edgevox.core.status import Components
-from edgevox.ops.health import Health
+from edgevox.ops.health_checks import Health
 from edgevox.ops.health_server import HealthServer
 from edgevox.ops.http_server import MOST_AT_ONCE, MOST_BYTES, HttpServer, Page
 from edgevox.ops.metrics import MetricsServer, Registry

@@ -10,13 +10,13 @@ from edgevox.agent.skills import SkillFailed
 from edgevox.core.errors import InvalidValue
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.humanoid.easing import RISE_M_S2, eased
+from edgevox.robots.humanoid.footstep_planner import LIFT_M, FootstepPlanner, ahead
 from edgevox.robots.humanoid.motion_primitive import PATIENCE_S, MotionPrimitive
-from edgevox.robots.humanoid.policy import STAND, WalkingCommand, WalkingPlan
-from edgevox.robots.humanoid.steps import LIFT_M, Steps, ahead
-from edgevox.robots.humanoid.walker import Limits
+from edgevox.robots.humanoid.walker import WalkerLimits
+from edgevox.robots.humanoid.walking_policy import STAND, WalkingCommand, WalkingPlan
 
 PERIOD_S = 0.02
-LIMITS = Limits(0.6, 0.3, 0.9, settle_s=0.1)
+LIMITS = WalkerLimits(0.6, 0.3, 0.9, settle_s=0.1)
 START = Pose2D(1.0, -2.0, 0.7)
 HOMES = (Pose2D(0.0, 0.1, 0.0), Pose2D(0.0, -0.1, 0.0))
 speeds = st.floats(-0.6, 0.6)
@@ -25,7 +25,7 @@ speeds = st.floats(-0.6, 0.6)
 @settings(max_examples=30, deadline=None)
 @given(speeds, st.floats(-0.9, 0.9))
 def test_of_two_feet_at_least_one_stands_and_what_stands_stays(forward, turn) -> None:
-    base, steps = START, Steps(HOMES, START)
+    base, steps = START, FootstepPlanner(HOMES, START)
     velocity = WalkingCommand(forward, 0.0, turn)
     for _ in range(120):
         before = steps.feet[:]
@@ -43,7 +43,7 @@ def test_of_two_feet_at_least_one_stands_and_what_stands_stays(forward, turn) ->
 @settings(max_examples=30, deadline=None)
 @given(speeds, st.floats(-0.9, 0.9), st.integers(1, 100))
 def test_when_the_base_stands_the_feet_come_home_and_rest(forward, turn, ticks) -> None:
-    base, steps = START, Steps(HOMES, START)
+    base, steps = START, FootstepPlanner(HOMES, START)
     velocity = WalkingCommand(forward, 0.0, turn)
     for _ in range(ticks):
         base = ahead(base, velocity, PERIOD_S)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from edgevox.agent.intents import Recogniser, Understood
+from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import SkillSet
 from edgevox.core.cancel import CancelToken

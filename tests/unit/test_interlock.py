@@ -20,7 +20,7 @@ WAIT_S = 10.0
 REFUSED = "I cannot do that: Another agent is in charge of this robot."
 
 
-class Stage:
+class Rig:
     """A conversation with a robot that drives until it is stopped."""
 
     def __init__(self) -> None:
@@ -61,57 +61,57 @@ class Stage:
 
 
 @pytest.fixture
-def stage():
-    one = Stage()
+def rig():
+    one = Rig()
     yield one
     one.talk.close()
 
 
-def test_a_sentence_that_moves_is_refused_with_the_reason_and_the_others_are_answered(stage):
-    stage.interlock.engage(NOT_IN_CHARGE)
-    assert stage.say("drive") == REFUSED
-    assert stage.say("where are you") == "Here."
-    assert stage.say("hold your position") == "Stopping."
-    assert not stage.driving.is_set()
+def test_a_sentence_that_moves_is_refused_with_the_reason_and_the_others_are_answered(rig):
+    rig.interlock.engage(NOT_IN_CHARGE)
+    assert rig.say("drive") == REFUSED
+    assert rig.say("where are you") == "Here."
+    assert rig.say("hold your position") == "Stopping."
+    assert not rig.driving.is_set()
 
 
-def test_a_program_and_a_command_are_refused_too(stage):
-    stage.interlock.engage(NOT_IN_CHARGE)
-    for ask in (stage.talk.check_goal, stage.talk.start_goal):
+def test_a_program_and_a_command_are_refused_too(rig):
+    rig.interlock.engage(NOT_IN_CHARGE)
+    for ask in (rig.talk.check_goal, rig.talk.start_goal):
         with pytest.raises(SkillFailed, match="Another agent is in charge"):
             ask("drive", {})
-    stage.talk.check_goal("stop", {})
-    stage.talk.check_goal("where", {})
-    stage.talk.submit(RunSkill("drive", {}))
-    assert stage.talk.wait_idle(WAIT_S)
-    assert stage.said == [REFUSED]
+    rig.talk.check_goal("stop", {})
+    rig.talk.check_goal("where", {})
+    rig.talk.submit(RunSkill("drive", {}))
+    assert rig.talk.wait_idle(WAIT_S)
+    assert rig.said == [REFUSED]
 
 
-def test_what_moves_when_it_is_engaged_ends_and_that_is_said_once(stage):
-    goal = stage.talk.start_goal("drive", {})
-    assert stage.driving.wait(WAIT_S)
-    stage.interlock.engage(NOT_IN_CHARGE)
-    stage.interlock.engage(NOT_IN_CHARGE)
+def test_what_moves_when_it_is_engaged_ends_and_that_is_said_once(rig):
+    goal = rig.talk.start_goal("drive", {})
+    assert rig.driving.wait(WAIT_S)
+    rig.interlock.engage(NOT_IN_CHARGE)
+    rig.interlock.engage(NOT_IN_CHARGE)
     assert goal.wait(WAIT_S)
     assert (goal.status, goal.error) == (GoalStatus.CANCELLED, str(NOT_IN_CHARGE))
-    assert stage.talk.wait_idle(WAIT_S)
-    assert stage.said == ["I could not do that: Another agent is in charge of this robot."]
+    assert rig.talk.wait_idle(WAIT_S)
+    assert rig.said == ["I could not do that: Another agent is in charge of this robot."]
 
 
-def test_a_stop_word_and_an_interrupt_halt_the_body_all_the_same(stage):
-    stage.interlock.engage(NOT_IN_CHARGE)
-    assert stage.say("stop") == "I am standing still."
-    stage.talk.submit(Interrupt())
-    assert len(stage.halts) == 2
+def test_a_stop_word_and_an_interrupt_halt_the_body_all_the_same(rig):
+    rig.interlock.engage(NOT_IN_CHARGE)
+    assert rig.say("stop") == "I am standing still."
+    rig.talk.submit(Interrupt())
+    assert len(rig.halts) == 2
 
 
-def test_released_it_moves_when_it_is_asked_to_and_not_by_itself(stage):
-    stage.interlock.engage(NOT_IN_CHARGE)
-    stage.say("drive")
-    stage.interlock.release()
-    assert not stage.driving.is_set()
-    stage.talk.submit(TextInput("drive"))
-    assert stage.driving.wait(WAIT_S)
+def test_released_it_moves_when_it_is_asked_to_and_not_by_itself(rig):
+    rig.interlock.engage(NOT_IN_CHARGE)
+    rig.say("drive")
+    rig.interlock.release()
+    assert not rig.driving.is_set()
+    rig.talk.submit(TextInput("drive"))
+    assert rig.driving.wait(WAIT_S)
 
 
 @pytest.mark.parametrize("code", LANGUAGES)

@@ -1,8 +1,8 @@
 import pytest
 
 from edgevox.agent.llm import factory
-from edgevox.agent.llm.base import ModelFailed
 from edgevox.agent.llm.cpu import XLLAMACPP_NEEDS, missing_features
+from edgevox.agent.llm.language_model import ModelFailed
 
 OLD = "processor\t: 0\nflags\t\t: fpu sse2 avx f16c\n"
 NEW = "processor\t: 0\nflags\t\t: fpu avx avx2 fma f16c bmi1 bmi2\n"

@@ -7,7 +7,7 @@ import pytest
 from guards import HUNG_S
 from llm_server import CHAT, GOOD, Reply, ask, never, serving
 
-from edgevox.agent.llm.base import ModelFailed
+from edgevox.agent.llm.language_model import ModelFailed
 from edgevox.core.cancel import CancelToken
 
 

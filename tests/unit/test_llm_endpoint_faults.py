@@ -8,9 +8,9 @@ import pytest
 from guards import HUNG_S
 from llm_server import CHAT, GOOD, ROOMS, Reply, ask, failing, good, never, serving
 
-from edgevox.agent.llm.base import ModelFailed
 from edgevox.agent.llm.endpoint import Address, EndpointModel
-from edgevox.agent.llm.endpoint.errors import Refused, Unreachable, Unusable
+from edgevox.agent.llm.endpoint.server_errors import RequestRefused, Unreachable, Unusable
+from edgevox.agent.llm.language_model import ModelFailed
 from edgevox.core.cancel import CancelToken
 
 
@@ -47,7 +47,13 @@ def test_after_three_attempts_it_is_given_up_with_what_the_server_said() -> None
 
 @pytest.mark.parametrize(
     ("code", "kind"),
-    [(400, Refused), (413, Refused), (401, Unusable), (404, Unusable), (302, Unusable)],
+    [
+        (400, RequestRefused),
+        (413, RequestRefused),
+        (401, Unusable),
+        (404, Unusable),
+        (302, Unusable),
+    ],
 )
 def test_what_would_end_the_same_way_is_not_tried_again(code: int, kind: type) -> None:
     with serving(failing(code, "no")) as server, pytest.raises(kind, match=f"{code}: no"):

@@ -7,25 +7,25 @@ import pytest
 from clocks import HeldClock
 from llm_server import PATIENCE_S, Chat, Server, failing, good, never, serving
 
-from edgevox.agent.llm.base import Message, ModelFailed
 from edgevox.agent.llm.endpoint import Address, EndpointModel, FallbackModel
 from edgevox.agent.llm.endpoint.breaker import FIRST_REST_S, LONGEST_REST_S, Breaker
+from edgevox.agent.llm.language_model import ChatMessage, ModelFailed
 from edgevox.core.cancel import CancelToken
 
-CHAT = [Message("user", "Who are you?")]
+CHAT = [ChatMessage("user", "Who are you?")]
 
 
 class OnBoard:
     name, context_tokens = "on board", 2048
 
     def __init__(self) -> None:
-        self.primed: list[Sequence[Message]] = []
+        self.primed: list[Sequence[ChatMessage]] = []
         self.closed = False
 
     def generate(self, messages, *, grammar, max_tokens, token) -> Iterator[str]:
         yield "on board"
 
-    def prime(self, messages: Sequence[Message], token: CancelToken) -> None:
+    def prime(self, messages: Sequence[ChatMessage], token: CancelToken) -> None:
         self.primed.append(messages)
 
     def count_tokens(self, text: str) -> int:
@@ -35,7 +35,7 @@ class OnBoard:
         self.closed = True
 
 
-class Stage:
+class Rig:
     def __init__(self, server: Server, on_board: OnBoard | None, timeout_s: float) -> None:
         self.clock = HeldClock(1000.0)
         self.shared = EndpointModel(Address(server.url, timeout_s=timeout_s), context_tokens=4096)
@@ -46,14 +46,14 @@ class Stage:
 
 
 @pytest.fixture
-def stage(request: pytest.FixtureRequest):
+def rig(request: pytest.FixtureRequest):
     def make(
         *chats: Chat, on_board: OnBoard | None, timeout_s: float = PATIENCE_S
-    ) -> tuple[Stage, Server]:
+    ) -> tuple[Rig, Server]:
         running = serving(*chats)
         server = running.__enter__()
         request.addfinalizer(lambda: running.__exit__(None, None, None))
-        one = Stage(server, on_board, timeout_s)
+        one = Rig(server, on_board, timeout_s)
         request.addfinalizer(one.model.close)
         return one, server
 
@@ -64,16 +64,16 @@ def warnings(caplog: pytest.LogCaptureFixture) -> list[str]:
     return [r.message for r in caplog.records if r.levelno >= logging.WARNING]
 
 
-def test_a_server_that_works_is_the_one_that_answers(stage, caplog) -> None:
-    one, _ = stage(good("shared"), on_board=OnBoard())
+def test_a_server_that_works_is_the_one_that_answers(rig, caplog) -> None:
+    one, _ = rig(good("shared"), on_board=OnBoard())
 
     assert one.ask() == "shared"
     assert warnings(caplog) == []
 
 
 @pytest.mark.parametrize("chat", [never, failing(500), failing(401), failing(404)])
-def test_a_server_that_fails_is_replaced_and_then_left_alone(stage, caplog, chat: Chat) -> None:
-    one, server = stage(chat, on_board=OnBoard(), timeout_s=0.5 if chat is never else PATIENCE_S)
+def test_a_server_that_fails_is_replaced_and_then_left_alone(rig, caplog, chat: Chat) -> None:
+    one, server = rig(chat, on_board=OnBoard(), timeout_s=0.5 if chat is never else PATIENCE_S)
 
     assert one.ask() == "on board"
     tried = len(server.asked)
@@ -85,8 +85,8 @@ def test_a_server_that_fails_is_replaced_and_then_left_alone(stage, caplog, chat
     assert "instead='the model on board'" in said
 
 
-def test_after_a_rest_it_is_tried_again_and_said_to_be_back(stage, caplog) -> None:
-    one, _ = stage(failing(401), good("shared"), on_board=OnBoard())
+def test_after_a_rest_it_is_tried_again_and_said_to_be_back(rig, caplog) -> None:
+    one, _ = rig(failing(401), good("shared"), on_board=OnBoard())
     assert one.ask() == "on board"
 
     one.clock.now_s += FIRST_REST_S
@@ -96,8 +96,8 @@ def test_after_a_rest_it_is_tried_again_and_said_to_be_back(stage, caplog) -> No
     assert events == ["model_server_failed", "model_server_back"]
 
 
-def test_a_server_that_goes_on_failing_is_mentioned_once(stage, caplog) -> None:
-    one, server = stage(failing(401), on_board=OnBoard())
+def test_a_server_that_goes_on_failing_is_mentioned_once(rig, caplog) -> None:
+    one, server = rig(failing(401), on_board=OnBoard())
 
     for _ in range(5):
         assert one.ask() == "on board"
@@ -107,14 +107,14 @@ def test_a_server_that_goes_on_failing_is_mentioned_once(stage, caplog) -> None:
     assert len(warnings(caplog)) == 1
 
 
-def test_a_request_that_is_refused_goes_on_board_and_the_next_to_the_server(stage) -> None:
-    one, _ = stage(failing(400, "too long"), good("shared"), on_board=OnBoard())
+def test_a_request_that_is_refused_goes_on_board_and_the_next_to_the_server(rig) -> None:
+    one, _ = rig(failing(400, "too long"), good("shared"), on_board=OnBoard())
 
     assert [one.ask(), one.ask()] == ["on board", "shared"]
 
 
-def test_an_answer_that_has_begun_is_not_begun_again_by_the_other(stage) -> None:
-    one, _ = stage(lambda r: (r.stream(), r.piece("shar")), on_board=OnBoard())
+def test_an_answer_that_has_begun_is_not_begun_again_by_the_other(rig) -> None:
+    one, _ = rig(lambda r: (r.stream(), r.piece("shar")), on_board=OnBoard())
     answer = one.model.generate(CHAT, grammar=None, max_tokens=9, token=CancelToken())
 
     assert next(answer) == "shar"
@@ -123,15 +123,15 @@ def test_an_answer_that_has_begun_is_not_begun_again_by_the_other(stage) -> None
     assert one.ask() == "on board"
 
 
-def test_a_cancelled_request_is_not_answered_by_the_other(stage) -> None:
+def test_a_cancelled_request_is_not_answered_by_the_other(rig) -> None:
     token = CancelToken()
-    one, _ = stage(lambda r: token.cancel(), on_board=OnBoard())
+    one, _ = rig(lambda r: token.cancel(), on_board=OnBoard())
 
     assert list(one.model.generate(CHAT, grammar=None, max_tokens=9, token=token)) == []
 
 
-def test_without_a_model_on_board_the_failure_is_told_at_once_while_it_lasts(stage) -> None:
-    one, server = stage(failing(401), on_board=None)
+def test_without_a_model_on_board_the_failure_is_told_at_once_while_it_lasts(rig) -> None:
+    one, server = rig(failing(401), on_board=None)
 
     for _ in range(2):
         with pytest.raises(ModelFailed):
@@ -139,9 +139,9 @@ def test_without_a_model_on_board_the_failure_is_told_at_once_while_it_lasts(sta
     assert len(server.asked) == 1
 
 
-def test_both_are_primed_even_if_one_fails(stage) -> None:
+def test_both_are_primed_even_if_one_fails(rig) -> None:
     on_board = OnBoard()
-    one, server = stage(failing(401), on_board=on_board)
+    one, server = rig(failing(401), on_board=on_board)
 
     one.model.prime(CHAT, CancelToken())
 
@@ -149,16 +149,16 @@ def test_both_are_primed_even_if_one_fails(stage) -> None:
     assert server.asked[0]["max_tokens"] == 1
 
 
-def test_the_smaller_context_and_the_larger_count_are_what_counts(stage) -> None:
-    one, _ = stage(good("shared"), on_board=OnBoard())
+def test_the_smaller_context_and_the_larger_count_are_what_counts(rig) -> None:
+    one, _ = rig(good("shared"), on_board=OnBoard())
 
     assert one.model.context_tokens == 2048
     assert one.model.count_tokens("abc") == 3000
 
 
-def test_closing_closes_both(stage) -> None:
+def test_closing_closes_both(rig) -> None:
     on_board = OnBoard()
-    one, _ = stage(good("shared"), on_board=on_board)
+    one, _ = rig(good("shared"), on_board=on_board)
 
     one.model.close()
 

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from edgevox.agent.llm import factory, gguf, memory, tuning
-from edgevox.agent.llm.base import ModelFailed
+from edgevox.agent.llm import factory, gguf, memory_estimate, tuning
+from edgevox.agent.llm.language_model import ModelFailed
 
 
 def string(text: str) -> bytes:
@@ -89,8 +89,8 @@ def test_a_damaged_header_is_refused_or_read_but_never_crashes(
 def test_a_model_that_does_not_fit_into_memory_is_refused(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    there = memory.Memory(1 << 34, 1_000_000)
-    monkeypatch.setattr(memory, "read_memory", lambda: there)
+    there = memory_estimate.Memory(1 << 34, 1_000_000)
+    monkeypatch.setattr(memory_estimate, "read_memory", lambda: there)
 
     with pytest.raises(ModelFailed, match="out of memory"):
         factory.load_model(path, "xllamacpp")

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from edgevox.agent.grammar import grammar
-from edgevox.agent.llm.base import ModelFailed
 from edgevox.agent.llm.gbnf import Matcher
+from edgevox.agent.llm.language_model import ModelFailed
 from edgevox.agent.skills import SkillSet
 from edgevox.robots.apartment import ApartmentRobot
 

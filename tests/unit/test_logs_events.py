@@ -7,8 +7,8 @@ from pathlib import Path
 
 import edgevox
 from edgevox.core.log import Said
-from edgevox.ops.logs.rendering import IDS, LAST
-from edgevox.ops.logs.table import log_events
+from edgevox.ops.logs.event_table import log_events
+from edgevox.ops.logs.line_formatter import IDS, LAST
 
 CODE = Path(edgevox.__file__).parent
 METHODS = {"debug", "info", "warning", "error", "exception", "critical", "log"}

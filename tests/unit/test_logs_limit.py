@@ -6,7 +6,7 @@ from clocks import HeldClock
 from hypothesis import given
 from hypothesis import strategies as st
 
-from edgevox.core.log import Line
+from edgevox.core.log import LogLine
 from edgevox.ops.logs.limit import HELD_BACK, MOST_EVENTS, MOST_LINES, WINDOW_S, RateLimit
 
 
@@ -20,7 +20,7 @@ class Lines(logging.Handler):
         self.seen = []
 
     def emit(self, record):
-        told = record.msg if isinstance(record.msg, Line) else Line(event=record.getMessage())
+        told = record.msg if isinstance(record.msg, LogLine) else LogLine(event=record.getMessage())
         self.seen.append((record.levelno, dict(told)))
 
     def events(self):
@@ -39,7 +39,7 @@ def limited(name):
 
 
 def warn(logger, event, level=logging.WARNING):
-    logger.log(level, Line(event=event))
+    logger.log(level, LogLine(event=event))
 
 
 def test_of_a_fault_the_first_lines_pass_and_the_rest_is_counted_when_the_window_is_over():

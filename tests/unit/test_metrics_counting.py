@@ -34,10 +34,10 @@ from edgevox.core.heartbeat import LATELY_S, Heartbeat
 from edgevox.core.status import Components, Status
 from edgevox.ops.http_server import MOST_AT_ONCE
 from edgevox.ops.metrics import MetricsServer, Registry, observe
-from edgevox.ops.metrics.table import SKILLS
+from edgevox.ops.metrics.metric_table import SKILLS
 
 
-class Stage:
+class Rig:
     """A bus that is observed, and what a scrape says of it."""
 
     def __init__(self) -> None:
@@ -60,76 +60,76 @@ class Stage:
 
 
 @pytest.fixture
-def stage() -> Stage:
-    return Stage()
+def rig() -> Rig:
+    return Rig()
 
 
-def test_turns_count_by_what_became_of_them_and_errands_do_not(stage) -> None:
+def test_turns_count_by_what_became_of_them_and_errands_do_not(rig) -> None:
     for outcome in (Outcome.ACTED, Outcome.ACTED, Outcome.REFUSED, None):
-        stage.bus.publish(TurnEnded(1, outcome, 5))
+        rig.bus.publish(TurnEnded(1, outcome, 5))
 
-    assert stage.value("edgevox_turns_total", outcome="acted") == 2
-    assert stage.value("edgevox_turns_total", outcome="refused") == 1
-    assert stage.value("edgevox_turns_total", outcome="failed") == 0
-    assert stage.value("edgevox_llm_tokens_total") == 20
-
-
-def test_a_stage_that_a_turn_did_not_need_is_not_in_its_histogram(stage) -> None:
-    stage.bus.publish(TurnMeasured(stt=0.0, llm=0.9, tts=0.0, ttfs=1.2, total=2.5))
-
-    assert stage.value("edgevox_turn_stage_seconds_count", stage="stt") == 0
-    assert stage.value("edgevox_turn_stage_seconds_sum", stage="llm") == 0.9
-    assert stage.value("edgevox_turn_stage_seconds_bucket", stage="ttfs", le="1.0") == 0
-    assert stage.value("edgevox_turn_stage_seconds_bucket", stage="ttfs", le="1.5") == 1
+    assert rig.value("edgevox_turns_total", outcome="acted") == 2
+    assert rig.value("edgevox_turns_total", outcome="refused") == 1
+    assert rig.value("edgevox_turns_total", outcome="failed") == 0
+    assert rig.value("edgevox_llm_tokens_total") == 20
 
 
-def test_a_goal_runs_from_its_first_sign_to_its_end_whatever_it_reports_meanwhile(stage) -> None:
-    stage.goal("a", "accepted")
-    stage.goal("a", "running")
-    stage.clock.now_s = 3.0
-    stage.goal("a", "running")
-    assert stage.value("edgevox_skill_goals_running", skill="navigate_to") == 1
+def test_a_stage_that_a_turn_did_not_need_is_not_in_its_histogram(rig) -> None:
+    rig.bus.publish(TurnMeasured(stt=0.0, llm=0.9, tts=0.0, ttfs=1.2, total=2.5))
 
-    stage.clock.now_s = 7.0
-    stage.goal("a", "succeeded")
-    assert stage.value("edgevox_skill_goals_running", skill="navigate_to") == 0
-    assert stage.value("edgevox_skill_goal_seconds_sum", skill="navigate_to") == 7.0
-    assert stage.value("edgevox_skill_goals_total", skill="navigate_to", outcome="succeeded") == 1
+    assert rig.value("edgevox_turn_stage_seconds_count", stage="stt") == 0
+    assert rig.value("edgevox_turn_stage_seconds_sum", stage="llm") == 0.9
+    assert rig.value("edgevox_turn_stage_seconds_bucket", stage="ttfs", le="1.0") == 0
+    assert rig.value("edgevox_turn_stage_seconds_bucket", stage="ttfs", le="1.5") == 1
 
 
-def test_a_goal_that_never_ran_took_no_time(stage) -> None:
-    stage.goal("b", "accepted", "wave")
-    stage.goal("b", "cancelled", "wave")
+def test_a_goal_runs_from_its_first_sign_to_its_end_whatever_it_reports_meanwhile(rig) -> None:
+    rig.goal("a", "accepted")
+    rig.goal("a", "running")
+    rig.clock.now_s = 3.0
+    rig.goal("a", "running")
+    assert rig.value("edgevox_skill_goals_running", skill="navigate_to") == 1
 
-    assert stage.value("edgevox_skill_goals_total", skill="wave", outcome="cancelled") == 1
-    assert stage.value("edgevox_skill_goal_seconds_count", skill="wave") == 0
-    assert stage.value("edgevox_skill_goals_running", skill="wave") == 0
+    rig.clock.now_s = 7.0
+    rig.goal("a", "succeeded")
+    assert rig.value("edgevox_skill_goals_running", skill="navigate_to") == 0
+    assert rig.value("edgevox_skill_goal_seconds_sum", skill="navigate_to") == 7.0
+    assert rig.value("edgevox_skill_goals_total", skill="navigate_to", outcome="succeeded") == 1
 
 
-def test_who_interrupts_is_counted_and_a_stop_word_twice_if_it_stopped_something(stage) -> None:
-    stage.bus.publish(Interrupted(Cause.BARGE_IN))
+def test_a_goal_that_never_ran_took_no_time(rig) -> None:
+    rig.goal("b", "accepted", "wave")
+    rig.goal("b", "cancelled", "wave")
+
+    assert rig.value("edgevox_skill_goals_total", skill="wave", outcome="cancelled") == 1
+    assert rig.value("edgevox_skill_goal_seconds_count", skill="wave") == 0
+    assert rig.value("edgevox_skill_goals_running", skill="wave") == 0
+
+
+def test_who_interrupts_is_counted_and_a_stop_word_twice_if_it_stopped_something(rig) -> None:
+    rig.bus.publish(Interrupted(Cause.BARGE_IN))
     for stopped in (True, False):
-        stage.bus.publish(SafetyPreempted("halt", stopped))
+        rig.bus.publish(SafetyPreempted("halt", stopped))
 
-    assert stage.value("edgevox_interrupts_total", cause="barge_in") == 1
-    assert stage.value("edgevox_interrupts_total", cause="stop_word") == 2
-    assert stage.value("edgevox_safety_stops_total") == 1
-
-
-def test_one_state_is_the_present_one(stage) -> None:
-    stage.bus.publish(StateChanged(State.LISTENING))
-    stage.bus.publish(StateChanged(State.THINKING))
-
-    assert stage.value("edgevox_state", state="thinking") == 1
-    assert stage.value("edgevox_state", state="listening") == 0
+    assert rig.value("edgevox_interrupts_total", cause="barge_in") == 1
+    assert rig.value("edgevox_interrupts_total", cause="stop_word") == 2
+    assert rig.value("edgevox_safety_stops_total") == 1
 
 
-def test_wake_words_and_who_called_are_counted(stage) -> None:
-    stage.bus.publish(WakeWordHeard("hey jarvis"))
-    stage.bus.publish(ToolCalled("navigate_to", {}, "model", 1))
+def test_one_state_is_the_present_one(rig) -> None:
+    rig.bus.publish(StateChanged(State.LISTENING))
+    rig.bus.publish(StateChanged(State.THINKING))
 
-    assert stage.value("edgevox_wake_words_total") == 1
-    assert stage.value("edgevox_skill_calls_total", source="model") == 1
+    assert rig.value("edgevox_state", state="thinking") == 1
+    assert rig.value("edgevox_state", state="listening") == 0
+
+
+def test_wake_words_and_who_called_are_counted(rig) -> None:
+    rig.bus.publish(WakeWordHeard("hey jarvis"))
+    rig.bus.publish(ToolCalled("navigate_to", {}, "model", 1))
+
+    assert rig.value("edgevox_wake_words_total") == 1
+    assert rig.value("edgevox_skill_calls_total", source="model") == 1
 
 
 class AskedOf(Bus):
@@ -144,33 +144,33 @@ class AskedOf(Bus):
         return super().subscribe(kind, handler)
 
 
-def test_a_token_is_nobodys_business_until_its_turn_ends(stage) -> None:
+def test_a_token_is_nobodys_business_until_its_turn_ends(rig) -> None:
     bus = AskedOf()
-    observe(bus, stage.registry, stage.clock)
+    observe(bus, rig.registry, rig.clock)
 
     assert TurnEnded in bus.kinds
     assert TokenGenerated not in bus.kinds
 
 
-def test_nothing_is_counted_after_the_end(stage) -> None:
-    stage.end()
-    stage.bus.publish(TurnEnded(1, Outcome.ACTED))
+def test_nothing_is_counted_after_the_end(rig) -> None:
+    rig.end()
+    rig.bus.publish(TurnEnded(1, Outcome.ACTED))
 
-    assert stage.value("edgevox_turns_total", outcome="acted") == 0
+    assert rig.value("edgevox_turns_total", outcome="acted") == 0
 
 
-def test_what_is_read_is_read_anew_and_one_that_breaks_takes_no_other_with_it(stage) -> None:
+def test_what_is_read_is_read_anew_and_one_that_breaks_takes_no_other_with_it(rig) -> None:
     counts = {"mouth": 1}
-    stage.registry.read("edgevox_dropped_total", lambda: counts)
-    stage.registry.read("edgevox_threads", lambda: 1 / 0)
-    stage.registry.read("edgevox_build_info", lambda: {("0.1", "robot", "fr"): 1.0})
-    assert stage.value("edgevox_dropped_total", queue="mouth") == 1
+    rig.registry.read("edgevox_dropped_total", lambda: counts)
+    rig.registry.read("edgevox_threads", lambda: 1 / 0)
+    rig.registry.read("edgevox_build_info", lambda: {("0.1", "robot", "fr"): 1.0})
+    assert rig.value("edgevox_dropped_total", queue="mouth") == 1
 
     counts["mouth"] = 4
-    assert stage.value("edgevox_dropped_total", queue="mouth") == 4
-    assert stage.value("edgevox_threads") is None
-    assert stage.value("edgevox_build_info", version="0.1", agent="robot", language="fr") == 1
-    assert stage.registry.failures > 0
+    assert rig.value("edgevox_dropped_total", queue="mouth") == 4
+    assert rig.value("edgevox_threads") is None
+    assert rig.value("edgevox_build_info", version="0.1", agent="robot", language="fr") == 1
+    assert rig.registry.failures > 0
 
 
 class Part:
@@ -201,7 +201,7 @@ def test_what_components_say_is_read_anew_and_one_that_breaks_takes_no_other_wit
 
 
 def test_two_agents_in_one_process_count_apart() -> None:
-    one, other = Stage(), Stage()
+    one, other = Rig(), Rig()
     one.bus.publish(TurnEnded(1, Outcome.ACTED))
 
     assert other.value("edgevox_turns_total", outcome="acted") == 0
@@ -216,8 +216,8 @@ def ask(server: MetricsServer, path: str = "/metrics") -> tuple[int, str, bytes]
     return told
 
 
-def test_metrics_are_served_as_prometheus_reads_them_until_close(stage) -> None:
-    server = MetricsServer(stage.registry, "127.0.0.1", 0)
+def test_metrics_are_served_as_prometheus_reads_them_until_close(rig) -> None:
+    server = MetricsServer(rig.registry, "127.0.0.1", 0)
     server.start()
     status, kind, text = ask(server)
     assert (status, kind) == (200, "text/plain; version=0.0.4; charset=utf-8")
@@ -225,13 +225,13 @@ def test_metrics_are_served_as_prometheus_reads_them_until_close(stage) -> None:
     assert ask(server, "/")[0] == 404
 
     with pytest.raises(InvalidValue, match=rf"metrics_port: got '127.0.0.1:{server.port}'.*in use"):
-        MetricsServer(stage.registry, "127.0.0.1", server.port)
+        MetricsServer(rig.registry, "127.0.0.1", server.port)
     server.close()
     assert "edgevox-metrics" not in [thread.name for thread in threading.enumerate()]
 
 
-def test_who_does_not_listen_to_the_answer_keeps_nobody_from_theirs(stage) -> None:
-    server = MetricsServer(stage.registry, "127.0.0.1", 0)
+def test_who_does_not_listen_to_the_answer_keeps_nobody_from_theirs(rig) -> None:
+    server = MetricsServer(rig.registry, "127.0.0.1", 0)
     server.start()
     try:
         deaf = [

@@ -11,7 +11,7 @@ import pytest
 import yaml
 
 from edgevox.ops.metrics.metric import Kind, Metric
-from edgevox.ops.metrics.table import METRICS
+from edgevox.ops.metrics.metric_table import METRICS
 
 ROOT = Path(__file__).parents[2]
 PLACE = ROOT / "compose" / "observability"

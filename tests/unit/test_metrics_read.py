@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import pytest
 from prometheus_client.parser import text_string_to_metric_families
 
-from edgevox.agent.llm.base import ModelFailed
 from edgevox.agent.llm.endpoint import FallbackModel
+from edgevox.agent.llm.language_model import ModelFailed
 from edgevox.agent.policy import Denied, Guard
 from edgevox.agent.reasons import because
 from edgevox.apps import metrics
@@ -19,8 +19,8 @@ from edgevox.core.gauges import Gauges
 from edgevox.core.settings import check_settings
 from edgevox.core.status import Components
 from edgevox.core.ways import Way
-from edgevox.ops.health import Health
-from edgevox.ops.metrics.table import METRICS
+from edgevox.ops.health_checks import Health
+from edgevox.ops.metrics.metric_table import METRICS
 from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.world import load_world
 from edgevox.ros2.open import NullBridge
@@ -49,7 +49,7 @@ def parts(tmp_path):
     (tmp_path / "model.bin").write_bytes(b"x" * 1000)
     (tmp_path / "voice.onnx").write_bytes(b"x" * 20)
     settings = check_settings({"llm_endpoint": "http://llm:8080", "metrics_port": 1})
-    speaker = SimpleNamespace(failures=5, last=None, trouble="")
+    synthesiser = SimpleNamespace(failures=5, last=None, fault="")
     components = Components()
     return SimpleNamespace(
         settings=settings,
@@ -60,14 +60,14 @@ def parts(tmp_path):
         model=FallbackModel(Server(gone=True), Server(gone=False)),
         model_path=tmp_path / "model.bin",
         voice=SimpleNamespace(
-            mouth=SimpleNamespace(alive=True, refused=3, speaker=speaker),
+            speech_output=SimpleNamespace(alive=True, refused=3, synthesiser=synthesiser),
             source=SimpleNamespace(name="a microphone", dropped=7),
             sink=SimpleNamespace(name="a loudspeaker"),
             stt=SimpleNamespace(),
             weights=lambda: {"stt": (tmp_path,), "tts": frozenset({tmp_path / "voice.onnx"})},
         ),
-        ears=SimpleNamespace(
-            alive=True, failed=4, understanding=SimpleNamespace(refused=2, failed=6, last=None)
+        listener=SimpleNamespace(
+            alive=True, failed=4, transcriber=SimpleNamespace(refused=2, failed=6, last=None)
         ),
         components=components,
         health=Health(components),

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from edgevox.agent.agents import Agent
-from edgevox.agent.llm.base import Message
 from edgevox.agent.llm.gbnf import Matcher
-from edgevox.agent.mind import Meaning, Mind
+from edgevox.agent.llm.language_model import ChatMessage
+from edgevox.agent.nlu.confidence import read_head
 from edgevox.agent.nlu.decider import Decider
-from edgevox.agent.nlu.judge import read_head
+from edgevox.agent.nlu.interpreter import Interpreter, Meaning
 from edgevox.agent.nlu.packed_file import Floats
 from edgevox.agent.skills import Call, GoalHandle, SkillSet, skill
 from edgevox.agent.turn import Turn
@@ -55,12 +55,12 @@ class Writer:
         self.grammar = ""
 
     def generate(
-        self, messages: Sequence[Message], *, grammar: str, max_tokens: int, token: object
+        self, messages: Sequence[ChatMessage], *, grammar: str, max_tokens: int, token: object
     ) -> Iterator[str]:
         self.grammar = grammar
         yield self._writes
 
-    def prime(self, messages: Sequence[Message], token: CancelToken) -> None: ...
+    def prime(self, messages: Sequence[ChatMessage], token: CancelToken) -> None: ...
 
     def count_tokens(self, text: str) -> int:
         return len(text)
@@ -71,7 +71,7 @@ class Writer:
 def understand(model: Writer, logit: float) -> Meaning | None:
     agent = Agent("robot", "", SkillSet([take_note, go_home]))
     judge = Decider(Judge(logit), read_head())
-    mind = Mind([agent], Bus(), SystemClock(), model, decider=judge)
+    mind = Interpreter([agent], Bus(), SystemClock(), model, decider=judge)
     return mind.understand(SAID, Turn(1, Bus(), SystemClock(), on_speech=lambda: None))
 
 

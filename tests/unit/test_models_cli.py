@@ -3,12 +3,12 @@ from pathlib import Path
 
 import pytest
 from clocks import HeldClock
-from models_wheelhouse import CONFIG, VOICE, manifest, mind, voice
+from models_wheelhouse import CONFIG, VOICE, chat, manifest, voice
 
 from edgevox.apps.models import main
-from edgevox.models.progress import Lines, shown_on
+from edgevox.models.fetch_progress import ProgressLines, shown_on
 
-MANIFEST = manifest(voice(), mind())
+MANIFEST = manifest(voice(), chat())
 
 
 @pytest.fixture
@@ -30,7 +30,7 @@ def test_list_says_what_is_here(root: Path, capsys: pytest.CaptureFixture[str]) 
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == "both: 0.0 MB, 1 of 2 here"
     assert next(line for line in lines if line.startswith("  voice")).endswith("here     MIT")
-    assert next(line for line in lines if line.startswith("  mind")).endswith("missing  MIT")
+    assert next(line for line in lines if line.startswith("  chat")).endswith("missing  MIT")
 
 
 def test_list_says_what_a_licence_forbids_and_tells_a_model_once(
@@ -51,7 +51,7 @@ def test_list_tells_models_of_no_set_too(root: Path, capsys: pytest.CaptureFixtu
 
     assert main(["--dir", str(root), "list"], alone) == 0
 
-    assert "in no set: 0.0 MB, 0 of 1 here\n  mind " in capsys.readouterr().out
+    assert "in no set: 0.0 MB, 0 of 1 here\n  chat " in capsys.readouterr().out
 
 
 def test_path_prints_the_entry_file(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -62,8 +62,8 @@ def test_path_prints_the_entry_file(root: Path, capsys: pytest.CaptureFixture[st
 def test_path_of_a_missing_model_fails_with_the_command_that_helps(
     root: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert run(root, "path", "mind") == 1
-    assert "edgevox-models fetch mind" in capsys.readouterr().err
+    assert run(root, "path", "chat") == 1
+    assert "edgevox-models fetch chat" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("arguments", [("fetch", "vioce"), ("path", "vioce"), ("path", "both")])
@@ -109,19 +109,19 @@ def test_licences_say_what_they_forbid(root: Path, capsys: pytest.CaptureFixture
 
 def test_without_a_terminal_progress_is_a_line_now_and_then() -> None:
     out, watch = io.StringIO(), HeldClock()
-    lines = Lines(out, watch, every_s=5.0)
+    lines = ProgressLines(out, watch, every_s=5.0)
 
-    lines.begin("mind", 100_000_000)
+    lines.begin("chat", 100_000_000)
     for second in range(11):
         watch.now_s = float(second)
         lines.at(second * 9_000_000)
     lines.end()
 
     assert out.getvalue().splitlines() == [
-        "mind: fetching 100 MB",
-        "mind: 45 MB of 100 MB",
-        "mind: 90 MB of 100 MB",
-        "mind: there after 10 s",
+        "chat: fetching 100 MB",
+        "chat: 45 MB of 100 MB",
+        "chat: 90 MB of 100 MB",
+        "chat: there after 10 s",
     ]
 
 
@@ -132,9 +132,9 @@ def test_on_a_terminal_progress_is_a_bar_with_name_size_and_speed() -> None:
 
     out = Terminal()
     with shown_on(out) as progress:
-        progress.begin("mind", 2_000_000)
+        progress.begin("chat", 2_000_000)
         progress.at(1_000_000)
         progress.end()
 
-    assert "mind" in out.getvalue()
+    assert "chat" in out.getvalue()
     assert "2.0/2.0 MB" in out.getvalue()

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from edgevox.models.errors import SourceFailed
-from edgevox.models.sources.command import run_tool
+from edgevox.models.model_errors import SourceFailed
+from edgevox.models.sources.run_tool import run_tool
 
 
 def run(script: str, where: Path, timeout_s: float = 60.0) -> str:

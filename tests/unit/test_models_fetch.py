@@ -5,13 +5,13 @@ import threading
 from pathlib import Path
 
 import pytest
-from models_places import CLOSED
+from models_sources import CLOSED
 from models_wheelhouse import (
     VOICE,
     VOICE_WHEEL,
     Wheelhouse,
+    chat,
     entry,
-    mind,
     model,
     shelf,
     store,
@@ -19,8 +19,8 @@ from models_wheelhouse import (
 )
 
 from edgevox.models import FetchFailed, StoreNotWritable, UnknownModel, fetch
-from edgevox.models.places import HubSource
-from edgevox.models.progress import Silent
+from edgevox.models.fetch_progress import SilentProgress
+from edgevox.models.source_specs import HubSource
 from edgevox.models.sources.hub import Hub
 
 HUB = {"kind": "hub", "repo": "us/voices"}
@@ -31,7 +31,7 @@ def wheels(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Wheelhouse:
     return shelf(tmp_path / "wheels", monkeypatch)
 
 
-class Notes(Silent):
+class Notes(SilentProgress):
     """Keeps what a person would read and see."""
 
     def __init__(self) -> None:
@@ -58,21 +58,21 @@ def test_the_licence_and_whose_it_is_lie_beside_the_model(
 def test_one_model_that_cannot_be_had_does_not_keep_the_others_away(
     wheels: Wheelhouse, tmp_path: Path
 ) -> None:
-    wheels.add_mind(1, 2, 3)
-    here = store(tmp_path, voice(), mind())
+    wheels.add_chat(1, 2, 3)
+    here = store(tmp_path, voice(), chat())
 
     with pytest.raises(FetchFailed, match="model voice could not be fetched"):
         fetch(["both"], store=here)
 
-    assert not here.missing(mind())
+    assert not here.missing(chat())
 
 
 def test_all_models_that_cannot_be_had_are_told(wheels: Wheelhouse, tmp_path: Path) -> None:
     with pytest.raises(FetchFailed) as failure:
-        fetch(["both"], store=store(tmp_path, voice(), mind()))
+        fetch(["both"], store=store(tmp_path, voice(), chat()))
 
     assert "model voice could not" in str(failure.value)
-    assert "model mind could not" in str(failure.value)
+    assert "model chat could not" in str(failure.value)
 
 
 def test_of_many_missing_files_the_first_are_named(wheels: Wheelhouse, tmp_path: Path) -> None:
@@ -208,4 +208,4 @@ def test_a_second_process_waits_for_the_first(wheels: Wheelhouse, tmp_path: Path
 
 def test_an_unknown_name_is_answered_with_the_nearest(tmp_path: Path) -> None:
     with pytest.raises(UnknownModel, match="did you mean voice"):
-        fetch(["vioce"], store=store(tmp_path, voice(), mind()))
+        fetch(["vioce"], store=store(tmp_path, voice(), chat()))

@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import ClassVar
 
 import pytest
-from models_places import CLOSED, serving
+from models_sources import CLOSED, serving
 from models_wheelhouse import CONFIG, VOICE, Counts, store, voice
 
 from edgevox.models import FetchFailed, Store, fetch
-from edgevox.models.errors import SourceFailed
-from edgevox.models.places import HubSource
-from edgevox.models.progress import Silent
+from edgevox.models.fetch_progress import SilentProgress
+from edgevox.models.model_errors import SourceFailed
+from edgevox.models.source_specs import HubSource
 from edgevox.models.sources.hub import Hub
 
 SPEC = HubSource(kind="hub", repo="us/voices", revision="v1", folder="en")
@@ -78,17 +78,17 @@ def test_a_file_that_the_repository_lacks_is_a_failed_source(endpoint: str, tmp_
     elsewhere = SPEC.model_copy(update={"folder": "fr"})
 
     with pytest.raises(SourceFailed, match="404"):
-        list(Hub(endpoint).provide(elsewhere, voice().files, tmp_path, Silent()))
+        list(Hub(endpoint).provide(elsewhere, voice().files, tmp_path, SilentProgress()))
 
 
 def test_a_hub_out_of_reach_is_asked_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     hub = Hub(CLOSED)
     with pytest.raises(SourceFailed, match="cannot be reached"):
-        list(hub.provide(SPEC, voice().files, tmp_path, Silent()))
+        list(hub.provide(SPEC, voice().files, tmp_path, SilentProgress()))
     monkeypatch.setattr("huggingface_hub.utils.get_session", lambda: pytest.fail("asked again"))
 
     with pytest.raises(SourceFailed, match="cannot be reached"):
-        list(hub.provide(SPEC, voice().files, tmp_path, Silent()))
+        list(hub.provide(SPEC, voice().files, tmp_path, SilentProgress()))
 
 
 def test_without_the_client_the_hub_is_passed_over_with_a_hint(
@@ -97,7 +97,7 @@ def test_without_the_client_the_hub_is_passed_over_with_a_hint(
     monkeypatch.setitem(sys.modules, "huggingface_hub", None)
 
     with pytest.raises(SourceFailed, match=r"pip install .\.\[models\]. in EdgeVox's"):
-        list(Hub().provide(SPEC, voice().files, tmp_path, Silent()))
+        list(Hub().provide(SPEC, voice().files, tmp_path, SilentProgress()))
 
 
 def fetch_from(hub: type[HubHandler], here: Store) -> Path:

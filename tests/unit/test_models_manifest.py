@@ -1,14 +1,14 @@
 from importlib.resources import files
 
 import pytest
-from models_wheelhouse import MIND, MIND_WHEELS, entry, manifest, model, voice
+from models_wheelhouse import CHAT, CHAT_WHEELS, entry, manifest, model, voice
 
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.settings import Settings
 from edgevox.models.manifest import ModelFile, builtin_manifest, parse_manifest
-from edgevox.models.places import GitSource, HubSource, NpmSource, WheelSource
+from edgevox.models.source_specs import GitSource, HubSource, NpmSource, WheelSource
 
-HUB = {"kind": "hub", "repo": "us/mind"}
+HUB = {"kind": "hub", "repo": "us/chat"}
 KINDS = [HubSource, WheelSource, NpmSource, GitSource]
 WITHOUT_HUB = ("small", "quality", "smoke", "world", "robots")
 MODELS = list(builtin_manifest().models.values())
@@ -120,12 +120,12 @@ def test_a_licence_that_is_not_described_is_refused() -> None:
 )
 def test_a_file_name_cannot_leave_the_models_folder(name: str) -> None:
     with pytest.raises(ValueError, match="name"):
-        model("mind", [entry(name, MIND)], HUB)
+        model("chat", [entry(name, CHAT)], HUB)
 
 
 @pytest.mark.parametrize("name", ["panda.xml", "assets/link0_0.obj", "a/b-c/d_e.STL", "x+y.onnx"])
 def test_a_file_may_lie_in_a_folder_of_the_model(name: str) -> None:
-    assert model("mind", [entry(name, MIND)], HUB).files[0].name == name
+    assert model("chat", [entry(name, CHAT)], HUB).files[0].name == name
 
 
 @pytest.mark.parametrize(
@@ -138,7 +138,7 @@ def test_a_file_may_lie_in_a_folder_of_the_model(name: str) -> None:
 )
 def test_files_do_not_get_into_each_others_way(names: list[str], reason: str) -> None:
     with pytest.raises(ValueError, match=reason):
-        model("mind", [entry(name, MIND) for name in names], HUB)
+        model("chat", [entry(name, CHAT) for name in names], HUB)
 
 
 def test_the_entry_is_one_of_the_files() -> None:
@@ -149,12 +149,12 @@ def test_the_entry_is_one_of_the_files() -> None:
 
 
 def test_a_file_can_be_written_as_a_row() -> None:
-    given = entry("mind.gguf", MIND)
+    given = entry("chat.gguf", CHAT)
 
     assert ModelFile.model_validate(list(given.values())) == ModelFile.model_validate(given)
 
 
-@pytest.mark.parametrize("row", [["mind.gguf", 3], ["mind.gguf", 3, "a" * 64, "more"], []])
+@pytest.mark.parametrize("row", [["chat.gguf", 3], ["chat.gguf", 3, "a" * 64, "more"], []])
 def test_a_row_that_is_too_short_or_too_long_is_refused(row: list[object]) -> None:
     with pytest.raises(ValueError, match="ModelFile"):
         ModelFile.model_validate(row)
@@ -162,7 +162,7 @@ def test_a_row_that_is_too_short_or_too_long_is_refused(row: list[object]) -> No
 
 def test_parts_need_a_member_name_each() -> None:
     with pytest.raises(ValueError, match="member goes with parts"):
-        model("mind", [entry("mind.gguf", MIND)], {**MIND_WHEELS, "member": ""})
+        model("chat", [entry("chat.gguf", CHAT)], {**CHAT_WHEELS, "member": ""})
 
 
 def test_one_thing_cannot_be_described_in_two_texts() -> None:

@@ -3,7 +3,7 @@ import os
 from pathlib import Path
 
 import pytest
-from models_wheelhouse import CONFIG, VOICE, VOICE_WHEEL, entry, mind, model, store, voice
+from models_wheelhouse import CONFIG, VOICE, VOICE_WHEEL, chat, entry, model, store, voice
 
 from edgevox.models import ModelMissing, Store, UnknownModel
 from edgevox.models.manifest import Manifest, ModelFile, builtin_manifest
@@ -13,7 +13,7 @@ from edgevox.models.store import default_root
 @pytest.fixture
 def here(tmp_path: Path) -> Store:
     """A store with the voice in it, put there by hand."""
-    place = store(tmp_path, voice(), mind())
+    place = store(tmp_path, voice(), chat())
     folder = place.root / "voice"
     folder.mkdir(parents=True)
     (folder / "voice.onnx").write_bytes(VOICE)
@@ -38,8 +38,8 @@ def test_a_model_put_there_by_hand_is_found(here: Store) -> None:
 
 
 def test_a_missing_model_names_the_command_that_fetches_it(here: Store) -> None:
-    with pytest.raises(ModelMissing, match="edgevox-models fetch mind"):
-        here.locate("mind")
+    with pytest.raises(ModelMissing, match="edgevox-models fetch chat"):
+        here.locate("chat")
 
 
 def test_a_model_without_an_entry_file_is_its_folder(tmp_path: Path) -> None:
@@ -47,8 +47,8 @@ def test_a_model_without_an_entry_file_is_its_folder(tmp_path: Path) -> None:
 
 
 def test_an_unknown_model_is_refused(here: Store) -> None:
-    with pytest.raises(UnknownModel, match="one of both, voice, mind"):
-        here.locate("ears")
+    with pytest.raises(UnknownModel, match="one of both, voice, chat"):
+        here.locate("hearing")
 
 
 def test_bytes_are_hashed_once(here: Store, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,7 +2,7 @@ from textwrap import dedent
 
 import pytest
 
-from edgevox.agent.intents import Recogniser, Understood
+from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.own_phrases import OwnPhrases
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import SkillSet, skill

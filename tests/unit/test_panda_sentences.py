@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from edgevox.agent.intents import Recogniser, Refused, Understood
+from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood
 from edgevox.agent.skills import SkillSet
 from edgevox.robots.panda.skills import manipulation_skills
 
@@ -79,7 +79,7 @@ def test_a_plain_sentence_is_understood(recogniser, expected, sentence) -> None:
 def test_a_wrong_word_is_refused_by_name(recogniser, sentence, reason) -> None:
     found = recogniser.recognise(sentence)
 
-    assert isinstance(found, Refused)
+    assert isinstance(found, RefusedCommand)
     assert found.reason.startswith(reason)
 
 

@@ -5,7 +5,7 @@ import pytest
 import yaml
 from phrasebook_bodies import BODIES
 
-from edgevox.agent.intents import Recogniser, Refused, Understood
+from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood
 from edgevox.agent.safety import SafetyWords
 from edgevox.agent.skills import Call, OneOf, SkillSet, skill
 from edgevox.core.languages import LANGUAGES
@@ -58,7 +58,7 @@ def test_an_unknown_word_is_refused_by_name_in_its_language(
 ):
     found = recognisers[code, body].recognise(sentence)
 
-    assert isinstance(found, Refused)
+    assert isinstance(found, RefusedCommand)
     assert word in found.reason
     assert "I know" not in found.reason
 

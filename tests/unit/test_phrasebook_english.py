@@ -4,8 +4,8 @@ import pytest
 from phrasebook_bodies import BODIES
 
 from edgevox.agent.agents import Agent
-from edgevox.agent.dialogue_skills import CAN, Asides
-from edgevox.agent.intents import Recogniser, Understood
+from edgevox.agent.dialogue_skills import CAN, DialogueSkills
+from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillSet
@@ -26,7 +26,7 @@ class Depot:
     places = {"shelf_b": (1.0, 2.0)}  # noqa: RUF012 - nobody changes it
 
 
-ASKED = Asides(
+ASKED = DialogueSkills(
     [Agent("apartment", "", BODIES["apartment"])],
     Bus(),
     SystemClock(),
@@ -167,7 +167,7 @@ def test_what_is_written_after_a_sentence_that_nobody_understood_is_short_and_sa
 
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_the_question_for_all_that_a_robot_can_do_is_understood(language):
-    found = Recogniser(ASKED.skills, language, ASKED.asides).recognise(
+    found = Recogniser(ASKED.skills, language, ASKED.dialogue_skills).recognise(
         phrasebook(language).say("abilities_question")
     )
 

@@ -6,7 +6,7 @@ import pytest
 from phrasebook_bodies import BODIES, SKILLS, say_it
 
 import edgevox
-from edgevox.agent.intents import Recogniser, Understood
+from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.phrase_forms import fields
 from edgevox.agent.safety import SafetyWords
@@ -42,7 +42,7 @@ def test_a_phrasebook_knows_every_skill_of_every_body(code):
         assert book.templates(one), one.name
         assert bool(phrases.says) == bool(usual.says), one.name
         assert bool(phrases.done) == bool(usual.done), one.name
-        assert bool(phrases.deeds) == one.drives == bool(usual.deeds), one.name
+        assert bool(phrases.actions) == one.drives == bool(usual.actions), one.name
 
 
 def test_english_has_what_each_skill_of_each_body_says():

@@ -10,7 +10,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.commands import TextInput
 from edgevox.core.events import Responded
 from edgevox.core.languages import LANGUAGES
-from edgevox.core.reasons import Reason
+from edgevox.core.reason import Reason
 
 OTHERS = [code for code in LANGUAGES if code != ENGLISH]
 RESULTS = {

@@ -7,8 +7,8 @@ from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.transforms import Pose2D
-from edgevox.robots.places.memory import PlaceMemory
 from edgevox.robots.places.naming import LONGEST_NAME, MOST_PLACES
+from edgevox.robots.places.place_memory import PlaceMemory
 
 HERE = Pose2D(1.25, -2.0, 1.5)
 

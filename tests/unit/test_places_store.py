@@ -12,8 +12,8 @@ from small_disk import small_disk
 from edgevox.agent.choices import OneOf
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.transforms import Pose2D
-from edgevox.robots.places.memory import PlaceMemory
-from edgevox.robots.places.store import PlaceStore
+from edgevox.robots.places.place_memory import PlaceMemory
+from edgevox.robots.places.place_store import PlaceStore
 
 HERE = Pose2D(1.25, -2.0, 1.5)
 ROBOT, WORLD = "robot-apartment", "apartment"
@@ -92,8 +92,8 @@ from pathlib import Path
 from edgevox.core import atomic_file
 from edgevox.agent.choices import OneOf
 from edgevox.core.transforms import Pose2D
-from edgevox.robots.places.memory import PlaceMemory
-from edgevox.robots.places.store import PlaceStore
+from edgevox.robots.places.place_memory import PlaceMemory
+from edgevox.robots.places.place_store import PlaceStore
 atomic_file.os.replace = lambda *_: os._exit(9)
 one = PlaceMemory("apartment", OneOf(("kitchen",)))
 one.open(PlaceStore(Path(sys.argv[1])), "robot-apartment")

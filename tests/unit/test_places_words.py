@@ -5,9 +5,9 @@ from typing import Annotated
 import pytest
 
 from edgevox.agent.choices import OneOf
-from edgevox.agent.intents import Recogniser, Refused, Understood
 from edgevox.agent.llm.gbnf import Matcher
-from edgevox.agent.prompt import MOST_LEARNED
+from edgevox.agent.model_prompt import MOST_LEARNED
+from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood
 from edgevox.agent.skills import Call, SkillSet, skill
 from edgevox.agent.toolcalls import Protocol
 from edgevox.core.errors import InvalidValue
@@ -34,7 +34,7 @@ def learner():
 
 def test_a_word_is_understood_from_the_sentence_after_it_was_learned(learner):
     recogniser = Recogniser(learner.skills)
-    assert isinstance(recogniser.recognise("go to the charger"), Refused)
+    assert isinstance(recogniser.recognise("go to the charger"), RefusedCommand)
 
     learner.learned = ("charger",)
     assert recogniser.recognise("go to the charger") == Understood(
@@ -42,7 +42,7 @@ def test_a_word_is_understood_from_the_sentence_after_it_was_learned(learner):
     )
 
     learner.learned = ()
-    assert isinstance(recogniser.recognise("go to the charger"), Refused)
+    assert isinstance(recogniser.recognise("go to the charger"), RefusedCommand)
     assert isinstance(recogniser.recognise("go to the kitchen"), Understood)
 
 
@@ -64,7 +64,9 @@ def test_a_misheard_name_is_corrected_but_never_to_one_with_another_word(learner
     found = Recogniser(learner.skills).recognise(said)
 
     assert (
-        found == Understood((Call("go", {"room": meant}),)) if meant else isinstance(found, Refused)
+        found == Understood((Call("go", {"room": meant}),))
+        if meant
+        else isinstance(found, RefusedCommand)
     )
 
 
@@ -112,7 +114,7 @@ def test_a_skill_without_a_word_to_choose_is_not_offered_to_the_model_until_it_h
     before = Protocol("", learner.skills)
     recogniser = Recogniser(learner.skills)
     assert "go(" not in before.grammar + before.opening[0].content
-    assert recogniser.recognise("go to the charger") == Refused(
+    assert recogniser.recognise("go to the charger") == RefusedCommand(
         "I do not know any room by name yet."
     )
     with pytest.raises(InvalidValue, match="expected a word that was learned before"):

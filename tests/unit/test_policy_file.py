@@ -8,8 +8,8 @@ import pytest
 
 from edgevox.agent.policy.explain import explain
 from edgevox.agent.policy.format import PolicyFile, WayName, parse_policy, read_policy_file
-from edgevox.agent.policy.verdict import Rule
-from edgevox.apps.policy import known_names
+from edgevox.agent.policy.policy_verdict import Rule
+from edgevox.apps.policy_setup import known_names
 from edgevox.core.errors import InvalidValue
 from edgevox.core.ways import Way
 from edgevox.robots.apartment import ApartmentRobot

@@ -7,10 +7,10 @@ import threading
 import pytest
 from clocks import HeldClock
 
-from edgevox.agent.policy import Asked, Denied, Guard, NeedsConfirmation, Surroundings
+from edgevox.agent.policy import CheckedCall, Denied, Guard, NeedsConfirmation, PolicyContext
 from edgevox.agent.policy.guard import TELL_EVERY_S
-from edgevox.agent.policy.status import NO_FILE, PolicyComponent
-from edgevox.apps.policy import build_guard, known_names, surroundings
+from edgevox.agent.policy.policy_status import NO_FILE, PolicyComponent
+from edgevox.apps.policy_setup import build_guard, known_names, surroundings
 from edgevox.core.agent_events import GoalRejected, as_json
 from edgevox.core.bus import Bus
 from edgevox.core.errors import InvalidValue
@@ -21,7 +21,7 @@ from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.capabilities import Twist2D
 
 DENY, ALLOW, CONFIRM = (f"rules: {{voice: {word}}}" for word in ("deny", "allow", "confirm"))
-GO = [Asked("navigate_to", {"room": "kitchen"})]
+GO = [CheckedCall("navigate_to", {"room": "kitchen"})]
 
 
 @pytest.fixture
@@ -89,7 +89,7 @@ def test_a_broken_file_leaves_the_old_policy_in_force_until_it_is_mended(file, b
     status = policy_status(guard)
     assert (status.level, status.values["broken"]) == (Level.WARN, True)
     assert "the policy before it is in force" in status.message
-    assert "policy" in guard.trouble
+    assert "policy" in guard.fault
     file.write_text(ALLOW)
     assert code(guard) == ""
     status = policy_status(guard)
@@ -149,14 +149,14 @@ def test_of_several_calls_a_denied_one_counts_before_one_that_needs_a_yes(file):
     file.write_text("rules: {voice: {grasp: confirm, place: deny}}")
     guard = Guard(file)
     with pytest.raises(NeedsConfirmation) as unsure:
-        guard.check(Way.VOICE, [Asked("look"), Asked("grasp"), Asked("look")])
+        guard.check(Way.VOICE, [CheckedCall("look"), CheckedCall("grasp"), CheckedCall("look")])
     assert unsure.value.skill == "grasp"
     with pytest.raises(Denied) as denied:
-        guard.check(Way.VOICE, [Asked("grasp"), Asked("place")])
+        guard.check(Way.VOICE, [CheckedCall("grasp"), CheckedCall("place")])
     assert (denied.value.skill, denied.value.reason.code) == ("place", "policy_denied")
-    guard.check(Way.VOICE, [Asked("grasp")], confirmed=True)
+    guard.check(Way.VOICE, [CheckedCall("grasp")], confirmed=True)
     with pytest.raises(Denied):
-        guard.check(Way.VOICE, [Asked("place")], confirmed=True)
+        guard.check(Way.VOICE, [CheckedCall("place")], confirmed=True)
 
 
 @pytest.mark.parametrize("way", Way)
@@ -224,7 +224,7 @@ def test_a_velocity_that_is_too_fast_is_slowed_and_counted(file):
 
 def test_names_that_the_robot_does_not_know_are_a_warning(file):
     file.write_text("rules: {voice: {grap: deny, mute: deny}}\nlimits: {places: {never: [cellar]}}")
-    around = Surroundings(lambda: {"kitchen": (0.0, 0.0)})
+    around = PolicyContext(lambda: {"kitchen": (0.0, 0.0)})
     status = policy_status(Guard(file, around=around))
     assert status.level is Level.WARN
     assert status.message == "names that this robot does not know: cellar, grap"

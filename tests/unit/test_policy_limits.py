@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from edgevox.agent.policy import Policy, Rule, Surroundings
+from edgevox.agent.policy import Policy, PolicyContext, Rule
 from edgevox.agent.policy.format import parse_policy
 from edgevox.core.ways import Way
 
@@ -20,7 +20,7 @@ def rooms(x_m, _y_m):
     return "kitchen" if x_m > 5 else "living_room" if x_m < 4 else None
 
 
-AROUND = Surroundings(lambda: PLACES, rooms, lambda: (2.0, 2.0))
+AROUND = PolicyContext(lambda: PLACES, rooms, lambda: (2.0, 2.0))
 
 
 def policy(limits, rules="{}"):
@@ -79,7 +79,7 @@ def test_a_walk_and_the_goal_of_a_drive_are_so_far_at_most(arguments, code):
 
 
 def test_who_does_not_know_where_it_is_drives_nowhere_where_a_distance_is_limited():
-    lost = Surroundings(lambda: PLACES, rooms)
+    lost = PolicyContext(lambda: PLACES, rooms)
     assert judged("{distance_m: 5}", "go", lost, room="kitchen") == "policy_lost"
     assert judged("{distance_m: 5}", "go", lost, distance=1.0) == ""
     assert judged("{}", "go", lost, room="kitchen") == ""

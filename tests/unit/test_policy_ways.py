@@ -27,7 +27,7 @@ CODES += ("policy_distance", "policy_lost", "needs_confirmation", "needs_a_perso
 VALUES = {"policy_place": {"place": "kitchen"}, "policy_distance": {"most": "5"}}
 
 
-class Stage:
+class Rig:
     """A conversation with a robot that drives until it is stopped, under a policy."""
 
     def __init__(self, file):
@@ -79,10 +79,10 @@ class Stage:
 
 
 @pytest.fixture
-def stage(tmp_path):
+def rig(tmp_path):
     file = tmp_path / "policy.yaml"
     file.write_text("rules: {}")
-    one = Stage(file)
+    one = Rig(file)
     yield one
     one.talk.close()
 
@@ -103,89 +103,89 @@ def test_every_way_but_velocities_is_one_that_is_tried_here():
 
 
 @pytest.mark.parametrize("way", IN_WORDS)
-def test_a_sentence_is_refused_by_its_way_aloud_and_as_an_event(stage, way):
-    stage.under(f"rules: {{{way}: deny}}")
-    assert stage.submit(IN_WORDS[way]) == DENIED
-    assert stage.rejected == [(way, "drive", "policy_denied", True)]
-    assert stage.guard.refusals == {(way, "policy_denied"): 1}
-    assert not stage.driving.is_set()
+def test_a_sentence_is_refused_by_its_way_aloud_and_as_an_event(rig, way):
+    rig.under(f"rules: {{{way}: deny}}")
+    assert rig.submit(IN_WORDS[way]) == DENIED
+    assert rig.rejected == [(way, "drive", "policy_denied", True)]
+    assert rig.guard.refusals == {(way, "policy_denied"): 1}
+    assert not rig.driving.is_set()
 
 
 @pytest.mark.parametrize("way", IN_WORDS)
-def test_a_sentence_of_every_other_way_is_done(stage, way):
+def test_a_sentence_of_every_other_way_is_done(rig, way):
     others = ", ".join(f"{other}: deny" for other in Way if other is not way)
-    stage.under(f"rules: {{{others}}}")
-    stage.talk.submit(IN_WORDS[way])
-    assert stage.driving.wait(HUNG_S)
-    assert stage.guard.refusals == {}
+    rig.under(f"rules: {{{others}}}")
+    rig.talk.submit(IN_WORDS[way])
+    assert rig.driving.wait(HUNG_S)
+    assert rig.guard.refusals == {}
 
 
 @pytest.mark.parametrize("way", OF_PROGRAMS)
-def test_a_program_is_refused_with_the_code_and_nothing_is_said(stage, way):
-    stage.under(f"rules: {{{way}: {{drive: deny}}}}")
-    for ask in (stage.talk.check_goal, stage.talk.start_goal):
+def test_a_program_is_refused_with_the_code_and_nothing_is_said(rig, way):
+    rig.under(f"rules: {{{way}: {{drive: deny}}}}")
+    for ask in (rig.talk.check_goal, rig.talk.start_goal):
         with pytest.raises(Denied) as denied:
             ask("drive", {"room": "kitchen"}, way=way)
         assert denied.value.reason.code == "policy_denied"
     other = Way.ACTION if way is Way.GOAL_POSE else Way.GOAL_POSE
-    stage.talk.start_goal("drive", {"room": "kitchen"}, way=other)
-    assert stage.driving.wait(HUNG_S)
-    assert stage.said == []
+    rig.talk.start_goal("drive", {"room": "kitchen"}, way=other)
+    assert rig.driving.wait(HUNG_S)
+    assert rig.said == []
 
 
 @pytest.mark.parametrize("way", [way for way in IN_WORDS if way.attended])
-def test_what_needs_a_yes_is_asked_about_and_a_yes_is_enough(stage, way):
-    stage.under("rules: {'*': confirm}")
-    assert stage.submit(IN_WORDS[way]) == QUESTION
-    assert stage.rejected == []
-    assert stage.outcomes == [Outcome.ASKED]
-    assert not stage.driving.is_set()
-    stage.talk.submit(TextInput("yes", way))
-    assert stage.driving.wait(HUNG_S)
+def test_what_needs_a_yes_is_asked_about_and_a_yes_is_enough(rig, way):
+    rig.under("rules: {'*': confirm}")
+    assert rig.submit(IN_WORDS[way]) == QUESTION
+    assert rig.rejected == []
+    assert rig.outcomes == [Outcome.ASKED]
+    assert not rig.driving.is_set()
+    rig.talk.submit(TextInput("yes", way))
+    assert rig.driving.wait(HUNG_S)
 
 
-def test_the_yes_of_one_who_may_not_ask_for_it_is_not_enough(stage):
-    stage.under("rules: {voice: confirm, console_viewer: deny}")
-    assert stage.submit(IN_WORDS[Way.VOICE]) == QUESTION
-    assert stage.submit(TextInput("yes", Way.CONSOLE_VIEWER)) == DENIED
-    assert not stage.driving.is_set()
+def test_the_yes_of_one_who_may_not_ask_for_it_is_not_enough(rig):
+    rig.under("rules: {voice: confirm, console_viewer: deny}")
+    assert rig.submit(IN_WORDS[Way.VOICE]) == QUESTION
+    assert rig.submit(TextInput("yes", Way.CONSOLE_VIEWER)) == DENIED
+    assert not rig.driving.is_set()
 
 
-def test_a_call_by_name_of_somebody_who_could_be_asked_is_refused_as_nobody_asks(stage):
-    stage.under("rules: {'*': confirm}")
+def test_a_call_by_name_of_somebody_who_could_be_asked_is_refused_as_nobody_asks(rig):
+    rig.under("rules: {'*': confirm}")
     form = RunSkill("drive", {"room": "kitchen"}, Way.CONSOLE_OPERATOR)
-    assert stage.submit(form) == UNSURE
-    assert stage.rejected == [("console_operator", "drive", "needs_confirmation", True)]
-    assert not stage.driving.is_set()
+    assert rig.submit(form) == UNSURE
+    assert rig.rejected == [("console_operator", "drive", "needs_confirmation", True)]
+    assert not rig.driving.is_set()
 
 
 @pytest.mark.parametrize("way", OF_PROGRAMS)
-def test_where_nobody_can_be_asked_what_needs_a_yes_is_refused(stage, way):
-    stage.under("rules: {'*': confirm}")
+def test_where_nobody_can_be_asked_what_needs_a_yes_is_refused(rig, way):
+    rig.under("rules: {'*': confirm}")
     with pytest.raises(Denied) as denied:
-        stage.talk.start_goal("drive", {"room": "kitchen"}, way=way)
+        rig.talk.start_goal("drive", {"room": "kitchen"}, way=way)
     assert denied.value.reason.code == "needs_a_person"
 
 
-def test_a_limit_is_refused_with_its_own_reason(stage):
-    stage.under("limits: {places: {never: [kitchen]}}")
+def test_a_limit_is_refused_with_its_own_reason(rig):
+    rig.under("limits: {places: {never: [kitchen]}}")
     said = "I cannot do that: I am not permitted to go there: kitchen."
-    assert stage.submit(IN_WORDS[Way.VOICE]) == said
-    assert stage.rejected == [("voice", "drive", "policy_place", True)]
+    assert rig.submit(IN_WORDS[Way.VOICE]) == said
+    assert rig.rejected == [("voice", "drive", "policy_place", True)]
 
 
-def test_what_moves_nothing_has_rules_and_no_limits(stage):
-    stage.under("limits: {places: {only: [kitchen]}, hours: [{from: '00:00', to: '00:01'}]}")
-    assert stage.submit(TextInput("where are you")) == "Here."
-    stage.under("rules: {text_input: {where: deny}}")
-    assert stage.submit(TextInput("where are you")) == DENIED
+def test_what_moves_nothing_has_rules_and_no_limits(rig):
+    rig.under("limits: {places: {only: [kitchen]}, hours: [{from: '00:00', to: '00:01'}]}")
+    assert rig.submit(TextInput("where are you")) == "Here."
+    rig.under("rules: {text_input: {where: deny}}")
+    assert rig.submit(TextInput("where are you")) == DENIED
 
 
-def test_of_several_orders_none_is_done_if_one_is_refused(stage):
-    stage.under("limits: {places: {never: [cellar]}}")
+def test_of_several_orders_none_is_done_if_one_is_refused(rig):
+    rig.under("limits: {places: {never: [cellar]}}")
     both = "drive to the kitchen and then drive to the cellar"
-    assert stage.submit(TextInput(both)).endswith("not permitted to go there: cellar.")
-    assert not stage.driving.is_set()
+    assert rig.submit(TextInput(both)).endswith("not permitted to go there: cellar.")
+    assert not rig.driving.is_set()
 
 
 @pytest.mark.parametrize(
@@ -201,34 +201,34 @@ def test_of_several_orders_none_is_done_if_one_is_refused(stage):
     ],
     ids=["text", "voice", "console", "interrupt", "reset", "skill", "sentence"],
 )
-def test_a_stop_is_never_refused(stage, command):
-    stage.talk.start_goal("drive", {"room": "kitchen"})
-    assert stage.driving.wait(HUNG_S)
-    stage.under("rules: {'*': deny}\nlimits: {hours: [{from: '00:00', to: '00:01'}]}")
-    stage.talk.submit(command)
-    assert stage.talk.wait_idle(HUNG_S), "the drive is over"
-    assert stage.guard.refusals == {}
+def test_a_stop_is_never_refused(rig, command):
+    rig.talk.start_goal("drive", {"room": "kitchen"})
+    assert rig.driving.wait(HUNG_S)
+    rig.under("rules: {'*': deny}\nlimits: {hours: [{from: '00:00', to: '00:01'}]}")
+    rig.talk.submit(command)
+    assert rig.talk.wait_idle(HUNG_S), "the drive is over"
+    assert rig.guard.refusals == {}
 
 
-def test_a_program_may_stop_it_always(stage):
-    stage.under("rules: {'*': deny}")
-    assert stage.talk.start_goal("stop", {}).wait(HUNG_S)
-    assert stage.guard.refusals == {}
+def test_a_program_may_stop_it_always(rig):
+    rig.under("rules: {'*': deny}")
+    assert rig.talk.start_goal("stop", {}).wait(HUNG_S)
+    assert rig.guard.refusals == {}
 
 
-def test_a_drive_that_runs_goes_on_when_the_policy_forbids_the_next_one(stage):
-    goal = stage.talk.start_goal("drive", {"room": "kitchen"})
-    assert stage.driving.wait(HUNG_S)
-    stage.under("rules: {'*': deny}")
+def test_a_drive_that_runs_goes_on_when_the_policy_forbids_the_next_one(rig):
+    goal = rig.talk.start_goal("drive", {"room": "kitchen"})
+    assert rig.driving.wait(HUNG_S)
+    rig.under("rules: {'*': deny}")
     with pytest.raises(Denied):
-        stage.talk.start_goal("drive", {"room": "cellar"})
+        rig.talk.start_goal("drive", {"room": "cellar"})
     assert not goal.token.cancelled
 
 
-def test_words_that_ask_for_nothing_are_answered_whatever_the_policy(stage):
-    stage.under("rules: {'*': deny}")
-    stage.submit(TextInput("good morning"))
-    assert stage.guard.refusals == {}
+def test_words_that_ask_for_nothing_are_answered_whatever_the_policy(rig):
+    rig.under("rules: {'*': deny}")
+    rig.submit(TextInput("good morning"))
+    assert rig.guard.refusals == {}
 
 
 @pytest.mark.parametrize("code", LANGUAGES)

@@ -3,12 +3,12 @@
 import pytest
 from programs_rig import Talk
 
-from edgevox.agent.programs.bounds import LONGEST_RUN_S, LONGEST_WAIT_S, MAX_PROGRAMS
 from edgevox.agent.programs.keeper import LEAD_S
+from edgevox.agent.programs.program_limits import LONGEST_RUN_S, LONGEST_WAIT_S, MAX_PROGRAMS
 from edgevox.agent.programs.waits import LOOK_EVERY_S
 from edgevox.core.commands import CancelProgram, Interrupt, Reset
 from edgevox.core.errors import InvalidValue
-from edgevox.core.reasons import Reason
+from edgevox.core.reason import Reason
 
 PATROL = "patrol between the kitchen and the office until I say stop"
 LATER = "in five minutes, go to the office"

@@ -15,7 +15,7 @@ from hassil.expression import (
 from hassil.parse_expression import parse_sentence
 from phrasebook_bodies import BODIES
 
-from edgevox.agent.intents import Recogniser, Understood
+from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.programs.program import (
     After,
@@ -28,7 +28,7 @@ from edgevox.agent.programs.program import (
     Steps,
     When,
 )
-from edgevox.agent.programs.reader import ProgramReader, Unclear
+from edgevox.agent.programs.program_reader import ProgramReader, Unclear
 from edgevox.agent.safety import SafetyWords
 from edgevox.core.languages import LANGUAGES
 

@@ -19,9 +19,9 @@ from edgevox.core.errors import InvalidValue
 from edgevox.ros2.contract import PUBLISHED, SUBSCRIBED
 from edgevox.ros2.recorder.bag import Bag
 from edgevox.ros2.recorder.definitions import DefinitionMissing, definition, type_hash
-from edgevox.ros2.recorder.inbox import Inbox
-from edgevox.ros2.recorder.mcap_file import McapFile, Message
-from edgevox.ros2.recorder.topics import choose_topics
+from edgevox.ros2.recorder.mcap_file import McapFile, RecordedMessage
+from edgevox.ros2.recorder.recorded_topics import choose_topics
+from edgevox.ros2.recorder.write_queue import WriteQueue
 from edgevox.ros2.recorder.writing import Disk, Writing
 from edgevox.ros2.standard_topics import AUDIO, INTEROP
 
@@ -30,7 +30,7 @@ from edgevox.ros2.standard_topics import AUDIO, INTEROP
 
 def said(number, size=0):
     data = serialize_message(String(data=f"{number}" + "x" * size))
-    return Message(TEXT, data, 1_000_000_000 + number, 1_000_000_000 + number)
+    return RecordedMessage(TEXT, data, 1_000_000_000 + number, 1_000_000_000 + number)
 
 
 def texts(folder):
@@ -135,12 +135,12 @@ def test_a_file_that_was_not_ended_holds_what_was_flushed(tmp_path):
 
 
 def test_what_does_not_fit_in_is_dropped_and_counted():
-    inbox = Inbox(most_messages=2)
+    inbox = WriteQueue(most_messages=2)
     for number in range(5):
         inbox.put(said(number))
     assert len(inbox.take()) == 2
     assert inbox.dropped == {"/robot1/response": 3}
-    small = Inbox(most_bytes=100)
+    small = WriteQueue(most_bytes=100)
     small.put(said(1, size=200))
     assert small.take() == []
     small.put(said(1))
@@ -150,7 +150,7 @@ def test_what_does_not_fit_in_is_dropped_and_counted():
 @pytest.fixture
 def recording(tmp_path):
     free = {"bytes": 1 << 40}
-    inbox = Inbox()
+    inbox = WriteQueue()
     disk = Disk(tmp_path / "bag", spare_bytes=1_000_000)
     one = Writing(inbox, disk, free_bytes=lambda _: free["bytes"], retry_s=0.1)
     one.start()
@@ -165,12 +165,12 @@ def test_a_disk_that_is_full_ends_the_file_says_so_and_goes_on_when_there_is_roo
     inbox.put(said(1))
     wait_until(lambda: writing.written == 1)
     free["bytes"] = 900_000
-    wait_until(lambda: writing.trouble)
-    assert writing.trouble == "the disk is full: 0 MB are left, 1 MB are for others"
+    wait_until(lambda: writing.fault)
+    assert writing.fault == "the disk is full: 0 MB are left, 1 MB are for others"
     inbox.put(said(2))
     wait_until(lambda: inbox.dropped)
     free["bytes"] = 1 << 40
-    wait_until(lambda: not writing.trouble)
+    wait_until(lambda: not writing.fault)
     inbox.put(said(3))
     writing.close()
     assert texts(writing.bag.folder) == ["1", "3"]
@@ -186,9 +186,9 @@ def test_a_write_that_fails_loses_one_file_only_up_to_its_last_flush(recording, 
     monkeypatch.setattr("os.write", failing(errno.EIO))
     inbox.put(said(2))
     wait_until(lambda: inbox.dropped)
-    assert "Input/output error" in writing.trouble
+    assert "Input/output error" in writing.fault
     monkeypatch.undo()
-    wait_until(lambda: not writing.trouble)
+    wait_until(lambda: not writing.fault)
     inbox.put(said(3))
     writing.close()
     first = writing.bag.folder / "bag_0.mcap"
@@ -204,7 +204,7 @@ def test_a_disk_that_never_took_a_byte_leaves_no_empty_files(recording, monkeypa
         wait_until(lambda number=number: inbox.dropped.total() > number)
     assert list(writing.bag.folder.iterdir()) == []
     monkeypatch.undo()
-    wait_until(lambda: not writing.trouble)
+    wait_until(lambda: not writing.fault)
 
 
 def failing(number):

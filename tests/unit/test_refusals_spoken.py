@@ -2,7 +2,7 @@ import re
 from contextlib import closing
 
 import pytest
-from dialogue_rig import Stage, Walker
+from dialogue_rig import Rig, Walker
 from phrasebook_bodies import SKILLS
 
 from edgevox.agent.phrase_file import phrasebook
@@ -75,16 +75,16 @@ def test_what_is_wrong_with_an_argument_is_said_in_the_words_of_the_language(cod
     ],
 )
 def test_a_number_beyond_its_bounds_is_refused_with_the_bound(code, said, answer):
-    stage = Stage(language=code)
-    with closing(stage.talk):
-        assert stage.say(said) == answer
-        assert stage.body.moves == []
+    rig = Rig(language=code)
+    with closing(rig.talk):
+        assert rig.say(said) == answer
+        assert rig.body.moves == []
 
 
 def test_of_many_places_the_nearest_are_said_and_all_are_written():
-    stage = Stage(Walker(PLACES))
-    with closing(stage.talk):
-        answer = stage.hear("go to the celery")
+    rig = Rig(Walker(PLACES))
+    with closing(rig.talk):
+        answer = rig.hear("go to the celery")
 
     assert answer.text == (
         "I do not know the room 'celery'. I know cellar, office, kitchen and 5 more."
@@ -96,20 +96,20 @@ def test_of_many_places_the_nearest_are_said_and_all_are_written():
 
 
 def test_without_a_name_a_few_of_many_places_are_said():
-    stage = Stage(Walker(PLACES))
-    with closing(stage.talk):
-        answer = stage.hear("go to the")
+    rig = Rig(Walker(PLACES))
+    with closing(rig.talk):
+        answer = rig.hear("go to the")
 
     assert answer.text == ("I did not hear which room. I know kitchen, bedroom, office and 5 more.")
 
 
 def test_a_program_hears_a_few_of_many_places_too():
-    stage = Stage(Walker(PLACES))
-    with closing(stage.talk):
-        stage.talk.submit(RunSkill("navigate_to", {"room": "gate"}))
-        assert stage.talk.wait_idle(10.0)
+    rig = Rig(Walker(PLACES))
+    with closing(rig.talk):
+        rig.talk.submit(RunSkill("navigate_to", {"room": "gate"}))
+        assert rig.talk.wait_idle(10.0)
 
-    (answer,) = stage.answers
+    (answer,) = rig.answers
     assert answer.text == (
         "I cannot do that: I do not know gate. I know garage, attic, kitchen and 5 more."
     )
@@ -117,9 +117,9 @@ def test_a_program_hears_a_few_of_many_places_too():
 
 
 def test_what_is_not_understood_is_one_sentence_and_a_few_examples_and_the_question_are_written():
-    stage = Stage(language="de")
-    with closing(stage.talk):
-        answer = stage.hear("Blorp fizzle.")
+    rig = Rig(language="de")
+    with closing(rig.talk):
+        answer = rig.hear("Blorp fizzle.")
 
     assert answer.text == (
         "Das habe ich nicht verstanden, aber ich kann zum Beispiel in ein Zimmer fahren."
@@ -131,43 +131,43 @@ def test_what_is_not_understood_is_one_sentence_and_a_few_examples_and_the_quest
 
 
 def test_more_calls_than_are_done_at_once_are_refused_in_words():
-    stage = Stage(language="de")
-    with closing(stage.talk):
-        said = stage.say(", then ".join(["go to the kitchen"] * (MAX_CALLS + 1)))
+    rig = Rig(language="de")
+    with closing(rig.talk):
+        said = rig.say(", then ".join(["go to the kitchen"] * (MAX_CALLS + 1)))
 
     assert said == ("Das kann ich nicht tun: das sind 9 Dinge auf einmal, und ich tue höchstens 8.")
 
 
 def test_a_skill_that_there_is_not_is_named_and_those_that_there_are_are_written():
-    stage = Stage()
-    with closing(stage.talk):
-        stage.talk.submit(RunSkill("dance", {}))
-        assert stage.talk.wait_idle(10.0)
+    rig = Rig()
+    with closing(rig.talk):
+        rig.talk.submit(RunSkill("dance", {}))
+        assert rig.talk.wait_idle(10.0)
 
-    (answer,) = stage.answers
+    (answer,) = rig.answers
     assert answer.text == "I cannot do that: I have not learned dance."
     assert "walk forward" in answer.detail
 
 
 def test_what_is_only_written_stands_on_the_screen():
-    stage, lines = Stage(Walker(PLACES)), []
-    view = View(stage.bus, lines.append, lambda: None)
-    with closing(stage.talk), closing(view):
-        stage.say("go to the celery")
+    rig, lines = Rig(Walker(PLACES)), []
+    view = View(rig.bus, lines.append, lambda: None)
+    with closing(rig.talk), closing(view):
+        rig.say("go to the celery")
 
     assert lines[-1].startswith("  I know kitchen, bedroom,")
 
 
 def test_programs_get_a_code_with_every_goal_that_is_cancelled():
-    stage, cancelled = Stage(), []
-    stage.bus.subscribe(GoalCancelled, lambda event: cancelled.append(as_json(event)))
-    with closing(stage.talk):
-        stage.begin("go to the kitchen and go to the office")
-        stage.begin("walk 2 metres")
-        stage.say("stop")
-        stage.begin("walk 3 metres")
-        stage.talk.submit(Reset())
-        assert stage.talk.wait_idle(10.0)
+    rig, cancelled = Rig(), []
+    rig.bus.subscribe(GoalCancelled, lambda event: cancelled.append(as_json(event)))
+    with closing(rig.talk):
+        rig.begin("go to the kitchen and go to the office")
+        rig.begin("walk 2 metres")
+        rig.say("stop")
+        rig.begin("walk 3 metres")
+        rig.talk.submit(Reset())
+        assert rig.talk.wait_idle(10.0)
 
     found = {(one["skill"], one.get("code"), one["reason"]) for one in cancelled}
     assert found == {

@@ -3,7 +3,7 @@
 import pytest
 
 from edgevox.agent.choices import OneOf
-from edgevox.agent.intents import Recogniser, Understood
+from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.skills import Call, Skill, SkillFailed, SkillSet
 from edgevox.core.cancel import CancelToken
@@ -11,7 +11,7 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.navigation import navigation_skills
-from edgevox.robots.places.memory import PlaceMemory
+from edgevox.robots.places.place_memory import PlaceMemory
 from edgevox.robots.world import parse_world
 
 SAID = {

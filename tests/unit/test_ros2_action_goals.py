@@ -16,7 +16,7 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.events import Responded
 
 
-class Stage:
+class Rig:
     """A conversation whose skills wait until the test lets them end."""
 
     def __init__(self):
@@ -54,10 +54,10 @@ class Stage:
 
 
 @pytest.fixture
-def stage():
-    stage = Stage()
-    yield stage
-    stage.conversation.close()
+def rig():
+    rig = Rig()
+    yield rig
+    rig.conversation.close()
     names = {thread.name for thread in threading.enumerate()}
     assert not [n for n in names if n.startswith(("edgevox-conversation", "edgevox-goals"))]
 
@@ -70,83 +70,83 @@ def stage():
         ("drive", {"speed": 1}, InvalidValue),
     ],
 )
-def test_a_goal_that_cannot_be_changes_nothing(stage, name, arguments, error):
-    running = stage.conversation.start_goal("drive", {})
-    assert stage.began.acquire(timeout=60)
-    seen = len(stage.events)
-    for refuse in (stage.conversation.check_goal, stage.conversation.start_goal):
+def test_a_goal_that_cannot_be_changes_nothing(rig, name, arguments, error):
+    running = rig.conversation.start_goal("drive", {})
+    assert rig.began.acquire(timeout=60)
+    seen = len(rig.events)
+    for refuse in (rig.conversation.check_goal, rig.conversation.start_goal):
         with pytest.raises(error):
             refuse(name, arguments)
-    assert len(stage.events) == seen
+    assert len(rig.events) == seen
     assert running.status is GoalStatus.RUNNING
-    stage.go_on.set()
+    rig.go_on.set()
     assert running.wait(60)
 
 
-def test_a_goal_keeps_the_id_that_it_was_given_and_is_never_spoken_of(stage):
-    stage.go_on.set()
-    goal = stage.conversation.start_goal("drive", {"metres": 2}, "abc")
-    assert stage.conversation.wait_idle(10)
+def test_a_goal_keeps_the_id_that_it_was_given_and_is_never_spoken_of(rig):
+    rig.go_on.set()
+    goal = rig.conversation.start_goal("drive", {"metres": 2}, "abc")
+    assert rig.conversation.wait_idle(10)
     assert goal.status is GoalStatus.SUCCEEDED
-    call, *lives = [as_json(event) for event in stage.events]
+    call, *lives = [as_json(event) for event in rig.events]
     assert (call["source"], call["arguments"], call["turn"]) == ("action", {"metres": 2}, 0)
     assert {data["goal_id"] for data in lives} == {"abc"}
-    assert stage.said == []
+    assert rig.said == []
 
 
-def test_it_preempts_and_is_preempted(stage):
-    stage.conversation.submit(RunSkill("drive", {}))
-    assert stage.began.acquire(timeout=60)
-    mine = stage.conversation.start_goal("drive", {})
-    assert stage.began.acquire(timeout=60)
-    stage.conversation.submit(RunSkill("drive", {}))
+def test_it_preempts_and_is_preempted(rig):
+    rig.conversation.submit(RunSkill("drive", {}))
+    assert rig.began.acquire(timeout=60)
+    mine = rig.conversation.start_goal("drive", {})
+    assert rig.began.acquire(timeout=60)
+    rig.conversation.submit(RunSkill("drive", {}))
     assert mine.wait(60)
     assert mine.status is GoalStatus.CANCELLED
-    assert stage.began.acquire(timeout=60)
-    stage.go_on.set()
-    assert stage.conversation.wait_idle(10)
-    ends = [e for e in stage.events if as_json(e).get("status") == "cancelled"]
+    assert rig.began.acquire(timeout=60)
+    rig.go_on.set()
+    assert rig.conversation.wait_idle(10)
+    ends = [e for e in rig.events if as_json(e).get("status") == "cancelled"]
     assert len(ends) == 2
-    assert stage.said[-1] == "Arrived."
+    assert rig.said[-1] == "Arrived."
 
 
-def test_what_moves_nothing_runs_beside_and_in_order(stage):
-    drive = stage.conversation.start_goal("drive", {})
-    first = stage.conversation.start_goal("look", {})
-    second = stage.conversation.start_goal("look", {})
-    assert stage.began.acquire(timeout=60)
-    assert stage.began.acquire(timeout=60)
+def test_what_moves_nothing_runs_beside_and_in_order(rig):
+    drive = rig.conversation.start_goal("drive", {})
+    first = rig.conversation.start_goal("look", {})
+    second = rig.conversation.start_goal("look", {})
+    assert rig.began.acquire(timeout=60)
+    assert rig.began.acquire(timeout=60)
     assert (drive.status, first.status) == (GoalStatus.RUNNING, GoalStatus.RUNNING)
     assert second.status is GoalStatus.ACCEPTED
-    stage.go_on.set()
+    rig.go_on.set()
     assert all(goal.wait(60) for goal in (drive, first, second))
     assert second.status is GoalStatus.SUCCEEDED
 
 
-def test_an_interrupt_ends_what_runs_and_waits_beside(stage):
-    first = stage.conversation.start_goal("look", {})
-    assert stage.began.acquire(timeout=60)
-    second = stage.conversation.start_goal("look", {})
-    stage.conversation.submit(Interrupt())
+def test_an_interrupt_ends_what_runs_and_waits_beside(rig):
+    first = rig.conversation.start_goal("look", {})
+    assert rig.began.acquire(timeout=60)
+    second = rig.conversation.start_goal("look", {})
+    rig.conversation.submit(Interrupt())
     assert first.wait(60)
     assert second.wait(60)
     assert {first.status, second.status} == {GoalStatus.CANCELLED}
 
 
-def test_too_many_that_wait_are_refused(stage):
-    stage.conversation.start_goal("look", {})
-    assert stage.began.acquire(timeout=60)
-    waiting = [stage.conversation.start_goal("look", {}) for _ in range(MAX_BACKGROUND)]
+def test_too_many_that_wait_are_refused(rig):
+    rig.conversation.start_goal("look", {})
+    assert rig.began.acquire(timeout=60)
+    waiting = [rig.conversation.start_goal("look", {}) for _ in range(MAX_BACKGROUND)]
     with pytest.raises(SkillFailed, match="look: 64 goals wait already"):
-        stage.conversation.start_goal("look", {})
-    stage.conversation.check_goal("drive", {})
-    stage.go_on.set()
+        rig.conversation.start_goal("look", {})
+    rig.conversation.check_goal("drive", {})
+    rig.go_on.set()
     assert all(goal.wait(60) for goal in waiting)
 
 
-def test_after_the_end_a_goal_ends_at_once(stage):
-    stage.conversation.close()
+def test_after_the_end_a_goal_ends_at_once(rig):
+    rig.conversation.close()
     for name in ("drive", "look"):
-        goal = stage.conversation.start_goal(name, {})
+        goal = rig.conversation.start_goal(name, {})
         assert goal.wait(0)
         assert (goal.status, goal.error) == (GoalStatus.CANCELLED, "shutting down")

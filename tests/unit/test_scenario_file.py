@@ -9,9 +9,9 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import Settings
 from edgevox.scenario import load_scenario
 from edgevox.scenario.comparisons import Compare
-from edgevox.scenario.model import MAX_STEPS, SETTABLE, Scenario
 from edgevox.scenario.reading import parse_scenario
-from edgevox.scenario.steps import STEPS
+from edgevox.scenario.scenario import MAX_STEPS, SETTABLE, Scenario
+from edgevox.scenario.scenario_steps import STEPS
 
 ROOT = Path(__file__).parents[2]
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from edgevox.scenario.comparisons import MISSING, Compare, look_up
 from edgevox.scenario.conditions import Condition, Never
-from edgevox.scenario.judge import Judge, Seen, Source
+from edgevox.scenario.scenario_judge import Judge, Seen, Source
 
 
 def state(time_s, **data):

@@ -5,7 +5,7 @@ import pytest
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.skills import SkillSet
-from edgevox.apps.terminal.commands import Desk, is_slow, is_stop
+from edgevox.apps.terminal.slash_commands import Desk, is_slow, is_stop
 from edgevox.core.bus import Bus
 
 

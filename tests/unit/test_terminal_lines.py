@@ -9,8 +9,8 @@ from guards import HUNG_S
 from hypothesis import given
 from hypothesis import strategies as st
 
-from edgevox.apps.terminal.ahead import typed_ahead
-from edgevox.apps.terminal.lines import MAX_AHEAD_BYTES, MAX_LINE_BYTES, Lines, Splitter
+from edgevox.apps.terminal.lines import MAX_AHEAD_BYTES, MAX_LINE_BYTES, InputLines, Splitter
+from edgevox.apps.terminal.typeahead import typed_ahead
 
 
 def is_stop(line):
@@ -18,13 +18,13 @@ def is_stop(line):
 
 
 class Pipe:
-    """Both ends of a pipe with `Lines` at one of them, and what was stopped and begun."""
+    """Both ends of a pipe with `InputLines` at one of them, and what was stopped and begun."""
 
     def __init__(self):
         self.stops, self.stopped = [], threading.Event()
         reading, self.writing = os.pipe()
         self.reading = reading
-        self.lines = Lines(reading, is_stop=is_stop, on_stop=self._stop)
+        self.lines = InputLines(reading, is_stop=is_stop, on_stop=self._stop)
 
     def _stop(self, line, dropped):
         self.stops.append((line, dropped))

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from edgevox.agent.skills import Call, Example, GoalHandle, SkillSet, skill
-from edgevox.agent.toolcalls import HANDOFF, Parser, Protocol
+from edgevox.agent.toolcalls import HANDOFF, OutputParser, Protocol
 
 
 @skill(examples=[Example("look at the stove", {"room": "kitchen"})])
@@ -47,7 +47,7 @@ def test_calls_come_out_in_order_and_are_never_said(where: list[int]) -> None:
 
 @given(st.text(max_size=200))
 def test_no_output_can_break_the_parser(text: str) -> None:
-    parser = Parser()
+    parser = OutputParser()
     parser.feed(text)
     parser.finish()
 

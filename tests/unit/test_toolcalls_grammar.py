@@ -11,7 +11,7 @@ from pydantic import Field
 
 from edgevox.agent.grammar import HANDOFF, MAX_MODEL_CALLS, grammar
 from edgevox.agent.skills import GoalHandle, OneOf, SkillSet, skill
-from edgevox.agent.toolcalls import Parser, Protocol
+from edgevox.agent.toolcalls import OutputParser, Protocol
 from edgevox.core.errors import InvalidValue
 
 
@@ -56,7 +56,7 @@ def written(seed: int, rule: str = "root") -> str:
 
 
 def read(text: str) -> tuple[str, tuple]:
-    parser = Parser()
+    parser = OutputParser()
     words = parser.feed(text)
     return words, tuple(parser.finish())
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from edgevox.agent.llm import gguf
-from edgevox.agent.llm.base import ModelFailed
 from edgevox.agent.llm.endpoint.address import Address
-from edgevox.agent.llm.endpoint.errors import Unusable
+from edgevox.agent.llm.endpoint.server_errors import Unusable
+from edgevox.agent.llm.language_model import ModelFailed
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import load_settings
 from edgevox.core.user_file import LARGEST_TEXT_BYTES, read_text
@@ -17,8 +17,8 @@ from edgevox.robots.humanoid.scene import read_robot
 from edgevox.robots.world import load_world
 from edgevox.ros2.external.locations import load_locations
 from edgevox.scenario import load_scenario
-from edgevox.voice.sinks.wav import WavFile
-from edgevox.voice.sources.opening import open_source
+from edgevox.voice.sinks.wav_file import WavFile
+from edgevox.voice.sources.open_source import open_source
 
 HANG_S = 60
 AGENT = Path(sys.executable).with_name("edgevox-agent")

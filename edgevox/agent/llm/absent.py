@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from edgevox.agent.llm.base import CONTEXT_TOKENS, Message, ModelFailed
+from edgevox.agent.llm.language_model import CONTEXT_TOKENS, ChatMessage, ModelFailed
 from edgevox.core.cancel import CancelToken
 
 
@@ -14,22 +14,22 @@ class AbsentModel:
 
     name = "none"
 
-    def __init__(self, trouble: str, *, context_tokens: int = CONTEXT_TOKENS) -> None:
-        self.trouble = trouble
+    def __init__(self, fault: str, *, context_tokens: int = CONTEXT_TOKENS) -> None:
+        self.fault = fault
         self.context_tokens = context_tokens
 
     def generate(
         self,
-        messages: Sequence[Message],  # noqa: ARG002 - whatever it is asked
+        messages: Sequence[ChatMessage],  # noqa: ARG002 - whatever it is asked
         *,
         grammar: str | None,  # noqa: ARG002
         max_tokens: int,  # noqa: ARG002
         token: CancelToken,  # noqa: ARG002
     ) -> Iterator[str]:
         """See `LanguageModel.generate`."""
-        raise ModelFailed(self.trouble)
+        raise ModelFailed(self.fault)
 
-    def prime(self, messages: Sequence[Message], token: CancelToken) -> None:
+    def prime(self, messages: Sequence[ChatMessage], token: CancelToken) -> None:
         """There is nothing to be read into."""
 
     def count_tokens(self, text: str) -> int:  # noqa: ARG002

@@ -3,9 +3,9 @@
 import importlib.util
 from pathlib import Path
 
-from edgevox.agent.llm import gguf, memory
-from edgevox.agent.llm.base import CONTEXT_TOKENS, LanguageModel, ModelFailed
+from edgevox.agent.llm import gguf, memory_estimate
 from edgevox.agent.llm.cpu import XLLAMACPP_NEEDS, missing_features
+from edgevox.agent.llm.language_model import CONTEXT_TOKENS, LanguageModel, ModelFailed
 from edgevox.agent.llm.llama_cpp_model import LlamaCppModel
 from edgevox.agent.llm.xllamacpp_model import XllamacppModel
 from edgevox.core.extras import install_extra
@@ -55,7 +55,10 @@ def _choose(backend: LlmBackend) -> str:
 
 def _check_memory(path: Path, weights: gguf.Weights, context_tokens: int) -> None:
     """Refuse what cannot fit: the kernel would otherwise kill the robot's process halfway."""
-    needed, there = memory.needed_bytes(weights, context_tokens), memory.read_memory()
+    needed, there = (
+        memory_estimate.needed_bytes(weights, context_tokens),
+        memory_estimate.read_memory(),
+    )
     if there and needed > there.free:
         raise ModelFailed(
             f"{path}: out of memory: a context of {context_tokens} tokens needs about"

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Union
 
-from edgevox.agent.llm.base import ModelFailed
+from edgevox.agent.llm.language_model import ModelFailed
 
 _TOKEN = re.compile(
     r'\s*("(?:\\.|[^"\\\n])*"|\[(?:\\.|[^\]\\\n])*\]|\{\d+(?:,\d*)?\}|[()|?*+]'
@@ -28,28 +28,28 @@ class _Character:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _Sequence:
+class _GrammarSequence:
     parts: tuple["_Node", ...]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _Choice:
+class _GrammarChoice:
     options: tuple["_Node", ...]
 
 
 @dataclass(frozen=True, slots=True)
-class _Repeat:
+class _GrammarRepeat:
     part: "_Node"
     least: int
     most: int | None
 
 
 @dataclass(frozen=True, slots=True)
-class _Rule:
+class _GrammarRule:
     name: str
 
 
-_Node = Union[_Character, _Sequence, _Choice, _Repeat, _Rule]  # noqa: UP007 - names come later
+_Node = Union[_Character, _GrammarSequence, _GrammarChoice, _GrammarRepeat, _GrammarRule]  # noqa: UP007 - names come later
 _Stack = tuple[_Node, "_Stack"] | None
 """What is still to come, nearest first; None is the end of the text."""
 
@@ -65,7 +65,7 @@ def parse(grammar: str) -> Mapping[str, _Node]:
         tokens.append(found[1])
         place = found.end()
     rules: dict[str, _Node] = {}
-    reader = _Reader(tokens)
+    reader = _GrammarReader(tokens)
     while reader.peek().endswith("::="):
         name = reader.take().removesuffix("::=").strip()
         rules[name] = reader.choice()
@@ -75,7 +75,7 @@ def parse(grammar: str) -> Mapping[str, _Node]:
     return rules
 
 
-class _Reader:
+class _GrammarReader:
     """Recursive descent; an empty token is the end."""
 
     def __init__(self, tokens: Sequence[str]) -> None:
@@ -95,13 +95,13 @@ class _Reader:
         while self.peek() == "|":
             self.take()
             options.append(self._sequence())
-        return options[0] if len(options) == 1 else _Choice(tuple(options))
+        return options[0] if len(options) == 1 else _GrammarChoice(tuple(options))
 
     def _sequence(self) -> _Node:
         parts: list[_Node] = []
         while (token := self.peek()) and token not in ("|", ")") and not token.endswith("::="):
             parts.append(self._repeated(self._one()))
-        return parts[0] if len(parts) == 1 else _Sequence(tuple(parts))
+        return parts[0] if len(parts) == 1 else _GrammarSequence(tuple(parts))
 
     def _one(self) -> _Node:
         head = self.take()
@@ -111,23 +111,23 @@ class _Reader:
                 raise ModelFailed("failed to parse grammar: a parenthesis is not closed")
             return inner
         if head[0] == '"':
-            return _Sequence(tuple(_Character(_exactly(c)) for c in _unescape(head[1:-1])))
+            return _GrammarSequence(tuple(_Character(_exactly(c)) for c in _unescape(head[1:-1])))
         if head[0] == "[":
             inside = head[1:-1].replace("[", r"\[")
             return _Character(re.compile(f"[{inside}]", re.DOTALL))
         if not head[0].isalpha():
             raise ModelFailed(f"failed to parse grammar: {head!r} stands after nothing")
-        return _Rule(head)
+        return _GrammarRule(head)
 
     def _repeated(self, part: _Node) -> _Node:
         token = self.peek()
         if token in _TIMES:
             self.take()
-            return _Repeat(part, *_TIMES[token])
+            return _GrammarRepeat(part, *_TIMES[token])
         if token.startswith("{"):
             least, comma, most = self.take()[1:-1].partition(",")
             limit = (int(most) if most else None) if comma else int(least)
-            return _Repeat(part, int(least), limit)
+            return _GrammarRepeat(part, int(least), limit)
         return part
 
 
@@ -136,7 +136,7 @@ class Matcher:
 
     def __init__(self, grammar: str) -> None:
         self._rules = parse(grammar)
-        self._stacks = set(self._reach((_Rule("root"), None)))
+        self._stacks = set(self._reach((_GrammarRule("root"), None)))
 
     @property
     def complete(self) -> bool:
@@ -174,20 +174,20 @@ class Matcher:
 
     def _unfold(self, node: _Node, rest: _Stack) -> Iterator[_Stack]:
         match node:
-            case _Rule(name):
+            case _GrammarRule(name):
                 yield (self._rules[name], rest)
-            case _Choice(options):
+            case _GrammarChoice(options):
                 yield from ((option, rest) for option in options)
-            case _Sequence(parts):
+            case _GrammarSequence(parts):
                 for part in reversed(parts):
                     rest = (part, rest)
                 yield rest
-            case _Repeat(part, least, most):
+            case _GrammarRepeat(part, least, most):
                 if least == 0:
                     yield rest
                 if most != 0:
                     fewer = None if most is None else most - 1
-                    yield (part, (_Repeat(part, max(0, least - 1), fewer), rest))
+                    yield (part, (_GrammarRepeat(part, max(0, least - 1), fewer), rest))
 
 
 @functools.cache

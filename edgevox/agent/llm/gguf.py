@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
-from edgevox.agent.llm.base import ModelFailed
+from edgevox.agent.llm.language_model import ModelFailed
 from edgevox.core.user_file import regular
 
 _MAGIC = b"GGUF"

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from edgevox.agent.llm import tuning
-from edgevox.agent.llm.base import CONTEXT_TOKENS, Message, ModelFailed
+from edgevox.agent.llm.language_model import CONTEXT_TOKENS, ChatMessage, ModelFailed
 from edgevox.core.cancel import CancelToken
 from edgevox.core.extras import install_extra
 from edgevox.core.log import get_logger
@@ -54,7 +54,7 @@ class LlamaCppModel:
 
     def generate(
         self,
-        messages: Sequence[Message],
+        messages: Sequence[ChatMessage],
         *,
         grammar: str | None,
         max_tokens: int,
@@ -69,7 +69,7 @@ class LlamaCppModel:
                 return
             yield from self._decode(prompt, rules, max_tokens, token)
 
-    def prime(self, messages: Sequence[Message], token: CancelToken) -> None:
+    def prime(self, messages: Sequence[ChatMessage], token: CancelToken) -> None:
         """See `LanguageModel.prime`."""
         for _ in self.generate(messages, grammar=None, max_tokens=1, token=token):
             pass
@@ -85,7 +85,7 @@ class LlamaCppModel:
         with self._lock:
             self._llama.close()
 
-    def _prompt(self, messages: Sequence[Message]) -> list[int]:
+    def _prompt(self, messages: Sequence[ChatMessage]) -> list[int]:
         chat = [{"role": m.role, "content": m.content} for m in messages]
         text = self._format(messages=chat).prompt
         prompt: list[int] = self._llama.tokenize(text.encode(), add_bos=False, special=True)

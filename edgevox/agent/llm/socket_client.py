@@ -6,7 +6,7 @@ import socket
 from pathlib import Path
 from typing import Any
 
-from edgevox.agent.llm.base import ModelFailed
+from edgevox.agent.llm.language_model import ModelFailed
 
 _TIMEOUT_S = 10.0
 

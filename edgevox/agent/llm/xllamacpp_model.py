@@ -10,7 +10,7 @@ from queue import SimpleQueue
 from typing import Any
 
 from edgevox.agent.llm import tuning
-from edgevox.agent.llm.base import CONTEXT_TOKENS, Message, ModelFailed
+from edgevox.agent.llm.language_model import CONTEXT_TOKENS, ChatMessage, ModelFailed
 from edgevox.agent.llm.socket_client import post
 from edgevox.agent.llm.socket_folder import SocketFolder
 from edgevox.core.cancel import CancelToken
@@ -55,7 +55,7 @@ class XllamacppModel:
 
     def generate(
         self,
-        messages: Sequence[Message],
+        messages: Sequence[ChatMessage],
         *,
         grammar: str | None,
         max_tokens: int,
@@ -63,7 +63,7 @@ class XllamacppModel:
     ) -> Iterator[str]:
         """See `LanguageModel.generate`."""
         request = _request(messages, grammar, max_tokens)
-        answer = _Answer(token, self._closed)
+        answer = _ServerAnswer(token, self._closed)
         try:
             work = self._worker.submit(self._run, request, answer)
         except RuntimeError:
@@ -76,7 +76,7 @@ class XllamacppModel:
         if self._closed.is_set() and not token.cancelled:
             raise ModelFailed(f"{self.name} was closed while it answered")
 
-    def prime(self, messages: Sequence[Message], token: CancelToken) -> None:
+    def prime(self, messages: Sequence[ChatMessage], token: CancelToken) -> None:
         """See `LanguageModel.prime`."""
         for _ in self.generate(messages, grammar=None, max_tokens=1, token=token):
             pass
@@ -95,12 +95,12 @@ class XllamacppModel:
         self._server = None
         self._folder.close()
 
-    def _run(self, request: dict[str, Any], answer: "_Answer") -> None:
+    def _run(self, request: dict[str, Any], answer: "_ServerAnswer") -> None:
         if not answer.unwanted:
             self._server.handle_chat_completions(request, answer.hear)
 
 
-class _Answer:
+class _ServerAnswer:
     """One answer on its way from the engine's thread to whoever iterates over it.
 
     What waits in between is bounded by the `max_tokens` of the request.
@@ -177,7 +177,9 @@ def _serve(path: Path, context_tokens: int, threads: int | None, socket: Path, k
     return xllamacpp.Server(wanted)
 
 
-def _request(messages: Sequence[Message], grammar: str | None, max_tokens: int) -> dict[str, Any]:
+def _request(
+    messages: Sequence[ChatMessage], grammar: str | None, max_tokens: int
+) -> dict[str, Any]:
     request: dict[str, Any] = {
         "messages": [{"role": m.role, "content": m.content} for m in messages],
         "max_tokens": max_tokens,

@@ -22,7 +22,7 @@ number is said that it takes, and for all else."""
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class ClauseReading:
     """One call of a reading, and how well the words from `start` to `end` speak for it.
 
     `support` are the weights of the words that speak for its skill, `rival` those for the next one,
@@ -66,8 +66,8 @@ class Clauses:
         self._filled_words = {at for at, token in enumerate(tokens) if token in functions}
 
     def options(
-        self, start: int, end: int, before: tuple[Part, ...]
-    ) -> Iterator[tuple[float, Part | None]]:
+        self, start: int, end: int, before: tuple[ClauseReading, ...]
+    ) -> Iterator[tuple[float, ClauseReading | None]]:
         """What the words between two borders may be, with how good that is."""
         inside = [one for one in self._names if start <= one.start < end]
         names = [one for one in inside if not self._is_weak(one)]
@@ -93,7 +93,7 @@ class Clauses:
             value = part.support + 0.6 * part.grounded - _STRANGE_INSIDE_COSTS * part.strange
             yield value - _CALL_COSTS + 0.3 * again - 0.01 * index, replace(part, rival=rival)
 
-    def _may_be_short(self, part: Part) -> bool:
+    def _may_be_short(self, part: ClauseReading) -> bool:
         """Whether it may leave out its verb: "the kitchen, please" asks for motion only."""
         return part.grounded > 0 and self._lexicon.skills[part.call.skill].drives
 
@@ -131,7 +131,7 @@ class Clauses:
         end: int,
         names: Sequence[Name],
         numbers: Sequence[Number],
-    ) -> Iterator[Part]:
+    ) -> Iterator[ClauseReading]:
         units = frozenset().union(*words.units.values()) if words.units else frozenset()
         for arguments, unitless in _assigned(words, tuple(names), tuple(numbers)):
             try:
@@ -146,7 +146,7 @@ class Clauses:
                 and at not in self._unsaid
                 and token not in units
             }
-            yield Part(
+            yield ClauseReading(
                 Call(words.skill.name, arguments),
                 start,
                 end,
@@ -179,7 +179,7 @@ def _assigned(
                 return
 
 
-def _is_alone(one: Part, parts: Sequence[Part]) -> bool:
+def _is_alone(one: ClauseReading, parts: Sequence[ClauseReading]) -> bool:
     """Whether no other skill takes as many of the names and numbers."""
     return all(o.call.skill == one.call.skill or o.grounded < one.grounded for o in parts)
 

@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from edgevox.agent.nlu.confidence import ASK_FROM, SURE_FROM, Head
 from edgevox.agent.nlu.encoder import SentenceReader
 from edgevox.agent.nlu.evidence import evidence, is_denied, is_doubted, is_unsupported
-from edgevox.agent.nlu.judge import ASK_FROM, SURE_FROM, Head
 from edgevox.agent.nlu.lexicon import Lexicon
-from edgevox.agent.nlu.readings import Reader, Reading
+from edgevox.agent.nlu.readings import CallReader, Reading
 from edgevox.agent.numbers import digits
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.skills import Call, SkillSet
@@ -54,7 +54,7 @@ class Readings:
         self._skills = skills
         self._language = language
         self._words: Any = None
-        self._readers: list[tuple[Lexicon, Reader]] = []
+        self._readers: list[tuple[Lexicon, CallReader]] = []
 
     def of(self, text: str) -> Judged | None:
         """The first reading of a sentence, in the language spoken or in English."""
@@ -82,7 +82,7 @@ class Readings:
         if words != self._words:
             codes = dict.fromkeys((self._language, ENGLISH))
             lexicons = [Lexicon(self._skills, phrasebook(code)) for code in codes]
-            self._readers = [(lexicon, Reader(lexicon)) for lexicon in lexicons]
+            self._readers = [(lexicon, CallReader(lexicon)) for lexicon in lexicons]
             self._words = words
 
 

@@ -76,7 +76,7 @@ class _Layer:
     thought: _Norm
 
     def __call__(self, values: Floats, heads: int) -> Floats:
-        values = self.attended(values + self.out(_attention(self.query_key_value(values), heads)))
+        values = self.attended(values + self.out(_wake_gate(self.query_key_value(values), heads)))
         return self.thought(values + self.narrow(_gelu(self.widen(values))))
 
 
@@ -127,7 +127,7 @@ class Encoder:
         return _Norm(weights, bias, self._packed.epsilon)
 
 
-def _attention(query_key_value: Floats, heads: int) -> Floats:
+def _wake_gate(query_key_value: Floats, heads: int) -> Floats:
     """What each token takes from the others, shape (tokens, values)."""
     tokens, three = query_key_value.shape
     parted = query_key_value.reshape(tokens, 3, heads, three // 3 // heads)

@@ -5,7 +5,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from edgevox.agent.nlu.clauses import Part
+from edgevox.agent.nlu.clauses import ClauseReading
 from edgevox.agent.nlu.lexicon import Lexicon
 from edgevox.agent.nlu.readings import Reading
 from edgevox.agent.nlu.tokens import Words, is_mark, is_number
@@ -30,7 +30,7 @@ def evidence(reading: Reading, lexicon: Lexicon, text: str) -> Mapping[str, floa
     size = max(1, sum(not is_mark(token) for token in tokens))
     asking = bool(lexicon.index(words.asking).starts(tokens))
     wishing = bool(lexicon.index(words.wishes).starts(tokens))
-    said = _Said(lexicon, tokens, reading.courteous)
+    said = _SaidWords(lexicon, tokens, reading.courteous)
     asks = any(mark in text for mark in _QUESTION_MARKS)
     return {
         "strange": reading.strange,
@@ -92,14 +92,14 @@ def is_unsupported(facts: Mapping[str, float], lexicon: Lexicon) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class _Said:
+class _SaidWords:
     """What of the tables of small words a sentence holds, but for its courtesies."""
 
     lexicon: Lexicon
     tokens: Sequence[str]
     courteous: frozenset[int]
 
-    def count(self, phrases: tuple[str, ...], parts: Sequence[Part] | None = None) -> int:
+    def count(self, phrases: tuple[str, ...], parts: Sequence[ClauseReading] | None = None) -> int:
         """How many of these it holds, anywhere or within these parts."""
         return len(
             {

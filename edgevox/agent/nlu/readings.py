@@ -9,7 +9,7 @@ import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from edgevox.agent.nlu.clauses import Clauses, Part
+from edgevox.agent.nlu.clauses import ClauseReading, Clauses
 from edgevox.agent.nlu.lexicon import Lexicon
 from edgevox.agent.nlu.mentions import Name, Number, find_names, find_numbers
 from edgevox.agent.nlu.tokens import Words, is_mark
@@ -26,7 +26,7 @@ MAX_TOKENS = 60
 class Reading:
     """A sentence as calls, in their order. `courteous` are the places of its courtesies."""
 
-    parts: tuple[Part, ...]
+    parts: tuple[ClauseReading, ...]
     tokens: Words
     courteous: frozenset[int]
     strange: int
@@ -41,7 +41,7 @@ class Reading:
         return tuple(part.call for part in self.parts)
 
 
-class Reader:
+class CallReader:
     """Reads sentences as calls of the skills of a lexicon."""
 
     def __init__(self, lexicon: Lexicon) -> None:
@@ -136,10 +136,10 @@ class Reader:
         }
         return [one for one in numbers if one.start not in taken_back]
 
-    def _parts(self, sentence: Clauses) -> tuple[Part, ...]:
+    def _parts(self, sentence: Clauses) -> tuple[ClauseReading, ...]:
         """The best way to part a sentence into calls, by dynamic programming over its borders."""
         borders = self._borders(sentence.tokens)
-        best: list[tuple[float, tuple[Part, ...]] | None] = [None] * len(borders)
+        best: list[tuple[float, tuple[ClauseReading, ...]] | None] = [None] * len(borders)
         best[0] = (0.0, ())
         for end in range(1, len(borders)):
             for start in range(max(0, end - _MOST_PARTS), end):
@@ -157,7 +157,7 @@ class Reader:
         borders |= {at for at, token in enumerate(tokens) if is_mark(token)}
         return sorted(borders | self._opening.starts(tokens))
 
-    def _meant(self, parts: tuple[Part, ...]) -> tuple[Part, ...]:
+    def _meant(self, parts: tuple[ClauseReading, ...]) -> tuple[ClauseReading, ...]:
         """Without what a stray word beside a real order speaks for."""
         if len(parts) < 2:
             return parts
@@ -169,7 +169,7 @@ class Reader:
         ]
         return tuple(strong) or parts
 
-    def _takes_back(self, parts: tuple[Part, ...], tokens: Words) -> bool:
+    def _takes_back(self, parts: tuple[ClauseReading, ...], tokens: Words) -> bool:
         """Whether the first of two motions is taken back: "not left, right", "left, no, right"."""
         if len(parts) != 2 or not all(self._lexicon.skills[p.call.skill].drives for p in parts):
             return False
@@ -183,7 +183,9 @@ class Reader:
         corrected = bool(self._corrections.starts(tokens).intersection(between))
         return corrected and first.call.skill != second.call.skill
 
-    def _ordered(self, parts: tuple[Part, ...], tokens: Words) -> tuple[Part, ...]:
+    def _ordered(
+        self, parts: tuple[ClauseReading, ...], tokens: Words
+    ) -> tuple[ClauseReading, ...]:
         """The order of doing: "before A, B" is B and then A, "A, but first B" too."""
         if len(parts) != 2:
             return parts
@@ -195,7 +197,7 @@ class Reader:
         return parts
 
 
-def _once(parts: tuple[Part, ...]) -> tuple[Part, ...]:
+def _once(parts: tuple[ClauseReading, ...]) -> tuple[ClauseReading, ...]:
     """Without a name that is only said again: "the lab, they are in the lab"."""
     kept = [
         part
@@ -209,7 +211,7 @@ def _counts(call: Call) -> bool:
     return any(isinstance(value, float) for value in call.arguments.values())
 
 
-def _gaps(parts: Sequence[Part], size: int) -> Iterator[tuple[int, int]]:
+def _gaps(parts: Sequence[ClauseReading], size: int) -> Iterator[tuple[int, int]]:
     at = 0
     for part in parts:
         yield at, part.start

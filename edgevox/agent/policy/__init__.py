@@ -5,19 +5,19 @@ force, reads the file again when it has changed, and counts what is refused. Imp
 the agent skills and reasons.
 """
 
-from edgevox.agent.policy.guard import Asked, Guard
+from edgevox.agent.policy.guard import CheckedCall, Guard
 from edgevox.agent.policy.policy import Policy, load_policy
-from edgevox.agent.policy.surroundings import Surroundings
-from edgevox.agent.policy.verdict import Denied, NeedsConfirmation, Rule, Verdict
+from edgevox.agent.policy.policy_context import PolicyContext
+from edgevox.agent.policy.policy_verdict import Denied, NeedsConfirmation, Rule, Verdict
 
 __all__ = [
-    "Asked",
+    "CheckedCall",
     "Denied",
     "Guard",
     "NeedsConfirmation",
     "Policy",
+    "PolicyContext",
     "Rule",
-    "Surroundings",
     "Verdict",
     "load_policy",
 ]

@@ -3,9 +3,9 @@
 from collections.abc import Iterator, Mapping
 
 from edgevox.agent.policy.format import ANY, PolicyFile
-from edgevox.agent.policy.limits import Limits, Places, Speed
+from edgevox.agent.policy.limits import Places, PolicyLimits, Speed
 from edgevox.agent.policy.policy import VELOCITY
-from edgevox.agent.policy.verdict import Rule
+from edgevox.agent.policy.policy_verdict import Rule
 from edgevox.core.ways import Way
 
 _DONE = {Rule.ALLOW: "is done", Rule.CONFIRM: "is done after a yes", Rule.DENY: "is refused"}
@@ -44,7 +44,7 @@ def _done(rule: Rule, way: Way) -> str:
     return _DONE[rule]
 
 
-def _limits(limits: Limits) -> Iterator[str]:
+def _limits(limits: PolicyLimits) -> Iterator[str]:
     if limits.places:
         yield f"places: {_places(limits.places)}"
     if limits.distance_m:

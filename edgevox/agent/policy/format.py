@@ -6,9 +6,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, StringConstraints
 
-from edgevox.agent.policy.limits import Limits
-from edgevox.agent.policy.part import Part
-from edgevox.agent.policy.verdict import Rule
+from edgevox.agent.policy.limits import PolicyLimits
+from edgevox.agent.policy.part import PolicyPart
+from edgevox.agent.policy.policy_verdict import Rule
 from edgevox.core.errors import InvalidValue
 from edgevox.core.user_file import read_text
 from edgevox.core.yaml_file import YamlFile
@@ -46,7 +46,7 @@ SkillRules = Annotated[
 ]
 
 
-class PolicyFile(Part):
+class PolicyFile(PolicyPart):
     """A whole file."""
 
     about: str = Field("", max_length=500, description="whom it is for, in a sentence")
@@ -56,7 +56,9 @@ class PolicyFile(Part):
         "skill under its way counts first; then the stricter of the way's `*` and the skill under "
         "`*`; then `*` under `*`; what none of them names is allowed",
     )
-    limits: Limits = Field(default_factory=Limits, description="for all that moves, by every way")
+    limits: PolicyLimits = Field(
+        default_factory=PolicyLimits, description="for all that moves, by every way"
+    )
 
     @property
     def skills(self) -> frozenset[str]:

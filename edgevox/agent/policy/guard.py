@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from edgevox.agent.policy.policy import NOWHERE, VELOCITY, Policy, local_time
-from edgevox.agent.policy.surroundings import Surroundings
-from edgevox.agent.policy.verdict import Denied, NeedsConfirmation, Rule
+from edgevox.agent.policy.policy_context import PolicyContext
+from edgevox.agent.policy.policy_verdict import Denied, NeedsConfirmation, Rule
 from edgevox.agent.policy.watched_file import WatchedFile
 from edgevox.core.agent_events import GoalRejected
 from edgevox.core.bus import Bus
@@ -27,7 +27,7 @@ TELL_EVERY_S = 1.0
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class CheckedCall:
     """One call of a skill, its arguments checked; `moves`: it sets the robot in motion."""
 
     skill: str
@@ -40,7 +40,7 @@ class Guard:
 
     With a `file` it is that file's policy: read at once, which raises `InvalidValue`, and again
     when something is asked and the file has changed. One that cannot be read leaves the old policy
-    in force, which is logged, and said by `trouble` until it is mended. `around` is what is known
+    in force, which is logged, and said by `fault` until it is mended. `around` is what is known
     of the robot, `now` the time of day. A refusal is published as `GoalRejected`.
     """
 
@@ -48,7 +48,7 @@ class Guard:
         self,
         file: Path | None = None,
         bus: Bus | None = None,
-        around: Surroundings = NOWHERE,
+        around: PolicyContext = NOWHERE,
         *,
         now: Callable[[], datetime] = local_time,
         clock: Clock | None = None,
@@ -78,9 +78,9 @@ class Guard:
         return self._file is not None
 
     @property
-    def trouble(self) -> str:
+    def fault(self) -> str:
         """Why the file as it is now cannot be used; empty if it is in force."""
-        return self._file.trouble if self._file else ""
+        return self._file.fault if self._file else ""
 
     @property
     def refusals(self) -> Mapping[tuple[str, ...], int]:
@@ -93,7 +93,7 @@ class Guard:
         return self._file.look() if self._file else self._fixed
 
     def check(
-        self, way: Way, calls: Sequence[Asked], turn: int = 0, *, confirmed: bool = False
+        self, way: Way, calls: Sequence[CheckedCall], turn: int = 0, *, confirmed: bool = False
     ) -> None:
         """Raise `Denied` if one of these calls is refused, which is counted and told.
 
@@ -116,7 +116,7 @@ class Guard:
             raise unsure
 
     def permit(
-        self, way: Way, calls: Sequence[Asked], turn: int = 0, *, confirmed: bool = False
+        self, way: Way, calls: Sequence[CheckedCall], turn: int = 0, *, confirmed: bool = False
     ) -> None:
         """As `check`, for who cannot ask back: what needs a yes is refused, too."""
         try:

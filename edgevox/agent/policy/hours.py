@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from edgevox.agent.policy.part import Part
+from edgevox.agent.policy.part import PolicyPart
 
 Day = Literal["mon", "tue", "wed", "thu", "fri", "sat", "sun"]
 DAYS: tuple[Day, ...] = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
@@ -33,7 +33,7 @@ TimeOfDay = Annotated[
 ]
 
 
-class Interval(Part):
+class Interval(PolicyPart):
     """Some hours of a day. They may cross midnight, and then belong to the day they begin on."""
 
     begin: TimeOfDay = Field(alias="from", description="local time of the machine, HH:MM")

@@ -8,11 +8,11 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from edgevox.agent.policy.hours import Interval
-from edgevox.agent.policy.part import Part
-from edgevox.agent.policy.surroundings import Surroundings
+from edgevox.agent.policy.part import PolicyPart
+from edgevox.agent.policy.policy_context import PolicyContext
 from edgevox.agent.policy.targets import distance_in, places_in, plain, point_in
 from edgevox.agent.reasons import because
-from edgevox.core.reasons import NO_REASON, Reason
+from edgevox.core.reason import NO_REASON, Reason
 
 Names = Annotated[
     tuple[Annotated[str, Field(min_length=1, max_length=64)], ...],
@@ -23,7 +23,7 @@ Fast = Annotated[float, Field(gt=0, le=50)]
 AXES = ("x", "y", "z")
 
 
-class Span(Part):
+class Span(PolicyPart):
     """From a least to a most, in metres; without one of them it has no end there."""
 
     least: Metres | None = Field(None, alias="min", description="metres; no end without it")
@@ -45,7 +45,7 @@ class Span(Part):
         return " ".join(f"{word} {end:g}" for word, end in ends if end is not None)
 
 
-class Area(Part):
+class Area(PolicyPart):
     """A rectangle of the floor for the goals of drives."""
 
     frame: Literal["map"] = Field("map", description="the frame that skills' points are in")
@@ -68,7 +68,7 @@ class Box(Area):
     z: Span = Span()
 
 
-class Places(Part):
+class Places(PolicyPart):
     """Where it may go by name; `never` counts before `only`."""
 
     only: Names | None = Field(None, description="no other place than these")
@@ -93,7 +93,7 @@ class Places(Part):
         return self.only is None or any(name == plain(one) for one in self.only)
 
 
-class Speed(Part):
+class Speed(PolicyPart):
     """How fast it may be steered by velocities."""
 
     linear_m_s: Fast | None = Field(None, description="metres per second")
@@ -116,7 +116,7 @@ class Speed(Part):
         )
 
 
-class Limits(Part):
+class PolicyLimits(PolicyPart):
     """All of them; one that is not given does not limit."""
 
     places: Places | None = Field(None, description="where it may go")
@@ -138,7 +138,7 @@ class Limits(Part):
             return NO_REASON
         return because("policy_hours", hours=", ".join(map(str, self.hours)))
 
-    def against(self, arguments: Mapping[str, Any], around: Surroundings) -> Reason:
+    def against(self, arguments: Mapping[str, Any], around: PolicyContext) -> Reason:
         """Why a skill may not be called with these arguments; none if it may."""
         places = around.places() if self.places or self.goals or self.distance_m else {}
         named = places_in(arguments, places)
@@ -151,7 +151,7 @@ class Limits(Part):
         )
 
     def _off_limits(
-        self, named: Sequence[str], point: Sequence[float] | None, around: Surroundings
+        self, named: Sequence[str], point: Sequence[float] | None, around: PolicyContext
     ) -> Reason:
         """By name, and where a point of the floor lies in a place."""
         if self.places is None:
@@ -172,7 +172,7 @@ class Limits(Part):
         return NO_REASON
 
     def _too_far(
-        self, arguments: Mapping[str, Any], spots: Sequence[Sequence[float]], around: Surroundings
+        self, arguments: Mapping[str, Any], spots: Sequence[Sequence[float]], around: PolicyContext
     ) -> Reason:
         if self.distance_m is None:
             return NO_REASON

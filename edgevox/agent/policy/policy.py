@@ -8,17 +8,17 @@ from pathlib import Path
 from typing import Any
 
 from edgevox.agent.policy.format import PolicyFile, read_policy_file
-from edgevox.agent.policy.surroundings import Surroundings
-from edgevox.agent.policy.verdict import Rule, Verdict
+from edgevox.agent.policy.policy_context import PolicyContext
+from edgevox.agent.policy.policy_verdict import Rule, Verdict
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import STOP
-from edgevox.core.reasons import NO_REASON, Reason
+from edgevox.core.reason import NO_REASON, Reason
 from edgevox.core.ways import Way
 
 ALLOWED = Verdict(Rule.ALLOW)
 VELOCITY = "cmd_vel"
 """What rules and refusals call the skill of being steered by velocities."""
-NOWHERE = Surroundings()
+NOWHERE = PolicyContext()
 
 
 def local_time() -> datetime:
@@ -42,7 +42,7 @@ class Policy:
         arguments: Mapping[str, Any],
         *,
         moves: bool = True,
-        around: Surroundings = NOWHERE,
+        around: PolicyContext = NOWHERE,
         now: datetime | None = None,
     ) -> Verdict:
         """What becomes of a skill, with checked arguments, asked for by this way.

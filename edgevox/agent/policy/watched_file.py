@@ -26,7 +26,7 @@ class WatchedFile:
         self._file = file
         self._seen = _stamp(file)
         self.policy = load_policy(file)
-        self.trouble = ""
+        self.fault = ""
         """Why the file as it is now is not in force; empty if it is."""
 
     def look(self) -> Policy:
@@ -43,11 +43,11 @@ class WatchedFile:
         try:
             policy = load_policy(self._file)
         except InvalidValue as error:
-            self.trouble = str(error)
+            self.fault = str(error)
             # No traceback: the reason says it all.
-            log.error("policy_broken", file=str(self._file), reason=self.trouble)  # noqa: TRY400
+            log.error("policy_broken", file=str(self._file), reason=self.fault)  # noqa: TRY400
         else:
-            self.policy, self.trouble = policy, ""
+            self.policy, self.fault = policy, ""
             log.info("policy_changed", file=str(self._file))
         self._seen = stamp
 

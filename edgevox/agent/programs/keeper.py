@@ -7,7 +7,6 @@ from typing import Any
 
 from edgevox.agent.goals import Goal
 from edgevox.agent.phrasebook import Phrasebook
-from edgevox.agent.programs.bounds import LONGEST_RUN_S, LONGEST_WAIT_S
 from edgevox.agent.programs.kept import Kept
 from edgevox.agent.programs.permission import Hands, Permission
 from edgevox.agent.programs.program import (
@@ -19,11 +18,12 @@ from edgevox.agent.programs.program import (
     drives,
     moves,
 )
-from edgevox.agent.programs.run import ProgramRun
+from edgevox.agent.programs.program_limits import LONGEST_RUN_S, LONGEST_WAIT_S
+from edgevox.agent.programs.program_run import ProgramRun
+from edgevox.agent.programs.program_words import in_words
 from edgevox.agent.programs.senses import NO_SENSES, Senses
 from edgevox.agent.programs.shelf import Shelf, Timer
 from edgevox.agent.programs.waits import Waits
-from edgevox.agent.programs.words import in_words
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed, SkillSet, reason_of
 from edgevox.agent.turn import Turn
@@ -33,7 +33,7 @@ from edgevox.core.clock import Clock
 from edgevox.core.deadlines import Deadlines
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.events import Outcome
-from edgevox.core.reasons import NO_REASON, Reason
+from edgevox.core.reason import NO_REASON, Reason
 
 LEAD_S = 2.0
 """A program that begins to move by itself says so this long before it does."""

@@ -2,7 +2,7 @@
 
 import re
 
-from edgevox.agent.programs.phrases import ProgramPhrases
+from edgevox.agent.programs.program_phrases import ProgramPhrases
 from edgevox.agent.spelling import key
 
 _DIGITS = {character: value for value, character in enumerate("零一二三四五六七八九")}

@@ -5,9 +5,9 @@ from typing import Any, Protocol
 
 from edgevox.agent.goals import Goal
 from edgevox.agent.phrasebook import Phrasebook
-from edgevox.agent.programs.bounds import check_bounds
 from edgevox.agent.programs.kept import Kept
 from edgevox.agent.programs.program import Program, calls_of
+from edgevox.agent.programs.program_limits import check_bounds
 from edgevox.agent.programs.senses import Senses
 from edgevox.agent.skill_executor import Follower
 from edgevox.agent.skills import Call, SkillFailed, SkillSet

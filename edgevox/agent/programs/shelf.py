@@ -4,16 +4,16 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
-from edgevox.agent.programs.bounds import MAX_PROGRAMS
 from edgevox.agent.programs.kept import Kept
 from edgevox.agent.programs.program import After, Program
+from edgevox.agent.programs.program_limits import MAX_PROGRAMS
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.agent_events import ProgramChanged, ProgramStatus
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
-from edgevox.core.reasons import Reason
+from edgevox.core.reason import Reason
 
 _TENTHS = 1
 

@@ -4,8 +4,8 @@ import os
 import sys
 from collections.abc import Mapping, Sequence
 
-from edgevox.apps.container.environment import prepared
-from edgevox.apps.container.table import NO_ROBOT
+from edgevox.apps.container.checked_environment import prepared
+from edgevox.apps.container.variables import NO_ROBOT
 from edgevox.apps.streams import with_streams
 from edgevox.core.cgroup import usable_cpus
 from edgevox.core.errors import InvalidValue

@@ -3,14 +3,14 @@
 from edgevox.apps.doctor import (
     graphics,
     machine,
-    models,
+    model_files,
     network,
     permitted,
+    process_environment,
     ros,
     sound,
-    surroundings,
 )
-from edgevox.apps.doctor.verdict import Check
+from edgevox.apps.doctor.check import Check
 
 _ROS, _HERE = "edgevox.ros2.probe", "edgevox.apps.doctor"
 
@@ -33,8 +33,8 @@ CHECKS: tuple[Check, ...] = (
     Check(
         "settings",
         "settings that make sense, no misspelled `EDGEVOX_` variable",
-        surroundings.probe_settings,
-        surroundings.judge_settings,
+        process_environment.probe_settings,
+        process_environment.judge_settings,
     ),
     Check(
         "policy",
@@ -45,20 +45,20 @@ CHECKS: tuple[Check, ...] = (
     Check(
         "folders",
         "temporary files and ROS 2's logs can be written",
-        surroundings.probe_folders,
-        surroundings.judge_folders,
+        process_environment.probe_folders,
+        process_environment.judge_folders,
     ),
     Check(
         "container",
         "not root in it, if it is one",
-        surroundings.probe_container,
-        surroundings.judge_container,
+        process_environment.probe_container,
+        process_environment.judge_container,
     ),
     Check(
         "models",
         "the models that the settings need, every byte of them right",
-        models.probe_models,
-        models.judge_models,
+        model_files.probe_models,
+        model_files.judge_models,
     ),
     Check(
         "sound",

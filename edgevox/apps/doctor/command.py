@@ -6,10 +6,10 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from edgevox.apps.doctor.check import Check, Situation
 from edgevox.apps.doctor.checks import CHECKS
 from edgevox.apps.doctor.report import as_json, print_table, worst
 from edgevox.apps.doctor.runner import ask
-from edgevox.apps.doctor.verdict import Check, Situation
 from edgevox.apps.robots import ROBOTS
 from edgevox.apps.streams import with_streams
 from edgevox.core.errors import EdgeVoxError, InvalidValue

@@ -1,6 +1,6 @@
 """A GPU, and OpenGL without a display."""
 
-from edgevox.apps.doctor.verdict import Facts, Situation, Verdict, ok, skipped, warning
+from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, ok, skipped, warning
 from edgevox.core.extras import install_extra
 
 _WITH_CAMERA = ("robot-panda", "robot-humanoid")
@@ -22,7 +22,7 @@ def probe_gpu() -> Facts:
     return {"names": names, "failed": ""}
 
 
-def judge_gpu(facts: Facts, _: Situation) -> Verdict:
+def judge_gpu(facts: Facts, _: Situation) -> CheckVerdict:
     """No GPU is fine; one whose driver is broken is not."""
     if facts["failed"]:
         advice = "install the kernel module and the library of the same version, and restart"
@@ -47,7 +47,7 @@ def probe_egl() -> Facts:
     return {"backend": gl.backend(), "failed": "", "installed": True}
 
 
-def judge_egl(facts: Facts, situation: Situation) -> Verdict:
+def judge_egl(facts: Facts, situation: Situation) -> CheckVerdict:
     """Without it only pictures are missing."""
     if not facts["installed"]:
         return skipped("MuJoCo is not installed", f"{install_extra('mujoco')} brings two robots")

@@ -9,19 +9,19 @@ from pathlib import Path
 
 from edgevox.agent.llm import gguf
 from edgevox.agent.llm.cpu import XLLAMACPP_NEEDS, missing_features
-from edgevox.agent.llm.memory import needed_bytes, read_memory
-from edgevox.apps.doctor.verdict import Facts, Situation, Verdict, error, ok, warning
+from edgevox.agent.llm.memory_estimate import needed_bytes, read_memory
+from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, warning
 from edgevox.apps.folders import written_folders
-from edgevox.apps.language_model import find_weights
+from edgevox.apps.model_choice import find_weights
 from edgevox.core.cgroup import cpu_quota, usable_cpus
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.settings import Settings
 from edgevox.models import Store
-from edgevox.ops.diagnostics.disk import MIB, Room, rooms
+from edgevox.ops.diagnostics.disk import MIB, DiskSpace, rooms
 
 PYTHONS = ((3, 11), (3, 12), (3, 13))
 VOICE_MIB = 600
-"""Ears, mouth and the rest, beside the language model."""
+"""Speech recognition, voices and the rest, beside the language model."""
 LEAST_CORES = 2
 _UNSYNCHRONISED = 0x40  # STA_UNSYNC of adjtimex(2)
 _BUILT_S = 1_704_067_200.0  # 2024: a clock before that was never set
@@ -37,7 +37,7 @@ def probe_python(_: Situation) -> Facts:
     }
 
 
-def judge_python(facts: Facts, _: Situation) -> Verdict:
+def judge_python(facts: Facts, _: Situation) -> CheckVerdict:
     """What the packages are built for."""
     version = ".".join(map(str, facts["version"]))
     found = f"Python {version} on {facts['system']} {facts['release']}, {facts['machine']}"
@@ -59,7 +59,7 @@ def probe_processor(_: Situation) -> Facts:
     }
 
 
-def judge_processor(facts: Facts, situation: Situation) -> Verdict:
+def judge_processor(facts: Facts, situation: Situation) -> CheckVerdict:
     """Missing features end the process of the language model on board."""
     usable, cores = facts["usable"], facts["cores"]
     limit = f", limited to {facts['quota']:g} of them by a control group" if facts["quota"] else ""
@@ -92,7 +92,7 @@ def probe_memory(situation: Situation) -> Facts:
     }
 
 
-def judge_memory(facts: Facts, situation: Situation) -> Verdict:
+def judge_memory(facts: Facts, situation: Situation) -> CheckVerdict:
     """A language model that does not fit is refused at the start."""
     free, llm = facts["free"], facts["llm"]
     found = f"{free} MiB free of {facts['total']} MiB"
@@ -117,13 +117,13 @@ def probe_disk(situation: Situation) -> Facts:
     }
 
 
-def judge_disk(facts: Facts, _: Situation) -> list[Verdict]:
+def judge_disk(facts: Facts, _: Situation) -> list[CheckVerdict]:
     """By the limits that /diagnostics has, too."""
     said = []
     for path, *rest in facts["rooms"]:
-        one = Room(Path(path), *rest)
+        one = DiskSpace(Path(path), *rest)
         advice = f"make room in {path}" if one.level else ""
-        said.append(Verdict(one.level, f"{path}: {one.free // MIB} MiB free", advice))
+        said.append(CheckVerdict(one.level, f"{path}: {one.free // MIB} MiB free", advice))
     return said or [ok("nothing that EdgeVox writes to")]
 
 
@@ -132,7 +132,7 @@ def probe_clock(_: Situation) -> Facts:
     return {"now": time.time(), "synchronised": _synchronised()}
 
 
-def judge_clock(facts: Facts, _: Situation) -> Verdict:
+def judge_clock(facts: Facts, _: Situation) -> CheckVerdict:
     """Other machines compare stamps with their own clocks."""
     when = time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime(facts["now"]))
     if facts["now"] < _BUILT_S:

@@ -9,7 +9,7 @@ import struct
 from collections.abc import Iterator
 from pathlib import Path
 
-from edgevox.apps.doctor.verdict import Facts, Situation, Verdict, error, ok, warning
+from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, warning
 from edgevox.ops.diagnostics.disk import MIB
 
 GROUP = "239.255.0.1"
@@ -27,7 +27,7 @@ def probe_multicast(_: Situation) -> Facts:
     return {"interfaces": {f"{name} {ip}": _hears_itself(ip) for name, ip in _addresses()}}
 
 
-def judge_multicast(facts: Facts, _: Situation) -> Verdict:
+def judge_multicast(facts: Facts, _: Situation) -> CheckVerdict:
     """One interface to the outside on which it works is enough."""
     heard = facts["interfaces"]
     works = [name for name, why in heard.items() if not why]
@@ -57,7 +57,7 @@ def probe_shared_memory(_: Situation) -> Facts:
     }
 
 
-def judge_shared_memory(facts: Facts, _: Situation) -> Verdict:
+def judge_shared_memory(facts: Facts, _: Situation) -> CheckVerdict:
     """A node without room in it talks to nobody on this machine."""
     udp = "or FASTDDS_BUILTIN_TRANSPORTS=UDPv4"
     if not facts["there"] or not facts["writable"]:
@@ -80,7 +80,7 @@ def probe_buffers(_: Situation) -> Facts:
     return {"rmem_max": int(file.read_text(encoding="ascii")) if file.is_file() else None}
 
 
-def judge_buffers(facts: Facts, _: Situation) -> Verdict:
+def judge_buffers(facts: Facts, _: Situation) -> CheckVerdict:
     """Never worse than a hint: words need little."""
     most = facts["rmem_max"]
     if most is None:

@@ -3,9 +3,9 @@
 from edgevox.agent.policy.explain import explain
 from edgevox.agent.policy.format import read_policy_file
 from edgevox.agent.policy.policy import local_time
-from edgevox.agent.policy.status import NO_FILE
-from edgevox.apps.doctor.verdict import Facts, Situation, Verdict, error, ok, warning
-from edgevox.apps.policy import known_names
+from edgevox.agent.policy.policy_status import NO_FILE
+from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, warning
+from edgevox.apps.policy_setup import known_names
 from edgevox.core.errors import InvalidValue
 
 
@@ -27,7 +27,7 @@ def probe_policy(situation: Situation) -> Facts:
     }
 
 
-def judge_policy(facts: Facts, _: Situation) -> Verdict | list[Verdict]:
+def judge_policy(facts: Facts, _: Situation) -> CheckVerdict | list[CheckVerdict]:
     """A broken file is an error: an agent does not start with it."""
     if wrong := facts.get("wrong"):
         return error(wrong, "correct it: with it no agent starts, and one that runs keeps the old")

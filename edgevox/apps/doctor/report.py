@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from edgevox.apps.doctor.verdict import Answer
+from edgevox.apps.doctor.check import CheckAnswer
 from edgevox.core.status import Level
 
 WIDTH = 110
@@ -21,13 +21,13 @@ _SHOWN = {
 """Each level's word, and its style on a terminal."""
 
 
-def worst(answers: Sequence[Answer]) -> Level:
+def worst(answers: Sequence[CheckAnswer]) -> Level:
     """The most serious level; what was skipped is fine."""
     levels = {answer.verdict.level for answer in answers} - {Level.STALE}
     return max(levels, default=Level.OK)
 
 
-def print_table(answers: Sequence[Answer]) -> None:
+def print_table(answers: Sequence[CheckAnswer]) -> None:
     """A row each, and how many of what."""
     console = Console(highlight=False)
     if not console.is_terminal:
@@ -45,7 +45,7 @@ def print_table(answers: Sequence[Answer]) -> None:
     console.print(_counted(answers))
 
 
-def as_json(answers: Sequence[Answer]) -> str:
+def as_json(answers: Sequence[CheckAnswer]) -> str:
     """The same as one JSON object."""
     checks = [
         {
@@ -59,7 +59,7 @@ def as_json(answers: Sequence[Answer]) -> str:
     return json.dumps({"status": _SHOWN[worst(answers)][0], "checks": checks}, indent=2)
 
 
-def _counted(answers: Sequence[Answer]) -> str:
+def _counted(answers: Sequence[CheckAnswer]) -> str:
     levels = [answer.verdict.level for answer in answers]
     errors, warnings = levels.count(Level.ERROR), levels.count(Level.WARN)
     if not errors and not warnings:

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from edgevox.apps.container.table import ENVIRONMENT
-from edgevox.apps.doctor.verdict import Facts, Situation, Verdict, error, ok, skipped, warning
+from edgevox.apps.container.variables import ENVIRONMENT
+from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
 from edgevox.core.extras import install_extra
 
 DOMAIN, RANGE = "ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE"
@@ -12,7 +12,7 @@ _DEFAULT_RANGE = (32768, 60999)
 _MOST_MS = 100.0
 
 
-def judge_middleware(facts: Facts, situation: Situation) -> Verdict:
+def judge_middleware(facts: Facts, situation: Situation) -> CheckVerdict:
     """A ROS 2 that is missing is wrong only if it was asked for."""
     if facts["missing"]:
         found = f"ROS 2 is not installed ({facts['missing']})"
@@ -29,7 +29,7 @@ def judge_middleware(facts: Facts, situation: Situation) -> Verdict:
     return ok(f"rclpy works, on {facts['middleware']}")
 
 
-def judge_interfaces(facts: Facts, _: Situation) -> Verdict:
+def judge_interfaces(facts: Facts, _: Situation) -> CheckVerdict:
     """Without them all but their topics works."""
     if not facts["missing"]:
         return ok("all there")
@@ -46,7 +46,7 @@ def probe_domain(situation: Situation) -> Facts:
     return {"domain": situation.environment.get(DOMAIN, ""), "low": low, "high": high}
 
 
-def judge_domain(facts: Facts, _: Situation) -> Verdict:
+def judge_domain(facts: Facts, _: Situation) -> CheckVerdict:
     """Ports of the domain that are the kernel's to give may be taken."""
     row, given = ENVIRONMENT[DOMAIN], facts["domain"]
     least, most = row.least or 0, row.most or 0
@@ -67,7 +67,7 @@ def probe_discovery(situation: Situation) -> Facts:
     return {name: situation.environment.get(name, "") for name in names}
 
 
-def judge_discovery(facts: Facts, _: Situation) -> list[Verdict]:
+def judge_discovery(facts: Facts, _: Situation) -> list[CheckVerdict]:
     """Words that do not exist, and contradictions."""
     said, how = [], facts[RANGE] or "SUBNET"
     known = ENVIRONMENT[RANGE].choices
@@ -85,7 +85,7 @@ def judge_discovery(facts: Facts, _: Situation) -> list[Verdict]:
     return said or [ok(f"{how}{only}{more}")]
 
 
-def judge_round_trip(facts: Facts, situation: Situation) -> Verdict:
+def judge_round_trip(facts: Facts, situation: Situation) -> CheckVerdict:
     """The one test that counts: everything before it may be right, and this not."""
     if facts["trip_ms"] is None:
         advice = (

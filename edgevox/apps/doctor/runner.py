@@ -7,12 +7,12 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
-from edgevox.apps.doctor.verdict import (
-    Answer,
+from edgevox.apps.doctor.check import (
     Check,
+    CheckAnswer,
+    CheckVerdict,
     Facts,
     Situation,
-    Verdict,
     error,
     skipped,
 )
@@ -29,13 +29,13 @@ class ProbeFailed(EdgeVoxError):
     """A probe in a process of its own came to no end, or to a bad one."""
 
 
-def ask(checks: Sequence[Check], situation: Situation) -> list[Answer]:
+def ask(checks: Sequence[Check], situation: Situation) -> list[CheckAnswer]:
     """The answers of all checks, in their order; a check may give several."""
     with ThreadPoolExecutor(AT_ONCE, thread_name_prefix="doctor") as pool:
         verdicts = list(pool.map(lambda check: _verdicts(check, situation), checks))
     found = {check.name: said for check, said in zip(checks, verdicts, strict=True)}
     return [
-        Answer(check.name, one)
+        CheckAnswer(check.name, one)
         for check in checks
         for one in _unless_needed_is_missing(check, found[check.name], found)
     ]
@@ -63,7 +63,7 @@ def probe_apart(address: str, timeout_s: float = PROBE_S) -> Facts:
     return facts
 
 
-def _verdicts(check: Check, situation: Situation) -> Sequence[Verdict]:
+def _verdicts(check: Check, situation: Situation) -> Sequence[CheckVerdict]:
     try:
         probe = check.probe
         facts = probe_apart(probe) if isinstance(probe, str) else probe(situation)
@@ -72,12 +72,12 @@ def _verdicts(check: Check, situation: Situation) -> Sequence[Verdict]:
         return [error(f"could not be checked: {failed}", check.if_lost)]
     except Exception as failed:  # noqa: BLE001 - a check that breaks is a finding like any other
         return [error(f"could not be checked: {failed!r}")]
-    return [said] if isinstance(said, Verdict) else said
+    return [said] if isinstance(said, CheckVerdict) else said
 
 
 def _unless_needed_is_missing(
-    check: Check, said: Sequence[Verdict], found: dict[str, Sequence[Verdict]]
-) -> Iterator[Verdict]:
+    check: Check, said: Sequence[CheckVerdict], found: dict[str, Sequence[CheckVerdict]]
+) -> Iterator[CheckVerdict]:
     missing = (name for name in check.needs if _unusable(found.get(name, ())))
     if name := next(missing, None):
         yield skipped(f"not tried: see {name}")
@@ -85,7 +85,7 @@ def _unless_needed_is_missing(
         yield from said
 
 
-def _unusable(said: Iterable[Verdict]) -> bool:
+def _unusable(said: Iterable[CheckVerdict]) -> bool:
     return any(one.level in (Level.ERROR, Level.STALE) for one in said)
 
 

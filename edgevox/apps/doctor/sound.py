@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from edgevox.apps.doctor.verdict import Facts, Situation, Verdict, error, ok, skipped, warning
+from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
 from edgevox.voice.devices import DeviceMissing, devices
-from edgevox.voice.sinks.opening import NONE, ROS2
+from edgevox.voice.sinks.open_sink import NONE, ROS2
 
 WORDS = {"inputs": "microphone", "outputs": "loudspeaker"}
 
@@ -23,7 +23,7 @@ def probe_sound() -> Facts:
     }
 
 
-def judge_sound(facts: Facts, situation: Situation) -> Verdict | list[Verdict]:
+def judge_sound(facts: Facts, situation: Situation) -> CheckVerdict | list[CheckVerdict]:
     """A device that was named and is not there is an error, none at all a warning."""
     settings = situation.settings
     asked = {"inputs": settings.audio_in, "outputs": settings.audio_out}
@@ -41,7 +41,7 @@ def is_device(spec: str) -> bool:
     return not elsewhere
 
 
-def _judge(word: str, asked: str, here: Sequence[str]) -> Verdict:
+def _judge(word: str, asked: str, here: Sequence[str]) -> CheckVerdict:
     names = ", ".join(here)
     if asked and not any(asked.casefold() in name.casefold() for name in here):
         advice = f"plug it in, or name another; it is tried again while EdgeVox runs ({word})"
@@ -55,8 +55,8 @@ def _judge(word: str, asked: str, here: Sequence[str]) -> Verdict:
 def probe_espeak() -> Facts:
     """In a process of its own, since it loads a library."""
     from edgevox.core.cancel import CancelToken
-    from edgevox.voice.tts.base import SynthesisFailed
     from edgevox.voice.tts.espeak import open_espeak
+    from edgevox.voice.tts.synthesiser import SynthesisFailed
 
     try:
         chunk = open_espeak().speak("one", "en-us", CancelToken())
@@ -65,7 +65,7 @@ def probe_espeak() -> Facts:
     return {"failed": "", "samples": len(chunk.samples)}
 
 
-def judge_espeak(facts: Facts, situation: Situation) -> Verdict:
+def judge_espeak(facts: Facts, situation: Situation) -> CheckVerdict:
     """It speaks where no other voice does."""
     if facts["failed"] or not facts["samples"]:
         found = f"espeak-ng does not speak: {facts['failed'] or 'it was silent'}"

@@ -37,7 +37,7 @@ def after_last_stop(lines: Sequence[str], is_stop: Callable[[str], bool]) -> int
     return max(stops, default=0)
 
 
-class Lines:
+class InputLines:
     """Reads a file descriptor on a thread of its own, from `start` to `close`.
 
     `is_stop` says which lines cannot wait. Lines that are there at one moment are looked at

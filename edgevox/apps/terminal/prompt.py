@@ -9,9 +9,9 @@ from prompt_toolkit.formatted_text import AnyFormattedText
 from prompt_toolkit.patch_stdout import patch_stdout
 from prompt_toolkit.styles import Style
 
-from edgevox.apps.ending import Ending
-from edgevox.apps.terminal.commands import Desk, Leave, is_slow, run_command
-from edgevox.apps.terminal.twice import Twice
+from edgevox.apps.shutdown_signals import ShutdownSignals
+from edgevox.apps.terminal.double_interrupt import DoubleInterrupt
+from edgevox.apps.terminal.slash_commands import Desk, Leave, is_slow, run_command
 from edgevox.apps.terminal.view import View
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
@@ -30,7 +30,7 @@ class Prompt:
 
     def __init__(self, bus: Bus, desk: Desk, clock: Clock) -> None:
         self._desk = desk
-        self._ctrl_c = Twice(clock)
+        self._ctrl_c = DoubleInterrupt(clock)
         self._commands = ThreadPoolExecutor(1, "edgevox-commands")
         """Runs the slow ones: a stop that is typed meanwhile does not wait for them."""
         self._session: PromptSession[str] = PromptSession(
@@ -38,21 +38,21 @@ class Prompt:
         )
         self._view = View(bus, print, self._session.app.invalidate)
 
-    def run(self, ending: Ending, typed: Sequence[str] = ()) -> None:
+    def run(self, shutdown: ShutdownSignals, typed: Sequence[str] = ()) -> None:
         """Do what was `typed` before, then read lines until the person leaves, or a signal says so.
 
         Nothing that is typed waits for what a line before it does.
         """
         from edgevox.apps.tui.screen import stderr_as_lines
 
-        ending.gently = self._leave
+        shutdown.gently = self._leave
         try:
             with patch_stdout(raw=True), stderr_as_lines(print):  # above the prompt, not into it
                 going_on = all(self._take(line.strip()) for line in typed)
                 while going_on and self._step():
                     pass
         finally:
-            ending.gently = None
+            shutdown.gently = None
             self._commands.shutdown()
             self._view.close()
 

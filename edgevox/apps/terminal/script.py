@@ -2,8 +2,8 @@
 
 from collections.abc import Callable
 
-from edgevox.apps.terminal.commands import Desk, Leave, is_stop, run_command
-from edgevox.apps.terminal.lines import Lines
+from edgevox.apps.terminal.lines import InputLines
+from edgevox.apps.terminal.slash_commands import Desk, Leave, is_stop, run_command
 from edgevox.apps.terminal.view import View
 from edgevox.core.bus import Bus
 from edgevox.core.commands import TextInput
@@ -32,7 +32,7 @@ def run_script(fd: int, bus: Bus, desk: Desk, write: Callable[[str], None]) -> i
         if dropped:
             write(f"  [lines before it that are not done: {dropped}]")
 
-    lines = Lines(fd, is_stop=lambda line: is_stop(line, desk), on_stop=stop)
+    lines = InputLines(fd, is_stop=lambda line: is_stop(line, desk), on_stop=stop)
     lines.start()
     try:
         while (line := lines.take(begin)) is not None:

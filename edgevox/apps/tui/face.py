@@ -12,10 +12,10 @@ from textual.message import Message
 from textual.widgets import Footer, Input, RichLog, Static
 from textual.worker import Worker
 
-from edgevox.apps.terminal.commands import Desk, Leave, is_stop, run_command
-from edgevox.apps.terminal.twice import Twice
+from edgevox.apps.terminal.double_interrupt import DoubleInterrupt
+from edgevox.apps.terminal.slash_commands import Desk, Leave, is_stop, run_command
 from edgevox.apps.tui import panels
-from edgevox.apps.tui.feed import Feed, News
+from edgevox.apps.tui.update_buffer import ScreenUpdate, UpdateBuffer
 from edgevox.core.clock import Clock
 from edgevox.core.commands import Command, Interrupt, SetMuted, TextInput
 from edgevox.core.errors import InvalidValue
@@ -30,7 +30,7 @@ class Changed(Message):
 
 
 class Face(App[None]):
-    """Shows a `Feed`, and takes lines and keys."""
+    """Shows a `UpdateBuffer`, and takes lines and keys."""
 
     TITLE = "EdgeVox"
     ENABLE_COMMAND_PALETTE = False
@@ -51,7 +51,7 @@ class Face(App[None]):
 
     def __init__(
         self,
-        feed: Feed,
+        updates: UpdateBuffer,
         desk: Desk,
         queries: Queries,
         submit: Callable[[Command], None],
@@ -61,9 +61,9 @@ class Face(App[None]):
     ) -> None:
         super().__init__()
         self._typed = typed
-        self._feed, self._desk, self._queries = feed, desk, queries
+        self._updates, self._desk, self._queries = updates, desk, queries
         self._submit = submit
-        self._ctrl_c = Twice(clock)
+        self._ctrl_c = DoubleInterrupt(clock)
         self._shown: tuple[str, str] = ("", "")
         self._muted = False
         self._running_loop: asyncio.AbstractEventLoop | None = None
@@ -84,10 +84,10 @@ class Face(App[None]):
         yield Footer()
 
     def on_mount(self) -> None:
-        """Listen to the feed from now on."""
+        """Listen to the bus from now on."""
         self._running_loop = asyncio.get_running_loop()
         self.query_one("#line").focus()
-        self._feed.changed = lambda: self.post_message(Changed())
+        self._updates.changed = lambda: self.post_message(Changed())
         self.on_changed()
         for line in self._typed:
             self._take(line.strip())
@@ -101,7 +101,7 @@ class Face(App[None]):
 
     def on_changed(self) -> None:
         """Draw what is new."""
-        news = self._feed.take()
+        news = self._updates.take()
         transcript = self.query_one("#transcript", RichLog)
         for line in news.lines:
             transcript.write(_styled(line))
@@ -120,12 +120,12 @@ class Face(App[None]):
     def _take(self, line: str) -> None:
         """Begin what a line says. A stop does not wait for a thread: slow commands may have all."""
         if line.startswith("/") and is_stop(line, self._desk):
-            self._feed.write(run_command(line, self._desk))
+            self._updates.write(run_command(line, self._desk))
         elif line.startswith("/"):
             self.run_worker(lambda: self._command(line), thread=True)
         elif line:
-            self._feed.expect(line)
-            self._feed.write(f"> {line}")
+            self._updates.expect(line)
+            self._updates.write(f"> {line}")
             self._submit(TextInput(line, Way.TYPED))
 
     def action_interrupt(self) -> None:
@@ -158,9 +158,9 @@ class Face(App[None]):
         except InvalidValue as error:
             answer = str(error)
         for one in answer.splitlines():
-            self._feed.write(one)
+            self._updates.write(one)
 
-    def _show_voice(self, news: News) -> None:
+    def _show_voice(self, news: ScreenUpdate) -> None:
         self._muted = news.muted
         self._static("voice", f"language {news.language}\nvoice {news.voice or 'best'}")
         if self._shown != (news.language, news.voice):

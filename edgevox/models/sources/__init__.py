@@ -4,8 +4,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Protocol, TypeVar
 
+from edgevox.models.fetch_progress import FetchProgress
 from edgevox.models.manifest import ModelFile
-from edgevox.models.progress import Progress
 
 SpecT_contra = TypeVar("SpecT_contra", contravariant=True)
 
@@ -14,9 +14,9 @@ class Provider(Protocol[SpecT_contra]):
     """Fetches files from one kind of place."""
 
     def provide(
-        self, spec: SpecT_contra, files: Sequence[ModelFile], bench: Path, progress: Progress
+        self, spec: SpecT_contra, files: Sequence[ModelFile], staging: Path, progress: FetchProgress
     ) -> Iterator[tuple[ModelFile, Path]]:
-        """Yield each file with where it lies now: below `bench`, on the same file system.
+        """Yield each file with where it lies now: below `staging`, on the same file system.
 
         Nothing is said of its bytes; the caller checks them. Counts in `progress` are relative to
         the files asked for. Raises `SourceFailed`.

@@ -3,11 +3,11 @@
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from edgevox.models.errors import SourceFailed
+from edgevox.models.fetch_progress import FetchProgress
 from edgevox.models.manifest import ModelFile
-from edgevox.models.places import GitSource
-from edgevox.models.progress import Progress
-from edgevox.models.sources.command import run_tool
+from edgevox.models.model_errors import SourceFailed
+from edgevox.models.source_specs import GitSource
+from edgevox.models.sources.run_tool import run_tool
 
 TIMEOUT_S = 1800.0
 _QUIET = {
@@ -36,10 +36,10 @@ class Git:
         self._timeout_s = timeout_s
 
     def provide(
-        self, spec: GitSource, files: Sequence[ModelFile], bench: Path, progress: Progress
+        self, spec: GitSource, files: Sequence[ModelFile], staging: Path, progress: FetchProgress
     ) -> Iterator[tuple[ModelFile, Path]]:
         """See `Provider`."""
-        tree = bench / "git"
+        tree = staging / "git"
         self._check_out(spec, tree)
         done = 0
         for file in files:

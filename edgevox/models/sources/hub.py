@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from edgevox.core.extras import install_extra
-from edgevox.models.errors import SourceFailed
+from edgevox.models.fetch_progress import FetchProgress
 from edgevox.models.manifest import ModelFile
-from edgevox.models.places import HubSource
-from edgevox.models.progress import Progress
-from edgevox.models.sources.bench import place_for
+from edgevox.models.model_errors import SourceFailed
+from edgevox.models.source_specs import HubSource
+from edgevox.models.sources.staging import place_for
 
 CONNECT_TIMEOUT_S = 5.0
 
@@ -29,14 +29,14 @@ class Hub:
         self._reached = False
 
     def provide(
-        self, spec: HubSource, files: Sequence[ModelFile], bench: Path, progress: Progress
+        self, spec: HubSource, files: Sequence[ModelFile], staging: Path, progress: FetchProgress
     ) -> Iterator[tuple[ModelFile, Path]]:
         """See `Provider`."""
         client = _client()
         before = 0
         for file in files:
             self._reach(client, spec, file)
-            yield file, self._download(client, spec, file, bench, _adding(progress, before))
+            yield file, self._download(client, spec, file, staging, _adding(progress, before))
             before += file.size
             progress.at(before)
 
@@ -55,14 +55,19 @@ class Hub:
         self._reached = True
 
     def _download(
-        self, client: Any, spec: HubSource, file: ModelFile, bench: Path, add: Callable[[int], None]
+        self,
+        client: Any,
+        spec: HubSource,
+        file: ModelFile,
+        staging: Path,
+        add: Callable[[int], None],
     ) -> Path:
         try:
             got = client.hf_hub_download(
                 spec.repo,
                 _path(spec, file),
                 revision=spec.revision,
-                local_dir=bench / "hub",
+                local_dir=staging / "hub",
                 token=False,
                 etag_timeout=CONNECT_TIMEOUT_S,
                 endpoint=self._endpoint,
@@ -70,7 +75,7 @@ class Hub:
             )
         except (client.errors.HfHubHTTPError, _library("httpx").HTTPError, OSError) as error:
             raise SourceFailed(_first_line(error.__cause__ or error)) from None
-        path = place_for(file, bench)
+        path = place_for(file, staging)
         shutil.move(got, path)
         return path
 
@@ -90,7 +95,7 @@ def _path(spec: HubSource, file: ModelFile) -> str:
     return f"{spec.folder}/{file.name}".lstrip("/")
 
 
-def _adding(progress: Progress, before: int) -> Callable[[int], None]:
+def _adding(progress: FetchProgress, before: int) -> Callable[[int], None]:
     got = before
 
     def add(size: int) -> None:

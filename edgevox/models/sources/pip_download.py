@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from edgevox.models.errors import SourceFailed
+from edgevox.models.model_errors import SourceFailed
 
 _PROGRESS = re.compile(r"Progress (\d+) of (\d+)")
 _OPTIONS = (

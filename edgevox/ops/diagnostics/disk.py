@@ -14,7 +14,7 @@ ERROR_BYTES, ERROR_PART = 100 * MIB, 0.02
 
 
 @dataclass(frozen=True, slots=True)
-class Room:
+class DiskSpace:
     """A file system: `path` is a folder in it that exists."""
 
     path: Path
@@ -31,19 +31,19 @@ class Room:
         return Level.WARN if self.free < min(WARN_BYTES, WARN_PART * self.size) else Level.OK
 
 
-def room(folder: Path) -> Room:
+def room(folder: Path) -> DiskSpace:
     """The file system that a folder is, or would be, in."""
     while not folder.exists() and folder != folder.parent:
         folder = folder.parent
     seen = os.statvfs(folder)
     writable = os.access(folder, os.W_OK) and not seen.f_flag & os.ST_RDONLY
     device = folder.stat().st_dev
-    return Room(
+    return DiskSpace(
         folder, device, seen.f_bavail * seen.f_frsize, seen.f_blocks * seen.f_frsize, writable
     )
 
 
-def rooms(folders: Iterable[Path], look: Callable[[Path], Room] = room) -> Iterator[Room]:
+def rooms(folders: Iterable[Path], look: Callable[[Path], DiskSpace] = room) -> Iterator[DiskSpace]:
     """Each file system of these folders that can be written to, once."""
     seen: set[int] = set()
     for one in map(look, folders):
@@ -66,7 +66,7 @@ class DiskComponent:
         return disk_status(rooms(self._folders()))
 
 
-def disk_status(found: Iterable[Room]) -> Status:
+def disk_status(found: Iterable[DiskSpace]) -> Status:
     """The component `disk`."""
     here = list(found)
     findings = [

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from edgevox.core.status import Finding, HealthCheck, Level, Status
-from edgevox.ops.health import Health
+from edgevox.ops.health_checks import Health
 
 PAGE = os.sysconf("SC_PAGE_SIZE")
 _TASKS = Path("/proc/self/task")

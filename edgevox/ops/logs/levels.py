@@ -1,7 +1,7 @@
 """The levels, by the names that ROS 2 uses for them and for loggers; changed while all runs.
 
-A logger is called after its module: `edgevox` is all of EdgeVox, `edgevox.voice` its ears and
-mouth; a library has its own name. The empty name is above all, and begins with the setting
+A logger is called after its module: `edgevox` is all of EdgeVox, `edgevox.voice` speech in
+and out; a library has its own name. The empty name is above all, and begins with the setting
 `log_level`. A level of 0 means: as the logger above.
 """
 

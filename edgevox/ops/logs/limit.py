@@ -1,4 +1,4 @@
-"""Holds back the lines of a fault that repeats: a robot that is ill all night fills no disk."""
+"""Holds back the lines of a fault that repeats: a robot that fails all night fills no disk."""
 
 import logging
 import re
@@ -7,7 +7,7 @@ from collections import OrderedDict
 from dataclasses import dataclass
 
 from edgevox.core.clock import Clock, SystemClock
-from edgevox.core.log import Line
+from edgevox.core.log import LogLine
 from edgevox.core.refusals import Refusal
 
 MOST_LINES = 5
@@ -101,7 +101,7 @@ class RateLimit(logging.Filter):
 
 
 def _key(record: logging.LogRecord) -> Key:
-    if isinstance(record.msg, Line):
+    if isinstance(record.msg, LogLine):
         event, reason = str(record.msg.get("event")), record.msg.get("reason")
         return record.name, f"{event} {reason}" if isinstance(reason, Refusal) else event
     return record.name, _NUMBERS.sub("#", str(record.msg)[:200])
@@ -111,5 +111,5 @@ def _tell(key: Key, window: _Window, window_s: float) -> None:
     name, event = key
     logger = logging.getLogger(name)
     if logger.isEnabledFor(window.level):
-        line = Line(event=HELD_BACK, of=event, lines=window.held, window_s=window_s)
+        line = LogLine(event=HELD_BACK, of=event, lines=window.held, window_s=window_s)
         logger.log(window.level, line)

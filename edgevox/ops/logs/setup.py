@@ -8,7 +8,7 @@ from typing import TextIO
 
 from edgevox.core.settings import Settings
 from edgevox.ops.logs.limit import RateLimit
-from edgevox.ops.logs.rendering import console_lines, json_lines
+from edgevox.ops.logs.line_formatter import console_lines, json_lines
 from edgevox.ops.logs.stream import LineStream
 from edgevox.ops.logs.uncaught import catch_uncaught
 
@@ -59,7 +59,7 @@ class ProgramLog(LineStream):
 
 
 def set_up(settings: Settings, stream: TextIO | None = None) -> None:
-    """All lines of this program to stderr, as the settings say; once more is a change of mind."""
+    """All lines of this program to stderr, as the settings say; called again, it changes that."""
     tear_down()
     ProgramLog(settings, stream or sys.stderr).open(settings.log_level)
     if stream is None and not faulthandler.is_enabled():

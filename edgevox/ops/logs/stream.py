@@ -12,8 +12,8 @@ import os
 from io import UnsupportedOperation
 from typing import TextIO
 
-from edgevox.core.log import Line
-from edgevox.core.outlet import Reader
+from edgevox.core.log import LogLine
+from edgevox.core.output_stream import OutputReader
 
 
 class LineStream(logging.Handler):
@@ -58,10 +58,10 @@ class LineStream(logging.Handler):
         self._stream.flush()
 
 
-def _reader_of(stream: TextIO) -> Reader | None:
+def _reader_of(stream: TextIO) -> OutputReader | None:
     """Who reads the stream; None where there is no file behind it."""
     try:
-        return Reader(stream.fileno())
+        return OutputReader(stream.fileno())
     except (OSError, ValueError, UnsupportedOperation):
         return None
 
@@ -75,5 +75,5 @@ def _is_terminal(stream: TextIO) -> bool:
 
 def _lost(lines: int) -> logging.LogRecord:
     about = {"name": __name__, "levelno": logging.WARNING, "levelname": "WARNING"}
-    line = Line(event="log_lines_lost", lines=lines)
+    line = LogLine(event="log_lines_lost", lines=lines)
     return logging.makeLogRecord({**about, "msg": line})

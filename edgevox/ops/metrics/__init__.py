@@ -1,11 +1,11 @@
 """What whoever runs robots for years counts and measures, as Prometheus reads it.
 
-`table` declares every metric once. Events come over the bus (`observer`), what is counted elsewhere
-is read when somebody asks (`registry`), and `server` answers. Imports core and prometheus-client,
-nothing else; nothing here is imported unless metrics are on.
+`metric_table` declares every metric once. Events come over the bus (`bus_counter`), what is counted
+elsewhere is read when somebody asks (`registry`), and `server` answers. Imports core and
+prometheus-client, nothing else; nothing here is imported unless metrics are on.
 """
 
-from edgevox.ops.metrics.observer import observe
+from edgevox.ops.metrics.bus_counter import observe
 from edgevox.ops.metrics.registry import Registry
 from edgevox.ops.metrics.server import MetricsServer
 

@@ -21,7 +21,7 @@ from prometheus_client.registry import Collector
 from edgevox.core.log import get_logger
 from edgevox.core.status import Components
 from edgevox.ops.metrics.metric import Kind, Metric
-from edgevox.ops.metrics.table import METRICS
+from edgevox.ops.metrics.metric_table import METRICS
 
 log = get_logger(__name__)
 

@@ -1,6 +1,6 @@
 """Speeds that rise evenly and fall at once: a robot must not be torn off its feet."""
 
-from edgevox.robots.humanoid.policy import WalkingCommand
+from edgevox.robots.humanoid.walking_policy import WalkingCommand
 
 RISE_M_S2 = 1.0
 RISE_RAD_S2 = 2.0

@@ -11,12 +11,19 @@ import mujoco
 import numpy as np
 
 from edgevox.core.transforms import Pose2D
-from edgevox.robots.humanoid.base import Base
+from edgevox.robots.humanoid.floating_base import FloatingBase
+from edgevox.robots.humanoid.footstep_planner import (
+    AHEAD_S,
+    CYCLE_S,
+    LIFT_M,
+    Footstep,
+    FootstepPlanner,
+    ahead,
+)
 from edgevox.robots.humanoid.leg import BEND_RAD, Leg
 from edgevox.robots.humanoid.limbs import Hinge, Limbs, find_limbs
-from edgevox.robots.humanoid.policy import STAND, WalkingCommand
-from edgevox.robots.humanoid.steps import AHEAD_S, CYCLE_S, LIFT_M, Footstep, Steps, ahead
-from edgevox.robots.humanoid.walker import PERIOD_S, Limits
+from edgevox.robots.humanoid.walker import PERIOD_S, WalkerLimits
+from edgevox.robots.humanoid.walking_policy import STAND, WalkingCommand
 
 CROUCH = 0.06
 """How much lower than with straight legs it walks, of the legs' length."""
@@ -53,7 +60,7 @@ class KinematicWalker:
 
     def __init__(self, model: mujoco.MjModel, base: str) -> None:
         self.model, self.data = model, mujoco.MjData(model)
-        self.base = Base(model, self.data, base)
+        self.base = FloatingBase(model, self.data, base)
         mujoco.mj_kinematics(model, self.data)
         self.data.qpos[self.base.place + 2] -= self.base.lowest_m()
         self.base.move_to(Pose2D(0.0, 0.0, 0.0))
@@ -69,7 +76,7 @@ class KinematicWalker:
         left, right = homes or [Pose2D(0.0, 0.1, 0.0), Pose2D(0.0, -0.1, 0.0)]
         self._width_m = abs(left.y_m - right.y_m) / 2
         lift = min((_LIFT * leg.length_m for leg in self._legs), default=LIFT_M)
-        self._steps = Steps((left, right), self.base.pose, min(lift, LIFT_M))
+        self._steps = FootstepPlanner((left, right), self.base.pose, min(lift, LIFT_M))
         self.limits = self._find_limits()
         self._ease, self._rests = 0.0, False
         self._home = self.data.qpos.copy()
@@ -120,12 +127,12 @@ class KinematicWalker:
             for _ in range(10):
                 leg.put(Pose2D(float(leg.home[0]), float(leg.home[1]), 0.0), 0.0)
 
-    def _find_limits(self) -> Limits:
+    def _find_limits(self) -> WalkerLimits:
         """As fast as its legs are long: a foot that stands must stay within reach."""
         reaches = [leg.reach_m() for leg in self._legs]
         forward = min(FASTEST_M_S, _STRIDE * min(reaches, default=math.inf) / AHEAD_S)
         turn = min(FASTEST_RAD_S, forward / max(self._width_m, 1e-3))
-        return Limits(forward, forward / 2, turn, settle_s=CYCLE_S)
+        return WalkerLimits(forward, forward / 2, turn, settle_s=CYCLE_S)
 
     def _limited(self, wanted: WalkingCommand) -> WalkingCommand:
         """Slower on the same arc, if the outer foot could not keep up."""

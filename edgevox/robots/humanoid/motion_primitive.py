@@ -6,8 +6,8 @@ from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.command_mux import clamped
-from edgevox.robots.humanoid.policy import STAND, WalkingCommand
-from edgevox.robots.humanoid.walker import Limits
+from edgevox.robots.humanoid.walker import WalkerLimits
+from edgevox.robots.humanoid.walking_policy import STAND, WalkingCommand
 from edgevox.robots.motion import Motion, Progress
 
 PATIENCE_S = 6.0
@@ -33,7 +33,7 @@ class MotionPrimitive(Motion):
     def __init__(
         self,
         start: Pose2D,
-        limits: Limits,
+        limits: WalkerLimits,
         period_s: float,
         *,
         distance_m: float = 0.0,

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from edgevox.core.errors import InvalidValue
-from edgevox.robots.humanoid.policy import Observation, Vector, WalkingPlan
+from edgevox.robots.humanoid.walking_policy import Observation, Vector, WalkingPlan
 
 ACTION_SCALE = 0.25
 MOST_ACTION = 100.0

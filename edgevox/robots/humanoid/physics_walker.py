@@ -8,15 +8,15 @@ import numpy as np
 
 from edgevox.core.errors import InvalidValue
 from edgevox.core.transforms import Pose2D
-from edgevox.robots.humanoid.base import Base
-from edgevox.robots.humanoid.policy import (
+from edgevox.robots.humanoid.floating_base import FloatingBase
+from edgevox.robots.humanoid.walker import WalkerLimits
+from edgevox.robots.humanoid.walking_policy import (
     STAND,
     Observation,
     WalkingCommand,
     WalkingPlan,
     WalkingPolicy,
 )
-from edgevox.robots.humanoid.walker import Limits
 
 SETTLE_S = 1.5
 """From walking to standing: the step that is in the air is set down, the sway dies away."""
@@ -53,7 +53,7 @@ class PhysicsWalker:
         generator: np.random.Generator,
     ) -> None:
         self.model, self.data = model, mujoco.MjData(model)
-        self.base = Base(model, self.data, base)
+        self.base = FloatingBase(model, self.data, base)
         self._qpos, self._qvel, self._ctrl = self.data.qpos, self.data.qvel, self.data.ctrl
         self._policy, self._plan = policy, policy.plan
         joints = [model.joint(name) for name in self._plan.joints]
@@ -137,9 +137,9 @@ class PhysicsWalker:
         )
 
 
-def _limits(plan: WalkingPlan) -> Limits:
+def _limits(plan: WalkingPlan) -> WalkerLimits:
     forward, left, turn = plan.follows
-    return Limits(
+    return WalkerLimits(
         forward_m_s=plan.max_forward_m_s * forward,
         left_m_s=plan.max_left_m_s * left,
         turn_rad_s=plan.max_turn_rad_s * turn,

@@ -17,18 +17,18 @@ from edgevox.core.errors import finite
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import CameraImage, CameraSpec, Report, Twist2D
 from edgevox.robots.command_mux import CommandMux
-from edgevox.robots.humanoid.environment import MujocoHumanoidEnvironment
-from edgevox.robots.humanoid.eyes import Eyes
+from edgevox.robots.humanoid.humanoid_cameras import HumanoidCameras
 from edgevox.robots.humanoid.motion_primitive import MotionPrimitive
+from edgevox.robots.humanoid.mujoco_environment import MujocoHumanoidEnvironment
 from edgevox.robots.humanoid.skills import walking_skills
 from edgevox.robots.humanoid.state import describe
 from edgevox.robots.humanoid.walk_control import WalkControl
-from edgevox.robots.stepper import BROKE, LivesByStepping, Stepper
+from edgevox.robots.sim_loop import BROKE, SimLoop, SteppedBySimLoop
 
 FALLEN = because("fallen")
 
 
-class HumanoidRobot(LivesByStepping):
+class HumanoidRobot(SteppedBySimLoop):
     """A body with a pose, a head camera, and legs that a sentence or a stream of velocities moves.
 
     The body owns `environment` from now on. `speed` is how many seconds pass in its world each
@@ -62,12 +62,12 @@ class HumanoidRobot(LivesByStepping):
             on_halt=lambda *_: self._walk.forget_heading(),
         )
         self._walk = WalkControl(self._mux, environment.limits, self._period_s)
-        self._eyes = Eyes(environment, name=self.name)
+        self._eyes = HumanoidCameras(environment, name=self.name)
         self._always = speed is not None
         self._ticks = 0
         self._wanted_ticks = 0
         self._skills = walking_skills(self)
-        self._stepper = Stepper(
+        self._sim_loop = SimLoop(
             self._step,
             period_s=self._period_s,
             speed=speed,
@@ -106,12 +106,12 @@ class HumanoidRobot(LivesByStepping):
         return self._eyes.camera_spec
 
     def start(self) -> None:
-        self._stepper.start()
+        self._sim_loop.start()
 
     def close(self) -> None:
         """Stop walking, join the threads. A motion that runs ends as cancelled."""
         self.halt("the robot was switched off")
-        self._stepper.close()
+        self._sim_loop.close()
         self._eyes.close()
 
     def reset(self) -> None:
@@ -144,13 +144,13 @@ class HumanoidRobot(LivesByStepping):
         with self._lock:
             self._mux.stream(twist, self.time_s)
             self._walk.forget_heading()
-        self._stepper.wake()
+        self._sim_loop.wake()
 
     def halt(self, reason: str) -> bool:
         with self._lock:
             moved = self._walk.busy
             self._mux.halt(Cancelled(reason))
-        self._stepper.wake()
+        self._sim_loop.wake()
         return moved
 
     def walk(self, distance_m: float, *, token: CancelToken, report: Report) -> None:
@@ -188,8 +188,8 @@ class HumanoidRobot(LivesByStepping):
         with self._lock:
             until = self._ticks + max(1, round(seconds / self._period_s))
             self._wanted_ticks = max(self._wanted_ticks, until)
-        while self._stepper.running and self._ticks < until:
-            self._stepper.advance((until - self._ticks) * self._period_s)
+        while self._sim_loop.running and self._ticks < until:
+            self._sim_loop.advance((until - self._ticks) * self._period_s)
 
     def _perform(
         self,
@@ -201,11 +201,11 @@ class HumanoidRobot(LivesByStepping):
     ) -> None:
         token.check()
         motion = self._mux.start(lambda: self._primitive(distance_m, angle_rad))
-        self._stepper.wake()
+        self._sim_loop.wake()
         self._mux.carry_out(motion, token, lambda: self._report(motion, report))
 
     def _primitive(self, distance_m: float, angle_rad: float) -> MotionPrimitive:
-        if not self._stepper.running:
+        if not self._sim_loop.running:
             raise SkillFailed(because("switched_off"))
         if self._environment.fallen:
             raise SkillFailed(FALLEN)
@@ -234,7 +234,7 @@ class HumanoidRobot(LivesByStepping):
         )
 
     def _step(self) -> bool:
-        """One period of the world, on the stepper's thread. True if more is to come."""
+        """One period of the world, on the sim loop's thread. True if more is to come."""
         with self._lock:
             if self._always or self._due():
                 self._pass_period()

@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from edgevox.robots.humanoid.environment import MujocoHumanoidEnvironment
 from edgevox.robots.humanoid.motion_primitive import MotionPrimitive
+from edgevox.robots.humanoid.mujoco_environment import MujocoHumanoidEnvironment
 
 
 def describe(

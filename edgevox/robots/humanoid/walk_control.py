@@ -5,8 +5,8 @@ import math
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.command_mux import CommandMux
 from edgevox.robots.humanoid.motion_primitive import MotionPrimitive
-from edgevox.robots.humanoid.policy import STAND, WalkingCommand
-from edgevox.robots.humanoid.walker import Limits
+from edgevox.robots.humanoid.walker import WalkerLimits
+from edgevox.robots.humanoid.walking_policy import STAND, WalkingCommand
 
 _ALIGN_RAD = math.radians(5.0)
 
@@ -14,7 +14,9 @@ _ALIGN_RAD = math.radians(5.0)
 class WalkControl:
     """Not thread-safe; the body locks."""
 
-    def __init__(self, mux: CommandMux[MotionPrimitive], limits: Limits, period_s: float) -> None:
+    def __init__(
+        self, mux: CommandMux[MotionPrimitive], limits: WalkerLimits, period_s: float
+    ) -> None:
         self._mux, self._limits, self._period_s = mux, limits, period_s
         self._stood_s = limits.settle_s
         self._heading_rad: float | None = None

@@ -6,15 +6,15 @@ from typing import Literal, Protocol
 import mujoco
 
 from edgevox.core.transforms import Pose2D
-from edgevox.robots.humanoid.base import Base
-from edgevox.robots.humanoid.policy import WalkingCommand
+from edgevox.robots.humanoid.floating_base import FloatingBase
+from edgevox.robots.humanoid.walking_policy import WalkingCommand
 
 PERIOD_S = 0.02
 """The world's time that passes with each step of a walker that has no policy."""
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class WalkerLimits:
     """The fastest it really walks, and how exactly a walk can be ended.
 
     `coast_m` is how far from its end a walk stops, because the robot coasts; `near_m` and
@@ -54,10 +54,10 @@ class Walker(Protocol):
     def data(self) -> mujoco.MjData: ...
 
     @property
-    def base(self) -> Base: ...
+    def base(self) -> FloatingBase: ...
 
     @property
-    def limits(self) -> Limits: ...
+    def limits(self) -> WalkerLimits: ...
 
     @property
     def period_s(self) -> float: ...

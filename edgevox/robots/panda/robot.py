@@ -13,7 +13,7 @@ from edgevox.agent.reasons import because
 from edgevox.agent.skills import Skill, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.errors import finite
-from edgevox.core.reasons import Reason
+from edgevox.core.reason import Reason
 from edgevox.core.transforms import Pose3D
 from edgevox.robots.capabilities import CameraImage, CameraSpec, Report
 from edgevox.robots.mujoco.renderer import Renderer

@@ -8,14 +8,14 @@ import numpy as np
 
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
-from edgevox.core.reasons import Reason
+from edgevox.core.reason import Reason
 from edgevox.robots.panda import things as seen
+from edgevox.robots.panda.arm_planner import NOTHING, ArmSegment, above
 from edgevox.robots.panda.collisions import Touch, touch
 from edgevox.robots.panda.hand import FINGERS, OPEN_M
 from edgevox.robots.panda.kinematics import READY, HandPose, Joints
 from edgevox.robots.panda.layout import BINS, CUBE_SIZE_M, CUBES, TABLE
 from edgevox.robots.panda.path import BRISK, CAREFUL
-from edgevox.robots.panda.planner import NOTHING, Leg, above
 from edgevox.robots.panda.reach import InTheWay, OutOfReach, spoken
 from edgevox.robots.panda.task import Task
 from edgevox.robots.panda.things import Placed
@@ -151,7 +151,7 @@ def _try_pick(cell: Workcell, task: Task, name: str) -> bool:
 
 def _approach(
     cell: Workcell, task: Task, poses: Sequence[HandPose], allowed: frozenset[Touch], to: str
-) -> tuple[HandPose, Leg]:
+) -> tuple[HandPose, ArmSegment]:
     """Go above the first of these poses that can be reached from above; it, and the way down."""
     failure: Reason | None = None
     for hand in poses:

@@ -15,22 +15,22 @@ from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
 from edgevox.robots.capabilities import Report
 from edgevox.robots.command_mux import CommandMux
-from edgevox.robots.mujoco.engine import Engine
+from edgevox.robots.mujoco.mujoco_engine import MujocoEngine
 from edgevox.robots.panda import layout
 from edgevox.robots.panda.arm import Arm
 from edgevox.robots.panda.arm_motion import ArmMotion
+from edgevox.robots.panda.arm_planner import NOTHING, ArmPlanner, ArmSegment
 from edgevox.robots.panda.collisions import Touch
 from edgevox.robots.panda.kinematics import HandPose, Joints
 from edgevox.robots.panda.path import Pace
-from edgevox.robots.panda.planner import NOTHING, Leg, Planner
 from edgevox.robots.panda.scene import LEAD_S, TCP, build
 from edgevox.robots.panda.task import Task
 from edgevox.robots.panda.things import Placed, Things
-from edgevox.robots.stepper import BROKE
+from edgevox.robots.sim_loop import BROKE
 
 PERIOD_S = 0.02
 _THINKING_S = 60.0
-"""A task that has not made up its mind by then hangs: it holds the world no longer."""
+"""A task that has not begun its next motion by then hangs: the world goes on without it."""
 
 
 class Workcell:
@@ -52,9 +52,9 @@ class Workcell:
         name: str = "robot-panda",
     ) -> None:
         model = build(model_path)
-        self.engine = Engine(model, period_s=PERIOD_S, speed=speed, clock=clock, name=name)
+        self.engine = MujocoEngine(model, period_s=PERIOD_S, speed=speed, clock=clock, name=name)
         self.arm = Arm(model, self.engine.data)
-        self.planner = Planner(model, model_path, period_s=PERIOD_S, lead_s=LEAD_S)
+        self.planner = ArmPlanner(model, model_path, period_s=PERIOD_S, lead_s=LEAD_S)
         self.starts = layout.places(seed)
         self._mux: CommandMux[Task] = CommandMux(self.engine.lock, on_halt=self._freeze)
         self._build()
@@ -136,10 +136,10 @@ class Workcell:
         (leg,) = self.plan((pose, pace, allowed))
         self.follow(task, leg)
 
-    def plan(self, *lines: tuple[HandPose, Pace, frozenset[Touch]]) -> list[Leg]:
+    def plan(self, *lines: tuple[HandPose, Pace, frozenset[Touch]]) -> list[ArmSegment]:
         """Straight lines from where the arm is, one after the other, in the scene of now."""
         scene, start, held = self.engine.snapshot(), self.arm.target, self.arm.hand.held
-        legs: list[Leg] = []
+        legs: list[ArmSegment] = []
         for pose, pace, allowed in lines:
             legs.append(self.planner.line(scene, start, pose, pace, held=held, allowed=allowed))
             start = legs[-1].end
@@ -150,7 +150,7 @@ class Workcell:
         scene, start, held = self.engine.snapshot(), self.arm.target, self.arm.hand.held
         self.follow(task, self.planner.swing(scene, start, end, pace, held=held))
 
-    def follow(self, task: Task, leg: Leg) -> None:
+    def follow(self, task: Task, leg: ArmSegment) -> None:
         """A motion that was planned from where the arm is now."""
         self._run(task, lambda: self.arm.follow(leg.rows, leg.end))
 

@@ -9,7 +9,7 @@ from edgevox.agent.skills import GoalHandle, Result, Skill, SkillFailed, skill
 from edgevox.core.frame_names import MAP
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.places import words
-from edgevox.robots.places.memory import PlaceMemory
+from edgevox.robots.places.place_memory import PlaceMemory
 
 STILL_M_S, STILL_RAD_S = 0.05, 0.1
 """Slower than this a robot stands; odometry of real ones is never quite still."""

@@ -12,8 +12,8 @@ from edgevox.robots.plugin import Robot
 
 
 def _build(settings: Settings, _speed: float | None) -> Body:
+    from edgevox.ros2.external.external_settings import ExternalSettings, SteeringLimits
     from edgevox.ros2.external.locations import load_locations
-    from edgevox.ros2.external.settings import ExternalSettings, SteeringLimits
 
     places = load_locations(settings.locations) if settings.locations else {}
     try:

@@ -11,13 +11,13 @@ from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
-from edgevox.core.reasons import NO_REASON, Reason
+from edgevox.core.reason import NO_REASON, Reason
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.command_mux import STILL, CommandMux
-from edgevox.ros2.external.drivers import GoalTopic, Wheels
-from edgevox.ros2.external.navigation import ExternalNavigation
-from edgevox.ros2.external.senses import Senses
-from edgevox.ros2.external.target import Fix
+from edgevox.ros2.external.external_navigation import ExternalNavigation
+from edgevox.ros2.external.motion_backends import GoalTopicBackend, VelocityPublisher
+from edgevox.ros2.external.sensor_inputs import SensorInputs
+from edgevox.ros2.external.target import PoseEstimate
 
 log = get_logger(__name__)
 
@@ -53,9 +53,9 @@ class ControlLoop:
     def __init__(
         self,
         lock: AbstractContextManager[object],
-        senses: Senses,
-        wheels: Wheels,
-        goals: GoalTopic,
+        senses: SensorInputs,
+        wheels: VelocityPublisher,
+        goals: GoalTopicBackend,
         *,
         clock: Clock,
         obey_s: float,
@@ -66,7 +66,7 @@ class ControlLoop:
         self._senses, self._wheels, self._goals = senses, wheels, goals
         self._clock, self._obey_s = clock, obey_s
 
-    def start(self, drive: ExternalNavigation, fix: Fix) -> None:
+    def start(self, drive: ExternalNavigation, estimate: PoseEstimate) -> None:
         """Drive from now on. What takes goals drops the old one for the new one by itself.
 
         Where a driver raises, the drive has ended with that and the robot is held.
@@ -75,9 +75,9 @@ class ControlLoop:
         self.mux.start(lambda: drive)
         try:
             if before is not None and before.driver is not drive.driver:
-                before.driver.cancel(fix)
+                before.driver.cancel(estimate)
             self.hold.end()
-            drive.driver.begin(drive.target, fix)
+            drive.driver.begin(drive.target, estimate)
         except Exception as error:
             self.mux.halt(error)
             raise
@@ -95,24 +95,24 @@ class ControlLoop:
             self._hold_on(self.hold, now_s)
 
     def _go_on(self, drive: ExternalNavigation, now_s: float) -> None:
-        fix = self._senses.fix()
+        estimate = self._senses.estimate()
         try:
-            if fix is None:
+            if estimate is None:
                 raise SkillFailed(because("robot_silent", topic=self._senses.odom_topic))
-            drive.tick(now_s, fix)
+            drive.tick(now_s, estimate)
         except SkillFailed as failure:
             self.mux.halt(failure)
 
     def _stand(self, drive: ExternalNavigation | None, _error: BaseException) -> None:
         """Zero velocity at once, and until the robot is seen to stand."""
-        fix, now_s = self._senses.fix(), self._clock.now()
+        estimate, now_s = self._senses.estimate(), self._clock.now()
         held = not self.hold.done.is_set()
         self._wheels.turn(STILL)
         if drive is not None:
-            drive.driver.cancel(fix)
+            drive.driver.cancel(estimate)
         else:
-            moving = not self._senses.sightings.still()
-            self._goals.recall(fix if moving and not held else None)
+            moving = not self._senses.odometry_history.still()
+            self._goals.recall(estimate if moving and not held else None)
         if not held:
             self.hold = Hold(now_s)
         self.hold.since_s = now_s
@@ -123,7 +123,7 @@ class ControlLoop:
             hold.recalled_s = now_s
             self._goals.recall(None)
         held_s = now_s - hold.since_s
-        if held_s >= HOLD_AT_LEAST_S and self._senses.sightings.stands(hold.since_s):
+        if held_s >= HOLD_AT_LEAST_S and self._senses.odometry_history.stands(hold.since_s):
             hold.end()
         elif held_s > self._obey_s:
             problem = self._problem()
@@ -131,6 +131,6 @@ class ControlLoop:
             hold.end(problem)
 
     def _problem(self) -> Reason:
-        if self._senses.sightings.fresh() is None:
+        if self._senses.odometry_history.fresh() is None:
             return because("stop_unseen", topic=self._senses.odom_topic)
         return because("still_moves")

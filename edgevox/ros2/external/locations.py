@@ -17,9 +17,9 @@ from pydantic import AfterValidator, RootModel
 
 from edgevox.core.user_file import read_text
 from edgevox.core.yaml_file import YamlFile
-from edgevox.robots.names import read_name
-from edgevox.robots.world_fields import Finite, Part, called, listed, within
-from edgevox.ros2.external.plausible import FURTHEST_M
+from edgevox.robots.name_fields import read_name
+from edgevox.robots.world_fields import Finite, WorldPart, called, listed, within
+from edgevox.ros2.external.motion_bounds import FURTHEST_M
 
 MOST_LOCATIONS = 200
 LONGEST_NAME = 40
@@ -38,7 +38,7 @@ class Location:
     aliases: tuple[str, ...] = ()
 
 
-class Entry(Part):
+class LocationEntry(WorldPart):
     """A location in the file."""
 
     x: Metres | None = None
@@ -47,13 +47,13 @@ class Entry(Part):
     aliases: Annotated[tuple[Name, ...], listed("a list of texts", 0)] = ()
 
 
-def _home(entries: dict[str, Entry]) -> dict[str, Entry]:
+def _home(entries: dict[str, LocationEntry]) -> dict[str, LocationEntry]:
     if not 1 <= len(entries) <= MOST_LOCATIONS:
         raise ValueError(f"1 to {MOST_LOCATIONS} locations")
     return entries
 
 
-class Entries(RootModel[Annotated[dict[Name, Entry], AfterValidator(_home)]]):
+class LocationsFile(RootModel[Annotated[dict[Name, LocationEntry], AfterValidator(_home)]]):
     """A whole file."""
 
 
@@ -68,7 +68,7 @@ def load_locations(path: Path) -> Mapping[str, Location]:
 def parse_locations(text: str, name: str) -> Mapping[str, Location]:
     """The locations that this YAML text describes; `name` is the file's name in messages."""
     file = YamlFile(text, name)
-    entries = file.read(Entries, file.data).root
+    entries = file.read(LocationsFile, file.data).root
     owners: dict[str, str] = {}
     for owner, said in _names(entries):
         plain = " ".join(said.casefold().replace("_", " ").split())
@@ -77,13 +77,13 @@ def parse_locations(text: str, name: str) -> Mapping[str, Location]:
     return {key: _location(file, key, entry) for key, entry in entries.items()}
 
 
-def _location(file: YamlFile, name: str, entry: Entry) -> Location:
+def _location(file: YamlFile, name: str, entry: LocationEntry) -> Location:
     if entry.x is None or entry.y is None:
         raise file.wrong((name, "x" if entry.x is None else "y"), None, "metres, map frame")
     return Location(entry.x, entry.y, entry.yaw, entry.aliases)
 
 
-def _names(entries: Mapping[str, Entry]) -> Iterator[tuple[str, str]]:
+def _names(entries: Mapping[str, LocationEntry]) -> Iterator[tuple[str, str]]:
     """Whose, and what is said, as matching ignores case and underscores."""
     for name, entry in entries.items():
         yield from ((name, said) for said in (name, *entry.aliases))

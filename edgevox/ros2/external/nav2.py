@@ -19,9 +19,9 @@ from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
-from edgevox.ros2.external.drivers import goal_message
-from edgevox.ros2.external.settings import Patience
-from edgevox.ros2.external.target import Fix, Target
+from edgevox.ros2.external.external_settings import Patience
+from edgevox.ros2.external.motion_backends import goal_message
+from edgevox.ros2.external.target import PoseEstimate, Target
 
 log = get_logger(__name__)
 
@@ -83,22 +83,22 @@ class Nav2Action:
         )
         self._target = Target(0.0, 0.0)
         self._begun_s: float | None = None
-        self._run: _Run | None = None
+        self._run: _Nav2Run | None = None
 
     def available(self) -> bool:
         return bool(self._client.server_is_ready())
 
-    def begin(self, target: Target, fix: Fix) -> None:
+    def begin(self, target: Target, estimate: PoseEstimate) -> None:
         goal = self._action.Goal()
-        goal.pose = goal_message(target, fix)
+        goal.pose = goal_message(target, estimate)
         self._target, self._begun_s = target, None
-        self._run = run = _Run()
+        self._run = run = _Nav2Run()
         answer = self._client.send_goal_async(
             goal, feedback_callback=run.hear, goal_uuid=UUID(uuid=run.id)
         )
         answer.add_done_callback(run.answered)
 
-    def tick(self, now_s: float, fix: Fix) -> bool:  # noqa: ARG002 - Nav2 knows where it is
+    def tick(self, now_s: float, estimate: PoseEstimate) -> bool:  # noqa: ARG002 - Nav2 knows where it is
         run = self._run
         if run is None:
             return False
@@ -113,11 +113,11 @@ class Nav2Action:
             raise SkillFailed(because("nav2_ended", how=how))
         return True
 
-    def left_m(self, fix: Fix) -> float:
+    def left_m(self, estimate: PoseEstimate) -> float:
         said = self._run.left_m if self._run else None
-        return self._target.distance_m(fix.pose) if said is None else said
+        return self._target.distance_m(estimate.pose) if said is None else said
 
-    def cancel(self, fix: Fix | None) -> None:  # noqa: ARG002
+    def cancel(self, estimate: PoseEstimate | None) -> None:  # noqa: ARG002
         self._run = None
         self._cancel_all()
 
@@ -128,7 +128,7 @@ class Nav2Action:
                 run.see(one)
 
 
-class _Run:
+class _Nav2Run:
     """One goal of the action; its callbacks come on the executor's thread."""
 
     def __init__(self) -> None:

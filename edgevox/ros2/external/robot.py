@@ -18,16 +18,16 @@ from edgevox.core.transforms import Pose2D
 from edgevox.robots.bounds import Bounds
 from edgevox.robots.capabilities import STOP_ASKED, Report, SpeedLimit, Twist2D
 from edgevox.robots.navigation import LOCATION, navigation_skills
-from edgevox.robots.places.memory import PlaceMemory
+from edgevox.robots.places.place_memory import PlaceMemory
 from edgevox.ros2.external.control_loop import Hold
-from edgevox.ros2.external.link import Link
+from edgevox.ros2.external.external_navigation import ExternalNavigation
+from edgevox.ros2.external.external_settings import ExternalSettings
+from edgevox.ros2.external.localisation_check import LocalisationCheck
 from edgevox.ros2.external.locations import Location
-from edgevox.ros2.external.navigation import ExternalNavigation
-from edgevox.ros2.external.plausible import FURTHEST_M
-from edgevox.ros2.external.senses import incredible
-from edgevox.ros2.external.settings import ExternalSettings
-from edgevox.ros2.external.target import Fix, Target
-from edgevox.ros2.external.trust import Trust
+from edgevox.ros2.external.motion_bounds import FURTHEST_M
+from edgevox.ros2.external.robot_node import RobotNode
+from edgevox.ros2.external.sensor_inputs import incredible
+from edgevox.ros2.external.target import PoseEstimate, Target
 from edgevox.ros2.stamps import NS_PER_S
 
 log = get_logger(__name__)
@@ -62,7 +62,7 @@ class ExternalRobot:
         self._settings = settings or ExternalSettings()
         self._clock = clock or SystemClock()
         self._lock = threading.RLock()
-        self._link: Link | None = None
+        self._robot_node: RobotNode | None = None
         self._limit: SpeedLimit = lambda twist: twist
         self._stops = 0
         self._places = MappingProxyType(
@@ -84,32 +84,34 @@ class ExternalRobot:
     @property
     def time_s(self) -> float:
         """The robot's own time: the stamp of its newest odometry, 0 before the first."""
-        seen = self._link.senses.sightings.newest() if self._link else None
+        seen = self._robot_node.senses.odometry_history.newest() if self._robot_node else None
         return seen.stamp_ns / NS_PER_S if seen else 0.0
 
     @property
     def stalled_s(self) -> float:
         """For how long nothing it hears is taken in, nor a velocity sent."""
-        link = self._link
-        return link.stalled_s if link else 0.0
+        robot_node = self._robot_node
+        return robot_node.stalled_s if robot_node else 0.0
 
     @property
-    def trouble(self) -> str:
+    def fault(self) -> str:
         """Why it can neither be driven nor asked where it is; empty if its odometry is heard."""
-        link = self._link
-        if link is None:
+        robot_node = self._robot_node
+        if robot_node is None:
             return ""
-        if link.senses.distrusted:
-            return f"what is heard on {link.senses.distrusted} cannot be true"
-        if link.senses.sightings.fresh() is not None:
+        if robot_node.senses.distrusted:
+            return f"what is heard on {robot_node.senses.distrusted} cannot be true"
+        if robot_node.senses.odometry_history.fresh() is not None:
             return ""
-        never = link.senses.sightings.newest() is None
-        return f"{'nothing' if never else 'nothing more'} is heard on {link.senses.odom_topic}"
+        never = robot_node.senses.odometry_history.newest() is None
+        return (
+            f"{'nothing' if never else 'nothing more'} is heard on {robot_node.senses.odom_topic}"
+        )
 
     @property
     def refusals(self) -> Mapping[tuple[str, ...], int]:
         """How many of the robot's messages could not be true, by topic and reason."""
-        return self._link.senses.refusals if self._link else {}
+        return self._robot_node.senses.refusals if self._robot_node else {}
 
     @property
     def places(self) -> Mapping[str, tuple[float, float]]:
@@ -123,33 +125,33 @@ class ExternalRobot:
 
     def start(self) -> None:
         """Join the graph. Raises `RosBridgeFailed` where that cannot be done."""
-        self._link = Link(self._namespace, self._settings, self._clock, self._lock)
-        self._link.control.mux.limit = self._limit
-        self._link.start()
+        self._robot_node = RobotNode(self._namespace, self._settings, self._clock, self._lock)
+        self._robot_node.control.mux.limit = self._limit
+        self._robot_node.start()
 
     def close(self) -> None:
         """Stop the robot, as far as it obeys within a second, and leave the graph."""
-        link = self._link
-        if link is None:
+        robot_node = self._robot_node
+        if robot_node is None:
             return
-        moved, hold = self._stand(link, "EdgeVox was switched off")
+        moved, hold = self._stand(robot_node, "EdgeVox was switched off")
         if moved:
             hold.done.wait(_CLOSING_S)
-        self._link = None
-        link.close()
+        self._robot_node = None
+        robot_node.close()
 
     def limit_speed(self, limit: SpeedLimit) -> None:
         """Steer it no faster than this permits; what takes goals has limits of its own."""
         self._limit = limit
-        if self._link:
-            self._link.control.mux.limit = limit
+        if self._robot_node:
+            self._robot_node.control.mux.limit = limit
 
     def halt(self, reason: str) -> bool:
         """Zero velocity leaves before this returns, and is held until the robot stands."""
-        link = self._link
-        if link is None:
+        robot_node = self._robot_node
+        if robot_node is None:
             return False
-        moved, _ = self._stand(link, reason)
+        moved, _ = self._stand(robot_node, reason)
         return moved
 
     def reset(self) -> None:
@@ -158,33 +160,39 @@ class ExternalRobot:
 
     def pose(self) -> Pose2D:
         """Where it is. Raises `SkillFailed` while its odometry is silent."""
-        return self._fix().pose
+        return self._estimate().pose
 
     def located(self) -> tuple[Pose2D, str]:
         """The pose, and the frame that it is in."""
-        fix = self._fix()
-        return fix.pose, fix.frame
+        estimate = self._estimate()
+        return estimate.pose, estimate.frame
 
     def velocity(self) -> Twist2D:
-        return self._fix().twist
+        return self._estimate().twist
 
     def state(self) -> Mapping[str, Any]:
         """As every body's; `pose` and `velocity` are None while the odometry is silent."""
-        link = self._link
-        seen = link.senses.sightings.newest() if link else None
-        fix = link.senses.fix() if link and not link.senses.distrusted else None
+        robot_node = self._robot_node
+        seen = robot_node.senses.odometry_history.newest() if robot_node else None
+        estimate = (
+            robot_node.senses.estimate()
+            if robot_node and not robot_node.senses.distrusted
+            else None
+        )
         with self._lock:
-            drive = link.control.mux.motion if link else None
+            drive = robot_node.control.mux.motion if robot_node else None
             goal = drive.describe() if drive else None
         return {
             "name": self.name,
             "time": round(self.time_s, 3),
-            **_describe(fix),
-            "location": self.place_at(fix.pose.x_m, fix.pose.y_m) if fix else None,
+            **_describe(estimate),
+            "location": self.place_at(estimate.pose.x_m, estimate.pose.y_m) if estimate else None,
             "goal": goal,
-            "odom_age": round(link.senses.sightings.age_s(seen), 3) if link and seen else None,
-            "lidar": bool(link and link.senses.scan()),
-            "camera": bool(link and link.senses.sees),
+            "odom_age": round(robot_node.senses.odometry_history.age_s(seen), 3)
+            if robot_node and seen
+            else None,
+            "lidar": bool(robot_node and robot_node.senses.scan()),
+            "camera": bool(robot_node and robot_node.senses.sees),
         }
 
     def check_goal(self, x_m: float, y_m: float) -> None:
@@ -206,20 +214,20 @@ class ExternalRobot:
         """
         target = Target(finite("x", x_m), finite("y", y_m), yaw_rad)
         self.check_goal(x_m, y_m)
-        link = self._switched_on()
+        robot_node = self._switched_on()
         stops = self._stops
-        driver = link.choose(token)
+        driver = robot_node.choose(token)
         with self._lock:
             if self._stops != stops:
                 raise Cancelled("it was stopped before it began")
             token.check()
-            fix = self._fix()
-            trust = Trust(link.senses, fix)
-            drive = ExternalNavigation(target, driver, fix, trust, self._clock.now())
-            link.control.start(drive, fix)
-        link.senses.say_frame_once(fix)
+            estimate = self._estimate()
+            trust = LocalisationCheck(robot_node.senses, estimate)
+            drive = ExternalNavigation(target, driver, estimate, trust, self._clock.now())
+            robot_node.control.start(drive, estimate)
+        robot_node.senses.say_frame_once(estimate)
         log.info("driving", x_m=round(x_m, 2), y_m=round(y_m, 2), driver=driver.name)
-        link.control.mux.carry_out(drive, token, lambda: self._report(drive, report))
+        robot_node.control.mux.carry_out(drive, token, lambda: self._report(drive, report))
 
     def drive_to_place(self, place: str, *, token: CancelToken, report: Report) -> None:
         """Drive to a location, and look along its yaw."""
@@ -233,54 +241,56 @@ class ExternalRobot:
     def _stop_and_see(self, goal: GoalHandle) -> Result:
         """The skill `stop`: ends when the robot stands, and fails when it does not obey."""
         goal.token.check()
-        link = self._switched_on()
-        moved, hold = self._stand(link, STOP_ASKED)
+        robot_node = self._switched_on()
+        moved, hold = self._stand(robot_node, STOP_ASKED)
         if moved:
             hold.done.wait(self._settings.obey_s + 1.0)
         if hold.problem:
             raise SkillFailed(hold.problem)
         return {"was_moving": moved}
 
-    def _stand(self, link: Link, reason: str) -> tuple[bool, Hold]:
+    def _stand(self, robot_node: RobotNode, reason: str) -> tuple[bool, Hold]:
         """Whether the robot moved or drove, and the hold that it is under now."""
         with self._lock:
             self._stops += 1
-            moving = not link.senses.sightings.still()
-            drove = link.control.mux.halt(Cancelled(reason))
-            return moving or drove, link.control.hold
+            moving = not robot_node.senses.odometry_history.still()
+            drove = robot_node.control.mux.halt(Cancelled(reason))
+            return moving or drove, robot_node.control.hold
 
-    def _switched_on(self) -> Link:
-        if self._link is None:
+    def _switched_on(self) -> RobotNode:
+        if self._robot_node is None:
             raise SkillFailed(because("switched_off"))
-        return self._link
+        return self._robot_node
 
-    def _fix(self) -> Fix:
-        link = self._switched_on()
-        if link.senses.distrusted:
-            raise incredible(link.senses.distrusted)
-        fix = link.senses.fix()
-        if fix is not None:
-            return fix
-        topic = link.senses.odom_topic
-        if link.senses.sightings.newest() is None:
+    def _estimate(self) -> PoseEstimate:
+        robot_node = self._switched_on()
+        if robot_node.senses.distrusted:
+            raise incredible(robot_node.senses.distrusted)
+        estimate = robot_node.senses.estimate()
+        if estimate is not None:
+            return estimate
+        topic = robot_node.senses.odom_topic
+        if robot_node.senses.odometry_history.newest() is None:
             raise SkillFailed(because("robot_unheard", topic=topic))
         raise SkillFailed(because("lost", topic=topic))
 
     def _report(self, drive: ExternalNavigation, report: Report) -> None:
-        link = self._link
-        fix = link.senses.fix() if link else None
+        robot_node = self._robot_node
+        estimate = robot_node.senses.estimate() if robot_node else None
         with self._lock:
             progress = drive.progress()
-        where = {"x": round(fix.pose.x_m, 3), "y": round(fix.pose.y_m, 3)} if fix else {}
+        where = (
+            {"x": round(estimate.pose.x_m, 3), "y": round(estimate.pose.y_m, 3)} if estimate else {}
+        )
         report(progress=round(progress.part, 3), distance_m=round(progress.left, 3), **where)
 
 
-def _describe(fix: Fix | None) -> dict[str, Any]:
-    if fix is None:
+def _describe(estimate: PoseEstimate | None) -> dict[str, Any]:
+    if estimate is None:
         return {"frame": None, "pose": None, "velocity": None}
-    pose, twist = fix.pose, fix.twist
+    pose, twist = estimate.pose, estimate.twist
     return {
-        "frame": fix.frame,
+        "frame": estimate.frame,
         "pose": {"x": round(pose.x_m, 4), "y": round(pose.y_m, 4), "yaw": round(pose.yaw_rad, 4)},
         "velocity": {
             "linear": round(twist.linear_m_s, 4),

@@ -10,10 +10,10 @@ from edgevox.agent.skills import SkillFailed
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import LidarScan, Twist2D
 from edgevox.robots.command_mux import STILL
-from edgevox.robots.follower import Follower
-from edgevox.ros2.external.plausible import Jump
-from edgevox.ros2.external.settings import Patience, SteeringLimits
-from edgevox.ros2.external.target import Fix, Target
+from edgevox.robots.path_follower import PathFollower
+from edgevox.ros2.external.external_settings import Patience, SteeringLimits
+from edgevox.ros2.external.motion_bounds import Jump
+from edgevox.ros2.external.target import PoseEstimate, Target
 
 _FACING_RAD = 0.05
 _TURN_GAIN = 1.5
@@ -43,7 +43,7 @@ class OwnSteering:
         self._turn, self._scan, self._limits = turn, scan, limits
         self._target = Target(0.0, 0.0)
         self._here = Pose2D(0.0, 0.0, 0.0)
-        self._follower = Follower([(0.0, 0.0)], limits)
+        self._follower = PathFollower([(0.0, 0.0)], limits)
         self._waiting_since_s: float | None = None
 
     @property
@@ -54,38 +54,40 @@ class OwnSteering:
     def available(self) -> bool:
         return True
 
-    def begin(self, target: Target, fix: Fix) -> None:
+    def begin(self, target: Target, estimate: PoseEstimate) -> None:
         self._target = target
-        self._go_from(fix.pose)
+        self._go_from(estimate.pose)
         self._waiting_since_s = None
 
-    def tick(self, now_s: float, fix: Fix) -> bool:
-        if Jump.between(self._here, fix.pose).distance_m > _CORRECTED_M:
-            self._go_from(fix.pose)  # the way from where it was thought to be is no way any more
-        self._here = fix.pose
-        wanted = self._follower.steer(fix.pose)
+    def tick(self, now_s: float, estimate: PoseEstimate) -> bool:
+        if Jump.between(self._here, estimate.pose).distance_m > _CORRECTED_M:
+            self._go_from(
+                estimate.pose
+            )  # the way from where it was thought to be is no way any more
+        self._here = estimate.pose
+        wanted = self._follower.steer(estimate.pose)
         if self._follower.arrived:
-            wanted = self._face(fix)
-        self._turn(self._heed(now_s, wanted, self._target.distance_m(fix.pose)))
+            wanted = self._face(estimate)
+        self._turn(self._heed(now_s, wanted, self._target.distance_m(estimate.pose)))
         stopped = (
-            abs(fix.twist.linear_m_s) < _STOPPED_M_S
-            and abs(fix.twist.angular_rad_s) < _STOPPED_RAD_S
+            abs(estimate.twist.linear_m_s) < _STOPPED_M_S
+            and abs(estimate.twist.angular_rad_s) < _STOPPED_RAD_S
         )
         return self._follower.arrived and wanted == STILL and stopped
 
-    def left_m(self, fix: Fix) -> float:
-        return self._target.distance_m(fix.pose)
+    def left_m(self, estimate: PoseEstimate) -> float:
+        return self._target.distance_m(estimate.pose)
 
-    def cancel(self, fix: Fix | None) -> None:  # noqa: ARG002 - the body holds zero
+    def cancel(self, estimate: PoseEstimate | None) -> None:  # noqa: ARG002 - the body holds zero
         self._waiting_since_s = None
 
     def _go_from(self, pose: Pose2D) -> None:
         self._here = pose
         way = [(pose.x_m, pose.y_m), (self._target.x_m, self._target.y_m)]
-        self._follower = Follower(way, self._limits)
+        self._follower = PathFollower(way, self._limits)
 
-    def _face(self, fix: Fix) -> Twist2D:
-        left = self._target.turn_rad(fix.pose)
+    def _face(self, estimate: PoseEstimate) -> Twist2D:
+        left = self._target.turn_rad(estimate.pose)
         if abs(left) < _FACING_RAD:
             return STILL
         most = self._limits.max_angular_rad_s

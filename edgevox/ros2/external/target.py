@@ -33,7 +33,7 @@ class Target:
 
 
 @dataclass(frozen=True, slots=True)
-class Fix:
+class PoseEstimate:
     """Where the robot is and how it moves, in `frame`: the map, or odometry taken for it.
 
     `stamp_ns` is the robot's own time.

@@ -18,10 +18,10 @@ from edgevox.robots.capabilities import (
 )
 from edgevox.ros2.interop.broadcast import broadcast_fixed
 from edgevox.ros2.interop.camera import Camera
-from edgevox.ros2.interop.clock import ClockPublisher
+from edgevox.ros2.interop.clock_publisher import ClockPublisher
 from edgevox.ros2.interop.frames import Frames
 from edgevox.ros2.interop.goal import GoalInput, RunSkill, goal_skill
-from edgevox.ros2.interop.motion import Motion
+from edgevox.ros2.interop.motion_publisher import MotionPublisher
 from edgevox.ros2.interop.scanner import Scanner
 from edgevox.ros2.interop.velocity import VelocityInput
 from edgevox.ros2.stamps import Stamps
@@ -122,10 +122,10 @@ class Interop:
             forget.append(ticker.every(1.0 / CLOCK_HZ, self._clock.tick))
         return forget
 
-    def _offer_motion(self) -> Motion | None:
+    def _offer_motion(self) -> MotionPublisher | None:
         if not isinstance(self._body, HasPose | HasEndEffector):
             return None
-        return Motion(self._node, self._body, self._frames, self._stamps, self._tf)
+        return MotionPublisher(self._node, self._body, self._frames, self._stamps, self._tf)
 
     def _offer_scans(self) -> Scanner | None:
         if not isinstance(self._body, HasLidar):

@@ -2,8 +2,8 @@
 
 Any message takes over, as with twist_mux, also one that says zero: it ends a drive, whose goal ends
 as cancelled. To stop is the last thing that may be ignored, and whoever sends zeros all the time,
-like a joystick without a dead man's switch, holds the robot: let him send only while he steers. The
-body halts 0.5 s after the last message.
+like a joystick without a dead man's switch, holds the robot: it should send only while somebody
+steers. The body halts 0.5 s after the last message.
 """
 
 import math

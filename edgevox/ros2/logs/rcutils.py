@@ -20,7 +20,7 @@ OF_RCUTILS = "_of_rcutils"
 """Marks a record that is on ``/rosout`` already."""
 
 
-class _Location(ctypes.Structure):
+class _CodeLocation(ctypes.Structure):
     _fields_ = (
         ("function", ctypes.c_char_p),
         ("file", ctypes.c_char_p),
@@ -30,7 +30,7 @@ class _Location(ctypes.Structure):
 
 _Handler = ctypes.CFUNCTYPE(
     None,
-    ctypes.POINTER(_Location),
+    ctypes.POINTER(_CodeLocation),
     ctypes.c_int,
     ctypes.c_char_p,
     ctypes.c_int64,

@@ -30,7 +30,7 @@ PERIOD_S = 0.1
 
 
 @dataclass(frozen=True, slots=True)
-class _Told:
+class _KeptRecord:
     """What is kept of a record, `since_s` on: none of it keeps a traceback's frames alive."""
 
     since_s: float
@@ -57,7 +57,7 @@ class Rosout(logging.Handler):
         self._clock = clock or SystemClock()
         self._node, self._name = node, node.get_logger().name
         self._publisher = node.create_publisher(Log, TOPIC, QOS)
-        self._waiting: deque[_Told] = deque(maxlen=MOST_WAITING)
+        self._waiting: deque[_KeptRecord] = deque(maxlen=MOST_WAITING)
         self.addFilter(RateLimit())
         self._stop = ticker.every(PERIOD_S, self._publish)
         logging.getLogger(ROOT).addHandler(self)
@@ -90,11 +90,11 @@ class Rosout(logging.Handler):
                 self._publisher.publish(_message(self._waiting.popleft(), self._name))
 
 
-def _told(record: logging.LogRecord, now_s: float) -> _Told:
+def _told(record: logging.LogRecord, now_s: float) -> _KeptRecord:
     text = record.getMessage()
     if record.exc_info and record.exc_info[1]:
         text += f": {type(record.exc_info[1]).__name__}: {record.exc_info[1]}"
-    return _Told(
+    return _KeptRecord(
         now_s,
         record.created,
         record.levelno,
@@ -106,7 +106,7 @@ def _told(record: logging.LogRecord, now_s: float) -> _Told:
     )
 
 
-def _message(told: _Told, node: str) -> Log:
+def _message(told: _KeptRecord, node: str) -> Log:
     """Under the node's name, as ROS 2 knows it, and that of our module."""
     second, part = divmod(told.created_s, 1.0)
     return Log(

@@ -52,7 +52,7 @@ def new_claim(robot: str) -> Claim:
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class ClaimMessage:
     """A claim as it goes over the wire."""
 
     claim: Claim
@@ -62,7 +62,7 @@ class Told:
 _CLAIM = TypeAdapter(Claim)
 
 
-def write_claim(told: Told) -> str:
+def write_claim(told: ClaimMessage) -> str:
     """As JSON."""
     return write({**asdict(told.claim), "in_charge": told.in_charge})
 

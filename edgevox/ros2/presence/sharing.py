@@ -12,11 +12,11 @@ from edgevox.core.interlock import Interlock
 from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
 from edgevox.core.status import HealthCheck, Status
+from edgevox.ros2.bridge_status import Sharing
 from edgevox.ros2.contract import PRESENCE, TAKE_OVER
-from edgevox.ros2.presence.claim import Claim, Told, new_claim, read_claim, write_claim
-from edgevox.ros2.presence.roll import MOST_OTHERS, Roll
+from edgevox.ros2.presence.claim import Claim, ClaimMessage, new_claim, read_claim, write_claim
+from edgevox.ros2.presence.members import MOST_OTHERS, Members
 from edgevox.ros2.qos import profile
-from edgevox.ros2.status import Sharing
 from edgevox.ros2.ticker import Ticker
 
 log = get_logger(__name__)
@@ -38,7 +38,7 @@ class Presence:
         self._namespace = node.get_namespace()
         self._take_over = node.resolve_topic_name(TAKE_OVER.topic)
         self._interlock = interlock
-        self._roll = Roll(new_claim(robot))
+        self._roll = Members(new_claim(robot))
         self._here: dict[str, Claim] = {}
         self._beat_due = False
         self._open = True
@@ -57,7 +57,7 @@ class Presence:
         """Say that this agent leaves, so that another need not wait until it is missed."""
         self._open = False
         self._forget()
-        gone = Told(replace(self._told.claim, leaving=True), in_charge=False)
+        gone = ClaimMessage(replace(self._told.claim, leaving=True), in_charge=False)
         self._publisher.publish(String(data=write_claim(gone)))
 
     def status(self) -> Status:
@@ -103,8 +103,8 @@ class Presence:
         self.refusals[topic, error.reason] += 1
         log.warning("message_refused", topic=topic, reason=str(error))
 
-    def _standing(self) -> Told:
-        return Told(self._roll.me, self._roll.in_charge)
+    def _standing(self) -> ClaimMessage:
+        return ClaimMessage(self._roll.me, self._roll.in_charge)
 
     def _settle(self) -> None:
         """Let follow what is known now, and say what has changed."""

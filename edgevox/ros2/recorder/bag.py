@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from edgevox.ros2.recorder.mcap_file import McapFile, Message
+from edgevox.ros2.recorder.mcap_file import McapFile, RecordedMessage
 from edgevox.ros2.recorder.metadata import FileInfo, write_metadata
 
 
@@ -32,7 +32,7 @@ class Bag:
             self._file = McapFile(path)
             self._begun += 1
 
-    def write(self, messages: Sequence[Message], notes: dict[str, str]) -> None:
+    def write(self, messages: Sequence[RecordedMessage], notes: dict[str, str]) -> None:
         """Bring these to the disk; `catch_up` does what this could not. `notes`: see `end_file`."""
         self.open()
         file = self._file

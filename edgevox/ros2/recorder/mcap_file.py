@@ -16,11 +16,11 @@ from mcap.writer import Writer
 from edgevox import __version__
 from edgevox.ros2.recorder.definitions import definition, type_hash
 from edgevox.ros2.recorder.metadata import FileInfo, qos_yaml
-from edgevox.ros2.recorder.topics import Recorded
+from edgevox.ros2.recorder.recorded_topics import Recorded
 
 
 @dataclass(frozen=True, slots=True)
-class Message:
+class RecordedMessage:
     """One message as it came, still serialised; both times since 1970."""
 
     topic: Recorded
@@ -76,7 +76,7 @@ class McapFile:
         """Whether its end was written, if perhaps not yet to the disk."""
         self._writer.start(profile="ros2", library=f"edgevox {__version__}")
 
-    def write(self, message: Message) -> None:
+    def write(self, message: RecordedMessage) -> None:
         """Add it to what the next flush brings to the disk."""
         name = message.topic.name
         if name not in self._channels:

@@ -11,7 +11,7 @@ import yaml
 from edgevox.core.atomic_file import PUBLIC, write_atomically
 from edgevox.ros2.contract_rows import QosSpec
 from edgevox.ros2.recorder.definitions import type_hash
-from edgevox.ros2.recorder.topics import Recorded
+from edgevox.ros2.recorder.recorded_topics import Recorded
 
 NAME = "metadata.yaml"
 VERSION = 9

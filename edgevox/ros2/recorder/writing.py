@@ -10,8 +10,8 @@ from pathlib import Path
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.log import get_logger
 from edgevox.ros2.recorder.bag import Bag
-from edgevox.ros2.recorder.inbox import Inbox
-from edgevox.ros2.recorder.mcap_file import Message
+from edgevox.ros2.recorder.mcap_file import RecordedMessage
+from edgevox.ros2.recorder.write_queue import WriteQueue
 
 log = get_logger(__name__)
 
@@ -35,13 +35,13 @@ class Disk:
 class Writing:
     """Writes from `start` to `close`. While the disk takes nothing, messages are dropped.
 
-    `trouble` says why nothing is written at the moment, and is empty otherwise. Raises `OSError`
+    `fault` says why nothing is written at the moment, and is empty otherwise. Raises `OSError`
     where the folder cannot be made.
     """
 
     def __init__(
         self,
-        inbox: Inbox,
+        inbox: WriteQueue,
         disk: Disk,
         *,
         clock: Clock | None = None,
@@ -55,9 +55,9 @@ class Writing:
         self._retry_s = retry_s
         self._retry_at_s = 0.0
         self.bag = Bag(disk.folder, disk.most_bytes)
-        self.trouble = ""
+        self.fault = ""
         self.written = 0
-        self._held: list[Message] = []
+        self._held: list[RecordedMessage] = []
         """Those that the bag was given and the disk has not taken yet."""
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._work, name="edgevox-recording")
@@ -89,14 +89,14 @@ class Writing:
         messages = self._inbox.take()
         if not (self._may_write() and self._try(self._catch_up)):
             if messages:
-                self._inbox.drop(messages, self.trouble)
+                self._inbox.drop(messages, self.fault)
             return
         self._held = messages
         if self._try(lambda: self.bag.write(messages, self._notes())):
             self._wrote()
-            if self.trouble:
+            if self.fault:
                 log.warning("recording_goes_on")
-                self.trouble = ""
+                self.fault = ""
 
     def _catch_up(self) -> None:
         self.bag.catch_up(self._notes())
@@ -110,10 +110,10 @@ class Writing:
         self.bag.lose_file()
         held, self._held = self._held, []
         if held:
-            self._inbox.drop(held, self.trouble)
+            self._inbox.drop(held, self.fault)
 
     def _may_write(self) -> bool:
-        if self.trouble and self._clock.now() < self._retry_at_s:
+        if self.fault and self._clock.now() < self._retry_at_s:
             return False
         try:
             free = self._free_bytes(self._disk.folder)
@@ -121,7 +121,7 @@ class Writing:
             self._stop(str(error))
             return False
         if free < self._disk.spare_bytes:
-            if not self.trouble:
+            if not self.fault:
                 self._try(lambda: self.bag.end_file(self._notes()))
             left, spare = free // MB, self._disk.spare_bytes // MB
             self._stop(f"the disk is full: {left} MB are left, {spare} MB are for others")
@@ -144,9 +144,9 @@ class Writing:
         return True
 
     def _stop(self, why: str) -> None:
-        if not self.trouble:
+        if not self.fault:
             log.error("recording_stopped", reason=why, retry_s=self._retry_s)
-        self.trouble = why
+        self.fault = why
         self._retry_at_s = self._clock.now() + self._retry_s
 
     def _notes(self) -> dict[str, str]:

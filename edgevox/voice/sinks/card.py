@@ -6,14 +6,14 @@ from typing import Protocol
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock, SystemClock
-from edgevox.core.log import News, get_logger
+from edgevox.core.log import ChangeDetector, get_logger
 from edgevox.voice.audio import Chunk
 from edgevox.voice.devices import DeviceMissing
 from edgevox.voice.sinks.card_queue import CardQueue
-from edgevox.voice.sinks.outlet import Silence
 from edgevox.voice.sinks.paced import PacedSink
+from edgevox.voice.sinks.paced_output import Silence
 from edgevox.voice.sinks.pacing import AHEAD_S, NOTHING_S, RateChanger, Wait, real_wait
-from edgevox.voice.sinks.portaudio import Fill, open_loudspeaker
+from edgevox.voice.sinks.portaudio_playback import Fill, open_loudspeaker
 
 log = get_logger(__name__)
 
@@ -23,7 +23,7 @@ DEAF_S = 1.0
 _STEP_S = 0.02
 
 
-class Stream(Protocol):
+class PlaybackStream(Protocol):
     """A card that plays."""
 
     @property
@@ -37,7 +37,7 @@ class Stream(Protocol):
         """False once PortAudio itself has given it up."""
 
 
-Opener = Callable[[str, Fill, Callable[[int], None]], AbstractContextManager[Stream]]
+Opener = Callable[[str, Fill, Callable[[int], None]], AbstractContextManager[PlaybackStream]]
 """Opens the device of a name, tells its rate, and asks for samples until the context ends.
 
 Raises `DeviceMissing`.
@@ -68,18 +68,18 @@ class SoundCardSink:
         self._queue = CardQueue(self._clock)
         self._silence = PacedSink(Silence(), clock=self._clock, wait=wait)
         self._rate = RateChanger(1)
-        self._stream: Stream | None = None
+        self._stream: PlaybackStream | None = None
         self._opened = ExitStack()
         self._tried_s = float("-inf")
-        self._is_news = News()
-        self._trouble = ""
+        self._is_news = ChangeDetector()
+        self._fault = ""
         self._keep_open()
 
     @property
-    def trouble(self) -> str:
+    def fault(self) -> str:
         """Why nothing can be heard of it now, as of the last sentence; empty while it plays."""
         stream = self._stream
-        return self._trouble if stream is None or self._alive() else f"{stream.name} plays no more"
+        return self._fault if stream is None or self._alive() else f"{stream.name} plays no more"
 
     def play(self, chunk: Chunk, token: CancelToken) -> float:
         self._keep_open()
@@ -135,11 +135,11 @@ class SoundCardSink:
             opener = self._opener(self._device, self._queue.fill, self._queue.open)
             self._stream = self._opened.enter_context(opener)
         except DeviceMissing as error:
-            self._trouble = str(error)
-            if self._is_news(self._trouble):
-                log.warning("loudspeaker_missing", reason=self._trouble, retry_s=self._retry_s)
+            self._fault = str(error)
+            if self._is_news(self._fault):
+                log.warning("loudspeaker_missing", reason=self._fault, retry_s=self._retry_s)
             return
-        self._trouble = ""
+        self._fault = ""
         self._rate = RateChanger(self._stream.rate_hz)
         if self._is_news("open", self._stream.name):
             log.info("loudspeaker_open", device=self._stream.name)
@@ -151,6 +151,6 @@ class SoundCardSink:
             self._opened.close()
         except DeviceMissing as error:
             why = str(error)
-        self._trouble = why
+        self._fault = why
         if self._is_news(why):
             log.warning("loudspeaker_lost", reason=why, retry_s=self._retry_s)

@@ -1,4 +1,4 @@
-"""Between the mouth and the sound card: what is to be played next, and when it will be heard."""
+"""Between speech output and sound card: what is to be played next, and when it will be heard."""
 
 import threading
 from collections import deque
@@ -13,7 +13,7 @@ _FIRST_DELAY_S = 0.05
 
 
 class CardQueue:
-    """Filled by the mouth, emptied by the card's own thread, which never waits for more than this.
+    """Filled with speech, emptied by the card's own thread, which never waits for more than this.
 
     A card plays without end; where there is nothing to play, it plays silence.
     """

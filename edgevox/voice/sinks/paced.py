@@ -5,36 +5,36 @@ from collections import deque
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock, SystemClock
-from edgevox.core.trouble import trouble_of
+from edgevox.core.fault import fault_of
 from edgevox.voice.audio import Chunk, Samples
-from edgevox.voice.sinks.outlet import Outlet
+from edgevox.voice.sinks.paced_output import PacedOutput
 from edgevox.voice.sinks.pacing import AHEAD_S, NOTHING_S, Loudness, RateChanger, Wait, real_wait
 
 
 class PacedSink:
-    """Gives an outlet its sound when it is due, and forgets what was not due when it is stopped.
+    """Gives an output its sound when it is due, and forgets what was not due when it is stopped.
 
-    What an outlet was given early (`Outlet.lead_s`) it may still play after a stop.
+    What an output was given early (`PacedOutput.lead_s`) it may still play after a stop.
     """
 
     def __init__(
-        self, outlet: Outlet, *, clock: Clock | None = None, wait: Wait = real_wait
+        self, output: PacedOutput, *, clock: Clock | None = None, wait: Wait = real_wait
     ) -> None:
-        self.name = outlet.name
-        self._outlet = outlet
+        self.name = output.name
+        self._output = output
         self._clock = clock or SystemClock()
         self._wait = wait
         self._lock = threading.Lock()
-        self._rate = RateChanger(outlet.rate_hz)
+        self._rate = RateChanger(output.rate_hz)
         self._loudness = Loudness()
         self._due: deque[tuple[float, Samples]] = deque()
         self._end_s = 0.0
         self._closed = False
 
     @property
-    def trouble(self) -> str:
+    def fault(self) -> str:
         """Why what is played goes nowhere at the moment; empty otherwise."""
-        return trouble_of(self._outlet)
+        return fault_of(self._output)
 
     def play(self, chunk: Chunk, token: CancelToken) -> float:
         with self._lock:
@@ -73,11 +73,11 @@ class PacedSink:
                 self._hand_over(self._clock.now())
                 self._due.clear()
                 self._end_s = 0.0
-                self._outlet.close()
+                self._output.close()
 
     def _accept(self, samples: Samples, start_s: float) -> None:
-        rate_hz = self._outlet.rate_hz
-        size = max(1, int(self._outlet.block_s * rate_hz))
+        rate_hz = self._output.rate_hz
+        size = max(1, int(self._output.block_s * rate_hz))
         for at in range(0, len(samples), size):
             block = samples[at : at + size]
             self._due.append((start_s + at / rate_hz, block))
@@ -86,11 +86,11 @@ class PacedSink:
         self._hand_over(self._clock.now())
 
     def _hand_over(self, now_s: float) -> None:
-        """Give the outlet the blocks that have begun."""
-        now_s += self._outlet.lead_s
+        """Give the output the blocks that have begun."""
+        now_s += self._output.lead_s
         while self._due and self._due[0][0] <= now_s:
             start_s, block = self._due.popleft()
-            self._outlet.write(block, start_s)
+            self._output.write(block, start_s)
 
     def _wait_until(self, ahead_s: float, token: CancelToken) -> None:
         """Block while more than `ahead_s` is still to be played, handing over what gets due."""
@@ -101,4 +101,4 @@ class PacedSink:
                 left_s = self._end_s - now_s - ahead_s
             if left_s < NOTHING_S:
                 return
-            self._wait(token, min(left_s, self._outlet.block_s))
+            self._wait(token, min(left_s, self._output.block_s))

@@ -10,7 +10,7 @@ LEAD_S = 0.06
 
 
 class Relay:
-    """An outlet that sends its sound on at 16 kHz, in blocks, a little before they are due.
+    """An output that sends its sound on at 16 kHz, in blocks, a little before they are due.
 
     Between utterances it sends nothing. What comes before `connect` is lost.
     """

@@ -6,10 +6,10 @@ from contextlib import AbstractContextManager
 from typing import Protocol
 
 from edgevox.core.clock import Clock, SystemClock
-from edgevox.core.log import News, get_logger
+from edgevox.core.log import ChangeDetector, get_logger
 from edgevox.voice.audio import Frame, Samples
 from edgevox.voice.devices import DeviceMissing
-from edgevox.voice.sources.portaudio import open_microphone
+from edgevox.voice.sources.portaudio_capture import open_microphone
 from edgevox.voice.sources.pushed import Pushed
 
 log = get_logger(__name__)
@@ -19,7 +19,7 @@ SILENT_S = 2.0
 """A stream that gives nothing for this long is lost: PortAudio does not always say so."""
 
 
-class Stream(Protocol):
+class CaptureStream(Protocol):
     """A running capture."""
 
     @property
@@ -30,7 +30,7 @@ class Stream(Protocol):
         """False once PortAudio itself has given it up."""
 
 
-Opener = Callable[[str, Callable[[Samples], None]], AbstractContextManager[Stream]]
+Opener = Callable[[str, Callable[[Samples], None]], AbstractContextManager[CaptureStream]]
 """Opens the device of a name and calls back with mono sound at 16 kHz, until the context ends.
 
 Raises `DeviceMissing`.
@@ -57,8 +57,8 @@ class SoundCard:
         self._silent_s = silent_s
         self._queue = Pushed(self.name, self._clock)
         self._heard_s = 0.0
-        self._is_news = News()
-        self.trouble = ""
+        self._is_news = ChangeDetector()
+        self.fault = ""
         """Why nothing is heard now; empty while the device is open."""
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._keep_open, name="edgevox-microphone")
@@ -84,18 +84,18 @@ class SoundCard:
         while not self._closing.is_set():
             try:
                 with self._open(self._device, self._hear) as stream:
-                    self.trouble = ""
+                    self.fault = ""
                     if self._is_news("open", stream.name):
                         log.info("microphone_open", device=stream.name)
                     self._watch(stream)
             except DeviceMissing as error:
-                self.trouble = str(error)
-                if self._is_news(self.trouble):
-                    log.warning("microphone_lost", reason=self.trouble, retry_s=self._retry_s)
+                self.fault = str(error)
+                if self._is_news(self.fault):
+                    log.warning("microphone_lost", reason=self.fault, retry_s=self._retry_s)
             self._queue.interrupted()
             self._closing.wait(self._retry_s)
 
-    def _watch(self, stream: Stream) -> None:
+    def _watch(self, stream: CaptureStream) -> None:
         """Return when closing; raise `DeviceMissing` when nothing comes any more."""
         self._heard_s = self._clock.now()
         while not self._closing.wait(self._silent_s / 4):

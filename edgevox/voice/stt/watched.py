@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.voice.audio import Samples
-from edgevox.voice.stt.base import SpeechToText
+from edgevox.voice.stt.speech_to_text import SpeechToText
 
 TELL_EVERY_S = 20.0
 """Noise is taken for speech now and then: a robot must not lament all day."""
@@ -18,7 +18,7 @@ class WatchedSpeechToText:
 
     def __init__(self, stt: SpeechToText, clock: Clock | None = None) -> None:
         self.tell: Callable[[], None] = lambda: None
-        self.trouble = ""
+        self.fault = ""
         """Why nothing is understood now; empty once something was."""
         self._stt = stt
         self._clock = clock or SystemClock()
@@ -31,7 +31,7 @@ class WatchedSpeechToText:
         except Exception as error:
             self._lament(error)
             raise
-        self.trouble = ""
+        self.fault = ""
         return text
 
     def warm_up(self, language: str) -> None:
@@ -41,14 +41,14 @@ class WatchedSpeechToText:
         except Exception as error:
             self._lament(error)
             raise
-        self.trouble = ""
+        self.fault = ""
 
     def close(self) -> None:
         """See `SpeechToText.close`."""
         self._stt.close()
 
     def _lament(self, error: Exception) -> None:
-        self.trouble = " ".join(str(error).split()) or type(error).__name__
+        self.fault = " ".join(str(error).split()) or type(error).__name__
         now_s = self._clock.now()
         if now_s - self._told_s >= TELL_EVERY_S:
             self._told_s = now_s

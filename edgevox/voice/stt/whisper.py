@@ -11,7 +11,7 @@ from edgevox.core.cgroup import usable_cpus
 from edgevox.core.errors import EdgeVoxError
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.level import FULL_SCALE
-from edgevox.voice.stt.plausible import Segment, plausible, words_of
+from edgevox.voice.stt.hallucinations import Segment, plausible, words_of
 
 MAX_THREADS = 4
 """More do not help one utterance."""

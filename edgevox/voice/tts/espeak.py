@@ -7,8 +7,8 @@ from typing import Protocol
 from edgevox.core.cancel import CancelToken
 from edgevox.core.log import get_logger
 from edgevox.voice.audio import Chunk
-from edgevox.voice.tts.base import SynthesisFailed
 from edgevox.voice.tts.kana import kana
+from edgevox.voice.tts.synthesiser import SynthesisFailed
 
 log = get_logger(__name__)
 

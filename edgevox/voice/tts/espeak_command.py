@@ -6,7 +6,7 @@ import numpy as np
 
 from edgevox.core.cancel import CancelToken
 from edgevox.voice.audio import Chunk
-from edgevox.voice.tts.base import SynthesisFailed
+from edgevox.voice.tts.synthesiser import SynthesisFailed
 
 _HEADER_BYTES = 44
 _RATE_HZ = 22_050  # of every voice of espeak-ng's own

@@ -9,7 +9,7 @@ import numpy as np
 
 from edgevox.core.cancel import CancelToken
 from edgevox.voice.audio import Chunk
-from edgevox.voice.tts.base import SynthesisFailed
+from edgevox.voice.tts.synthesiser import SynthesisFailed
 
 _SYNCHRONOUS = 2
 _UTF8, _END_PAUSE = 0x1, 0x1000

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from edgevox.core.cancel import CancelToken
 from edgevox.voice.audio import Chunk
-from edgevox.voice.tts.base import SynthesisFailed, to_samples
 from edgevox.voice.tts.kokoro_phonemes import Phonemes
 from edgevox.voice.tts.session import open_session
+from edgevox.voice.tts.synthesiser import SynthesisFailed, to_samples
 
 THREADS = 2
 SAMPLE_RATE_HZ = 24_000

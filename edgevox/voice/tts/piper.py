@@ -9,8 +9,8 @@ from piper.config import PiperConfig
 
 from edgevox.core.cancel import CancelToken
 from edgevox.voice.audio import Chunk
-from edgevox.voice.tts.base import to_samples
 from edgevox.voice.tts.session import open_session
+from edgevox.voice.tts.synthesiser import to_samples
 
 THREADS = 1
 """It is ten times faster than speech with one.

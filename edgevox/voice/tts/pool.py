@@ -4,7 +4,7 @@ from collections import OrderedDict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from edgevox.voice.tts.base import Synthesiser
+from edgevox.voice.tts.synthesiser import Synthesiser
 from edgevox.voice.voices import VoiceChoice
 
 if TYPE_CHECKING:

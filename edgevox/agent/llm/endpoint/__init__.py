@@ -4,7 +4,7 @@
 """
 
 from edgevox.agent.llm.endpoint.address import Address
+from edgevox.agent.llm.endpoint.endpoint_model import EndpointModel
 from edgevox.agent.llm.endpoint.fallback import FallbackModel
-from edgevox.agent.llm.endpoint.model import EndpointModel
 
 __all__ = ["Address", "EndpointModel", "FallbackModel"]

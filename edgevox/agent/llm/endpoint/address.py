@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
-from edgevox.agent.llm.base import Message
-from edgevox.agent.llm.endpoint.errors import Unusable
+from edgevox.agent.llm.endpoint.server_errors import Unusable
+from edgevox.agent.llm.language_model import ChatMessage
 from edgevox.core.settings import GrammarDialect
 from edgevox.core.user_file import regular
 
@@ -76,7 +76,7 @@ def read_offer(reply: Any, address: Address) -> Offer:
 
 
 def chat_request(
-    offer: Offer, messages: Sequence[Message], grammar: str | None, max_tokens: int
+    offer: Offer, messages: Sequence[ChatMessage], grammar: str | None, max_tokens: int
 ) -> dict[str, Any]:
     """The body of a request for one streamed answer, greedy."""
     request: dict[str, Any] = {

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator, Sequence
 
-from edgevox.agent.llm.base import LanguageModel, Message, ModelFailed
 from edgevox.agent.llm.endpoint.breaker import Breaker
-from edgevox.agent.llm.endpoint.errors import Refused
+from edgevox.agent.llm.endpoint.server_errors import RequestRefused
+from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelFailed
 from edgevox.core.cancel import CancelToken
 from edgevox.core.log import get_logger
 
@@ -27,14 +27,14 @@ class FallbackModel:
         self._models = models
         self.name = shared.name
         self.context_tokens = min(one.context_tokens for one in models)
-        self.trouble = ""
+        self.fault = ""
         """Why the shared model is left alone; empty once it answers again."""
         self.fallbacks = 0
         """Chats that the one on board had to answer."""
 
     def generate(
         self,
-        messages: Sequence[Message],
+        messages: Sequence[ChatMessage],
         *,
         grammar: str | None,
         max_tokens: int,
@@ -66,7 +66,7 @@ class FallbackModel:
             messages, grammar=grammar, max_tokens=max_tokens, token=token
         )
 
-    def prime(self, messages: Sequence[Message], token: CancelToken) -> None:
+    def prime(self, messages: Sequence[ChatMessage], token: CancelToken) -> None:
         """Both read the messages, so that neither keeps anybody waiting later."""
         try:
             self._shared.prime(messages, token)
@@ -85,15 +85,15 @@ class FallbackModel:
             one.close()
 
     def _works(self) -> None:
-        self.trouble = ""
+        self.fault = ""
         if self._breaker.succeeded():
             log.warning("model_server_back", server=self.name)
 
     def _fails(self, error: ModelFailed) -> None:
-        if isinstance(error, Refused):
+        if isinstance(error, RequestRefused):
             log.warning("model_server_refused", server=self.name, reason=str(error))
             return
-        self.trouble = str(error)
+        self.fault = str(error)
         if self._breaker.failed():
             instead = "the model on board" if self._on_board else "nothing"
             log.warning("model_server_failed", server=self.name, reason=str(error), instead=instead)

@@ -1,0 +1,27 @@
+"""The ways in which a server can fail, by what is to be done about each."""
+
+from edgevox.agent.llm.language_model import ModelFailed
+
+
+class Unreachable(ModelFailed):
+    """It cannot serve anybody at the moment; a second attempt may succeed."""
+
+
+class Unusable(ModelFailed):
+    """It answers, but not as it should, and the same request would end the same way."""
+
+
+class RequestRefused(ModelFailed):
+    """It refused this one request, as too long perhaps; others may be served."""
+
+
+_OF_THE_REQUEST = (400, 413, 422)
+_FOR_NOW = (408, 425, 429)
+
+
+def by_status(status: int, route: str, said: str) -> ModelFailed:
+    """The error that an HTTP status other than 200 stands for."""
+    message = f"{route} answered {status}: {said}"
+    if status in _OF_THE_REQUEST:
+        return RequestRefused(message)
+    return Unreachable(message) if status in _FOR_NOW or status >= 500 else Unusable(message)

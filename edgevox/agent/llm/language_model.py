@@ -1,0 +1,56 @@
+"""What the conversation needs of a language model."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+from edgevox.core.cancel import CancelToken
+from edgevox.core.errors import EdgeVoxError
+
+CONTEXT_TOKENS = 4096
+"""Room for instructions, examples, history and answer, unless a caller says otherwise."""
+
+
+class ModelFailed(EdgeVoxError):
+    """A language model could not be loaded or could not answer; the message says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class ChatMessage:
+    """One message of a chat."""
+
+    role: Literal["system", "user", "assistant"]
+    content: str
+
+
+class LanguageModel(Protocol):
+    """A model that answers chats in a language that a GBNF grammar describes.
+
+    Calls from several threads are served one after the other.
+    """
+
+    name: str
+    context_tokens: int
+
+    def generate(
+        self,
+        messages: Sequence[ChatMessage],
+        *,
+        grammar: str | None,
+        max_tokens: int,
+        token: CancelToken,
+    ) -> Iterator[str]:
+        """Yield pieces of the answer as they are decoded; greedy, so the same chat repeats.
+
+        Ends early, within one token, when `token` is cancelled or the iterator is closed; while the
+        prompt is being read, within one batch of it. Raises `ModelFailed`.
+        """
+
+    def prime(self, messages: Sequence[ChatMessage], token: CancelToken) -> None:
+        """Read these messages now, so that a chat that begins with them is answered sooner."""
+
+    def count_tokens(self, text: str) -> int:
+        """How many tokens this text takes."""
+
+    def close(self) -> None:
+        """Free the model's memory and end its threads; what is being generated ends with them."""

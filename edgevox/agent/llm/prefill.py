@@ -1,0 +1,54 @@
+"""Reads a chat's opening into a model while the robot is already of use."""
+
+import threading
+from collections.abc import Sequence
+
+from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelFailed
+from edgevox.core.cancel import CancelToken
+from edgevox.core.log import get_logger
+
+log = get_logger(__name__)
+
+
+class PromptPrefill:
+    """Primes a model on a thread of its own.
+
+    Plain commands never need the model, so nobody has to wait for this; a sentence for the model
+    that comes meanwhile waits for the rest of it, and is sooner answered for it.
+    """
+
+    def __init__(self, model: LanguageModel, messages: Sequence[ChatMessage]) -> None:
+        self._model = model
+        self._messages = messages
+        self._token = CancelToken()
+        self._read = threading.Event()
+        self._thread = threading.Thread(target=self._work, name="edgevox-prefill")
+
+    def start(self) -> None:
+        self._thread.start()
+
+    def wait(self) -> None:
+        """Block until all is read.
+
+        A signal may end this with an exception. Python 3.11 would then take a thread that is being
+        joined for ended, and the model would be closed while it reads.
+        """
+        self._read.wait()
+
+    def close(self) -> None:
+        """Stop reading and wait for the thread."""
+        self._token.cancel("shutting down")
+        if self._thread.is_alive():
+            self._thread.join()
+
+    def _work(self) -> None:
+        try:
+            self._prime()
+        finally:
+            self._read.set()
+
+    def _prime(self) -> None:
+        try:
+            self._model.prime(self._messages, self._token)
+        except ModelFailed as error:
+            log.error("model_not_primed", reason=str(error))  # noqa: TRY400 - its message says it all

@@ -1,0 +1,278 @@
+"""Decides what an utterance means: calls of skills, by templates or by a reading of it, or words.
+
+A language model never moves the robot. It answers in words, hands over to another agent, and fills
+in what no reading can: arguments that take any words, of a sentence that is an order, and then
+somebody is asked first.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from edgevox.agent.agents import Agent, by_name
+from edgevox.agent.history import History, size_tokens
+from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelFailed
+from edgevox.agent.nlu.confidence import ASK_FROM, SURE_FROM
+from edgevox.agent.nlu.decider import Decider, Decision, Readings
+from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood
+from edgevox.agent.phrase_file import ENGLISH, phrasebook
+from edgevox.agent.programs.program import Program, calls_of
+from edgevox.agent.programs.program_reader import ProgramReader, Unclear
+from edgevox.agent.skills import Call, Skill, SkillSet
+from edgevox.agent.spoken_lists import not_understood
+from edgevox.agent.toolcalls import HANDOFF, Protocol
+from edgevox.agent.turn import Turn
+from edgevox.core.agent_events import HandedOver
+from edgevox.core.bus import Bus
+from edgevox.core.clock import Clock
+from edgevox.core.events import Outcome
+from edgevox.core.log import get_logger
+
+log = get_logger(__name__)
+
+MAX_HANDOFFS = 3
+"""How often one utterance may be handed on; nobody gets it twice."""
+
+BACK = "go_back"
+"""The aside that leads back to where the last motion began."""
+
+ANSWER_TOKENS = 160
+"""The longest answer or sequence of calls that a model may generate."""
+
+
+@dataclass(frozen=True, slots=True)
+class Meaning:
+    """What to do about an utterance, and who found it out: ``template``, ``reading`` or ``model``.
+
+    `confidence` is that it is meant: 1 for a template; from `SURE_FROM` on it is to be done, below
+    that somebody is to be asked. What is to be done later or more than once is a `program`, and
+    has no `calls` to do at once.
+    """
+
+    agent: Agent
+    calls: tuple[Call, ...]
+    source: str
+    confidence: float = 1.0
+    program: Program | None = None
+
+    @property
+    def sure(self) -> bool:
+        """Whether to do it without asking."""
+        return self.confidence >= SURE_FROM
+
+    @property
+    def every_call(self) -> tuple[Call, ...]:
+        """All that may be called, those inside the program too."""
+        return calls_of(self.program) if self.program else self.calls
+
+
+class Interpreter:
+    """Holds the agents, what each understands, and what was said. Used from one thread."""
+
+    def __init__(
+        self,
+        agents: Sequence[Agent],
+        bus: Bus,
+        clock: Clock,
+        model: LanguageModel | None = None,
+        language: str = ENGLISH,
+        *,
+        decider: Decider | None = None,
+    ) -> None:
+        self._decider = decider
+        self._agents = by_name(agents)
+        self._bus = bus
+        self._clock = clock
+        self._model = model
+        self.set_language(language)
+        self.active = agents[0]
+        self._history = History(self._count_tokens, self._history_budget())
+
+    def set_language(self, code: str) -> None:
+        """Understand and answer in this language from now on; `phrases` are its sentences."""
+        self.phrases = phrasebook(code)
+        agents = self._agents.values()
+        self._recognisers = {a.name: Recogniser(a.skills, code, a.dialogue_skills) for a in agents}
+        self._readings = {a.name: Readings(a.skills, code) for a in agents}
+        self._programs = ProgramReader(code)
+        self._protocols = {
+            a.name: Protocol(a.instructions, _for_models(a), a.handoffs, code) for a in agents
+        }
+
+    def chat(self, text: str = "") -> list[ChatMessage]:
+        """The messages that the model would see for this utterance."""
+        opening = self._protocol().opening
+        said = [ChatMessage("user", text)] if text else []
+        return [*opening, *self._history.messages(), *said]
+
+    def understand(self, text: str, turn: Turn) -> Meaning | None:
+        """The calls that an utterance asks for; None if it was answered in words, into `turn`."""
+        plain = self.plain(text)
+        if isinstance(plain, Meaning) and not _goes_back_from_there(plain):
+            self._hand_over(plain.agent, turn)
+            return plain
+        program, sure = self._programs.understand(text, self._plain_calls, self._free_calls)
+        if isinstance(program, Program):
+            how = ("template", 1.0) if sure else ("reading", ASK_FROM)
+            return Meaning(self.active, (), *how, program=program)
+        if isinstance(plain, Meaning):
+            self._say_unclear(turn)
+            return None
+        meaning = self._read(text, turn)
+        if meaning and not (program and _drives(meaning)):
+            return meaning
+        if meaning and isinstance(program, Unclear):  # not now, whatever it is
+            self._say_unclear(turn)
+            return None
+        refused = program if isinstance(program, RefusedCommand) else plain
+        if refused:
+            turn.say(refused.reason, Outcome.REFUSED, detail=refused.detail)
+            return None
+        if self._model is None:
+            self._say_not_understood(turn)
+            return None
+        return self._ask_model(self._model, text, turn)
+
+    def plain(self, text: str) -> Meaning | RefusedCommand | None:
+        """The calls that the templates alone find, or what they refuse; nothing is said."""
+        for agent in self._active_first():
+            found = self._recognisers[agent.name].recognise(text)
+            if isinstance(found, Understood):
+                return Meaning(agent, found.calls, "template")
+            if isinstance(found, RefusedCommand):
+                return found
+        return None
+
+    def _plain_calls(self, text: str) -> Sequence[Call] | RefusedCommand | None:
+        """What `plain` finds, for a program to hold."""
+        plain = self.plain(text)
+        if isinstance(plain, Meaning):
+            return None if _goes_back_from_there(plain) else plain.calls
+        return plain
+
+    def _free_calls(self, text: str) -> Sequence[Call] | RefusedCommand | None:
+        """The same, or what a reading finds that is sure."""
+        found = self._plain_calls(text)
+        decided = None if isinstance(found, Sequence) else self._decide(text)
+        return decided[1].calls if decided and decided[1].sure else found
+
+    def _read(self, text: str, turn: Turn) -> Meaning | None:
+        """What the first agent would do who could be meant; none of them without a judge."""
+        if decided := self._decide(text):
+            agent, decision = decided
+            self._hand_over(agent, turn)
+            return Meaning(agent, decision.calls, "reading", decision.confidence)
+        return None
+
+    def _decide(self, text: str) -> tuple[Agent, Decision] | None:
+        if self._decider is None:
+            return None
+        for agent in self._active_first():
+            decision = self._decider.decide(self._readings[agent.name].of(text), text)
+            if decision:
+                return agent, decision
+        return None
+
+    def remember(self, said: str, turn: Turn, meaning: Meaning | None) -> None:
+        """Keep an exchange for the next ones, but for a question: a model would ask the like."""
+        if turn.outcome is Outcome.ASKED:
+            return
+        protocol = self._protocols[self.active.name]
+        told = meaning and all(call.skill in meaning.agent.skills for call in meaning.calls)
+        calls = meaning.calls if meaning and told else ()
+        answer = protocol.render_calls(calls) if calls else protocol.render(turn.text)
+        self._history.add(said, answer, cut=turn.cut)
+
+    def forget(self) -> None:
+        """Forget what was said; the first agent listens again."""
+        self._history.clear()
+        self.active = next(iter(self._agents.values()))
+
+    def _ask_model(self, model: LanguageModel, text: str, turn: Turn) -> Meaning | None:
+        ordered = self._decider is not None and self._decider.is_order(text)
+        had: list[str] = []  # so that two agents cannot hand it to and fro
+        while len(had) <= MAX_HANDOFFS:
+            had.append(self.active.name)
+            protocol = self._protocol().without(had)
+            calls = self._generate(model, protocol, text, turn, ordered=ordered)
+            handoffs = [call for call in calls if call.skill == HANDOFF]
+            if calls and not handoffs:
+                return Meaning(self.active, tuple(calls), "model", ASK_FROM)
+            if not calls:
+                if not turn.text and not turn.token.cancelled:  # it called what it may not
+                    self._say_not_understood(turn)
+                return None
+            self._hand_over(self._agents[str(handoffs[0].arguments["agent"])], turn)
+        turn.say(self.phrases.say("nobody"), Outcome.FAILED)
+        return None
+
+    def _say_unclear(self, turn: Turn) -> None:
+        turn.say(self.phrases.say("program_unclear"), Outcome.NOT_UNDERSTOOD)
+
+    def _say_not_understood(self, turn: Turn) -> None:
+        told, detail = not_understood(self.phrases, self._every_skill())
+        turn.say(told, Outcome.NOT_UNDERSTOOD, detail=detail)
+
+    def _generate(
+        self, model: LanguageModel, protocol: Protocol, text: str, turn: Turn, *, ordered: bool
+    ) -> Sequence[Call]:
+        parser = protocol.parser()
+        started_s = self._clock.now()
+        try:
+            for piece in model.generate(
+                self.chat(protocol.prepare(text)),
+                grammar=protocol.grammar_of(ordered=ordered),
+                max_tokens=ANSWER_TOKENS,
+                token=turn.token,
+            ):
+                turn.stream(parser.feed(piece))
+        except ModelFailed as error:
+            log.error("model_failed", reason=str(error))  # noqa: TRY400 - its message says it all
+            turn.say(self.phrases.say("model_failed"), Outcome.FAILED)
+            return ()
+        finally:
+            turn.thought(self._clock.now() - started_s)
+        turn.flush()
+        return (
+            () if turn.token.cancelled else protocol.allowed(parser.finish(), text, ordered=ordered)
+        )
+
+    def _protocol(self) -> Protocol:
+        """That of the agent who talks, with the words that there are now to choose from."""
+        name = self.active.name
+        self._protocols[name] = self._protocols[name].renewed()
+        return self._protocols[name]
+
+    def _hand_over(self, agent: Agent, turn: Turn) -> None:
+        if agent is self.active:
+            return
+        self._bus.publish(HandedOver(self.active.name, agent.name, turn.number))
+        self.active = agent
+
+    def _active_first(self) -> Sequence[Agent]:
+        return [self.active, *(a for a in self._agents.values() if a is not self.active)]
+
+    def _every_skill(self) -> Sequence[Skill]:
+        return [one for agent in self._agents.values() for one in agent.skills.values()]
+
+    def _count_tokens(self, text: str) -> int:
+        return self._model.count_tokens(text) if self._model else 0
+
+    def _history_budget(self) -> int:
+        if self._model is None:
+            return 0
+        longest = max(size_tokens(self._count_tokens, p.opening) for p in self._protocols.values())
+        return max(0, self._model.context_tokens - longest - 4 * ANSWER_TOKENS)
+
+
+def _drives(meaning: Meaning) -> bool:
+    return any(meaning.agent.every_skill[call.skill].drives for call in meaning.calls)
+
+
+def _goes_back_from_there(meaning: Meaning) -> bool:
+    """Whether to go back follows another order: then it is about where that one began."""
+    return any(call.skill == BACK for call in meaning.calls[1:])
+
+
+def _for_models(agent: Agent) -> SkillSet:
+    """What a model may call: what no reading can fill in, since it takes any words."""
+    return SkillSet(one for one in agent.skills.values() if one.free_text)

@@ -1,0 +1,76 @@
+"""What `edgevox-agent` was asked on its command line, as one value."""
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from edgevox import __version__
+from edgevox.apps.flags import add_flags, given_flags
+from edgevox.apps.robots import ROBOTS
+from edgevox.ros2 import split_ros_args
+
+
+@dataclass(frozen=True)
+class AgentArguments:
+    """The command line, taken apart; nothing in it is validated but the robot's name.
+
+    `flags` are only those settings that were given. `ros_args` go to ROS 2 as they are.
+    """
+
+    robot: str
+    flags: dict[str, Any]
+    config: Path | None
+    scenario: Path | None
+    snapshot: Path | None
+    ros_args: tuple[str, ...]
+
+
+def parse_arguments(argv: Sequence[str]) -> AgentArguments:
+    """Read a command line; ends the process for one that makes no sense, as argparse does."""
+    own, ros = split_ros_args(argv)
+    arguments = _parser().parse_args(own)
+    return AgentArguments(
+        arguments.robot,
+        given_flags(arguments),
+        arguments.config,
+        arguments.scenario,
+        arguments.snapshot,
+        tuple(ros),
+    )
+
+
+class _ArgumentParser(argparse.ArgumentParser):
+    """Loads the robots, so that each says what it is, only for those who ask for help."""
+
+    def __init__(self, prog: str, description: str, epilog: str) -> None:
+        super().__init__(prog, description=description, epilog=epilog)
+        self._robot = self.add_argument("robot", choices=ROBOTS, metavar="ROBOT")
+
+    def format_help(self) -> str:
+        self._robot.help = "; ".join(f"{name}: {one.about}" for name, one in ROBOTS.items())
+        return super().format_help()
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _ArgumentParser(
+        prog="edgevox-agent",
+        description="A voice agent with a robot's body.",
+        epilog="Settings come from a --config file, then EDGEVOX_* variables, then these flags.",
+    )
+    parser.add_argument("--version", action="version", version=__version__)
+    parser.add_argument(
+        "--scenario",
+        type=Path,
+        metavar="FILE",
+        help="run this YAML file, as fast as the body can, and say whether all came true",
+    )
+    parser.add_argument(
+        "--snapshot",
+        type=Path,
+        metavar="FILE",
+        help="write a picture of the robot as PNG and leave; with --scenario, of its end",
+    )
+    add_flags(parser)
+    return parser

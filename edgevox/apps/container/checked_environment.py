@@ -1,0 +1,128 @@
+"""The container's environment, checked and made into what EdgeVox and ROS 2 read."""
+
+import difflib
+import os
+import re
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from edgevox.apps.container.variables import AGENTS, ENVIRONMENT, Variable
+from edgevox.core.errors import InvalidValue
+from edgevox.core.settings import ENV_PREFIX, check_settings
+
+TRUTH = {"true": "true", "1": "true", "yes": "true", "on": "true"}
+TRUTH |= {"false": "false", "0": "false", "no": "false", "off": "false"}
+NOT_OURS = re.compile(r"EDGEVOX_(\w+_)?(SERVICE_(HOST|PORT)(_\w+)?|PORT(_\d+_\w+)?)")
+"""What Kubernetes sets in every pod for a service whose name begins with edgevox."""
+OF_COMPOSE = frozenset({"EDGEVOX_IMAGE", "EDGEVOX_UID", "EDGEVOX_GID"})
+
+
+def prepared(environment: Mapping[str, str], warn: Callable[[str], None]) -> dict[str, str]:
+    """The environment to start a program in: `environment` with the table's variables made good.
+
+    An empty variable counts as not given. Raises `InvalidValue` for the first that is nonsense;
+    what is odd but allowed goes to `warn`.
+    """
+    given = {name: environment[name] for name in ENVIRONMENT if environment.get(name)}
+    values = {name: _checked(ENVIRONMENT[name], value, warn) for name, value in given.items()}
+    _refuse_contradictions(values)
+    for row in ENVIRONMENT.values():
+        if row.default and row.target not in _targets(values):
+            values[row.variable] = row.default
+    _be_quiet_without_sound(values)
+    _check_settings(values)
+    warn_of_unknown(environment, warn)
+    rest = {name: value for name, value in environment.items() if name not in ENVIRONMENT}
+    return rest | _targets(values)
+
+
+def _targets(values: Mapping[str, str]) -> dict[str, str]:
+    """The values under the names by which they are read, a word for "empty" made empty."""
+    return {
+        ENVIRONMENT[name].target: "" if value == (ENVIRONMENT[name].empty or None) else value
+        for name, value in values.items()
+    }
+
+
+def _checked(row: Variable, value: str, warn: Callable[[str], None]) -> str:
+    """The value of a variable that is no setting, in the form in which it is read."""
+    match row.type:
+        case "integer":
+            return _integer(row, value, warn)
+        case "boolean":
+            if (truth := TRUTH.get(value.lower())) is None:
+                raise InvalidValue(row.variable, value, row.values)
+            return truth
+        case "agent":
+            value = AGENTS[-1] if value == "none" else value
+            _require(row, value, value in AGENTS, f"one of {row.values}")
+        case "choice":
+            _require(row, value, value in row.choices, f"one of {row.values}")
+        case "text":
+            _require(row, value, bool(re.fullmatch(row.pattern, value)), row.values)
+        case "file":
+            _require(row, value, Path(value).is_file(), row.values)
+        case "folder":
+            absolute = Path(value).is_absolute() and not Path(value).is_file()
+            _require(row, value, absolute, "the absolute path of a folder")
+        case "middleware":
+            here = installed_middlewares()
+            _require(row, value, value in here, "one of " + (", ".join(here) or "none: no ROS 2"))
+    return value
+
+
+def _require(row: Variable, value: str, good: bool, expected: str) -> None:
+    if not good:
+        raise InvalidValue(row.variable, value, expected)
+
+
+def _integer(row: Variable, value: str, warn: Callable[[str], None]) -> str:
+    least, most = row.least or 0, row.most or 0
+    good = re.fullmatch(r"[0-9]{1,9}", value) is not None and least <= int(value) <= most
+    _require(row, value, good, f"a whole number from {least} to {most}")
+    number, unwise = int(value), row.unwise
+    if unwise and unwise.least <= number <= unwise.most:
+        warn(f"{row.variable}={number}: {unwise.because}")
+    return str(number)
+
+
+def installed_middlewares() -> list[str]:
+    """The middlewares of ROS 2 that this environment can load, by its ament index."""
+    prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
+    folders = [Path(p, "share/ament_index/resource_index/rmw_typesupport") for p in prefixes if p]
+    return sorted({file.name for folder in folders if folder.is_dir() for file in folder.iterdir()})
+
+
+def _refuse_contradictions(values: Mapping[str, str]) -> None:
+    """One setting by two names must have one value."""
+    for name, value in values.items():
+        target = ENVIRONMENT[name].target
+        if target != name and target in values and values[target] != value:
+            raise InvalidValue(name, value, f"{values[target]!r}, as {target} says, or only one")
+
+
+def _be_quiet_without_sound(values: dict[str, str]) -> None:
+    """With neither microphone nor loudspeaker nothing is heard or spoken: load nothing for it."""
+    silent = values["EDGEVOX_AUDIO_IN"] == values["EDGEVOX_AUDIO_OUT"] == "none"
+    if silent and "EDGEVOX_TEXT_MODE" not in values:
+        values["EDGEVOX_TEXT_MODE"] = "true"
+
+
+def _check_settings(values: Mapping[str, str]) -> None:
+    """Refuse what EdgeVox would refuse, by the variable that said it."""
+    by_setting = {ENVIRONMENT[name].setting: name for name in values if ENVIRONMENT[name].setting}
+    targets = _targets(values)
+    try:
+        check_settings({s: targets[ENVIRONMENT[name].target] for s, name in by_setting.items()})
+    except InvalidValue as error:
+        raise InvalidValue(by_setting[error.field], error.value, error.expected) from None
+
+
+def warn_of_unknown(environment: Mapping[str, str], warn: Callable[[str], None]) -> None:
+    """A misspelled variable would else be ignored in silence."""
+    known = set(ENVIRONMENT) | OF_COMPOSE
+    for name in sorted(environment.keys() - known):
+        if name.startswith(ENV_PREFIX) and not NOT_OURS.fullmatch(name):
+            (close, *_) = difflib.get_close_matches(name, known, 1) or [""]
+            meant = f"; did you mean {close}?" if close else ""
+            warn(f"{name} is no variable of EdgeVox and changes nothing{meant}")

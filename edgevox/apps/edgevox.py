@@ -1,0 +1,61 @@
+"""`edgevox`: the voice agent without a robot."""
+
+import argparse
+import sys
+from collections.abc import Callable, Sequence
+
+from edgevox import __version__
+from edgevox.apps.flags import add_flags, given_flags
+from edgevox.apps.run_program import run_program, set_up_logs
+from edgevox.apps.streams import with_streams
+from edgevox.core.settings import Settings, load_settings
+from edgevox.robots.plugin import FOR_BODIES
+from edgevox.ros2 import split_ros_args
+
+DOCTOR = "doctor"
+"""The first argument that asks for the doctor instead."""
+OF_ROBOTS = FOR_BODIES | {
+    "frame_prefix",
+    "odom_frame",
+    "publish_clock",
+    "render",
+    "ros2_state_hz",
+}
+"""Settings that are about a body."""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run it; the process's exit code."""
+    given = list(sys.argv[1:] if argv is None else argv)
+    if given[:1] == [DOCTOR]:
+        from edgevox.apps.doctor.command import main as doctor
+
+        return doctor(given[1:], f"edgevox {DOCTOR}")
+    return _run(given)
+
+
+@with_streams("edgevox")
+def _run(given: Sequence[str]) -> int:
+    own, ros = split_ros_args(given)
+    arguments = _parser().parse_args(own)
+
+    def prepare() -> Callable[[], bool]:
+        from edgevox.apps.serving import serve
+
+        settings = load_settings(given_flags(arguments), arguments.config)
+        set_up_logs("edgevox", settings)
+        return lambda: serve(settings, None, ros)
+
+    return run_program("edgevox", prepare)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="edgevox",
+        description="A voice agent to talk to. edgevox-agent is one with a robot's body;"
+        " edgevox doctor checks this machine.",
+        epilog="Settings come from a --config file, then EDGEVOX_* variables, then these flags.",
+    )
+    parser.add_argument("--version", action="version", version=__version__)
+    add_flags(parser, [name for name in Settings.model_fields if name not in OF_ROBOTS])
+    return parser

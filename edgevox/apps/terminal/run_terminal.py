@@ -1,0 +1,69 @@
+"""Chooses how to talk: a prompt on a terminal, a script from a pipe, or nobody at all."""
+
+import os
+import stat
+import sys
+import threading
+
+from edgevox.apps.agent_parts import AgentParts
+from edgevox.apps.shutdown_signals import ShutdownSignals
+from edgevox.apps.terminal.script import run_script
+from edgevox.apps.terminal.slash_commands import Desk, is_stop
+from edgevox.apps.terminal.typeahead import typed_ahead
+from edgevox.apps.terminal.view import View
+from edgevox.core.clock import SystemClock
+from edgevox.voice.sources.files import WavFiles
+
+
+def run_terminal(parts: AgentParts, shutdown: ShutdownSignals) -> None:
+    """Serve whoever is at stdin, on the main thread, until they leave.
+
+    A terminal gets the whole screen, or a prompt if `simple_ui` is set. A pipe or a file is a
+    script: it ends the program when its last line is done. An empty stdin, or none, is nobody: the
+    program runs until its WAV files are over, if it hears those, or a signal tells it to end.
+    """
+    desk = Desk(parts.conversation, parts.body)
+    if _is_terminal():
+        typed = typed_ahead(sys.stdin.fileno(), lambda line: is_stop(line.strip(), desk))
+        if parts.settings.simple_ui:
+            from edgevox.apps.terminal.prompt import Prompt
+
+            Prompt(parts.bus, desk, SystemClock()).run(shutdown, typed)
+            return
+        from edgevox.apps.tui import run_tui
+
+        run_tui(parts, shutdown, typed)
+    elif not (_has_input() and run_script(sys.stdin.fileno(), parts.bus, desk, _write)):
+        _run_alone(parts)
+
+
+def _run_alone(parts: AgentParts) -> None:
+    """What is said is shown, but not where the log is for programs: there it is not for all."""
+    told = parts.settings.log_format != "json"
+    view = View(parts.bus, _write if told else lambda _line: None)
+    try:
+        if parts.listener and parts.voice and isinstance(parts.voice.source, WavFiles):
+            parts.listener.wait_over()
+            parts.conversation.wait_idle()
+        else:
+            threading.Event().wait()
+    finally:
+        view.close()
+
+
+def _is_terminal() -> bool:
+    return sys.stdin is not None and sys.stdin.isatty() and sys.stdout.isatty()
+
+
+def _has_input() -> bool:
+    if sys.stdin is None or sys.stdin.closed:
+        return False
+    try:
+        mode = os.fstat(sys.stdin.fileno()).st_mode
+    except OSError:
+        return False
+    return stat.S_ISFIFO(mode) or stat.S_ISREG(mode) or stat.S_ISSOCK(mode)
+
+
+def _write(line: str) -> None:
+    print(line, flush=True)

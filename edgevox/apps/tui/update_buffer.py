@@ -1,0 +1,115 @@
+"""Collects what happens, from any thread, until the screen is drawn next."""
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from edgevox.apps.terminal.view import View
+from edgevox.core.bus import Bus
+from edgevox.core.controls import Controls
+from edgevox.core.events import (
+    AudioLevel,
+    ControlChanged,
+    State,
+    StateChanged,
+    TurnMeasured,
+    WakeWordHeard,
+)
+
+TURNS = 5
+"""How many of the last turns are remembered."""
+MAX_LINES = 500
+"""Lines that nobody has drawn yet; older ones are dropped."""
+
+
+@dataclass(frozen=True, slots=True)
+class ScreenUpdate:
+    """What is new, and how things are now. `level` is the microphone's, 0 to 1."""
+
+    lines: tuple[str, ...]
+    status: str
+    state: State
+    level: float
+    language: str
+    voice: str
+    muted: bool
+    turns: tuple[TurnMeasured, ...]
+
+
+class UpdateBuffer:
+    """Subscribes to the bus. `changed` is called once for all that comes before the next `take`."""
+
+    def __init__(self, bus: Bus, controls: Controls) -> None:
+        self._controls = controls
+        self._lock = threading.Lock()
+        self._lines: deque[str] = deque(maxlen=MAX_LINES)
+        self._state = State.LISTENING
+        self._level = 0.0
+        self._turns: deque[TurnMeasured] = deque(maxlen=TURNS)
+        self._told = False
+        self.changed: Callable[[], object] = lambda: None
+        self._view = View(bus, self.write, self._tell)
+        self._forget = [
+            bus.subscribe(StateChanged, self._on_state),
+            bus.subscribe(AudioLevel, self._on_level),
+            bus.subscribe(TurnMeasured, self._on_turn),
+            bus.subscribe(WakeWordHeard, lambda event: self.write(f"  [{event.phrase}]")),
+            bus.subscribe(ControlChanged, lambda _: self._tell()),
+        ]
+
+    def close(self) -> None:
+        """Collect nothing more."""
+        self._view.close()
+        for forget in self._forget:
+            forget()
+
+    def expect(self, text: str) -> None:
+        """Do not show this text again: it was typed here."""
+        self._view.expect(text)
+
+    def write(self, line: str) -> None:
+        """One more line of the transcript."""
+        with self._lock:
+            self._lines.append(line)
+        self._tell()
+
+    def take(self) -> ScreenUpdate:
+        """What is new since the last time."""
+        with self._lock:
+            self._told = False
+            lines = tuple(self._lines)
+            self._lines.clear()
+            state, level, turns = self._state, self._level, tuple(self._turns)
+        controls = self._controls
+        return ScreenUpdate(
+            lines,
+            self._view.status,
+            state,
+            level,
+            controls.language,
+            controls.voice,
+            controls.muted,
+            turns,
+        )
+
+    def _tell(self) -> None:
+        with self._lock:
+            told, self._told = self._told, True
+        if not told:
+            self.changed()
+
+    def _on_state(self, event: StateChanged) -> None:
+        with self._lock:
+            self._state = event.state
+        self._tell()
+
+    def _on_level(self, event: AudioLevel) -> None:
+        with self._lock:
+            self._level = event.level
+        self._tell()
+
+    def _on_turn(self, event: TurnMeasured) -> None:
+        with self._lock:
+            self._turns.append(event)
+        self._tell()

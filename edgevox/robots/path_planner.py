@@ -1,0 +1,141 @@
+"""Plans a way through a 2D world for a round robot, or says in words why there is none."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+import tcod.path
+from numpy.typing import NDArray
+
+from edgevox.agent.reasons import because
+from edgevox.agent.skills import SkillFailed
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.grid import Grid, cell_size
+from edgevox.robots.shapes import Point, bounds, distance, place
+from edgevox.robots.world_model import Thing, World
+
+CLEARANCE_M = 0.05
+"""Kept from everything, always; more where large cells make the grid vague."""
+COMFORT_M = 0.2
+"""Kept from everything where there is room; closer costs three times as much."""
+_ESCAPE_M = 0.5
+"""How far a robot that stands too close to something may look for a free place."""
+
+Costs = NDArray[np.int8]
+
+
+class PathPlanner:
+    """Finds paths. What stands still is prepared once, movable things are added for each plan."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._radius_m = world.robot.radius_m
+        self._solid = [_Solid(thing, thing.pose) for thing in world.fixed]
+        fixed = [shape for solid in self._solid for shape in solid.shapes]
+        cell_m = cell_size(world)
+        self._least_m = self._radius_m + max(CLEARANCE_M, 0.71 * cell_m)
+        self._comfort_m = max(self._radius_m + COMFORT_M - cell_m, self._least_m)
+        self._fixed = Grid(world, self._comfort_m + cell_m).add(fixed)
+
+    def plan(self, start: Point, goal: Point, movable: Sequence[Pose2D]) -> tuple[Point, ...]:
+        """Corners of a path from start to goal, both included.
+
+        Raises `SkillFailed` with a reason that a person may hear.
+        """
+        loose = [_Solid(*both) for both in zip(self._world.movable, movable, strict=True)]
+        self._check_goal(goal, [*self._solid, *loose])
+        shapes = [shape for solid in loose for shape in solid.shapes]
+        path = self._search(self._fixed.add(shapes), start, goal)
+        if path:
+            return path
+        if shapes and self._search(self._fixed, start, goal):
+            raise SkillFailed(because("furniture"))
+        raise SkillFailed(because("no_way"))
+
+    def _check_goal(self, goal: Point, solids: Sequence["_Solid"]) -> None:
+        self._world.bounds.check(*goal)
+        near = [solid for solid in solids if solid.near(goal, self._radius_m)]
+        gaps = [(solid.gap(goal), solid.thing) for solid in near]
+        gap, thing = min(gaps, key=lambda pair: pair[0], default=(np.inf, None))
+        if thing and gap == 0.0:
+            raise SkillFailed(because("taken", thing=thing.mentioned))
+        if thing and gap < self._radius_m:
+            raise SkillFailed(because("too_close", thing=thing.mentioned))
+        if self._to_edge(goal) < self._radius_m:
+            raise SkillFailed(because("at_the_edge"))
+
+    def _to_edge(self, goal: Point) -> float:
+        world = self._world
+        x, y = goal
+        return min(x - world.x_min_m, world.x_max_m - x, y - world.y_min_m, world.y_max_m - y)
+
+    def _search(self, grid: Grid, start: Point, goal: Point) -> tuple[Point, ...]:
+        """The path, empty if there is none."""
+        cost = np.ones(grid.clearance_m.shape, dtype=np.int8)
+        cost[grid.clearance_m < self._comfort_m] = 3
+        cost[grid.clearance_m < self._least_m] = 0
+        ends = [_free(grid, cost, start, _ESCAPE_M), _free(grid, cost, goal, 3 * grid.cell_m)]
+        if ends[0] is None or ends[1] is None:
+            return ()
+        finder = tcod.path.Pathfinder(tcod.path.SimpleGraph(cost=cost, cardinal=5, diagonal=7))
+        finder.add_root(grid.cell(ends[0]))
+        cells = finder.path_to(grid.cell(ends[1]))
+        if len(cells) == 1 and grid.cell(ends[0]) != grid.cell(ends[1]):
+            return ()
+        middle = [grid.center(row, column) for row, column in cells.tolist()]
+        if grid.cell(start) == grid.cell(ends[0]):
+            middle[0] = start
+        if grid.cell(goal) == grid.cell(ends[1]):
+            middle[-1] = goal
+        return _joined(start, _straightened(grid, cost, middle), goal)
+
+
+class _Solid:
+    """A thing, where it stands."""
+
+    def __init__(self, thing: Thing, pose: Pose2D) -> None:
+        self.thing = thing
+        self.shapes = [place(part, pose) for part in thing.parts]
+        boxes = [bounds(shape) for shape in self.shapes]
+        self._least = min(box[0] for box in boxes), min(box[1] for box in boxes)
+        self._greatest = max(box[2] for box in boxes), max(box[3] for box in boxes)
+
+    def near(self, point: Point, within_m: float) -> bool:
+        """False where it is certainly farther away; what is far need not be measured."""
+        (x0, y0), (x1, y1) = self._least, self._greatest
+        return x0 - within_m <= point[0] <= x1 + within_m and (
+            y0 - within_m <= point[1] <= y1 + within_m
+        )
+
+    def gap(self, point: Point) -> float:
+        """Metres between it and a point, 0 inside it."""
+        where = np.array([point])
+        return min(float(distance(shape, where)[0]) for shape in self.shapes)
+
+
+def _free(grid: Grid, cost: Costs, point: Point, within_m: float) -> Point | None:
+    return point if cost[grid.cell(point)] else grid.nearest(point, cost > 0, within_m)
+
+
+def _straightened(grid: Grid, cost: Costs, points: list[Point]) -> list[Point]:
+    """The corners that are needed: what lies between two is passed in a straight line.
+
+    A straight line may not come closer to things than the part of the path that it replaces.
+    """
+    kept = [points[0]]
+    worst = 0
+    for before, after in pairwise(points):
+        worst = max(worst, int(cost[grid.cell(after)]))
+        cells = cost[grid.along(kept[-1], after)]
+        if not cells.all() or cells.max() > max(worst, int(cost[grid.cell(kept[-1])])):
+            kept.append(before)
+            worst = int(cost[grid.cell(after)])
+    return [*kept, points[-1]]
+
+
+def _joined(start: Point, middle: list[Point], goal: Point) -> tuple[Point, ...]:
+    path = [start]
+    for point in (*middle, goal):
+        if point != path[-1]:
+            path.append(point)
+    return tuple(path)

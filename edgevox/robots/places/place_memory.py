@@ -1,0 +1,126 @@
+"""What one robot remembers of the places of one world, for as long as it is told to."""
+
+import threading
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+
+from edgevox.agent.choices import OneOf
+from edgevox.agent.name_rules import word_meant
+from edgevox.agent.reasons import because
+from edgevox.agent.skills import SkillFailed
+from edgevox.core.log import get_logger
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.places.naming import MOST_PLACES, check_new_name, is_fit
+from edgevox.robots.places.place_store import Place, PlaceStore
+
+log = get_logger(__name__)
+
+
+class PlaceMemory:
+    """Places by name, beside those that the world has by itself (`own`, and what they are called).
+
+    Until a file is opened it remembers for as long as it lives. `names` and `find` may be called
+    from any thread and never wait; what changes something waits for the disk.
+    """
+
+    def __init__(self, world: str, own: OneOf) -> None:
+        self.own = own
+        self._world = world
+        self._robot = ""
+        self._store: PlaceStore | None = None
+        self._changing = threading.Lock()
+        self._places: Mapping[str, Place] = MappingProxyType({})
+
+    def open(self, store: PlaceStore, robot: str) -> None:
+        """Take in what this robot remembers of this world, and write there from now on.
+
+        A place whose name has become the world's, or may not be one, stays in the file unused.
+        """
+        with self._changing:
+            self._robot, self._store = robot, store
+            try:
+                self._take(store.load())
+            except OSError as error:
+                log.error("places_unread", file=str(store.file), reason=str(error))  # noqa: TRY400 - the reason says it all
+
+    def names(self) -> tuple[str, ...]:
+        """What is remembered, the oldest first."""
+        return tuple(self._places)
+
+    def find(self, name: str) -> Place | None:
+        """The place of exactly this name."""
+        return self._places.get(name)
+
+    def check(self, name: str) -> None:
+        """Raise `SkillFailed` with the reason why nothing may be called so now."""
+        check_new_name(name)
+        if room := word_meant(name, self.own):
+            raise SkillFailed(because("place_of_the_map", place=_said(room)))
+        known = word_meant(name, OneOf(self.names()))
+        if known and (place := self.find(known)):
+            point = {"x": f"{place.x:.1f}", "y": f"{place.y:.1f}"}
+            raise SkillFailed(because("place_known", place=_said(known), **point))
+        if len(self._places) >= MOST_PLACES:
+            raise SkillFailed(because("places_full", count=str(MOST_PLACES)))
+
+    def remember(self, name: str, pose: Pose2D, frame: str) -> Place:
+        """Keep it. Raises `SkillFailed` with the reason if it cannot be; then nothing changed."""
+        with self._changing:
+            self.check(name)
+            place = Place(
+                robot=self._robot or "nobody",
+                world=self._world,
+                name=name,
+                x=round(pose.x_m, 3),
+                y=round(pose.y_m, 3),
+                yaw=round(pose.yaw_rad, 4),
+                frame=frame,
+            )
+            self._change(name, place)
+            return place
+
+    def forget(self, name: str) -> None:
+        """Keep it no longer. Raises `SkillFailed` with the reason if that cannot be done."""
+        with self._changing:
+            if name in self.own.fixed:
+                raise SkillFailed(because("place_stays", place=_said(name)))
+            if name not in self._places:
+                raise SkillFailed(because("place_unknown", place=_said(name)))
+            self._change(name, None)
+
+    def _change(self, name: str, place: Place | None) -> None:
+        known = [one for one in self._places.values() if one.name != name]
+        written = {*self._places, name}
+
+        def change(places: Sequence[Place]) -> Sequence[Place]:
+            """What others wrote stays; what is known here is written again, should it be gone."""
+            others = [one for one in places if not (self._mine(one) and one.name in written)]
+            return (*others, *known, *((place,) if place else ()))
+
+        if self._store is None:
+            self._take(change(tuple(self._places.values())))
+            return
+        try:
+            self._take(self._store.change(change))
+        except OSError as error:
+            log.error("places_unsaved", file=str(self._store.file), reason=str(error))  # noqa: TRY400 - the reason says it all
+            why = error.strerror or str(error)
+            raise SkillFailed(because("places_unsaved", why=why)) from None
+
+    def _mine(self, place: Place) -> bool:
+        return (place.robot, place.world) == (self._robot or "nobody", self._world)
+
+    def _take(self, places: Sequence[Place]) -> None:
+        mine = {one.name: one for one in places if self._mine(one)}
+        fit = {
+            name: one
+            for name, one in mine.items()
+            if is_fit(name) and word_meant(name, self.own) is None
+        }
+        if fit.keys() != mine.keys():
+            log.warning("places_unused", world=self._world, count=len(mine) - len(fit))
+        self._places = MappingProxyType(fit)
+
+
+def _said(name: str) -> str:
+    return name.replace("_", " ")

@@ -1,0 +1,282 @@
+"""The thread that lets a simulated world's time pass, in real time or as fast as it can."""
+
+import math
+import threading
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+
+from edgevox.agent.reasons import because
+from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.errors import InvalidValue
+from edgevox.core.log import get_logger
+
+log = get_logger(__name__)
+
+MOST_LAG_S = 0.25
+"""A thread that was stalled catches up this much; what is older is dropped, not run after."""
+BROKE = because("broke")
+"""Why a goal fails when a step did, as it is spoken."""
+_LOG_EVERY_S = 10.0
+_PAUSE_AFTER_FAILURE_S = 0.05
+_FACTOR_OVER_S = 1.0
+_LOOK_S = 0.1
+"""How often a world at rest is brought up to date if nobody looks; far less than `MOST_LAG_S`."""
+
+
+class Pacer:
+    """Says when the next step is due, so that `speed` seconds of the world pass each second."""
+
+    def __init__(self, period_s: float, now_s: float) -> None:
+        self._period_s = period_s
+        self._due_s = now_s
+
+    def wait_s(self, now_s: float) -> float:
+        """Seconds until the next step is due; 0 or less means now."""
+        late = now_s - self._due_s
+        if late > MOST_LAG_S:
+            self._due_s = now_s - MOST_LAG_S
+        return self._due_s - now_s
+
+    def stepped(self) -> None:
+        """A step was taken."""
+        self._due_s += self._period_s
+
+
+class SimLoop:
+    """Calls `step` again and again on a thread of its own.
+
+    `step` lets `period_s` of the world's time pass and returns whether it has more to do. With a
+    `speed` it is called at that multiple of real time, busy or not. With None it is called without
+    a pause while it is busy; when it is not, the world stands still until `wake` or `advance`.
+    With 0 time passes only as far as `advance` asks, busy or not: the simulation is in
+    lockstep with its caller, and what the caller does between two calls takes no simulated time.
+    A step that raises is logged and counted, `broke` is called to stop what moves, and the next one
+    comes.
+
+    Where `rests` says that the next step changes nothing but the time, a thread that wakes for each
+    would cost more than all that happens: steps that are due are then taken together, now and then,
+    or by whoever looks at the time and calls `catch_up` first. `lock` is the body's own, reentrant.
+    """
+
+    def __init__(
+        self,
+        step: Callable[[], bool],
+        *,
+        period_s: float,
+        speed: float | None = 1.0,
+        clock: Clock | None = None,
+        sleep: Callable[[float], None] | None = None,
+        name: str = "world",
+        broke: Callable[[], object] = lambda: None,
+        rests: Callable[[], bool] = lambda: False,
+        lock: AbstractContextManager[object] | None = None,
+    ) -> None:
+        if speed is not None and not 0.0 <= speed <= 1000.0:
+            raise InvalidValue("speed", speed, "a number from 0 to 1000, or None")
+        self._step, self._broke, self._rests = step, broke, rests
+        self._lock = lock or threading.RLock()
+        self._period_s = period_s
+        self._speed = speed
+        self._clock = clock or SystemClock()
+        self._sleep = sleep or self._wait_for_close
+        self._closing = threading.Event()
+        self._woken = threading.Event()
+        self._stepped = threading.Condition()
+        self._steps = 0
+        self._wanted_steps = 0
+        self._waiting: list[int] = []
+        self._next_waking = math.inf
+        self._thread = threading.Thread(target=self._run, name=name)
+        self._pacer: Pacer | None = None
+        self._meter = _RateMeter(0.0)
+        self._factor = 0.0
+        self._due_s: float | None = None
+        self._next_log_s = 0.0
+        self.failures = 0
+
+    @property
+    def running(self) -> bool:
+        """Whether steps are being taken."""
+        return self._thread.is_alive() and not self._closing.is_set()
+
+    @property
+    def real_time_factor(self) -> float:
+        """World seconds per second, over the last second or so; 0 until that is known."""
+        return self._factor
+
+    @property
+    def pace(self) -> float | None:
+        """Which part of the speed that was asked for it keeps; None where none was, or not yet."""
+        return self._factor / self._speed if self._speed and self._factor else None
+
+    @property
+    def stalled_s(self) -> float:
+        """For how long a step has been due that has not come to a good end.
+
+        0 for a world that rests by design; infinite if its thread ended though nobody closed it.
+        """
+        due_s = self._due_s
+        if self._closing.is_set() or self._thread.ident is None:
+            return 0.0
+        if not self._thread.is_alive():
+            return math.inf
+        return 0.0 if due_s is None else max(0.0, self._clock.now() - due_s)
+
+    def start(self) -> None:
+        now_s = self._clock.now()
+        self._pacer = Pacer(self._period_s / self._speed, now_s) if self._speed else None
+        self._meter = _RateMeter(now_s)
+        self._thread.start()
+
+    def wake(self) -> None:
+        """There is something to do."""
+        self._woken.set()
+
+    def catch_up(self) -> None:
+        """Take the steps that are due in a world at rest; nothing in one that moves."""
+        if not self._resting:
+            return
+        with self._lock:
+            while self._resting and self._wait_s() <= 0.0:
+                self._take_step()
+
+    def advance(self, seconds: float) -> None:
+        """Block until this much of the world's time has passed, or no more steps are taken."""
+        with self._stepped:
+            until = self._steps + max(1, round(seconds / self._period_s))
+            self._wanted_steps = max(self._wanted_steps, until)
+            self._waiting.append(until)
+            self._next_waking = min(self._waiting)
+            self._woken.set()
+            self._stepped.wait_for(lambda: self._steps >= until or not self.running)
+            self._waiting.remove(until)
+            self._next_waking = min(self._waiting, default=math.inf)
+
+    def close(self) -> None:
+        """Take no more steps and wait for the thread to end."""
+        self._closing.set()
+        self._woken.set()
+        with self._stepped:
+            self._stepped.notify_all()
+        if self._thread.is_alive():
+            self._thread.join()
+
+    def _run(self) -> None:
+        while not self._closing.is_set():
+            if self._woken.is_set():
+                self._woken.clear()
+            if self._resting:
+                self.catch_up()
+                if self._resting:
+                    self._woken.wait(_LOOK_S)
+            elif (wait_s := self._wait_s()) > 0.0:
+                self._sleep(wait_s)
+            elif self._speed == 0.0 and not self._asked_for:
+                self._woken.wait()
+            else:
+                self._go_on()
+
+    def _go_on(self) -> None:
+        failures = self.failures
+        more = self._take_step()
+        if self.failures > failures:
+            self._sleep(_PAUSE_AFTER_FAILURE_S)
+        elif self._pacer is None and not (more or self._asked_for):
+            self._woken.wait()
+
+    def _wait_s(self) -> float:
+        """Seconds until the clock wants the next step; 0 where none is followed."""
+        return self._pacer.wait_s(self._clock.now()) if self._pacer else 0.0
+
+    @property
+    def _resting(self) -> bool:
+        """Whether nothing is to change but the time, and that follows a clock."""
+        follows = self._pacer is not None and not self._closing.is_set()
+        return follows and self._rests() and not self._asked_for
+
+    def _take_step(self) -> bool:
+        with self._lock:
+            more = self._try_step()
+            self._count()
+            self._factor = self._meter.factor(self._clock.now(), self._period_s)
+            if self._pacer is not None:
+                self._pacer.stepped()
+            return more
+
+    @property
+    def _asked_for(self) -> bool:
+        """Whether `advance` waits for more steps."""
+        return self._steps < self._wanted_steps
+
+    def _count(self) -> None:
+        """A step is over; those who waited for it are woken, and nobody else.
+
+        No lock is taken for the others: `advance` looks at the steps after it has said what it
+        waits for, this looks at who waits after it has counted, so one of them sees the other.
+        """
+        self._steps += 1
+        if self._steps >= self._next_waking:
+            with self._stepped:
+                self._stepped.notify_all()
+
+    def _try_step(self) -> bool:
+        if self._due_s is None:
+            self._due_s = self._clock.now()
+        try:
+            more = self._step()
+        except Exception:
+            self.failures += 1
+            now = self._clock.now()
+            if now >= self._next_log_s:
+                self._next_log_s = now + _LOG_EVERY_S
+                log.exception("world_step_failed", failures=self.failures)
+            self._broke()
+            return True
+        self._due_s = None
+        return more
+
+    def _wait_for_close(self, seconds: float) -> None:
+        self._closing.wait(seconds)
+
+
+class SteppedBySimLoop:
+    """What a body with a `SimLoop` says of it, as `KeepsPace` and `TellsStalls` want it."""
+
+    _sim_loop: SimLoop
+
+    @property
+    def real_time_factor(self) -> float:
+        """Seconds that pass in the world each second."""
+        return self._sim_loop.real_time_factor
+
+    @property
+    def pace(self) -> float | None:
+        """Which part of the speed that was asked for it keeps; None where none was, or not yet."""
+        return self._sim_loop.pace
+
+    @property
+    def breaks(self) -> int:
+        """How often a step of the world failed, or its numbers broke."""
+        return self._sim_loop.failures
+
+    @property
+    def stalled_s(self) -> float:
+        """For how long a step has been due that has not come to a good end."""
+        return self._sim_loop.stalled_s
+
+
+class _RateMeter:
+    """World seconds per second."""
+
+    def __init__(self, now_s: float) -> None:
+        self._since_s = now_s
+        self._steps = 0
+        self._factor = 0.0
+
+    def factor(self, now_s: float, period_s: float) -> float:
+        self._steps += 1
+        passed = now_s - self._since_s
+        if passed >= _FACTOR_OVER_S:
+            self._factor = self._steps * period_s / passed
+            self._since_s, self._steps = now_s, 0
+        return self._factor

@@ -1,0 +1,104 @@
+"""One drive to a target: watched from its start to its end, for whatever reason it ends."""
+
+import math
+from typing import Any
+
+from edgevox.agent.reasons import because
+from edgevox.agent.skills import SkillFailed
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.motion import Motion, Progress
+from edgevox.ros2.external.external_settings import Patience
+from edgevox.ros2.external.localisation_check import LocalisationCheck
+from edgevox.ros2.external.motion_backends import MotionBackend
+from edgevox.ros2.external.target import PoseEstimate, Target
+
+_NEARER_M = 0.1
+_MOVED_M, _TURNED_RAD = 0.1, 0.35
+
+
+class ExternalNavigation(Motion):
+    """A motion of a robot that is moved by others: the driver's, as far as it is heard."""
+
+    def __init__(
+        self,
+        target: Target,
+        driver: MotionBackend,
+        estimate: PoseEstimate,
+        trust: LocalisationCheck,
+        now_s: float,
+    ) -> None:
+        super().__init__()
+        self.target = target
+        self.driver = driver
+        self._whole_m = max(target.distance_m(estimate.pose), 1e-6)
+        self._left_m = self._whole_m
+        self._trust = trust
+        self._watch = ProgressWatch(driver.patience, estimate.pose, self._whole_m, now_s)
+
+    def tick(self, now_s: float, estimate: PoseEstimate) -> None:
+        """Go on; ends on arrival.
+
+        Raises `SkillFailed` in doubt, when the driver fails, or when patience is over.
+        """
+        self._trust.check(estimate)
+        arrived = self.driver.tick(now_s, estimate)
+        self._left_m = 0.0 if arrived else self.driver.left_m(estimate)
+        if arrived:
+            self.end()
+        else:
+            self._watch.look(now_s, estimate.pose, self._left_m, waiting=self.driver.waiting)
+
+    def progress(self) -> Progress:
+        """How far it is."""
+        part = 1.0 - self._left_m / self._whole_m
+        return Progress(min(max(part, 0.0), 1.0), self._left_m, "m")
+
+    def describe(self) -> dict[str, Any]:
+        """The goal, JSON-ready, for `robot_state`."""
+        progress = self.progress()
+        return {
+            "x": round(self.target.x_m, 3),
+            "y": round(self.target.y_m, 3),
+            "progress": round(progress.part, 3),
+            "distance": round(progress.left, 3),
+            "by": self.driver.name,
+        }
+
+
+class ProgressWatch:
+    """Notices that a robot does not get on, whatever it does instead, such as turning."""
+
+    def __init__(self, patience: Patience, pose: Pose2D, left_m: float, now_s: float) -> None:
+        self._patience = patience
+        self._looked_s = now_s
+        self._place, self._moved_s = pose, now_s
+        self._nearest_m, self._nearer_s = left_m, now_s
+        self._last_s = now_s + patience.first_s + left_m / patience.slowest_m_s
+
+    def look(self, now_s: float, pose: Pose2D, left_m: float, *, waiting: bool = False) -> None:
+        """Raises `SkillFailed` when patience is over.
+
+        While a robot is `waiting` patience rests, and is not new afterwards: who waits and turns by
+        turns would never end.
+        """
+        if waiting:
+            self._rest(now_s - self._looked_s)
+        self._looked_s = now_s
+        if _moved(pose, self._place):
+            self._place, self._moved_s = pose, now_s
+        if left_m < self._nearest_m - _NEARER_M:
+            self._nearest_m, self._nearer_s = left_m, now_s
+        if now_s - self._moved_s > self._patience.unmoved_s:
+            raise SkillFailed(because("not_moving", left=f"{left_m:.1f}"))
+        if now_s - self._nearer_s > self._patience.no_nearer_s or now_s > self._last_s:
+            raise SkillFailed(because("not_closer", left=f"{left_m:.1f}"))
+
+    def _rest(self, seconds: float) -> None:
+        self._moved_s += seconds
+        self._nearer_s += seconds
+        self._last_s += seconds
+
+
+def _moved(one: Pose2D, other: Pose2D) -> bool:
+    turned = abs(math.remainder(one.yaw_rad - other.yaw_rad, math.tau))
+    return math.hypot(one.x_m - other.x_m, one.y_m - other.y_m) > _MOVED_M or turned > _TURNED_RAD

@@ -1,0 +1,120 @@
+"""The node that a robot is driven from, with all that it hears and says."""
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+
+from rclpy.clock import Clock as RosClock
+from rclpy.clock_type import ClockType
+
+from edgevox.core.cancel import CancelToken
+from edgevox.core.clock import Clock
+from edgevox.core.log import get_logger
+from edgevox.ros2.external.control_loop import ControlLoop
+from edgevox.ros2.external.external_settings import ExternalSettings, SteeringLimits
+from edgevox.ros2.external.motion_backends import GoalTopicBackend, MotionBackend, VelocityPublisher
+from edgevox.ros2.external.motion_bounds import SPEED_M_S, SPEED_RAD_S, Speeds
+from edgevox.ros2.external.nav2 import LOST_S, Nav2Cancel, nav2_action
+from edgevox.ros2.external.odometry_history import SILENT_S
+from edgevox.ros2.external.sensor_inputs import SensorInputs
+from edgevox.ros2.external.steering import OwnSteering
+from edgevox.ros2.node import RosNode
+
+log = get_logger(__name__)
+
+NODE_NAME = "edgevox_external"
+TICK_S = 0.05
+_LOOK_AGAIN_S = 0.05
+
+
+class RobotNode:
+    """Joins the graph in the robot's namespace, with a context and a thread of its own.
+
+    `lock` guards what the robot is asked for; the tick holds it, and never blocks under it.
+    """
+
+    def __init__(
+        self,
+        namespace: str,
+        settings: ExternalSettings,
+        clock: Clock,
+        lock: AbstractContextManager[object],
+    ) -> None:
+        self._settings, self._clock, self._lock = settings, clock, lock
+        self._ros = RosNode(namespace, name=NODE_NAME)
+        node = self._ros.node
+        self.senses = SensorInputs(node, clock, _speeds(settings.steering))
+        wheels = VelocityPublisher(node)
+        self._cancel = Nav2Cancel(node, clock)
+        goals = GoalTopicBackend(node, self._cancel.cancel_all, settings.goal_patience)
+        nav2 = nav2_action(node, self._cancel.cancel_all, settings.goal_patience)
+        self._takers: list[MotionBackend] = [nav2, goals] if nav2 else [goals]
+        self.control = ControlLoop(
+            lock, self.senses, wheels, goals, clock=clock, obey_s=settings.obey_s
+        )
+        self._steering = OwnSteering(
+            self.control.steer,
+            self.senses.trusted_scan,
+            settings.steering,
+            settings.steering_patience,
+        )
+        self._silent = False
+        # Real time: a /clock that stands still or jumps must not leave a robot driving.
+        steady = RosClock(clock_type=ClockType.STEADY_TIME)
+        node.create_timer(TICK_S, self._tick, clock=steady)
+
+    def start(self) -> None:
+        self._ros.start()
+        self._discovered_s = self._clock.now() + self._settings.discovery_s
+
+    def close(self) -> None:
+        self._ros.close()
+
+    @property
+    def stalled_s(self) -> float:
+        """As the node's."""
+        return self._ros.stalled_s
+
+    def choose(self, token: CancelToken) -> MotionBackend:
+        """How to drive now: by what takes goals, and only where nothing does, by steering.
+
+        What the graph shows counts. Just after the start, when the robot may not be discovered
+        yet, this waits until it is, or until that has taken long enough. Raises `Cancelled`.
+        """
+        self._wait(token, lambda: not self._cancel.pending, self._clock.now() + LOST_S)
+        self._wait(
+            token,
+            lambda: self._takers[0].available() and self.senses.estimate() is not None,
+            self._discovered_s,
+        )
+        return next((one for one in self._takers if one.available()), self._steering)
+
+    def _wait(self, token: CancelToken, condition: Callable[[], bool], until_s: float) -> None:
+        token.check()
+        while not condition() and self._clock.now() < until_s:
+            token.wait(_LOOK_AGAIN_S)
+            token.check()
+
+    def _tick(self) -> None:
+        with self._lock:
+            try:
+                self.control.tick()
+            except Exception as error:
+                self.control.mux.halt(error)
+                raise
+        self._notice_silence()
+
+    def _notice_silence(self) -> None:
+        heard = self.senses.odometry_history.newest() is not None
+        silent = heard and self.senses.odometry_history.fresh() is None
+        if silent and not self._silent:
+            log.warning("odometry_silent", topic=self.senses.odom_topic, silent_s=SILENT_S)
+        elif self._silent and not silent:
+            log.warning("odometry_back", topic=self.senses.odom_topic)
+        self._silent = silent
+
+
+def _speeds(limits: SteeringLimits) -> Speeds:
+    """What no robot with these limits exceeds, with much to spare: others may drive it, too."""
+    return Speeds(
+        max(SPEED_M_S, 2 * limits.max_linear_m_s), max(SPEED_RAD_S, 2 * limits.max_angular_rad_s)
+    )

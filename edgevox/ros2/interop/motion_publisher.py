@@ -1,0 +1,113 @@
+"""How the body moves: one sample, one stamp, and everything that is made of it.
+
+`/tf`, `pose` and `odom` of one tick carry the same pose and the same stamp.
+"""
+
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import PoseStamped, PoseWithCovariance, Twist, TwistWithCovariance, Vector3
+from nav_msgs.msg import Odometry
+from rclpy.node import Node
+
+from edgevox.core.transforms import Pose3D, lift
+from edgevox.robots.capabilities import Body, HasEndEffector, HasPose, TakesVelocity, Twist2D
+from edgevox.ros2.interop.broadcast import Broadcaster
+from edgevox.ros2.interop.frames import Frames
+from edgevox.ros2.interop.odometry import Odometer
+from edgevox.ros2.messages import header, pose_msg
+from edgevox.ros2.qos import profile
+from edgevox.ros2.stamps import Stamps, to_msg
+from edgevox.ros2.standard_topics import STANDARD
+from edgevox.ros2.tf_buffer import FramePose, TfBuffer
+
+_FASTEST_M_S, _FASTEST_RAD_S = 2.0, 4.0
+"""Limits of a body that does not say its own."""
+_EXACT = np.diag(np.full(6, 1e-6)).ravel()
+"""Covariance of what a simulation knows; all zeros would mean that it is not known."""
+
+
+class MotionPublisher:
+    """Publishes `/tf`, `pose`, and, for a body with a pose of its own, `odom`."""
+
+    def __init__(
+        self,
+        node: Node,
+        body: Body,
+        frames: Frames,
+        stamps: Stamps,
+        tf_buffer: TfBuffer,
+    ) -> None:
+        self._body, self._frames, self._stamps = body, frames, stamps
+        self._broadcaster, self._tf = Broadcaster(node), tf_buffer
+        self._base = body if isinstance(body, HasPose) else None
+        self._hand = body if isinstance(body, HasEndEffector) else None
+        self._pose = node.create_publisher(PoseStamped, "pose", profile(STANDARD["pose"].qos))
+        self._odom = (
+            node.create_publisher(Odometry, "odom", profile(STANDARD["odom"].qos))
+            if self._base
+            else None
+        )
+        steered = body if isinstance(body, TakesVelocity) else None
+        self._odometer = Odometer(
+            steered.max_linear_m_s if steered else _FASTEST_M_S,
+            steered.max_angular_rad_s if steered else _FASTEST_RAD_S,
+        )
+        self._last_ns: int | None = None
+
+    def tick(self) -> None:
+        """Look at the body once and say what was seen; nothing if no time has passed since."""
+        time_s, base, twist, hand = self._sample()
+        stamp_ns = self._stamps.nanoseconds(time_s)
+        if stamp_ns is None or stamp_ns == self._last_ns:
+            return
+        self._last_ns = stamp_ns
+        placed: list[FramePose] = []
+        if base is not None:
+            in_odom = self._odometer.move(time_s, base)
+            placed += self._chain(base, in_odom)
+            self._say_odom(in_odom if self._frames.odom else base, twist, stamp_ns)
+        if hand is not None:
+            placed.append(FramePose(self._frames.map, self._frames.hand, hand))
+        self._tf.put(stamp_ns, *placed)
+        self._broadcaster.send(placed, to_msg(stamp_ns))
+        self._say_pose(base or hand, stamp_ns)
+
+    def _sample(self) -> tuple[float, Pose3D | None, Twist2D | None, Pose3D | None]:
+        """Everything at one moment of the body's time, as far as it stands still for it."""
+        for _ in range(3):
+            time_s = self._body.time_s
+            base = lift(self._base.pose()) if self._base else None
+            twist = self._base.velocity() if self._base else None
+            hand = self._hand.end_effector() if self._hand else None
+            if self._body.time_s == time_s:
+                break
+        return time_s, base, twist, hand
+
+    def _chain(self, base: Pose3D, in_odom: Pose3D) -> list[FramePose]:
+        names = self._frames
+        if not names.odom:
+            return [FramePose(names.map, names.base, base)]
+        return [
+            FramePose(names.map, names.odom, self._odometer.map_to_odom),
+            FramePose(names.odom, names.base, in_odom),
+        ]
+
+    def _say_pose(self, pose: Pose3D | None, stamp_ns: int) -> None:
+        if pose is not None and self._pose.get_subscription_count():
+            stamped = header(self._frames.map, to_msg(stamp_ns))
+            self._pose.publish(PoseStamped(header=stamped, pose=pose_msg(pose)))
+
+    def _say_odom(self, pose: Pose3D, twist: Twist2D | None, stamp_ns: int) -> None:
+        publisher: Any = self._odom
+        if twist is None or not publisher.get_subscription_count():
+            return
+        moving = Twist(linear=Vector3(x=twist.linear_m_s), angular=Vector3(z=twist.angular_rad_s))
+        publisher.publish(
+            Odometry(
+                header=header(self._frames.odom or self._frames.map, to_msg(stamp_ns)),
+                child_frame_id=self._frames.base,
+                pose=PoseWithCovariance(pose=pose_msg(pose), covariance=_EXACT),
+                twist=TwistWithCovariance(twist=moving, covariance=_EXACT),
+            )
+        )

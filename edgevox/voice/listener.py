@@ -1,0 +1,207 @@
+"""The listener: from a source of sound to commands for the conversation."""
+
+import threading
+from collections.abc import Callable
+
+import numpy as np
+
+from edgevox.core.bus import Bus
+from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.commands import Command, Interrupt
+from edgevox.core.errors import EdgeVoxError
+from edgevox.core.events import Cause, WakeWordHeard
+from edgevox.core.log import get_logger
+from edgevox.core.settings import Echo
+from edgevox.voice.audio import FRAME_SAMPLES, RATE_HZ, AudioSource, EndOfSound, Frame
+from edgevox.voice.echo import EchoGate
+from edgevox.voice.endpoint import Endpointer, SpeechBegan, SpeechEnded, SpeechPaused
+from edgevox.voice.meter import LevelMeter
+from edgevox.voice.stt.speech_to_text import SpeechToText
+from edgevox.voice.transcriber import Transcriber, TranscriptionJob
+from edgevox.voice.vad import VoiceDetector
+from edgevox.voice.wake_gate import WakeDecision, WakeGate
+from edgevox.voice.wakeword import WakeDetector
+
+log = get_logger(__name__)
+
+READ_S = 0.25
+STALLED_S = 1.0
+"""A source that gives nothing for so long has ended the utterance that was going on."""
+
+_SILENCE = np.zeros(FRAME_SAMPLES, np.int16)
+
+
+class Listener:
+    """Listens on a thread of its own and understands on another.
+
+    `submit` gets, from these threads: `Transcribing` and `Heard` for each utterance; `Interrupt`,
+    without motion, as soon as somebody speaks over the robot. While `muted()` nothing is heard at
+    all, nor its level published. `audible()` is how loud the robot itself speaks now. With a wake
+    word only what follows it is taken, see `wake_gate`; `is_stop` tells whether words stop the
+    robot. `lossless` waits for the transcriber instead of refusing what it cannot keep up with:
+    for files, never for a microphone.
+    """
+
+    def __init__(
+        self,
+        source: AudioSource,
+        vad: VoiceDetector,
+        stt: SpeechToText,
+        *,
+        submit: Callable[[Command], None],
+        bus: Bus,
+        language: Callable[[], str],
+        muted: Callable[[], bool],
+        audible: Callable[[], float],
+        wakeword: WakeDetector | None = None,
+        is_stop: Callable[[str], bool] = lambda _: False,
+        echo: Echo = "gate",
+        lossless: bool = False,
+        clock: Clock | None = None,
+    ) -> None:
+        self._source = source
+        self._vad = vad
+        self._wakeword = wakeword
+        self._submit = submit
+        self._bus = bus
+        self._muted = muted
+        self._lossless = lossless
+        self._clock = clock or SystemClock()
+        self._meter = LevelMeter(bus.publish)
+        self._echo = EchoGate(audible, shut=echo == "gate")
+        self._endpointer = Endpointer()
+        self._wake_gate = WakeGate()
+        self._transcriber = Transcriber(
+            stt, submit, language=language, is_stop=is_stop, clock=self._clock
+        )
+        self._last_s: float | None = None
+        self._closing = threading.Event()
+        self._over = threading.Event()
+        self._heard_all = False
+        self.failed = 0
+        self._thread = threading.Thread(target=self._listen, name="edgevox-listener")
+
+    def start(self) -> None:
+        """Begin to listen."""
+        self._transcriber.start()
+        self._source.start()
+        self._thread.start()
+
+    @property
+    def alive(self) -> bool:
+        """Whether its threads work, unless that is over by design or was not begun yet."""
+        over = self._closing.is_set() or self._heard_all or self._thread.ident is None
+        return (over or self._thread.is_alive()) and self._transcriber.alive
+
+    @property
+    def transcriber(self) -> Transcriber:
+        """What makes words of what is heard."""
+        return self._transcriber
+
+    def close(self) -> None:
+        """Stop listening; what is being understood is understood, what waits is forgotten."""
+        self._closing.set()
+        self._source.close()
+        if self._thread.is_alive():
+            self._thread.join()
+        self._transcriber.close()
+
+    def wait_over(self, timeout_s: float | None = None) -> bool:
+        """Block until the source has no more and all of it is understood; False after a timeout."""
+        return self._over.wait(timeout_s) and self._transcriber.wait_idle(timeout_s)
+
+    def _listen(self) -> None:
+        try:
+            while not self._closing.is_set():
+                self._hear_next()
+        except EndOfSound as end:
+            self._heard_all = True
+            log.info("sound_over", why=str(end))
+        except EdgeVoxError as error:
+            log.error("hearing_ended", reason=str(error))  # noqa: TRY400 - its message says it all
+        finally:
+            self._finish()
+            self._over.set()
+
+    def _hear_next(self) -> None:
+        frame = self._source.read(READ_S)
+        if frame is None:
+            if self._last_s is not None and self._clock.now() - self._last_s > STALLED_S:
+                self._finish()
+        elif self._muted():
+            self._forget()
+        else:
+            try:
+                self._hear(frame)
+            except Exception:
+                self._forget()
+                self.failed += 1
+                if self.failed.bit_count() == 1:  # 1, 2, 4, 8, ...: not a line each 32 ms
+                    log.exception("frame_unheard", failed=self.failed)
+
+    def _hear(self, frame: Frame) -> None:
+        if self._last_s is not None and frame.end_s - self._last_s > STALLED_S:
+            self._finish()
+        self._last_s = frame.end_s
+        self._meter.push(frame.samples)
+        passes = self._echo.passes(frame.samples)
+        heard = frame if passes else Frame(_SILENCE, frame.end_s)
+        probability = self._vad.probability(heard.samples)
+        self._listen_for_wake_word(frame, probability)
+        match self._endpointer.push(heard, probability):
+            case SpeechBegan(began_s=began_s):
+                self._interrupt_if_meant(began_s)
+            case SpeechPaused(samples=samples, ended_s=ended_s):
+                if self._wakeword is None:
+                    self._transcriber.guess(TranscriptionJob(samples, ended_s))
+            case SpeechEnded() as speech:
+                self._take(speech)
+
+    def _listen_for_wake_word(self, frame: Frame, probability: float) -> None:
+        if self._wakeword is None:
+            return
+        # It knows its phrase through the robot's own voice, so the echo gate is not for it.
+        chance = 1.0 if self._echo.playing else probability
+        if self._wakeword.heard(frame.samples, chance):
+            self._wake_gate.wake(frame.end_s)
+            self._bus.publish(WakeWordHeard(self._wakeword.phrase))
+            if self._echo.playing:
+                self._submit(Interrupt("heard the wake word", motion=False, cause=Cause.WAKE_WORD))
+
+    def _interrupt_if_meant(self, began_s: float) -> None:
+        meant = self._wakeword is None or self._wake_gate.has(began_s)
+        if meant and self._echo.playing:
+            self._submit(Interrupt("spoken over", motion=False, cause=Cause.BARGE_IN))
+
+    def _take(self, speech: SpeechEnded) -> None:
+        if self._wakeword is None:
+            self._understand(TranscriptionJob(speech.samples, speech.ended_s))
+            return
+        start_s = self._wake_gate.phrase_from(speech)
+        verdict = self._wake_gate.judge(speech)
+        if verdict is WakeDecision.TAKE:
+            phrase = "" if start_s is None else self._wakeword.phrase
+            samples = speech.samples[round((start_s or 0.0) * RATE_HZ) :]
+            self._understand(TranscriptionJob(samples, speech.ended_s, phrase))
+        elif verdict is WakeDecision.ONLY_STOP:
+            self._understand(TranscriptionJob(speech.samples, speech.ended_s, only_stop=True))
+
+    def _understand(self, job: TranscriptionJob) -> None:
+        self._transcriber.take(job, wait=self._lossless)
+
+    def _finish(self) -> None:
+        """What comes next does not follow on what was heard, which is over."""
+        if speech := self._endpointer.finish():
+            self._take(speech)
+        self._forget()
+
+    def _forget(self) -> None:
+        if self._last_s is None:
+            return
+        self._last_s = None
+        self._meter.reset()
+        self._endpointer.reset()
+        self._wake_gate.reset()
+        self._vad.reset()
+        if self._wakeword is not None:
+            self._wakeword.reset()

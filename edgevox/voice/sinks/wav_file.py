@@ -1,0 +1,148 @@
+"""Speech into a WAV file."""
+
+import struct
+import threading
+from contextlib import suppress
+from pathlib import Path
+
+from edgevox.core.cancel import CancelToken
+from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.errors import InvalidValue
+from edgevox.core.log import get_logger
+from edgevox.core.user_file import regular
+from edgevox.voice.audio import Chunk, Samples
+from edgevox.voice.sinks.pacing import RateChanger
+
+log = get_logger(__name__)
+
+RATE_HZ = 24_000
+"""No voice has a higher one."""
+RETRY_S = 5.0
+"""How long a file system that failed is left alone."""
+_HEADER_BYTES = 44
+_MOST_BYTES = 0xFFFF_FFFF - _HEADER_BYTES
+
+
+class WavFile:
+    """A WAV file that is right after every write, even if the process is killed after it.
+
+    The file starts at the clock's time of its opening; between what is written there is silence.
+    While the file system fails, what would be written is dropped: that is said once, in `fault`
+    and in the log, and tried again every few seconds. What was written before stays as it is.
+    """
+
+    name = "file"
+    rate_hz = RATE_HZ
+    block_s = 0.02
+    lead_s = 0.0
+
+    def __init__(self, path: Path, clock: Clock | None = None, *, retry_s: float = RETRY_S) -> None:
+        """Raises `InvalidValue` if the file cannot be written."""
+        self._clock = clock or SystemClock()
+        self._start_s = self._clock.now()
+        self._path = path
+        self._retry_s = retry_s
+        self._retry_at_s = float("-inf")
+        self._written = 0
+        self.fault = ""
+        try:
+            self._file = open(path, "wb", buffering=0, opener=regular)  # noqa: SIM115 - until close
+            self._write_all(_header(0))
+        except OSError as error:
+            expected = f"a WAV file that can be written ({error.strerror})"
+            raise InvalidValue("audio_out", str(path), expected) from None
+
+    def write(self, samples: Samples, start_s: float) -> None:
+        position = round((start_s - self._start_s) * self.rate_hz)
+        self._put(samples, max(self._written, position))
+
+    def append(self, samples: Samples) -> None:
+        """Sound right after what was written."""
+        self._put(samples, self._written)
+
+    def close(self) -> None:
+        self._file.close()
+
+    def _put(self, samples: Samples, position: int) -> None:
+        """The gap before `position` is a hole in the file, which reads as silence."""
+        end = 2 * (position + len(samples))
+        if end > _MOST_BYTES or not len(samples):
+            return
+        if self.fault and self._clock.now() < self._retry_at_s:
+            return
+        try:
+            self._file.seek(_HEADER_BYTES + 2 * position)
+            self._write_all(samples.astype("<i2").tobytes())
+            self._file.seek(0)
+            self._write_all(_header(end))
+        except OSError as error:
+            self._fail(error)
+            return
+        self._written = position + len(samples)
+        if self.fault:
+            self.fault = ""
+            log.warning("speech_file_written_again", path=str(self._path))
+
+    def _write_all(self, data: bytes) -> None:
+        """Raises `OSError`; a disk that fills up takes a part first, without a word."""
+        left = memoryview(data)
+        while left:
+            left = left[self._file.write(left) or 0 :]
+
+    def _fail(self, error: OSError) -> None:
+        """The header still tells of what was written before; what came after it is cut off."""
+        with suppress(OSError):
+            self._file.truncate(_HEADER_BYTES + 2 * self._written)
+        self._retry_at_s = self._clock.now() + self._retry_s
+        why = f"{self._path}: {error.strerror or error}"
+        if not self.fault:
+            log.error("speech_file_not_written", reason=why, retry_s=self._retry_s)
+        self.fault = why
+
+
+class UnpacedWav:
+    """A sink that writes at once whatever it is given: for whoever does not want to wait."""
+
+    name = "file"
+
+    def __init__(self, file: WavFile, clock: Clock | None = None) -> None:
+        self._file = file
+        self._clock = clock or SystemClock()
+        self._lock = threading.Lock()
+        self._rate = RateChanger(file.rate_hz)
+
+    @property
+    def fault(self) -> str:
+        """Why nothing goes into the file at the moment; empty otherwise."""
+        return self._file.fault
+
+    def play(self, chunk: Chunk, token: CancelToken) -> float:
+        with self._lock:
+            if not token.cancelled:
+                self._file.append(self._rate.push(chunk))
+        return self._clock.now()
+
+    def drain(self, token: CancelToken) -> None:  # noqa: ARG002
+        with self._lock:
+            self._file.append(self._rate.flush())
+
+    def stop(self) -> float:
+        """All that was given is in the file."""
+        return 0.0
+
+    def audible(self) -> float:
+        return 0.0
+
+    def close(self) -> None:
+        with self._lock:
+            self._file.close()
+
+
+def _header(data_bytes: int) -> bytes:
+    """Of a WAV file: PCM, mono, 16 bit."""
+    return struct.pack(
+        "<4sI4s4sIHHIIHH4sI",
+        *(b"RIFF", data_bytes + _HEADER_BYTES - 8, b"WAVE"),
+        *(b"fmt ", 16, 1, 1, RATE_HZ, 2 * RATE_HZ, 2, 16),
+        *(b"data", data_bytes),
+    )

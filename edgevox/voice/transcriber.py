@@ -1,0 +1,172 @@
+"""Turning utterances into words, one after the other, on a thread of its own."""
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from edgevox.core.clock import Clock
+from edgevox.core.commands import Heard, Transcribing
+from edgevox.core.errors import EdgeVoxError
+from edgevox.core.log import get_logger
+from edgevox.voice.audio import RATE_HZ, Samples
+from edgevox.voice.stt.speech_to_text import SpeechToText
+from edgevox.voice.wakephrase import without_phrase
+
+log = get_logger(__name__)
+
+MAX_WAITING = 8
+"""So many utterances may wait. One more is refused, counted and said."""
+
+
+@dataclass(frozen=True, slots=True)
+class TranscriptionJob:
+    """An utterance to understand. `ended_s` is the clock's time of its last voiced sample.
+
+    `phrase` is the wake word that stands at its beginning, if any; with `only_stop` it counts only
+    if it tells the robot to stop.
+    """
+
+    samples: Samples
+    ended_s: float
+    phrase: str = ""
+    only_stop: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class _Words:
+    """What was said until `ended_s`, in a language, and how long it took to find out."""
+
+    text: str
+    ended_s: float
+    language: str
+    took_s: float
+
+
+class Transcriber:
+    """Submits `Transcribing` and then `Heard` for each utterance, always in turns.
+
+    An utterance that may be over is understood while the silence lasts that ends it; if it was,
+    its words are there already. One with `only_stop` submits `Heard` alone, and only if `is_stop`
+    finds a stop word in it.
+    """
+
+    def __init__(
+        self,
+        stt: SpeechToText,
+        submit: Callable[[Transcribing | Heard], None],
+        *,
+        language: Callable[[], str],
+        is_stop: Callable[[str], bool],
+        clock: Clock,
+    ) -> None:
+        self._stt = stt
+        self._submit = submit
+        self._language = language
+        self._is_stop = is_stop
+        self._clock = clock
+        self._jobs: deque[TranscriptionJob] = deque()
+        self._early: TranscriptionJob | None = None
+        self._guessing = False
+        self._told = False
+        self._guess: _Words | None = None
+        self._changed = threading.Condition()
+        self._busy = self._closed = False
+        self.refused = self.failed = 0
+        self.last: tuple[float, float] | None = None
+        """Seconds that the last words took to be understood, and to be said."""
+        self._thread = threading.Thread(target=self._work, name="edgevox-transcription")
+
+    def start(self) -> None:
+        self._thread.start()
+
+    @property
+    def alive(self) -> bool:
+        """Whether its thread works, unless it was not started yet or was closed."""
+        return self._closed or self._thread.ident is None or self._thread.is_alive()
+
+    def close(self) -> None:
+        """Forget what waits; wait for what is being understood."""
+        with self._changed:
+            self._closed = True
+            self._jobs.clear()
+            self._changed.notify_all()
+        if self._thread.is_alive():
+            self._thread.join()
+
+    def take(self, job: TranscriptionJob, *, wait: bool = False) -> None:
+        """Queue an utterance; if too many wait already, refuse it, or `wait` until they do not."""
+        with self._changed:
+            if self._guessing and not self._jobs and not job.only_stop:
+                self._told = True
+                self._submit(Transcribing())
+            if wait:
+                self._changed.wait_for(lambda: len(self._jobs) < MAX_WAITING or self._closed)
+            full = len(self._jobs) >= MAX_WAITING
+            if not full and not self._closed:
+                self._jobs.append(job)
+                self._changed.notify_all()
+        if full:
+            self.refused += 1
+            log.warning("speech_refused", refused=self.refused, waiting=MAX_WAITING)
+
+    def guess(self, job: TranscriptionJob) -> None:
+        """Find out the words of what may be a whole utterance, if nothing else is to be done."""
+        with self._changed:
+            if not self._jobs and not self._busy and not self._closed:
+                self._early = job
+                self._changed.notify_all()
+
+    def wait_idle(self, timeout_s: float | None = None) -> bool:
+        """Block until every utterance is understood; False after the timeout."""
+        with self._changed:
+            return self._changed.wait_for(lambda: not self._jobs and not self._busy, timeout_s)
+
+    def _work(self) -> None:
+        while True:
+            with self._changed:
+                self._busy = self._guessing = False
+                self._changed.notify_all()
+                self._changed.wait_for(lambda: self._jobs or self._early or self._closed)
+                if self._closed:
+                    return
+                early, self._early = self._early, None
+                job = self._jobs.popleft() if self._jobs else None
+                self._busy, self._guessing = job is not None, job is None
+                self._changed.notify_all()
+            if job:
+                self._understand(job)
+            elif early:
+                self._guess = self._words(early)
+
+    def _understand(self, job: TranscriptionJob) -> None:
+        if not job.only_stop and not self._told:
+            self._submit(Transcribing())
+        self._told = False
+        guess, self._guess = self._guess, None
+        known = guess and (guess.ended_s, guess.language) == (job.ended_s, self._language())
+        words = guess if guess and known else self._words(job)
+        if not job.only_stop or (words.text and self._is_stop(words.text)):
+            self._submit(Heard(words.text, job.ended_s, words.took_s))
+
+    def _words(self, job: TranscriptionJob) -> "_Words":
+        """What was said, and how long it took to find out."""
+        began_s, language = self._clock.now(), self._language()
+        text = self._transcribe(job, language)
+        took_s = self._clock.now() - began_s
+        self.last = (took_s, job.samples.size / RATE_HZ)
+        return _Words(text, job.ended_s, language, took_s)
+
+    def _transcribe(self, job: TranscriptionJob, language: str) -> str:
+        """The words; none if they could not be understood, which is logged."""
+        try:
+            text = self._stt.transcribe(job.samples, language)
+        except EdgeVoxError as error:
+            self.failed += 1
+            log.error("speech_to_text_failed", reason=str(error))  # noqa: TRY400 - its message says it all
+        except Exception:
+            self.failed += 1
+            log.exception("speech_to_text_broke")
+        else:
+            return without_phrase(text, job.phrase) if job.phrase else text
+        return ""

@@ -1,0 +1,67 @@
+"""Whom the robot listens to when it has a wake word: a state machine over times, nothing else.
+
+Without the wake word nothing that is said is acted on, except one thing: a robot that is told to
+stop must stop. So a short utterance that nobody addressed to it is understood too, and only a stop
+word in it counts.
+"""
+
+from enum import Enum, auto
+
+from edgevox.voice.endpoint import SpeechEnded
+
+FOLLOW_S = 8.0
+"""So long after the wake word speech is meant for the robot."""
+SHORT_S = 2.5
+"""An utterance without the wake word that is longer is not looked into."""
+PHRASE_ALONE_S = 0.4
+"""Less speech than this after the wake word is its own end."""
+PHRASE_S = 1.3
+"""The wake word is said within so long before it is heard."""
+
+
+class WakeDecision(Enum):
+    """What to do with an utterance."""
+
+    TAKE = auto()
+    ONLY_STOP = auto()
+    IGNORE = auto()
+
+
+class WakeGate:
+    """Tells for each utterance whether it is meant for the robot."""
+
+    def __init__(self) -> None:
+        self._woken_s: float | None = None
+        self._until_s = 0.0
+
+    def wake(self, now_s: float) -> None:
+        """The wake word was heard; it ended about now."""
+        self._woken_s = now_s
+        self._until_s = now_s + FOLLOW_S
+
+    def reset(self) -> None:
+        """The wake word counts no longer."""
+        self._woken_s = None
+        self._until_s = 0.0
+
+    def has(self, now_s: float) -> bool:
+        """Whether what is said at this time is meant for the robot."""
+        return self._woken_s is not None and now_s <= self._until_s
+
+    def judge(self, speech: SpeechEnded) -> WakeDecision:
+        """What to do with it. An utterance that is taken uses the wake word up."""
+        woken_s = self._woken_s
+        if woken_s is not None and self.has(speech.began_s):
+            if woken_s >= speech.began_s and speech.ended_s - woken_s < PHRASE_ALONE_S:
+                return WakeDecision.IGNORE  # the phrase alone; what is meant comes next
+            self.reset()
+            return WakeDecision.TAKE
+        if speech.ended_s - speech.began_s <= SHORT_S:
+            return WakeDecision.ONLY_STOP
+        return WakeDecision.IGNORE
+
+    def phrase_from(self, speech: SpeechEnded) -> float | None:
+        """Seconds into the utterance at which the wake word may begin; None if it is not in it."""
+        if self._woken_s is None or not speech.began_s <= self._woken_s <= speech.ended_s + 0.2:
+            return None
+        return max(0.0, self._woken_s - PHRASE_S - speech.began_s)

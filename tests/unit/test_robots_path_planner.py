@@ -1,0 +1,131 @@
+"""Plans keep clear of everything, or say in words why there is none."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from edgevox.agent.skills import SkillFailed
+from edgevox.core.transforms import Pose2D
+from edgevox.robots.path_planner import PathPlanner
+from edgevox.robots.shapes import Point, distance, place
+from edgevox.robots.world import load_world, parse_world
+from edgevox.robots.world_model import World
+
+APARTMENT = load_world()
+PLANNER = PathPlanner(APARTMENT)
+MOVABLE = tuple(thing.pose for thing in APARTMENT.movable)
+START = (APARTMENT.robot.start.x_m, APARTMENT.robot.start.y_m)
+
+DIVIDED = """
+world: {width: 6, height: 4}
+robot: {kinematics: {name: diff}, shape: {name: circle, radius: 0.2}, state: [1, 2, 0]}
+obstacle:
+  - {name: wall, shape: {name: linestring, vertices: [[3, 0], [3, 1.5]]}, state: [0, 0, 0]}
+  - {name: wall, shape: {name: linestring, vertices: [[3, 2.5], [3, 4]]}, state: [0, 0, 0]}
+  - {name: crate, shape: {name: rectangle, length: 0.6, width: 0.8}, state: [3, 2, 0], mass: 5}
+"""
+
+
+def gap(world: World, path: tuple[Point, ...], movable: tuple[Pose2D, ...]) -> float:
+    """How near a path comes to anything."""
+    points = np.vstack(
+        [np.linspace(a, b, max(2, int(math.dist(a, b) / 0.01))) for a, b in pairwise(path)]
+    )
+    shapes = [
+        place(part, pose)
+        for thing, pose in (
+            *((t, t.pose) for t in world.fixed),
+            *zip(world.movable, movable, strict=True),
+        )
+        for part in thing.parts
+    ]
+    return min(float(distance(shape, points).min()) for shape in shapes)
+
+
+def reason(world: World, goal: Point) -> str:
+    start = (world.robot.start.x_m, world.robot.start.y_m)
+    with pytest.raises(SkillFailed) as caught:
+        PathPlanner(world).plan(start, goal, tuple(t.pose for t in world.movable))
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("room", APARTMENT.rooms, ids=lambda room: room.name)
+def test_a_path_to_each_room_begins_and_ends_where_asked_and_touches_nothing(room) -> None:
+    path = PLANNER.plan(START, room.goal, MOVABLE)
+
+    assert (path[0], path[-1]) == (START, room.goal)
+    assert gap(APARTMENT, path, MOVABLE) > APARTMENT.robot.radius_m
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.floats(0, 10), st.floats(0, 10))
+def test_any_point_is_either_reached_without_a_touch_or_refused(x: float, y: float) -> None:
+    try:
+        path = PLANNER.plan(START, (x, y), MOVABLE)
+    except SkillFailed:
+        return
+    assert path[-1] == (x, y)
+    assert gap(APARTMENT, path, MOVABLE) >= APARTMENT.robot.radius_m - 1e-9
+
+
+@pytest.mark.parametrize(
+    ("goal", "words"),
+    [
+        ((12.0, 3.0), "outside the apartment: x must be between 0 and 10, and y between 0 and 10"),
+        ((3.0, -0.1), "outside the apartment"),
+        ((5.8, 1.0), "there is a wall"),
+        ((0.7, 2.6), "there is a sofa"),
+        ((7.6, 4.1), "there is a chair"),
+        ((7.6, 8.6), "there is an office chair"),
+        ((5.6, 1.0), "too close to a wall"),
+    ],
+)
+def test_a_goal_that_cannot_be_is_refused_with_the_reason(goal: Point, words: str) -> None:
+    assert words in reason(APARTMENT, goal)
+
+
+def test_a_point_behind_walls_cannot_be_reached() -> None:
+    closed = DIVIDED.replace("[3, 2.5]", "[3, 1.5]")
+
+    assert "no way leads there" in reason(parse_world(closed, "hall.yaml"), (5.0, 2.0))
+
+
+def test_a_door_that_furniture_blocks_is_told_from_a_wall() -> None:
+    assert "furniture is in the way" in reason(parse_world(DIVIDED, "hall.yaml"), (5.0, 2.0))
+
+
+def test_furniture_is_avoided_where_it_is_now_not_where_it_was() -> None:
+    world = parse_world(DIVIDED, "hall.yaml")
+    moved = (Pose2D(1.0, 3.4, 0.3),)
+
+    path = PathPlanner(world).plan((1.0, 2.0), (5.0, 2.0), moved)
+
+    assert path == ((1.0, 2.0), (5.0, 2.0))
+
+
+def test_a_robot_that_stands_against_a_wall_gets_away() -> None:
+    world = parse_world(DIVIDED, "hall.yaml")
+
+    path = PathPlanner(world).plan((0.2, 0.2), (1.0, 2.0), (Pose2D(5.0, 1.0, 0.0),))
+
+    assert path[0] == (0.2, 0.2)
+    assert path[-1] == (1.0, 2.0)
+
+
+def test_in_a_large_world_with_coarse_cells_no_path_goes_through_a_thin_wall() -> None:
+    world = parse_world(
+        """
+world: {width: 400, height: 400}
+robot: {kinematics: {name: diff}, shape: {name: circle, radius: 0.2}, state: [100, 200, 0]}
+obstacle:
+  - {shape: {name: linestring, vertices: [[200.2, 0], [200.2, 400]]}, state: [0, 0, 0]}
+""",
+        "field.yaml",
+    )
+
+    assert "no way leads there" in reason(world, (300.0, 200.0))
+    assert PathPlanner(world).plan((100.0, 200.0), (190.0, 10.0), ())[-1] == (190.0, 10.0)

@@ -1,0 +1,381 @@
+"""The listener with everything around it scripted: a voice is a frame whose samples are 8000."""
+
+import threading
+
+import numpy as np
+import pytest
+
+from edgevox.core.bus import Bus
+from edgevox.core.commands import Heard, Interrupt, Transcribing
+from edgevox.core.errors import EdgeVoxError
+from edgevox.core.events import AudioLevel, Cause, WakeWordHeard
+from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, EndOfSound, Frame
+from edgevox.voice.endpoint import ONSET_FRAMES
+from edgevox.voice.listener import Listener
+
+VOICE, WAKE = 8000, 12000
+SILENCE_AFTER = 30
+
+
+class Script:
+    """A source that plays levels, one for each frame; calls what stands between them."""
+
+    name = "script"
+
+    def __init__(self, *steps):
+        self.steps = list(steps)
+        self.count = 0
+
+    def start(self):
+        pass
+
+    def read(self, timeout_s):
+        while self.steps and callable(self.steps[0]):
+            self.steps.pop(0)()
+        if not self.steps:
+            raise EndOfSound("script: over")
+        self.count += 1
+        level = self.steps.pop(0)
+        return Frame(np.full(FRAME_SAMPLES, level, np.int16), self.count * FRAME_S)
+
+    def close(self):
+        pass
+
+
+class Vad:
+    def probability(self, samples):
+        return 1.0 if samples[0] >= VOICE else 0.0
+
+    def reset(self):
+        pass
+
+
+class Wake:
+    phrase = "hey jarvis"
+
+    def heard(self, samples, probability):
+        return bool(samples[0] == WAKE)
+
+    def reset(self):
+        pass
+
+
+class Stt:
+    def __init__(self, *texts):
+        self.texts = list(texts)
+        self.languages = []
+        self.heard = []
+
+    def transcribe(self, samples, language):
+        self.languages.append(language)
+        self.heard.append(samples)
+        text = self.texts.pop(0)
+        if isinstance(text, Exception):
+            raise text
+        return text
+
+    def warm_up(self, language):
+        pass
+
+    def close(self):
+        pass
+
+
+def spoken(frames=20, after=SILENCE_AFTER):
+    return [VOICE] * frames + [0] * after
+
+
+@pytest.fixture
+def listen():
+    running = []
+
+    def run(
+        stt, *steps, wakeword=None, audible=lambda: 0.0, muted=lambda: False, said=None, **more
+    ):
+        bus, said, events = Bus(), [] if said is None else said, []
+        bus.subscribe(AudioLevel, events.append)
+        bus.subscribe(WakeWordHeard, events.append)
+        listener = Listener(
+            Script(*steps),
+            Vad(),
+            stt,
+            submit=said.append,
+            bus=bus,
+            language=lambda: "fr",
+            muted=muted,
+            audible=audible,
+            wakeword=wakeword,
+            is_stop=lambda text: "stop" in text,
+            lossless=True,
+            **more,
+        )
+        running.append(listener)
+        listener.start()
+        assert listener.wait_over(10.0)
+        return said, events, listener
+
+    yield run
+    for listener in running:
+        listener.close()
+
+
+def words(said):
+    return [command.text for command in said if isinstance(command, Heard)]
+
+
+def test_what_is_said_is_understood_in_the_language_of_now(listen):
+    stt = Stt("bonjour")
+
+    said, _, _ = listen(stt, *[0] * 10, *spoken())
+
+    assert [type(command) for command in said] == [Transcribing, Heard]
+    assert said[1].text == "bonjour"
+    assert said[1].ended_s == pytest.approx(30 * FRAME_S)
+    assert stt.languages == ["fr"]
+
+
+def test_two_utterances_are_told_in_turns(listen):
+    said, _, _ = listen(Stt("one", "two"), *spoken(), *spoken())
+
+    assert [type(command) for command in said] == [Transcribing, Heard] * 2
+    assert words(said) == ["one", "two"]
+
+
+def test_speech_that_the_end_of_the_file_cuts_is_understood(listen):
+    said, _, _ = listen(Stt("half a"), *spoken(after=0))
+
+    assert words(said) == ["half a"]
+
+
+def test_noise_gives_empty_words(listen):
+    said, _, _ = listen(Stt(""), *spoken())
+
+    assert words(said) == [""]
+
+
+@pytest.mark.parametrize("error", [EdgeVoxError("no model of this language"), RuntimeError("bug")])
+def test_a_failing_speech_to_text_gives_empty_words_and_goes_on(listen, error, caplog):
+    said, _, _ = listen(Stt(error, "again"), *spoken(), *spoken())
+
+    assert words(said) == ["", "again"]
+    assert "speech_to_text" in caplog.text
+
+
+def test_while_muted_nothing_is_heard_and_no_level_is_told(listen):
+    muted = threading.Event()
+
+    said, events, _ = listen(
+        Stt(), *[VOICE] * 10, muted.set, *spoken(), muted.clear, *[0] * 30, muted=muted.is_set
+    )
+
+    assert words(said) == []
+    assert len([e for e in events if e.level > 0]) == 10 // 3
+
+
+def test_the_level_is_told_ten_times_a_second(listen):
+    _, events, _ = listen(Stt(), *[16384] * 3, *[0] * 28)
+
+    assert len(events) == 10
+    assert events[0].level == pytest.approx(0.5)
+
+
+def test_speaking_over_the_robot_interrupts_it_but_not_its_drive(listen):
+    said, _, _ = listen(Stt("wait"), *[0] * 10, *spoken(), audible=lambda: 0.1)
+
+    assert [type(command) for command in said] == [Interrupt, Transcribing, Heard]
+    assert said[0] == Interrupt("spoken over", motion=False, cause=Cause.BARGE_IN)
+
+
+def test_the_interrupt_comes_with_the_first_frames_of_the_voice(listen):
+    source = Script(*[0] * 10, *spoken(100))
+    said_at = []
+    listener = Listener(
+        source,
+        Vad(),
+        Stt("wait"),
+        submit=lambda command: said_at.append((type(command), source.count)),
+        bus=Bus(),
+        language=lambda: "en",
+        muted=lambda: False,
+        audible=lambda: 0.1,
+    )
+    listener.start()
+    assert listener.wait_over(10.0)
+    listener.close()
+
+    assert said_at[0] == (Interrupt, 10 + ONSET_FRAMES)
+    assert ONSET_FRAMES * FRAME_S <= 0.2
+
+
+def test_the_robots_own_voice_does_not_interrupt_it(listen):
+    said, _, _ = listen(Stt(), *spoken(), audible=lambda: 0.5)
+
+    assert said == []
+
+
+def test_without_the_gate_the_robots_own_voice_does(listen):
+    said, _, _ = listen(Stt("itself"), *spoken(), audible=lambda: 0.5, echo="none")
+
+    assert said[0] == Interrupt("spoken over", motion=False, cause=Cause.BARGE_IN)
+
+
+def test_with_a_wake_word_only_what_follows_it_in_the_same_breath_is_taken(listen):
+    stt = Stt("we had lunch", "Hey Jarvis, go to the kitchen.")
+
+    said, events, _ = listen(stt, *spoken(), *[VOICE] * 30, WAKE, *spoken(40), wakeword=Wake())
+
+    assert words(said) == ["go to the kitchen."]
+    assert WakeWordHeard("hey jarvis") in events
+
+
+def test_after_the_wake_word_alone_the_next_utterance_is_taken_and_then_no_other(listen):
+    stt = Stt("go to the kitchen", "we had lunch")
+
+    said, _, _ = listen(stt, *[VOICE] * 20, WAKE, *[0] * 30, *spoken(), *spoken(), wakeword=Wake())
+
+    assert words(said) == ["go to the kitchen"]
+
+
+def test_the_wake_word_is_forgotten_after_a_while(listen):
+    said, _, _ = listen(
+        Stt("we had lunch"), *[VOICE] * 20, WAKE, *[0] * 300, *spoken(), wakeword=Wake()
+    )
+
+    assert words(said) == []
+
+
+def test_a_stop_without_the_wake_word_is_heard(listen):
+    said, _, _ = listen(Stt("no, stop!"), *spoken(), wakeword=Wake())
+
+    assert said == [Heard("no, stop!", said[0].ended_s, said[0].stt_s)]
+
+
+def test_long_talk_without_the_wake_word_is_not_even_looked_into(listen):
+    stt = Stt()
+
+    said, _, _ = listen(stt, *spoken(100), wakeword=Wake())
+
+    assert said == []
+    assert stt.heard == []
+
+
+def test_with_a_wake_word_talk_does_not_interrupt_the_robot_but_the_wake_word_does(listen):
+    said, _, _ = listen(
+        Stt("lunch", "stop it"),
+        *spoken(),
+        WAKE,
+        *spoken(),
+        wakeword=Wake(),
+        audible=lambda: 0.1,
+    )
+
+    interrupts = [c for c in said if isinstance(c, Interrupt)]
+    assert interrupts[0] == Interrupt("heard the wake word", motion=False, cause=Cause.WAKE_WORD)
+
+
+def test_a_frame_that_fails_is_survived_and_counted(listen, caplog):
+    stt = Stt("after")
+
+    class Fragile(Vad):
+        calls = 0
+
+        def probability(self, samples):
+            self.calls += 1
+            if self.calls == 3:
+                raise RuntimeError("once")
+            return super().probability(samples)
+
+    bus, said = Bus(), []
+    listener = Listener(
+        Script(*[0] * 5, *spoken()),
+        Fragile(),
+        stt,
+        submit=said.append,
+        bus=bus,
+        language=lambda: "en",
+        muted=lambda: False,
+        audible=lambda: 0.0,
+        lossless=True,
+    )
+    listener.start()
+    assert listener.wait_over(10.0)
+    listener.close()
+
+    assert words(said) == ["after"]
+    assert listener.failed == 1
+    assert "frame_unheard" in caplog.text
+
+
+def test_closing_leaves_no_thread(listen):
+    _, _, listener = listen(Stt("x"), *spoken())
+
+    listener.close()
+
+    assert not [
+        t.name
+        for t in threading.enumerate()
+        if t.name in ("edgevox-listener", "edgevox-transcription")
+    ]
+
+
+class Watched(Stt):
+    """Tells when it has begun to transcribe."""
+
+    def __init__(self, *texts):
+        super().__init__(*texts)
+        self.begun = threading.Event()
+
+    def transcribe(self, samples, language):
+        self.begun.set()
+        return super().transcribe(samples, language)
+
+
+def test_words_are_found_out_while_the_silence_lasts_and_only_once(listen):
+    stt = Watched("hello")
+    early = []
+
+    def in_the_silence():
+        assert stt.begun.wait(60)
+        early.append(True)
+
+    said, _, _ = listen(stt, *[VOICE] * 20, *[0] * 10, in_the_silence, *[0] * 20)
+
+    assert early
+    assert words(said) == ["hello"]
+    assert len(stt.heard) == 1
+
+
+def test_who_speaks_on_after_a_pause_is_understood_whole(listen):
+    stt = Watched("go to", "go to the kitchen")
+
+    def in_the_silence():
+        assert stt.begun.wait(60)
+
+    said, _, _ = listen(stt, *[VOICE] * 20, *[0] * 10, in_the_silence, *spoken(after=SILENCE_AFTER))
+
+    assert words(said) == ["go to the kitchen"]
+    assert stt.heard[1].size > stt.heard[0].size
+
+
+def test_that_somebody_spoke_is_told_at_the_end_of_speech_not_of_the_guess(listen):
+    told, begun = threading.Event(), threading.Event()
+
+    class Slow(Stt):
+        def transcribe(self, samples, language):
+            begun.set()
+            assert told.wait(60), "transcribing is told only after the words are known"
+            return super().transcribe(samples, language)
+
+    class Said(list):
+        def append(self, command):
+            super().append(command)
+            if isinstance(command, Transcribing):
+                told.set()
+
+    def in_the_silence():
+        assert begun.wait(60)
+
+    steps = [*[VOICE] * 20, *[0] * 10, in_the_silence, *[0] * 20]
+    said, _, _ = listen(Slow("hello"), *steps, said=Said())
+
+    assert [type(command) for command in said] == [Transcribing, Heard]
