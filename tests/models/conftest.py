@@ -1,5 +1,6 @@
 """The models that the tests share, as `edgevox-models` keeps them."""
 
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -9,6 +10,9 @@ from edgevox.agent.llm import tuning
 from edgevox.agent.llm.factory import load_model
 from edgevox.agent.llm.language_model import LanguageModel
 from edgevox.models import locate
+
+# The endurance of the voice is tested as the benchmark measures it.
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
 
 @pytest.fixture(scope="session")
