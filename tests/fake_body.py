@@ -63,7 +63,7 @@ class FakeBody:
             templates=["go to [the] {room}"],
             says="Going to the {room}.",
             done="I am in the {room}.",
-            deed="go to the {room}",
+            action="go to the {room}",
         )
         def navigate_to(goal: GoalHandle, room: Annotated[str, ROOMS]):
             """Drive to a room."""
@@ -78,7 +78,7 @@ class FakeBody:
             templates=["walk {distance} meters", "go ahead"],
             says="Walking {distance:g} metres.",
             done="I walked.",
-            deed="walk {distance:g} metres forward",
+            action="walk {distance:g} metres forward",
             check=walkable,
         )
         def walk_forward(goal: GoalHandle, distance: float = 1.0):

@@ -98,6 +98,7 @@ def _programs(data: Mapping[str, Any]) -> ProgramPhrases:
         ahead=data.get("ahead", ""),
         go=data.get("go", ""),
         between=tuple(data.get("between", ())),
+        me=tuple(data.get("me", ())),
         names={kind: tuple(some) for kind, some in data.get("names", {}).items()},
     )
 

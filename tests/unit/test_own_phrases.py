@@ -13,7 +13,7 @@ ENGLISH = """
     can = "dance"
     templates = ["[please] dance [for] {seconds} seconds"]
     says = "Dancing for {seconds:g} seconds."
-    deed = "dance for {seconds:g} seconds"
+    action = "dance for {seconds:g} seconds"
     done = ["I have danced {rounds} rounds.", "I have danced."]
 
     [reasons]
@@ -24,7 +24,7 @@ GERMAN = """
     can = "tanzen"
     templates = ["tanz [bitte] {seconds} Sekunden"]
     says = "Ich tanze {seconds:g} Sekunden."
-    deed = "{seconds:g} Sekunden tanzen"
+    action = "{seconds:g} Sekunden tanzen"
     done = "Ich habe getanzt."
 
     [reasons]

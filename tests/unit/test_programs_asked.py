@@ -153,3 +153,19 @@ def test_a_remark_about_times_and_conditions_starts_nothing(remark):
     talk.conversation.close()
     assert not kept
     assert not begun
+
+
+@pytest.mark.parametrize(
+    ("language", "text"),
+    [
+        ("de", "fahr in die K\u00fcche und sag mir wie es da aussieht"),
+        ("fr", "va dans la cuisine et dis moi comment c'est"),
+        ("nl", "ga naar de keuken en zeg me hoe het daar is"),
+    ],
+)
+def test_what_somebody_wants_to_be_told_is_not_said_aloud(language, text):
+    talk = Talk(language)
+    talk.say(text)
+    kept, begun = talk.conversation.programs.kept, talk.body.begun
+    talk.conversation.close()
+    assert (tuple(kept), begun) == ((), [])

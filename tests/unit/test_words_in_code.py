@@ -24,7 +24,7 @@ ANSWERS = {
     "write": (0,),
 }
 """What makes an answer, by its name, and which of its arguments are words."""
-SKILL_WORDS = {"says", "done", "deed", "can", "deeds"}
+SKILL_WORDS = {"says", "done", "action", "can", "actions"}
 TURNS = {"turn", "_turn", "self"}
 
 

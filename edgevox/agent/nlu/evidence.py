@@ -76,7 +76,14 @@ def is_denied(text: str, lexicon: Lexicon) -> bool:
 
 
 def is_doubted(reading: Reading, facts: Mapping[str, float], lexicon: Lexicon) -> bool:
-    """Whether no word says that it is wanted, or a number goes on in a word that nobody knows."""
+    """Whether no word says that it is wanted, or may not say so.
+
+    A number goes on in a word that nobody knows, or nothing joins two orders, one of which may have
+    been taken back: "forward, back one metre".
+    """
+    joints = lexicon.index(tuple(lexicon.book.hearing.joints))
+    if len(reading.parts) > 1 and not joints.starts(reading.tokens):
+        return True
     pairs = itertools.pairwise(reading.tokens)
     if any(is_number(a) and b.isalpha() and not lexicon.knows(b) for a, b in pairs):
         return True

@@ -13,7 +13,8 @@ class ProgramPhrases:
     `<rule>`. `rewrite` are patterns and what they become before that: "twice" is "2 times". Where
     words have no spaces between them, numbers count before `units` and after `ahead`; `words` are
     numbers that are said in no other place. `go` is the plain order to go to a place. `names` are
-    words for a program when it is forgotten, by its kind.
+    words for a program when it is forgotten, by its kind. `me` are who wants to be told something:
+    "tell me how full your battery is" asks for it, and is not to be said aloud.
     """
 
     templates: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
@@ -24,4 +25,5 @@ class ProgramPhrases:
     ahead: str = ""
     go: str = ""
     between: tuple[str, ...] = ()
+    me: tuple[str, ...] = ()
     names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)

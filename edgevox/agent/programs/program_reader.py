@@ -140,7 +140,7 @@ class _ProgramLanguage:
         self, kind: str, slots: dict[str, str], plain: Plain, left: int
     ) -> Program | RefusedCommand | None:
         if kind == "say":
-            return Say(slots["words"].replace("' ", "'"))
+            return self._said(slots["words"])
         if kind == "patrol":
             return self._patrol(slots["places"], plain)
         order = self._read(self._order(slots), plain, left) if "order" in slots else Again()
@@ -161,13 +161,20 @@ class _ProgramLanguage:
         self, order: Program, slots: dict[str, str], plain: Plain, left: int
     ) -> Program | RefusedCommand | None:
         """One after another; what is said of an order that is under way waits for its end."""
-        spoken = Say(slots["words"].replace("' ", "'")) if "words" in slots else None
-        after = spoken or self._read(slots["next"], plain, left)
+        if "words" in slots:
+            after = self._said(slots["words"])
+        else:
+            after = self._read(slots["next"], plain, left)
         if after is None or isinstance(after, RefusedCommand):
             return after
         if order == Again():
             return When(Arrived(), after)
         return None if _waits(after) else Steps((order, after))
+
+    def _said(self, words: str) -> Say | None:
+        """What is to be said aloud; None of what somebody wants to be told."""
+        asked = words.split(" ", maxsplit=1)[0].casefold() in self._book.programs.me
+        return None if asked else Say(words.replace("' ", "'"))
 
     def _patrol(self, places: str, plain: Plain) -> Program | RefusedCommand | None:
         """To each of these places in turn, until it is stopped."""

@@ -32,7 +32,7 @@ GRASP = (
 )
 GRASP_EXAMPLES = (
     Example("could I see the red cube from closer?", {"object": "red_cube"}),
-    Example("close your fingers around the blue thing", {"object": "blue_cube"}),
+    Example("that blue thing there, lift it for me", {"object": "blue_cube"}),
     Example("I would like to have the green block in the air", {"object": "green_cube"}),
 )
 
@@ -42,11 +42,12 @@ _PUT = (
     "store|park|sit|position|balance|pile|return|release|file|sort|toss|fling|bin|pitch|hand)"
 )
 _INTO = "(in|into|inside|inside of|on|onto|on top of|over|to|in to|on to|at)"
+_ONTO = "(in|into|inside|on|onto|on top of)"
 PLACE = (
     f"{_PLEASE} {_PUT} {_THE} {{object}} [down|back] {_INTO} [the] {{target}} {_END}",
     f"{_PLEASE} (put|set|lay|place) {_THE} {{object}} (down|back|aside|away) {_END}",
     f"{_PLEASE} (put|set|lay) (down|back) {_THE} {{object}} {_END}",
-    f"(I|we) (want|would like|need) {_THE} {{object}} {_INTO} [the] {{target}} {_END}",
+    f"(I|we) (want|would like|need) {_THE} {{object}} {_ONTO} [the] {{target}} {_END}",
 )
 PLACE_EXAMPLES = (
     Example("tidy the red cube away to the left", {"object": "red_cube", "target": "left_bin"}),
