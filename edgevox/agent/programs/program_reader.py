@@ -161,10 +161,11 @@ class _ProgramLanguage:
         self, order: Program, slots: dict[str, str], plain: Plain, left: int
     ) -> Program | RefusedCommand | None:
         """One after another; what is said of an order that is under way waits for its end."""
-        if "words" in slots:
-            after = self._said(slots["words"])
-        else:
-            after = self._read(slots["next"], plain, left)
+        after: Program | RefusedCommand | None = (
+            self._said(slots["words"])
+            if "words" in slots
+            else self._read(slots["next"], plain, left)
+        )
         if after is None or isinstance(after, RefusedCommand):
             return after
         if order == Again():
