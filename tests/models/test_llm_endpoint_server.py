@@ -136,7 +136,8 @@ def test_tokens_are_never_counted_too_low(shared: EndpointModel, small: Language
 
 def test_when_the_server_dies_the_one_on_board_answers(on_board, threads, caplog) -> None:
     server = Process(locate(MODEL), threads)
-    model = FallbackModel(EndpointModel(Address(server.url, timeout_s=HUNG_S)), on_board)
+    shared = EndpointModel(Address(server.url, timeout_s=HUNG_S))
+    model = FallbackModel(shared, on_board)
     rooms = 'root ::= "kitchen" | "bedroom"'
     chat = [ChatMessage("user", "Where do people cook? In the kitchen or in the bedroom?")]
 
