@@ -213,7 +213,7 @@ def test_an_agent_says_so_to_people_and_to_operators(agent, peer, domain):
         )
         control.send("do", "claim 1e300")
         response.wait_for(
-            lambda m: "was der Roboter auf /robot1/odom meldet, kann nicht stimmen" in m
+            lambda m: "was der Roboter meldet, kann nicht stimmen" in m
         )
         reason = "what is heard on /robot1/odom cannot be true"
         told.wait_for(lambda m: any(reason in s.message for s in m.status))
