@@ -65,7 +65,7 @@ TURNS, LISTENING, PARTS = "Speaking with it", "Listening", "The parts of the voi
 
 
 class Patch:
-    """What the stage of the tests needs of pytest."""
+    """What the rig of the tests needs of pytest."""
 
     def setattr(self, module: object, name: str, value: object) -> None:
         setattr(module, name, value)
@@ -161,9 +161,9 @@ def endurance(minutes: int) -> Iterator[Figure]:
     """So much sound in a loop, as fast as it goes."""
     with (
         tempfile.TemporaryDirectory() as folder,
-        VoiceRig(Patch(), Path(folder, "answers.wav"), robot="robot-apartment") as stage,
+        VoiceRig(Patch(), Path(folder, "answers.wav"), robot="robot-apartment") as rig,
     ):
-        found: Endured = endure(stage, minutes)
+        found: Endured = endure(rig, minutes)
 
     def one(name: str, what: str, value: float, unit: str, **more: object) -> Figure:
         what = f"{minutes} minutes of sound in a loop: {what}"
