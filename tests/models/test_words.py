@@ -1,4 +1,4 @@
-"""What the language model of the small set is for, through the interpreter: words, never a motion."""
+"""What the small language model is for, through the interpreter: words, and never a motion."""
 
 from dataclasses import dataclass
 
