@@ -185,7 +185,7 @@ def parts() -> Iterator[Figure]:
     rows = [*voice_parts.measure_voices("en"), *voice_parts.measure_voices("fr")]
     for language in ("en", "fr"):
         recordings = voice_parts.record(choose(language, "", find_model)[0])
-        rows.append(voice_parts.measure_ears(recordings, language))
+        rows.append(voice_parts.measure_speech_to_text(recordings, language))
     for one in rows:
         name = f"part.{one.name.lower()}"
         for part, column, value, unit in (
