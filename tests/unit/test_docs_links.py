@@ -13,6 +13,9 @@ PAGES = [
     for page in ROOT.glob(f"{folder}/*.md".lstrip("/"))
 ]
 LARGEST_PICTURE_BYTES = 200_000
+OF_OURS = r"(?<![\w/.~$-])[\w*-][\w.*-]*/[\w./*-]*\.(?:py|toml|ya?ml)\b"
+FOLDERS = [ROOT / name for name in (".", "edgevox", "tests", "compose/observability")]
+"""Where paths on pages begin."""
 
 
 def anchors(page):
@@ -31,6 +34,15 @@ def test_every_link_of_a_page_leads_somewhere(page):
         target = page.parent / name if name else page
         assert target.exists(), link
         assert not anchor or anchor in anchors(target), link
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_every_file_of_ours_that_a_page_names_is_there(page):
+    text = re.sub(r"^```.*?^```$", "", page.read_text(), flags=re.MULTILINE | re.DOTALL)
+    quoted = " ".join(re.findall(r"`([^`\n]+)`", text))
+    for name in re.findall(OF_OURS, quoted):
+        pattern = name.replace("CODE", "*")
+        assert any([*folder.glob(pattern)] for folder in (page.parent, *FOLDERS)), name
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
