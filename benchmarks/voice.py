@@ -65,7 +65,7 @@ TURNS, LISTENING, PARTS = "Speaking with it", "Listening", "The parts of the voi
 
 
 class Patch:
-    """What the stage of the tests needs of pytest."""
+    """What the rig of the tests needs of pytest."""
 
     def setattr(self, module: object, name: str, value: object) -> None:
         setattr(module, name, value)
@@ -161,9 +161,9 @@ def endurance(minutes: int) -> Iterator[Figure]:
     """So much sound in a loop, as fast as it goes."""
     with (
         tempfile.TemporaryDirectory() as folder,
-        VoiceRig(Patch(), Path(folder, "answers.wav"), robot="robot-apartment") as stage,
+        VoiceRig(Patch(), Path(folder, "answers.wav"), robot="robot-apartment") as rig,
     ):
-        found: Endured = endure(stage, minutes)
+        found: Endured = endure(rig, minutes)
 
     def one(name: str, what: str, value: float, unit: str, **more: object) -> Figure:
         what = f"{minutes} minutes of sound in a loop: {what}"
@@ -185,7 +185,7 @@ def parts() -> Iterator[Figure]:
     rows = [*voice_parts.measure_voices("en"), *voice_parts.measure_voices("fr")]
     for language in ("en", "fr"):
         recordings = voice_parts.record(choose(language, "", find_model)[0])
-        rows.append(voice_parts.measure_ears(recordings, language))
+        rows.append(voice_parts.measure_speech_to_text(recordings, language))
     for one in rows:
         name = f"part.{one.name.lower()}"
         for part, column, value, unit in (

@@ -67,19 +67,19 @@ def minute() -> Samples:
     return np.asarray(sound, np.int16)
 
 
-def endure(stage: VoiceRig, minutes: int) -> Endured:
+def endure(rig: VoiceRig, minutes: int) -> Endured:
     """Let it hear so many minutes after two to get warm; every question must be answered."""
     sound = minute()
     for _ in range(WARM_MINUTES):
-        _hear(stage, sound)
-        stage.parts.command_router.submit(Speak(LONG))
-        assert stage.parts.conversation.wait_idle(PATIENCE_S)
+        _hear(rig, sound)
+        rig.parts.command_router.submit(Speak(LONG))
+        assert rig.parts.conversation.wait_idle(PATIENCE_S)
     gc.collect()
     threads = threading.active_count()
     turns: list[_Turn] = []
     resident: list[int] = []
     for _ in range(minutes):
-        turns += _hear(stage, sound)
+        turns += _hear(rig, sound)
         gc.collect()
         resident.append(resident_kib())
     part, quarter = max(2, len(turns) // 8 * 2), max(1, minutes // 4)
@@ -98,16 +98,16 @@ def endure(stage: VoiceRig, minutes: int) -> Endured:
     )
 
 
-def _hear(stage: VoiceRig, sound: Samples) -> list[_Turn]:
+def _hear(rig: VoiceRig, sound: Samples) -> list[_Turn]:
     """How long each turn of a minute took, from its words being sought to its end."""
-    stage.events.clear()
+    rig.events.clear()
     work_s: list[float] = []
     half = sound.size // len(QUESTIONS)
     for number in range(len(QUESTIONS)):
         begun_s = time.process_time()
-        stage.room.play(sound[number * half : (number + 1) * half])
-        stage.wait_for(TurnMeasured, lambda _, n=number: len(stage.of(TurnMeasured)) > n)
+        rig.room.play(sound[number * half : (number + 1) * half])
+        rig.wait_for(TurnMeasured, lambda _, n=number: len(rig.of(TurnMeasured)) > n)
         work_s.append(time.process_time() - begun_s)
-    assert len(stage.of(Responded)) == len(QUESTIONS), stage.of(Responded)
-    measured = stage.of(TurnMeasured)
+    assert len(rig.of(Responded)) == len(QUESTIONS), rig.of(Responded)
+    measured = rig.of(TurnMeasured)
     return [_Turn(one.total, work) for one, work in zip(measured, work_s, strict=True)]

@@ -60,22 +60,24 @@ def measure_voice(choice: VoiceChoice, sentences: Sequence[str] = SENTENCES) -> 
     )
 
 
-def measure_ears(recordings: Sequence[Chunk], language: str = "en", threads: int = 2) -> Measured:
+def measure_speech_to_text(
+    recordings: Sequence[Chunk], language: str = "en", threads: int = 2
+) -> Measured:
     """Load the language's speech-to-text model and let it hear the recordings."""
     path = find_model(LANGUAGES[language].stt_model)
     assert path is not None, f"edgevox-models fetch {LANGUAGES[language].stt_model}"
     began_s = _CLOCK.now()
-    listener = WhisperModel(str(path), device="cpu", compute_type="int8", cpu_threads=threads)
-    _hear(listener, recordings[0], language)
+    whisper = WhisperModel(str(path), device="cpu", compute_type="int8", cpu_threads=threads)
+    _hear(whisper, recordings[0], language)
     load_s = _CLOCK.now() - began_s
-    took = [_hear(listener, recording, language) for recording in recordings]
+    took = [_hear(whisper, recording, language) for recording in recordings]
     seconds = [len(one.samples) / one.rate_hz for one in recordings]
     factor = statistics.median(work / sound for work, sound in zip(took, seconds, strict=True))
     return Measured(Path(path).name, load_s, factor, statistics.median(took))
 
 
 def record(choice: VoiceChoice, sentences: Sequence[str] = SENTENCES) -> list[Chunk]:
-    """The sentences as sound, for the listener."""
+    """The sentences as sound, for speech to text."""
     engine = VoicePool().get(choice)
     pieces = [list(engine.synthesise(sentence, CancelToken())) for sentence in sentences]
     return [
@@ -93,10 +95,10 @@ def _say(engine: Synthesiser, sentence: str) -> tuple[float, float, float]:
     return _CLOCK.now() - began_s, sound_s, first_s
 
 
-def _hear(listener: WhisperModel, recording: Chunk, language: str) -> float:
+def _hear(whisper: WhisperModel, recording: Chunk, language: str) -> float:
     sound = resampled(recording.samples, recording.rate_hz, RATE_HZ).astype(np.float32) / 32768
     began_s = _CLOCK.now()
-    segments, _ = listener.transcribe(
+    segments, _ = whisper.transcribe(
         sound, language=language, beam_size=1, temperature=0, without_timestamps=True
     )
     assert list(segments), "nothing was heard"

@@ -1,4 +1,4 @@
-"""Words to calls to goals: conversation, intents, language models, skills, safety.
+"""Words to calls to goals: conversation, meaning, programs, policy, models, skills, safety.
 
 Imports core, nothing else of edgevox.
 """

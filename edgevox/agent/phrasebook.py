@@ -128,7 +128,7 @@ class Phrasebook:
 
     def question(self, calls: Sequence[tuple[Skill, Mapping[str, Any]]]) -> str:
         """Asks whether these calls shall be done: "Shall I go to the kitchen?"."""
-        actions = [self._deed(one, arguments) for one, arguments in calls]
+        actions = [self._action(one, arguments) for one, arguments in calls]
         if all(actions):
             return self.say("shall_i", actions=self.say("and_then").join(actions))
         told = (self.acknowledge(one, a) or one.description for one, a in calls)
@@ -233,7 +233,7 @@ class Phrasebook:
         said = "" if self._speaks(one) else self._first(part(self._phrases(one)), values)
         return said or _formatted(english, values)
 
-    def _deed(self, one: Skill, arguments: Mapping[str, Any]) -> str:
+    def _action(self, one: Skill, arguments: Mapping[str, Any]) -> str:
         """The part of a question about it: an English one fits no other language's sentence."""
         if self._speaks(one):
             return _formatted(one.action, arguments)

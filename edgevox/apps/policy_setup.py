@@ -17,7 +17,7 @@ ANY_LANGUAGE = "de"
 
 def build_guard(settings: Settings, bus: Bus, body: Body | None) -> Guard:
     """The guard of this agent. Raises `InvalidValue` for a file that cannot be used."""
-    guard = Guard(settings.policy, bus, surroundings(body))
+    guard = Guard(settings.policy, bus, policy_context(body))
     if isinstance(body, LimitsSpeed):
         body.limit_speed(
             lambda twist: Twist2D(*guard.policy.slowed(twist.linear_m_s, twist.angular_rad_s))
@@ -25,7 +25,7 @@ def build_guard(settings: Settings, bus: Bus, body: Body | None) -> Guard:
     return guard
 
 
-def surroundings(body: Body | None) -> PolicyContext:
+def policy_context(body: Body | None) -> PolicyContext:
     """What is known of this body."""
 
     def here() -> tuple[float, float] | None:

@@ -53,12 +53,12 @@ def open_streams(tell: Tell, *, waits: bool) -> None:
         if isinstance(sys.stdin, io.TextIOWrapper):
             sys.stdin.reconfigure(encoding=_encoding(sys.stdin), errors="replace")
     if sys.stdout is sys.__stdout__:
-        sys.stdout = _outlet(sys.stdout, tell, waits=waits)
+        sys.stdout = _guarded(sys.stdout, tell, waits=waits)
     if sys.stderr is sys.__stderr__:
-        sys.stderr = _outlet(sys.stderr, lambda _: None, waits=waits, by_line=True)
+        sys.stderr = _guarded(sys.stderr, lambda _: None, waits=waits, by_line=True)
 
 
-def _outlet(stream: TextIO | None, tell: Tell, *, waits: bool, by_line: bool = False) -> TextIO:
+def _guarded(stream: TextIO | None, tell: Tell, *, waits: bool, by_line: bool = False) -> TextIO:
     if stream is None:
         return _nobody("w")
     raw = OutputStream(stream.fileno(), tell, waits=waits)

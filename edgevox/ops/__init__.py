@@ -1,4 +1,4 @@
-"""Logs, metrics, health, diagnostics: what whoever runs a robot wants to know of it, by night too.
+"""Logs, metrics, health, diagnostics: what whoever runs a robot wants to know of it.
 
 Imports core, nothing else of edgevox.
 """

@@ -270,7 +270,7 @@ class KeepsPace(Protocol):
 
 @runtime_checkable
 class TellsStalls(Protocol):
-    """Knows when what it lives by has stopped working."""
+    """Knows when what it depends on has stopped working."""
 
     @property
     def stalled_s(self) -> float:

@@ -1,6 +1,7 @@
-"""EdgeVox on the wire: the contract as a table, the bridge that serves it, the null twin.
+"""EdgeVox on the wire: the contract as a table, and the bridge that serves it.
 
-The only package that imports rclpy. Imports core, agent.skills and robots of edgevox.
+The only package that imports rclpy. Imports core, robots, voice, ops and scenario, and of the agent
+skills, reasons and policy.
 """
 
 from edgevox.ros2.bridge_context import BridgeContext

@@ -1,4 +1,4 @@
-"""Opens the bridge, or its null twin where there is no ROS 2."""
+"""Opens the bridge, or what stands in for it where there is no ROS 2."""
 
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType

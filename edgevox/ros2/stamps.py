@@ -10,8 +10,8 @@ is laid on the node's:
 - With `use_sim_time`, by whoever publishes `/clock`: a stamp is that clock's now, less the age of
   what is stamped. Until the first `/clock` there is no time and nothing can be stamped: stamps of
   another epoch would spoil the peers' tf buffers for good.
-- With `own_clock` (this node publishes `/clock`, see `interop.clock`), stamps are the body's time
-  as it is.
+- With `own_clock` (this node publishes `/clock`, see `interop.clock_publisher`), stamps are the
+  body's time as it is.
 """
 
 import threading

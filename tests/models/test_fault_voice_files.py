@@ -85,7 +85,7 @@ def test_files_that_go_away_are_not_missed_by_who_has_loaded_them(rig, store, qu
     assert one.answer().size
 
 
-def test_ears_whose_model_is_cut_short_say_so_and_hear_once_it_is_whole(rig, store, question):
+def test_hearing_whose_model_is_cut_short_says_so_and_works_once_it_is_whole(rig, store, question):
     whole = cut_short(store / STT / "model.bin")
     one = rig()
     one.wait_for(Responded, lambda event: event.text == DEAF)

@@ -2,7 +2,7 @@
 
 The ten minutes: espeak-ng reading 14 English lines (some with near misses such as "hey Marvin") and
 24 in six other languages at two speeds, Piper's joe reading the English ones, hiss, rumble, hum,
-bursts, a melody and clicks. All of it is made by `ears_rig`.
+bursts, a melody and clicks. All of it is made by `listener_rig`.
 """
 
 import numpy as np

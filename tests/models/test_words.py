@@ -1,4 +1,4 @@
-"""What the language model of the small set is for: words, and never a motion, through the mind."""
+"""What the small language model is for, through the interpreter: words, and never a motion."""
 
 from dataclasses import dataclass
 

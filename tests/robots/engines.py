@@ -1,4 +1,4 @@
-"""A 2D simulator under a body, that a test holds in its hands as well."""
+"""A 2D simulator that a test gives to a body, and can reach by itself as well."""
 
 from collections.abc import Callable, Sequence
 

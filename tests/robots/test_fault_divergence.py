@@ -122,7 +122,7 @@ def case(request, tmp_path, monkeypatch) -> Case:
 
 
 @pytest.fixture
-def stage(case) -> Iterator[tuple[Any, Poison]]:
+def broken(case) -> Iterator[tuple[Any, Poison]]:
     """The body, in a world whose time stands still until it is told, and what breaks it."""
     robot, poison = case.build()
     with robot:
@@ -151,8 +151,8 @@ def check_numbers(robot) -> None:
         assert not np.isnan(robot.scan().ranges_m).any()
 
 
-def test_the_goal_fails_with_a_reason_and_the_robot_stands_within_a_step_or_two(case, stage):
-    robot, poison = stage
+def test_the_goal_fails_with_a_reason_and_the_robot_stands_within_a_step_or_two(case, broken):
+    robot, poison = broken
     asked = going(robot, case)
     poison()
 
@@ -175,8 +175,8 @@ def test_the_goal_fails_with_a_reason_and_the_robot_stands_within_a_step_or_two(
     assert robot.breaks == before + 1, "it broke once, and was put back"
 
 
-def test_the_next_goal_is_carried_out_and_a_reset_brings_it_back_to_the_start(case, stage):
-    robot, poison = stage
+def test_the_next_goal_is_carried_out_and_a_reset_brings_it_back_to_the_start(case, broken):
+    robot, poison = broken
     start = robot.state()
     first = going(robot, case)
     poison()

@@ -1,4 +1,4 @@
-"""Time that passes only as far as a test says, and the tickers that live by it.
+"""Time that passes only as far as a test says, and the tickers that go by it.
 
 What comes at a rate comes when the test lets that time pass, on the test's thread, however long
 anything takes meanwhile.
@@ -12,7 +12,7 @@ from edgevox.ros2.ticker import TOGETHER_S, Ticker
 
 
 class HeldTime(HeldClock):
-    """With `ticker` it makes the tickers of a bridge, or of an `Interop`, that live by it."""
+    """With `ticker` it makes the tickers of a bridge, or of an `Interop`, that go by it."""
 
     def __init__(self) -> None:
         super().__init__()

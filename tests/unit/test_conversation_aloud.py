@@ -124,7 +124,7 @@ class Rig:
         self.conversation.close()
 
 
-def test_it_speaks_until_the_mouth_has_played_all():
+def test_it_is_speaking_until_all_was_played():
     with Rig() as rig:
         rig.conversation.submit(Speak("Hello there."))
         assert rig.spoken.wait(60)

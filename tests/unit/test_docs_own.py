@@ -22,6 +22,8 @@ from edgevox.scenario import scenario
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
+PACKAGE = ROOT / "edgevox"
+ARCHITECTURE = DOCS / "architecture.md"
 
 
 def test_code_on_the_page_of_skills_is_that_of_the_example():
@@ -75,6 +77,27 @@ def test_the_page_of_robots_has_every_protocol_with_its_methods():
 )
 def test_a_bound_on_the_page_of_security_is_that_of_the_code(told, number):
     assert told.format(number) in (DOCS / "security.md").read_text()
+
+
+def test_every_path_on_the_page_of_the_architecture_leads_to_a_file():
+    told = re.findall(r"`([\w.*-]+/[\w./*-]*)`", ARCHITECTURE.read_text())
+    assert len(told) > 100
+    lost = [one for one in told if not ([*PACKAGE.glob(one)] or [*ROOT.glob(one)])]
+    assert lost == []
+
+
+def test_the_page_of_the_architecture_has_a_place_for_every_file_of_the_package():
+    rows = re.findall(r"^\| (`\w[\w/]*/`.*?) \| (.*) \|$", ARCHITECTURE.read_text(), re.MULTILINE)
+    told = set()
+    for folders, files in rows:
+        names = set(re.findall(r"`(\w+)`", files))
+        for folder in re.findall(r"`([\w/]+)/`", folders):
+            here = {one.stem for one in (PACKAGE / folder).iterdir()}
+            told |= {f"{folder}/{name}.py" for name in names & here}
+            names -= here
+        assert names == set(), f"no such file in {folders}"
+    files = {one.relative_to(PACKAGE).as_posix() for one in PACKAGE.rglob("*.py")}
+    assert {one for one in files - told if not one.endswith("__init__.py")} == set()
 
 
 def test_the_table_of_folders_names_every_folder():

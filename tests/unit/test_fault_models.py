@@ -208,7 +208,7 @@ class Deaf:
     def close(self): ...
 
 
-def test_who_speaks_to_deaf_ears_is_told_so_now_and_then_and_not_once_they_hear():
+def test_who_speaks_while_no_speech_is_recognised_is_told_so_now_and_then_and_not_afterwards():
     clock, deaf, told = HeldClock(), Deaf(), []
     stt = WatchedSpeechToText(deaf, clock)
     stt.tell = lambda: told.append(clock.now())

@@ -178,7 +178,7 @@ class Broken:
         raise RuntimeError("the driver has a bug")
 
 
-def test_a_driver_that_breaks_leaves_the_mouth_alive_and_the_words_written(talk, card, clock):
+def test_a_driver_that_breaks_leaves_the_voice_alive_and_the_words_written(talk, card, clock):
     sink = Broken(SoundCardSink("usb", opener=card.open, clock=clock, wait=card.wait))
     one = talk(sink=sink)
     assert one.ask().cut

@@ -62,7 +62,7 @@ def end(source, error):
     source.told.set()
 
 
-def test_ears_are_well_before_while_and_after_they_listen(listener):
+def test_a_listener_is_well_before_while_and_after_it_listens(listener):
     assert listener.alive
     listener.start()
     assert listener.alive
@@ -70,14 +70,14 @@ def test_ears_are_well_before_while_and_after_they_listen(listener):
     assert listener.alive
 
 
-def test_ears_that_heard_all_there_is_are_well(listener, source):
+def test_a_listener_that_heard_all_there_is_is_well(listener, source):
     listener.start()
     end(source, EndOfSound("all of it was heard"))
     assert listener.wait_over(10)
     assert listener.alive
 
 
-def test_ears_that_lost_their_source_for_good_are_not(listener, source):
+def test_a_listener_that_lost_its_source_for_good_is_not(listener, source):
     listener.start()
     end(source, EdgeVoxError("the file is broken"))
     assert listener.wait_over(10)
@@ -88,7 +88,7 @@ def test_ears_that_lost_their_source_for_good_are_not(listener, source):
 
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
-def test_a_mouth_is_well_until_one_of_its_threads_ends():
+def test_a_speech_output_is_well_until_one_of_its_threads_ends():
     class Broken:
         def prepare(self):
             raise SystemExit

@@ -64,7 +64,7 @@ def rig() -> Rig:
     return Rig()
 
 
-def test_turns_count_by_what_became_of_them_and_errands_do_not(rig) -> None:
+def test_turns_count_by_what_became_of_them_and_those_without_words_do_not(rig) -> None:
     for outcome in (Outcome.ACTED, Outcome.ACTED, Outcome.REFUSED, None):
         rig.bus.publish(TurnEnded(1, outcome, 5))
 

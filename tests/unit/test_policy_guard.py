@@ -10,7 +10,7 @@ from clocks import HeldClock
 from edgevox.agent.policy import CheckedCall, Denied, Guard, NeedsConfirmation, PolicyContext
 from edgevox.agent.policy.guard import TELL_EVERY_S
 from edgevox.agent.policy.policy_status import NO_FILE, PolicyComponent
-from edgevox.apps.policy_setup import build_guard, known_names, surroundings
+from edgevox.apps.policy_setup import build_guard, known_names, policy_context
 from edgevox.core.agent_events import GoalRejected, as_json
 from edgevox.core.bus import Bus
 from edgevox.core.errors import InvalidValue
@@ -250,8 +250,8 @@ def test_a_robot_that_drives_by_itself_is_told_the_speed_that_is_permitted_now(f
 
 def test_what_is_around_a_robot_is_its_places_and_where_it_is():
     robot = ApartmentRobot(speed=0.0)
-    around = surroundings(robot)
+    around = policy_context(robot)
     x_m, y_m = around.places()["kitchen"]
     assert around.place_at(x_m, y_m) == "kitchen"
     assert around.here() == (robot.pose().x_m, robot.pose().y_m)
-    assert surroundings(None).here() is None
+    assert policy_context(None).here() is None

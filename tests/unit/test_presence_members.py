@@ -23,22 +23,22 @@ def claim(number: int, started_s: float = 0.0, **more: object) -> Claim:
 
 def settled(number: int, started_s: float = 0.0) -> Members:
     """One that has been here alone for a while."""
-    roll = Members(claim(number, started_s))
+    agent = Members(claim(number, started_s))
     for _ in range(SETTLED_BEATS):
-        roll.beat()
-    return roll
+        agent.beat()
+    return agent
 
 
-def meet(*rolls: Members) -> None:
+def meet(*agents: Members) -> None:
     """Everybody hears everybody."""
-    for one in rolls:
-        for other in rolls:
+    for one in agents:
+        for other in agents:
             if other is not one:
                 one.hear(other.me)
 
 
-def in_charge(*rolls: Members) -> list[int]:
-    return [int(roll.me.id, 16) for roll in rolls if roll.in_charge]
+def in_charge(*agents: Members) -> list[int]:
+    return [int(agent.me.id, 16) for agent in agents if agent.in_charge]
 
 
 def test_alone_it_is_in_charge_from_the_first_moment():
@@ -109,13 +109,13 @@ def test_an_id_that_nobody_has_is_refused_with_those_that_are_here():
 
 
 def test_a_flood_of_names_is_bounded_and_forgotten():
-    roll = settled(1)
+    agent = settled(1)
     for number in range(2, 10 * MOST_OTHERS):
-        roll.hear(claim(number, started_s=60))
-    assert len(roll.others) == MOST_OTHERS
+        agent.hear(claim(number, started_s=60))
+    assert len(agent.others) == MOST_OTHERS
     for _ in range(GONE_BEATS):
-        roll.beat()
-    assert roll.others == ()
+        agent.beat()
+    assert agent.others == ()
 
 
 claims = st.builds(
@@ -128,9 +128,9 @@ claims = st.builds(
 
 @given(st.lists(claims, min_size=1, max_size=5, unique_by=lambda one: one.id))
 def test_all_agree_on_exactly_one_whatever_they_claim(here):
-    rolls = [Members(one) for one in here]
-    meet(*rolls)
-    assert len(in_charge(*rolls)) == 1
+    agents = [Members(one) for one in here]
+    meet(*agents)
+    assert len(in_charge(*agents)) == 1
 
 
 def test_a_claim_reads_as_it_was_written_and_more_fields_do_not_matter():

@@ -141,7 +141,7 @@ def test_whoever_waits_for_time_to_pass_is_let_go_at_the_end() -> None:
     assert not waiter.is_alive()
 
 
-def test_a_stepper_that_never_started_can_be_closed() -> None:
+def test_a_loop_that_never_started_can_be_closed() -> None:
     SimLoop(lambda: False, period_s=0.02).close()
 
 

@@ -60,7 +60,7 @@ def of(source, seen):
     return [one.data for one in seen if one.source is source]
 
 
-def test_when_words_are_said_their_answer_and_their_deeds_have_been_seen(harness):
+def test_when_words_are_said_their_answer_and_their_events_have_been_seen(harness):
     harness.say("where are you", 10)
     seen = harness.look()
     assert of(Source.ANSWER, seen) == ["I am here."]

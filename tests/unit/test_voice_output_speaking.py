@@ -225,7 +225,7 @@ def test_closing_cuts_what_is_spoken_and_answers_who_waits():
     assert not [t for t in threading.enumerate() if t.name.startswith("edgevox-")]
 
 
-def test_a_closed_mouth_says_nothing_and_does_not_hang():
+def test_a_closed_speech_output_says_nothing_and_does_not_hang():
     rig = Rig()
     rig.speech_output.start()
     rig.speech_output.close()

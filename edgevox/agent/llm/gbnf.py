@@ -1,6 +1,7 @@
 """Reads a GBNF grammar, and tells piece by piece whether a text obeys it.
 
-An engine on board samples by a grammar; whether a server across the network does is its word.
+An engine on board samples by a grammar; whether a server across the
+network does, nobody knows.
 """
 
 import functools

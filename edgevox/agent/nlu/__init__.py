@@ -1,1 +1,6 @@
-"""What an utterance may mean when no template knows it. Imports no engine but numpy."""
+"""What an utterance means: `interpreter` asks templates, programs, a judged reading, a model.
+
+`templates` are matched by hassil. `readings` says what calls a sentence could be, from what
+`lexicon`, `clauses` and `mentions` find in it; `decider` judges that, by the numbers of `evidence`
+and `encoder`, which the trained head of `confidence` weighs. Imports no engine but numpy.
+"""

@@ -33,7 +33,7 @@ MAX_HANDOFFS = 3
 """How often one utterance may be handed on; nobody gets it twice."""
 
 BACK = "go_back"
-"""The aside that leads back to where the last motion began."""
+"""The skill of the dialogue that leads back to where the last motion began."""
 
 ANSWER_TOKENS = 160
 """The longest answer or sequence of calls that a model may generate."""

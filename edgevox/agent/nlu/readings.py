@@ -2,7 +2,7 @@
 
 Every name and every number of the sentence stands in a call, and every value of a call was said.
 Which skill is meant follows from the words that speak for one skill and not for the others. Nothing
-here decides whether the speaker wants it done: that is for `judgement`.
+here decides whether the speaker wants it done: `decider` does that.
 """
 
 import itertools

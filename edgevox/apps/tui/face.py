@@ -30,7 +30,7 @@ class Changed(Message):
 
 
 class Face(App[None]):
-    """Shows a `UpdateBuffer`, and takes lines and keys."""
+    """Shows an `UpdateBuffer`, and takes lines and keys."""
 
     TITLE = "EdgeVox"
     ENABLE_COMMAND_PALETTE = False

@@ -20,7 +20,7 @@ COMPONENTS: tuple[ComponentRow, ...] = (
         "microphone and loudspeaker",
         "frames are dropped unheard",
         "a device is gone (a microphone is tried again every 3 s, a loudspeaker with the next"
-        " sentence), or a thread of ears or mouth has ended",
+        " sentence), or a thread that hears or speaks has ended",
         "plug it in; `edgevox doctor --only sound` lists what is there",
     ),
     ComponentRow(

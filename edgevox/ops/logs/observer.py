@@ -1,4 +1,4 @@
-"""Writes down what happens on the bus: turns, goals, stops. No stage logs any of that itself."""
+"""Writes down what happens on the bus: turns, goals, stops. Nothing else logs any of that."""
 
 from collections import OrderedDict
 from collections.abc import Callable

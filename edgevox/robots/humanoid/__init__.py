@@ -1,6 +1,7 @@
 """`robot-humanoid`: a robot on two legs in MuJoCo, in physics with a walking policy or without one.
 
-Imports core, agent.skills and the robots' shared parts. What outsiders need is named here.
+Imports core, agent.skills, agent.reasons and the robots' shared parts. What outsiders need is
+named here.
 """
 
 import edgevox.robots.mujoco  # noqa: F401, I001 - first: mujoco is imported by it, safely

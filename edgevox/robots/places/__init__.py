@@ -1,4 +1,4 @@
 """Places that a robot is told the names of, and finds again after a restart.
 
-Imports core, agent.skills, agent.names and agent.reasons; knows nothing of any body.
+Imports core, and of the agent skills, choices, name_rules and reasons; knows nothing of any body.
 """

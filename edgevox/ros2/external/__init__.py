@@ -1,7 +1,7 @@
 """A body that lives on ROS 2: any robot that speaks the contract's `external_robot` topics.
 
-Imports core, agent.skills and robots of edgevox. Only `EXTERNAL` is for others; rclpy is imported
-when its body is built.
+Imports core, agent.skills, agent.reasons, robots and ros2 of edgevox. Only `EXTERNAL` is for
+others; rclpy is imported when its body is built.
 """
 
 from edgevox.core.errors import EdgeVoxError

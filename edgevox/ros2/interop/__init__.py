@@ -1,7 +1,8 @@
 """What a body offers to any ROS 2 tool: its frames, pose, odometry, scans and pictures go out,
 velocities and goals come in, each only if the body has the capability.
 
-One module per concern, put together by `Interop`. Imports core and robots.capabilities of edgevox.
+One module per concern, put together by `Interop`. Imports core, agent.policy, ros2 and
+robots.capabilities of edgevox.
 """
 
 from edgevox.ros2.interop.interop import Interop

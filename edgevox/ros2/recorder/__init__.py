@@ -3,7 +3,7 @@
 `recorded_topics` says what, `recorder_node` hears it, `write_queue` holds it for a moment,
 `writing` takes it to the disk, `bag`, `mcap_file`, `definitions` and `metadata` are the format;
 `topic_harness` lets a scenario play on a robot that is only known by its topics. Imports core,
-scenario, ops and ros2.
+scenario and ros2.
 """
 
 from edgevox.ros2.recorder.recorded_topics import choose_topics

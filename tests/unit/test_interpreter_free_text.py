@@ -71,8 +71,8 @@ class Writer:
 def understand(model: Writer, logit: float) -> Meaning | None:
     agent = Agent("robot", "", SkillSet([take_note, go_home]))
     judge = Decider(Judge(logit), read_head())
-    mind = Interpreter([agent], Bus(), SystemClock(), model, decider=judge)
-    return mind.understand(SAID, Turn(1, Bus(), SystemClock(), on_speech=lambda: None))
+    interpreter = Interpreter([agent], Bus(), SystemClock(), model, decider=judge)
+    return interpreter.understand(SAID, Turn(1, Bus(), SystemClock(), on_speech=lambda: None))
 
 
 def test_of_an_order_a_model_fills_in_the_words_and_somebody_is_asked_first() -> None:
