@@ -84,7 +84,7 @@ def test_it_finds_back_to_a_place_that_it_was_told_the_name_of(talk, robot) -> N
         one.say("go to the living room")
         assert one.distance_m(*CHARGER) > 2.0
 
-        assert one.say("go to the charger") == "I am in the charger."
+        assert one.say("go to the charger") == "I am at the charger."
 
         assert one.distance_m(*CHARGER) < 0.3
         assert set(one.sources) == {"template"}
@@ -97,7 +97,7 @@ def test_a_place_is_there_after_a_restart_in_its_world_and_in_no_other(talk, rob
     with talk(robot, world=str(WORKSHOP)) as one:
         assert one.say("go to the loading dock").startswith("I do not know the room 'loading dock'")
     with talk(robot) as one:
-        assert one.say("go to the loading dock") == "I am in the loading dock."
+        assert one.say("go to the loading dock") == "I am at the loading dock."
         assert one.distance_m(*CHARGER) < 0.3
 
 
@@ -123,7 +123,7 @@ def test_a_remembered_place_is_a_word_of_commands_too(talk) -> None:
             "I cannot do that: I do not know charger"
         )
         one.command("remember_place", name="charger")
-        assert one.command("navigate_to", room="The Charger") == "I am in the charger."
+        assert one.command("navigate_to", room="The Charger") == "I am at the charger."
 
 
 @pytest.mark.parametrize(
