@@ -3,7 +3,7 @@
 import os
 import stat
 import sys
-import threading
+import time
 
 from edgevox.apps.agent_parts import AgentParts
 from edgevox.apps.shutdown_signals import ShutdownSignals
@@ -13,6 +13,10 @@ from edgevox.apps.terminal.typeahead import typed_ahead
 from edgevox.apps.terminal.view import View
 from edgevox.core.clock import SystemClock
 from edgevox.voice.sources.files import WavFiles
+
+_LOOK_S = 1.0
+"""How long the main thread sleeps at most: a signal that comes after Python looked for one, and
+before the thread sleeps, is seen when it wakes."""
 
 
 def run_terminal(parts: AgentParts, shutdown: ShutdownSignals) -> None:
@@ -46,7 +50,8 @@ def _run_alone(parts: AgentParts) -> None:
             parts.listener.wait_over()
             parts.conversation.wait_idle()
         else:
-            threading.Event().wait()
+            while True:
+                time.sleep(_LOOK_S)
     finally:
         view.close()
 
