@@ -249,12 +249,13 @@ class SkillExecutor:
         return self._interlock.reason if any(skill.drives for skill in skills) else NO_REASON
 
     def _stand(self, reason: Reason) -> None:
-        """End what moves. Motion that begins after this is refused."""
+        """End what moves, and say why. Motion that begins after this is refused."""
+        moved = self.moving
         for follower in self._followers:
             follower.motion_forbidden(reason)
         with self._gate:
             ended = self._runner.cancel_motion(reason)
-        if ended:
+        if ended or (moved and moved.token.cancelled):  # a program ended its own by itself
             phrases = self._phrases()
             self._announce(phrases.failure(reason), detail(phrases, reason))
 
