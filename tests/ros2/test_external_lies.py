@@ -212,9 +212,7 @@ def test_an_agent_says_so_to_people_and_to_operators(agent, peer, domain):
             lambda m: (json.loads(m)["velocity"] or {}).get("linear", 0) > 0.05, timeout_s=HUNG_S
         )
         control.send("do", "claim 1e300")
-        response.wait_for(
-            lambda m: "was der Roboter meldet, kann nicht stimmen" in m
-        )
+        response.wait_for(lambda m: "was der Roboter meldet, kann nicht stimmen" in m)
         reason = "what is heard on /robot1/odom cannot be true"
         told.wait_for(lambda m: any(reason in s.message for s in m.status))
         refused = ("edgevox_refused_messages_total", "implausible", "/robot1/odom")
