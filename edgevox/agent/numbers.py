@@ -6,7 +6,7 @@ from text_to_num import alpha2digit
 
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.phrase_numbers import Numbers
-from edgevox.agent.spelling import NUMBER, key
+from edgevox.agent.spelling import NUMBER
 
 SPOKEN_LANGUAGES = frozenset({"en", "fr", "es", "pt", "de", "nl", "it"})
 """Languages whose number words the library knows; phrasebooks list the usual ones of others."""
@@ -24,26 +24,13 @@ def digits(text: str, language: str = "en") -> str:
     known = phrasebook(language).numbers
     if language in SPOKEN_LANGUAGES:
         text = str(alpha2digit(text, language, 0))
-    text = _GLUED.sub(r" \1 ", _listed_words(text, known)).strip()
+    text = known.words.as_digits(text) if known.words else text
+    text = _GLUED.sub(r" \1 ", text).strip()
     if known.decimal_comma:
         text = _DECIMAL_COMMA.sub(r"\1.\2", text)
     for pattern, replacement in known.rules:
         text = pattern.sub(replacement, text)
     return _in_metres(text, known)
-
-
-def _listed_words(text: str, known: Numbers) -> str:
-    """Where words have no spaces between them, a number is one only before a unit."""
-    if not known.words:
-        return text
-    numbers = {key(word): number for word, number in known.words.items()}
-    words = "|".join(re.escape(word) for word in sorted(known.words, key=len, reverse=True))
-    pattern = (
-        rf"(?:{words})(?=\s*(?:{known.units}))"
-        if known.units
-        else rf"(?<!\S)(?:{words})(?=[\s.,;:!?\u060c\u0964]|$)"
-    )
-    return re.sub(pattern, lambda m: f"{numbers[key(m[0])]:g}", text, flags=re.IGNORECASE)
 
 
 def _in_metres(text: str, known: Numbers) -> str:

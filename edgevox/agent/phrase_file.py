@@ -9,7 +9,7 @@ from typing import Any
 
 from edgevox.agent.answers import AnswerWords
 from edgevox.agent.phrase_hearing import Hearing
-from edgevox.agent.phrase_numbers import Numbers, Rewriting
+from edgevox.agent.phrase_numbers import Numbers, Rewriting, number_words
 from edgevox.agent.phrase_words import word_of
 from edgevox.agent.phrasebook import Phrasebook, SmallTalk
 from edgevox.agent.programs.program_phrases import ProgramPhrases
@@ -81,7 +81,7 @@ def _numbers(data: Mapping[str, Any]) -> Numbers:
     return Numbers(
         decimal_comma=data.get("decimal_comma", False),
         rules=_rewritings(data.get("rules", ())),
-        words={one_form(word): number for word, number in data.get("words", {}).items()},
+        words=number_words(data.get("words", {}), data.get("units", "")),
         units=data.get("units", ""),
         centimetres=data.get("centimetres", ""),
         metres=data.get("metres", ""),
@@ -93,7 +93,7 @@ def _programs(data: Mapping[str, Any]) -> ProgramPhrases:
         templates={kind: tuple(some) for kind, some in data.get("templates", {}).items()},
         rules=data.get("rules", {}),
         rewrite=_rewritings(data.get("rewrite", ())),
-        words={one_form(word): number for word, number in data.get("words", {}).items()},
+        words=number_words(data.get("words", {})),
         units=data.get("units", ""),
         ahead=data.get("ahead", ""),
         go=data.get("go", ""),

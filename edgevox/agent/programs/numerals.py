@@ -3,7 +3,6 @@
 import re
 
 from edgevox.agent.programs.program_phrases import ProgramPhrases
-from edgevox.agent.spelling import key
 
 _DIGITS = {character: value for value, character in enumerate("零一二三四五六七八九")}
 _DIGITS |= {"\N{IDEOGRAPHIC NUMBER ZERO}": 0, "两": 2, "兩": 2}
@@ -18,10 +17,7 @@ def rewritten(text: str, phrases: ProgramPhrases) -> str:
         numerals = rf"{ahead}{_NUMERAL}(?=\s*(?:{phrases.units}))"
         text = re.sub(numerals, lambda match: str(numeral(match[0])), text)
     if phrases.words:
-        numbers = {key(word): value for word, value in phrases.words.items()}
-        words = "|".join(sorted(map(re.escape, phrases.words), key=len, reverse=True))
-        whole = rf"(?<!\S)(?:{words})(?=[\s.,;:!?\u060c\u0964]|$)"
-        text = re.sub(whole, lambda m: f"{numbers[key(m[0])]:g}", text, flags=re.IGNORECASE)
+        text = phrases.words.as_digits(text)
     for pattern, replacement in phrases.rewrite:
         text = pattern.sub(replacement, text)
     return text

@@ -1,8 +1,9 @@
 """How people word programs in one language: the table `programs` of a phrasebook's file."""
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+
+from edgevox.agent.phrase_numbers import NumberWords, Rewriting
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,8 +20,8 @@ class ProgramPhrases:
 
     templates: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     rules: Mapping[str, str] = field(default_factory=dict)
-    rewrite: tuple[tuple[re.Pattern[str], str], ...] = ()
-    words: Mapping[str, float] = field(default_factory=dict)
+    rewrite: tuple[Rewriting, ...] = ()
+    words: NumberWords | None = None
     units: str = ""
     ahead: str = ""
     go: str = ""
