@@ -33,7 +33,12 @@ def without_unit(argument: str) -> str:
 
 def as_part(sentence: str) -> str:
     """A sentence as a part of another."""
-    return f"{sentence[:1].lower()}{sentence[1:]}".rstrip(".")
+    return continued(sentence).rstrip(".")
+
+
+def continued(sentence: str) -> str:
+    """A sentence as the end of another."""
+    return f"{sentence[:1].lower()}{sentence[1:]}"
 
 
 def in_english(value: Any) -> Any:

@@ -6,6 +6,7 @@ from functools import partial
 from typing import Any
 
 from edgevox.agent.goals import Goal
+from edgevox.agent.phrase_forms import continued
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.programs.kept import Kept
 from edgevox.agent.programs.permission import Hands, Permission
@@ -196,8 +197,7 @@ class Programs:
     def _announce_start(self, kept: Kept) -> None:
         """Say that it is about to move, and let whoever is near hear it."""
         kept.due_s = self._clock.now() + LEAD_S
-        order = self.told(kept)
-        order = f"{order[:1].lower()}{order[1:]}"
+        order = continued(self.told(kept))
         self._announce(self._phrases().say("program_now", order=order))
         self._shelf.later(kept, LEAD_S, partial(self._set_out, kept))
 

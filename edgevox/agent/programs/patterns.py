@@ -7,6 +7,7 @@ slots goes to it.
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import count
 
 from hassil.expression import (
@@ -19,6 +20,9 @@ from hassil.expression import (
 )
 from hassil.parse_expression import parse_sentence
 
+from edgevox.agent.numbers import digits
+from edgevox.agent.phrase_file import phrasebook
+from edgevox.agent.programs.numerals import rewritten
 from edgevox.agent.spelling import folded, separated
 from edgevox.core.text import one_form
 
@@ -34,7 +38,7 @@ _NUMBER = r"\d+(?:\.\d+)?(?: \d)?"
 
 @dataclass(frozen=True, slots=True)
 class Pattern:
-    """One template. `text` is what `prepared` made of a sentence."""
+    """One template. `text` is what `spelled` made of a sentence."""
 
     expression: re.Pattern[str]
     wants_number: bool
@@ -49,9 +53,25 @@ class Pattern:
         return {name.partition("__")[0]: text[slice(*span)] for name, span in spans.items()}
 
 
-def prepared(text: str) -> str:
-    """A text as patterns read it: letters, accents and apostrophes in one form."""
-    return " ".join(separated(one_form(text)).split()).strip(" .,;:!?\u3002\u0964\u061f")
+@lru_cache(maxsize=8)
+def spelled(text: str, code: str) -> str:
+    """A sentence of a language as its patterns read it, with its numbers as digits.
+
+    Whoever looks for a program, and for a question about one, asks for the same sentence.
+    """
+    plainly = digits(" ".join(text.split()), code)
+    return rewritten(_prepared(plainly), phrasebook(code).programs)
+
+
+@lru_cache
+def patterns_of(code: str, kinds: tuple[str, ...]) -> Mapping[str, tuple[Pattern, ...]]:
+    """The patterns of a language by these kinds of its templates."""
+    book = phrasebook(code)
+    spaced, rules, templates = book.hearing.spaced, book.programs.rules, book.programs.templates
+    return {
+        kind: tuple(compiled(one, rules, spaced=spaced) for one in templates.get(kind, ()))
+        for kind in kinds
+    }
 
 
 def compiled(template: str, rules: Mapping[str, str], *, spaced: bool) -> Pattern:
@@ -109,6 +129,11 @@ class _Writer:
         before = rf"(?<![{_LETTER}])" if re.match(f"[{_LETTER}]", word[0]) else ""
         after = rf"(?![{_LETTER}])" if re.match(f"[{_LETTER}]", word[-1]) else ""
         return before + re.escape(word) + after
+
+
+def _prepared(text: str) -> str:
+    """A text as patterns read it: letters, accents and apostrophes in one form."""
+    return " ".join(separated(one_form(text)).split()).strip(" .,;:!?\u3002\u0964\u061f")
 
 
 def _folded(template: str) -> str:

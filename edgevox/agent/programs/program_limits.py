@@ -13,12 +13,11 @@ from edgevox.agent.programs.program import (
 )
 from edgevox.agent.programs.senses import Senses
 from edgevox.agent.reasons import because
+from edgevox.agent.skill_executor import MAX_CALLS
 from edgevox.agent.skills import SkillFailed
 
 MAX_PROGRAMS = 8
 """How many programs may wait and run at a time."""
-MAX_CALLS = 8
-"""How many calls a program may hold, however often it repeats them."""
 MAX_TIMES = 100
 """How often a program may repeat its steps, if it does not do so until it is stopped."""
 LONGEST_WAIT_S = 24 * 3600.0

@@ -5,11 +5,9 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from edgevox.agent.nlu.templates import MAX_CHARACTERS, RefusedCommand
-from edgevox.agent.numbers import digits
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.phrasebook import Phrasebook
-from edgevox.agent.programs.numerals import rewritten
-from edgevox.agent.programs.patterns import compiled, number, prepared
+from edgevox.agent.programs.patterns import compiled, number, patterns_of, spelled
 from edgevox.agent.programs.program import (
     After,
     Again,
@@ -86,11 +84,7 @@ class _ProgramLanguage:
     def __init__(self, book: Phrasebook) -> None:
         self._book = book
         phrases, spaced = book.programs, book.hearing.spaced
-        self._patterns = {
-            kind: tuple(compiled(one, phrases.rules, spaced=spaced) for one in templates)
-            for kind, templates in phrases.templates.items()
-            if kind in _KINDS
-        }
+        self._patterns = patterns_of(book.code, _KINDS)
         self._marks = [
             compiled(f"<{rule}>", phrases.rules, spaced=spaced)
             for rule in ("later", "low")
@@ -102,8 +96,7 @@ class _ProgramLanguage:
 
     def whole(self, text: str, plain: Plain) -> Read:
         """What all of it is."""
-        plainly = digits(" ".join(text.split()), self._book.code)
-        words = rewritten(prepared(plainly), self._book.programs)
+        words = spelled(text, self._book.code)
         read = self._wrapped(words, plain, DEEPEST)
         if isinstance(read, Say):
             return None
@@ -130,7 +123,7 @@ class _ProgramLanguage:
     def _matches(self, words: str) -> Iterator[tuple[str, dict[str, str]]]:
         has_number = any(character.isdigit() for character in words)
         for kind in _KINDS:
-            for pattern in self._patterns.get(kind, ()):
+            for pattern in self._patterns[kind]:
                 if has_number or not pattern.wants_number:
                     slots = pattern.slots(words)
                     if slots is not None:

@@ -1,5 +1,6 @@
 """Programs in words, in the language that is spoken: what each skill says when it begins."""
 
+from edgevox.agent.phrase_forms import continued
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.programs.program import (
     After,
@@ -59,8 +60,7 @@ def duration_in_words(seconds: float, phrases: Phrasebook) -> str:
 
 
 def _part(program: Program, phrases: Phrasebook, skills: SkillSet) -> str:
-    whole = in_words(program, phrases, skills)
-    return f"{whole[:1].lower()}{whole[1:]}"
+    return continued(in_words(program, phrases, skills))
 
 
 def _call(call: Call, phrases: Phrasebook, skills: SkillSet) -> str:

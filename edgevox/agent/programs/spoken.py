@@ -1,16 +1,14 @@
 """What people ask of the programs that are kept: which there are, and to forget some."""
 
 from collections.abc import Callable, Sequence
-from functools import lru_cache
 
-from edgevox.agent.numbers import digits
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
+from edgevox.agent.phrase_forms import continued
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.programs.keeper import Programs
 from edgevox.agent.programs.kept import Kept
 from edgevox.agent.programs.matching import meant
-from edgevox.agent.programs.numerals import rewritten
-from edgevox.agent.programs.patterns import Pattern, compiled, prepared
+from edgevox.agent.programs.patterns import patterns_of, spelled
 from edgevox.agent.reasons import because
 from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import ProgramStatus
@@ -73,21 +71,10 @@ def _told(one: Kept, programs: Programs, phrases: Phrasebook) -> str:
     order = programs.told(one)
     if one.status is ProgramStatus.WAITING:
         return order
-    return phrases.say("program_running", order=f"{order[:1].lower()}{order[1:]}")
+    return phrases.say("program_running", order=continued(order))
 
 
 def _asked(text: str, book: Phrasebook) -> Sequence[tuple[str, dict[str, str]]]:
-    words = rewritten(prepared(digits(text, book.code)), book.programs)
-    found = ((kind, one.slots(words)) for kind in _KINDS for one in _patterns(book.code)[kind])
+    words, patterns = spelled(text, book.code), patterns_of(book.code, _KINDS)
+    found = ((kind, one.slots(words)) for kind in _KINDS for one in patterns[kind])
     return [(kind, slots) for kind, slots in found if slots is not None]
-
-
-@lru_cache
-def _patterns(code: str) -> dict[str, tuple[Pattern, ...]]:
-    book = phrasebook(code)
-    spaced, rules = book.hearing.spaced, book.programs.rules
-    templates = book.programs.templates
-    return {
-        kind: tuple(compiled(one, rules, spaced=spaced) for one in templates.get(kind, ()))
-        for kind in _KINDS
-    }
