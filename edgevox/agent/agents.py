@@ -37,3 +37,9 @@ def by_name(agents: Sequence[Agent]) -> dict[str, Agent]:
             if name not in known:
                 raise InvalidValue(f"{agent.name}.handoffs", name, "one of " + ", ".join(known))
     return known
+
+
+def skills_of(agents: Sequence[Agent]) -> SkillSet:
+    """The skills of all of them; of two that have one name, the last one's."""
+    skills = {name: one for agent in agents for name, one in agent.skills.items()}
+    return SkillSet(skills.values())

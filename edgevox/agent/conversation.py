@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from edgevox.agent import inbox
-from edgevox.agent.agents import Agent
+from edgevox.agent.agents import Agent, skills_of
 from edgevox.agent.asking import Asking
 from edgevox.agent.confirmation import OpenQuestion
 from edgevox.agent.dialogue_skills import DialogueSkills
@@ -23,7 +23,7 @@ from edgevox.agent.programs.senses import NO_SENSES, Senses
 from edgevox.agent.programs.shelf import Timer
 from edgevox.agent.reasons import because
 from edgevox.agent.skill_executor import SkillExecutor
-from edgevox.agent.skills import Call, SkillSet
+from edgevox.agent.skills import Call
 from edgevox.agent.states import StateMachine
 from edgevox.agent.stopping import Stopping
 from edgevox.agent.turn import InputTiming, Turn
@@ -31,6 +31,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.commands import (
     CancelProgram,
+    ConversationCommand,
     Heard,
     Interrupt,
     Reset,
@@ -49,10 +50,6 @@ from edgevox.core.transforms import Pose2D
 from edgevox.core.ways import Way
 
 log = get_logger(__name__)
-
-ConversationCommand = (
-    TextInput | Transcribing | Heard | Speak | Interrupt | Reset | RunSkill | CancelProgram
-)
 
 
 class Conversation:
@@ -84,14 +81,11 @@ class Conversation:
         self._bus = bus
         self._clock = clock or SystemClock()
         self._inbox = Inbox(self._clock)
-        dialogue_skills = DialogueSkills(
-            agents, bus, self._clock, lambda: self.interpreter.phrases, pose
-        )
+        dialogue = DialogueSkills(agents, bus, self._clock, lambda: self.interpreter.phrases, pose)
         self.interpreter = interpreter = Interpreter(
-            dialogue_skills.agents, bus, self._clock, model, language, decider=decider
+            dialogue.agents, bus, self._clock, model, language, decider=decider
         )
-        every_skill = {name: s for agent in agents for name, s in agent.skills.items()}
-        self._skills = SkillSet(every_skill.values())
+        self._skills = skills_of(agents)
         self._executor = SkillExecutor(
             bus,
             halt,
@@ -111,11 +105,9 @@ class Conversation:
             senses=senses,
         )
         last = LastDrive(bus, self._clock)
-        performer = Performer(interpreter, self._executor, self.programs, dialogue_skills, last)
+        performer = Performer(interpreter, self._executor, self.programs, dialogue, last)
         self._question = OpenQuestion(bus, self._clock)
-        self._asking = Asking(
-            interpreter, performer, dialogue_skills, self._question, confirm=confirm
-        )
+        self._asking = Asking(interpreter, performer, dialogue, self._question, confirm=confirm)
         self._numbers = itertools.count(1)
         self._turn: Turn | None = None
         self._speech_output = speech_output

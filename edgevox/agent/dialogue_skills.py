@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Annotated
 
-from edgevox.agent.agents import Agent
+from edgevox.agent.agents import Agent, skills_of
 from edgevox.agent.dialogue import Dialogue
 from edgevox.agent.dialogue_answers import DialogueAnswers
 from edgevox.agent.nlu.interpreter import Meaning
@@ -56,7 +56,7 @@ class DialogueSkills:
         phrases: Callable[[], Phrasebook],
         pose: Callable[[], Pose2D] | None = None,
     ) -> None:
-        self._skills = {name: one for agent in agents for name, one in agent.skills.items()}
+        self._skills = skills_of(agents)
         self._phrases = phrases
         self._dialogue = Dialogue(
             bus, clock, self._skills, dialogue_skills=DIALOGUE_SKILLS, pose=pose

@@ -102,17 +102,8 @@ class Query:
     name: str
 
 
-Command = (
-    TextInput
-    | Transcribing
-    | Heard
-    | Speak
-    | Interrupt
-    | SetLanguage
-    | SetVoice
-    | SetMuted
-    | Reset
-    | RunSkill
-    | CancelProgram
-    | Query
+ConversationCommand = (
+    TextInput | Transcribing | Heard | Speak | Interrupt | Reset | RunSkill | CancelProgram
 )
+"""What the conversation takes."""
+Command = ConversationCommand | SetLanguage | SetVoice | SetMuted | Query
