@@ -6,14 +6,19 @@ same machine, whatever else runs on it. Time is that of the processor.
 """
 
 import math
+import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from pathlib import Path
 
 from worlds import Row
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+
+from wrapped_engine import WrappedEngine
+
 from edgevox.core.cancel import CancelToken
-from edgevox.core.transforms import Pose2D
-from edgevox.robots.capabilities import LidarScan, Twist2D
+from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.diff_drive import DiffDriveRobot
 from edgevox.robots.engine import STEP_S, Engine, MotionState
 from edgevox.robots.irsim_engine import IrsimEngine, make_environment
@@ -28,11 +33,12 @@ Step = Callable[[Twist2D], None]
 Scan = Callable[[], object]
 
 
-class Beside:
+class Beside(WrappedEngine):
     """An engine that lets a bare simulator do each step, and its scan at 10 Hz, once more."""
 
     def __init__(self, engine: Engine, bare: tuple[Step, Scan], *, lidar: bool) -> None:
-        self._engine, self._lidar = engine, lidar
+        super().__init__(engine)
+        self._lidar = lidar
         self._step, self._scan = bare
         self.steps = 0
         self.bare_s = 0.0
@@ -49,22 +55,6 @@ class Beside:
             self._scan()
         self.bare_s += time.thread_time() - began_s
         return motion
-
-    def motion(self) -> MotionState:
-        return self._engine.motion()
-
-    @property
-    def still(self) -> bool:
-        return self._engine.still
-
-    def movable_poses(self) -> tuple[Pose2D, ...]:
-        return self._engine.movable_poses()
-
-    def scan(self, time_s: float) -> LidarScan:
-        return self._engine.scan(time_s)
-
-    def put(self, robot: Pose2D, movable: Sequence[Pose2D]) -> None:
-        self._engine.put(robot, movable)
 
 
 def bare_irsim(world: World) -> tuple[Step, Scan]:

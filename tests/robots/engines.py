@@ -1,10 +1,11 @@
 """A 2D simulator that a test gives to a body, and can reach by itself as well."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
-from edgevox.core.transforms import Pose2D
+from wrapped_engine import WrappedEngine
+
 from edgevox.robots.apartment import ApartmentRobot
-from edgevox.robots.capabilities import LidarScan, Twist2D
+from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.diff_drive import DiffDriveRobot
 from edgevox.robots.engine import Engine, MotionState
 from edgevox.robots.irsim import IrsimRobot
@@ -19,38 +20,22 @@ ENGINES: dict[type[DiffDriveRobot], Callable[[World], Engine]] = {
 """What each 2D body is simulated by."""
 
 
-class MeddledEngine:
+class MeddledEngine(WrappedEngine):
     """Does what the real engine does, but that each step goes through `meddle` once there is one.
 
     `meddle` is given the command and the real step.
     """
 
     def __init__(self, engine: Engine) -> None:
-        self._engine = engine
+        super().__init__(engine)
         self.meddle: Callable[[Twist2D, Callable[[Twist2D], MotionState]], MotionState] | None = (
             None
         )
 
     def step(self, command: Twist2D) -> MotionState:
         if self.meddle:
-            return self.meddle(command, self._engine.step)
-        return self._engine.step(command)
-
-    def motion(self) -> MotionState:
-        return self._engine.motion()
-
-    @property
-    def still(self) -> bool:
-        return self._engine.still
-
-    def movable_poses(self) -> tuple[Pose2D, ...]:
-        return self._engine.movable_poses()
-
-    def scan(self, time_s: float) -> LidarScan:
-        return self._engine.scan(time_s)
-
-    def put(self, robot: Pose2D, movable: Sequence[Pose2D]) -> None:
-        self._engine.put(robot, movable)
+            return self.meddle(command, super().step)
+        return super().step(command)
 
 
 def meddled(
