@@ -14,7 +14,7 @@ import inspect
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Protocol, get_args
+from typing import Any, Protocol, TypeVar, get_args, overload
 
 from pydantic import BaseModel
 
@@ -30,6 +30,7 @@ from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue
 
 Result = Mapping[str, Any]
+D = TypeVar("D")
 
 STOP = "stop"
 """The name of the skill that halts the body; nothing ever forbids it."""
@@ -228,6 +229,14 @@ class SkillSet(Mapping[str, Skill]):
             return self._skills[name]
         except KeyError:
             raise UnknownSkill(name, self._skills) from None
+
+    @overload
+    def get(self, name: str, default: None = None, /) -> Skill | None: ...
+    @overload
+    def get(self, name: str, default: D, /) -> Skill | D: ...
+    def get(self, name: str, default: D | None = None, /) -> Skill | D | None:
+        """The skill of that name, or the default: what `Mapping` has catches no `UnknownSkill`."""
+        return self._skills.get(name, default)
 
     def __contains__(self, name: object) -> bool:
         return name in self._skills
