@@ -13,6 +13,7 @@ from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
+from edgevox.core.transforms import Pose2D, lift
 from edgevox.robots.capabilities import Report
 from edgevox.robots.command_mux import CommandMux
 from edgevox.robots.mujoco.mujoco_engine import MujocoEngine
@@ -215,5 +216,6 @@ class Workcell:
         for name, start in self.starts.items():
             place = data.joint(name).qpos
             place[:3] = start.x_m, start.y_m, layout.CUBE_SIZE_M / 2
-            place[3:] = np.cos(start.yaw_rad / 2), 0.0, 0.0, np.sin(start.yaw_rad / 2)
+            turned = lift(Pose2D(0.0, 0.0, start.yaw_rad))
+            place[3:] = turned.qw, turned.qx, turned.qy, turned.qz
         mujoco.mj_forward(model, data)
