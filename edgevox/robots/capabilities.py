@@ -82,9 +82,6 @@ class CameraImage:
 Report = Callable[..., None]
 """Feedback of a running goal, as keyword arguments; `GoalHandle.report` is one."""
 
-STOP_ASKED = "stop was asked"
-"""Why a body halts for its skill `stop`: read in the log, and said by nobody."""
-
 
 class Body(Protocol):
     """Whatever moves."""

@@ -5,10 +5,11 @@ from typing import Annotated, Protocol
 
 from pydantic import Field
 
+from edgevox.agent.reasons import called_off
 from edgevox.agent.skills import GoalHandle, Result, Skill, skill
 from edgevox.core.cancel import CancelToken
 from edgevox.core.transforms import distance_on_floor, turn_between
-from edgevox.robots.capabilities import STOP_ASKED, Body, HasPose, Report
+from edgevox.robots.capabilities import Body, HasPose, Report
 from edgevox.robots.humanoid import words
 
 LEAST_M, MOST_M = 0.05, 20.0
@@ -127,7 +128,7 @@ def _stop(body: WalkingBody) -> Skill:
     def stop(goal: GoalHandle) -> Result:
         """Stop walking at once."""
         goal.token.check()
-        return {"was_moving": body.halt(STOP_ASKED)}
+        return {"was_moving": body.halt(str(called_off("stop_asked")))}
 
     return stop
 

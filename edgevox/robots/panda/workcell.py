@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from edgevox.agent.reasons import because
+from edgevox.agent.reasons import because, called_off
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
@@ -85,7 +85,7 @@ class Workcell:
     def reset(self) -> None:
         """Everything as it was at the start; time goes on."""
         with self.engine.lock:
-            self.end(Cancelled("the world was reset"))
+            self.end(Cancelled(called_off("world_reset")))
             mujoco.mj_resetData(self.engine.model, self.engine.data)
             self._build()
 
@@ -116,7 +116,7 @@ class Workcell:
             if not self.engine.running:
                 raise SkillFailed(because("switched_off"))
             if self._mux.busy:
-                self.end(Cancelled(f"pre-empted by {skill}"))
+                self.end(Cancelled(because("preempted", skill=skill)))
             self._mux.start(lambda: task)
         with self._mux.cancelled_by(token, task):
             try:
