@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from beside import Room, Scheduling, in_turns
+from failed_subscribers import FAILED, FailedSubscribers
 from hypothesis import HealthCheck, settings
 
 # How long an example takes is the machine's business; what must be quick is a benchmark.
@@ -36,6 +37,14 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Scheduling | None:
     return Scheduling(config, log) if config.getoption("dist") == "loadfile" else None
+
+
+@pytest.fixture(autouse=True)
+def failed_subscribers() -> Iterator[FailedSubscribers]:
+    """A subscriber of a bus that fails, fails the test; one that expects it takes the failure."""
+    yield FAILED
+    if failed := FAILED.take():
+        pytest.fail(f"a subscriber of a bus failed, and no test took it:\n{failed}", pytrace=False)
 
 
 @pytest.fixture(scope="session")

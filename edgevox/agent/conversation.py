@@ -153,7 +153,7 @@ class Conversation:
             self._thread.join()
 
     def submit(self, command: ConversationCommand) -> None:
-        """Take a command."""
+        """Take a command, on the caller's thread: what cannot wait is done, the rest is queued."""
         match command:
             case Interrupt(reason=reason, motion=motion, cause=cause):
                 self._stopping.interrupt(reason, cause, motion=motion)
@@ -242,6 +242,7 @@ class Conversation:
             self._end(turn, measured=inbox.asked_in_words(item))
 
     def _handle(self, item: Item, turn: Turn) -> None:
+        """On the conversation's thread: what was queued, the commands and what came of events."""
         match item:
             case TextInput(text=text):
                 self._converse(text, turn, self._inbox.since_s)

@@ -87,7 +87,7 @@ class Goal:
         try:
             result = _as_json(self.skill.function(self, **self.arguments))
         except Cancelled as cancelled:
-            self.end(GoalStatus.CANCELLED, self._token.why or Reason(str(cancelled)))
+            self.end(GoalStatus.CANCELLED, self._token.why or cancelled.why)
         except EdgeVoxError as error:  # `SkillFailed`, or what it called did
             self.end(GoalStatus.FAILED, reason_of(error))
         except BaseException as error:

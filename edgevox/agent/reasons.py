@@ -22,6 +22,14 @@ def because(code: str, text: str = "", /, **values: str | tuple[str, ...] | Reas
     return Reason(text or in_words(sentence, values), code, values)
 
 
+def called_off(why: str) -> Reason:
+    """Why a body's motion was called off, of the table `called_off` of `phrases/en.toml`.
+
+    People hear the same sentence whatever it was, in their language; programs read this one.
+    """
+    return because("called_off", _english()["called_off"][why])
+
+
 def in_words(sentence: str, values: Mapping[str, str | tuple[str, ...] | Reason]) -> str:
     """An English sentence of a reason, with what it is about."""
     return sentence.format(**{name: _told(value) for name, value in values.items()})

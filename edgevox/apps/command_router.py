@@ -21,7 +21,11 @@ class CommandRouter:
         self._bus = bus
 
     def submit(self, command: Command) -> None:
-        """Take a command."""
+        """Take a command, on the caller's thread: what a part other than the conversation does.
+
+        The conversation dispatches the rest by when it is done, at once or in its turn
+        (`Conversation.submit`), and what waited for its turn by what is done (its own thread).
+        """
         match command:
             case SetLanguage(code=code):
                 self._controls.change({"language": code.strip()})

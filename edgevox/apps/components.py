@@ -12,7 +12,7 @@ from edgevox.apps.agent_parts import AgentParts
 from edgevox.apps.folders import written_folders
 from edgevox.apps.policy_setup import known_names
 from edgevox.core.gauges import Gauges
-from edgevox.core.status import Component, Off
+from edgevox.core.status import Component, ComponentName, Off
 from edgevox.ops.diagnostics.disk import DiskComponent
 from edgevox.ops.diagnostics.process import ProcessComponent
 from edgevox.robots.sim_status import SimComponent
@@ -29,9 +29,9 @@ def list_components(parts: AgentParts, gauges: Gauges) -> None:
         stt,
         _llm(parts, gauges),
         tts,
-        SimComponent(parts.body) if parts.body else Off("sim", "no robot"),
-        Off("executor", "no ROS 2"),
-        Off("presence", "no ROS 2"),
+        SimComponent(parts.body) if parts.body else Off(ComponentName.SIM, "no robot"),
+        Off(ComponentName.EXECUTOR, "no ROS 2"),
+        Off(ComponentName.PRESENCE, "no ROS 2"),
         PolicyComponent(parts.guard, lambda: known_names(_skills(parts))),
         DiskComponent(lambda: written_folders(parts.settings)),
         ProcessComponent(parts.health, __version__, lambda: parts.conversation.refusals),
@@ -41,7 +41,11 @@ def list_components(parts: AgentParts, gauges: Gauges) -> None:
 def _of_voice(parts: AgentParts, gauges: Gauges) -> tuple[Component, Component, Component]:
     voice, listener, controls = parts.voice, parts.listener, parts.controls
     if not voice or not listener:
-        return Off("audio", TYPED), Off("stt", TYPED), Off("tts", TYPED)
+        return (
+            Off(ComponentName.AUDIO, TYPED),
+            Off(ComponentName.STT, TYPED),
+            Off(ComponentName.TTS, TYPED),
+        )
     return (
         AudioComponent(
             voice.source,
@@ -58,7 +62,7 @@ def _of_voice(parts: AgentParts, gauges: Gauges) -> tuple[Component, Component, 
 
 def _llm(parts: AgentParts, gauges: Gauges) -> Component:
     if not parts.model:
-        return Off("llm", "none was asked for")
+        return Off(ComponentName.LLM, "none was asked for")
     return LlmComponent(
         parts.model,
         gauges,

@@ -4,13 +4,13 @@ from pathlib import Path
 
 from edgevox.agent.llm.absent import AbsentModel
 from edgevox.agent.llm.language_model import LanguageModel
-from edgevox.core.settings import Settings
+from edgevox.core.settings import NO_LLM, Settings
 from edgevox.models import locate
 
 
 def find_weights(settings: Settings) -> Path | None:
     """The file of the model on board; None where there is to be none. Raises `EdgeVoxError`."""
-    if settings.llm == "none":
+    if settings.llm == NO_LLM:
         return None
     path = Path(settings.llm)
     return path if path.suffix == ".gguf" else locate(settings.llm)

@@ -10,7 +10,7 @@ from edgevox.apps.composition import build_parts, start_parts
 from edgevox.apps.conversation_harness import ConversationHarness
 from edgevox.apps.snapshot import check_picture, write_picture
 from edgevox.core.errors import InvalidValue
-from edgevox.core.settings import Settings
+from edgevox.core.settings import NO_LLM, Settings
 from edgevox.robots.capabilities import Body
 from edgevox.scenario import Scenario, load_scenario, run_scenario
 from edgevox.scenario.run_scenario import StepResult
@@ -33,7 +33,7 @@ class Script:
         for name in ("world", "mjcf", "locations", "policy"):
             if name in own:
                 own[name] = str(self.file.parent / str(own[name]))
-        return {"llm": "none", "text_mode": True, **own, **given}
+        return {"llm": NO_LLM, "text_mode": True, **own, **given}
 
 
 def read_script(file: Path, robot: str) -> Script:

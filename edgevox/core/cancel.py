@@ -7,7 +7,14 @@ from edgevox.core.reason import NO_REASON, Reason
 
 
 class Cancelled(Exception):
-    """Raised by work that stopped because its token was cancelled. Not an error."""
+    """Raised by work that stopped because its token was cancelled or its motion ended. No error.
+
+    `why` is the reason, with its code if it has one.
+    """
+
+    def __init__(self, why: Reason | str = NO_REASON) -> None:
+        super().__init__(str(why))
+        self.why = why if isinstance(why, Reason) else Reason(why)
 
 
 class CancelToken:
@@ -62,7 +69,7 @@ class CancelToken:
     def check(self) -> None:
         """Raise `Cancelled` if the switch is turned."""
         if self._event.is_set():
-            raise Cancelled(self.reason)
+            raise Cancelled(self._why)
 
     def on_cancel(self, callback: Callable[[], None]) -> Callable[[], None]:
         """Run `callback` when cancelled, at once if it is. Returns a way to forget it."""

@@ -29,6 +29,8 @@ Confirm = Literal["always", "unsure", "never"]
 CONFIRM: tuple[Confirm, ...] = get_args(Confirm)
 """When somebody is asked before the robot drives."""
 Echo = Literal["gate", "none"]
+NO_LLM = "none"
+"""As `llm`: no language model on board."""
 LlmBackend = Literal["auto", "xllamacpp", "llama-cpp-python"]
 GrammarDialect = Literal["auto", "llama-server", "vllm", "vllm-guided", "none"]
 _NAMESPACE = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+|/")
@@ -78,7 +80,7 @@ class Settings(BaseSettings):
         "en", description="language to hear and speak, ISO 639-1 code"
     )
     voice: str = Field("", description="text-to-speech voice; empty chooses by the language")
-    muted: bool = Field(False, description="start with the microphone muted")
+    muted: bool = Field(False, description="mute the microphone")
     confirm: Confirm = Field(
         "unsure",
         description="ask back before it drives: always, or when unsure; never: what is unsure is"

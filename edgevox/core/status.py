@@ -6,7 +6,7 @@ What is judged in more than one place, such as when something stalls, is judged 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from enum import IntEnum
+from enum import IntEnum, StrEnum
 from typing import Protocol, Self
 
 from edgevox.core.log import get_logger
@@ -20,6 +20,21 @@ STALL_S = 6.0
 
 Value = bool | int | float | str | None
 """None is what is not known yet. Its name ends in its unit (``last_s``, ``free_mib``), if any."""
+
+
+class ComponentName(StrEnum):
+    """What every agent lists, in this order."""
+
+    AUDIO = "audio"
+    STT = "stt"
+    LLM = "llm"
+    TTS = "tts"
+    SIM = "sim"
+    EXECUTOR = "executor"
+    PRESENCE = "presence"
+    POLICY = "policy"
+    DISK = "disk"
+    PROCESS = "process"
 
 
 class Level(IntEnum):

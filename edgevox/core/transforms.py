@@ -44,6 +44,34 @@ OFF_UNIT = 0.1
 """So much longer or shorter than 1 a quaternion may have become by rounding."""
 
 
+def rotate(x: float, y: float, yaw_rad: float) -> tuple[float, float]:
+    """A vector on the floor, turned to the left."""
+    cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
+    return cos * x - sin * y, sin * x + cos * y
+
+
+def to_map(point: tuple[float, float], pose: Pose2D) -> tuple[float, float]:
+    """A point of the frame that stands at `pose`, in the frame that `pose` is given in."""
+    cos, sin = math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)
+    x, y = point
+    return pose.x_m + cos * x - sin * y, pose.y_m + sin * x + cos * y
+
+
+def compose_on_floor(parent: Pose2D, child: Pose2D) -> Pose2D:
+    """A pose given in a frame, seen from where that frame's own pose is given; yaws just add up."""
+    return Pose2D(*to_map((child.x_m, child.y_m), parent), parent.yaw_rad + child.yaw_rad)
+
+
+def turn_between(start_rad: float, end_rad: float) -> float:
+    """Radians to the left, -pi to pi, from one heading to another: the short way round."""
+    return math.remainder(end_rad - start_rad, math.tau)
+
+
+def distance_on_floor(one: Pose2D, other: Pose2D) -> float:
+    """Metres between two poses, whichever way they look."""
+    return math.hypot(other.x_m - one.x_m, other.y_m - one.y_m)
+
+
 def lift(pose: Pose2D) -> Pose3D:
     """A pose on the floor as one in space."""
     half = pose.yaw_rad / 2
@@ -54,6 +82,11 @@ def project(pose: Pose3D) -> Pose2D:
     """A pose in space seen from above: where its origin is, and which way its x axis points."""
     ahead_x, ahead_y, _ = _rotate(pose, 1.0, 0.0, 0.0)
     return Pose2D(pose.x_m, pose.y_m, math.atan2(ahead_y, ahead_x))
+
+
+def pitch(down_rad: float) -> Pose3D:
+    """A turn about y, which makes what looks ahead look down."""
+    return Pose3D(qy=math.sin(down_rad / 2), qw=math.cos(down_rad / 2))
 
 
 def compose(parent: Pose3D, child: Pose3D) -> Pose3D:

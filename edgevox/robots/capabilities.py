@@ -48,6 +48,13 @@ class LidarScan:
     ranges_m: NDArray[np.float32]
     mount: Pose2D = ORIGIN
 
+    def ends(self, ranges_m: NDArray[np.floating]) -> NDArray[np.float64]:
+        """Where its beams would end if they were so long, (n, 2) metres, in the body's frame."""
+        angles = self.angle_min_rad + self.angle_increment_rad * np.arange(len(ranges_m))
+        angles += self.mount.yaw_rad
+        ahead = self.mount.x_m + ranges_m * np.cos(angles)
+        return np.stack([ahead, self.mount.y_m + ranges_m * np.sin(angles)], axis=1)
+
 
 @dataclass(frozen=True, slots=True)
 class CameraSpec:
@@ -74,9 +81,6 @@ class CameraImage:
 
 Report = Callable[..., None]
 """Feedback of a running goal, as keyword arguments; `GoalHandle.report` is one."""
-
-STOP_ASKED = "stop was asked"
-"""Why a body halts for its skill `stop`: read in the log, and said by nobody."""
 
 
 class Body(Protocol):

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from typing import Generic, TypeVar
 
+from edgevox.agent.reasons import called_off
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.errors import finite
 from edgevox.core.log import get_logger
@@ -63,14 +64,14 @@ class CommandMux(Generic[M]):
         """Whether anybody moves the body."""
         return self._velocity is not None or self.motion is not None
 
-    def start(self, make: Callable[[], M], why: str = "a new goal came") -> M:
-        """Let this motion move the body; what moved it so far ends as cancelled because of `why`.
+    def start(self, make: Callable[[], M]) -> M:
+        """Let this motion move the body; what moved it so far ends as cancelled.
 
         Where `make` refuses, by raising, nothing has changed.
         """
         with self._lock:
             motion = make()
-            self._end(Cancelled(why))
+            self._end(Cancelled(called_off("new_goal")))
             self._motion, self._velocity = motion, None
             return motion
 
@@ -82,7 +83,7 @@ class CommandMux(Generic[M]):
         linear_m_s = finite("linear_m_s", twist.linear_m_s)
         angular_rad_s = finite("angular_rad_s", twist.angular_rad_s)
         with self._lock:
-            self._end(Cancelled("somebody else steers"))
+            self._end(Cancelled(called_off("steered")))
             self._velocity = Twist2D(
                 clamped(linear_m_s, self._max_linear_m_s),
                 clamped(angular_rad_s, self._max_angular_rad_s),
@@ -122,7 +123,7 @@ class CommandMux(Generic[M]):
         """For so long the token halts the body, if it is this motion that moves it."""
 
         def cancel() -> None:
-            self.halt(Cancelled(token.reason), only=motion)
+            self.halt(Cancelled(token.why), only=motion)
 
         forget = token.on_cancel(cancel)
         try:

@@ -3,13 +3,13 @@
 import threading
 from collections.abc import Mapping
 from functools import cached_property, lru_cache
-from types import MappingProxyType, TracebackType
-from typing import TYPE_CHECKING, Any, Self
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from edgevox.agent.reasons import because
+from edgevox.agent.reasons import because, called_off
 from edgevox.agent.skills import OneOf, Skill, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
@@ -26,6 +26,7 @@ from edgevox.robots.places.place_memory import PlaceMemory
 from edgevox.robots.robot_state import describe_goal, describe_motion
 from edgevox.robots.shapes import Point
 from edgevox.robots.sim_loop import BROKE, SimLoop, SteppedBySimLoop
+from edgevox.robots.simulated_body import SimulatedBody
 from edgevox.robots.text_map import draw
 from edgevox.robots.world_model import World
 
@@ -36,7 +37,7 @@ _PICTURE_PX = 800
 _TRAIL_SHOWN = 400  # points of 0.05 m
 
 
-class DiffDriveRobot(SteppedBySimLoop):
+class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
     """A body with a pose, a lidar, a battery, rooms, and the sense to drive somewhere by itself.
 
     `speed` is how many seconds pass in its world each second, 1 for real time. With None, for
@@ -87,18 +88,6 @@ class DiffDriveRobot(SteppedBySimLoop):
             lock=self._lock,
         )
 
-    def __enter__(self) -> Self:
-        self.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
-
     @property
     def skills(self) -> tuple[Skill, ...]:
         return self._skills
@@ -124,15 +113,13 @@ class DiffDriveRobot(SteppedBySimLoop):
     def start(self) -> None:
         self._sim_loop.start()
 
-    def close(self) -> None:
-        """Stop moving and join the thread. A drive that runs ends as cancelled."""
-        self.halt("the robot was switched off")
+    def _close(self) -> None:
         self._sim_loop.close()
 
     def reset(self) -> None:
         """Everything back where it started, with a full battery; time goes on."""
         with self._lock:
-            self._mux.halt(Cancelled("the world was reset"))
+            self._mux.halt(Cancelled(called_off("world_reset")))
             self._run = DiffDriveRun(self.world, self._engine, self._mux)
         self._sim_loop.wake()
 

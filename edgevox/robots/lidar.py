@@ -6,9 +6,9 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from edgevox.core.transforms import Pose2D
+from edgevox.core.transforms import Pose2D, to_map
 from edgevox.robots.capabilities import LidarScan
-from edgevox.robots.shapes import Circle, Floats, Shape, edges, place, to_map
+from edgevox.robots.shapes import Circle, Floats, Shape, edges, place
 from edgevox.robots.world_model import Thing, World
 
 _PARALLEL = 1e-12

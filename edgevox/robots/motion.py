@@ -52,6 +52,10 @@ class Motion(ABC):
         if self.error is not None:
             raise self.error
 
+    def wait_for(self, most_s: float) -> bool:
+        """Block until it is over, no longer than that; whether it is over, for whatever reason."""
+        return self._over.wait(most_s)
+
     def wait(self, report: Callable[[], object]) -> None:
         """Block until it is over, calling `report` five times a second; raises as `check`."""
         while not self._over.wait(REPORT_EVERY_S):

@@ -7,6 +7,9 @@ from edgevox.core.errors import InvalidValue
 from edgevox.robots.navigation_words import STOP
 
 LONGEST_NAME = 64
+"""In the file of a world, whose things are drawn more often than spoken of."""
+LONGEST_PLACE = 40
+"""Of a place that people name, in a file of theirs or by saying so."""
 
 
 def read_name(where: str, value: object, longest: int = LONGEST_NAME) -> str:

@@ -7,14 +7,13 @@ from typing import Annotated, Protocol, runtime_checkable
 
 from pydantic import Field
 
-from edgevox.agent.reasons import because
+from edgevox.agent.reasons import because, called_off
 from edgevox.agent.skills import Example, GoalHandle, OneOf, Result, Skill, SkillFailed, skill
 from edgevox.core.cancel import CancelToken
 from edgevox.core.transforms import Pose2D
 from edgevox.robots import navigation_words as words
 from edgevox.robots.bounds import Bounds
 from edgevox.robots.capabilities import (
-    STOP_ASKED,
     Body,
     ChecksGoals,
     DrivesTo,
@@ -180,7 +179,7 @@ def _stop(body: NavigableBody) -> Skill:
     def stop(goal: GoalHandle) -> Result:
         """Stop moving at once and forget where it was going."""
         goal.token.check()
-        return {"was_moving": body.halt(STOP_ASKED)}
+        return {"was_moving": body.halt(str(called_off("stop_asked")))}
 
     return stop
 

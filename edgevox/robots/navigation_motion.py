@@ -1,11 +1,10 @@
 """One drive to a point: plans, follows, plans again when something is in the way, ends once."""
 
-import math
 from collections.abc import Sequence
 
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
-from edgevox.core.transforms import Pose2D
+from edgevox.core.transforms import Pose2D, distance_on_floor, turn_between
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.command_mux import STILL
 from edgevox.robots.engine import MotionState
@@ -94,13 +93,9 @@ class NavigationMotion(Motion):
                 self.end(refusal)
 
     def _moved(self, pose: Pose2D) -> bool:
-        turned = abs(math.remainder(pose.yaw_rad - self._place.yaw_rad, math.tau))
-        return _apart(pose, self._place) > _PROGRESS_M or turned > 1.0
+        turned = abs(turn_between(self._place.yaw_rad, pose.yaw_rad))
+        return distance_on_floor(pose, self._place) > _PROGRESS_M or turned > 1.0
 
     def _shifted(self, movable: Sequence[Pose2D]) -> bool:
         pairs = zip(movable, self._planned_with, strict=True)
-        return any(_apart(now, then) > _SHIFTED_M for now, then in pairs)
-
-
-def _apart(one: Pose2D, other: Pose2D) -> float:
-    return math.hypot(one.x_m - other.x_m, one.y_m - other.y_m)
+        return any(distance_on_floor(now, then) > _SHIFTED_M for now, then in pairs)

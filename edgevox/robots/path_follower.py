@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import accumulate, pairwise
 from typing import Protocol
 
-from edgevox.core.transforms import Pose2D
+from edgevox.core.transforms import Pose2D, turn_between
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.shapes import Point
 
@@ -148,4 +148,4 @@ def _sides(path: Sequence[Point]) -> list[_Side]:
 
 def _heading_error(pose: Pose2D, target: Point) -> float:
     bearing = math.atan2(target[1] - pose.y_m, target[0] - pose.x_m)
-    return math.remainder(bearing - pose.yaw_rad, math.tau)
+    return turn_between(pose.yaw_rad, bearing)

@@ -8,11 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 from PIL import Image
 
-from edgevox.core.transforms import Pose2D
+from edgevox.core.transforms import Pose2D, to_map
 from edgevox.robots.capabilities import LidarScan
 from edgevox.robots.picture_sheet import Color, Sheet
-from edgevox.robots.shapes import Line, Point, Polygon, Shape, place, to_map
-from edgevox.robots.world_model import LidarSpec, World
+from edgevox.robots.shapes import Line, Point, Polygon, Shape, place
+from edgevox.robots.world_model import World
 
 SMOOTHING = 3
 """Everything is drawn this much larger and shrunk at the end: smooth edges."""
@@ -80,7 +80,7 @@ class Painter:
         """The world as it is now; see `picture`."""
         world, sheet = self._world, self._floor.copy()
         if scan is not None:
-            sheet.area(Polygon(seen(scan, robot, world.robot.lidar)), _LIDAR)
+            sheet.area(Polygon(seen(scan, robot)), _LIDAR)
         for thing, pose in zip(world.movable, movable, strict=True):
             sheet.furniture(thing, pose)
         sheet.trail(trail)
@@ -88,13 +88,7 @@ class Painter:
         return sheet.finished(self._smoothing)
 
 
-def seen(scan: LidarScan, robot: Pose2D, spec: LidarSpec) -> tuple[Point, ...]:
+def seen(scan: LidarScan, robot: Pose2D) -> tuple[Point, ...]:
     """The corners of the area that a sweep found free, map frame."""
-    x, y = to_map((spec.mount.x_m, spec.mount.y_m), robot)
-    turn = robot.yaw_rad + spec.mount.yaw_rad + scan.angle_min_rad
-    angles = turn + scan.angle_increment_rad * np.arange(len(scan.ranges_m))
-    far = np.minimum(scan.ranges_m, scan.range_max_m)
-    return tuple(
-        (x + float(r * np.cos(a)), y + float(r * np.sin(a)))
-        for r, a in zip(far, angles, strict=True)
-    )
+    ends = scan.ends(np.minimum(scan.ranges_m, scan.range_max_m))
+    return tuple(to_map((x, y), robot) for x, y in ends.tolist())

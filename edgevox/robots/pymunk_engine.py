@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import pymunk
 
-from edgevox.core.transforms import Pose2D
+from edgevox.core.transforms import Pose2D, rotate
 from edgevox.robots.capabilities import LidarScan, Twist2D
 from edgevox.robots.engine import BRAKE_M_S2, STEP_S, STILL_M_S, MotionState
 from edgevox.robots.lidar import Lidar
@@ -60,11 +60,7 @@ class PymunkEngine:
         robot, wheels, space = self._robot, self._wheels, self._space
         wheels.angular_velocity = command.angular_rad_s
         for _ in range(_SUBSTEPS):
-            yaw_rad = robot.angle
-            wheels.velocity = (
-                math.cos(yaw_rad) * command.linear_m_s,
-                math.sin(yaw_rad) * command.linear_m_s,
-            )
+            wheels.velocity = rotate(command.linear_m_s, 0.0, robot.angle)
             space.step(STEP_S / _SUBSTEPS)
         return self.motion()
 
@@ -73,7 +69,7 @@ class PymunkEngine:
         x, y = robot.position
         vx, vy = robot.velocity
         yaw_rad = robot.angle
-        ahead_m_s = vx * math.cos(yaw_rad) + vy * math.sin(yaw_rad)
+        ahead_m_s, _ = rotate(vx, vy, -yaw_rad)
         return MotionState(
             Pose2D(x, y, math.remainder(yaw_rad, math.tau)),
             Twist2D(ahead_m_s, robot.angular_velocity),

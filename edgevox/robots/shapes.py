@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from edgevox.core.transforms import Pose2D
+from edgevox.core.transforms import Pose2D, to_map
 
 Point = tuple[float, float]
 Floats = NDArray[np.float64]
@@ -36,13 +36,6 @@ class Line:
 
 
 Shape = Circle | Polygon | Line
-
-
-def to_map(point: Point, pose: Pose2D) -> Point:
-    """A point of the frame that stands at `pose`, in the frame that `pose` is given in."""
-    cos, sin = math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)
-    x, y = point
-    return pose.x_m + cos * x - sin * y, pose.y_m + sin * x + cos * y
 
 
 def place(shape: Shape, pose: Pose2D) -> Shape:

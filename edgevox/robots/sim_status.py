@@ -3,7 +3,7 @@
 from edgevox.core.clock import Clock
 from edgevox.core.fault import fault_of
 from edgevox.core.recent_increase import RecentIncrease
-from edgevox.core.status import Finding, HealthCheck, Level, Status, moves, stall
+from edgevox.core.status import ComponentName, Finding, HealthCheck, Level, Status, moves, stall
 from edgevox.robots.capabilities import Body, CountsHalts, HasBattery, KeepsPace, TellsStalls
 
 SLOW = 0.9
@@ -14,7 +14,7 @@ LOW_BATTERY = 0.15
 class SimComponent:
     """Standing still, breaking and having no robot are errors; being slow is a warning."""
 
-    name = "sim"
+    name = ComponentName.SIM
 
     def __init__(self, body: Body, clock: Clock | None = None) -> None:
         self._body = body

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import PlainValidator, TypeAdapter
 
-from edgevox.core.transforms import Pose2D
+from edgevox.core.transforms import Pose2D, distance_on_floor, to_map
 from edgevox.core.validation import wrong
 from edgevox.robots.world_fields import (
     NotNegative,
@@ -69,9 +69,7 @@ class _OnCircle(Distribution):
         radius = self.radius or min(high.x_m - low.x_m, high.y_m - low.y_m) / 2
         x, y = (self.center or ((low.x_m + high.x_m) / 2, (low.y_m + high.y_m) / 2))[:2]
         angles = [2 * math.pi * i / asked.number for i in range(asked.number)]
-        return [
-            Pose2D(x + radius * math.cos(a), y + radius * math.sin(a), a - math.pi) for a in angles
-        ]
+        return [Pose2D(*to_map((radius, 0.0), Pose2D(x, y, a)), a - math.pi) for a in angles]
 
 
 class _AtRandom(Distribution):
@@ -94,7 +92,7 @@ class _AtRandom(Distribution):
     ) -> Pose2D:
         for _ in range(_TRIES):
             pose = Pose2D(*(dice.uniform(a, b) for a, b in ranges))
-            apart = (math.hypot(pose.x_m - o.x_m, pose.y_m - o.y_m) for o in others)
+            apart = (distance_on_floor(pose, other) for other in others)
             if all(one >= self.min_distance for one in apart):
                 return pose
         expected = "a smaller distance: there is no room for so many"

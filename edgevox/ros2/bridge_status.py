@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 
 from edgevox.core.clock import Clock
 from edgevox.core.recent_increase import RecentIncrease
-from edgevox.core.status import Finding, HealthCheck, Level, Status, moves, stall
+from edgevox.core.status import ComponentName, Finding, HealthCheck, Level, Status, moves, stall
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +27,7 @@ class ExecutorComponent:
     `missing` says why it is not on ROS 2; empty if it is.
     """
 
-    name = "executor"
+    name = ComponentName.EXECUTOR
 
     def __init__(
         self, look: Callable[[], ExecutorCounts], missing: str = "", clock: Clock | None = None

@@ -36,6 +36,7 @@ from edgevox.core.events import (
 )
 from edgevox.core.frame_names import ODOM_EXPECTED, PREFIX_EXPECTED
 from edgevox.core.settings import CONFIRM, Settings
+from edgevox.core.status import ComponentName
 from edgevox.ros2.contract_rows import (
     Incoming,
     Parameter,
@@ -180,25 +181,21 @@ SUBSCRIBED: tuple[Subscribed, ...] = (
 )
 
 
-def _setting(name: str, expected: str) -> Parameter:
-    """A setting that a parameter may overrule at the start."""
+def _setting(name: str, expected: str, *, at_start: bool = False) -> Parameter:
+    """A setting as a parameter: to be changed at any time, or to be overruled at the start only."""
     field = Settings.model_fields[name]
-    about = field.description or ""
-    return Parameter(name, field.default, about, f"{expected}; set at start", read_only=True)
+    constraints = f"{expected}; set at start" if at_start else expected
+    return Parameter(name, field.default, field.description or "", constraints, at_start)
 
 
 PARAMETERS: tuple[Parameter, ...] = (
-    Parameter("language", "en", "language, ISO 639-1 code", "a code of list_languages"),
-    Parameter(
-        "voice", "", "TTS voice name", "empty for the language's best, or a name of list_voices"
-    ),
-    Parameter("muted", False, "microphone muted", "true or false"),
-    Parameter(
-        "confirm", "unsure", "when it asks back before it drives", "one of " + ", ".join(CONFIRM)
-    ),
-    _setting("odom_frame", ODOM_EXPECTED),
-    _setting("frame_prefix", PREFIX_EXPECTED),
-    _setting("publish_clock", "true or false"),
+    _setting("language", "a code of list_languages"),
+    _setting("voice", "empty for the language's best, or a name of list_voices"),
+    _setting("muted", "true or false"),
+    _setting("confirm", "one of " + ", ".join(CONFIRM)),
+    _setting("odom_frame", ODOM_EXPECTED, at_start=True),
+    _setting("frame_prefix", PREFIX_EXPECTED, at_start=True),
+    _setting("publish_clock", "true or false", at_start=True),
 )
 
 DIAGNOSTICS = Periodic(
@@ -206,7 +203,7 @@ DIAGNOSTICS = Periodic(
     "diagnostic_msgs/msg/DiagnosticArray",
     Qos.RELIABLE,
     1.0,
-    "how each component is: audio, stt, llm, tts, sim, executor, presence, policy, disk, process",
+    "how each component is: " + ", ".join(ComponentName),
 )
 """Of every agent, with a robot and without: an extra for who watches over robots."""
 

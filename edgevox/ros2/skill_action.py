@@ -31,12 +31,13 @@ from edgevox.core.errors import EdgeVoxError, shorten
 from edgevox.core.log import get_logger
 from edgevox.core.ways import Way
 from edgevox.ros2.client_watch import ClientWatch
+from edgevox.ros2.contract import ACTION
 from edgevox.ros2.json_text import write
 from edgevox.ros2.skill_requests import RunningGoal, StartsGoals, mirror, read_arguments
 
 log = get_logger(__name__)
 
-NAME = "execute_skill"
+NAME, _ = ACTION
 FEEDBACK_EVERY_S = 0.05
 """Reports of progress that follow each other faster are left out; changes of status never are."""
 REQUESTS = QoSProfile(depth=100)

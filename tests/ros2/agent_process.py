@@ -8,6 +8,7 @@ import threading
 from pathlib import Path
 from typing import NamedTuple
 
+from failed_subscribers import assert_none_in
 from guards import HUNG_S
 from waiting import Heard, wait_until
 
@@ -78,16 +79,18 @@ class Agent:
         wait_until(lambda: self.taken().rss_mb < most_mb, "the memory of before")
 
     def terminate(self, timeout_s: float = HUNG_S) -> int:
-        """Send SIGTERM and wait for the end; the exit code."""
+        """Send SIGTERM and wait for the end; the exit code. No subscriber of its bus may fail."""
         if self.process.poll() is None:
             self.process.send_signal(signal.SIGTERM)
         try:
-            return self.process.wait(timeout_s)
+            code = self.process.wait(timeout_s)
         except subprocess.TimeoutExpired:
             self.process.kill()
             raise
         finally:
             self._reader.join(timeout_s)
+        assert_none_in(self.output)
+        return code
 
     def _read(self) -> None:
         for line in self.process.stdout:

@@ -77,7 +77,7 @@ def test_a_driver_that_cannot_begin_leaves_no_drive_and_a_robot_that_is_held(rob
     assert drive.error is driver.error
     assert driver.cancelled == 1
     assert robot.told == [STILL]
-    assert not robot.control.hold.done.is_set()
+    assert not robot.control.hold.done
 
 
 def test_the_drive_before_it_is_over_too_and_the_next_one_drives(robot) -> None:
@@ -95,4 +95,4 @@ def test_the_drive_before_it_is_over_too_and_the_next_one_drives(robot) -> None:
     robot.control.start(after, HERE)
 
     assert robot.control.mux.motion is after
-    assert robot.control.hold.done.is_set()
+    assert robot.control.hold.done

@@ -7,7 +7,8 @@ from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.transforms import Pose2D
-from edgevox.robots.places.naming import LONGEST_NAME, MOST_PLACES
+from edgevox.robots.name_fields import LONGEST_PLACE
+from edgevox.robots.places.naming import MOST_PLACES
 from edgevox.robots.places.place_memory import PlaceMemory
 
 HERE = Pose2D(1.25, -2.0, 1.5)
@@ -35,7 +36,7 @@ def memory():
         ("  dock", "place_name_wrong"),
         ("7", "place_name_wrong"),
         ("\N{ROBOT FACE}", "place_name_wrong"),
-        ("x" * (LONGEST_NAME + 1), "place_name_long"),
+        ("x" * (LONGEST_PLACE + 1), "place_name_long"),
         ("x" * 100_000, "place_name_long"),
         ("stop", "place_name_reserved"),
         ("the stop", "place_name_reserved"),

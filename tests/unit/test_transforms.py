@@ -16,10 +16,17 @@ from edgevox.core.transforms import (
     Pose3D,
     angle,
     compose,
+    compose_on_floor,
+    distance,
+    distance_on_floor,
     inverse,
     lift,
+    pitch,
     project,
     rigid,
+    rotate,
+    to_map,
+    turn_between,
 )
 
 
@@ -58,6 +65,32 @@ def test_a_pose_on_the_floor_is_a_turn_about_z_and_comes_back_the_same(pose):
     back = project(lifted)
     assert (back.x_m, back.y_m) == (pose.x_m, pose.y_m)
     assert math.cos(back.yaw_rad - pose.yaw_rad) == pytest.approx(1.0)
+
+
+@given(FLOOR, FLOOR)
+def test_on_the_floor_they_are_put_together_as_in_space(parent, child):
+    seen = compose_on_floor(parent, child)
+    assert to_map((child.x_m, child.y_m), parent) == (seen.x_m, seen.y_m)
+    assert same(lift(seen), compose(lift(parent), lift(child)))
+    assert distance_on_floor(parent, child) == pytest.approx(distance(lift(parent), lift(child)))
+
+
+@given(FLOOR, FLOOR)
+def test_the_turn_between_two_headings_is_the_short_way_round(one, other):
+    turned = turn_between(one.yaw_rad, other.yaw_rad)
+    assert abs(turned) == pytest.approx(angle(lift(one), lift(other)), abs=1e-6)
+    assert math.cos(one.yaw_rad + turned - other.yaw_rad) == pytest.approx(1.0)
+
+
+@given(FLOOR)
+def test_a_vector_is_turned_as_scipy_turns_it(pose):
+    turned = Rotation.from_euler("z", pose.yaw_rad).apply([pose.x_m, pose.y_m, 0.0])
+    assert rotate(pose.x_m, pose.y_m, pose.yaw_rad) == pytest.approx(tuple(turned[:2]), abs=1e-9)
+
+
+def test_what_is_pitched_looks_down():
+    x, y, z = reference(pitch(math.radians(30.0))).rotation.apply([1.0, 0.0, 0.0])
+    assert (x, y, z) == (pytest.approx(math.sqrt(0.75)), pytest.approx(0.0), pytest.approx(-0.5))
 
 
 @given(POSES)

@@ -7,7 +7,7 @@ from edgevox.core.clock import Clock
 from edgevox.core.fault import fault_of
 from edgevox.core.gauges import Gauges
 from edgevox.core.recent_increase import RecentIncrease
-from edgevox.core.status import Finding, HealthCheck, Level, Status
+from edgevox.core.status import ComponentName, Finding, HealthCheck, Level, Status
 
 
 class LlmComponent:
@@ -17,7 +17,7 @@ class LlmComponent:
     none though one was asked for. `endpoint` is the server's address, empty without one.
     """
 
-    name = "llm"
+    name = ComponentName.LLM
 
     def __init__(
         self,

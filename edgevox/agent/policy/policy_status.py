@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection
 
 from edgevox.agent.policy.guard import Guard
 from edgevox.agent.policy.targets import plain
-from edgevox.core.status import Finding, HealthCheck, Level, Status
+from edgevox.core.status import ComponentName, Finding, HealthCheck, Level, Status
 
 NO_FILE = "no file: only the robot's own limits"
 
@@ -16,7 +16,7 @@ class PolicyComponent:
     `skills` are all names that a rule may have on this robot.
     """
 
-    name = "policy"
+    name = ComponentName.POLICY
     checks: tuple[HealthCheck, ...] = ()
 
     def __init__(self, guard: Guard, skills: Callable[[], Collection[str]]) -> None:

@@ -112,7 +112,7 @@ class ProgramRun:
             raise SkillFailed(step.reason)
         if step.status is not GoalStatus.SUCCEEDED:
             goal.token.check()
-            raise Cancelled(str(step.reason))
+            raise Cancelled(step.reason)
         if self._first:
             report = self._phrases().report(step.skill, step.arguments, step.result)
             if report:

@@ -15,7 +15,7 @@ from edgevox.apps.folders import written_folders
 from edgevox.apps.model_choice import find_weights
 from edgevox.core.cgroup import cpu_quota, usable_cpus
 from edgevox.core.errors import EdgeVoxError
-from edgevox.core.settings import Settings
+from edgevox.core.settings import NO_LLM, Settings
 from edgevox.models import Store
 from edgevox.ops.diagnostics.disk import MIB, DiskSpace, rooms
 
@@ -65,7 +65,7 @@ def judge_processor(facts: Facts, situation: Situation) -> CheckVerdict:
     limit = f", limited to {facts['quota']:g} of them by a control group" if facts["quota"] else ""
     found = f"{usable} of {cores} cores{limit}"
     if missing := facts["missing"]:
-        on_board = situation.settings.llm != "none" and situation.settings.llm_backend != (
+        on_board = situation.settings.llm != NO_LLM and situation.settings.llm_backend != (
             "llama-cpp-python"
         )
         advice = "use --llm-backend llama-cpp-python, --llm-endpoint, or --llm none"

@@ -8,6 +8,7 @@ from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok,
 from edgevox.apps.queries import WAKE_WORDS, fetch_commands
 from edgevox.apps.robots import ROBOTS
 from edgevox.core.languages import LANGUAGES
+from edgevox.core.settings import NO_LLM
 from edgevox.models import Store
 from edgevox.models.manifest import Model, ModelFile
 from edgevox.models.verification import has_right_bytes, is_whole
@@ -19,7 +20,7 @@ _READERS = 2
 def needed(situation: Situation) -> Iterator[str]:
     """The ids of the models without which EdgeVox would not start, or not hear."""
     settings = situation.settings
-    if settings.llm != "none" and not settings.llm.endswith(".gguf"):
+    if settings.llm != NO_LLM and not settings.llm.endswith(".gguf"):
         yield settings.llm
     if not settings.text_mode:
         yield LANGUAGES[settings.language].stt_model

@@ -2,12 +2,14 @@
 
 from dataclasses import dataclass
 
+from edgevox.core.status import ComponentName
+
 
 @dataclass(frozen=True, slots=True)
 class ComponentRow:
     """A component: what it is about, when it is worse than OK, and what to do then."""
 
-    name: str
+    name: ComponentName
     about: str
     warns: str
     errs: str
@@ -16,7 +18,7 @@ class ComponentRow:
 
 COMPONENTS: tuple[ComponentRow, ...] = (
     ComponentRow(
-        "audio",
+        ComponentName.AUDIO,
         "microphone and loudspeaker",
         "frames are dropped unheard",
         "a device is gone (a microphone is tried again every 3 s, a loudspeaker with the next"
@@ -24,49 +26,49 @@ COMPONENTS: tuple[ComponentRow, ...] = (
         "plug it in; `edgevox doctor --only sound` lists what is there",
     ),
     ComponentRow(
-        "stt",
+        ComponentName.STT,
         "speech to text",
         "it is slower than speech, or more is said than can be understood",
         "an utterance could not be understood for a fault",
         "the log says why; `edgevox doctor --only models`",
     ),
     ComponentRow(
-        "llm",
+        ComponentName.LLM,
         "the language model",
         "its server is gone, the model on board answers",
         "its server is gone and nothing answers, or an answer failed",
         "start the server; it is asked again by itself",
     ),
     ComponentRow(
-        "tts",
+        ComponentName.TTS,
         "text to speech",
         "espeak-ng speaks instead of the voice that was asked for, or a voice failed",
         "",
         "`edgevox doctor --only models`",
     ),
     ComponentRow(
-        "sim",
+        ComponentName.SIM,
         "the robot, simulated or not",
         "it keeps less than 90 % of its pace, stands still for 1 s, or its battery is below 15 %",
         "it stands still for 6 s, its numbers broke, its odometry is silent, its battery is empty",
         "give the machine fewer other things to do; look after the robot",
     ),
     ComponentRow(
-        "executor",
+        ComponentName.EXECUTOR,
         "the thread that serves ROS 2",
         "a callback takes longer than 1 s, or one failed",
         "a callback takes longer than 6 s, or there is no rclpy",
         "the log has the callback that failed; health ends a process that hangs",
     ),
     ComponentRow(
-        "presence",
+        ComponentName.PRESENCE,
         "other agents on the same namespace and domain",
         "another one is here",
         "another one is here and in charge: this one refuses to move",
         "end one of them, or publish the id of the one that is to move on `take_over`",
     ),
     ComponentRow(
-        "policy",
+        ComponentName.POLICY,
         "what the policy file permits; its values say how much was refused, and what last",
         "the file cannot be used and the policy before it is in force, or it names a skill or a"
         " place that this robot does not have",
@@ -74,14 +76,14 @@ COMPONENTS: tuple[ComponentRow, ...] = (
         "`edgevox doctor --only policy` says which line; a mended file counts at once",
     ),
     ComponentRow(
-        "disk",
+        ComponentName.DISK,
         "room where EdgeVox writes",
         "less than 1 GiB, of a small file system less than 10 %",
         "less than 100 MiB, of a small file system less than 2 %",
         "remove old logs, recordings, or models",
     ),
     ComponentRow(
-        "process",
+        ComponentName.PROCESS,
         "what `/live` and `/ready` say, memory, threads",
         "not ready: something still loads, or is missing",
         "not alive: something that must move does not",

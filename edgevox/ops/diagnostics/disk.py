@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from edgevox.core.status import Finding, HealthCheck, Level, Status
+from edgevox.core.status import ComponentName, Finding, HealthCheck, Level, Status
 
 MIB = 2**20
 WARN_BYTES, WARN_PART = 1024 * MIB, 0.1
@@ -55,7 +55,7 @@ def rooms(folders: Iterable[Path], look: Callable[[Path], DiskSpace] = room) -> 
 class DiskComponent:
     """Says whether there is room in the file systems of these folders, which are asked anew."""
 
-    name = "disk"
+    name = ComponentName.DISK
     checks: tuple[HealthCheck, ...] = ()
 
     def __init__(self, folders: Callable[[], Iterable[Path]]) -> None:

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from edgevox.core.status import Finding, HealthCheck, Level, Status
+from edgevox.core.status import ComponentName, Finding, HealthCheck, Level, Status
 from edgevox.ops.health_checks import Health
 
 PAGE = os.sysconf("SC_PAGE_SIZE")
@@ -20,7 +20,7 @@ class ProcessComponent:
     was asked and not taken: whose fault that is nobody knows here, so it changes no level.
     """
 
-    name = "process"
+    name = ComponentName.PROCESS
     checks: tuple[HealthCheck, ...] = ()
 
     def __init__(

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from edgevox.core.transforms import Pose2D
+from edgevox.core.transforms import Pose2D, rotate
 from edgevox.robots.capabilities import Twist2D
 
 FALLEN_TILT_RAD = math.radians(55.0)
@@ -50,10 +50,10 @@ class FloatingBase:
     def velocity(self) -> Twist2D:
         """Ahead along the floor, and turning."""
         vx, vy, _, roll, pitch, yaw_rate = self._moves.tolist()
-        yaw = self._pose.yaw_rad
         up_x, up_y, up_z = self._up
         turn = roll * up_x + pitch * up_y + yaw_rate * up_z
-        return Twist2D(math.cos(yaw) * vx + math.sin(yaw) * vy, turn)
+        ahead_m_s, _ = rotate(vx, vy, -self._pose.yaw_rad)
+        return Twist2D(ahead_m_s, turn)
 
     def turning_rad_s(self) -> NDArray[np.float64]:
         """Angular velocity (3,) in its own axes."""

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from edgevox.core.transforms import Pose2D
+from edgevox.core.transforms import Pose2D, compose_on_floor, distance_on_floor, turn_between
 from edgevox.robots.humanoid.walking_policy import WalkingCommand
 
 CYCLE_S = 0.9
@@ -44,7 +44,7 @@ class FootstepPlanner:
     def put(self, base: Pose2D) -> None:
         """Both feet at home beside a base that stands there."""
         self.phase = 0.0
-        self.feet = [Footstep(on(base, home)) for home in self._homes]
+        self.feet = [Footstep(compose_on_floor(base, home)) for home in self._homes]
         self._from = [foot.place for foot in self.feet]
 
     @property
@@ -71,7 +71,8 @@ class FootstepPlanner:
         if foot.swing is None:
             self._from[number] = foot.place
         left_s = (1.0 - through) * SWING * CYCLE_S
-        target = on(ahead(base, velocity, left_s + AHEAD_S), self._homes[number])
+        later = ahead(base, velocity, left_s + AHEAD_S)
+        target = compose_on_floor(later, self._homes[number])
         smooth = through * through * (3.0 - 2.0 * through)
         place = between(self._from[number], target, smooth)
         height_m = self._lift_m * math.sin(math.pi * through) ** 2
@@ -79,19 +80,9 @@ class FootstepPlanner:
 
     def _at_home(self, base: Pose2D) -> bool:
         return all(
-            _near(foot.place, on(base, home))
+            _near(foot.place, compose_on_floor(base, home))
             for foot, home in zip(self.feet, self._homes, strict=True)
         )
-
-
-def on(base: Pose2D, place: Pose2D) -> Pose2D:
-    """A place that is given in the frame of `base`, on the map."""
-    cos, sin = math.cos(base.yaw_rad), math.sin(base.yaw_rad)
-    return Pose2D(
-        base.x_m + cos * place.x_m - sin * place.y_m,
-        base.y_m + sin * place.x_m + cos * place.y_m,
-        base.yaw_rad + place.yaw_rad,
-    )
 
 
 def ahead(base: Pose2D, velocity: WalkingCommand, seconds: float) -> Pose2D:
@@ -102,12 +93,12 @@ def ahead(base: Pose2D, velocity: WalkingCommand, seconds: float) -> Pose2D:
     else:
         along, across = math.sin(turned) / turned, (1.0 - math.cos(turned)) / turned
     x, y = velocity.forward_m_s * seconds, velocity.left_m_s * seconds
-    return on(base, Pose2D(along * x - across * y, across * x + along * y, turned))
+    return compose_on_floor(base, Pose2D(along * x - across * y, across * x + along * y, turned))
 
 
 def between(one: Pose2D, other: Pose2D, part: float) -> Pose2D:
     """On the straight way from one to the other; yaw takes the short way round."""
-    turn = math.remainder(other.yaw_rad - one.yaw_rad, math.tau)
+    turn = turn_between(one.yaw_rad, other.yaw_rad)
     return Pose2D(
         one.x_m + part * (other.x_m - one.x_m),
         one.y_m + part * (other.y_m - one.y_m),
@@ -116,6 +107,5 @@ def between(one: Pose2D, other: Pose2D, part: float) -> Pose2D:
 
 
 def _near(one: Pose2D, other: Pose2D) -> bool:
-    turn = math.remainder(other.yaw_rad - one.yaw_rad, math.tau)
-    apart = math.hypot(other.x_m - one.x_m, other.y_m - one.y_m)
-    return apart < _AT_HOME_M and abs(turn) < _AT_HOME_RAD
+    turned = abs(turn_between(one.yaw_rad, other.yaw_rad))
+    return distance_on_floor(one, other) < _AT_HOME_M and turned < _AT_HOME_RAD

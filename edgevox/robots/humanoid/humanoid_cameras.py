@@ -1,12 +1,13 @@
 """What the robot sees, and how it looks to somebody who walks beside it."""
 
 import math
+from dataclasses import replace
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from edgevox.core.transforms import Pose2D, Pose3D
+from edgevox.core.transforms import Pose2D, compose_on_floor, pitch
 from edgevox.robots.capabilities import CameraImage, CameraSpec
 from edgevox.robots.humanoid.mujoco_environment import MujocoHumanoidEnvironment
 from edgevox.robots.humanoid.scene import HEAD_CAMERA
@@ -43,26 +44,15 @@ class HumanoidCameras:
             WIDTH_PX,
             HEIGHT_PX,
             VERTICAL_FOV_RAD,
-            Pose3D(
-                _FACE_M,
-                0.0,
-                self._height_m,
-                qy=math.sin(DOWN_RAD / 2),
-                qw=math.cos(DOWN_RAD / 2),
-            ),
+            replace(pitch(DOWN_RAD), x_m=_FACE_M, z_m=self._height_m),
         )
         environment.model.cam(HEAD_CAMERA).fovy[:] = math.degrees(VERTICAL_FOV_RAD)
         self._renderer = Renderer(environment.model, *PICTURE_PX, name=name)
 
     def look(self, time_s: float) -> Snapshot:
         """A copy of this moment, to be drawn."""
-        pose = self._environment.pose
-        ahead = Pose2D(
-            pose.x_m + _FACE_M * math.cos(pose.yaw_rad),
-            pose.y_m + _FACE_M * math.sin(pose.yaw_rad),
-            pose.yaw_rad,
-        )
-        return self._environment.snapshot(time_s, ahead, self._height_m, DOWN_RAD)
+        face = compose_on_floor(self._environment.pose, Pose2D(_FACE_M, 0.0, 0.0))
+        return self._environment.snapshot(time_s, face, self._height_m, DOWN_RAD)
 
     def head(self, moment: Snapshot) -> CameraImage:
         """What the head camera saw then."""

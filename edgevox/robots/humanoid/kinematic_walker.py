@@ -10,7 +10,7 @@ from typing import Literal
 import mujoco
 import numpy as np
 
-from edgevox.core.transforms import Pose2D
+from edgevox.core.transforms import Pose2D, rotate
 from edgevox.robots.humanoid.floating_base import FloatingBase
 from edgevox.robots.humanoid.footstep_planner import (
     AHEAD_S,
@@ -146,10 +146,9 @@ class KinematicWalker:
 
     def _set_speed(self, velocity: WalkingCommand) -> None:
         pose, speed = self.base.pose, self.base.speed
-        cos, sin = math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)
-        forward, left = velocity.forward_m_s, velocity.left_m_s
-        self.data.qvel[speed] = cos * forward - sin * left
-        self.data.qvel[speed + 1] = sin * forward + cos * left
+        x_m_s, y_m_s = rotate(velocity.forward_m_s, velocity.left_m_s, pose.yaw_rad)
+        self.data.qvel[speed] = x_m_s
+        self.data.qvel[speed + 1] = y_m_s
         self.data.qvel[speed + 5] = velocity.turn_rad_s
 
     def _swing(self, velocity: WalkingCommand) -> None:

@@ -4,7 +4,7 @@ import math
 
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
-from edgevox.core.transforms import Pose2D
+from edgevox.core.transforms import Pose2D, rotate, turn_between
 from edgevox.robots.command_mux import clamped
 from edgevox.robots.humanoid.walker import WalkerLimits
 from edgevox.robots.humanoid.walking_policy import STAND, WalkingCommand
@@ -85,12 +85,12 @@ class MotionPrimitive(Motion):
 
     def _look(self, pose: Pose2D) -> None:
         """What is left: metres along and across the way that it began on, radians to the left."""
-        self._turned += math.remainder(pose.yaw_rad - self._yaw, math.tau)
+        self._turned += turn_between(self._yaw, pose.yaw_rad)
         self._yaw = pose.yaw_rad
-        cos, sin = math.cos(self._start.yaw_rad), math.sin(self._start.yaw_rad)
-        x, y = pose.x_m - self._start.x_m, pose.y_m - self._start.y_m
-        self._ahead_m = self._distance_m - (cos * x + sin * y)
-        self._aside_m = sin * x - cos * y
+        start = self._start
+        along, left = rotate(pose.x_m - start.x_m, pose.y_m - start.y_m, -start.yaw_rad)
+        self._ahead_m = self._distance_m - along
+        self._aside_m = -left
         self._turn_rad = self._angle_rad - self._turned
 
     def _is_near(self) -> bool:
@@ -144,9 +144,8 @@ class MotionPrimitive(Motion):
             if self._angle_rad
             else clamped(_GAIN * left_rad, limits.turn_rad_s)
         )
-        off = self._yaw - self._start.yaw_rad
-        cos, sin = math.cos(off), math.sin(off)
-        return WalkingCommand(cos * along + sin * across, cos * across - sin * along, turn)
+        forward, left = rotate(along, across, self._start.yaw_rad - self._yaw)
+        return WalkingCommand(forward, left, turn)
 
     def _eased(self, left: float, most: float, slowest: float, ease: float) -> float:
         """A speed towards what is left: as fast as it may, slower before the end, never past it."""

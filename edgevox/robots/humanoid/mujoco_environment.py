@@ -1,13 +1,12 @@
 """A humanoid on a wide floor in MuJoCo, with whatever makes it walk."""
 
-import math
 from pathlib import Path
 from typing import Literal
 
 import mujoco
 import numpy as np
 
-from edgevox.core.transforms import Pose2D
+from edgevox.core.transforms import Pose2D, compose, lift, pitch
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.humanoid.easing import eased
 from edgevox.robots.humanoid.kinematic_walker import KinematicWalker
@@ -151,12 +150,7 @@ class MujocoHumanoidEnvironment:
     ) -> Snapshot:
         """A copy of now, to be drawn later, with the head camera there, looking down a little."""
         moment = Snapshot.of(self.data, time_s)
-        half_yaw, half_down = camera.yaw_rad / 2, down_rad / 2
+        looks = compose(lift(camera), pitch(down_rad))
         moment.mocap_pos[self._camera_mount] = camera.x_m, camera.y_m, camera_height_m
-        moment.mocap_quat[self._camera_mount] = (
-            math.cos(half_yaw) * math.cos(half_down),
-            -math.sin(half_yaw) * math.sin(half_down),
-            math.cos(half_yaw) * math.sin(half_down),
-            math.sin(half_yaw) * math.cos(half_down),
-        )
+        moment.mocap_quat[self._camera_mount] = looks.qw, looks.qx, looks.qy, looks.qz
         return moment

@@ -3,13 +3,12 @@
 import math
 import threading
 from collections.abc import Mapping
-from types import TracebackType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from edgevox.agent.reasons import because
+from edgevox.agent.reasons import because, called_off
 from edgevox.agent.skills import Skill, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
@@ -24,11 +23,12 @@ from edgevox.robots.humanoid.skills import walking_skills
 from edgevox.robots.humanoid.state import describe
 from edgevox.robots.humanoid.walk_control import WalkControl
 from edgevox.robots.sim_loop import BROKE, SimLoop, SteppedBySimLoop
+from edgevox.robots.simulated_body import SimulatedBody
 
 FALLEN = because("fallen")
 
 
-class HumanoidRobot(SteppedBySimLoop):
+class HumanoidRobot(SteppedBySimLoop, SimulatedBody):
     """A body with a pose, a head camera, and legs that a sentence or a stream of velocities moves.
 
     The body owns `environment` from now on. `speed` is how many seconds pass in its world each
@@ -76,18 +76,6 @@ class HumanoidRobot(SteppedBySimLoop):
             broke=self._give_up,
         )
 
-    def __enter__(self) -> "HumanoidRobot":
-        self.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
-
     @property
     def skills(self) -> tuple[Skill, ...]:
         return self._skills
@@ -108,16 +96,14 @@ class HumanoidRobot(SteppedBySimLoop):
     def start(self) -> None:
         self._sim_loop.start()
 
-    def close(self) -> None:
-        """Stop walking, join the threads. A motion that runs ends as cancelled."""
-        self.halt("the robot was switched off")
+    def _close(self) -> None:
         self._sim_loop.close()
         self._eyes.close()
 
     def reset(self) -> None:
         """Back upright where it started; time goes on."""
         with self._lock:
-            self._mux.halt(Cancelled("the world was reset"))
+            self._mux.halt(Cancelled(called_off("world_reset")))
             self._walk = WalkControl(self._mux, self._environment.limits, self._period_s)
             self._environment.reset()
 

@@ -5,9 +5,11 @@ from typing import Annotated, Protocol
 
 from pydantic import Field
 
+from edgevox.agent.reasons import called_off
 from edgevox.agent.skills import GoalHandle, Result, Skill, skill
 from edgevox.core.cancel import CancelToken
-from edgevox.robots.capabilities import STOP_ASKED, Body, HasPose, Report
+from edgevox.core.transforms import distance_on_floor, turn_between
+from edgevox.robots.capabilities import Body, HasPose, Report
 from edgevox.robots.humanoid import words
 
 LEAST_M, MOST_M = 0.05, 20.0
@@ -126,7 +128,7 @@ def _stop(body: WalkingBody) -> Skill:
     def stop(goal: GoalHandle) -> Result:
         """Stop walking at once."""
         goal.token.check()
-        return {"was_moving": body.halt(STOP_ASKED)}
+        return {"was_moving": body.halt(str(called_off("stop_asked")))}
 
     return stop
 
@@ -150,14 +152,13 @@ def _walk(body: WalkingBody, goal: GoalHandle, distance_m: float) -> Result:
     before = body.pose()
     body.walk(distance_m, token=goal.token, report=goal.report)
     after = body.pose()
-    walked = math.hypot(after.x_m - before.x_m, after.y_m - before.y_m)
-    return {**_where(body), "walked": round(walked, 3)}
+    return {**_where(body), "walked": round(distance_on_floor(before, after), 3)}
 
 
 def _turn(body: WalkingBody, goal: GoalHandle, degrees: float) -> Result:
     before = body.pose()
     body.turn(math.radians(degrees), token=goal.token, report=goal.report)
-    off = math.remainder(body.pose().yaw_rad - before.yaw_rad - math.radians(degrees), math.tau)
+    off = turn_between(math.radians(degrees), body.pose().yaw_rad - before.yaw_rad)
     return {**_where(body), "turned": round(abs(degrees + math.degrees(off)), 1)}
 
 

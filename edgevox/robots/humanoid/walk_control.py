@@ -2,7 +2,7 @@
 
 import math
 
-from edgevox.core.transforms import Pose2D
+from edgevox.core.transforms import Pose2D, turn_between
 from edgevox.robots.command_mux import CommandMux
 from edgevox.robots.humanoid.motion_primitive import MotionPrimitive
 from edgevox.robots.humanoid.walker import WalkerLimits
@@ -37,7 +37,7 @@ class WalkControl:
         So the degree or two that each is off do not add up, and four corners make a square.
         """
         heading = self._heading_rad
-        if heading is None or abs(math.remainder(pose.yaw_rad - heading, math.tau)) > _ALIGN_RAD:
+        if heading is None or abs(turn_between(heading, pose.yaw_rad)) > _ALIGN_RAD:
             return pose
         return Pose2D(pose.x_m, pose.y_m, heading)
 

@@ -1,6 +1,5 @@
 """Ways for the hand: straight lines as joint angles that are in reach and touch nothing."""
 
-import math
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -11,6 +10,7 @@ import mujoco
 import numpy as np
 
 from edgevox.agent.reasons import because
+from edgevox.core.transforms import turn_between
 from edgevox.robots.mujoco.mujoco_snapshot import Snapshot
 from edgevox.robots.panda.collisions import Collisions, Touch
 from edgevox.robots.panda.kinematics import READY, HandPose, Joints, Kinematics
@@ -89,7 +89,7 @@ class ArmPlanner:
         pose = self._kinematics.pose_at(start)
         if pose is None:
             return _between(start, self._solved(goal, READY))
-        turn = math.remainder(goal.yaw_rad - pose.yaw_rad, math.tau)
+        turn = turn_between(pose.yaw_rad, goal.yaw_rad)
         way = goal.point - pose.point
         count = steps((float(np.linalg.norm(way)), abs(turn)), (_KNOT_M, _KNOT_RAD))
         knots = [start]

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import astuple
-from types import TracebackType
 from typing import Any
 
 import mujoco
@@ -23,13 +22,14 @@ from edgevox.robots.panda.reach import InTheWay, OutOfReach
 from edgevox.robots.panda.scene import CAMERA, SHOW, TCP
 from edgevox.robots.panda.skills import manipulation_skills
 from edgevox.robots.panda.workcell import Workcell
+from edgevox.robots.simulated_body import SimulatedBody
 
 CAMERA_PX = (320, 240)
 PICTURE_PX = (640, 480)
 _POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
 
 
-class PandaRobot:
+class PandaRobot(SimulatedBody):
     """A Franka Panda at a table with three cubes and two bins. The map frame is the arm's base.
 
     `cell` is the world that it stands in; nobody else may use the cell's arm.
@@ -45,18 +45,6 @@ class PandaRobot:
         self._renderer = Renderer(self._engine.model, *PICTURE_PX, name=self.name)
         self._camera_spec = CAMERA.spec(*CAMERA_PX)
         self._skills = manipulation_skills(self)
-
-    def __enter__(self) -> "PandaRobot":
-        self.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     @property
     def skills(self) -> tuple[Skill, ...]:
@@ -87,9 +75,7 @@ class PandaRobot:
     def start(self) -> None:
         self._engine.start(self._cell)
 
-    def close(self) -> None:
-        """Stop, and join all threads. What runs ends as cancelled."""
-        self.halt("the robot was switched off")
+    def _close(self) -> None:
         self._engine.close()
         self._renderer.close()
 

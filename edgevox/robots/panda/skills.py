@@ -4,10 +4,10 @@ from typing import Annotated, Any, Protocol
 
 from pydantic import Field
 
-from edgevox.agent.reasons import because
+from edgevox.agent.reasons import because, called_off
 from edgevox.agent.skills import GoalHandle, OneOf, Result, Skill, SkillFailed, skill
 from edgevox.core.cancel import CancelToken
-from edgevox.robots.capabilities import STOP_ASKED, Body, Report
+from edgevox.robots.capabilities import Body, Report
 from edgevox.robots.panda import words
 from edgevox.robots.panda.layout import BINS, CUBES, FAR_M, TABLE
 
@@ -132,7 +132,7 @@ def _moving(body: Manipulator) -> tuple[Skill, ...]:
     def stop(goal: GoalHandle) -> Result:
         """Stop moving at once; what is held stays held."""
         goal.token.check()
-        return {"was_moving": body.halt(STOP_ASKED)}
+        return {"was_moving": body.halt(str(called_off("stop_asked")))}
 
     return move_to, goto_home, stop
 

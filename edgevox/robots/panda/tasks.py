@@ -9,6 +9,7 @@ import numpy as np
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.reason import Reason
+from edgevox.core.transforms import rotate
 from edgevox.robots.panda import things as seen
 from edgevox.robots.panda.arm_planner import NOTHING, ArmSegment, above
 from edgevox.robots.panda.collisions import Touch, touch
@@ -186,13 +187,11 @@ def _hands_for(cell: Workcell, name: str, spot: Placed) -> list[HandPose]:
     cube, point = cell.things()[name], cell.hand_m()
     pose = cell.planner.pose_at(cell.arm.target)
     hand_yaw = pose.yaw_rad if pose else 0.0
-    away = np.array([cube.x_m, cube.y_m, cube.z_m]) - point
+    away_x, away_y, away_z = (np.array([cube.x_m, cube.y_m, cube.z_m]) - point).tolist()
     hands = []
     for yaw in _turns(spot.yaw_rad - (cube.yaw_rad - hand_yaw)):
-        cosine, sine = math.cos(yaw - hand_yaw), math.sin(yaw - hand_yaw)
-        x = spot.x_m - (cosine * away[0] - sine * away[1])
-        y = spot.y_m - (sine * away[0] + cosine * away[1])
-        hands.append(HandPose(x, y, spot.z_m + _CLEAR_M - float(away[2]), yaw))
+        x, y = rotate(away_x, away_y, yaw - hand_yaw)
+        hands.append(HandPose(spot.x_m - x, spot.y_m - y, spot.z_m + _CLEAR_M - away_z, yaw))
     return hands
 
 

@@ -9,10 +9,11 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from edgevox.agent.reasons import because
+from edgevox.agent.reasons import because, called_off
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
+from edgevox.core.transforms import Pose2D, lift
 from edgevox.robots.capabilities import Report
 from edgevox.robots.command_mux import CommandMux
 from edgevox.robots.mujoco.mujoco_engine import MujocoEngine
@@ -84,7 +85,7 @@ class Workcell:
     def reset(self) -> None:
         """Everything as it was at the start; time goes on."""
         with self.engine.lock:
-            self.end(Cancelled("the world was reset"))
+            self.end(Cancelled(called_off("world_reset")))
             mujoco.mj_resetData(self.engine.model, self.engine.data)
             self._build()
 
@@ -115,7 +116,7 @@ class Workcell:
             if not self.engine.running:
                 raise SkillFailed(because("switched_off"))
             if self._mux.busy:
-                self.end(Cancelled(f"pre-empted by {skill}"))
+                self.end(Cancelled(because("preempted", skill=skill)))
             self._mux.start(lambda: task)
         with self._mux.cancelled_by(token, task):
             try:
@@ -215,5 +216,6 @@ class Workcell:
         for name, start in self.starts.items():
             place = data.joint(name).qpos
             place[:3] = start.x_m, start.y_m, layout.CUBE_SIZE_M / 2
-            place[3:] = np.cos(start.yaw_rad / 2), 0.0, 0.0, np.sin(start.yaw_rad / 2)
+            turned = lift(Pose2D(0.0, 0.0, start.yaw_rad))
+            place[3:] = turned.qw, turned.qx, turned.qy, turned.qz
         mujoco.mj_forward(model, data)

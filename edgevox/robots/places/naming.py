@@ -6,17 +6,16 @@ from edgevox.agent.name_rules import check_name, is_clause_word
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.errors import InvalidValue
-from edgevox.robots.name_fields import speakable
+from edgevox.robots.name_fields import LONGEST_PLACE, speakable
 from edgevox.robots.navigation_words import STOP
 
 MOST_PLACES = 200
-LONGEST_NAME = 40
 
 
 def check_new_name(name: str) -> None:
     """Raise `SkillFailed` with the reason why no place may ever be called so."""
-    if len(name) > LONGEST_NAME:
-        raise SkillFailed(because("place_name_long", limit=str(LONGEST_NAME)))
+    if len(name) > LONGEST_PLACE:
+        raise SkillFailed(because("place_name_long", limit=str(LONGEST_PLACE)))
     if not speakable(name) or name != " ".join(name.split()):
         raise SkillFailed(because("place_name_wrong"))
     try:

@@ -8,6 +8,7 @@ from edgevox.agent.reasons import because
 from edgevox.agent.skills import GoalHandle, Result, Skill, SkillFailed, skill
 from edgevox.core.frame_names import MAP
 from edgevox.core.transforms import Pose2D
+from edgevox.robots.capabilities import HasPose, KnowsFrame
 from edgevox.robots.places import words
 from edgevox.robots.places.place_memory import PlaceMemory
 
@@ -15,20 +16,11 @@ STILL_M_S, STILL_RAD_S = 0.05, 0.1
 """Slower than this a robot stands; odometry of real ones is never quite still."""
 
 
-class _Twist(Protocol):
-    @property
-    def linear_m_s(self) -> float: ...
-    @property
-    def angular_rad_s(self) -> float: ...
-
-
-class StandsSomewhere(Protocol):
+class StandsSomewhere(HasPose, Protocol):
     """What a body must tell of itself."""
 
     @property
     def places(self) -> Mapping[str, tuple[float, float]]: ...
-    def pose(self) -> Pose2D: ...
-    def velocity(self) -> _Twist: ...
     def state(self) -> Mapping[str, Any]: ...
 
 
@@ -48,8 +40,7 @@ def place_skills(
 
 def located(body: StandsSomewhere) -> tuple[Pose2D, str]:
     """Where it is, and in which frame. Raises `SkillFailed` while that is unknown."""
-    find = getattr(body, "located", None)
-    return find() if find else (body.pose(), MAP)
+    return body.located() if isinstance(body, KnowsFrame) else (body.pose(), MAP)
 
 
 def _remember_place(body: StandsSomewhere, memory: PlaceMemory) -> Skill:

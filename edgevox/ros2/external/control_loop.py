@@ -4,16 +4,16 @@ Velocities leave from here and from a drive that steers, never from both, and no
 robot drives by itself.
 """
 
-import threading
 from contextlib import AbstractContextManager
 
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
-from edgevox.core.reason import NO_REASON, Reason
+from edgevox.core.reason import Reason
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.command_mux import STILL, CommandMux
+from edgevox.robots.motion import Motion, Progress
 from edgevox.ros2.external.external_navigation import ExternalNavigation
 from edgevox.ros2.external.motion_backends import GoalTopicBackend, VelocityPublisher
 from edgevox.ros2.external.sensor_inputs import SensorInputs
@@ -26,22 +26,17 @@ RECALL_EVERY_S = 0.25
 HOLD_AT_LEAST_S = 1.0
 
 
-class Hold:
-    """Zero velocity until the robot is seen to stand, or until it is plain that it does not obey.
-
-    `problem` is why it ended without, once `done`; empty if it stands. Only the first end counts.
-    """
+class ZeroVelocity(Motion):
+    """Until the robot is seen to stand; the error is that it plainly does not obey."""
 
     def __init__(self, now_s: float) -> None:
+        super().__init__()
         self.since_s = now_s
         self.recalled_s = now_s
-        self.done = threading.Event()
-        self.problem = NO_REASON
 
-    def end(self, problem: Reason = NO_REASON) -> None:
-        if not self.done.is_set():
-            self.problem = problem
-            self.done.set()
+    def progress(self) -> Progress:
+        """Nobody knows how far it is before it stands."""
+        return Progress(1.0 if self.done else 0.0)
 
 
 class ControlLoop:
@@ -61,7 +56,7 @@ class ControlLoop:
         obey_s: float,
     ) -> None:
         self.mux: CommandMux[ExternalNavigation] = CommandMux(lock, on_halt=self._stand)
-        self.hold = Hold(clock.now())
+        self.hold = ZeroVelocity(clock.now())
         self.hold.end()
         self._senses, self._wheels, self._goals = senses, wheels, goals
         self._clock, self._obey_s = clock, obey_s
@@ -91,7 +86,7 @@ class ControlLoop:
         now_s, drive = self._clock.now(), self.mux.motion
         if drive is not None:
             self._go_on(drive, now_s)
-        elif not self.hold.done.is_set():
+        elif not self.hold.done:
             self._hold_on(self.hold, now_s)
 
     def _go_on(self, drive: ExternalNavigation, now_s: float) -> None:
@@ -106,7 +101,7 @@ class ControlLoop:
     def _stand(self, drive: ExternalNavigation | None, _error: BaseException) -> None:
         """Zero velocity at once, and until the robot is seen to stand."""
         estimate, now_s = self._senses.estimate(), self._clock.now()
-        held = not self.hold.done.is_set()
+        held = not self.hold.done
         self._wheels.turn(STILL)
         if drive is not None:
             drive.driver.cancel(estimate)
@@ -114,10 +109,10 @@ class ControlLoop:
             moving = not self._senses.odometry_history.still()
             self._goals.recall(estimate if moving and not held else None)
         if not held:
-            self.hold = Hold(now_s)
+            self.hold = ZeroVelocity(now_s)
         self.hold.since_s = now_s
 
-    def _hold_on(self, hold: Hold, now_s: float) -> None:
+    def _hold_on(self, hold: ZeroVelocity, now_s: float) -> None:
         self._wheels.turn(STILL)
         if now_s - hold.recalled_s >= RECALL_EVERY_S:
             hold.recalled_s = now_s
@@ -128,7 +123,7 @@ class ControlLoop:
         elif held_s > self._obey_s:
             problem = self._problem()
             log.error("robot_disobeys", reason=str(problem))
-            hold.end(problem)
+            hold.end(SkillFailed(problem))
 
     def _problem(self) -> Reason:
         if self._senses.odometry_history.fresh() is None:

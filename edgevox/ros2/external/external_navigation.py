@@ -1,11 +1,10 @@
 """One drive to a target: watched from its start to its end, for whatever reason it ends."""
 
-import math
 from typing import Any
 
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
-from edgevox.core.transforms import Pose2D
+from edgevox.core.transforms import Pose2D, distance_on_floor, turn_between
 from edgevox.robots.motion import Motion, Progress
 from edgevox.ros2.external.external_settings import Patience
 from edgevox.ros2.external.localisation_check import LocalisationCheck
@@ -100,5 +99,5 @@ class ProgressWatch:
 
 
 def _moved(one: Pose2D, other: Pose2D) -> bool:
-    turned = abs(math.remainder(one.yaw_rad - other.yaw_rad, math.tau))
-    return math.hypot(one.x_m - other.x_m, one.y_m - other.y_m) > _MOVED_M or turned > _TURNED_RAD
+    turned = abs(turn_between(one.yaw_rad, other.yaw_rad))
+    return distance_on_floor(one, other) > _MOVED_M or turned > _TURNED_RAD

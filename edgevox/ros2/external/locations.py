@@ -17,15 +17,14 @@ from pydantic import AfterValidator, RootModel
 
 from edgevox.core.user_file import read_text
 from edgevox.core.yaml_file import YamlFile
-from edgevox.robots.name_fields import read_name
+from edgevox.robots.name_fields import LONGEST_PLACE, read_name
 from edgevox.robots.world_fields import Finite, WorldPart, called, listed, within
 from edgevox.ros2.external.motion_bounds import FURTHEST_M
 
 MOST_LOCATIONS = 200
-LONGEST_NAME = 40
 
 Metres = Annotated[Finite, within(-FURTHEST_M, FURTHEST_M)]
-Name = Annotated[str, called(partial(read_name, longest=LONGEST_NAME))]
+Name = Annotated[str, called(partial(read_name, longest=LONGEST_PLACE))]
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from edgevox.agent.reasons import because
 from edgevox.core.reason import Reason
-from edgevox.core.transforms import Pose2D
+from edgevox.core.transforms import Pose2D, distance_on_floor, turn_between
 from edgevox.robots.capabilities import Twist2D
 
 FURTHEST_M = 10_000.0
@@ -31,8 +31,7 @@ class Jump:
 
     @classmethod
     def between(cls, one: Pose2D, other: Pose2D) -> "Jump":
-        turned = abs(math.remainder(other.yaw_rad - one.yaw_rad, math.tau))
-        return cls(math.hypot(other.x_m - one.x_m, other.y_m - one.y_m), turned)
+        return cls(distance_on_floor(one, other), abs(turn_between(one.yaw_rad, other.yaw_rad)))
 
     @property
     def reason(self) -> Reason:

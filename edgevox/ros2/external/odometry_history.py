@@ -1,12 +1,11 @@
 """What was heard of a robot's odometry: where it is, whether it is silent, whether it stands."""
 
-import math
 import threading
 from collections import deque
 from dataclasses import dataclass
 
 from edgevox.core.clock import Clock
-from edgevox.core.transforms import Pose2D
+from edgevox.core.transforms import Pose2D, distance_on_floor, turn_between
 from edgevox.robots.capabilities import Twist2D
 from edgevox.ros2.external.motion_bounds import Jump, Speeds, drivable, on_the_map, seconds_between
 from edgevox.ros2.stamps import NS_PER_S
@@ -147,5 +146,5 @@ class OdometryHistory:
 
 
 def _together(one: Pose2D, other: Pose2D) -> bool:
-    turned = abs(math.remainder(one.yaw_rad - other.yaw_rad, math.tau))
-    return math.hypot(one.x_m - other.x_m, one.y_m - other.y_m) < _SHIFT_M and turned < _SHIFT_RAD
+    turned = abs(turn_between(one.yaw_rad, other.yaw_rad))
+    return distance_on_floor(one, other) < _SHIFT_M and turned < _SHIFT_RAD

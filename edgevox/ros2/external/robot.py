@@ -7,7 +7,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
-from edgevox.agent.reasons import because
+from edgevox.agent.reasons import because, called_off
 from edgevox.agent.skills import STOP, GoalHandle, OneOf, Result, Skill, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock, SystemClock
@@ -16,10 +16,10 @@ from edgevox.core.frame_names import MAP
 from edgevox.core.log import get_logger
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.bounds import Bounds
-from edgevox.robots.capabilities import STOP_ASKED, Report, SpeedLimit, Twist2D
+from edgevox.robots.capabilities import Report, SpeedLimit, Twist2D
 from edgevox.robots.navigation import LOCATION, navigation_skills
 from edgevox.robots.places.place_memory import PlaceMemory
-from edgevox.ros2.external.control_loop import Hold
+from edgevox.ros2.external.control_loop import ZeroVelocity
 from edgevox.ros2.external.external_navigation import ExternalNavigation
 from edgevox.ros2.external.external_settings import ExternalSettings
 from edgevox.ros2.external.localisation_check import LocalisationCheck
@@ -134,9 +134,9 @@ class ExternalRobot:
         robot_node = self._robot_node
         if robot_node is None:
             return
-        moved, hold = self._stand(robot_node, "EdgeVox was switched off")
+        moved, hold = self._stand(robot_node, str(called_off("edgevox_off")))
         if moved:
-            hold.done.wait(_CLOSING_S)
+            hold.wait_for(_CLOSING_S)
         self._robot_node = None
         robot_node.close()
 
@@ -156,7 +156,7 @@ class ExternalRobot:
 
     def reset(self) -> None:
         """A real robot cannot be put back; it stops."""
-        self.halt("reset")
+        self.halt(str(called_off("reset")))
 
     def pose(self) -> Pose2D:
         """Where it is. Raises `SkillFailed` while its odometry is silent."""
@@ -219,7 +219,7 @@ class ExternalRobot:
         driver = robot_node.choose(token)
         with self._lock:
             if self._stops != stops:
-                raise Cancelled("it was stopped before it began")
+                raise Cancelled(called_off("not_begun"))
             token.check()
             estimate = self._estimate()
             trust = LocalisationCheck(robot_node.senses, estimate)
@@ -242,14 +242,13 @@ class ExternalRobot:
         """The skill `stop`: ends when the robot stands, and fails when it does not obey."""
         goal.token.check()
         robot_node = self._switched_on()
-        moved, hold = self._stand(robot_node, STOP_ASKED)
+        moved, hold = self._stand(robot_node, str(called_off("stop_asked")))
         if moved:
-            hold.done.wait(self._settings.obey_s + 1.0)
-        if hold.problem:
-            raise SkillFailed(hold.problem)
+            hold.wait_for(self._settings.obey_s + 1.0)
+        hold.check()
         return {"was_moving": moved}
 
-    def _stand(self, robot_node: RobotNode, reason: str) -> tuple[bool, Hold]:
+    def _stand(self, robot_node: RobotNode, reason: str) -> tuple[bool, ZeroVelocity]:
         """Whether the robot moved or drove, and the hold that it is under now."""
         with self._lock:
             self._stops += 1

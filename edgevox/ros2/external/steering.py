@@ -114,9 +114,6 @@ def blocked(scan: LidarScan | None, reach_m: float, half_width_m: float) -> bool
         return False
     # Minus infinity is nearer than the lidar can tell (REP 117), which is near enough.
     ranges = np.where(np.isneginf(scan.ranges_m), scan.range_min_m, scan.ranges_m)
-    angles = scan.angle_min_rad + scan.angle_increment_rad * np.arange(len(ranges))
     valid = np.isfinite(ranges) & (ranges >= scan.range_min_m) & (ranges <= scan.range_max_m)
-    ranges, angles = ranges[valid], angles[valid] + scan.mount.yaw_rad
-    ahead = scan.mount.x_m + ranges * np.cos(angles)
-    aside = scan.mount.y_m + ranges * np.sin(angles)
+    ahead, aside = scan.ends(np.where(valid, ranges, 0.0))[valid].T
     return bool(np.any((ahead > 0) & (ahead < reach_m) & (np.abs(aside) < half_width_m)))

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from edgevox.core.transforms import Pose2D
+from edgevox.core.transforms import Pose2D, turn_between
 from edgevox.robots.capabilities import Twist2D
 
 
@@ -29,7 +29,7 @@ class Target:
         """How much to turn for the heading asked for, counter-clockwise; 0 if none is."""
         if self.yaw_rad is None:
             return 0.0
-        return math.remainder(self.yaw_rad - pose.yaw_rad, math.tau)
+        return turn_between(pose.yaw_rad, self.yaw_rad)
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.interlock import Interlock
 from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
-from edgevox.core.status import HealthCheck, Status
+from edgevox.core.status import ComponentName, HealthCheck, Status
 from edgevox.ros2.bridge_status import Sharing
 from edgevox.ros2.contract import PRESENCE, TAKE_OVER
 from edgevox.ros2.presence.claim import Claim, ClaimMessage, new_claim, read_claim, write_claim
@@ -31,7 +31,7 @@ class Presence:
     thread, and the beat is the ticker's, so that this agent is seen while a callback hangs.
     """
 
-    name = "presence"
+    name = ComponentName.PRESENCE
     checks: tuple[HealthCheck, ...] = ()
 
     def __init__(self, node: Node, robot: str, interlock: Interlock, ticker: Ticker) -> None:
