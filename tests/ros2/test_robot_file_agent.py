@@ -1,6 +1,7 @@
 """An agent that was given nothing but a robot file, typed to over ROS 2."""
 
 import pytest
+from guards import HUNG_S
 from robot_file_rig import NAMESPACE, ROBOT_FILE, Asked, interfaces
 
 
@@ -47,6 +48,17 @@ def test_all_that_the_robot_can_do_is_done_by_sentences(talk, peer):
     asked.wait("dock", ["slot 3", "{}"])
     say("stop", "Stopped.")
     asked.wait("cancelled", "slot 3")
+
+
+def test_a_file_is_checked_without_a_robot_and_its_fault_is_told(agent, tmp_path):
+    checked = agent(f"--robot-file={ROBOT_FILE}", "--check", robot="robot-external", wait=False)
+    checked.wait_for_line("honk: Sound the horn.")
+    assert checked.process.wait(HUNG_S) == 0
+    wrong = tmp_path / "robot.yaml"
+    wrong.write_text(ROBOT_FILE.read_text("utf-8").replace("data: 7", "date: 7"))
+    refused = agent(f"--robot-file={wrong}", "--check", robot="robot-external", wait=False)
+    refused.wait_for_line("skills.blink.request.date: got 7, expected a field that is one of data")
+    assert refused.process.wait(HUNG_S) != 0
 
 
 def test_it_speaks_the_language_of_the_file_and_made_up_sentences(talk, peer):
