@@ -4,7 +4,8 @@ The tables of ros2.md come from `edgevox.ros2.contract` and the launch files, th
 from `edgevox.apps.container`, those of diagnostics.md from `edgevox.ops.diagnostics` and
 `edgevox.apps.doctor`, that of metrics.md from `edgevox.ops.metrics`. They stand between
 ``<!-- generated: NAME -->`` and ``<!-- end -->``; all else on a page is written by hand.
-scenario.schema.json and policy.schema.json are the formats of such files as JSON Schemas.
+scenario.schema.json, policy.schema.json and robot.schema.json are the formats of such files as
+JSON Schemas.
 """
 
 import ast
@@ -25,6 +26,7 @@ from edgevox.ops.logs.event_table import log_events
 from edgevox.ops.metrics.metric_table import METRICS
 from edgevox.ros2 import contract, standard_topics
 from edgevox.ros2.contract_rows import Published, Qos, QosSpec, Subscribed
+from edgevox.ros2.robot_file.robot_file_format import RobotFile
 from edgevox.scenario import Scenario
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -33,6 +35,7 @@ PAGES = tuple(ROOT / "docs" / f"{name}.md" for name in NAMES)
 SCHEMAS = {
     ROOT / "docs" / "scenario.schema.json": Scenario,
     ROOT / "docs" / "policy.schema.json": PolicyFile,
+    ROOT / "docs" / "robot.schema.json": RobotFile,
 }
 LAUNCH = ROOT / "launch"
 BLOCK = re.compile(r"(<!-- generated: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from edgevox.agent.programs.program import Program
-from edgevox.agent.skills import STOP, Call, Skill
+from edgevox.agent.skills import STOP, Call, Skill, SkillFailed
 from edgevox.core.agent_events import (
     GOAL_ENDS,
     GoalCancelled,
@@ -186,7 +186,7 @@ class Dialogue:
 
     def _on_goal(self, event: GoalChanged | GoalCancelled) -> None:
         begins = event.status is GoalStatus.RUNNING and getattr(event, "feedback", None) is None
-        start = self._pose() if begins and self._pose else None
+        start = self._where() if begins else None
         with self._lock:
             self._touch(event)
             skill = self._skills.get(event.skill)
@@ -198,6 +198,13 @@ class Dialogue:
             motion.start = motion.start or start
             if isinstance(event, GoalChanged) and event.feedback:
                 motion.progress = _part(event.feedback.get("progress"))
+
+    def _where(self) -> Pose2D | None:
+        """Where the body is, if it knows."""
+        try:
+            return self._pose() if self._pose else None
+        except SkillFailed:
+            return None
 
     def _touch(self, event: GoalChanged | GoalCancelled) -> None:
         for one in self._exchanges:

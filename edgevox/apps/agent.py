@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from edgevox.apps.agent_arguments import AgentArguments, parse_arguments
+from edgevox.apps.check_robot import check_robot
 from edgevox.apps.play import play, read_script
 from edgevox.apps.robots import build_body, open_places
 from edgevox.apps.run_program import run_program, set_up_logs
@@ -34,6 +35,9 @@ def _prepare(asked: AgentArguments) -> Callable[[], bool]:
     if snapshot := asked.snapshot:
         drawn = build_body(asked.robot, settings, IN_THE_HAND)
         return lambda: take_snapshot(drawn, snapshot)
+    if asked.check:
+        checked = build_body(asked.robot, settings, IN_THE_HAND)
+        return lambda: check_robot(checked)
     body = build_body(asked.robot, settings)
     open_places(body, settings)
     return lambda: serve(settings, body, asked.ros_args)

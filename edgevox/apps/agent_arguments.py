@@ -24,6 +24,7 @@ class AgentArguments:
     config: Path | None
     scenario: Path | None
     snapshot: Path | None
+    check: bool
     ros_args: tuple[str, ...]
 
 
@@ -37,6 +38,7 @@ def parse_arguments(argv: Sequence[str]) -> AgentArguments:
         arguments.config,
         arguments.scenario,
         arguments.snapshot,
+        arguments.check,
         tuple(ros),
     )
 
@@ -71,6 +73,11 @@ def _parser() -> argparse.ArgumentParser:
         type=Path,
         metavar="FILE",
         help="write a picture of the robot as PNG and leave; with --scenario, of its end",
+    )
+    parser.add_argument(
+        "--check",
+        action="store_true",
+        help="check the robot and its files, say what it can do, and leave",
     )
     add_flags(parser)
     return parser

@@ -122,6 +122,11 @@ class Settings(BaseSettings):
         description="robot-external: namespace of the robot's topics, such as /robot1",
         json_schema_extra={"flag": "namespace"},
     )
+    robot_file: Path | None = Field(
+        None,
+        description="robot-external: YAML file that describes a robot: its limits, its topics and"
+        " the skills that its ROS 2 interfaces give it",
+    )
     locations: Path | None = Field(
         None, description="robot-external: YAML file of the places that it knows by name"
     )

@@ -29,6 +29,7 @@ FOR_BODIES = frozenset(
         "max_linear",
         "mjcf",
         "model_source",
+        "robot_file",
         "seed",
         "world",
     }

@@ -5,7 +5,7 @@ from dialogue_rig import Rig, Walker
 
 from edgevox.agent.dialogue import MOST_EXCHANGES, REMEMBERED_S
 from edgevox.agent.nlu.interpreter import Meaning
-from edgevox.agent.skills import Call, SkillSet
+from edgevox.agent.skills import Call, SkillFailed, SkillSet
 from edgevox.core.agent_events import GoalStatus
 from edgevox.core.commands import Reset, RunSkill
 
@@ -169,3 +169,17 @@ def test_asked_why_after_a_yes_it_quotes_what_the_yes_was_said_to():
 
         assert why == "Because I heard: “go to the kitchen”. That is a plain command."
         assert rig.body.moves == ["kitchen"]
+
+
+def test_what_begins_where_nobody_knows_is_known_by_its_goal_all_the_same():
+    body = Walker()
+    body.pose = lost
+    one = Rig(body)
+    with closing(one.talk):
+        one.begin("go to the office")
+        assert one.ask("what are you doing?").startswith("Going to the office. 42 percent")
+        one.arrive()
+
+
+def lost():
+    raise SkillFailed("I do not know where I am.")

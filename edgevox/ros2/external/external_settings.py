@@ -38,5 +38,7 @@ class ExternalSettings:
     goal_patience: Patience = Patience(unmoved_s=15.0, no_nearer_s=60.0, first_s=600.0)
     discovery_s: float = 3.0
     """So long after the start the robot may take to be discovered."""
+    remappings: tuple[str, ...] = ()
+    """ROS arguments that give the contract's topics the names that the robot has."""
     obey_s: float = 5.0
     """So long a halted robot may take to stand."""

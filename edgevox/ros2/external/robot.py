@@ -2,7 +2,7 @@
 
 import math
 import threading
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
@@ -27,7 +27,8 @@ from edgevox.ros2.external.locations import Location
 from edgevox.ros2.external.motion_bounds import FURTHEST_M
 from edgevox.ros2.external.robot_node import RobotNode
 from edgevox.ros2.external.sensor_inputs import incredible
-from edgevox.ros2.external.target import PoseEstimate, Target
+from edgevox.ros2.external.target import PoseEstimate, Target, describe
+from edgevox.ros2.robot_file.described_skills import DescribedSkill
 from edgevox.ros2.stamps import NS_PER_S
 
 log = get_logger(__name__)
@@ -55,6 +56,7 @@ class ExternalRobot:
         locations: Mapping[str, Location] | None = None,
         settings: ExternalSettings | None = None,
         *,
+        described: Sequence[DescribedSkill] = (),
         clock: Clock | None = None,
     ) -> None:
         self._namespace = namespace
@@ -70,11 +72,14 @@ class ExternalRobot:
         )
         aliases = {said: name for name, one in self._locations.items() for said in one.aliases}
         self.place_memory = PlaceMemory(namespace, OneOf(tuple(self._places), aliases))
-        self._skills = tuple(
-            replace(one, function=self._stop_and_see) if one.name == STOP else one
-            for one in navigation_skills(
-                self, aliases=aliases, word=LOCATION, memory=self.place_memory
-            )
+        self._described = described
+        own = navigation_skills(self, aliases=aliases, word=LOCATION, memory=self.place_memory)
+        self._skills = (
+            *(
+                replace(one, function=self._stop_and_see) if one.name == STOP else one
+                for one in own
+            ),
+            *(one.skill() for one in described),
         )
 
     @property
@@ -125,7 +130,9 @@ class ExternalRobot:
 
     def start(self) -> None:
         """Join the graph. Raises `RosBridgeFailed` where that cannot be done."""
-        self._robot_node = RobotNode(self._namespace, self._settings, self._clock, self._lock)
+        self._robot_node = RobotNode(
+            self._namespace, self._settings, self._clock, self._lock, self._described
+        )
         self._robot_node.control.mux.limit = self._limit
         self._robot_node.start()
 
@@ -185,7 +192,7 @@ class ExternalRobot:
         return {
             "name": self.name,
             "time": round(self.time_s, 3),
-            **_describe(estimate),
+            **describe(estimate),
             "location": self.place_at(estimate.pose.x_m, estimate.pose.y_m) if estimate else None,
             "goal": goal,
             "odom_age": round(robot_node.senses.odometry_history.age_s(seen), 3)
@@ -282,17 +289,3 @@ class ExternalRobot:
             {"x": round(estimate.pose.x_m, 3), "y": round(estimate.pose.y_m, 3)} if estimate else {}
         )
         report(progress=round(progress.part, 3), distance_m=round(progress.left, 3), **where)
-
-
-def _describe(estimate: PoseEstimate | None) -> dict[str, Any]:
-    if estimate is None:
-        return {"frame": None, "pose": None, "velocity": None}
-    pose, twist = estimate.pose, estimate.twist
-    return {
-        "frame": estimate.frame,
-        "pose": {"x": round(pose.x_m, 4), "y": round(pose.y_m, 4), "yaw": round(pose.yaw_rad, 4)},
-        "velocity": {
-            "linear": round(twist.linear_m_s, 4),
-            "angular": round(twist.angular_rad_s, 4),
-        },
-    }

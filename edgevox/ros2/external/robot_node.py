@@ -1,6 +1,7 @@
 """The node that a robot is driven from, with all that it hears and says."""
 
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 
 from rclpy.clock import Clock as RosClock
@@ -18,6 +19,7 @@ from edgevox.ros2.external.odometry_history import SILENT_S
 from edgevox.ros2.external.sensor_inputs import SensorInputs
 from edgevox.ros2.external.steering import OwnSteering
 from edgevox.ros2.node import RosNode
+from edgevox.ros2.robot_file.described_skills import DescribedSkill
 
 log = get_logger(__name__)
 
@@ -38,9 +40,11 @@ class RobotNode:
         settings: ExternalSettings,
         clock: Clock,
         lock: AbstractContextManager[object],
+        described: Sequence[DescribedSkill] = (),
     ) -> None:
         self._settings, self._clock, self._lock = settings, clock, lock
-        self._ros = RosNode(namespace, name=NODE_NAME)
+        ros_args = [*sys.argv, *settings.remappings] if settings.remappings else ()
+        self._ros = RosNode(namespace, ros_args, name=NODE_NAME)
         node = self._ros.node
         self.senses = SensorInputs(node, clock, _speeds(settings.steering))
         wheels = VelocityPublisher(node)
@@ -57,6 +61,9 @@ class RobotNode:
             settings.steering,
             settings.steering_patience,
         )
+        self._described = described
+        for one in described:
+            one.open(node, clock)
         self._silent = False
         # Real time: a /clock that stands still or jumps must not leave a robot driving.
         steady = RosClock(clock_type=ClockType.STEADY_TIME)
@@ -67,6 +74,8 @@ class RobotNode:
         self._discovered_s = self._clock.now() + self._settings.discovery_s
 
     def close(self) -> None:
+        for one in self._described:
+            one.close()
         self._ros.close()
 
     @property

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 from edgevox.core.transforms import Pose2D, turn_between
 from edgevox.robots.capabilities import Twist2D
@@ -43,3 +44,18 @@ class PoseEstimate:
     twist: Twist2D
     frame: str
     stamp_ns: int
+
+
+def describe(estimate: PoseEstimate | None) -> dict[str, Any]:
+    """Where a robot is and how it moves, as `robot_state` says it."""
+    if estimate is None:
+        return {"frame": None, "pose": None, "velocity": None}
+    pose, twist = estimate.pose, estimate.twist
+    return {
+        "frame": estimate.frame,
+        "pose": {"x": round(pose.x_m, 4), "y": round(pose.y_m, 4), "yaw": round(pose.yaw_rad, 4)},
+        "velocity": {
+            "linear": round(twist.linear_m_s, 4),
+            "angular": round(twist.angular_rad_s, 4),
+        },
+    }

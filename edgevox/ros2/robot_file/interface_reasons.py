@@ -1,0 +1,13 @@
+"""The reasons of skills that a file describes, in the languages of the robot."""
+
+from pathlib import Path
+
+from edgevox.agent.own_phrases import OwnPhrases
+from edgevox.core.reason import Reason
+
+_PHRASES = OwnPhrases(Path(__file__).parent / "phrases")
+
+
+def because(code: str, *, what: str) -> Reason:
+    """The reason of this code; `what` is the interface, as the file names it."""
+    return _PHRASES.because(code, what=what.strip("~/").replace("_", " ").replace("/", " "))

@@ -1,0 +1,157 @@
+"""A step of the file with the types that it needs: checked before the robot is started."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from builtin_interfaces.msg import Time
+
+from edgevox.core.errors import InvalidValue
+from edgevox.core.validation import Place
+from edgevox.core.yaml_file import YamlFile
+from edgevox.ros2.robot_file.argument_models import samples
+from edgevox.ros2.robot_file.field_paths import check_path
+from edgevox.ros2.robot_file.filling import Filling, arguments_in
+from edgevox.ros2.robot_file.interfaces import Kind, interface
+from edgevox.ros2.robot_file.robot_file_format import WAYS, Argument, FieldCondition, Step
+
+_KINDS: Mapping[str, Kind] = {
+    "publish": "msg",
+    "read": "msg",
+    "wait": "msg",
+    "call": "srv",
+    "action": "action",
+}
+_STEERING = frozenset({"geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"})
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedStep:
+    """A step, its type, and the classes of what is sent and of what comes back, if there are."""
+
+    step: Step
+    way: str
+    type: Any
+    request: Any = None
+    answer: Any = None
+
+    @property
+    def interface_name(self) -> str:
+        """As the file writes it."""
+        return str(getattr(self.step, self.way).name)
+
+
+class Planner:
+    """Checks the steps of one skill, one after another: a later one may use earlier results.
+
+    `arguments` are the skill's. Its methods raise `InvalidValue` naming file, line and field.
+    """
+
+    def __init__(self, arguments: Mapping[str, Argument], file: YamlFile) -> None:
+        self._arguments, self._file = arguments, file
+        self.results: dict[str, str] = {}
+        """The types of the results so far, by their names."""
+
+    def plan(self, step: Step, at: Place) -> PlannedStep:
+        """A step that stands `at` this place. Raises `InterfaceMissing` for a type, too."""
+        way = next(one for one in WAYS if getattr(step, one) is not None)
+        kind = interface(getattr(step, way).type, _KINDS[way])
+        planned = PlannedStep(step, way, kind, *_sides(way, kind))
+        self._check_steering(planned, at)
+        self._check_request(planned.request, step.request, (*at, "request"))
+        if step.publish and step.publish.at_end:
+            self._check_request(planned.request, step.publish.at_end, (*at, "publish", "at_end"))
+        self._check_answer(planned, at)
+        if step.action and step.action.progress:
+            self._type_at(kind.Feedback, step.action.progress, (*at, "action", "progress"))
+        return planned
+
+    def _check_steering(self, planned: PlannedStep, at: Place) -> None:
+        """Velocities have one way, with limits, a watchdog and the policy: that of drives."""
+        name = "/".join((planned.type.__module__.split(".")[0], "msg", planned.type.__name__))
+        if planned.way == "publish" and name in _STEERING:
+            expected = "no velocity: a robot is driven by navigate_to and its like, and limited"
+            raise self._file.wrong((*at, "publish", "type"), name, expected)
+
+    def _check_request(self, request: Any, template: Mapping[str, Any], at: Place) -> None:
+        named = arguments_in(template)
+        if unknown := named - self._arguments.keys() - self.results.keys():
+            expected = "an argument: one of " + ", ".join([*self._arguments, *self.results])
+            raise self._file.wrong(at, "{" + min(unknown) + "}", expected)
+        if request is None and template:
+            raise self._file.wrong(at, dict(template), "nothing: what only hears has no request")
+        if request is None:
+            return
+        earlier = {name: _sample_of(type_name) for name, type_name in self.results.items()}
+        for tried, values in samples(self._arguments):
+            try:
+                Filling(Time).fill(request(), template, {**earlier, **values})
+            except InvalidValue as error:
+                hint = f"; so bound the argument {tried!r}" if tried else ""
+                place = (*at, *_place_of(error.field))
+                raise self._file.wrong(place, error.value, error.expected + hint) from None
+
+    def _check_answer(self, planned: PlannedStep, at: Place) -> None:
+        step = planned.step
+        for name, path in step.result.items():
+            self.results[name] = self._type_at(planned.answer, path, (*at, "result", name))
+        for number, one in enumerate(step.expect):
+            self._check_condition(planned.answer, one, (*at, "expect", number))
+        for number, one in enumerate(step.wait.until if step.wait else ()):
+            self._check_condition(planned.answer, one, (*at, "wait", "until", number))
+
+    def _check_condition(self, answer: Any, condition: FieldCondition, at: Place) -> None:
+        type_name = self._type_at(answer, condition.field, (*at, "field"))
+        compared = condition.above is not None or condition.below is not None
+        if compared and (type_name == "boolean" or type_name.startswith(("string", "wstring"))):
+            expected = "a number, to be above or below something"
+            raise self._file.wrong((*at, "field"), condition.field, expected)
+
+    def _type_at(self, answer: Any, path: str, at: Place) -> str:
+        if answer is None:
+            raise self._file.wrong(at, path, "nothing: what is only published has no answer")
+        try:
+            return check_path(answer, path, "")
+        except InvalidValue as error:
+            raise self._file.wrong(at, path, error.expected) from None
+
+
+def _sides(way: str, kind: Any) -> tuple[Any, Any]:
+    match way:
+        case "publish":
+            return kind, None
+        case "call":
+            return kind.Request, kind.Response
+        case "action":
+            return kind.Goal, kind.Result
+    return None, kind
+
+
+def _place_of(path: str) -> Place:
+    """The place of a field in a template, from how `Filling` names it."""
+    return tuple(int(one) if one.isdigit() else one for one in re.findall(r"\w+", path))
+
+
+def _sample_of(type_name: str) -> Any:
+    if type_name.startswith(("string", "wstring")):
+        return "text"
+    if type_name == "boolean":
+        return True
+    return 0.5 if type_name in ("float", "double") else 1
+
+
+def _check_field(answer: Any, path: str, file: YamlFile, at: Place) -> str:
+    if answer is None:
+        raise file.wrong(at, path, "nothing: what is only published has no answer")
+    try:
+        return check_path(answer, path, "")
+    except InvalidValue as error:
+        raise file.wrong(at, path, error.expected) from None
+
+
+def _check_condition(answer: Any, condition: FieldCondition, file: YamlFile, at: Place) -> None:
+    type_name = _check_field(answer, condition.field, file, at)
+    text = type_name.startswith(("string", "wstring"))
+    if text and (condition.above is not None or condition.below is not None):
+        raise file.wrong(at, condition.field, "a number, to be above or below something")

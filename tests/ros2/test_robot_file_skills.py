@@ -1,0 +1,142 @@
+"""Skills that a robot file describes, run on a body against a robot of interfaces only."""
+
+import pytest
+from robot_file_rig import NAMESPACE, Asked, Run, body, interfaces
+
+from edgevox.agent.skills import SkillFailed
+from edgevox.core.cancel import Cancelled
+
+
+@pytest.fixture(scope="module")
+def skills(domain):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_DOMAIN_ID", str(domain))
+        with body() as found:
+            yield found
+
+
+@pytest.fixture
+def robot(domain):
+    with interfaces(domain) as process:
+        yield process
+
+
+@pytest.fixture
+def asked(robot, peer):
+    return Asked(peer(NAMESPACE))
+
+
+def test_a_service_is_called(skills, asked):
+    assert Run(skills, "honk").result() == {}
+    asked.wait("honk", True)
+
+
+def test_what_a_service_answers_can_be_said(skills, asked):
+    assert Run(skills, "fold").result() == {"joints": "seven"}
+
+
+def test_a_choice_is_published_as_what_its_word_stands_for(skills, asked):
+    Run(skills, "set_lamp", colour="crimson").result()
+    asked.wait("lamp", 1)
+
+
+def test_what_is_published_at_a_rate_ends_with_a_stop_and_its_last_word(skills, asked):
+    run = Run(skills, "blink")
+    asked.wait("lamp", 7)
+    run.token.cancel("enough")
+    with pytest.raises(Cancelled):
+        run.result()
+    asked.wait("lamp", 0)
+
+
+def test_an_action_is_run_and_its_result_can_be_said(skills, asked):
+    assert Run(skills, "dock", slot=5).result() == {"where": "slot 3"}
+    asked.wait("dock", ["slot 5", "{}"])
+
+
+def test_a_stop_cancels_an_action_and_does_what_the_file_wants_for_it(skills, asked):
+    asked.do("hang")
+    run = Run(skills, "dock")
+    asked.wait("dock")
+    asked.do("hang")
+    run.token.cancel("stop")
+    asked.wait("cancelled", "slot 3")
+    asked.do("obey")
+    with pytest.raises(Cancelled):
+        run.result()
+    asked.wait("honk", False)
+
+
+@pytest.mark.parametrize(
+    ("mode", "skill", "why"),
+    [
+        ("refuse", "honk", "The horn is broken."),
+        ("hang", "honk", "The horn is broken."),
+        ("refuse", "dock", "dock refused that."),
+        ("abort", "dock", "dock gave up."),
+        ("lie", "dock", "dock refused that."),
+        ("hang", "dock", "dock did not answer in time."),
+    ],
+)
+def test_a_robot_that_refuses_hangs_aborts_or_lies_is_told_of(skills, asked, mode, skill, why):
+    asked.do(mode)
+    with pytest.raises(SkillFailed, match=why):
+        Run(skills, skill).result()
+
+
+def test_a_robot_that_is_not_there_is_told_of(skills):
+    with pytest.raises(SkillFailed, match="dock is not there"):
+        Run(skills, "dock").result()
+    with pytest.raises(SkillFailed, match="Nobody listens to lamp"):
+        Run(skills, "set_lamp", colour="red").result()
+
+
+def test_a_robot_that_dies_under_an_action_ends_it(skills, asked, robot):
+    asked.do("hang")
+    run = Run(skills, "dock")
+    asked.wait("dock")
+    robot.kill()
+    with pytest.raises(SkillFailed, match="dock did not answer in time"):
+        run.result()
+
+
+def test_the_newest_value_answers_a_question(skills, asked):
+    assert Run(skills, "temperature").result() == {"degrees": 41.26}
+
+
+def _asks_again_and_again(skills, name):
+    """Until it fails: what was heard last gets too old."""
+    while True:
+        Run(skills, name).result()
+
+
+def test_a_value_that_is_old_is_no_answer(skills, asked):
+    Run(skills, "temperature").result()
+    asked.do("silent")
+    with pytest.raises(SkillFailed, match="I hear nothing of temperature"):
+        _asks_again_and_again(skills, "temperature")
+
+
+def test_a_condition_is_waited_for_and_a_stop_ends_that(skills, asked):
+    asked.do("shut")
+    run = Run(skills, "wait_for_door")
+    asked.do("open")
+    assert run.result() == {}
+    asked.do("shut")
+    while Run(skills, "look_at_door").result() != {"open": False}:
+        pass  # what was said before it was shut is still on its way
+    run = Run(skills, "wait_for_door")
+    run.token.cancel("stop")
+    with pytest.raises(Cancelled):
+        run.result()
+
+
+def test_steps_are_done_in_order_and_use_what_came_of_others(skills, asked):
+    asked.do("open")
+    assert Run(skills, "leave").result() == {"joints": "seven"}
+    asked.wait("dock", ["with seven", ""])
+
+
+def test_a_skill_whose_types_are_not_there_is_off_and_the_others_work(skills):
+    assert "vacuum" not in skills
+    assert {"navigate_to", "stop", "honk", "dock"} - {"navigate_to"} <= set(skills)
