@@ -15,7 +15,7 @@ from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import HeardBy, SafetyPreempted
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
-from edgevox.core.commands import Heard, StopSpotted, TextInput
+from edgevox.core.commands import Heard, SpokenOn, StopSpotted, TextInput
 from edgevox.core.events import Cause, Interrupted, State, Transcribed
 from edgevox.core.reason import Reason
 from edgevox.core.text import clean
@@ -64,16 +64,25 @@ class Stopping:
         self._turn = turn
         self._phrases = phrases
         self._safety = SafetyWords(language)
-        self._stopped_s = self._spotted_s = float("-inf")
+        self._stopped_s = self._spotted_s = self._withdrawn_s = float("-inf")
         self._untold = ""
+        self.last: Turn | None = None
+        """The last turn that somebody spoke for."""
 
     def set_language(self, code: str) -> None:
         """Hear stop words of this language."""
         self._safety = SafetyWords(code)
 
-    def is_over(self, heard: Heard) -> bool:
-        """Whether it was said before a stop: who waits is forgotten with it."""
-        return heard.ended_s < self._stopped_s and not self.is_stop(heard.text)
+    def counts(self, heard: Heard) -> bool:
+        """Whether there are words, said neither before a stop nor taken back since.
+
+        Who waits is forgotten with a stop. One that was spotted in words that do not count is told.
+        """
+        past = heard.ended_s < self._stopped_s or heard.ended_s == self._withdrawn_s
+        counts = bool(heard.text) and (not past or self.is_stop(heard.text))
+        if heard.spotted and not counts:
+            self._tell_spotted(heard.text)
+        return counts
 
     def is_stop(self, text: str) -> bool:
         """Whether these words would stop the robot."""
@@ -85,10 +94,17 @@ class Stopping:
         if word:
             self._stop_word(word, words)
         elif isinstance(words, Heard) and words.spotted:
-            self.tell_spotted()
+            self._tell_spotted()
         return word is not None
 
-    def spotted(self, sound: StopSpotted) -> None:
+    def heed(self, sound: StopSpotted | SpokenOn) -> None:
+        """Do at once what a sound asks for, before its words are known."""
+        if isinstance(sound, StopSpotted):
+            self._spotted(sound)
+        else:
+            self._withdraw(sound.ended_s)
+
+    def _spotted(self, sound: StopSpotted) -> None:
         """Stop for the sound of a stop word; what ends with it was that word, whatever it reads."""
         stopped, waited = self._stop(because("spotted_stop"), sound.at_s + WORD_TAIL_S)
         self._spotted_s = sound.at_s
@@ -96,9 +112,9 @@ class Stopping:
         with self._inbox.gate:
             self._untold = _weightier(self._untold, _told(stopped=stopped, waited=waited))
         if not sound.goes_on:
-            self.tell_spotted()
+            self._tell_spotted()
 
-    def tell_spotted(self, text: str = "") -> None:
+    def _tell_spotted(self, text: str = "") -> None:
         """Say what became of a stop that was spotted, once; `text` is what its words read."""
         with self._inbox.gate:
             said, self._untold = self._untold, ""
@@ -133,6 +149,18 @@ class Stopping:
         else:
             self._hush(reason)
         self._bus.publish(Interrupted(cause))
+
+    def _withdraw(self, ended_s: float) -> None:
+        """End what was begun for the words until then, and nothing else: they were not all."""
+        with self._inbox.gate:
+            self._withdrawn_s = ended_s
+            self._inbox.withdraw(ended_s)
+            turn = self.last
+        if turn is None or turn.asked_s != ended_s:
+            return
+        with self._states.gate:
+            if self._executor.withdraw(because("interrupted", "spoken on"), turn):
+                self._states.enter(State.INTERRUPTED, turn)
 
     def reset(self) -> None:
         """Stop everything, and forget what was said."""

@@ -67,6 +67,11 @@ class Turn:
         self._outcome = Outcome.ANSWERED
 
     @property
+    def asked_s(self) -> float:
+        """The clock's time when what it answers was said to its end."""
+        return self._asked_s
+
+    @property
     def outcome(self) -> Outcome:
         """What became of it."""
         return Outcome.INTERRUPTED if self.cut else self._outcome

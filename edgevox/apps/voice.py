@@ -11,6 +11,7 @@ from edgevox.apps.queries import WAKE_WORDS, Info, present_voices, tts_info
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Command, Speak
 from edgevox.core.controls import Controls
+from edgevox.core.ending import Ending
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import ControlChanged
 from edgevox.core.languages import LANGUAGES, STT_BACKEND
@@ -122,6 +123,7 @@ def build_listener(
     *,
     submit: Callable[[Command], None],
     is_stop: Callable[[str], bool],
+    ending: Callable[[str], Ending],
 ) -> Listener:
     """The listener, not started; what it hears goes to `submit`.
 
@@ -139,6 +141,8 @@ def build_listener(
         audible=voice.sink.audible,
         wakeword=voice.wakeword,
         is_stop=is_stop,
+        ending=ending,
+        saying=voice.speech_output.saying,
         echo=settings.echo,
         lossless=isinstance(voice.source, WavFiles),
     )

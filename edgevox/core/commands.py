@@ -51,6 +51,13 @@ class StopSpotted:
 
 
 @dataclass(frozen=True, slots=True)
+class SpokenOn:
+    """Who was `Heard` until `ended_s` speaks on: that was not all, and comes again, whole."""
+
+    ended_s: float
+
+
+@dataclass(frozen=True, slots=True)
 class Speak:
     """Say this text aloud as it is."""
 
@@ -123,6 +130,7 @@ ConversationCommand = (
     | Transcribing
     | Heard
     | StopSpotted
+    | SpokenOn
     | Speak
     | Interrupt
     | Reset

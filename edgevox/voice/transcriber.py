@@ -3,10 +3,11 @@
 import threading
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from edgevox.core.clock import Clock
 from edgevox.core.commands import Heard, Transcribing
+from edgevox.core.ending import Ending
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.log import get_logger
 from edgevox.voice.audio import RATE_HZ, Samples
@@ -42,6 +43,7 @@ class _Words:
     ended_s: float
     language: str
     took_s: float
+    ending: Ending = Ending.OPEN
 
 
 class Transcriber:
@@ -60,11 +62,13 @@ class Transcriber:
         language: Callable[[], str],
         is_stop: Callable[[str], bool],
         clock: Clock,
+        ending: Callable[[str], Ending] = lambda _: Ending.OPEN,
     ) -> None:
         self._stt = stt
         self._submit = submit
         self._language = language
         self._is_stop = is_stop
+        self._ending = ending
         self._clock = clock
         self._jobs: deque[TranscriptionJob] = deque()
         self._early: TranscriptionJob | None = None
@@ -115,12 +119,19 @@ class Transcriber:
             log.warning("speech_refused", refused=self.refused, waiting=MAX_WAITING)
         return not full
 
-    def guess(self, job: TranscriptionJob) -> None:
+    def guess(self, job: TranscriptionJob) -> bool:
         """Find out the words of what may be a whole utterance, if nothing else is to be done."""
         with self._changed:
-            if not self._jobs and not self._busy and not self._closed:
+            free = not self._jobs and not self._busy and not self._closed
+            if free:
                 self._early = job
                 self._changed.notify_all()
+            return free
+
+    def ending_at(self, ended_s: float) -> Ending | None:
+        """How the words end that were said until then; None while they are not known."""
+        guess = self._guess
+        return guess.ending if guess and guess.ended_s == ended_s else None
 
     def wait_idle(self, timeout_s: float | None = None) -> bool:
         """Block until every utterance is understood; False after the timeout."""
@@ -142,7 +153,7 @@ class Transcriber:
             if job:
                 self._understand(job)
             elif early:
-                self._guess = self._words(early)
+                self._guess = self._judged(self._words(early))
 
     def _understand(self, job: TranscriptionJob) -> None:
         if not job.only_stop and not self._told:
@@ -155,6 +166,14 @@ class Transcriber:
         if counts or job.spotted:
             text = words.text if counts else ""
             self._submit(Heard(text, job.ended_s, words.took_s, spotted=job.spotted))
+
+    def _judged(self, words: "_Words") -> "_Words":
+        """With how they end; what cannot be judged is open."""
+        try:
+            return replace(words, ending=self._ending(words.text))
+        except Exception:
+            log.exception("ending_unjudged")
+            return words
 
     def _words(self, job: TranscriptionJob) -> "_Words":
         """What was said, and how long it took to find out."""
