@@ -51,18 +51,15 @@ def espeak_voices(half: Half) -> tuple[str, ...]:
     return tuple(f"espeak:{accent}+{person}" for person in people for accent in _ESPEAK_ACCENTS)
 
 
-def say(voice: str, text: str, *, pitch: int = 50, words_a_minute: int = 175) -> Samples:
+def say(
+    voice: str, text: str, *, pitch: int = 50, words_a_minute: int = 175, keep: bool = True
+) -> Samples:
     """What a voice says, at 16 kHz, without silence around it.
 
-    Pitch and speed are espeak-ng's alone; other voices leave them out.
+    Pitch and speed are espeak-ng's alone; other voices leave them out. It is cached only if it is
+    to `keep`.
     """
-    key = (
-        f"{voice}|{text}|{pitch}|{words_a_minute}"
-        if voice.startswith("espeak:")
-        else f"{voice}|{text}"
-    )
-    digest = hashlib.sha256(key.encode()).hexdigest()[:24]
-    file = CACHE / voice.split(":", maxsplit=1)[0] / f"{digest}.npz"
+    file = _file(voice, text, pitch, words_a_minute)
     if file.exists():
         with np.load(file) as kept:
             return kept["samples"]
@@ -74,11 +71,25 @@ def say(voice: str, text: str, *, pitch: int = 50, words_a_minute: int = 175) ->
     else:
         sound = _piper(text)
     sound = trimmed(sound)
+    if not keep:
+        return sound
     file.parent.mkdir(parents=True, exist_ok=True)
     part = file.with_suffix(f".{os.getpid()}.npz")
     np.savez(part, samples=sound)
     part.replace(file)
     return sound
+
+
+def is_cached(voice: str, text: str, *, pitch: int = 50, words_a_minute: int = 175) -> bool:
+    """Whether `say` has this by now."""
+    return _file(voice, text, pitch, words_a_minute).exists()
+
+
+def _file(voice: str, text: str, pitch: int, words_a_minute: int) -> Path:
+    engine = voice.split(":", maxsplit=1)[0]
+    options = f"|{pitch}|{words_a_minute}" if engine == "espeak" else ""
+    digest = hashlib.sha256(f"{voice}|{text}{options}".encode()).hexdigest()[:24]
+    return CACHE / engine / f"{digest}.npz"
 
 
 def trimmed(sound: Samples, floor_db: float = -40.0) -> Samples:
