@@ -27,6 +27,7 @@ from edgevox.voice.sources.files import WavFiles
 from edgevox.voice.sources.open_source import ROS2, open_source
 from edgevox.voice.sources.pushed import Pushed
 from edgevox.voice.speech_output import SpeechOutput
+from edgevox.voice.stop_spotter import open_stop_spotter
 from edgevox.voice.stt.watched import WatchedSpeechToText
 from edgevox.voice.stt.whisper import Whisper
 from edgevox.voice.tts.pool import VoicePool
@@ -141,6 +142,7 @@ def build_listener(
         audible=voice.sink.audible,
         wakeword=voice.wakeword,
         is_stop=is_stop,
+        stop_detector=open_stop_spotter() if settings.stop_spotter else None,
         ending=ending,
         saying=voice.speech_output.saying,
         echo=settings.echo,

@@ -25,9 +25,13 @@ AGAIN_S = 0.3
 
 
 class StopDetector(Protocol):
-    """Looks at one frame after the other; `word` is what it heard last."""
+    """Looks at one frame after the other; `word` is what it heard last.
+
+    `languages` are those whose stop words it knows, by ISO 639-1 code.
+    """
 
     word: str
+    languages: frozenset[str]
 
     def heard(self, samples: Samples) -> bool:
         """Whether a stop word has just been said; 512 samples of int16 at 16 kHz, in order."""
@@ -40,7 +44,8 @@ class StopWatch:
     """Tells for each frame whether somebody has just said a stop word who is not the robot.
 
     `saying` is what the robot says now, or has just said. A detector that fails costs its frame,
-    which is counted: nobody goes deaf by it.
+    which is counted: nobody goes deaf by it. In a language that it does not know it rests, which is
+    logged.
     """
 
     def __init__(
@@ -51,6 +56,7 @@ class StopWatch:
         self._language = language
         self._loud: deque[bool] = deque(maxlen=round(WORD_S / FRAME_S))
         self._rests = 0
+        self._unknown = ""
         self.failed = 0
 
     @property
@@ -63,6 +69,8 @@ class StopWatch:
 
         `playing`: the robot or its echo may be audible; `loud`: it is louder than that explains.
         """
+        if not self._knows(self._language()):
+            return False
         self._loud.append(loud)
         self._rests = max(0, self._rests - 1)
         if not self._detected(samples) or self._rests or (playing and self._is_own()):
@@ -75,6 +83,17 @@ class StopWatch:
         self._loud.clear()
         self._rests = 0
         self._detector.forget()
+
+    def _knows(self, language: str) -> bool:
+        """Whether it listens in this language; that it does not is logged once."""
+        if language in self._detector.languages:
+            self._unknown = ""
+            return True
+        if language != self._unknown:
+            self._unknown = language
+            self.forget()
+            log.info("stop_spotter_off", language=language)
+        return False
 
     def _detected(self, samples: Samples) -> bool:
         try:

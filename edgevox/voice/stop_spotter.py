@@ -14,6 +14,8 @@ from edgevox.voice.stop_network import StopNetwork, Weights, read_weights
 
 SMOOTHED_STEPS = 3
 """The mean of so many steps of 16 ms counts: no single one stops a robot."""
+LANGUAGES = frozenset({"en"})
+"""The languages whose stop words it knows, by ISO 639-1 code."""
 REST_S = 0.6
 """After a word it does not count for so long, so that one word is one stop."""
 
@@ -24,6 +26,8 @@ class StopSpotter:
     Used from one thread. `likelihood` is how likely one was at the end of the last frame, 0 to 1;
     `word` the one that it took that for.
     """
+
+    languages = LANGUAGES
 
     def __init__(self, weights: Weights, threshold: float | None = None) -> None:
         self.threshold = weights.threshold if threshold is None else threshold

@@ -19,6 +19,7 @@ class Spotter:
     """Hears a stop word in a frame of one level."""
 
     word = "halt"
+    languages = frozenset({"en", "fr"})
 
     def __init__(self, level=STOP):
         self.level, self.forgotten = level, 0
@@ -35,7 +36,7 @@ class Broken(Spotter):
         raise RuntimeError("bug")
 
 
-def hear(stt, *steps, detector=None, audible=0.0, **more):
+def hear(stt, *steps, detector=None, audible=0.0, speaks="en", **more):
     said = []
     listener = Listener(
         Script(*steps),
@@ -43,7 +44,7 @@ def hear(stt, *steps, detector=None, audible=0.0, **more):
         stt,
         submit=said.append,
         bus=Bus(),
-        language=lambda: "en",
+        language=lambda: speaks,
         muted=more.pop("muted", lambda: False),
         audible=lambda: audible,
         is_stop=lambda text: "stop" in text,
@@ -144,6 +145,15 @@ def test_a_spotter_that_fails_leaves_the_robot_its_hearing(caplog):
 
     assert [one.text for one in said if isinstance(one, Heard)] == ["go"]
     assert "stop_spotter_failed" in caplog.text
+
+
+def test_in_a_language_that_it_does_not_know_it_rests_and_says_so_once(caplog):
+    caplog.set_level("INFO")
+
+    said = hear(Stt("stop"), *[VOICE] * 10, STOP, *spoken(), speaks="de")
+
+    assert spots(said) == []
+    assert caplog.text.count("stop_spotter_off") == 1
 
 
 def test_it_forgets_what_was_heard_when_something_is_missing():
