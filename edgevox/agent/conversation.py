@@ -11,7 +11,6 @@ from edgevox.agent.asking import Asking
 from edgevox.agent.confirmation import OpenQuestion
 from edgevox.agent.dialogue_skills import DialogueSkills
 from edgevox.agent.goals import Goal
-from edgevox.agent.inbox import Inbox, Item
 from edgevox.agent.last_drive import LastDrive
 from edgevox.agent.llm.language_model import LanguageModel
 from edgevox.agent.nlu.decider import Decider
@@ -37,6 +36,8 @@ from edgevox.core.commands import (
     Reset,
     RunSkill,
     Speak,
+    SpokenOn,
+    StopSpotted,
     TextInput,
     Transcribing,
 )
@@ -80,7 +81,7 @@ class Conversation:
     ) -> None:
         self._bus = bus
         self._clock = clock or SystemClock()
-        self._inbox = Inbox(self._clock)
+        self._inbox = inbox.Inbox(self._clock)
         dialogue = DialogueSkills(agents, bus, self._clock, lambda: self.interpreter.phrases, pose)
         self.interpreter = interpreter = Interpreter(
             dialogue.agents, bus, self._clock, model, language, decider=decider
@@ -159,17 +160,14 @@ class Conversation:
                 self._stopping.interrupt(reason, cause, motion=motion)
             case Reset():
                 self._stopping.reset()
+            case StopSpotted() | SpokenOn():
+                self._stopping.heed(command)
             case CancelProgram(program_id=program_id):
                 self.programs.forget_by_id(program_id, because("called_off"))
             case Transcribing():
                 self._states.transcribing()
-            case TextInput():
+            case TextInput() | Heard():
                 self._take(command)
-            case Heard(text=text):
-                counts = bool(text) and not self._stopping.is_over(command)
-                self._states.transcribed(words=counts)
-                if counts:
-                    self._take(command)
             case _:
                 self._inbox.put(command)
 
@@ -218,7 +216,10 @@ class Conversation:
                 return False
 
     def _take(self, words: TextInput | Heard) -> None:
-        if not self._stopping.hears(words):
+        counts = True
+        if isinstance(words, Heard):
+            self._states.transcribed(words=(counts := self._stopping.counts(words)))
+        if counts and not self._stopping.hears(words):
             self._inbox.put(words)
 
     def _work(self) -> None:
@@ -226,12 +227,13 @@ class Conversation:
             with self._inbox.gate:  # a stop finds it waiting or finds its turn
                 item = self._inbox.take(self._question.expires_in_s)
                 turn = self._turn = self._new_turn(item) if item else None
+                self._stopping.last = turn if isinstance(item, Heard) else self._stopping.last
             self._question.expire()
             if item and turn:
                 with bound(turn=turn.number):
                     self._attend(item, turn)
 
-    def _attend(self, item: Item, turn: Turn) -> None:
+    def _attend(self, item: inbox.Item, turn: Turn) -> None:
         """Do it to the end, whatever happens."""
         try:
             self._handle(item, turn)
@@ -241,13 +243,12 @@ class Conversation:
         finally:
             self._end(turn, measured=inbox.asked_in_words(item))
 
-    def _handle(self, item: Item, turn: Turn) -> None:
+    def _handle(self, item: inbox.Item, turn: Turn) -> None:
         """On the conversation's thread: what was queued, the commands and what came of events."""
         match item:
-            case TextInput(text=text):
-                self._converse(text, turn, self._inbox.since_s)
-            case Heard(text=text, ended_s=ended_s):
-                self._converse(text, turn, ended_s)
+            case TextInput() | Heard():
+                said_s = item.ended_s if isinstance(item, Heard) else self._inbox.since_s
+                self._converse(item.text, turn, said_s)
             case Speak(text=text):
                 turn.say(clean(text))
             case inbox.TooLong(length=length):
@@ -277,7 +278,7 @@ class Conversation:
             turn.settle()
             self.interpreter.remember(text, turn, meaning)
 
-    def _new_turn(self, item: Item) -> Turn:
+    def _new_turn(self, item: inbox.Item) -> Turn:
         turn = Turn(
             next(self._numbers),
             self._bus,
@@ -286,6 +287,7 @@ class Conversation:
             speech_output=self._speech_output,
             asked=InputTiming(item.ended_s, item.stt_s) if isinstance(item, Heard) else None,
             way=inbox.way_of(item),
+            plainly=isinstance(item, Heard) and item.spotted,
         )
         return turn
 

@@ -132,6 +132,13 @@ class Inbox:
         with self.gate:
             return self.gate.wait_for(lambda: not (self._items or self._at_work), timeout_s)
 
+    def withdraw(self, ended_s: float) -> None:
+        """Forget what was heard until then, if it still waits."""
+        with self.gate:
+            gone = [one for one in self._items if getattr(one[0], "ended_s", None) == ended_s]
+            for one in gone:
+                self._items.remove(one)
+
     def stop(self) -> None:
         """Forget all that is to be said and done; who is forgotten and what is spoken stays."""
         with self.gate:

@@ -70,6 +70,8 @@ def _hearing(data: Mapping[str, Any], *, spaced: bool) -> Hearing:
         written=data.get("written", ""),
         reserved=tuple(data.get("reserved", ())),
         places=tuple(data.get("places", ())),
+        unfinished=tuple(map(key, data.get("unfinished", ()))),
+        goes_on=tuple(data.get("goes_on", ())),
     )
 
 

@@ -12,7 +12,9 @@ class Hearing:
     no spaces between them. `written` are commands in the spelling that templates understand: an
     example for whoever writes down what is spoken. `reserved` is what people answer with, and what
     they say to any robot: no place or thing may be called so. `places` are what people call places,
-    in templates: "this is the charger" names one, "this is the end" does not.
+    in templates: "this is the charger" names one, "this is the end" does not. Whoever ends in an
+    `unfinished` word has not ended. `goes_on` are examples of what may follow on a command that is
+    whole without: "turn left", "90 degrees".
     """
 
     joints: tuple[str, ...] = ()
@@ -23,3 +25,5 @@ class Hearing:
     written: str = ""
     reserved: tuple[str, ...] = ()
     places: tuple[str, ...] = ()
+    unfinished: tuple[str, ...] = ()
+    goes_on: tuple[str, ...] = ()

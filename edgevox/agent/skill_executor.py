@@ -100,6 +100,15 @@ class SkillExecutor:
         with self._gate:
             return turn.token.cancel(reason)
 
+    def withdraw(self, reason: Reason, turn: Turn) -> bool:
+        """Cancel the turn, and what moves for it; not what others began. True if it did."""
+        with self._gate:
+            cut = turn.token.cancel(reason)
+            moving = self._runner.moving
+            ran = moving is not None and moving.turn == turn.number
+            ended = ran and self._runner.cancel_motion(reason)
+        return cut or ended
+
     def check(
         self, call: Call, skills: SkillSet, way: Way, turn: int = 0, *, confirmed: bool = False
     ) -> Mapping[str, Any]:

@@ -7,6 +7,7 @@ from pathlib import Path
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.llm.language_model import LanguageModel, ModelFailed
 from edgevox.agent.llm.prefill import PromptPrefill
+from edgevox.agent.nlu.endings import Endings
 from edgevox.agent.programs.senses import NO_SENSES
 from edgevox.apps.agent_parts import AgentParts, Startable
 from edgevox.apps.command_router import CommandRouter
@@ -96,6 +97,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
             controls,
             submit=command_router.submit,
             is_stop=conversation.is_stop,
+            ending=_endings(conversation).of,
         )
         if voice
         else None
@@ -214,3 +216,13 @@ def _follow(conversation: Conversation, change: ControlChanged) -> None:
             conversation.set_language(str(code))
         case ControlChanged(name="confirm", value=("always" | "unsure" | "never") as confirm):
             conversation.set_confirm(confirm)
+
+
+def _endings(conversation: Conversation) -> Endings:
+    """What judges words by the templates that the conversation has now."""
+    interpreter = conversation.interpreter
+    return Endings(
+        interpreter.plain,
+        is_stop=conversation.is_stop,
+        hearing=lambda: interpreter.phrases.hearing,
+    )

@@ -11,6 +11,7 @@ from edgevox.apps.queries import WAKE_WORDS, Info, present_voices, tts_info
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Command, Speak
 from edgevox.core.controls import Controls
+from edgevox.core.ending import Ending
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import ControlChanged
 from edgevox.core.languages import LANGUAGES, STT_BACKEND
@@ -26,6 +27,7 @@ from edgevox.voice.sources.files import WavFiles
 from edgevox.voice.sources.open_source import ROS2, open_source
 from edgevox.voice.sources.pushed import Pushed
 from edgevox.voice.speech_output import SpeechOutput
+from edgevox.voice.stop_spotter import open_stop_spotter
 from edgevox.voice.stt.watched import WatchedSpeechToText
 from edgevox.voice.stt.whisper import Whisper
 from edgevox.voice.tts.pool import VoicePool
@@ -122,6 +124,7 @@ def build_listener(
     *,
     submit: Callable[[Command], None],
     is_stop: Callable[[str], bool],
+    ending: Callable[[str], Ending],
 ) -> Listener:
     """The listener, not started; what it hears goes to `submit`.
 
@@ -139,6 +142,9 @@ def build_listener(
         audible=voice.sink.audible,
         wakeword=voice.wakeword,
         is_stop=is_stop,
+        stop_detector=open_stop_spotter() if settings.stop_spotter else None,
+        ending=ending,
+        saying=voice.speech_output.saying,
         echo=settings.echo,
         lossless=isinstance(voice.source, WavFiles),
     )

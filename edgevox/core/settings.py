@@ -153,6 +153,10 @@ class Settings(BaseSettings):
     wakeword: str = Field(
         "", description="listen only after this wake word, such as 'hey jarvis'; empty: always"
     )
+    stop_spotter: bool = Field(
+        True,
+        description="hear stop words by their sound, too: at once, in the middle of what is said",
+    )
     echo: Echo = Field(
         "gate",
         description="own voice in the microphone: gate it by level; none where it is cancelled",

@@ -19,9 +19,12 @@ PRE_ROLL_S = 0.3
 """Heard before the first voiced frame: consonants are quiet."""
 END_S = 0.6
 """So much silence ends an utterance: people pause for less within a sentence."""
+GOES_ON_S = 0.85
+"""Who speaks again within so long after what was ended by its words speaks on: few pause for longer
+within a sentence."""
 POST_ROLL_S = 0.2
 """Silence that is kept at its end."""
-EARLY_S = 0.25
+EARLY_S = 0.2
 """After so much silence the utterance may be over, and what will be given is complete already: at
 least the post-roll."""
 MAX_S = 30.0
@@ -56,11 +59,25 @@ class SpeechPaused:
     ended_s: float
 
 
-Signal = SpeechBegan | SpeechPaused | SpeechEnded
+@dataclass(frozen=True, slots=True)
+class SpeechWentOn:
+    """The utterance that had `ended_s`, by its words, goes on: it was not all.
+
+    Its end will give it whole.
+    """
+
+    ended_s: float
+
+
+Signal = SpeechBegan | SpeechPaused | SpeechEnded | SpeechWentOn
 
 
 class Endpointer:
-    """Give it every frame with its probability of voice; it gives back what happened by it."""
+    """Give it every frame with its probability of voice; it gives back what happened by it.
+
+    Silence ends an utterance. How much may be told for each pause (`end_after`), by whoever knows
+    the words. What ended by them may go on after all.
+    """
 
     def __init__(self, *, end_s: float = END_S, max_s: float = MAX_S) -> None:
         self._end_frames = round(end_s / FRAME_S)
@@ -78,6 +95,28 @@ class Endpointer:
         self._frames: list[Frame] = []
         self._began_s = self._ended_s = 0.0
         self._pause = 0
+        self._wanted_frames = self._end_frames
+        self._revocable = False
+        self._over: SpeechEnded | None = None
+        self._over_frames: list[Frame] = []
+
+    @property
+    def paused_at(self) -> float | None:
+        """When the last voice of the utterance was heard, if somebody has fallen silent since."""
+        return self._ended_s if self._speaking and self._pause else None
+
+    def end_after(self, silence_s: float, *, revocable: bool = False) -> None:
+        """End the utterance after so much silence, counted from its last voice, for this pause.
+
+        If `revocable` it goes on should somebody speak within `GOES_ON_S`.
+        """
+        self._wanted_frames = round(silence_s / FRAME_S)
+        self._revocable = revocable
+
+    @property
+    def speaking(self) -> bool:
+        """Whether an utterance has begun and is not over."""
+        return self._speaking
 
     def push(self, frame: Frame, probability: float) -> Signal | None:
         """Take the next frame."""
@@ -89,9 +128,13 @@ class Endpointer:
         """There are no more frames: the utterance that was going on, if any."""
         return self._end(cut=True) if self._speaking and self._frames else None
 
-    def _idle(self, frame: Frame, probability: float) -> SpeechBegan | None:
+    def _idle(self, frame: Frame, probability: float) -> SpeechBegan | SpeechWentOn | None:
         self._voiced.append(probability >= VOICED)
         self._before.append(frame)
+        if self._over:
+            self._over_frames.append(frame)
+            if frame.end_s - self._over.ended_s > GOES_ON_S + ONSET_WINDOW * FRAME_S:
+                self._over, self._over_frames = None, []
         if sum(self._voiced) < ONSET_FRAMES:
             return None
         first = len(self._voiced) - list(self._voiced).index(True)  # frames since the first voiced
@@ -99,6 +142,11 @@ class Endpointer:
         self._began_s = self._before[-first].end_s - FRAME_S
         self._ended_s = frame.end_s
         self._speaking, self._pause = True, 0
+        over, self._over = self._over, None
+        if over and self._began_s - over.ended_s <= GOES_ON_S:
+            self._frames, self._began_s = self._over_frames, over.began_s
+            self._over_frames = []
+            return SpeechWentOn(over.ended_s)
         return SpeechBegan(self._began_s)
 
     def _during(self, frame: Frame, probability: float) -> SpeechPaused | SpeechEnded | None:
@@ -106,17 +154,23 @@ class Endpointer:
         if probability < UNVOICED or (self._pause and probability < VOICED):
             self._pause += 1
         else:
-            self._pause = 0
-            self._ended_s = frame.end_s
-        if self._pause >= self._end_frames:
-            nothing = self._ended_s <= self._began_s  # only silence followed on a cut
-            ended = self._end(cut=False)
-            return None if nothing else ended
+            self._pause, self._ended_s = 0, frame.end_s
+            self._wanted_frames, self._revocable = self._end_frames, False
+        if self._pause >= self._wanted_frames:
+            return self._fell_silent()
         if len(self._frames) >= self._max_frames:
             return self._cut(frame)
         if self._pause == self._early_frames and self._ended_s > self._began_s:
             return SpeechPaused(self._kept(), self._ended_s)
         return None
+
+    def _fell_silent(self) -> SpeechEnded | None:
+        frames, revocable = self._frames, self._revocable
+        nothing = self._ended_s <= self._began_s  # only silence followed on a cut
+        ended = self._end(cut=False)
+        if revocable:
+            self._over, self._over_frames = ended, frames
+        return None if nothing else ended
 
     def _cut(self, frame: Frame) -> SpeechEnded:
         """The utterance is as long as may be; if the person speaks on, so does the next one."""

@@ -3,10 +3,11 @@
 import threading
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from edgevox.core.clock import Clock
 from edgevox.core.commands import Heard, Transcribing
+from edgevox.core.ending import Ending
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.log import get_logger
 from edgevox.voice.audio import RATE_HZ, Samples
@@ -24,13 +25,14 @@ class TranscriptionJob:
     """An utterance to understand. `ended_s` is the clock's time of its last voiced sample.
 
     `phrase` is the wake word that stands at its beginning, if any; with `only_stop` it counts only
-    if it tells the robot to stop.
+    if it tells the robot to stop. A stop word was `spotted` in it if its sound was heard.
     """
 
     samples: Samples
     ended_s: float
     phrase: str = ""
     only_stop: bool = False
+    spotted: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +43,7 @@ class _Words:
     ended_s: float
     language: str
     took_s: float
+    ending: Ending = Ending.OPEN
 
 
 class Transcriber:
@@ -48,7 +51,7 @@ class Transcriber:
 
     An utterance that may be over is understood while the silence lasts that ends it; if it was,
     its words are there already. One with `only_stop` submits `Heard` alone, and only if `is_stop`
-    finds a stop word in it.
+    finds a stop word in it; if one was spotted, without words if it does not.
     """
 
     def __init__(
@@ -59,11 +62,13 @@ class Transcriber:
         language: Callable[[], str],
         is_stop: Callable[[str], bool],
         clock: Clock,
+        ending: Callable[[str], Ending] = lambda _: Ending.OPEN,
     ) -> None:
         self._stt = stt
         self._submit = submit
         self._language = language
         self._is_stop = is_stop
+        self._ending = ending
         self._clock = clock
         self._jobs: deque[TranscriptionJob] = deque()
         self._early: TranscriptionJob | None = None
@@ -94,8 +99,11 @@ class Transcriber:
         if self._thread.is_alive():
             self._thread.join()
 
-    def take(self, job: TranscriptionJob, *, wait: bool = False) -> None:
-        """Queue an utterance; if too many wait already, refuse it, or `wait` until they do not."""
+    def take(self, job: TranscriptionJob, *, wait: bool = False) -> bool:
+        """Queue an utterance; if too many wait already, refuse it, or `wait` until they do not.
+
+        False if it was refused.
+        """
         with self._changed:
             if self._guessing and not self._jobs and not job.only_stop:
                 self._told = True
@@ -109,13 +117,21 @@ class Transcriber:
         if full:
             self.refused += 1
             log.warning("speech_refused", refused=self.refused, waiting=MAX_WAITING)
+        return not full
 
-    def guess(self, job: TranscriptionJob) -> None:
+    def guess(self, job: TranscriptionJob) -> bool:
         """Find out the words of what may be a whole utterance, if nothing else is to be done."""
         with self._changed:
-            if not self._jobs and not self._busy and not self._closed:
+            free = not self._jobs and not self._busy and not self._closed
+            if free:
                 self._early = job
                 self._changed.notify_all()
+            return free
+
+    def ending_at(self, ended_s: float) -> Ending | None:
+        """How the words end that were said until then; None while they are not known."""
+        guess = self._guess
+        return guess.ending if guess and guess.ended_s == ended_s else None
 
     def wait_idle(self, timeout_s: float | None = None) -> bool:
         """Block until every utterance is understood; False after the timeout."""
@@ -137,7 +153,7 @@ class Transcriber:
             if job:
                 self._understand(job)
             elif early:
-                self._guess = self._words(early)
+                self._guess = self._judged(self._words(early))
 
     def _understand(self, job: TranscriptionJob) -> None:
         if not job.only_stop and not self._told:
@@ -146,8 +162,18 @@ class Transcriber:
         guess, self._guess = self._guess, None
         known = guess and (guess.ended_s, guess.language) == (job.ended_s, self._language())
         words = guess if guess and known else self._words(job)
-        if not job.only_stop or (words.text and self._is_stop(words.text)):
-            self._submit(Heard(words.text, job.ended_s, words.took_s))
+        counts = not job.only_stop or (bool(words.text) and self._is_stop(words.text))
+        if counts or job.spotted:
+            text = words.text if counts else ""
+            self._submit(Heard(text, job.ended_s, words.took_s, spotted=job.spotted))
+
+    def _judged(self, words: "_Words") -> "_Words":
+        """With how they end; what cannot be judged is open."""
+        try:
+            return replace(words, ending=self._ending(words.text))
+        except Exception:
+            log.exception("ending_unjudged")
+            return words
 
     def _words(self, job: TranscriptionJob) -> "_Words":
         """What was said, and how long it took to find out."""

@@ -179,7 +179,8 @@ def test_a_stop_while_it_speaks_and_drives_halts_both(rig, way, room, monkeypatc
         submit(TextInput("stop"))
 
     halted = rig.wait_for(AgentEvent, lambda event: event.kind == "safety_preempt")
-    assert halted == SafetyPreempted("stop", stopped=True)
+    assert isinstance(halted, SafetyPreempted)
+    assert (halted.word, halted.stopped) == ("stop", True)
     rig.wait_for(AgentEvent, lambda event: event.kind == "skill_cancelled")
     assert rig.wait_for(Responded).cut
     assert rested(rig)

@@ -217,6 +217,19 @@ def test_the_last_resort_must_speak(facts, settings, level):
 
 
 @pytest.mark.parametrize(
+    ("settings", "found"),
+    [
+        ({}, "by their sound and by their words"),
+        ({"language": "de"}, "by their words alone: in de no network knows them, only en"),
+        ({"stop_spotter": False}, "nobody asks for it"),
+        ({"text_mode": True}, "nobody asks for it"),
+    ],
+)
+def test_it_says_how_stop_words_are_heard(settings, found):
+    assert sound.judge_spotter(sound.probe_spotter(), situation(**settings)).found == found
+
+
+@pytest.mark.parametrize(
     ("facts", "level"),
     [
         ({"names": [], "failed": ""}, OK),

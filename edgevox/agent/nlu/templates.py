@@ -2,6 +2,7 @@
 
 import difflib
 import re
+import threading
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -59,7 +60,7 @@ class Recogniser:
     ("kichen"), and refused by name otherwise: a robot never guesses where to drive. The templates
     are those of the language's phrasebook and then the skills' own. Words that were learned since
     the last utterance count. `dialogue_skills` come after all the others, and only where every word
-    fits.
+    fits. May be used from any thread.
     """
 
     def __init__(
@@ -70,6 +71,7 @@ class Recogniser:
         self._language = language
         self._skills = skills
         self._words = skills.words()
+        self._learning = threading.Lock()
         self._readers = [_TemplateReader(skills, book, answers, dialogue_skills) for book in books]
 
     def recognise(self, text: str) -> Understood | RefusedCommand | None:
@@ -87,11 +89,12 @@ class Recogniser:
         return refused
 
     def _learn(self) -> None:
-        words = self._skills.words()
-        if words != self._words:
-            self._words = words
-            for reader in self._readers:
-                reader.learn()
+        with self._learning:
+            words = self._skills.words()
+            if words != self._words:
+                self._words = words
+                for reader in self._readers:
+                    reader.learn()
 
 
 class _TemplateReader:

@@ -73,6 +73,12 @@ CHECKS: tuple[Check, ...] = (
         sound.judge_espeak,
     ),
     Check(
+        "stop words",
+        "whether they are heard by their sound, in the language that is set",
+        sound.probe_spotter,
+        sound.judge_spotter,
+    ),
+    Check(
         "ros2",
         "rclpy and the middleware load",
         f"{_ROS}:middleware",

@@ -72,3 +72,22 @@ def judge_espeak(facts: Facts, situation: Situation) -> CheckVerdict:
         advice = "sudo apt install espeak-ng"
         return (skipped if situation.settings.text_mode else warning)(found, advice)
     return ok("espeak-ng speaks, where no better voice is here")
+
+
+def judge_spotter(facts: Facts, situation: Situation) -> CheckVerdict:
+    """Stop words are heard by their words all the same."""
+    settings = situation.settings
+    if settings.text_mode or not settings.stop_spotter:
+        return skipped("nobody asks for it")
+    if settings.language not in facts["languages"]:
+        known = ", ".join(facts["languages"])
+        alone = f"in {settings.language} no network knows them, only {known}"
+        return ok(f"by their words alone: {alone}")
+    return ok("by their sound and by their words")
+
+
+def probe_spotter() -> Facts:
+    """The languages whose stop words are known by their sound."""
+    from edgevox.voice.stop_spotter import LANGUAGES
+
+    return {"languages": sorted(LANGUAGES)}

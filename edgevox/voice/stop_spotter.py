@@ -1,0 +1,69 @@
+"""Hears "stop", "halt" and "freeze" in running sound, without waiting for the end of what is said.
+
+It stops wherever one of them is said, as in "do not stop" too: when in doubt, it stops. What the
+network was trained on and how well it hears is in docs/stop-spotter.md.
+"""
+
+from collections import deque
+
+import numpy as np
+
+from edgevox.voice.audio import FRAME_S, Samples
+from edgevox.voice.stop_features import StopFeatures
+from edgevox.voice.stop_network import StopNetwork, Weights, read_weights
+
+SMOOTHED_STEPS = 3
+"""The mean of so many steps of 16 ms counts: no single one stops a robot."""
+LANGUAGES = frozenset({"en"})
+"""The languages whose stop words it knows, by ISO 639-1 code."""
+REST_S = 0.6
+"""After a word it does not count for so long, so that one word is one stop."""
+
+
+class StopSpotter:
+    """Told every frame of what is heard, it says when a stop word has just been said.
+
+    Used from one thread. `likelihood` is how likely one was at the end of the last frame, 0 to 1;
+    `word` the one that it took that for.
+    """
+
+    languages = LANGUAGES
+
+    def __init__(self, weights: Weights, threshold: float | None = None) -> None:
+        self.threshold = weights.threshold if threshold is None else threshold
+        self.likelihood = 0.0
+        self.word = ""
+        self._words = weights.words
+        self._features = StopFeatures()
+        self._network = StopNetwork(weights)
+        self._recent: deque[float] = deque(maxlen=SMOOTHED_STEPS)
+        self._rest_frames = 0
+
+    def heard(self, samples: Samples) -> bool:
+        """Whether a stop word has just been said; 512 samples of int16 at 16 kHz, in order."""
+        self.likelihood = 0.0
+        for step in self._network.push(self._features.push(samples)):
+            self._recent.append(1 - float(step[0]))
+            mean = sum(self._recent) / SMOOTHED_STEPS
+            if mean >= self.likelihood:
+                self.likelihood, self.word = mean, self._words[1 + int(np.argmax(step[1:]))]
+        if self._rest_frames:
+            self._rest_frames -= 1
+            return False
+        if self.likelihood < self.threshold:
+            return False
+        self._rest_frames = round(REST_S / FRAME_S)
+        return True
+
+    def forget(self) -> None:
+        """What comes next does not follow on what was before."""
+        self._features.forget()
+        self._network.forget()
+        self._recent.clear()
+        self._rest_frames = 0
+        self.likelihood = 0.0
+
+
+def open_stop_spotter() -> StopSpotter:
+    """The one that this package brings: English."""
+    return StopSpotter(read_weights())

@@ -1,0 +1,1 @@
+"""What trains the stop word spotter: its texts, the clips that are made of them, the network."""

@@ -1,0 +1,114 @@
+"""The clips to train with, by voices of the half to train with; synthesised once, then cached."""
+
+import random
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib import resources
+from json import loads
+
+from acoustics import Half
+from acoustics.voices import PIPER, espeak_voices, is_cached, kokoro_voices, say
+
+from edgevox.voice.audio import Samples
+from stop_spotter import texts
+
+_SAID = re.compile(r"stop|halt|freez|friez|\bfrees\b|\bstopp", re.IGNORECASE)
+"""Words with a stop word in them, and those that sound the same as one."""
+NONE = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Clip:
+    """Something said. `word` is the stop word in it; it ends the clip unless it is `within`."""
+
+    voice: str
+    text: str
+    word: str = NONE
+    within: bool = False
+    pitch: int = 50
+    words_a_minute: int = 175
+
+    @property
+    def samples(self) -> Samples:
+        return say(self.voice, self.text, pitch=self.pitch, words_a_minute=self.words_a_minute)
+
+    @property
+    def is_here(self) -> bool:
+        """Whether it was synthesised before."""
+        return is_cached(
+            self.voice, self.text, pitch=self.pitch, words_a_minute=self.words_a_minute
+        )
+
+
+def dictionary() -> list[str]:
+    """Ordinary English words without a stop word in them."""
+    file = resources.files("misaki").joinpath("data", "us_gold.json")
+    return [
+        word
+        for word in sorted(loads(file.read_text("utf-8")))
+        if word.isalpha() and word.islower() and 2 <= len(word) <= 9 and not _SAID.search(word)
+    ]
+
+
+def word_of(text: str) -> str:
+    """The stop word that a text holds."""
+    return next((word for word in texts.WORDS if word in text.casefold()), NONE)
+
+
+def kokoro_clips(half: Half = Half.TRAIN) -> list[Clip]:
+    """Few for each of many voices, as they take long; the most needed first."""
+    voices = list(kokoro_voices(half))
+    random.Random(5).shuffle(voices)
+    some = [(voice, text) for text in ("Stop!", "Halt!", "Freeze!") for voice in voices]
+    others = (*texts.ALIKE, *texts.COMMANDS, *texts.OWN)
+    more = ("Please stop.", "Stop moving!", "Stop.", "Freeze.", "Robot, halt!", "Stop now!")
+    for turn in range(6):
+        for number, voice in enumerate(voices):
+            some.append((voice, others[(number * 7 + turn * 11) % len(others)]))
+            some.append((voice, more[(number + turn) % len(more)]))
+    if half is Half.TRAIN:
+        some += [(v, text) for v in texts.CHATTING for text in (*texts.CHAT, *texts.COMMANDS)]
+    return [clip_of(voice, text) for voice, text in dict.fromkeys(some)]
+
+
+def clip_of(voice: str, text: str, **options: int) -> Clip:
+    """A text said by a voice, with the stop word that it holds."""
+    word = word_of(text) if text not in texts.NOT_TO_STOP_FOR else NONE
+    return Clip(voice, text, word, bool(word) and text in texts.STOPS_WITHIN, **options)
+
+
+def piper_clips() -> list[Clip]:
+    """The robot's own voice: it says what the robot answers, and also stops it."""
+    rng, known = random.Random(9), dictionary()
+    stops = [*texts.STOPS_WITHIN, *(text for some in texts.STOPS.values() for text in some)]
+    others = [*texts.ALIKE, *texts.COMMANDS, *texts.OWN, *texts.OWN_STOPPED]
+    others += [sentence(rng, known) for _ in range(60)]
+    return [clip_of(PIPER, text) for text in (*stops, *others)]
+
+
+def espeak_clips(half: Half = Half.TRAIN) -> list[Clip]:
+    """Every speaker in every accent, at many pitches and speeds."""
+    rng, known, found = random.Random(13), dictionary(), []
+    others = (*texts.ALIKE, *texts.COMMANDS, *texts.OWN)
+    for voice in espeak_voices(half):
+        said = [rng.choice(some) for some in texts.STOPS.values() for _ in range(2)]
+        said += [rng.choice(texts.STOPS_WITHIN), rng.choice(texts.ALIKE), rng.choice(texts.ALIKE)]
+        said += [rng.choice(others), *(sentence(rng, known) for _ in range(3))]
+        for text in said:
+            pitch, speed = rng.randint(20, 85), rng.randint(125, 240)
+            found.append(clip_of(voice, text, pitch=pitch, words_a_minute=speed))
+    return found
+
+
+def sentence(rng: random.Random, known: list[str]) -> str:
+    """Words in no order, as long as a sentence: all that may be said, for its sound."""
+    chosen = [rng.choice(known) for _ in range(rng.randint(4, 10))]
+    return " ".join([*chosen[:2], "the", *chosen[2:]]) + "."
+
+
+def all_clips() -> Iterator[Clip]:
+    """Those of all engines."""
+    yield from espeak_clips()
+    yield from piper_clips()
+    yield from kokoro_clips()

@@ -1,0 +1,64 @@
+"""Stop words by their sound: the real network, listener and conversation, voices made here."""
+
+import numpy as np
+import pytest
+from guards import HUNG_S
+from listener_rig import loud, says_espeak, silence
+from voice_rig import VoiceRig
+
+from edgevox.core.agent_events import GoalChanged, HeardBy, SafetyPreempted
+from edgevox.core.events import Responded
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        file = tmp_path_factory.mktemp("answers") / "answers.wav"
+        with VoiceRig(patch, file, robot="robot-apartment") as rig:
+            yield rig
+
+
+@pytest.fixture
+def rig(home):
+    home.forget()
+    return home
+
+
+def drive(rig):
+    rig.parts.conversation.start_goal("navigate_to", {"room": "bedroom"})
+    rig.wait_for(GoalChanged, lambda event: event.status == "running")
+
+
+@pytest.mark.parametrize("word", ["stop", "halt", "freeze"])
+def test_a_stop_word_halts_a_drive_before_the_utterance_is_over(rig, word):
+    drive(rig)
+
+    rig.room.play(
+        np.concatenate([silence(1.0), loud(says_espeak(word, "en-us"), 0.1), silence(0.4)])
+    )
+
+    halted = rig.wait_for(SafetyPreempted)
+    assert halted == SafetyPreempted(word, stopped=True, heard_by=HeardBy.SPOTTER)
+    assert rig.of(Responded) == []
+
+
+def test_its_answer_comes_once_when_the_utterance_is_over(rig):
+    drive(rig)
+
+    rig.room.play(
+        np.concatenate([silence(1.0), loud(says_espeak("stop", "en-us"), 0.1), silence(1.5)])
+    )
+
+    rig.wait_for(Responded, lambda event: event.text == "Stopped.")
+    assert rig.parts.conversation.wait_idle(HUNG_S)
+    assert [event.text for event in rig.of(Responded)] == ["Stopped."]
+    assert rig.body.state()["goal"] is None
+
+
+def test_a_plain_command_is_done_before_a_fixed_silence_would_be_over(rig):
+    command = loud(says_espeak("go to the kitchen", "en-us"), 0.1)
+
+    rig.room.play(np.concatenate([silence(0.5), command, silence(0.4)]))
+    rig.room.play(silence(0.1))
+
+    rig.wait_for(GoalChanged, lambda event: event.status == "running")

@@ -1,0 +1,137 @@
+"""A stop word that is spotted by its sound, and the words that follow: one stop, one answer."""
+
+import pytest
+from spoken_rig import AT_S, Rig
+
+from edgevox.core.agent_events import (
+    Confirmation,
+    ConfirmationStatus,
+    GoalCancelled,
+    HeardBy,
+    SafetyPreempted,
+)
+from edgevox.core.events import State, StateChanged
+
+WISH = "I'd be so glad to see you in the kitchen"
+STOPPED = SafetyPreempted("stop", stopped=True, heard_by=HeardBy.SPOTTER)
+
+
+@pytest.fixture
+def rig():
+    found = Rig()
+    found.conversation.start()
+    yield found
+    found.body.arrive()
+    found.conversation.close()
+
+
+def test_the_sound_of_a_stop_word_halts_before_its_words_are_known(rig):
+    rig.drive()
+
+    rig.spot()
+
+    assert not rig.body.moving
+    assert STOPPED in rig.told.messages
+    assert rig.conversation.wait_idle(60)
+    (ended,) = rig.of(GoalCancelled)
+    assert ended.reason.code == "spotted_stop"
+
+
+@pytest.mark.parametrize("text", ["Stop!", "", "Drive!", "go to the kitchen", "do not stop"])
+def test_it_is_answered_once_whatever_its_words_read(rig, text):
+    rig.drive()
+
+    rig.spot()
+    assert rig.conversation.wait_idle(60)
+    assert rig.answers() == []
+    rig.hear(text, AT_S + 0.2, spotted=True)
+
+    assert rig.answers()[-1:] == ["Stopped."]
+    assert rig.answers().count("Stopped.") == 1
+    assert rig.of(SafetyPreempted) == [STOPPED]
+    assert rig.body.sent == ["kitchen"]
+    assert rig.of(StateChanged)[-1].state is State.LISTENING
+
+
+def test_a_sound_in_no_utterance_is_answered_at_once(rig):
+    rig.drive()
+
+    rig.spot(goes_on=False)
+    assert rig.conversation.wait_idle(60)
+
+    assert rig.answers() == ["Stopped."]
+
+
+def test_the_words_of_an_utterance_that_was_over_before_the_sound_are_not_answered_again(rig):
+    rig.drive()
+    rig.spot(goes_on=False)
+    assert rig.conversation.wait_idle(60)
+
+    rig.hear("Stop!", AT_S - 0.2)
+
+    assert rig.answers() == ["Stopped."]
+    assert rig.of(SafetyPreempted) == [STOPPED]
+
+
+def test_a_stop_word_that_is_said_later_stops_by_its_words(rig):
+    rig.spot(goes_on=False)
+    assert rig.conversation.wait_idle(60)
+    rig.drive()
+
+    rig.hear("stop", AT_S + 5.0)
+
+    assert rig.of(SafetyPreempted)[-1] == SafetyPreempted("stop", stopped=True)
+    assert rig.of(SafetyPreempted)[-1].heard_by == "words"
+
+
+def test_nothing_moved_and_it_says_so_once(rig):
+    rig.spot()
+    rig.hear("stop", AT_S, spotted=True)
+
+    assert rig.answers() == ["I am standing still."]
+
+
+def test_two_sounds_in_one_utterance_are_answered_once(rig):
+    rig.drive()
+
+    rig.spot()
+    rig.spot()
+    rig.hear("stop stop", AT_S, spotted=True)
+
+    assert rig.answers() == ["Stopped."]
+
+
+def test_a_plain_order_in_the_rest_of_the_utterance_is_done(rig):
+    rig.body.arrive()
+
+    rig.spot()
+    rig.hear("go to the bedroom", AT_S + 1.5, spotted=True)
+
+    assert rig.body.sent == ["bedroom"]
+    assert rig.answers()[0] == "I am standing still."
+
+
+def test_the_rest_of_the_utterance_is_asked_about_if_it_is_no_plain_order(rig):
+    rig.spot()
+    rig.hear(WISH, AT_S + 1.5, spotted=True)
+
+    assert rig.body.sent == []
+    assert [one.status for one in rig.of(Confirmation)] == [ConfirmationStatus.ASKED]
+
+
+def test_without_a_stop_in_the_same_breath_the_same_words_are_done(rig):
+    rig.body.arrive()
+
+    rig.hear(WISH, AT_S + 1.5)
+
+    assert rig.body.sent == ["kitchen"]
+
+
+def test_stop_and_an_order_in_one_breath_stops_and_does_no_more(rig):
+    rig.drive()
+
+    rig.spot()
+    rig.hear("stop, and go to the bedroom", AT_S + 1.5, spotted=True)
+
+    assert rig.body.sent == ["kitchen"]
+    assert rig.answers() == ["Stopped."]
