@@ -100,18 +100,16 @@ def build_voice(
     )
 
 
-def warm_up(voice: VoiceChain, language: str) -> None:
-    """Load and try what hears and speaks, so that the first person does not wait for it.
+def warm_up_hearing(voice: VoiceChain, language: str) -> None:
+    """Load and try what hears, so that the first who speaks does not wait for it.
 
     What cannot be loaded is logged, and says so itself: the rest of the robot is of use without it.
     """
-    voice.speech_output.prepare()
     # On another thread: a signal that arrives inside a C library's start would be lost there.
     with ThreadPoolExecutor(1, "edgevox-warm-up") as worker:
         error = worker.submit(voice.stt.warm_up, language).exception()
     if error:
         log.error("stt_missing", language=language, reason=str(error))
-    voice.speech_output.warm_up()
 
 
 def build_listener(
