@@ -122,9 +122,12 @@ def test_the_voice_is_loaded_after_hearing_and_before_the_prompt(tmp_path, monke
     synthesiser = rig.parts.voice.speech_output.synthesiser
     prepare = synthesiser.prepare
     monkeypatch.setattr(synthesiser, "prepare", lambda: (prepare(), order.append("speaks")))
-    monkeypatch.setattr(
-        reader, "prime", lambda *_: (order.append("reads"), reader.reads.set()) and None
-    )
+
+    def prime(messages, token):
+        order.append("reads")
+        reader.reads.set()
+
+    monkeypatch.setattr(reader, "prime", prime)
     with rig:
         assert reader.reads.wait(HUNG_S)
 
