@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from edgevox.agent.phrase_file import phrasebook
-from edgevox.apps.queries import WAKE_WORDS, Info, present_voices, tts_info
+from edgevox.apps.queries import Info, present_voices, tts_info
+from edgevox.apps.wake_choice import open_wakeword
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Command, Speak
 from edgevox.core.controls import Controls
@@ -30,7 +31,7 @@ from edgevox.voice.stt.watched import WatchedSpeechToText
 from edgevox.voice.stt.whisper import Whisper
 from edgevox.voice.tts.pool import VoicePool
 from edgevox.voice.vad import SileroVad
-from edgevox.voice.wakeword import WakeWord
+from edgevox.voice.wakeword import WakeDetector
 
 log = get_logger(__name__)
 
@@ -46,7 +47,7 @@ class VoiceChain:
     sink: AudioSink
     stt: WatchedSpeechToText
     speech_output: SpeechOutput
-    wakeword: WakeWord | None
+    wakeword: WakeDetector | None
     relay: Relay | None
     weights: Callable[[], Mapping[str, Iterable[Path]]]
 
@@ -81,7 +82,9 @@ def build_voice(
     relay = Relay()
     sink = open_sink(settings.audio_out, relay=relay if settings.ros2 else None)
     stack.callback(sink.close)
-    wakeword = WakeWord(settings.wakeword, locate(WAKE_WORDS)) if settings.wakeword else None
+    wakeword = open_wakeword(settings)
+    if wakeword:
+        stack.callback(wakeword.close)
     whisper = Whisper(_hearing_model, prompt_of=lambda code: phrasebook(code).hearing.written)
     stt = WatchedSpeechToText(whisper)
     stack.callback(stt.close)
