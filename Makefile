@@ -9,7 +9,7 @@ PYTHON ?= python3
 AGENT ?= robot-apartment
 ARGS ?=
 WORKERS ?= 2
-TEST_MODELS ?= small quality smoke world robots
+TEST_MODELS ?= small quality smoke world robots openwakeword
 
 VENV := .venv
 BIN := $(VENV)/bin

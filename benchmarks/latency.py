@@ -6,7 +6,7 @@ would.
 
 from figures import Figure, Measured
 from stopwatch import resident_mb
-from talker import PLAIN, QUESTIONS, READ, Talker
+from talker import PLAIN, QUESTIONS, READ, Talker, start_aloud_s
 
 TABLE = "Answering and stopping"
 ROUNDS = 5
@@ -17,12 +17,14 @@ STATE_HZ = "--ros2-state-hz=100"
 def measure(quick: bool = False) -> Measured:
     """An agent without a model, then one with the small one."""
     rounds = 1 if quick else ROUNDS
+    aloud_s = start_aloud_s()
     with Talker("--llm=none", STATE_HZ) as bare:
         bare_mb = resident_mb(bare.pid)
     with Talker(STATE_HZ) as talker:
         return Measured(
             figures=(
                 _one("start", "start to ready", [talker.start_s], "s"),
+                _one("start_aloud", "start to ready, with a voice", [aloud_s], "s"),
                 _one(
                     "first_answer",
                     "first question to the model, right after the start, to its first sentence",

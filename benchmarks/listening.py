@@ -15,7 +15,7 @@ from edgevox.voice.listener import Listener
 from edgevox.voice.sources.in_memory import InMemory
 from edgevox.voice.stt.speech_to_text import SpeechToText
 from edgevox.voice.vad import SileroVad
-from edgevox.voice.wakeword import WakeWord
+from edgevox.voice.wakeword import WakeDetector
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +40,7 @@ def quiet_room(seconds: float) -> Samples:
 
 
 def listen(
-    stt: SpeechToText, sound: Samples, *, times: int = 1, wakeword: WakeWord | None = None
+    stt: SpeechToText, sound: Samples, *, times: int = 1, wakeword: WakeDetector | None = None
 ) -> Listening:
     """Listen to a sound, `times` over, as fast as it goes."""
     source, slowest, count = InMemory(sound, times=times), [0.0], [0]

@@ -35,7 +35,16 @@ STORY = "why is the sky blue and why do people like to look at it"
 ROOMS = ("bedroom", "office", "kitchen")
 SETTLE_S = 0.3
 """Two topics have no order between them; after this long the first message has arrived."""
-__all__ = ["PLAIN", "QUESTIONS", "READ", "RELIABLE", "Talker", "isolate", "wait_until"]
+__all__ = [
+    "PLAIN",
+    "QUESTIONS",
+    "READ",
+    "RELIABLE",
+    "Talker",
+    "isolate",
+    "start_aloud_s",
+    "wait_until",
+]
 
 STANDING = ("Stopped.", "I am standing still.")
 
@@ -46,6 +55,17 @@ def isolate() -> int:
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     os.environ["ROS_DOMAIN_ID"] = str(domain)
     return domain
+
+
+def start_aloud_s() -> float:
+    """How long an agent takes until it hears, with the default model and no sound card."""
+    began = time.monotonic()
+    agent = Agent("robot-apartment", "--audio-in=none", "--audio-out=none", domain=isolate())
+    try:
+        agent.wait_for_line("is ready", timeout_s=120)
+        return time.monotonic() - began
+    finally:
+        agent.terminate()
 
 
 class Talker:

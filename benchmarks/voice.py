@@ -23,9 +23,9 @@ from voice_turns import Talk, Turn  # noqa: E402
 
 from edgevox.apps.queries import find_model  # noqa: E402
 from edgevox.models import ModelMissing, locate  # noqa: E402
+from edgevox.voice.microwakeword import MicroWakeWord  # noqa: E402
 from edgevox.voice.stt.whisper import Whisper  # noqa: E402
 from edgevox.voice.voices import choose  # noqa: E402
-from edgevox.voice.wakeword import WakeWord  # noqa: E402
 
 COMMANDS = (
     "go to the kitchen",
@@ -146,7 +146,7 @@ def silence(seconds: float) -> Iterator[Figure]:
     """The share of a core that listening to a quiet room takes."""
     stt = Whisper(lambda _: locate("whisper-tiny.en"))
     stt.warm_up("en")
-    wakeword = WakeWord("hey jarvis", locate("wake-words"))
+    wakeword = MicroWakeWord(locate("micro-wake-words") / "hey_jarvis.json")
     for name, word in (("without", None), ("with", wakeword)):
         share = listen(stt, quiet_room(seconds), wakeword=word).share_of_a_core
         yield Figure.of(

@@ -22,7 +22,7 @@ from edgevox.agent.llm.language_model import ChatMessage, LanguageModel
 from edgevox.apps import composition
 from edgevox.apps.queries import present_voices
 from edgevox.apps.robots import build_body
-from edgevox.apps.voice import warm_up
+from edgevox.apps.voice import warm_up_hearing
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import SystemClock
 from edgevox.core.commands import Heard, Interrupt, Reset, Speak, Transcribing
@@ -118,7 +118,8 @@ class Talk:
         self._listen()
         for part in (body, self.voice.speech_output, self.parts.conversation, self.parts.listener):
             composition.start(self._stack, part)
-        warm_up(self.voice, "en")
+        warm_up_hearing(self.voice, "en")
+        self.voice.speech_output.warm_up()
         if self.model:
             self.model.prime([], CancelToken())
         self._pool, self._people = VoicePool(), itertools.cycle(PEOPLE)

@@ -19,7 +19,7 @@ from edgevox.apps.model_choice import find_weights, open_model, open_without
 from edgevox.apps.policy_setup import build_guard
 from edgevox.apps.queries import available_voices, build_queries, deafness
 from edgevox.apps.robots import build_agents
-from edgevox.apps.voice import build_listener, build_voice, warm_up
+from edgevox.apps.voice import build_listener, build_voice, warm_up_hearing
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Speak
 from edgevox.core.controls import Controls
@@ -126,8 +126,9 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
 def start_parts(stack: ExitStack, parts: AgentParts, ros_args: Sequence[str] = ()) -> None:
     """Start everything, from the body outwards; what is closed last is started first.
 
-    With a voice, everything is loaded and warm when this returns: who speaks does not wait. Typed
-    commands never need the model, so without a voice nobody waits for it here.
+    When this returns, typed and spoken commands are done. Nobody waits for the voice and for the
+    prompt of the language model: both are loaded afterwards, one after the other, so that whoever
+    speaks meanwhile is understood soon.
     """
     if parts.body:
         start(stack, parts.body)
@@ -144,23 +145,33 @@ def start_parts(stack: ExitStack, parts: AgentParts, ros_args: Sequence[str] = (
         read_bridge(parts, bridge)
         start(stack, bridge)
         print(f"ROS 2: {bridge.where}", flush=True)
-    prefill = (
-        PromptPrefill(parts.model, parts.conversation.interpreter.chat()) if parts.model else None
-    )
-    if prefill:
-        start(stack, prefill)
-    if parts.voice:
+    prefill = _prefill(stack, parts)
+    start(stack, parts.conversation)  # after the bridge, so that its first state is heard there
+    if parts.voice and parts.listener:
         print("warming up ...", flush=True)
-        warm_up(parts.voice, parts.controls.language)
-        if prefill:
-            prefill.wait()
-    start(stack, parts.conversation)  # late, so that its first state is heard on the bridge
-    if parts.listener:
+        warm_up_hearing(parts.voice, parts.controls.language)
         start(stack, parts.listener)
+        parts.voice.speech_output.prepare()
+    if prefill:
+        prefill.start()
     if parts.absent:
         phrases = parts.conversation.interpreter.phrases
         parts.conversation.submit(Speak(phrases.say("model_failed")))
     parts.health.started()
+
+
+def _prefill(stack: ExitStack, parts: AgentParts) -> PromptPrefill | None:
+    """What reads the prompt into the model, once the voice is there. It ends after whom it serves.
+
+    The conversation has not begun: from then on nobody else may ask its interpreter.
+    """
+    if parts.model is None:
+        return None
+    opening = parts.conversation.interpreter.chat()
+    after = parts.voice.speech_output.warm_up if parts.voice else None
+    prefill = PromptPrefill(parts.model, opening, after=after)
+    stack.callback(prefill.close)
+    return prefill
 
 
 def _think(settings: Settings) -> tuple[LanguageModel | None, Path | None, str]:

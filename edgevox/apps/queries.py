@@ -17,8 +17,6 @@ Queries = Mapping[str, Callable[[], Mapping[str, Any]]]
 """What can be asked, by name."""
 Info = Callable[[], Mapping[str, Any]]
 
-WAKE_WORDS = "wake-words"
-"""The id in edgevox-models of the wake words."""
 NO_STT = {"backend": None, "model_size": None, "device": None}
 NO_TTS = {"backend": None, "voice": None, "sample_rate": None}
 

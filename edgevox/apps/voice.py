@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from edgevox.agent.phrase_file import phrasebook
-from edgevox.apps.queries import WAKE_WORDS, Info, present_voices, tts_info
+from edgevox.apps.queries import Info, present_voices, tts_info
+from edgevox.apps.wake_choice import open_wakeword
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Command, Speak
 from edgevox.core.controls import Controls
@@ -32,7 +33,7 @@ from edgevox.voice.stt.watched import WatchedSpeechToText
 from edgevox.voice.stt.whisper import Whisper
 from edgevox.voice.tts.pool import VoicePool
 from edgevox.voice.vad import SileroVad
-from edgevox.voice.wakeword import WakeWord
+from edgevox.voice.wakeword import WakeDetector
 
 log = get_logger(__name__)
 
@@ -48,7 +49,7 @@ class VoiceChain:
     sink: AudioSink
     stt: WatchedSpeechToText
     speech_output: SpeechOutput
-    wakeword: WakeWord | None
+    wakeword: WakeDetector | None
     relay: Relay | None
     weights: Callable[[], Mapping[str, Iterable[Path]]]
 
@@ -83,7 +84,9 @@ def build_voice(
     relay = Relay()
     sink = open_sink(settings.audio_out, relay=relay if settings.ros2 else None)
     stack.callback(sink.close)
-    wakeword = WakeWord(settings.wakeword, locate(WAKE_WORDS)) if settings.wakeword else None
+    wakeword = open_wakeword(settings)
+    if wakeword:
+        stack.callback(wakeword.close)
     whisper = Whisper(_hearing_model, prompt_of=lambda code: phrasebook(code).hearing.written)
     stt = WatchedSpeechToText(whisper)
     stack.callback(stt.close)
@@ -102,18 +105,16 @@ def build_voice(
     )
 
 
-def warm_up(voice: VoiceChain, language: str) -> None:
-    """Load and try what hears and speaks, so that the first person does not wait for it.
+def warm_up_hearing(voice: VoiceChain, language: str) -> None:
+    """Load and try what hears, so that the first who speaks does not wait for it.
 
     What cannot be loaded is logged, and says so itself: the rest of the robot is of use without it.
     """
-    voice.speech_output.prepare()
     # On another thread: a signal that arrives inside a C library's start would be lost there.
     with ThreadPoolExecutor(1, "edgevox-warm-up") as worker:
         error = worker.submit(voice.stt.warm_up, language).exception()
     if error:
         log.error("stt_missing", language=language, reason=str(error))
-    voice.speech_output.warm_up()
 
 
 def build_listener(

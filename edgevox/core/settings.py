@@ -31,6 +31,7 @@ CONFIRM: tuple[Confirm, ...] = get_args(Confirm)
 Echo = Literal["gate", "none"]
 NO_LLM = "none"
 """As `llm`: no language model on board."""
+WakeEngine = Literal["micro", "openwakeword"]
 LlmBackend = Literal["auto", "xllamacpp", "llama-cpp-python"]
 GrammarDialect = Literal["auto", "llama-server", "vllm", "vllm-guided", "none"]
 _NAMESPACE = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+|/")
@@ -151,7 +152,13 @@ class Settings(BaseSettings):
         "", description="loudspeaker: a device's name, a WAV file, ros2, or none"
     )
     wakeword: str = Field(
-        "", description="listen only after this wake word, such as 'hey jarvis'; empty: always"
+        "",
+        description="listen only after this wake word, such as 'hey jarvis', or that of a"
+        " microWakeWord .json file; empty: always",
+    )
+    wakeword_engine: WakeEngine = Field(
+        "micro",
+        description="what hears the wake word; openwakeword may not be used commercially",
     )
     stop_spotter: bool = Field(
         True,

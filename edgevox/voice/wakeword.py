@@ -1,14 +1,10 @@
-"""The wake word: openWakeWord's networks, a frame at a time.
+"""The wake word: openWakeWord's networks, a frame at a time. Products may not use them.
 
 While nobody speaks the networks sleep: they cost more than ten times what the voice detector costs.
-What was heard in the two seconds before, as much as they look at, is kept and given to them as soon
-as there may be a voice, so they hear the phrase as if they had been awake. They run on for a moment
-after it.
 
 What begins almost like the phrase may wake it ("hey Java", "hey Charles" for "hey jarvis").
 """
 
-from collections import deque
 from pathlib import Path
 from typing import Protocol
 
@@ -17,14 +13,9 @@ from pyopen_wakeword import OpenWakeWord, OpenWakeWordFeatures
 
 from edgevox.core.errors import InvalidValue
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Samples
+from edgevox.voice.wake_sleep import KEPT_S, WakeSleep
 
 THRESHOLD = 0.5
-AWAKE = 0.1
-"""From this probability of a voice on, the networks are awake."""
-AWAKE_S = 1.0
-"""They stay awake for so long after the last frame that may hold a voice."""
-KEPT_S = 2.0
-"""So much of what was heard before they woke is given to them."""
 QUIET_S = 2.0
 """One phrase is heard once, not in each window that holds it."""
 
@@ -46,6 +37,9 @@ class WakeDetector(Protocol):
     def reset(self) -> None:
         """Forget what was heard: the next frame does not follow on it."""
 
+    def close(self) -> None:
+        """Free what it holds."""
+
 
 class WakeWord:
     """Listens for one phrase, such as ``hey jarvis``; `folder` holds the networks.
@@ -60,22 +54,14 @@ class WakeWord:
             raise InvalidValue("wakeword", phrase, "one of " + ", ".join(phrases(folder)))
         self._features = OpenWakeWordFeatures.from_builtin(folder)
         self._network = OpenWakeWord.from_model(folder / f"{name}.tflite")
-        self._always_awake = always_awake
-        self._before: deque[Samples] = deque(maxlen=round(KEPT_S / FRAME_S))
+        self._sleep = WakeSleep(always_awake=always_awake)
         self._chunk: list[Samples] = []
-        self._awake = self._quiet = 0  # frames left
+        self._quiet = 0  # frames left
         self._run(np.zeros(_CHUNK_SAMPLES, np.int16))
 
     def heard(self, samples: Samples, probability: float) -> bool:
         self._quiet = max(0, self._quiet - 1)
-        if probability >= AWAKE or self._always_awake:
-            self._awake = round(AWAKE_S / FRAME_S)
-        if not self._awake:
-            self._before.append(samples)
-            return False
-        self._awake -= 1
-        self._chunk += [*self._before, samples]
-        self._before.clear()
+        self._chunk += self._sleep.push(samples, probability)
         if len(self._chunk) * FRAME_SAMPLES < _CHUNK_SAMPLES:
             return False
         found = self._run(np.concatenate(self._chunk)) >= THRESHOLD and not self._quiet
@@ -85,9 +71,8 @@ class WakeWord:
         return found
 
     def reset(self) -> None:
-        self._before.clear()
+        self._sleep.reset()
         self._chunk.clear()
-        self._awake = 0
         self._run(np.zeros(round(KEPT_S * RATE_HZ), np.int16))
 
     def close(self) -> None:

@@ -1,4 +1,5 @@
-"""The wake word, on synthesised speech: heard when said, not heard in ten minutes of anything else.
+"""openWakeWord's wake word, on synthesised speech: heard when said, and not in ten minutes of
+anything else.
 
 The ten minutes: espeak-ng reading 14 English lines (some with near misses such as "hey Marvin") and
 24 in six other languages at two speeds, Piper's joe reading the English ones, hiss, rumble, hum,

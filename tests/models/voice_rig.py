@@ -120,13 +120,8 @@ class VoiceRig:
             self.parts.bus.subscribe(kind, self._told.add)
 
     def start(self):
-        voice = self.parts.voice
-        for part in (self.body, voice.speech_output, self.parts.conversation, self.parts.listener):
-            if part is not None:
-                self._stack.callback(part.close)
-                part.start()
-            if part is voice.speech_output:
-                voice_app.warm_up(voice, self.parts.controls.language)
+        composition.start_parts(self._stack, self.parts)
+        self.parts.voice.speech_output.warm_up()
         return self
 
     def close(self):

@@ -76,7 +76,7 @@ def test_without_its_wake_words_it_does_not_start_and_names_the_command(tmp_path
     )
 
     assert done.returncode == 1
-    assert "get it with: edgevox-models fetch wake-words" in done.stderr
+    assert "get it with: edgevox-models fetch micro-wake-words" in done.stderr
 
 
 @pytest.mark.parametrize("flag", ["world", "scenario", "config"])

@@ -160,7 +160,12 @@ def test_what_is_needed_follows_from_the_settings():
     assert list(model_files.needed(situation(text_mode=True, llm="none"))) == []
     assert list(model_files.needed(situation(llm="none", wakeword="hey jarvis"))) == [
         "whisper-tiny.en",
-        "wake-words",
+        "micro-wake-words",
+    ]
+    other = situation(llm="none", wakeword="hey rhasspy", wakeword_engine="openwakeword")
+    assert list(model_files.needed(other)) == ["whisper-tiny.en", "wake-words"]
+    assert list(model_files.needed(situation(llm="none", wakeword="own.json"))) == [
+        "whisper-tiny.en"
     ]
     assert "franka-panda" in model_files.needed(situation(agent="robot-panda"))
 

@@ -1,16 +1,10 @@
 """Reading a model's prompt ahead, on a thread that must be over before the model is closed."""
 
-import signal
 import threading
 
-import pytest
 from guards import HUNG_S
 
 from edgevox.agent.llm.prefill import PromptPrefill
-
-
-class Left(BaseException):
-    """What a signal's handler raises in the main thread."""
 
 
 class Reader:
@@ -28,33 +22,53 @@ class Reader:
         self.over = True
 
 
-@pytest.fixture
-def interrupted():
-    """Have a signal raise in the main thread, as SIGTERM does in the program."""
-
-    def leave(number, frame):
-        raise Left
-
-    before = signal.signal(signal.SIGUSR1, leave)
-    yield lambda: signal.pthread_kill(threading.main_thread().ident, signal.SIGUSR1)
-    signal.signal(signal.SIGUSR1, before)
-
-
-def test_who_is_called_away_while_it_reads_still_waits_for_the_reader_when_closing(interrupted):
+def test_closing_tells_the_reader_to_stop_and_waits_for_it():
     reader = Reader()
     prefill = PromptPrefill(reader, [])
     prefill.start()
     assert reader.reads.wait(HUNG_S)
-
-    def wait():
-        threading.Timer(0.1, interrupted).start()
-        prefill.wait()
-
-    with pytest.raises(Left):
-        wait()
 
     threading.Timer(0.1, reader.go_on.set).start()
     prefill.close()
 
     assert reader.told.is_set()
     assert reader.over
+
+
+def test_it_reads_only_after_what_is_more_urgent():
+    reader, urgent, done = Reader(), threading.Event(), threading.Event()
+
+    def after():
+        urgent.set()
+        assert done.wait(HUNG_S)
+
+    prefill = PromptPrefill(reader, [], after=after)
+    prefill.start()
+    assert urgent.wait(HUNG_S)
+    assert not reader.reads.is_set()
+
+    done.set()
+    assert reader.reads.wait(HUNG_S)
+    reader.go_on.set()
+    prefill.close()
+
+
+def test_closed_before_its_turn_it_reads_nothing():
+    reader, urgent, done = Reader(), threading.Event(), threading.Event()
+
+    def after():
+        urgent.set()
+        assert done.wait(HUNG_S)
+
+    prefill = PromptPrefill(reader, [], after=after)
+    prefill.start()
+    assert urgent.wait(HUNG_S)
+
+    threading.Timer(0.1, done.set).start()
+    prefill.close()
+
+    assert not reader.reads.is_set()
+
+
+def test_it_may_be_closed_though_it_was_never_started():
+    PromptPrefill(Reader(), []).close()

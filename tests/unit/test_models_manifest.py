@@ -80,7 +80,7 @@ def test_the_small_set_hears_speaks_wakes_and_thinks() -> None:
     assert [model.id.partition("-")[0] for model in small] == [
         "whisper",
         "piper",
-        "wake",
+        "micro",
         "multilingual",
         "qwen2.5",
     ]

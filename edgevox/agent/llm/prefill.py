@@ -1,7 +1,7 @@
 """Reads a chat's opening into a model while the robot is already of use."""
 
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelFailed
 from edgevox.core.cancel import CancelToken
@@ -14,26 +14,25 @@ class PromptPrefill:
     """Primes a model on a thread of its own.
 
     Plain commands never need the model, so nobody has to wait for this; a sentence for the model
-    that comes meanwhile waits for the rest of it, and is sooner answered for it.
+    that comes meanwhile waits for the rest of it, and is sooner answered for it. `after` blocks
+    until what is more urgent is done.
     """
 
-    def __init__(self, model: LanguageModel, messages: Sequence[ChatMessage]) -> None:
+    def __init__(
+        self,
+        model: LanguageModel,
+        messages: Sequence[ChatMessage],
+        *,
+        after: Callable[[], None] | None = None,
+    ) -> None:
         self._model = model
         self._messages = messages
+        self._after = after
         self._token = CancelToken()
-        self._read = threading.Event()
         self._thread = threading.Thread(target=self._work, name="edgevox-prefill")
 
     def start(self) -> None:
         self._thread.start()
-
-    def wait(self) -> None:
-        """Block until all is read.
-
-        A signal may end this with an exception. Python 3.11 would then take a thread that is being
-        joined for ended, and the model would be closed while it reads.
-        """
-        self._read.wait()
 
     def close(self) -> None:
         """Stop reading and wait for the thread."""
@@ -42,12 +41,10 @@ class PromptPrefill:
             self._thread.join()
 
     def _work(self) -> None:
-        try:
-            self._prime()
-        finally:
-            self._read.set()
-
-    def _prime(self) -> None:
+        if self._after:
+            self._after()
+        if self._token.cancelled:
+            return
         try:
             self._model.prime(self._messages, self._token)
         except ModelFailed as error:

@@ -5,8 +5,9 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, warning
-from edgevox.apps.queries import WAKE_WORDS, fetch_commands
+from edgevox.apps.queries import fetch_commands
 from edgevox.apps.robots import ROBOTS
+from edgevox.apps.wake_choice import needed_models
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.settings import NO_LLM
 from edgevox.models import Store
@@ -24,8 +25,7 @@ def needed(situation: Situation) -> Iterator[str]:
         yield settings.llm
     if not settings.text_mode:
         yield LANGUAGES[settings.language].stt_model
-        if settings.wakeword:
-            yield WAKE_WORDS
+        yield from needed_models(settings)
     if situation.agent in ROBOTS:
         yield from ROBOTS[situation.agent].models
 
