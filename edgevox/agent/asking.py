@@ -87,7 +87,7 @@ class Asking:
             return False
         if prepared is None:
             return True
-        unsure = not meaning.sure
+        unsure = not meaning.sure or (turn.plainly and meaning.source != "template")
         asks = self.confirm == "always" or (unsure and self.confirm == "unsure")
         drives = self._performer.drives(prepared)
         stays = unsure and self._performer.lasts(prepared)

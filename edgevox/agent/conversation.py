@@ -37,6 +37,7 @@ from edgevox.core.commands import (
     Reset,
     RunSkill,
     Speak,
+    StopSpotted,
     TextInput,
     Transcribing,
 )
@@ -159,6 +160,8 @@ class Conversation:
                 self._stopping.interrupt(reason, cause, motion=motion)
             case Reset():
                 self._stopping.reset()
+            case StopSpotted():
+                self._stopping.spotted(command)
             case CancelProgram(program_id=program_id):
                 self.programs.forget_by_id(program_id, because("called_off"))
             case Transcribing():
@@ -170,6 +173,8 @@ class Conversation:
                 self._states.transcribed(words=counts)
                 if counts:
                     self._take(command)
+                elif command.spotted:
+                    self._stopping.tell_spotted(text)
             case _:
                 self._inbox.put(command)
 
@@ -285,6 +290,7 @@ class Conversation:
             speech_output=self._speech_output,
             asked=InputTiming(item.ended_s, item.stt_s) if isinstance(item, Heard) else None,
             way=inbox.way_of(item),
+            plainly=isinstance(item, Heard) and item.spotted,
         )
         return turn
 

@@ -12,13 +12,22 @@ from edgevox.agent.safety import SafetyWords
 from edgevox.agent.skill_executor import SkillExecutor
 from edgevox.agent.states import StateMachine
 from edgevox.agent.turn import Turn
-from edgevox.core.agent_events import SafetyPreempted
+from edgevox.core.agent_events import HeardBy, SafetyPreempted
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
-from edgevox.core.commands import Heard, TextInput
+from edgevox.core.commands import Heard, StopSpotted, TextInput
 from edgevox.core.events import Cause, Interrupted, State, Transcribed
 from edgevox.core.reason import Reason
 from edgevox.core.text import clean
+
+WORD_TAIL_S = 0.4
+"""What was said until so long after the spotter heard a stop word is that word: the voice detector
+hears its echo, and the spotter may be sure before its last sound."""
+SAME_WORD_S = 1.0
+"""The spotter may hear a word so long after the voice detector heard its end."""
+_STANDING = "standing"
+_TOLD = ("", _STANDING, "stopped", "program_stopped")
+"""What is said after a stop; of two, the later in this row."""
 
 
 class Stopping:
@@ -26,6 +35,9 @@ class Stopping:
 
     It cancels the `turn` that runs and its `question`, forgets the utterances that wait or are
     being transcribed, cancels the goals, halts the body, and ends all programs.
+
+    A stop word may be heard twice: by the spotter, from its sound, and later by its words. Each
+    stops; somebody is told once, and when the utterance is over.
     """
 
     def __init__(
@@ -52,7 +64,8 @@ class Stopping:
         self._turn = turn
         self._phrases = phrases
         self._safety = SafetyWords(language)
-        self._stopped_s = float("-inf")
+        self._stopped_s = self._spotted_s = float("-inf")
+        self._untold = ""
 
     def set_language(self, code: str) -> None:
         """Hear stop words of this language."""
@@ -71,16 +84,46 @@ class Stopping:
         word = self._safety.find(words.text)
         if word:
             self._stop_word(word, words)
+        elif isinstance(words, Heard) and words.spotted:
+            self.tell_spotted()
         return word is not None
 
+    def spotted(self, sound: StopSpotted) -> None:
+        """Stop for the sound of a stop word; what ends with it was that word, whatever it reads."""
+        stopped, waited = self._stop(because("spotted_stop"), sound.at_s + WORD_TAIL_S)
+        self._spotted_s = sound.at_s
+        self._bus.publish(SafetyPreempted(sound.word, stopped, HeardBy.SPOTTER))
+        with self._inbox.gate:
+            self._untold = _weightier(self._untold, _told(stopped=stopped, waited=waited))
+        if not sound.goes_on:
+            self.tell_spotted()
+
+    def tell_spotted(self, text: str = "") -> None:
+        """Say what became of a stop that was spotted, once; `text` is what its words read."""
+        with self._inbox.gate:
+            said, self._untold = self._untold, ""
+        if text:
+            self._bus.publish(Transcribed(clean(text)))
+        if said:
+            self._inbox.announce(self._phrases().say(said))
+
     def _stop_word(self, word: str, words: TextInput | Heard) -> None:
-        said_s = words.ended_s if isinstance(words, Heard) else self._clock.now()
+        said_s, spotted = self._clock.now(), False
+        if isinstance(words, Heard):
+            said_s, spotted = words.ended_s, words.spotted
+            if not spotted and 0.0 <= self._spotted_s - said_s < SAME_WORD_S:
+                self._bus.publish(Transcribed(clean(words.text)))  # it has stopped for this word
+                return
         why = because("heard_stop", word=word)
         stopped, waited = self._stop(why, said_s)  # before anybody is told: telling may block
         self._bus.publish(Transcribed(clean(words.text)))
-        self._bus.publish(SafetyPreempted(word, stopped))
-        said = ("program_stopped" if waited else "stopped") if stopped else "standing"
-        self._inbox.announce(self._phrases().say(said))
+        if stopped or not spotted:
+            self._bus.publish(SafetyPreempted(word, stopped))
+        with self._inbox.gate:
+            untold, self._untold = self._untold, ""
+        if stopped or untold or not spotted:
+            told = _weightier(untold, _told(stopped=stopped, waited=waited))
+            self._inbox.announce(self._phrases().say(told))
 
     def interrupt(self, reason: str, cause: Cause, *, motion: bool) -> None:
         """Stop everything; without `motion` only what is said: somebody wants to be heard."""
@@ -122,3 +165,11 @@ class Stopping:
         ended = [*ended, *self._programs.stop()]  # what was being kept when it was asked for
         self._programs.stopped(ended, reason)
         return stopped, any(one.goal is None for one in ended)
+
+
+def _told(*, stopped: bool, waited: bool) -> str:
+    return ("program_stopped" if waited else "stopped") if stopped else _STANDING
+
+
+def _weightier(one: str, other: str) -> str:
+    return max(one, other, key=_TOLD.index)

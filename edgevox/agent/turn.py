@@ -29,7 +29,8 @@ class Turn:
 
     Sentences go onto the bus and, if there is one, to the speech output. `on_speech` is called when
     the first can be noticed: heard, or read where nothing is spoken. Nothing is said once the
-    token is cancelled. `way` is how it was asked for.
+    token is cancelled. `way` is how it was asked for. `plainly`: only a plain order may move
+    anything without a question, since a stop word was heard in the same breath.
     """
 
     def __init__(
@@ -42,9 +43,11 @@ class Turn:
         speech_output: TextToSpeech | None = None,
         asked: InputTiming | None = None,
         way: Way = Way.TEXT_INPUT,
+        plainly: bool = False,
     ) -> None:
         self.number = number
         self.way = way
+        self.plainly = plainly
         self.token = CancelToken()
         self.tokens = 0
         self._bus = bus

@@ -114,13 +114,24 @@ class HandedOver:
     turn: int
 
 
+class HeardBy(StrEnum):
+    """What found a stop word: its words, spoken or typed, or the spotter, by their sound alone."""
+
+    WORDS = "words"
+    SPOTTER = "spotter"
+
+
 @dataclass(frozen=True, slots=True)
 class SafetyPreempted:
-    """A stop word was heard; `stopped` says whether there was anything to stop."""
+    """A stop word was heard; `stopped` says whether there was anything to stop.
+
+    `heard_by` is ``words``, or ``spotter`` for one that was known by its sound.
+    """
 
     kind: ClassVar = AgentEventKind.SAFETY_PREEMPT
     word: str
     stopped: bool
+    heard_by: HeardBy = HeardBy.WORDS
 
 
 class ConfirmationStatus(StrEnum):

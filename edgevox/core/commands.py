@@ -25,13 +25,29 @@ class Transcribing:
 class Heard:
     """Words that somebody spoke; empty if there were none in what was heard.
 
-    `ended_s` is the clock's time of the last voiced sample, `stt_s` how long the words took.
+    `ended_s` is the clock's time of the last voiced sample, `stt_s` how long the words took. If a
+    stop word was `spotted` in it, that has been acted on already.
     """
 
     text: str
     ended_s: float
     stt_s: float = 0.0
     way: Way = Way.VOICE
+    spotted: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class StopSpotted:
+    """The sound of a stop word was heard until `at_s`, the clock's time; its words are not known.
+
+    `word` is the stop word that it sounds most like. With `goes_on` it lies in an utterance that is
+    not over: a `Heard` with `spotted` follows, and only then somebody is told, so that nobody is
+    talked over.
+    """
+
+    at_s: float
+    word: str
+    goes_on: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +119,15 @@ class Query:
 
 
 ConversationCommand = (
-    TextInput | Transcribing | Heard | Speak | Interrupt | Reset | RunSkill | CancelProgram
+    TextInput
+    | Transcribing
+    | Heard
+    | StopSpotted
+    | Speak
+    | Interrupt
+    | Reset
+    | RunSkill
+    | CancelProgram
 )
 """What the conversation takes."""
 Command = ConversationCommand | SetLanguage | SetVoice | SetMuted | Query

@@ -37,6 +37,7 @@ class Cause(StrEnum):
     BARGE_IN = "barge_in"
     WAKE_WORD = "wake_word"
     STOP_WORD = "stop_word"
+    STOP_SPOTTER = "stop_spotter"
     TERMINAL = "terminal"
     RESET = "reset"
     PROGRAM = "program"

@@ -79,6 +79,11 @@ class Endpointer:
         self._began_s = self._ended_s = 0.0
         self._pause = 0
 
+    @property
+    def speaking(self) -> bool:
+        """Whether an utterance has begun and is not over."""
+        return self._speaking
+
     def push(self, frame: Frame, probability: float) -> Signal | None:
         """Take the next frame."""
         return (

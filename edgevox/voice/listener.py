@@ -2,12 +2,13 @@
 
 import threading
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
-from edgevox.core.commands import Command, Interrupt
+from edgevox.core.commands import Command, Heard, Interrupt, StopSpotted, Transcribing
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Cause, WakeWordHeard
 from edgevox.core.log import get_logger
@@ -16,6 +17,7 @@ from edgevox.voice.audio import FRAME_SAMPLES, RATE_HZ, AudioSource, EndOfSound,
 from edgevox.voice.echo import EchoGate
 from edgevox.voice.endpoint import Endpointer, SpeechBegan, SpeechEnded, SpeechPaused
 from edgevox.voice.meter import LevelMeter
+from edgevox.voice.stop_detector import StopDetector, StopWatch
 from edgevox.voice.stt.speech_to_text import SpeechToText
 from edgevox.voice.transcriber import Transcriber, TranscriptionJob
 from edgevox.voice.vad import VoiceDetector
@@ -35,11 +37,12 @@ class Listener:
     """Listens on a thread of its own and understands on another.
 
     `submit` gets, from these threads: `Transcribing` and `Heard` for each utterance; `Interrupt`,
-    without motion, as soon as somebody speaks over the robot. While `muted()` nothing is heard at
-    all, nor its level published. `audible()` is how loud the robot itself speaks now. With a wake
-    word only what follows it is taken, see `wake_gate`; `is_stop` tells whether words stop the
-    robot. `lossless` waits for the transcriber instead of refusing what it cannot keep up with:
-    for files, never for a microphone.
+    without motion, as soon as somebody speaks over the robot; `StopSpotted` as soon as the
+    `stop_detector` hears a stop word, with a wake word or without. While `muted()` nothing is heard
+    at all, nor its level published. `audible()` is how loud the robot itself speaks now, `saying()`
+    what. With a wake word only what follows it is taken, see `wake_gate`; `is_stop` tells whether
+    words stop the robot. `lossless` waits for the transcriber instead of refusing what it cannot
+    keep up with: for files, never for a microphone.
     """
 
     def __init__(
@@ -55,6 +58,8 @@ class Listener:
         audible: Callable[[], float],
         wakeword: WakeDetector | None = None,
         is_stop: Callable[[str], bool] = lambda _: False,
+        stop_detector: StopDetector | None = None,
+        saying: Callable[[], str] = lambda: "",
         echo: Echo = "gate",
         lossless: bool = False,
         clock: Clock | None = None,
@@ -71,6 +76,8 @@ class Listener:
         self._echo = EchoGate(audible, shut=echo == "gate")
         self._endpointer = Endpointer()
         self._wake_gate = WakeGate()
+        self._stops = stop_detector and StopWatch(stop_detector, saying=saying, language=language)
+        self._spotted = False
         self._transcriber = Transcriber(
             stt, submit, language=language, is_stop=is_stop, clock=self._clock
         )
@@ -145,6 +152,7 @@ class Listener:
         self._last_s = frame.end_s
         self._meter.push(frame.samples)
         passes = self._echo.passes(frame.samples)
+        self._listen_for_stop_word(frame, loud=passes)
         heard = frame if passes else Frame(_SILENCE, frame.end_s)
         probability = self._vad.probability(heard.samples)
         self._listen_for_wake_word(frame, probability)
@@ -156,6 +164,20 @@ class Listener:
                     self._transcriber.guess(TranscriptionJob(samples, ended_s))
             case SpeechEnded() as speech:
                 self._take(speech)
+        if self._spotted and not self._endpointer.speaking:
+            self._tell_spotted(frame.end_s)
+
+    def _listen_for_stop_word(self, frame: Frame, *, loud: bool) -> None:
+        """By the raw frame: the echo gate may cut the beginning of a word."""
+        if self._stops and self._stops.heard(frame.samples, playing=self._echo.playing, loud=loud):
+            self._spotted = self._endpointer.speaking
+            self._submit(StopSpotted(frame.end_s, self._stops.word, goes_on=self._spotted))
+
+    def _tell_spotted(self, now_s: float) -> None:
+        """The utterance in which a stop word was spotted is over, and nobody looks at its words."""
+        self._spotted = False
+        self._submit(Transcribing())
+        self._submit(Heard("", now_s, spotted=True))
 
     def _listen_for_wake_word(self, frame: Frame, probability: float) -> None:
         if self._wakeword is None:
@@ -187,7 +209,8 @@ class Listener:
             self._understand(TranscriptionJob(speech.samples, speech.ended_s, only_stop=True))
 
     def _understand(self, job: TranscriptionJob) -> None:
-        self._transcriber.take(job, wait=self._lossless)
+        taken = self._transcriber.take(replace(job, spotted=self._spotted), wait=self._lossless)
+        self._spotted = self._spotted and not taken
 
     def _finish(self) -> None:
         """What comes next does not follow on what was heard, which is over."""
@@ -198,6 +221,10 @@ class Listener:
     def _forget(self) -> None:
         if self._last_s is None:
             return
+        if self._spotted:
+            self._tell_spotted(self._last_s)
+        if self._stops:
+            self._stops.forget()
         self._last_s = None
         self._meter.reset()
         self._endpointer.reset()

@@ -25,6 +25,9 @@ MOST_SENTENCES = 256
 MOST_AHEAD_S = 20.0
 """How much sound may wait to be played before the synthesis waits for it."""
 
+SENTENCES_SAID = 3
+"""So many sentences count as what is being said: short ones are over before their echo is."""
+
 
 @dataclass(frozen=True, slots=True)
 class _Sentence:
@@ -66,6 +69,7 @@ class SpeechOutput:
         self._jobs: deque[_Sentence | _End | _Prepare] = deque()
         self._sounds: deque[_Sound | _End] = deque()
         self._ahead_s = 0.0
+        self._played: tuple[str, ...] = ()
         self._open: list[SpeakingUtterance] = []
         self._closed = False
         self.refused = 0
@@ -84,6 +88,10 @@ class SpeechOutput:
     def alive(self) -> bool:
         """Whether its threads work, unless they were not started yet or were closed."""
         return self._closed or all(one.ident is None or one.is_alive() for one in self._threads)
+
+    def saying(self) -> str:
+        """The sentences that are played now, or were last."""
+        return " ".join(self._played)
 
     def warm_up(self) -> None:
         """Load the present voice, and wait for it."""
@@ -210,7 +218,12 @@ class SpeechOutput:
             self._sink.drain(item.utterance.token)
             self._settle(item.utterance, to_the_end=True)
         elif not item.utterance.settled:
+            self._note_sentence(item.utterance.log.sentence(item.line))
             play_chunk(item.chunk, item.line, item.utterance, self._sink)
+
+    def _note_sentence(self, sentence: str) -> None:
+        if not self._played or self._played[-1] != sentence:
+            self._played = (*self._played[1 - SENTENCES_SAID :], sentence)
 
     def _next_sound(self) -> _Sound | _End | None:
         """What to play next; None if something else happened."""

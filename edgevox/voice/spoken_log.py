@@ -47,6 +47,11 @@ class SpokenLog:
             self._lines.append(_SpokenLine(sentence))
             return len(self._lines) - 1
 
+    def sentence(self, line: int) -> str:
+        """A sentence by its number."""
+        with self._lock:
+            return self._lines[line].sentence
+
     def expect(self, line: int, chars: int, *, spaced: bool) -> None:
         """So many characters are to be synthesised for the rest of this sentence."""
         with self._lock:

@@ -24,13 +24,14 @@ class TranscriptionJob:
     """An utterance to understand. `ended_s` is the clock's time of its last voiced sample.
 
     `phrase` is the wake word that stands at its beginning, if any; with `only_stop` it counts only
-    if it tells the robot to stop.
+    if it tells the robot to stop. A stop word was `spotted` in it if its sound was heard.
     """
 
     samples: Samples
     ended_s: float
     phrase: str = ""
     only_stop: bool = False
+    spotted: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +49,7 @@ class Transcriber:
 
     An utterance that may be over is understood while the silence lasts that ends it; if it was,
     its words are there already. One with `only_stop` submits `Heard` alone, and only if `is_stop`
-    finds a stop word in it.
+    finds a stop word in it; if one was spotted, without words if it does not.
     """
 
     def __init__(
@@ -94,8 +95,11 @@ class Transcriber:
         if self._thread.is_alive():
             self._thread.join()
 
-    def take(self, job: TranscriptionJob, *, wait: bool = False) -> None:
-        """Queue an utterance; if too many wait already, refuse it, or `wait` until they do not."""
+    def take(self, job: TranscriptionJob, *, wait: bool = False) -> bool:
+        """Queue an utterance; if too many wait already, refuse it, or `wait` until they do not.
+
+        False if it was refused.
+        """
         with self._changed:
             if self._guessing and not self._jobs and not job.only_stop:
                 self._told = True
@@ -109,6 +113,7 @@ class Transcriber:
         if full:
             self.refused += 1
             log.warning("speech_refused", refused=self.refused, waiting=MAX_WAITING)
+        return not full
 
     def guess(self, job: TranscriptionJob) -> None:
         """Find out the words of what may be a whole utterance, if nothing else is to be done."""
@@ -146,8 +151,10 @@ class Transcriber:
         guess, self._guess = self._guess, None
         known = guess and (guess.ended_s, guess.language) == (job.ended_s, self._language())
         words = guess if guess and known else self._words(job)
-        if not job.only_stop or (words.text and self._is_stop(words.text)):
-            self._submit(Heard(words.text, job.ended_s, words.took_s))
+        counts = not job.only_stop or (bool(words.text) and self._is_stop(words.text))
+        if counts or job.spotted:
+            text = words.text if counts else ""
+            self._submit(Heard(text, job.ended_s, words.took_s, spotted=job.spotted))
 
     def _words(self, job: TranscriptionJob) -> "_Words":
         """What was said, and how long it took to find out."""

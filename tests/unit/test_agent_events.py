@@ -92,7 +92,7 @@ EVENTS = (
     ),
     (
         SafetyPreempted("halt", stopped=False),
-        '{"kind": "safety_preempt", "word": "halt", "stopped": false}',
+        '{"kind": "safety_preempt", "word": "halt", "stopped": false, "heard_by": "words"}',
     ),
     (
         Confirmation(

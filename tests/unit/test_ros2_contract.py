@@ -155,7 +155,7 @@ def test_an_unknown_command_is_refused_with_those_that_exist():
     [
         (
             SafetyPreempted("halt", stopped=True),
-            '{"kind": "safety_preempt", "word": "halt", "stopped": true}',
+            '{"kind": "safety_preempt", "word": "halt", "stopped": true, "heard_by": "words"}',
         ),
         (Answered("list_voices", {"voices": []}), '{"query": "list_voices", "voices": []}'),
         (

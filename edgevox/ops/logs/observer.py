@@ -117,8 +117,8 @@ class BusLog:
                 log.info("goal_cancelled", **_ids(event), **self._ran(event), reason=reason)
             case HandedOver(giver=giver, taker=taker):
                 log.info("handed_over", giver=giver, taker=taker, **_of(event.turn))
-            case SafetyPreempted(word=word, stopped=stopped):
-                log.info("safety_stop", word=word, stopped=stopped)
+            case SafetyPreempted(word=word, stopped=stopped, heard_by=heard_by):
+                log.info("safety_stop", word=word, stopped=stopped, heard_by=str(heard_by))
             case Confirmation(status=status, question=question):
                 log.info("confirmation", status=str(status), text=Said(question), **_of(event.turn))
             case ProgramChanged(program_id=program, status=status, reason=reason):

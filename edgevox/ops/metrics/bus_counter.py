@@ -8,6 +8,7 @@ from edgevox.core.agent_events import (
     GoalCancelled,
     GoalChanged,
     GoalStatus,
+    HeardBy,
     SafetyPreempted,
     ToolCalled,
 )
@@ -92,8 +93,9 @@ class _Observer:
                 self._goal(event.goal_id, event.skill, event.status)
             case ToolCalled(source=source):
                 self._calls.labels(source).inc()
-            case SafetyPreempted(stopped=stopped):
-                self.interrupted(Cause.STOP_WORD)
+            case SafetyPreempted(stopped=stopped, heard_by=heard_by):
+                spotted = heard_by is HeardBy.SPOTTER
+                self.interrupted(Cause.STOP_SPOTTER if spotted else Cause.STOP_WORD)
                 self._safety_stops.inc(stopped)
 
     def _goal(self, goal: str, skill: str, status: GoalStatus) -> None:

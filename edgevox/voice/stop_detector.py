@@ -1,0 +1,96 @@
+"""What hears a stop word by its sound, and when its word counts.
+
+The robot must not stop itself: it says "Stopped.", and reads "stop" from the list of its skills.
+So while it is audible a stop word counts if it cannot be the robot's own, by either of two signs:
+nothing that it says now sounds like a stop word, or the microphone was louder than the echo
+explains, for as long as a voice must be to interrupt it. Where nothing is known of what it says, or
+of how loud, the robot stops.
+"""
+
+from collections import deque
+from collections.abc import Callable
+from typing import Protocol
+
+from edgevox.core.log import get_logger
+from edgevox.core.stop_words import STOP_WORDS
+from edgevox.voice.audio import FRAME_S, Samples
+from edgevox.voice.endpoint import ONSET_FRAMES
+
+log = get_logger(__name__)
+
+WORD_S = 0.7
+"""A stop word, and how long the detector may need to be sure of it."""
+AGAIN_S = 0.3
+"""One word is heard once; who says it again needs at least so long."""
+
+
+class StopDetector(Protocol):
+    """Looks at one frame after the other; `word` is what it heard last."""
+
+    word: str
+
+    def heard(self, samples: Samples) -> bool:
+        """Whether a stop word has just been said; 512 samples of int16 at 16 kHz, in order."""
+
+    def forget(self) -> None:
+        """The next frame does not follow on those before."""
+
+
+class StopWatch:
+    """Tells for each frame whether somebody has just said a stop word who is not the robot.
+
+    `saying` is what the robot says now, or has just said. A detector that fails costs its frame,
+    which is counted: nobody goes deaf by it.
+    """
+
+    def __init__(
+        self, detector: StopDetector, *, saying: Callable[[], str], language: Callable[[], str]
+    ) -> None:
+        self._detector = detector
+        self._saying = saying
+        self._language = language
+        self._loud: deque[bool] = deque(maxlen=round(WORD_S / FRAME_S))
+        self._rests = 0
+        self.failed = 0
+
+    @property
+    def word(self) -> str:
+        """Which stop word that was."""
+        return self._detector.word
+
+    def heard(self, samples: Samples, *, playing: bool, loud: bool) -> bool:
+        """Take the next frame, as the microphone gave it.
+
+        `playing`: the robot or its echo may be audible; `loud`: it is louder than that explains.
+        """
+        self._loud.append(loud)
+        self._rests = max(0, self._rests - 1)
+        if not self._detected(samples) or self._rests or (playing and self._is_own()):
+            return False
+        self._rests = round(AGAIN_S / FRAME_S)
+        return True
+
+    def forget(self) -> None:
+        """The next frame does not follow on those before."""
+        self._loud.clear()
+        self._rests = 0
+        self._detector.forget()
+
+    def _detected(self, samples: Samples) -> bool:
+        try:
+            return self._detector.heard(samples)
+        except Exception:
+            self.failed += 1
+            if self.failed.bit_count() == 1:  # 1, 2, 4, 8, ...: not a line each 32 ms
+                log.exception("stop_spotter_failed", failed=self.failed)
+            return False
+
+    def _is_own(self) -> bool:
+        return sum(self._loud) < ONSET_FRAMES and may_stop(self._saying(), self._language())
+
+
+def may_stop(text: str, language: str) -> bool:
+    """Whether somebody who hears this text may hear a stop word, a part of a word too."""
+    said = text.casefold()
+    tables = (STOP_WORDS[language], STOP_WORDS["en"])
+    return any(word in said for table in tables for word in (*table.anywhere, *table.last))

@@ -1,0 +1,216 @@
+"""The stop word spotter in the listener, scripted: the word is a frame whose samples are 9000."""
+
+import numpy as np
+import pytest
+from voice_script import VOICE, Script, Stt, Vad, Wake, spoken
+
+from edgevox.core.bus import Bus
+from edgevox.core.commands import Heard, StopSpotted, Transcribing
+from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES
+from edgevox.voice.listener import Listener
+from edgevox.voice.stop_detector import StopWatch, may_stop
+
+STOP = 9000
+QUIET_WORD = 3000
+MUTTERED = [QUIET_WORD] * 6
+
+
+class Spotter:
+    """Hears a stop word in a frame of one level."""
+
+    word = "halt"
+
+    def __init__(self, level=STOP):
+        self.level, self.forgotten = level, 0
+
+    def heard(self, samples):
+        return bool(samples[0] == self.level)
+
+    def forget(self):
+        self.forgotten += 1
+
+
+class Broken(Spotter):
+    def heard(self, samples):
+        raise RuntimeError("bug")
+
+
+def hear(stt, *steps, detector=None, audible=0.0, **more):
+    said = []
+    listener = Listener(
+        Script(*steps),
+        Vad(),
+        stt,
+        submit=said.append,
+        bus=Bus(),
+        language=lambda: "en",
+        muted=more.pop("muted", lambda: False),
+        audible=lambda: audible,
+        is_stop=lambda text: "stop" in text,
+        stop_detector=detector or Spotter(),
+        lossless=True,
+        **more,
+    )
+    listener.start()
+    assert listener.wait_over(10.0)
+    listener.close()
+    return said
+
+
+def spots(said):
+    return [one for one in said if isinstance(one, StopSpotted)]
+
+
+def test_a_stop_word_is_told_with_its_frame_and_its_utterance_says_that_it_was():
+    said = hear(Stt("stop!"), *[VOICE] * 10, STOP, *spoken())
+
+    assert [type(one) for one in said] == [StopSpotted, Transcribing, Heard]
+    assert said[0] == StopSpotted(11 * FRAME_S, "halt", goes_on=True)
+    assert said[2].spotted
+
+
+def test_the_next_utterance_does_not_say_so():
+    said = hear(Stt("stop!", "thanks"), *[VOICE] * 10, STOP, *spoken(), *spoken())
+
+    assert [one.spotted for one in said if isinstance(one, Heard)] == [True, False]
+
+
+def test_a_stop_word_in_what_is_no_utterance_is_told_to_be_over():
+    said = hear(Stt(), *[0] * 10, STOP, *[0] * 10)
+
+    assert said == [StopSpotted(11 * FRAME_S, "halt")]
+
+
+def test_it_needs_no_wake_word_and_is_answered_though_nobody_looks_at_the_words():
+    long_talk = [VOICE] * 100
+
+    said = hear(Stt(), *long_talk, STOP, *spoken(), wakeword=Wake())
+
+    assert [type(one) for one in said] == [StopSpotted, Transcribing, Heard]
+    assert (said[2].text, said[2].spotted) == ("", True)
+
+
+def test_without_the_wake_word_nothing_else_of_it_is_understood():
+    said = hear(Stt("go to the kitchen"), *[VOICE] * 10, STOP, *spoken(), wakeword=Wake())
+
+    assert [(one.text, one.spotted) for one in said if isinstance(one, Heard)] == [("", True)]
+
+
+def test_while_muted_it_hears_nothing():
+    said = hear(Stt(), *[VOICE] * 10, STOP, *spoken(), muted=lambda: True)
+
+    assert said == []
+
+
+def test_what_is_muted_in_the_middle_is_answered_all_the_same():
+    muted = []
+
+    said = hear(Stt(), *[VOICE] * 10, STOP, lambda: muted.append(1), *spoken(), muted=lambda: muted)
+
+    assert [type(one) for one in said] == [StopSpotted, Transcribing, Heard]
+    assert said[2].spotted
+
+
+def test_an_utterance_that_is_refused_is_answered_all_the_same(monkeypatch):
+    monkeypatch.setattr("edgevox.voice.transcriber.MAX_WAITING", 0)
+
+    said = []
+    listener = Listener(
+        Script(*[VOICE] * 10, STOP, *spoken()),
+        Vad(),
+        Stt(),
+        submit=said.append,
+        bus=Bus(),
+        language=lambda: "en",
+        muted=lambda: False,
+        audible=lambda: 0.0,
+        stop_detector=Spotter(),
+    )
+    listener.start()
+    assert listener.wait_over(10.0)
+    listener.close()
+
+    assert said[-1].spotted
+
+
+def test_a_word_that_lasts_for_several_frames_is_told_once():
+    said = hear(Stt("stop!"), *[VOICE] * 10, *[STOP] * 5, *spoken())
+
+    assert len(spots(said)) == 1
+
+
+def test_a_spotter_that_fails_leaves_the_robot_its_hearing(caplog):
+    said = hear(Stt("go"), *spoken(), detector=Broken())
+
+    assert [one.text for one in said if isinstance(one, Heard)] == ["go"]
+    assert "stop_spotter_failed" in caplog.text
+
+
+def test_it_forgets_what_was_heard_when_something_is_missing():
+    spotter = Spotter()
+
+    hear(Stt("go"), *spoken(), detector=spotter)
+
+    assert spotter.forgotten > 0
+
+
+def test_the_robots_own_stopped_does_not_stop_it():
+    quiet = Spotter(QUIET_WORD)
+
+    said = hear(Stt(), *MUTTERED, detector=quiet, audible=0.3, saying=lambda: "Stopped.")
+
+    assert spots(said) == []
+
+
+@pytest.mark.parametrize("text", ["I am in the kitchen.", ""])
+def test_while_it_says_something_else_or_nobody_knows_what_it_stops(text):
+    said = hear(Stt(), *MUTTERED, detector=Spotter(QUIET_WORD), audible=0.3, saying=lambda: text)
+
+    assert len(spots(said)) == 1
+
+
+def test_who_is_louder_than_its_stopped_stops_it():
+    said = hear(Stt("stop"), *[VOICE] * 8, STOP, *spoken(), audible=0.05, saying=lambda: "Stopped.")
+
+    assert len(spots(said)) == 1
+
+
+def test_where_the_echo_is_cancelled_elsewhere_every_stop_word_counts():
+    said = hear(
+        Stt(),
+        *MUTTERED,
+        detector=Spotter(QUIET_WORD),
+        audible=0.3,
+        saying=lambda: "Stopped.",
+        echo="none",
+    )
+
+    assert len(spots(said)) == 1
+
+
+def test_a_word_said_again_after_a_moment_is_told_again():
+    watch = StopWatch(Spotter(), saying=str, language=lambda: "en")
+    frame = np.full(FRAME_SAMPLES, STOP, np.int16)
+    silent = np.zeros(FRAME_SAMPLES, np.int16)
+
+    told = [
+        watch.heard(one, playing=False, loud=True) for one in (frame, frame, *[silent] * 8, frame)
+    ]
+
+    assert [number for number, one in enumerate(told) if one] == [0, 10]
+
+
+@pytest.mark.parametrize(
+    ("language", "text", "may"),
+    [
+        ("en", "Stopped.", True),
+        ("en", "I can drive, turn and stop.", True),
+        ("de", "Ich halte an.", True),
+        ("de", "Ich kann nicht stop sagen.", True),
+        ("fr", "Je suis à l'arrêt.", False),
+        ("en", "I am in the kitchen.", False),
+        ("ja", "止まれと聞こえました。", True),
+    ],
+)
+def test_what_it_says_may_sound_like_a_stop_word(language, text, may):
+    assert may_stop(text, language) is may

@@ -1,0 +1,76 @@
+"""Everything around a listener, scripted: a voice is a frame whose samples are 8000."""
+
+import numpy as np
+
+from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, EndOfSound, Frame
+
+VOICE, WAKE = 8000, 12000
+SILENCE_AFTER = 30
+
+
+class Script:
+    """A source that plays levels, one for each frame; calls what stands between them."""
+
+    name = "script"
+
+    def __init__(self, *steps):
+        self.steps = list(steps)
+        self.count = 0
+
+    def start(self):
+        pass
+
+    def read(self, timeout_s):
+        while self.steps and callable(self.steps[0]):
+            self.steps.pop(0)()
+        if not self.steps:
+            raise EndOfSound("script: over")
+        self.count += 1
+        level = self.steps.pop(0)
+        return Frame(np.full(FRAME_SAMPLES, level, np.int16), self.count * FRAME_S)
+
+    def close(self):
+        pass
+
+
+class Vad:
+    def probability(self, samples):
+        return 1.0 if samples[0] >= VOICE else 0.0
+
+    def reset(self):
+        pass
+
+
+class Wake:
+    phrase = "hey jarvis"
+
+    def heard(self, samples, probability):
+        return bool(samples[0] == WAKE)
+
+    def reset(self):
+        pass
+
+
+class Stt:
+    def __init__(self, *texts):
+        self.texts = list(texts)
+        self.languages = []
+        self.heard = []
+
+    def transcribe(self, samples, language):
+        self.languages.append(language)
+        self.heard.append(samples)
+        text = self.texts.pop(0)
+        if isinstance(text, Exception):
+            raise text
+        return text
+
+    def warm_up(self, language):
+        pass
+
+    def close(self):
+        pass
+
+
+def spoken(frames=20, after=SILENCE_AFTER):
+    return [VOICE] * frames + [0] * after
