@@ -6,7 +6,9 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
+from edgevox.agent.nlu.hearing_prompt import HearingPrompts
 from edgevox.agent.phrase_file import phrasebook
+from edgevox.agent.skills import Skill, SkillSet
 from edgevox.apps.queries import WAKE_WORDS, Info, present_voices, tts_info
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Command, Speak
@@ -68,6 +70,7 @@ def build_voice(
     settings: Settings,
     bus: Bus,
     controls: Controls,
+    skills: Iterable[Skill] = (),
 ) -> VoiceChain:
     """Open sound in both directions and load what the first sentence needs.
 
@@ -82,7 +85,7 @@ def build_voice(
     sink = open_sink(settings.audio_out, relay=relay if settings.ros2 else None)
     stack.callback(sink.close)
     wakeword = WakeWord(settings.wakeword, locate(WAKE_WORDS)) if settings.wakeword else None
-    whisper = Whisper(_hearing_model, prompt_of=lambda code: phrasebook(code).hearing.written)
+    whisper = Whisper(_hearing_model, prompt_of=HearingPrompts(SkillSet(skills)))
     stt = WatchedSpeechToText(whisper)
     stack.callback(stt.close)
     pool = VoicePool()
