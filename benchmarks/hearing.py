@@ -108,5 +108,5 @@ def _ways(path: Path) -> dict[str, Callable[[Samples], str]]:
             without_timestamps=True,
             condition_on_previous_text=False,
         ),
-        OURS: lambda samples: ours.transcribe(samples, "en"),
+        OURS: lambda samples: ours.transcribe(samples, "en").text,
     }

@@ -72,6 +72,7 @@ class Asking:
             meaning = self._dialogue_skills.meant(self._interpreter.understand(rest, turn), turn)
         if meaning is None or turn.token.cancelled:
             return meaning
+        meaning = meaning.heard(turn.hearing)
         return meaning if self.act(meaning, turn) else None
 
     def act(self, meaning: Meaning, turn: Turn) -> bool:

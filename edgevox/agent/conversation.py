@@ -15,6 +15,7 @@ from edgevox.agent.last_drive import LastDrive
 from edgevox.agent.llm.language_model import LanguageModel
 from edgevox.agent.nlu.decider import Decider
 from edgevox.agent.nlu.interpreter import Interpreter
+from edgevox.agent.nlu.sounds import Phonemes
 from edgevox.agent.performer import Performer
 from edgevox.agent.policy import Guard
 from edgevox.agent.programs.keeper import Programs
@@ -58,7 +59,8 @@ class Conversation:
 
     Stop words, `Interrupt` and `Reset` act on the calling thread, at once (`Stopping`). `halt`,
     `pose` and `senses` are the body's, `interlock` may forbid motion, `guard` any skill but to
-    stop, `timer` wakes programs. Without a `speech_output` it only writes.
+    stop, `timer` wakes programs, `phonemes` tell what misheard words sound like. Without a
+    `speech_output` it only writes.
     """
 
     def __init__(
@@ -75,6 +77,7 @@ class Conversation:
         interlock: Interlock | None = None,
         guard: Guard | None = None,
         decider: Decider | None = None,
+        phonemes: Phonemes | None = None,
         pose: Callable[[], Pose2D] | None = None,
         senses: Senses = NO_SENSES,
         timer: Timer | None = None,
@@ -84,7 +87,13 @@ class Conversation:
         self._inbox = inbox.Inbox(self._clock)
         dialogue = DialogueSkills(agents, bus, self._clock, lambda: self.interpreter.phrases, pose)
         self.interpreter = interpreter = Interpreter(
-            dialogue.agents, bus, self._clock, model, language, decider=decider
+            dialogue.agents,
+            bus,
+            self._clock,
+            model,
+            language,
+            decider=decider,
+            phonemes=phonemes,
         )
         self._skills = skills_of(agents)
         self._executor = SkillExecutor(
@@ -288,6 +297,7 @@ class Conversation:
             asked=InputTiming(item.ended_s, item.stt_s) if isinstance(item, Heard) else None,
             way=inbox.way_of(item),
             plainly=isinstance(item, Heard) and item.spotted,
+            hearing=item.confidence if isinstance(item, Heard) else 1.0,
         )
         return turn
 

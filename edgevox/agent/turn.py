@@ -30,7 +30,8 @@ class Turn:
     Sentences go onto the bus and, if there is one, to the speech output. `on_speech` is called when
     the first can be noticed: heard, or read where nothing is spoken. Nothing is said once the
     token is cancelled. `way` is how it was asked for. `plainly`: only a plain order may move
-    anything without a question, since a stop word was heard in the same breath.
+    anything without a question, since a stop word was heard in the same breath. `hearing` is how
+    sure it is that its words were said.
     """
 
     def __init__(
@@ -44,10 +45,12 @@ class Turn:
         asked: InputTiming | None = None,
         way: Way = Way.TEXT_INPUT,
         plainly: bool = False,
+        hearing: float = 1.0,
     ) -> None:
         self.number = number
         self.way = way
         self.plainly = plainly
+        self.hearing = hearing
         self.token = CancelToken()
         self.tokens = 0
         self._bus = bus

@@ -12,7 +12,7 @@ from edgevox.agent.programs.senses import NO_SENSES
 from edgevox.apps.agent_parts import AgentParts, Startable
 from edgevox.apps.command_router import CommandRouter
 from edgevox.apps.components import list_components
-from edgevox.apps.decision import open_decider
+from edgevox.apps.decision import open_decider, open_phonemes
 from edgevox.apps.free_text import free_text
 from edgevox.apps.metrics import read_bridge, read_parts, serve_metrics
 from edgevox.apps.model_choice import find_weights, open_model, open_without
@@ -61,7 +61,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
         voices=available_voices,
         deafness=(lambda _: "") if settings.text_mode else deafness,
     )
-    voice = None if settings.text_mode else build_voice(stack, settings, bus, controls)
+    voice = None if settings.text_mode else build_voice(stack, settings, bus, controls, skills)
     model, model_path, absent = _think(settings)
     if model:
         stack.callback(model.close)
@@ -77,6 +77,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
         interlock=interlock,
         guard=guard,
         decider=open_decider(),
+        phonemes=open_phonemes() if voice else None,
         pose=body.pose if isinstance(body, HasPose) else None,
         senses=senses_of(body) if body else NO_SENSES,
     )

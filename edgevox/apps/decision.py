@@ -1,10 +1,14 @@
-"""What judges whether a sentence is an order: the encoder on board, where it was fetched."""
+"""What judges whether a sentence is an order (the encoder on board, where it was fetched), and what
+it sounds like (espeak-ng, where it is installed).
+"""
 
 import struct
 
 from edgevox.agent.nlu.decider import Decider
 from edgevox.agent.nlu.encoder import ENCODER
+from edgevox.agent.nlu.sounds import Phonemes
 from edgevox.core.errors import EdgeVoxError
+from edgevox.core.languages import LANGUAGES
 from edgevox.core.log import get_logger
 from edgevox.models import locate
 
@@ -25,3 +29,15 @@ def open_decider() -> Decider | None:
         reason = str(error) or type(error).__name__
         log.error("encoder_missing", reason=reason)  # noqa: TRY400 - the reason says it all
         return None
+
+
+def open_phonemes() -> Phonemes | None:
+    """None where espeak-ng is no library here: then misheard commands are not understood."""
+    try:
+        from edgevox.voice.tts.espeak_library import espeak_library
+
+        library = espeak_library()
+    except (ImportError, OSError, EdgeVoxError) as error:
+        log.info("phonemes_missing", reason=str(error))
+        return None
+    return lambda text, code: library.phonemes(text, LANGUAGES[code].voices[-1].key)

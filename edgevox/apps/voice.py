@@ -6,7 +6,9 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
+from edgevox.agent.nlu.hearing_prompt import HearingPrompts
 from edgevox.agent.phrase_file import phrasebook
+from edgevox.agent.skills import Skill, SkillSet
 from edgevox.apps.queries import Info, present_voices, tts_info
 from edgevox.apps.wake_choice import open_wakeword
 from edgevox.core.bus import Bus
@@ -71,6 +73,7 @@ def build_voice(
     settings: Settings,
     bus: Bus,
     controls: Controls,
+    skills: Iterable[Skill] = (),
 ) -> VoiceChain:
     """Open sound in both directions and load what the first sentence needs.
 
@@ -87,7 +90,7 @@ def build_voice(
     wakeword = open_wakeword(settings)
     if wakeword:
         stack.callback(wakeword.close)
-    whisper = Whisper(_hearing_model, prompt_of=lambda code: phrasebook(code).hearing.written)
+    whisper = Whisper(_hearing_model, prompt_of=HearingPrompts(SkillSet(skills)))
     stt = WatchedSpeechToText(whisper)
     stack.callback(stt.close)
     pool = VoicePool()

@@ -26,7 +26,8 @@ class Heard:
     """Words that somebody spoke; empty if there were none in what was heard.
 
     `ended_s` is the clock's time of the last voiced sample, `stt_s` how long the words took. If a
-    stop word was `spotted` in it, that has been acted on already.
+    stop word was `spotted` in it, that has been acted on already. `confidence` is that these are
+    the words, from 0 to 1.
     """
 
     text: str
@@ -34,6 +35,7 @@ class Heard:
     stt_s: float = 0.0
     way: Way = Way.VOICE
     spotted: bool = False
+    confidence: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)

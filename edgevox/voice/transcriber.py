@@ -11,7 +11,7 @@ from edgevox.core.ending import Ending
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.log import get_logger
 from edgevox.voice.audio import RATE_HZ, Samples
-from edgevox.voice.stt.speech_to_text import SpeechToText
+from edgevox.voice.stt.speech_to_text import SpeechToText, Transcript
 from edgevox.voice.wakephrase import without_phrase
 
 log = get_logger(__name__)
@@ -43,6 +43,7 @@ class _Words:
     ended_s: float
     language: str
     took_s: float
+    confidence: float
     ending: Ending = Ending.OPEN
 
 
@@ -165,7 +166,14 @@ class Transcriber:
         counts = not job.only_stop or (bool(words.text) and self._is_stop(words.text))
         if counts or job.spotted:
             text = words.text if counts else ""
-            self._submit(Heard(text, job.ended_s, words.took_s, spotted=job.spotted))
+            heard = Heard(
+                text,
+                job.ended_s,
+                words.took_s,
+                spotted=job.spotted,
+                confidence=words.confidence,
+            )
+            self._submit(heard)
 
     def _judged(self, words: "_Words") -> "_Words":
         """With how they end; what cannot be judged is open."""
@@ -178,15 +186,15 @@ class Transcriber:
     def _words(self, job: TranscriptionJob) -> "_Words":
         """What was said, and how long it took to find out."""
         began_s, language = self._clock.now(), self._language()
-        text = self._transcribe(job, language)
+        said = self._transcribe(job, language)
         took_s = self._clock.now() - began_s
         self.last = (took_s, job.samples.size / RATE_HZ)
-        return _Words(text, job.ended_s, language, took_s)
+        return _Words(said.text, job.ended_s, language, took_s, said.confidence)
 
-    def _transcribe(self, job: TranscriptionJob, language: str) -> str:
+    def _transcribe(self, job: TranscriptionJob, language: str) -> Transcript:
         """The words; none if they could not be understood, which is logged."""
         try:
-            text = self._stt.transcribe(job.samples, language)
+            said = self._stt.transcribe(job.samples, language)
         except EdgeVoxError as error:
             self.failed += 1
             log.error("speech_to_text_failed", reason=str(error))  # noqa: TRY400 - its message says it all
@@ -194,5 +202,6 @@ class Transcriber:
             self.failed += 1
             log.exception("speech_to_text_broke")
         else:
-            return without_phrase(text, job.phrase) if job.phrase else text
-        return ""
+            text = without_phrase(said.text, job.phrase) if job.phrase else said.text
+            return Transcript(text, said.confidence)
+        return Transcript("")

@@ -77,7 +77,7 @@ def test_commands_are_understood_with_noise_around_them(whisper):
 
 
 def test_coordinates_are_written_as_the_prompt_writes_them(whisper):
-    text = whisper.transcribe(says_piper("go to x two point five y minus one"), "en")
+    text = whisper.transcribe(says_piper("go to x two point five y minus one"), "en").text
 
     assert plain(text) == "go to x 2.5 y minus 1"
 
@@ -93,7 +93,7 @@ def test_an_utterance_ends_with_its_last_voiced_sample(whisper):
 
 def test_noise_is_no_words(whisper):
     for name, noise in noises(4.0).items():
-        assert whisper.transcribe(noise, "en") == "", name
+        assert whisper.transcribe(noise, "en").text == "", name
         assert [h.text for h in listen(whisper, noise) if h.text] == [], name
 
 

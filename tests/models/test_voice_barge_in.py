@@ -21,6 +21,7 @@ from edgevox.voice.listener import Listener
 from edgevox.voice.sentence_synthesiser import SentenceSynthesiser
 from edgevox.voice.sinks.paced import PacedSink
 from edgevox.voice.speech_output import SpeechOutput
+from edgevox.voice.stt.speech_to_text import Transcript
 from edgevox.voice.tts.pool import VoicePool
 from edgevox.voice.vad import SileroVad
 
@@ -35,7 +36,7 @@ class Deaf:
     """Speech to text is not asked here."""
 
     def transcribe(self, samples, language):
-        return ""
+        return Transcript("")
 
     def warm_up(self, language): ...
 

@@ -119,7 +119,7 @@ def test_while_it_speaks_what_is_remembered_is_what_was_heard(rig, teller, monke
     cut = rig.wait_for(Responded)
     assert cut.cut
     assert rested(rig)
-    aloud = words(rig.parts.voice.stt.transcribe(rig.answer(), "en"))
+    aloud = words(rig.parts.voice.stt.transcribe(rig.answer(), "en").text)
     assert len(aloud) >= 3
     assert words("".join(STORY * 10))[: len(words(cut.text))] == words(cut.text)
     assert abs(len(words(cut.text)) - len(aloud)) <= 2

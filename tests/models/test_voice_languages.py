@@ -71,7 +71,7 @@ def test_it_obeys_answers_and_stops_in_a_language_and_after_a_switch_in_another(
 
         tell(rig, pool, language, spoken.command)
         response = rig.wait_for(Responded).text
-        said = rig.parts.voice.stt.transcribe(in_a_room(rig.answer()), language)
+        said = rig.parts.voice.stt.transcribe(in_a_room(rig.answer()), language).text
         tell(rig, pool, language, spoken.stop)
         rig.wait_for(AgentEvent, lambda event: event.kind == "safety_preempt")
 

@@ -134,7 +134,7 @@ def heard_of(speech):
     """What Whisper understands of what came for the loudspeaker."""
     sound = np.frombuffer(b"".join(bytes(one.data) for one in speech.messages), "<i2")
     padded = np.concatenate([quiet(0.3), sound.astype(np.int16), quiet(0.3)])
-    words = Whisper(lambda _: locate("whisper-tiny.en")).transcribe(padded, "en")
+    words = Whisper(lambda _: locate("whisper-tiny.en")).transcribe(padded, "en").text
     return words.lower().strip(".! ").split()
 
 

@@ -105,7 +105,7 @@ class Model:
 class Rig:
     """Talks, and keeps what was answered and called."""
 
-    def __init__(self, body=None, *, model=None, language="en", confirm="unsure"):
+    def __init__(self, body=None, *, model=None, language="en", confirm="unsure", **more):
         self.body, self.bus, self.clock = body or Walker(), Bus(), HeldClock(1000.0)
         self.answers, self.calls, self.changes = [], [], []
         self.bus.subscribe(Responded, self.answers.append)
@@ -120,6 +120,7 @@ class Rig:
             confirm=confirm,
             clock=self.clock,
             pose=self.body.pose,
+            **more,
         )
         self.talk.start()
 

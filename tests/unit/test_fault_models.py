@@ -32,6 +32,7 @@ from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.events import Responded
 from edgevox.core.settings import load_settings
 from edgevox.core.status import Level
+from edgevox.voice.stt.speech_to_text import Transcript
 from edgevox.voice.stt.watched import TELL_EVERY_S, WatchedSpeechToText
 from edgevox.voice.voices import PresentVoices
 
@@ -201,7 +202,7 @@ class Deaf:
     def transcribe(self, samples, language):
         if self.failing:
             raise MemoryError("std::bad_alloc")
-        return "where are you"
+        return Transcript("where are you")
 
     def warm_up(self, language): ...
 
@@ -224,7 +225,7 @@ def test_who_speaks_while_no_speech_is_recognised_is_told_so_now_and_then_and_no
     assert stt.fault == "std::bad_alloc"
 
     deaf.failing = False
-    assert stt.transcribe(silence, "en") == "where are you"
+    assert stt.transcribe(silence, "en").text == "where are you"
     assert stt.fault == ""
 
 

@@ -28,6 +28,7 @@ from edgevox.voice.sinks.portaudio_playback import open_loudspeaker
 from edgevox.voice.sources.portaudio_capture import open_microphone
 from edgevox.voice.sources.soundcard import SoundCard
 from edgevox.voice.speech_output import SpeechOutput
+from edgevox.voice.stt.speech_to_text import Transcript
 
 RATE_HZ = 16_000
 ANSWER = "My battery is full and I am well."
@@ -231,7 +232,7 @@ class Vad:
 
 class Stt:
     def transcribe(self, samples, language):
-        return f"{samples.size} samples"
+        return Transcript(f"{samples.size} samples")
 
     def warm_up(self, language): ...
 

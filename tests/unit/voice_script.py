@@ -3,6 +3,7 @@
 import numpy as np
 
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, EndOfSound, Frame
+from edgevox.voice.stt.speech_to_text import Transcript
 
 VOICE, WAKE = 8000, 12000
 SILENCE_AFTER = 30
@@ -63,7 +64,7 @@ class Stt:
         text = self.texts.pop(0)
         if isinstance(text, Exception):
             raise text
-        return text
+        return Transcript(text)
 
     def warm_up(self, language):
         pass

@@ -16,6 +16,10 @@ HEAD_FILE = "head.npz"
 ASK_FROM, SURE_FROM = 0.5, 0.8
 """Below the first nothing is done, from the second on it is done unasked; between, one asks."""
 
+HEARD_FROM = 0.75
+"""A motion whose words are less sure to have been said is asked about. Measured on four voices: in
+quiet none is below 0.89; in noise whatever would have moved wrongly is below 0.7."""
+
 
 @dataclass(frozen=True, slots=True)
 class Head:

@@ -6,13 +6,15 @@ somebody is asked first.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from edgevox.agent.agents import Agent, by_name
 from edgevox.agent.history import History, size_tokens
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelFailed
-from edgevox.agent.nlu.confidence import ASK_FROM, SURE_FROM
+from edgevox.agent.nlu.confidence import ASK_FROM, HEARD_FROM, SURE_FROM
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
+from edgevox.agent.nlu.near_commands import NearCommands
+from edgevox.agent.nlu.sounds import Phonemes
 from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.programs.program import Program, calls_of
@@ -26,6 +28,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
 from edgevox.core.events import Outcome
 from edgevox.core.log import get_logger
+from edgevox.core.ways import Way
 
 log = get_logger(__name__)
 
@@ -59,6 +62,12 @@ class Meaning:
         """Whether to do it without asking."""
         return self.confidence >= SURE_FROM
 
+    def heard(self, confidence: float) -> "Meaning":
+        """The same of words that are so sure to have been said: asked about if they are not."""
+        if confidence >= HEARD_FROM:
+            return self
+        return replace(self, confidence=min(self.confidence, ASK_FROM))
+
     @property
     def every_call(self) -> tuple[Call, ...]:
         """All that may be called, those inside the program too."""
@@ -77,8 +86,10 @@ class Interpreter:
         language: str = ENGLISH,
         *,
         decider: Decider | None = None,
+        phonemes: Phonemes | None = None,
     ) -> None:
         self._decider = decider
+        self._phonemes = phonemes
         self._agents = by_name(agents)
         self._bus = bus
         self._clock = clock
@@ -93,6 +104,11 @@ class Interpreter:
         agents = self._agents.values()
         self._recognisers = {a.name: Recogniser(a.skills, code, a.dialogue_skills) for a in agents}
         self._readings = {a.name: Readings(a.skills, code) for a in agents}
+        self._near = (
+            {a.name: NearCommands(a.skills, self.phrases, self._phonemes) for a in agents}
+            if self._phonemes
+            else {}
+        )
         self._programs = ProgramReader(code)
         self._protocols = {
             a.name: Protocol(a.instructions, _for_models(a), a.handoffs, code) for a in agents
@@ -123,6 +139,8 @@ class Interpreter:
         if meaning and isinstance(program, Unclear):  # not now, whatever it is
             self._say_unclear(turn)
             return None
+        if meaning := self._sounds_like(text, turn):
+            return meaning
         refused = program if isinstance(program, RefusedCommand) else plain
         if refused:
             turn.say(refused.reason, Outcome.REFUSED, detail=refused.detail)
@@ -162,6 +180,24 @@ class Interpreter:
             self._hand_over(agent, turn)
             return Meaning(agent, decision.calls, "reading", decision.confidence)
         return None
+
+    def _sounds_like(self, text: str, turn: Turn) -> Meaning | None:
+        """What spoken words sound like that mean nothing themselves: never sure that it is meant.
+
+        What is denied or told is not misheard, and what is typed sounds like nothing.
+        """
+        if turn.way is not Way.VOICE or self._is_held_back(text):
+            return None
+        for agent in self._active_first():
+            near = self._near[agent.name].nearest(text) if agent.name in self._near else None
+            if near:
+                self._hand_over(agent, turn)
+                return Meaning(agent, (near.call,), "reading", ASK_FROM)
+        return None
+
+    def _is_held_back(self, text: str) -> bool:
+        judged = (self._readings[agent.name].of(text) for agent in self._active_first())
+        return any(one is not None and one.held_back for one in judged)
 
     def _decide(self, text: str) -> tuple[Agent, Decision] | None:
         if self._decider is None:

@@ -5,6 +5,7 @@ The bounds lie between what was measured on synthesised commands (with a prompt:
 (no-speech from 0.43, mostly with a log probability below -0.95).
 """
 
+import math
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -37,6 +38,7 @@ _OF_NOTHING = frozenset(
 """What Whisper learnt to write where nothing is said: the ends of films."""
 _BRACKETED = re.compile(r"[\[(*♪][^\])*♪]*[\])*♪]?")
 _NOT_WORDS = re.compile(r"[\W_]+")
+_SENTENCE_ENDS = re.compile(r"(?<=[.!?\u3002\uff01\uff1f\u0964])\s+")
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,10 +69,23 @@ def plausible(segment: Segment, seconds: float) -> bool:
 
 
 def words_of(segments: Iterable[Segment]) -> str:
-    """Their text on one line, without remarks such as ``[music]``."""
+    """Their text on one line, without remarks such as ``[music]``.
+
+    A sentence that is only said again is left out: over other voices Whisper writes one twice that
+    was said once, and "Turn left. Turn left." is another order.
+    """
     text = " ".join(" ".join(s.text for s in segments).split())
     spoken = " ".join(_BRACKETED.sub(" ", text).split())
-    return spoken if _plain(spoken) else ""
+    said: list[str] = []
+    for sentence in _SENTENCE_ENDS.split(spoken):
+        if not said or _plain(sentence) != _plain(said[-1]):
+            said.append(sentence)
+    return " ".join(said) if _plain(spoken) else ""
+
+
+def confidence_in(segments: Iterable[Segment]) -> float:
+    """How likely the mean token of the least likely of them is what was said."""
+    return math.exp(min((s.log_probability for s in segments), default=0.0))
 
 
 def _plain(text: str) -> str:

@@ -1,17 +1,26 @@
 """What a speech-to-text engine must offer."""
 
+from dataclasses import dataclass
 from typing import Protocol
 
 from edgevox.voice.audio import Samples
 
 
+@dataclass(frozen=True, slots=True)
+class Transcript:
+    """The words in a sound, empty if there are none, and how sure it is that they are those."""
+
+    text: str
+    confidence: float = 1.0
+
+
 class SpeechToText(Protocol):
     """Understands one utterance at a time, on the caller's thread."""
 
-    def transcribe(self, samples: Samples, language: str) -> str:
+    def transcribe(self, samples: Samples, language: str) -> Transcript:
         """The words in this sound at 16 kHz, in a language by its ISO 639-1 code.
 
-        Empty if there are none. Raises `EdgeVoxError` if the language's model is not here.
+        Raises `EdgeVoxError` if the language's model is not here.
         """
 
     def warm_up(self, language: str) -> None:

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.voice.audio import Samples
-from edgevox.voice.stt.speech_to_text import SpeechToText
+from edgevox.voice.stt.speech_to_text import SpeechToText, Transcript
 
 TELL_EVERY_S = 20.0
 """Noise is taken for speech now and then: a robot must not lament all day."""
@@ -24,15 +24,15 @@ class WatchedSpeechToText:
         self._clock = clock or SystemClock()
         self._told_s = float("-inf")
 
-    def transcribe(self, samples: Samples, language: str) -> str:
+    def transcribe(self, samples: Samples, language: str) -> Transcript:
         """See `SpeechToText.transcribe`."""
         try:
-            text = self._stt.transcribe(samples, language)
+            heard = self._stt.transcribe(samples, language)
         except Exception as error:
             self._lament(error)
             raise
         self.fault = ""
-        return text
+        return heard
 
     def warm_up(self, language: str) -> None:
         """See `SpeechToText.warm_up`."""

@@ -11,7 +11,8 @@ from edgevox.core.cgroup import usable_cpus
 from edgevox.core.errors import EdgeVoxError
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.level import FULL_SCALE
-from edgevox.voice.stt.hallucinations import Segment, plausible, words_of
+from edgevox.voice.stt.hallucinations import Segment, confidence_in, plausible, words_of
+from edgevox.voice.stt.speech_to_text import Transcript
 
 MAX_THREADS = 4
 """More do not help one utterance."""
@@ -46,7 +47,7 @@ class Whisper:
     def warm_up(self, language: str) -> None:
         self.transcribe(_WARM_UP, language)
 
-    def transcribe(self, samples: Samples, language: str) -> str:
+    def transcribe(self, samples: Samples, language: str) -> Transcript:
         path = self._paths.get(language) or self._model_of(language)
         seconds = samples.size / RATE_HZ
         with self._lock:
@@ -65,7 +66,8 @@ class Whisper:
             segments = [
                 Segment(s.text, s.no_speech_prob, s.avg_logprob, s.compression_ratio) for s in found
             ]
-        return words_of([s for s in segments if plausible(s, seconds)])
+        said = [segment for segment in segments if plausible(segment, seconds)]
+        return Transcript(words_of(said), confidence_in(said))
 
     @property
     def loaded(self) -> tuple[Path, ...]:

@@ -13,6 +13,7 @@ from edgevox.voice.tts.synthesiser import SynthesisFailed
 
 _SYNCHRONOUS = 2
 _UTF8, _END_PAUSE = 0x1, 0x1000
+_IPA = 0x2
 _OK = 0
 _Receive = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_int, ctypes.c_void_p)
 
@@ -27,6 +28,7 @@ class EspeakLibrary:
         self.sample_rate_hz: int = self._library.espeak_Initialize(_SYNCHRONOUS, 0, data, 0)
         if self.sample_rate_hz <= 0:
             raise SynthesisFailed(f"espeak: the library finds no data in {data.decode()}")
+        self._library.espeak_TextToPhonemes.restype = ctypes.c_char_p
 
     def speak(self, text: str, language: str, token: CancelToken) -> Chunk:
         pieces: list[bytes] = []
@@ -39,14 +41,28 @@ class EspeakLibrary:
         callback = _Receive(receive)
         data = text.replace("\0", " ").encode()
         with self._lock:
-            if self._library.espeak_SetVoiceByName(language.encode()) != _OK:
-                raise SynthesisFailed(f"espeak: it has no language {language!r}")
+            self._set_language(language)
             self._library.espeak_SetSynthCallback(callback)
             flags = _UTF8 | _END_PAUSE
             self._library.espeak_Synth(
                 data, ctypes.c_size_t(len(data) + 1), 0, 0, 0, flags, None, None
             )
         return Chunk(np.frombuffer(b"".join(pieces), np.int16), self.sample_rate_hz)
+
+    def phonemes(self, text: str, language: str) -> str:
+        """How it would be spoken, in letters of the IPA; some microseconds a word."""
+        rest = ctypes.c_char_p(text.replace("\0", " ").encode())
+        clauses: list[str] = []
+        with self._lock:
+            self._set_language(language)
+            while rest.value:
+                clause = self._library.espeak_TextToPhonemes(ctypes.byref(rest), _UTF8, _IPA)
+                clauses.append((clause or b"").decode())
+        return " ".join(clauses)
+
+    def _set_language(self, language: str) -> None:
+        if self._library.espeak_SetVoiceByName(language.encode()) != _OK:
+            raise SynthesisFailed(f"espeak: it has no language {language!r}")
 
 
 @cache

@@ -1,0 +1,259 @@
+"""Plain commands spoken in quiet, and in a room with noise: what the robot would do about them.
+
+Each goes the way that sound goes: voice activity, the end of an utterance, Whisper as the product
+sets it up, and the interpreter without a language model. Voices, noises and the room are the held
+out halves of `acoustics`: nothing was tuned with them. "right" is done as meant, unasked; "asked"
+is asked back about what was meant; a wrong motion is begun unasked and was not meant.
+
+Beside it what is heard where nobody speaks: noise alone, in pieces as if each were an utterance,
+which is far more than voice activity lets through.
+"""
+
+import itertools
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from acoustics import Half
+from acoustics.mixing import at_level, mixed
+from acoustics.noises import BABBLE, noise
+from acoustics.rooms import in_room, room_of
+from acoustics.voices import kokoro_voices, say
+from figures import Figure, Measured, NotHere
+from numpy.typing import NDArray
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+
+from corpus_robots import is_right, skills_of_robots
+from corpus_sentences import Calls, Sentence
+
+from edgevox.agent.agents import Agent
+from edgevox.agent.nlu.hearing_prompt import hearing_prompt
+from edgevox.agent.nlu.interpreter import Interpreter, Meaning
+from edgevox.agent.phrase_file import phrasebook
+from edgevox.agent.skills import Call
+from edgevox.agent.turn import Turn
+from edgevox.apps.decision import open_decider, open_phonemes
+from edgevox.core.bus import Bus
+from edgevox.core.clock import SystemClock
+from edgevox.core.ways import Way
+from edgevox.models import ModelMissing, locate
+from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Frame, Samples
+from edgevox.voice.endpoint import Endpointer, SpeechEnded
+from edgevox.voice.stt.speech_to_text import Transcript
+from edgevox.voice.stt.whisper import Whisper
+from edgevox.voice.vad import SileroVad
+
+MODEL = "whisper-tiny.en"
+TABLE = f"Plain commands in noise, {MODEL}"
+NOTHING_SAID = "Noise without speech"
+A, E, H, P = "robot-apartment", "robot-external", "robot-humanoid", "robot-panda"
+COMMANDS: tuple[tuple[str, str, Call], ...] = (
+    (A, "Go to the kitchen.", Call("navigate_to", {"room": "kitchen"})),
+    (A, "Kitchen, please.", Call("navigate_to", {"room": "kitchen"})),
+    (A, "Drive to the bedroom.", Call("navigate_to", {"room": "bedroom"})),
+    (A, "Take me to the living room.", Call("navigate_to", {"room": "living_room"})),
+    (A, "The office, please.", Call("navigate_to", {"room": "office"})),
+    (A, "Where are you?", Call("get_pose")),
+    (A, "What is your battery level?", Call("battery")),
+    (A, "How much battery is left?", Call("battery")),
+    (E, "Go to the loading bay.", Call("navigate_to", {"location": "loading_bay"})),
+    (H, "Turn left.", Call("turn_left")),
+    (H, "Turn around.", Call("turn_around")),
+    (H, "Turn right ninety degrees.", Call("turn_right", {"degrees": 90.0})),
+    (H, "Walk forward one metre.", Call("walk_forward", {"distance": 1.0})),
+    (H, "Walk backward half a metre.", Call("walk_backward", {"distance": 0.5})),
+    (P, "Pick up the red cube.", Call("grasp", {"object": "red_cube"})),
+    (P, "Open your hand.", Call("release")),
+)
+KINDS = ("white", "pink", "motor", BABBLE)
+RT60_S = 0.4
+BEFORE_S, AFTER_S, LEVEL_DB = 1.0, 1.0, -26.0
+ALONE_S, PIECE_S = 600.0, 4.0
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """How much louder the voice is than the noise in a room; None for neither noise nor room."""
+
+    name: str
+    about: str
+    snr_db: float | None
+    wanted: float
+
+
+CONDITIONS = (
+    Condition("quiet", "quiet", None, 99.0),
+    Condition("db10", "room, noise at 10 dB", 10.0, 95.0),
+    Condition("db5", "room, noise at 5 dB", 5.0, 85.0),
+)
+
+
+class Outcome(Enum):
+    """What becomes of a command."""
+
+    RIGHT = "right"
+    ASKED = "asked back"
+    NOTHING = "nothing, or an answer"
+    WRONG = "wrong motions"
+
+
+def measure(quick: bool = False) -> Measured:
+    """Every command by every voice in every condition; the kinds of noise take turns."""
+    try:
+        robots = {name: Robot(name) for name in skills_of_robots()}
+        voices = [v for v in kokoro_voices(Half.HELD_OUT) if v.split(":")[1][0] in "ab"]
+    except ModelMissing as error:
+        raise NotHere(str(error)) from error
+    figures: list[Figure] = []
+    failed: list[str] = []
+    for condition in CONDITIONS:
+        heard = _heard(robots, condition, voices[: 1 if quick else 4])
+        figures += _figures(condition, [outcome for outcome, _ in heard])
+        failed += [line for outcome, line in heard if outcome is not Outcome.RIGHT]
+    words = list(_words_of_noise(robots[A], 20.0 if quick else ALONE_S))
+    figures.append(
+        Figure(id="alone.words", table=NOTHING_SAID, what="pieces in which words were heard",
+               value=len(words), n=int(ALONE_S / PIECE_S)),
+    )  # fmt: skip
+    done = [said for said in words if robots[A].moves(said)]
+    figures.append(
+        Figure(
+            id="alone.moved", table=NOTHING_SAID, what="wrong motions", value=len(done), wanted=0
+        )
+    )
+    notes = {"not done as meant": tuple(failed), "heard out of noise": tuple(w.text for w in words)}
+    return Measured(figures=tuple(figures), notes=notes)
+
+
+class Robot:
+    """What one robot hears and understands, as the product puts it together."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+        self._skills = skills_of_robots()[name]
+        prompt = hearing_prompt(self._skills.values(), phrasebook("en"))
+        self._path = locate(MODEL)
+        self._whisper = Whisper(lambda _: self._path, prompt_of=lambda _: prompt)
+        self._bus, self._clock = Bus(), SystemClock()
+
+    def hear(self, sound: Samples) -> Transcript:
+        """The words in a sound, and how sure they are."""
+        said = [self._whisper.transcribe(one, "en") for one in utterances(sound)]
+        return Transcript(
+            " ".join(one.text for one in said if one.text),
+            min((one.confidence for one in said if one.text), default=1.0),
+        )
+
+    def hear_out(self, sound: Samples) -> Transcript:
+        """The same of a sound that is taken for an utterance, whatever it is."""
+        return self._whisper.transcribe(sound, "en")
+
+    def does(self, said: Transcript, wanted: Call) -> Outcome:
+        """What becomes of these words, where that was meant."""
+        meaning = self._meaning(said)
+        if meaning is None:
+            return Outcome.NOTHING
+        right = self._is_right(meaning, wanted)
+        if self._drives(meaning):
+            if not meaning.sure:
+                return Outcome.ASKED if right else Outcome.NOTHING
+            return Outcome.RIGHT if right else Outcome.WRONG
+        return Outcome.RIGHT if right else Outcome.NOTHING
+
+    def moves(self, said: Transcript) -> bool:
+        """Whether it would move for these words, unasked."""
+        meaning = self._meaning(said)
+        return meaning is not None and meaning.sure and self._drives(meaning)
+
+    @cached_property
+    def _interpreter(self) -> Interpreter:
+        agent = Agent("robot", "", self._skills)
+        return Interpreter(
+            [agent], self._bus, self._clock, decider=open_decider(), phonemes=open_phonemes()
+        )
+
+    def _meaning(self, said: Transcript) -> Meaning | None:
+        if not said.text:
+            return None
+        turn = Turn(1, self._bus, self._clock, lambda: None, way=Way.VOICE)
+        meaning = self._interpreter.understand(said.text, turn)
+        return meaning.heard(said.confidence) if meaning else None
+
+    def _drives(self, meaning: Meaning) -> bool:
+        return any(self._skills[call.skill].drives for call in meaning.every_call)
+
+    def _is_right(self, meaning: Meaning, wanted: Call) -> bool:
+        outcomes: tuple[Calls, ...] = ((wanted,),)
+        sentence = Sentence("", self._name, "en", "", outcomes)
+        return is_right(sentence, self._name, meaning.calls)
+
+
+def utterances(sound: Samples) -> Iterator[Samples]:
+    """What the listener would give to be understood."""
+    vad, endpointer = SileroVad(), Endpointer()
+    for at in range(0, sound.size - FRAME_SAMPLES + 1, FRAME_SAMPLES):
+        frame = Frame(sound[at : at + FRAME_SAMPLES], at / RATE_HZ + FRAME_S)
+        signal = endpointer.push(frame, vad.probability(frame.samples))
+        if isinstance(signal, SpeechEnded):
+            yield signal.samples
+    if last := endpointer.finish():
+        yield last.samples
+
+
+def spoken(voice: str, text: str, condition: Condition, kind: str, seed: int) -> Samples:
+    """What the microphone hears of a sentence."""
+    voiced: NDArray[Any] = say(voice, text)
+    if condition.snr_db is None:
+        return at_level(_padded(voiced), LEVEL_DB)
+    response = room_of(RT60_S, Half.HELD_OUT, seed).response()
+    heard = _padded(in_room(voiced, response))
+    beside = noise(kind, heard.size / RATE_HZ + 0.1, seed, Half.HELD_OUT)
+    return at_level(mixed(heard, beside, condition.snr_db), LEVEL_DB)
+
+
+def _padded(sound: NDArray[Any]) -> NDArray[np.float64]:
+    return np.pad(np.asarray(sound, np.float64), (int(BEFORE_S * RATE_HZ), int(AFTER_S * RATE_HZ)))
+
+
+def _heard(
+    robots: dict[str, Robot], condition: Condition, voices: Sequence[str]
+) -> list[tuple[Outcome, str]]:
+    """What became of each command, and a line that says how it was heard."""
+    found = []
+    for seed, (row, voice) in enumerate(itertools.product(range(len(COMMANDS)), voices)):
+        robot, text, wanted = COMMANDS[row]
+        kind = KINDS[(row + voices.index(voice)) % len(KINDS)]
+        said = robots[robot].hear(spoken(voice, text, condition, kind, seed))
+        outcome = robots[robot].does(said, wanted)
+        beside = "" if condition.snr_db is None else f", {kind}"
+        line = f"{condition.about}{beside}, {voice}: {text} {said.text!r} {said.confidence:.2f}"
+        found.append((outcome, f"{line}: {outcome.value}"))
+    return found
+
+
+def _figures(condition: Condition, outcomes: Sequence[Outcome]) -> Iterator[Figure]:
+    for outcome in Outcome:
+        number = outcomes.count(outcome)
+        wrong, right = outcome is Outcome.WRONG, outcome is Outcome.RIGHT
+        yield Figure(
+            id=f"{condition.name}.{outcome.name.lower()}", table=TABLE, what=condition.about,
+            column=outcome.value, value=number if wrong else round(100 * number / len(outcomes), 1),
+            unit="" if wrong else "%", n=len(outcomes), more_is_better=right,
+            wanted=0 if wrong else condition.wanted if right else None,
+        )  # fmt: skip
+
+
+def _words_of_noise(robot: Robot, seconds: float) -> Iterator[Transcript]:
+    """What was heard where nobody speaks to it."""
+    pieces = int(seconds / PIECE_S)
+    for seed in range(pieces):
+        kind = KINDS[seed % len(KINDS)]
+        made = noise(kind, PIECE_S, 10_000 + seed, Half.HELD_OUT)
+        if (said := robot.hear_out(at_level(made, LEVEL_DB))).text:
+            yield said

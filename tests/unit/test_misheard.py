@@ -1,0 +1,146 @@
+"""What is nearly a command when it is spoken: asked about, never simply done, and never typed."""
+
+import pytest
+from dialogue_rig import Walker
+from misheard_rig import LETTERS, Spoken
+
+from edgevox.agent.nlu.hearing_prompt import MOST_CHARACTERS, HearingPrompts
+from edgevox.agent.nlu.near_commands import NearCommands
+from edgevox.agent.nlu.sounds import SoundTable, sounds_of
+from edgevox.agent.nlu.wordings import wordings
+from edgevox.agent.phrase_file import phrasebook
+from edgevox.core.commands import TextInput
+
+ASKED = "Shall I do this? Going to the kitchen."
+
+
+@pytest.fixture
+def rig():
+    spoken = Spoken()
+    yield spoken
+    spoken.talk.close()
+
+
+def test_a_command_that_is_nearly_heard_is_asked_about_and_done_after_a_yes(rig):
+    assert rig.hears("kitchen pleas") == ASKED
+    assert rig.body.moves == []
+
+    rig.hears("yes")
+
+    assert rig.body.moves == ["kitchen"]
+
+
+def test_the_same_words_typed_are_not_repaired(rig):
+    assert rig.say("kitchen pleas") != ASKED
+    assert rig.body.moves == []
+
+
+def test_a_command_that_was_heard_clearly_is_done_unasked(rig):
+    rig.hears("go to the kitchen", confidence=0.9)
+
+    assert rig.body.moves == ["kitchen"]
+
+
+def test_a_motion_whose_words_are_not_sure_is_asked_about(rig):
+    assert rig.hears("go to the kitchen", confidence=0.5) == ASKED
+    assert rig.body.moves == []
+
+
+def test_what_moves_nothing_is_answered_however_badly_it_was_heard(rig):
+    assert rig.hears("where are you", confidence=0.3) == "I am here."
+
+
+@pytest.mark.parametrize(
+    "chat",
+    [
+        "I had my lunch in the kitchen",
+        "the soup is good",
+        "do not go to the kitchen",
+        "she works in the office",
+    ],
+)
+def test_chat_is_no_misheard_command(rig, chat):
+    assert "Shall I" not in rig.hears(chat)
+    assert rig.body.moves == []
+
+
+def test_a_number_that_was_heard_is_never_lost_by_a_repair():
+    near = NearCommands(Walker().skills, phrasebook("en"), LETTERS)
+
+    assert near.nearest("go to the kitchin 5") is None
+    assert near.nearest("go to the kitchin").call.arguments == {"room": "kitchen"}
+
+
+def test_of_two_commands_that_are_as_near_neither_is_meant():
+    near = NearCommands(Walker(rooms=("bad", "bed")).skills, phrasebook("en"), LETTERS)
+
+    assert near.nearest("go to the bid") is None
+
+
+def test_a_place_that_is_learned_is_heard_from_then_on():
+    learned = []
+    near = NearCommands(
+        Walker(rooms=(), learned=lambda: tuple(learned)).skills, phrasebook("en"), LETTERS
+    )
+    assert near.nearest("go to the librari") is None
+
+    learned.append("library")
+
+    assert near.nearest("go to the librari").call.arguments == {"room": "library"}
+
+
+def test_sounds_are_compared_by_how_alike_they_are():
+    table = SoundTable([sounds_of(one) for one in ("stɑp", "hɔlt", "")])
+
+    same, other, nothing = table.distances(sounds_of("stɑp"), 1.0)
+    nearly, _, _ = table.distances(sounds_of("ztɑb"), 1.0)
+
+    assert same == 0.0
+    assert 0.0 < nearly < 0.4 < other
+    assert nothing == 1.0
+
+
+def test_what_is_longer_or_shorter_by_more_than_may_be_is_infinitely_far():
+    table = SoundTable([sounds_of("stɑp")])
+
+    assert table.distances(sounds_of("stɑpstɑpstɑp"), 0.3)[0] == float("inf")
+
+
+def test_hearing_is_shown_the_names_that_there_are_now():
+    learned = []
+    prompt_of = HearingPrompts(Walker(learned=lambda: tuple(learned)).skills)
+    assert "Go to the office." in prompt_of("en")
+    assert "library" not in prompt_of("en")
+
+    learned.append("library")
+
+    assert "Go to the library." in prompt_of("en")
+
+
+def test_hearing_is_shown_no_more_than_it_reads_however_many_names_there_are():
+    rooms = tuple(f"room number {i}" for i in range(500))
+
+    prompt = HearingPrompts(Walker(rooms=rooms).skills)("en")
+
+    assert len(prompt) <= MOST_CHARACTERS
+    assert prompt.endswith(phrasebook("en").hearing.written)
+
+
+def test_a_wording_calls_what_its_words_say():
+    skill = Walker().skills["navigate_to"]
+
+    found = {one.sentence: one.call.arguments for one in wordings(skill, phrasebook("en"))}
+
+    assert found["go to the kitchen"] == {"room": "kitchen"}
+    assert found["office, please"] == {"room": "office"}
+
+
+def test_words_that_stand_for_a_number_are_no_wording():
+    assert not [*wordings(Walker().skills["navigate_xy"], phrasebook("en"))]
+
+
+def test_typed_words_are_as_sure_as_they_were(rig):
+    rig.talk.submit(TextInput("go to the kitchen"))
+    assert rig.talk.wait_idle(60)
+
+    assert rig.body.moves == ["kitchen"]
