@@ -2,9 +2,10 @@
 
 import contextlib
 import json
-import os
+import struct
 import subprocess
 import time
+from pathlib import Path
 
 import pytest
 from external_rig import wheels
@@ -16,6 +17,8 @@ from robot_states import moving, standing
 from rosgraph_msgs.msg import Clock
 from waiting import Heard, wait_until
 
+WALL_CLOCK_C = Path(__file__).with_name("wall_clock.c")
+OFFSET = struct.Struct("<q")
 HOUR_S = 3600
 NEAR_S = 60.0
 WATCHDOG_S, SLACK_S = 0.5, 60.0
@@ -26,35 +29,29 @@ misleads is off by hours."""
 class WallClock:
     """The wall clock of processes that are started `running` by it; their monotonic one is real."""
 
-    def __init__(self, file, monkeypatch):
-        self._file, self._monkeypatch = file, monkeypatch
-        self.jump_to(0)
+    def __init__(self, folder, monkeypatch):
+        self._file, self._monkeypatch = folder / "offset_s", monkeypatch
+        self._library = folder / "wall_clock.so"
+        subprocess.run(
+            ["cc", "-O2", "-shared", "-fPIC", "-o", self._library, WALL_CLOCK_C, "-ldl"], check=True
+        )
+        self._file.write_bytes(bytes(OFFSET.size))
 
     def jump_to(self, offset_s):
-        fresh = self._file.with_suffix(".new")
-        fresh.write_text(f"{offset_s:+d}")
-        os.replace(fresh, self._file)
+        with self._file.open("r+b") as file:
+            file.write(OFFSET.pack(offset_s))
 
     @contextlib.contextmanager
     def running(self):
-        library = subprocess.run(
-            ["faketime", "-m", "-f", "+0", "printenv", "LD_PRELOAD"],
-            capture_output=True,
-            text=True,
-            check=True,
-        ).stdout.strip()
         with self._monkeypatch.context() as patch:
-            patch.setenv("LD_PRELOAD", library)
-            patch.setenv("FAKETIME_TIMESTAMP_FILE", str(self._file))
-            patch.setenv("FAKETIME_NO_CACHE", "1")
-            patch.setenv("FAKETIME_DONT_FAKE_MONOTONIC", "1")
-            patch.setenv("DONT_FAKE_MONOTONIC", "1")
+            patch.setenv("LD_PRELOAD", str(self._library))
+            patch.setenv("WALL_CLOCK", str(self._file))
             yield
 
 
 @pytest.fixture
 def wall_clock(tmp_path, monkeypatch):
-    return WallClock(tmp_path / "time", monkeypatch)
+    return WallClock(tmp_path, monkeypatch)
 
 
 def stamped(message):

@@ -66,6 +66,12 @@ def test_an_unknown_skill_is_refused_with_the_names_that_exist():
         SkillSet([go])["fly"]
 
 
+def test_who_only_asks_for_an_unknown_skill_gets_none_or_what_was_given_for_it():
+    assert SkillSet([go]).get("fly") is None
+    assert SkillSet([go]).get("fly", go) is go
+    assert SkillSet([go]).get("go") is go
+
+
 def test_a_name_is_given_only_once():
     with pytest.raises(InvalidValue, match="given only once"):
         SkillSet([go, go])
