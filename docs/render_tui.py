@@ -16,7 +16,7 @@ import numpy as np
 
 from edgevox.apps.composition import AgentParts, build_parts, start_parts
 from edgevox.apps.robots import build_body
-from edgevox.apps.terminal.slash_commands import Desk
+from edgevox.apps.terminal.slash_commands import SlashContext
 from edgevox.apps.tui.face import Face
 from edgevox.apps.tui.update_buffer import UpdateBuffer
 from edgevox.core.cancel import CancelToken
@@ -59,8 +59,8 @@ def main() -> None:
 
 async def screenshot(parts: AgentParts, updates: UpdateBuffer) -> str:
     """The screen, as SVG, when the last drive is under way and its sentence is over."""
-    desk = Desk(parts.conversation, parts.body)
-    face = Face(updates, desk, parts.queries, parts.command_router.submit, SystemClock())
+    context = SlashContext(parts.conversation, parts.body)
+    face = Face(updates, context, parts.queries, parts.command_router.submit, SystemClock())
     async with face.run_test(size=SIZE) as pilot:
         await until(lambda: goes_to_the_kitchen(parts))
         await pilot.pause()

@@ -1,5 +1,6 @@
 """The body of tests that are about a conversation: it drives and tells where it is."""
 
+import math
 import threading
 from collections.abc import Callable
 from typing import Annotated, Any
@@ -7,23 +8,26 @@ from typing import Annotated, Any
 from guards import HUNG_S
 
 from edgevox.agent.skills import GoalHandle, OneOf, SkillFailed, SkillSet, skill
-from edgevox.core.cancel import Cancelled
 
 ROOMS = OneOf(("kitchen", "living_room", "bedroom", "office"))
 REPORT_S = 0.002
 
 
 class FakeBody:
-    """Drives until it is let `arrive`, halted or cancelled, and remembers where it was `sent`.
+    """Drives until it is let `arrive` or cancelled, and remembers where it was `sent`.
 
+    Where it arrived it has `visited`; it leaves for nowhere as long as its door is `locked`.
     `on_halt` is called when it is halted. With `reports` a drive says all the time how far it is.
     """
 
     def __init__(self, *, arrives: bool = False, reports: bool = False) -> None:
         self.sent: list[Any] = []
+        self.visited: list[Any] = []
+        self.locked = False
         self.moving = False
         self.on_halt: Callable[[], object] = lambda: None
-        self._arrives, self._reports = arrives, reports
+        self._arrivals = math.inf if arrives else 0
+        self._reports = reports
         self._started = threading.Semaphore(0)
         self._changed = threading.Condition()
 
@@ -36,25 +40,39 @@ class FakeBody:
         """Wait until it has begun to drive, once more than it was waited for before."""
         assert self._started.acquire(timeout=HUNG_S), "no drive began"
 
-    def arrive(self) -> None:
-        """Every drive comes to its end from now on."""
-        self._let(arrives=True)
+    def starts_until(self, count: int) -> None:
+        """Wait until it has begun to drive so many times."""
+        with self._changed:
+            assert self._changed.wait_for(lambda: len(self.sent) >= count, HUNG_S), self.sent
+
+    def arrive(self, times: float = math.inf) -> None:
+        """Let so many drives come to their end, those that begin later too: all of them."""
+        with self._changed:
+            self._arrivals += times
+            self._changed.notify_all()
 
     def drive_on(self) -> None:
         """No drive comes to its end by itself from now on."""
-        self._let(arrives=False)
+        with self._changed:
+            self._arrivals = 0
 
     def drive(self, goal: GoalHandle, where: Any) -> None:
-        """Raises `Cancelled`."""
-        self.sent.append(where)
-        self.moving = True
+        """Raises `Cancelled`, and `SkillFailed` where the door is locked."""
+        if self.locked:
+            raise SkillFailed("the door is locked")
+        with self._changed:
+            self.moving = True
+            self.sent.append(where)
+            self._changed.notify_all()
         forget = goal.token.on_cancel(self._notify)
         self._started.release()
         self._wait_for_its_end(goal)
         forget()
-        self.moving = False
-        if goal.token.cancelled:
-            raise Cancelled(goal.token.reason)
+        with self._changed:
+            self.moving = False
+            goal.token.check()
+            self._arrivals -= 1
+            self.visited.append(where)
 
     def skills(self, *names: str) -> SkillSet:
         """Those of its skills that have these names."""
@@ -110,18 +128,13 @@ class FakeBody:
         }
         return SkillSet([known[name] for name in names])
 
-    def _let(self, *, arrives: bool) -> None:
-        with self._changed:
-            self._arrives = arrives
-            self._changed.notify_all()
-
     def _notify(self) -> None:
         with self._changed:
             self._changed.notify_all()
 
     def _wait_for_its_end(self, goal: GoalHandle) -> None:
         def over() -> bool:
-            return self._arrives or goal.token.cancelled
+            return self._arrivals > 0 or goal.token.cancelled
 
         while not over():
             if self._reports:

@@ -19,8 +19,8 @@ from edgevox.agent.nlu.sounds import Phonemes
 from edgevox.agent.performer import Performer
 from edgevox.agent.policy import Guard
 from edgevox.agent.programs.keeper import Programs
+from edgevox.agent.programs.program_store import Timer
 from edgevox.agent.programs.senses import NO_SENSES, Senses
-from edgevox.agent.programs.shelf import Timer
 from edgevox.agent.reasons import because
 from edgevox.agent.skill_executor import SkillExecutor
 from edgevox.agent.skills import Call

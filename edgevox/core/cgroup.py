@@ -1,7 +1,8 @@
 """What this process may use of the machine: processors and memory, as Linux's control groups say.
 
 A container that is limited to two of sixteen cores still sees sixteen. Whoever starts a thread for
-each of them is stopped for most of every tenth of a second, together with the robot.
+each of them is stopped for most of every tenth of a second, together with the robot. Read here,
+since psutil tells of the machine and knows no control groups.
 """
 
 import math

@@ -1,6 +1,7 @@
-"""How a component is. It says so once; health, /metrics, /diagnostics and the doctor show it.
+"""How a component is. It says so once; health, /metrics and /diagnostics show it.
 
-What is judged in more than one place, such as when something stalls, is judged here.
+The doctor looks at a machine on which no agent may run, so it has checks of its own. What is judged
+in more than one place, such as when something stalls, is judged here.
 """
 
 from collections import Counter

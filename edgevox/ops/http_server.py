@@ -1,4 +1,9 @@
-"""A small HTTP server: a few pages that are made when they are asked for, by GET or HEAD."""
+"""A small HTTP server: a few pages that are made when they are asked for, by GET or HEAD.
+
+Our own, since these pages say whether a robot lives: who holds connections or sends slowly must not
+keep the next one from its answer. `http.server` gives each connection a thread or makes all wait
+for one, and a web framework would be much for a handful of pages.
+"""
 
 import asyncio
 import json

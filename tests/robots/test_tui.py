@@ -10,7 +10,7 @@ from textual.widgets import Footer, Input, RichLog, Static
 
 from edgevox.apps.composition import build_parts, start_parts
 from edgevox.apps.robots import build_body
-from edgevox.apps.terminal.slash_commands import Desk
+from edgevox.apps.terminal.slash_commands import SlashContext
 from edgevox.apps.tui.face import Face
 from edgevox.apps.tui.screen import stderr_as_lines
 from edgevox.apps.tui.update_buffer import UpdateBuffer
@@ -51,8 +51,8 @@ async def screen(size=(80, 24)):
         start_parts(stack, parts)
         updates = UpdateBuffer(parts.bus, parts.controls)
         stack.callback(updates.close)
-        desk = Desk(parts.conversation, parts.body)
-        face = Face(updates, desk, parts.queries, parts.command_router.submit, SystemClock())
+        context = SlashContext(parts.conversation, parts.body)
+        face = Face(updates, context, parts.queries, parts.command_router.submit, SystemClock())
         async with face.run_test(size=size) as pilot:
             yield Screen(face, pilot, parts)
         updates.changed = lambda: None

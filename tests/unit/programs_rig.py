@@ -6,16 +6,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
+from fake_body import FakeBody
 from guards import HUNG_S
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.policy import Guard
 from edgevox.agent.programs.senses import Senses
-from edgevox.agent.skills import Call, OneOf, SkillFailed, SkillSet, skill
+from edgevox.agent.skills import Call, OneOf, SkillSet, skill
 from edgevox.core.agent_events import AgentEvent, ProgramChanged, as_json
 from edgevox.core.bus import Bus
-from edgevox.core.cancel import Cancelled
 from edgevox.core.commands import TextInput
 from edgevox.core.events import Responded, TurnEnded
 from edgevox.core.interlock import Interlock
@@ -60,34 +60,16 @@ class HeldTime:
         self._now_s = end_s
 
 
-class Drives:
-    """A body that is on its way until the test lets it arrive."""
+class Drives(FakeBody):
+    """It drives to rooms and points, and has a battery."""
 
     def __init__(self) -> None:
-        self.visited: list[str] = []
+        super().__init__()
         self.battery = 0.9
-        self.locked = False
-        self.moving = False
-        self._allowed = 0
-        self._changed = threading.Condition()
-        self.begun: list[str] = []
 
-    def arrive(self, times: int = 1) -> None:
-        """Let so many drives come to their end, those that begin later too."""
-        with self._changed:
-            self._allowed += times
-            self._changed.notify_all()
+    def known_skills(self) -> SkillSet:
+        """What it can be asked for."""
 
-    def wait_for(self, count: int) -> None:
-        """Wait until so many drives have begun."""
-        with self._changed:
-            assert self._changed.wait_for(lambda: len(self.begun) >= count, HUNG_S), self.begun
-
-    def halt(self, reason: str) -> bool:
-        moved, self.moving = self.moving, False
-        return moved
-
-    def skills(self, *, battery: bool = True) -> SkillSet:
         @skill(
             templates=["[please] (go|drive) to [the] {room} [please]"],
             says="Going to the {room}.",
@@ -95,12 +77,12 @@ class Drives:
         )
         def navigate_to(goal, room: Annotated[str, ROOMS]):
             """Drive to a room."""
-            self._drive(goal, room)
+            self.drive(goal, room)
 
         @skill(says="Going to x {x:g}, y {y:g}.", done="I am there.")
         def navigate_xy(goal, x: float, y: float):
             """Drive to a point."""
-            self._drive(goal, f"{x:g}, {y:g}")
+            self.drive(goal, f"{x:g}, {y:g}")
 
         @skill(templates=["(wait|stand) here"], says="Stopping.")
         def stop(goal):
@@ -111,30 +93,6 @@ class Drives:
             """Say where the robot is."""
 
         return SkillSet([navigate_to, navigate_xy, stop, get_pose])
-
-    def _drive(self, goal: Any, where: str) -> None:
-        with self._changed:
-            if self.locked:
-                raise SkillFailed("the door is locked")
-            self.moving = True
-            self.begun.append(where)
-            self._changed.notify_all()
-        forget = goal.token.on_cancel(self._wake)
-        with self._changed:
-            self._changed.wait_for(lambda: self._allowed or goal.token.cancelled, HUNG_S)
-            forget()
-            self.moving = False
-            if goal.token.cancelled:
-                raise Cancelled(goal.token.reason)
-            self._allowed -= 1
-            self.visited.append(where)
-
-    def _wake(self) -> None:
-        threading.Thread(target=self._notify).start()  # the test may hold the lock
-
-    def _notify(self) -> None:
-        with self._changed:
-            self._changed.notify_all()
 
 
 class Talk:
@@ -158,7 +116,7 @@ class Talk:
         self.bus.subscribe(ProgramChanged, lambda _: self._note())
         self.bus.subscribe(TurnEnded, lambda _: self._note())
         self.conversation = Conversation(
-            [Agent("robot", "Be brief.", self.body.skills())],
+            [Agent("robot", "Be brief.", self.body.known_skills())],
             self.bus,
             halt=self.body.halt,
             language=language,

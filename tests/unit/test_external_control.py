@@ -1,4 +1,4 @@
-"""What moves a robot that is driven over ROS 2, whatever its drivers do."""
+"""What moves a robot that is driven over ROS 2, whatever its motion back ends do."""
 
 import threading
 from types import SimpleNamespace
@@ -18,7 +18,7 @@ from edgevox.ros2.external.target import PoseEstimate, Target
 HERE = PoseEstimate(Pose2D(0.0, 0.0, 0.0), STILL, "odom", 0)
 
 
-class Driver:
+class FakeBackend:
     """Takes every target, or raises `error` when it is to begin, or to drop the old one."""
 
     waiting = False
@@ -55,9 +55,9 @@ class Robot:
             threading.RLock(), senses, wheels, goals, clock=HeldClock(), obey_s=3.0
         )
 
-    def drive(self, driver: Driver) -> ExternalNavigation:
+    def drive(self, backend: FakeBackend) -> ExternalNavigation:
         trust = SimpleNamespace(check=lambda _: None)
-        return ExternalNavigation(Target(1.0, 0.0), driver, HERE, trust, 0.0)
+        return ExternalNavigation(Target(1.0, 0.0), backend, HERE, trust, 0.0)
 
 
 @pytest.fixture
@@ -66,22 +66,22 @@ def robot() -> Robot:
 
 
 def test_a_driver_that_cannot_begin_leaves_no_drive_and_a_robot_that_is_held(robot) -> None:
-    driver = Driver("nav2")
-    driver.error = RuntimeError("the action's type is another one")
-    drive = robot.drive(driver)
+    backend = FakeBackend("nav2")
+    backend.error = RuntimeError("the action's type is another one")
+    drive = robot.drive(backend)
 
     with pytest.raises(RuntimeError, match="another one"):
         robot.control.start(drive, HERE)
 
     assert robot.control.mux.motion is None
-    assert drive.error is driver.error
-    assert driver.cancelled == 1
+    assert drive.error is backend.error
+    assert backend.cancelled == 1
     assert robot.told == [STILL]
     assert not robot.control.hold.done
 
 
 def test_the_drive_before_it_is_over_too_and_the_next_one_drives(robot) -> None:
-    old, new = Driver("goal_pose"), Driver("nav2")
+    old, new = FakeBackend("goal_pose"), FakeBackend("nav2")
     before = robot.drive(old)
     robot.control.start(before, HERE)
     new.error = RuntimeError("no")

@@ -27,7 +27,7 @@ def test_a_patrol_visits_its_rooms_again_and_again_until_it_is_stopped(talk):
         "Until you stop me: going to the kitchen. Then: going to the office."
     )
     talk.body.arrive(5)
-    talk.body.wait_for(6)
+    talk.body.starts_until(6)
     assert talk.say("stop") == "Stopped." or "Stopped." in talk.said
     talk.ended()
     assert talk.body.visited == ["kitchen", "office", "kitchen", "office", "kitchen"]
@@ -38,12 +38,12 @@ def test_a_patrol_visits_its_rooms_again_and_again_until_it_is_stopped(talk):
 
 def test_a_question_does_not_end_a_patrol_and_a_new_order_does_and_says_so(talk):
     talk.say(PATROL)
-    talk.body.wait_for(1)
+    talk.body.starts_until(1)
     assert talk.say("where are you") == "I am here."
     assert talk.body.moving
     assert talk.say("go to the bedroom") == "Going to the bedroom."
     talk.until_said("With that, the order before is off.")
-    talk.body.arrive()
+    talk.body.arrive(1)
     talk.ended()
     assert talk.body.visited == ["bedroom"]
 
@@ -76,12 +76,12 @@ def test_an_order_for_later_is_announced_twice_and_done_in_its_time(talk):
     assert (waiting["status"], waiting["due_in_s"]) == ("waiting", 300.0)
     talk.time.advance(299)
     assert talk.conversation.programs.listed()["programs"][0]["due_in_s"] == 1.0
-    assert not talk.body.begun
+    assert not talk.body.sent
     talk.time.advance(1)
     talk.until_said("As you asked: going to the office.")
-    assert not talk.body.begun, "it says so before it moves"
+    assert not talk.body.sent, "it says so before it moves"
     talk.time.advance(LEAD_S)
-    talk.body.arrive()
+    talk.body.arrive(1)
     talk.until_said("I am in the office.")
     talk.ended()
     assert talk.statuses() == ["waiting", "running", "done"]
@@ -90,10 +90,10 @@ def test_an_order_for_later_is_announced_twice_and_done_in_its_time(talk):
 def test_an_order_that_is_due_takes_the_place_of_what_moves(talk):
     talk.say(LATER)
     talk.say(PATROL)
-    talk.body.wait_for(1)
+    talk.body.starts_until(1)
     talk.time.advance(300 + LEAD_S)
-    talk.body.wait_for(2)
-    talk.body.arrive()
+    talk.body.starts_until(2)
+    talk.body.arrive(1)
     talk.until_said("With that, the order before is off.")
     talk.ended()
     assert talk.body.visited == ["office"]
@@ -102,7 +102,7 @@ def test_an_order_that_is_due_takes_the_place_of_what_moves(talk):
 def test_words_for_later_end_nothing_that_moves(talk):
     talk.say("in two minutes, say dinner is ready")
     talk.say(PATROL)
-    talk.body.wait_for(1)
+    talk.body.starts_until(1)
     talk.time.advance(120)
     talk.until_said("dinner is ready")
     assert talk.body.moving
@@ -110,10 +110,10 @@ def test_words_for_later_end_nothing_that_moves(talk):
 
 def test_what_is_said_of_the_end_of_a_drive_waits_for_it(talk):
     talk.say("go to the kitchen")
-    talk.body.wait_for(1)
+    talk.body.starts_until(1)
     talk.say("when you are there, say hello")
     assert "hello" not in talk.said
-    talk.body.arrive()
+    talk.body.arrive(1)
     talk.until_said("hello")
     talk.ended()
     assert talk.said[-2:] == ["I am in the kitchen.", "hello"]
@@ -121,18 +121,18 @@ def test_what_is_said_of_the_end_of_a_drive_waits_for_it(talk):
 
 def test_words_after_a_drive_are_dropped_if_it_does_not_arrive(talk):
     talk.say("go to the kitchen")
-    talk.body.wait_for(1)
+    talk.body.starts_until(1)
     talk.say("when you are there, say hello")
     talk.say("go to the bedroom")
     talk.until(lambda: any("I have dropped this" in one for one in talk.said))
-    talk.body.arrive()
+    talk.body.arrive(1)
     talk.until_said("I am in the bedroom.")
     assert "hello" not in talk.said
     assert not talk.conversation.programs.kept
 
 
 def test_then_say_is_part_of_one_order(talk):
-    talk.body.arrive()
+    talk.body.arrive(1)
     talk.say("go to the kitchen and when you are there, say hello")
     talk.until_said("hello")
     assert talk.said[-2:] == ["I am in the kitchen.", "hello"]
@@ -141,14 +141,14 @@ def test_then_say_is_part_of_one_order(talk):
 def test_a_low_battery_is_noticed_and_the_order_done_once(talk):
     assert talk.say(LOW) == "As soon as my battery is below 20 percent: going to the dock."
     talk.time.advance(60)
-    assert not talk.body.begun
+    assert not talk.body.sent
     talk.body.battery = 0.19
     talk.time.advance(LOOK_EVERY_S + LEAD_S)
-    talk.body.arrive()
+    talk.body.arrive(1)
     talk.until_said("I am in the dock.")
     talk.ended()
     talk.time.advance(3600)
-    assert talk.body.begun == ["dock"]
+    assert talk.body.sent == ["dock"]
 
 
 def test_a_robot_without_a_battery_refuses_to_wait_for_it():
@@ -178,7 +178,7 @@ def test_a_robot_without_a_battery_refuses_to_wait_for_it():
 def test_what_is_too_much_or_cannot_be_is_refused_with_its_reason(talk, sentence, reason):
     assert reason in talk.say(sentence)
     assert not talk.conversation.programs.kept
-    assert not talk.body.begun
+    assert not talk.body.sent
 
 
 def test_no_more_than_so_many_wait(talk):
@@ -192,7 +192,7 @@ def test_no_more_than_so_many_wait(talk):
 
 def test_a_patrol_ends_by_itself_after_hours_and_says_why(talk):
     talk.say(PATROL)
-    talk.body.wait_for(1)
+    talk.body.starts_until(1)
     talk.time.advance(LONGEST_RUN_S)
     talk.until(lambda: any("I have done this for 8 hours" in one for one in talk.said))
     talk.ended()
@@ -225,18 +225,18 @@ def test_motion_that_is_forbidden_ends_what_waits_and_nothing_moves_when_it_is_a
     talk.until(lambda: any("I have dropped this" in one for one in talk.said))
     talk.interlock.release()
     talk.time.advance(3600)
-    assert not talk.body.begun
+    assert not talk.body.sent
     assert talk.statuses()[-1] == "cancelled"
 
 
 def test_motion_that_is_forbidden_ends_a_patrol(talk):
     talk.say(PATROL)
-    talk.body.wait_for(1)
+    talk.body.starts_until(1)
     talk.interlock.engage(Reason("another agent is in charge"))
     talk.until_said("I could not do that: another agent is in charge.")
     talk.interlock.release()
     talk.ended()
-    assert talk.body.begun == ["kitchen"]
+    assert talk.body.sent == ["kitchen"]
     assert "With that, the order before is off." not in talk.said
 
 
@@ -253,7 +253,7 @@ def test_whatever_stops_the_robot_ends_all_programs(talk, stop):
     talk.say(LATER)
     talk.say(LOW)
     talk.say(PATROL)
-    talk.body.wait_for(1)
+    talk.body.starts_until(1)
     if stop == "skill":
         talk.conversation.start_goal("stop", {})
     elif isinstance(stop, str):
@@ -263,7 +263,7 @@ def test_whatever_stops_the_robot_ends_all_programs(talk, stop):
     talk.ended()
     talk.body.battery = 0.01
     talk.time.advance(LONGEST_WAIT_S)
-    assert talk.body.begun == ["kitchen"]
+    assert talk.body.sent == ["kitchen"]
     assert talk.statuses()[-3:] == ["cancelled"] * 3
 
 
@@ -285,7 +285,7 @@ def test_a_stop_between_the_announcement_and_the_start_counts(talk):
     talk.until_said("As you asked: going to the office.")
     talk.say("stop")
     talk.time.advance(LEAD_S)
-    assert not talk.body.begun
+    assert not talk.body.sent
 
 
 def test_orders_are_listed_and_forgotten_by_what_is_said_of_them(talk):
@@ -293,7 +293,7 @@ def test_orders_are_listed_and_forgotten_by_what_is_said_of_them(talk):
     talk.say(LATER)
     talk.say(LOW)
     talk.say(PATROL)
-    talk.body.wait_for(1)
+    talk.body.starts_until(1)
     talk.time.advance(60)
     assert talk.say("what are you going to do?") == (
         "I still have this to do."
@@ -347,5 +347,5 @@ def test_a_program_moves_nothing_after_its_conversation_was_closed(talk):
     talk.say(LATER)
     talk.conversation.close()
     talk.time.advance(3600)
-    assert not talk.body.begun
+    assert not talk.body.sent
     assert talk.statuses() == ["waiting", "cancelled"]

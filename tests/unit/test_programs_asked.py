@@ -65,7 +65,7 @@ def test_a_program_is_asked_about_in_words_and_kept_after_a_yes(always):
     ]
     assert always.say("yes") == "In 5 minutes: going to the office."
     always.time.advance(300 + LEAD_S)
-    always.body.arrive()
+    always.body.arrive(1)
     always.until_said("I am in the office.")
 
 
@@ -76,7 +76,7 @@ def test_a_program_that_nobody_said_yes_to_never_moves(always, answer):
     always.say("yes")
     always.time.advance(3600)
     assert not always.conversation.programs.kept
-    assert not always.body.begun
+    assert not always.body.sent
 
 
 def test_words_for_later_are_not_asked_about(always):
@@ -94,7 +94,7 @@ def test_a_step_that_needs_a_yes_is_asked_about_once_and_done_when_it_is_due(rul
     talk = ruled("rules: {text_input: confirm}")
     assert talk.say(LATER) == QUESTION
     talk.say("yes")
-    talk.body.arrive()
+    talk.body.arrive(1)
     talk.time.advance(300 + LEAD_S)
     talk.until_said("I am in the office.")
 
@@ -105,7 +105,7 @@ def test_a_step_is_judged_again_when_it_is_due_by_the_way_of_who_gave_the_order(
     (tmp_path / "policy.yaml").write_text("rules: {voice: {navigate_to: deny}}  # changed since")
     talk.time.advance(300 + LEAD_S)
     talk.until(lambda: "failed" in talk.statuses())
-    assert not talk.body.begun
+    assert not talk.body.sent
     assert talk.programs()[-1]["code"] == "policy_denied"
     (refused,) = [event for event in talk.events if event.get("way")]
     assert refused["way"] == "voice"
@@ -114,25 +114,25 @@ def test_a_step_is_judged_again_when_it_is_due_by_the_way_of_who_gave_the_order(
 def test_each_round_of_a_patrol_is_judged_again(tmp_path, ruled):
     talk = ruled("rules: {}")
     talk.say(PATROL)
-    talk.body.wait_for(1)
+    talk.body.starts_until(1)
     (tmp_path / "policy.yaml").write_text("limits: {places: {never: [office]}}  # changed since")
-    talk.body.arrive()
+    talk.body.arrive(1)
     talk.until(lambda: "failed" in talk.statuses())
-    assert talk.body.begun == ["kitchen"]
+    assert talk.body.sent == ["kitchen"]
 
 
 def test_an_order_for_later_is_no_drive_that_no_the_kitchen_corrects(always):
     always.conversation.set_confirm("unsure")
     always.say(LATER)
     always.say("no, the kitchen")
-    assert not always.body.begun
+    assert not always.body.sent
 
 
 def test_again_after_a_program_asks_to_say_all_of_it(always):
     always.conversation.set_confirm("unsure")
     always.say(LATER)
     assert "Say all of it" in always.say("again")
-    assert not always.body.begun
+    assert not always.body.sent
 
 
 def test_three_times_after_a_round_trip_is_about_the_round_trip(always):
@@ -149,7 +149,7 @@ def test_three_times_after_a_round_trip_is_about_the_round_trip(always):
 def test_a_remark_about_times_and_conditions_starts_nothing(remark):
     talk = Talk()
     talk.say(remark)
-    kept, begun = talk.conversation.programs.kept, talk.body.begun
+    kept, begun = talk.conversation.programs.kept, talk.body.sent
     talk.conversation.close()
     assert not kept
     assert not begun
@@ -166,6 +166,6 @@ def test_a_remark_about_times_and_conditions_starts_nothing(remark):
 def test_what_somebody_wants_to_be_told_is_not_said_aloud(language, text):
     talk = Talk(language)
     talk.say(text)
-    kept, begun = talk.conversation.programs.kept, talk.body.begun
+    kept, begun = talk.conversation.programs.kept, talk.body.sent
     talk.conversation.close()
     assert (tuple(kept), begun) == ((), [])

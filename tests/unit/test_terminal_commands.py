@@ -5,26 +5,26 @@ import pytest
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.skills import SkillSet
-from edgevox.apps.terminal.slash_commands import Desk, is_slow, is_stop
+from edgevox.apps.terminal.slash_commands import SlashContext, is_slow, is_stop
 from edgevox.core.bus import Bus
 
 
 @pytest.fixture
-def desk():
+def context():
     agents = [Agent("nobody", "", SkillSet(()))]
-    return Desk(Conversation(agents, Bus(), halt=lambda _: False), None)
+    return SlashContext(Conversation(agents, Bus(), halt=lambda _: False), None)
 
 
 @pytest.mark.parametrize("line", ["/stop", "/STOP", "/stop ", "/reset", "stop", "Please stop!"])
-def test_a_line_that_stops(desk, line):
-    assert is_stop(line, desk)
+def test_a_line_that_stops(context, line):
+    assert is_stop(line, context)
 
 
 @pytest.mark.parametrize(
     "line", ["/quit", "/restart", "/picture stop.png", "/help", "/", "where are you", ""]
 )
-def test_a_line_that_does_not(desk, line):
-    assert not is_stop(line, desk)
+def test_a_line_that_does_not(context, line):
+    assert not is_stop(line, context)
 
 
 def test_only_what_may_take_long_is_slow():

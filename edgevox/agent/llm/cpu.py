@@ -1,4 +1,4 @@
-"""What the processor of this machine can do."""
+"""What the processor of this machine can do, as ``/proc/cpuinfo`` says; psutil does not tell."""
 
 import platform
 from pathlib import Path

@@ -1,7 +1,7 @@
 """Reads a GBNF grammar, and tells piece by piece whether a text obeys it.
 
-An engine on board samples by a grammar; whether a server across the
-network does, nobody knows.
+An engine on board samples by a grammar; whether a server across the network does, nobody knows.
+Our own, since the libraries that read GBNF sample by it and do not say whether a text obeys.
 """
 
 import functools

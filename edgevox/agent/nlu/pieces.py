@@ -1,4 +1,8 @@
-"""Splits a sentence into the pieces that an encoder knows: the likeliest by a unigram model."""
+"""Splits a sentence into the pieces that an encoder knows: the likeliest by a unigram model.
+
+Our own, since the vocabulary comes inside the packed file of the weights, mapped and not read: the
+libraries for it read files of their own formats, of which there is none.
+"""
 
 import math
 

@@ -21,9 +21,9 @@ from edgevox.agent.programs.program import (
 )
 from edgevox.agent.programs.program_limits import LONGEST_RUN_S, LONGEST_WAIT_S
 from edgevox.agent.programs.program_run import ProgramRun
+from edgevox.agent.programs.program_store import ProgramStore, Timer
 from edgevox.agent.programs.program_words import in_words
 from edgevox.agent.programs.senses import NO_SENSES, Senses
-from edgevox.agent.programs.shelf import Shelf, Timer
 from edgevox.agent.programs.waits import Waits
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed, SkillSet, reason_of
@@ -68,9 +68,9 @@ class Programs:
         self._clock = clock
         self._timer = timer = timer or Deadlines("edgevox-programs", clock)
         self._senses = senses
-        self._shelf = Shelf(bus, clock, timer, self.in_words)
+        self._store = ProgramStore(bus, clock, timer, self.in_words)
         hands.follow(self)
-        self._waits = Waits(self._shelf, timer, senses, self._fire, self._missed)
+        self._waits = Waits(self._store, timer, senses, self._fire, self._missed)
 
     def start(self) -> None:
         self._timer.start()
@@ -83,7 +83,7 @@ class Programs:
     @property
     def kept(self) -> Sequence[Kept]:
         """Those that wait and run, in the order in which they were asked for."""
-        return self._shelf.all
+        return self._store.all
 
     def in_words(self, program: Program) -> str:
         """What a program does, in the language that is spoken."""
@@ -91,11 +91,11 @@ class Programs:
 
     def told(self, kept: Kept) -> str:
         """What one will do from now on, as a person is told."""
-        return self._shelf.text(kept)
+        return self._store.text(kept)
 
     def listed(self) -> Mapping[str, Any]:
         """The answer to the query `list_programs`."""
-        found = [as_json(self._shelf.event(one)) for one in self.kept]
+        found = [as_json(self._store.event(one)) for one in self.kept]
         return {"programs": [{key: one[key] for key in one if key != "kind"} for one in found]}
 
     def drives(self, program: Program) -> bool:
@@ -111,11 +111,11 @@ class Programs:
         kept = Kept(uuid.uuid4().hex, program, turn.number, turn.way, confirmed)
         try:
             self._permission.check(kept)
-            if not self._shelf.put(kept, turn.token):
+            if not self._store.put(kept, turn.token):
                 return False
             self._begin(kept)
         except EdgeVoxError as error:
-            self._shelf.take(kept)
+            self._store.take(kept)
             turn.say(self._phrases().refusal(reason_of(error)), Outcome.REFUSED)
             return False
         turn.acted()
@@ -124,7 +124,7 @@ class Programs:
 
     def forget(self, some: Sequence[Kept], reason: Reason) -> None:
         """End these, and what moves for them."""
-        self.stopped([one for one in some if self._shelf.take(one)], reason)
+        self.stopped([one for one in some if self._store.take(one)], reason)
 
     def stop_called(self) -> None:
         """End all of them: to stop is to stop all that was ordered for later, too."""
@@ -147,14 +147,14 @@ class Programs:
 
     def stop(self) -> Sequence[Kept]:
         """None of those that are kept may begin to move from now on; nobody is told yet."""
-        return [one for one in self.kept if self._shelf.take(one)]
+        return [one for one in self.kept if self._store.take(one)]
 
     def stopped(self, ended: Sequence[Kept], reason: Reason) -> None:
         """These were taken: end what moves for them, and say so on the bus."""
         for one in ended:
             if one.goal is not None:
                 one.goal.token.cancel(reason)
-            self._shelf.tell(one, ProgramStatus.CANCELLED, reason)
+            self._store.tell(one, ProgramStatus.CANCELLED, reason)
 
     def goal_ended(self, goal: Goal) -> None:
         """A goal that moved has ended, and its end was said."""
@@ -165,24 +165,24 @@ class Programs:
         match kept.program:
             case After(delay_s=delay_s):
                 kept.due_s = self._clock.now() + delay_s
-                self._shelf.later(kept, delay_s, partial(self._fire, kept))
-                self._shelf.tell(kept)
+                self._store.later(kept, delay_s, partial(self._fire, kept))
+                self._store.tell(kept)
             case When(condition=BatteryBelow()):
-                self._shelf.later(kept, LONGEST_WAIT_S, partial(self._unmet, kept))
-                self._shelf.tell(kept)
+                self._store.later(kept, LONGEST_WAIT_S, partial(self._unmet, kept))
+                self._store.tell(kept)
                 self._waits.for_battery()
             case When():
                 moving = self._hands.moving
                 if moving is None:
                     raise SkillFailed(because("nothing_moves"))
-                self._shelf.tell(kept)
+                self._store.tell(kept)
                 self._waits.for_goal(kept, moving)
             case _:
                 self._launch(kept)
 
     def _fire(self, kept: Kept) -> None:
         """What it waited for is so: go on with what is in it, if that may still be."""
-        if not self._shelf.has(kept) or not isinstance(kept.program, After | When):
+        if not self._store.has(kept) or not isinstance(kept.program, After | When):
             return
         kept.program, kept.due_s = kept.program.program, None
         try:
@@ -199,7 +199,7 @@ class Programs:
         kept.due_s = self._clock.now() + LEAD_S
         order = continued(self.told(kept))
         self._announce(self._phrases().say("program_now", order=order))
-        self._shelf.later(kept, LEAD_S, partial(self._set_out, kept))
+        self._store.later(kept, LEAD_S, partial(self._set_out, kept))
 
     def _set_out(self, kept: Kept) -> None:
         try:
@@ -224,16 +224,16 @@ class Programs:
         steps = run.as_skill(moves=moves(kept.program, self._skills))
         kept.goal = Goal(steps, {}, turn=kept.turn, bus=inside, goal_id=kept.id)
         kept.due_s = None
-        self._shelf.later(kept, LONGEST_RUN_S, partial(self._too_long, kept))
-        self._hands.launch(kept.goal, lambda: self._shelf.has(kept))
+        self._store.later(kept, LONGEST_RUN_S, partial(self._too_long, kept))
+        self._hands.launch(kept.goal, lambda: self._store.has(kept))
 
     def _round(self, kept: Kept, number: int) -> None:
         kept.round = number
-        self._shelf.tell(kept)
+        self._store.tell(kept)
 
     def _changed(self, kept: Kept, run: ProgramRun, event: GoalChanged) -> None:
         if event.status is GoalStatus.RUNNING and not isinstance(kept.program, Repeat):
-            self._shelf.tell(kept)
+            self._store.tell(kept)
         elif event.status is GoalStatus.SUCCEEDED:
             self._end(kept, ProgramStatus.DONE)
             if isinstance(kept.program, Repeat):
@@ -269,7 +269,7 @@ class Programs:
 
     def _end(self, kept: Kept, status: ProgramStatus, reason: Reason | None = None) -> bool:
         """Keep it no longer and tell of its end; False if it had ended before."""
-        taken = self._shelf.take(kept)
+        taken = self._store.take(kept)
         if taken:
-            self._shelf.tell(kept, status, reason)
+            self._store.tell(kept, status, reason)
         return taken

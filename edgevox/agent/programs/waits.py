@@ -6,8 +6,8 @@ from collections.abc import Callable
 from edgevox.agent.goals import Goal
 from edgevox.agent.programs.kept import Kept
 from edgevox.agent.programs.program import BatteryBelow, When
+from edgevox.agent.programs.program_store import ProgramStore, Timer
 from edgevox.agent.programs.senses import Senses
-from edgevox.agent.programs.shelf import Shelf, Timer
 from edgevox.core.agent_events import GOAL_ENDS, GoalStatus
 
 LOOK_EVERY_S = 5.0
@@ -19,13 +19,13 @@ class Waits:
 
     def __init__(
         self,
-        shelf: Shelf,
+        store: ProgramStore,
         timer: Timer,
         senses: Senses,
         met: Callable[[Kept], None],
         missed: Callable[[Kept], None],
     ) -> None:
-        self._shelf = shelf
+        self._store = store
         self._timer = timer
         self._senses = senses
         self._met = met
@@ -65,7 +65,7 @@ class Waits:
     def _look(self) -> None:
         """On the timer's thread."""
         charge = self._senses.battery() if self._senses.battery else None
-        waiting = [kept for kept in self._shelf.all if _percent(kept) is not None]
+        waiting = [kept for kept in self._store.all if _percent(kept) is not None]
         low = [kept for kept in waiting if charge is not None and _is_below(charge, kept)]
         with self._lock:
             self._looks = len(waiting) > len(low)

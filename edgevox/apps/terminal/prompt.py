@@ -11,7 +11,7 @@ from prompt_toolkit.styles import Style
 
 from edgevox.apps.shutdown_signals import ShutdownSignals
 from edgevox.apps.terminal.double_interrupt import DoubleInterrupt
-from edgevox.apps.terminal.slash_commands import Desk, Leave, is_slow, run_command
+from edgevox.apps.terminal.slash_commands import Leave, SlashContext, is_slow, run_command
 from edgevox.apps.terminal.view import View
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
@@ -28,8 +28,8 @@ _STYLE = Style.from_dict({"bottom-toolbar": "noreverse fg:ansicyan", "prompt": "
 class Prompt:
     """A prompt_toolkit session on the calling thread."""
 
-    def __init__(self, bus: Bus, desk: Desk, clock: Clock) -> None:
-        self._desk = desk
+    def __init__(self, bus: Bus, context: SlashContext, clock: Clock) -> None:
+        self._slash_context = context
         self._ctrl_c = DoubleInterrupt(clock)
         self._commands = ThreadPoolExecutor(1, "edgevox-commands")
         """Runs the slow ones: a stop that is typed meanwhile does not wait for them."""
@@ -73,13 +73,13 @@ class Prompt:
             return self._run_slash(line)
         elif line:
             self._view.expect(line)
-            self._desk.conversation.submit(TextInput(line, Way.TYPED))
+            self._slash_context.conversation.submit(TextInput(line, Way.TYPED))
         return True
 
     def _run_slash(self, line: str) -> bool:
         """Print its answer; False if the person wants to leave."""
         try:
-            print(run_command(line, self._desk))
+            print(run_command(line, self._slash_context))
         except Leave:
             return False
         except Exception:
@@ -89,7 +89,7 @@ class Prompt:
     def _interrupt(self) -> bool:
         if self._ctrl_c.pressed():
             return False
-        self._desk.conversation.submit(Interrupt("Ctrl-C", cause=Cause.TERMINAL))
+        self._slash_context.conversation.submit(Interrupt("Ctrl-C", cause=Cause.TERMINAL))
         print("  [Ctrl-C once more to leave]")
         return True
 

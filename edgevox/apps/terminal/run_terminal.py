@@ -8,7 +8,7 @@ import time
 from edgevox.apps.agent_parts import AgentParts
 from edgevox.apps.shutdown_signals import ShutdownSignals
 from edgevox.apps.terminal.script import run_script
-from edgevox.apps.terminal.slash_commands import Desk, is_stop
+from edgevox.apps.terminal.slash_commands import SlashContext, is_stop
 from edgevox.apps.terminal.typeahead import typed_ahead
 from edgevox.apps.terminal.view import View
 from edgevox.core.clock import SystemClock
@@ -26,18 +26,18 @@ def run_terminal(parts: AgentParts, shutdown: ShutdownSignals) -> None:
     script: it ends the program when its last line is done. An empty stdin, or none, is nobody: the
     program runs until its WAV files are over, if it hears those, or a signal tells it to end.
     """
-    desk = Desk(parts.conversation, parts.body)
+    context = SlashContext(parts.conversation, parts.body)
     if _is_terminal():
-        typed = typed_ahead(sys.stdin.fileno(), lambda line: is_stop(line.strip(), desk))
+        typed = typed_ahead(sys.stdin.fileno(), lambda line: is_stop(line.strip(), context))
         if parts.settings.simple_ui:
             from edgevox.apps.terminal.prompt import Prompt
 
-            Prompt(parts.bus, desk, SystemClock()).run(shutdown, typed)
+            Prompt(parts.bus, context, SystemClock()).run(shutdown, typed)
             return
         from edgevox.apps.tui import run_tui
 
         run_tui(parts, shutdown, typed)
-    elif not (_has_input() and run_script(sys.stdin.fileno(), parts.bus, desk, _write)):
+    elif not (_has_input() and run_script(sys.stdin.fileno(), parts.bus, context, _write)):
         _run_alone(parts)
 
 

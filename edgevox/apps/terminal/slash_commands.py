@@ -21,7 +21,7 @@ class Leave(Exception):
 
 
 @dataclass(frozen=True)
-class Desk:
+class SlashContext:
     """What the commands work on; `columns` is how wide a map may be."""
 
     conversation: Conversation
@@ -29,61 +29,61 @@ class Desk:
     columns: int = MAP_COLUMNS
 
 
-def _help(_: Desk) -> str:
+def _help(_: SlashContext) -> str:
     names = {f"/{name} {command.takes}": command.about for name, command in COMMANDS.items()}
     lines = [f"  {name:<15} {about}" for name, about in names.items()]
     return "\n".join(["Type what you would say to the robot, or:", *lines])
 
 
-def _picture(desk: Desk, name: str) -> str:
-    if desk.body is None:
+def _picture(context: SlashContext, name: str) -> str:
+    if context.body is None:
         return NO_ROBOT
-    file = Path(name or f"{desk.body.name}.png").expanduser()
+    file = Path(name or f"{context.body.name}.png").expanduser()
     try:
-        write_picture(check_picture(desk.body, file), file)
+        write_picture(check_picture(context.body, file), file)
     except EdgeVoxError as error:
         return str(error)
     return f"written to {file.absolute()}"
 
 
-def _map(desk: Desk) -> str:
-    if isinstance(desk.body, HasMap):
-        return desk.body.draw_map(desk.columns)
-    return f"{desk.body.name} has no map" if desk.body else NO_ROBOT
+def _map(context: SlashContext) -> str:
+    if isinstance(context.body, HasMap):
+        return context.body.draw_map(context.columns)
+    return f"{context.body.name} has no map" if context.body else NO_ROBOT
 
 
-def _state(desk: Desk) -> str:
-    if desk.body is None:
+def _state(context: SlashContext) -> str:
+    if context.body is None:
         return NO_ROBOT
-    return json.dumps(desk.body.state(), indent=2, ensure_ascii=False)
+    return json.dumps(context.body.state(), indent=2, ensure_ascii=False)
 
 
-def _skills(desk: Desk) -> str:
+def _skills(context: SlashContext) -> str:
     return "\n".join(
         f"  {s.name}({', '.join(s.arguments_model.model_fields)})  {s.description}"
-        for s in (desk.body.skills if desk.body else ())
+        for s in (context.body.skills if context.body else ())
     )
 
 
-def _stop(desk: Desk) -> str:
-    desk.conversation.submit(Interrupt("typed /stop", cause=Cause.TERMINAL))
+def _stop(context: SlashContext) -> str:
+    context.conversation.submit(Interrupt("typed /stop", cause=Cause.TERMINAL))
     return "stopped"
 
 
-def _reset(desk: Desk) -> str:
-    desk.conversation.submit(Reset())
+def _reset(context: SlashContext) -> str:
+    context.conversation.submit(Reset())
     return "forgotten"
 
 
-def _restart(desk: Desk) -> str:
-    if desk.body is None:
+def _restart(context: SlashContext) -> str:
+    if context.body is None:
         return NO_ROBOT
-    desk.conversation.submit(Interrupt("the world was put back", cause=Cause.TERMINAL))
-    desk.body.reset()
+    context.conversation.submit(Interrupt("the world was put back", cause=Cause.TERMINAL))
+    context.body.reset()
     return "put back"
 
 
-def _quit(_: Desk) -> str:
+def _quit(_: SlashContext) -> str:
     raise Leave
 
 
@@ -115,10 +115,10 @@ COMMANDS: Mapping[str, SlashCommand] = {
 }
 
 
-def is_stop(line: str, desk: Desk) -> bool:
+def is_stop(line: str, context: SlashContext) -> bool:
     """Whether a line that is typed stops the robot, in words or by a slash command."""
     if not line.startswith("/"):
-        return desk.conversation.is_stop(line)
+        return context.conversation.is_stop(line)
     name, rest = _split(line)
     return name in COMMANDS and COMMANDS[name].stops and not rest
 
@@ -129,7 +129,7 @@ def is_slow(line: str) -> bool:
     return name in COMMANDS and COMMANDS[name].slow
 
 
-def run_command(line: str, desk: Desk) -> str:
+def run_command(line: str, context: SlashContext) -> str:
     """Run a line that begins with a slash; what it prints. Raises `Leave`."""
     name, rest = _split(line)
     command = COMMANDS.get(name)
@@ -137,7 +137,7 @@ def run_command(line: str, desk: Desk) -> str:
         return f"/{name}: no such command; expected one of /{', /'.join(COMMANDS)}"
     if rest and not command.takes:
         return f"/{name}: got {rest!r}, expected nothing after it"
-    return command.run(desk, rest) if command.takes else command.run(desk)
+    return command.run(context, rest) if command.takes else command.run(context)
 
 
 def _split(line: str) -> tuple[str, str]:

@@ -13,7 +13,7 @@ from textual.widgets import Footer, Input, RichLog, Static
 from textual.worker import Worker
 
 from edgevox.apps.terminal.double_interrupt import DoubleInterrupt
-from edgevox.apps.terminal.slash_commands import Desk, Leave, is_stop, run_command
+from edgevox.apps.terminal.slash_commands import Leave, SlashContext, is_stop, run_command
 from edgevox.apps.tui import panels
 from edgevox.apps.tui.update_buffer import ScreenUpdate, UpdateBuffer
 from edgevox.core.clock import Clock
@@ -52,7 +52,7 @@ class Face(App[None]):
     def __init__(
         self,
         updates: UpdateBuffer,
-        desk: Desk,
+        context: SlashContext,
         queries: Queries,
         submit: Callable[[Command], None],
         clock: Clock,
@@ -61,7 +61,7 @@ class Face(App[None]):
     ) -> None:
         super().__init__()
         self._typed = typed
-        self._updates, self._desk, self._queries = updates, desk, queries
+        self._updates, self._slash_context, self._queries = updates, context, queries
         self._submit = submit
         self._ctrl_c = DoubleInterrupt(clock)
         self._shown: tuple[str, str] = ("", "")
@@ -119,8 +119,8 @@ class Face(App[None]):
 
     def _take(self, line: str) -> None:
         """Begin what a line says. A stop does not wait for a thread: slow commands may have all."""
-        if line.startswith("/") and is_stop(line, self._desk):
-            self._updates.write(run_command(line, self._desk))
+        if line.startswith("/") and is_stop(line, self._slash_context):
+            self._updates.write(run_command(line, self._slash_context))
         elif line.startswith("/"):
             self.run_worker(lambda: self._command(line), thread=True)
         elif line:
@@ -151,7 +151,7 @@ class Face(App[None]):
     def _command(self, line: str) -> None:
         """A slash command, off the event loop: it may take long."""
         try:
-            answer = run_command(line, self._desk)
+            answer = run_command(line, self._slash_context)
         except Leave:
             self.call_from_thread(self.exit)
             return

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from edgevox.apps.agent_parts import AgentParts
 from edgevox.apps.shutdown_signals import ShutdownSignals
-from edgevox.apps.terminal.slash_commands import Desk
+from edgevox.apps.terminal.slash_commands import SlashContext
 from edgevox.apps.tui.face import Face
 from edgevox.apps.tui.screen import stderr_as_lines
 from edgevox.apps.tui.update_buffer import UpdateBuffer
@@ -20,9 +20,9 @@ def run_tui(parts: AgentParts, shutdown: ShutdownSignals, typed: Sequence[str] =
     What was `typed` before it was drawn is done first.
     """
     updates = UpdateBuffer(parts.bus, parts.controls)
-    desk = Desk(parts.conversation, parts.body, columns=COLUMNS)
+    context = SlashContext(parts.conversation, parts.body, columns=COLUMNS)
     face = Face(
-        updates, desk, parts.queries, parts.command_router.submit, SystemClock(), typed=typed
+        updates, context, parts.queries, parts.command_router.submit, SystemClock(), typed=typed
     )
     shutdown.gently = face.leave_soon
     try:

@@ -1,4 +1,7 @@
-"""The component `process`: its health, as container engines ask for it, and what it takes."""
+"""The component `process`: its health, as container engines ask for it, and what it takes.
+
+That is two numbers of ``/proc/self``, for which an agent needs no psutil.
+"""
 
 import os
 import threading

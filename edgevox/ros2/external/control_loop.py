@@ -64,15 +64,15 @@ class ControlLoop:
     def start(self, drive: ExternalNavigation, estimate: PoseEstimate) -> None:
         """Drive from now on. What takes goals drops the old one for the new one by itself.
 
-        Where a driver raises, the drive has ended with that and the robot is held.
+        Where a backend raises, the drive has ended with that and the robot is held.
         """
         before = self.mux.motion
         self.mux.start(lambda: drive)
         try:
-            if before is not None and before.driver is not drive.driver:
-                before.driver.cancel(estimate)
+            if before is not None and before.backend is not drive.backend:
+                before.backend.cancel(estimate)
             self.hold.end()
-            drive.driver.begin(drive.target, estimate)
+            drive.backend.begin(drive.target, estimate)
         except Exception as error:
             self.mux.halt(error)
             raise
@@ -104,7 +104,7 @@ class ControlLoop:
         held = not self.hold.done
         self._wheels.turn(STILL)
         if drive is not None:
-            drive.driver.cancel(estimate)
+            drive.backend.cancel(estimate)
         else:
             moving = not self._senses.odometry_history.still()
             self._goals.recall(estimate if moving and not held else None)

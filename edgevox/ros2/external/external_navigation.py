@@ -16,36 +16,36 @@ _MOVED_M, _TURNED_RAD = 0.1, 0.35
 
 
 class ExternalNavigation(Motion):
-    """A motion of a robot that is moved by others: the driver's, as far as it is heard."""
+    """A motion of a robot that is moved by others: the backend's, as far as it is heard."""
 
     def __init__(
         self,
         target: Target,
-        driver: MotionBackend,
+        backend: MotionBackend,
         estimate: PoseEstimate,
         trust: LocalisationCheck,
         now_s: float,
     ) -> None:
         super().__init__()
         self.target = target
-        self.driver = driver
+        self.backend = backend
         self._whole_m = max(target.distance_m(estimate.pose), 1e-6)
         self._left_m = self._whole_m
         self._trust = trust
-        self._watch = ProgressWatch(driver.patience, estimate.pose, self._whole_m, now_s)
+        self._watch = ProgressWatch(backend.patience, estimate.pose, self._whole_m, now_s)
 
     def tick(self, now_s: float, estimate: PoseEstimate) -> None:
         """Go on; ends on arrival.
 
-        Raises `SkillFailed` in doubt, when the driver fails, or when patience is over.
+        Raises `SkillFailed` in doubt, when the backend fails, or when patience is over.
         """
         self._trust.check(estimate)
-        arrived = self.driver.tick(now_s, estimate)
-        self._left_m = 0.0 if arrived else self.driver.left_m(estimate)
+        arrived = self.backend.tick(now_s, estimate)
+        self._left_m = 0.0 if arrived else self.backend.left_m(estimate)
         if arrived:
             self.end()
         else:
-            self._watch.look(now_s, estimate.pose, self._left_m, waiting=self.driver.waiting)
+            self._watch.look(now_s, estimate.pose, self._left_m, waiting=self.backend.waiting)
 
     def progress(self) -> Progress:
         """How far it is."""
@@ -60,7 +60,7 @@ class ExternalNavigation(Motion):
             "y": round(self.target.y_m, 3),
             "progress": round(progress.part, 3),
             "distance": round(progress.left, 3),
-            "by": self.driver.name,
+            "by": self.backend.name,
         }
 
 

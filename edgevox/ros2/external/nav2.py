@@ -154,7 +154,7 @@ class _Nav2Run:
 def nav2_action(
     node: Node, cancel_all: Callable[[], bool], patience: Patience
 ) -> Nav2Action | None:
-    """The driver, or None where nav2_msgs cannot be imported."""
+    """The backend, or None where nav2_msgs cannot be imported."""
     try:
         from nav2_msgs.action import NavigateToPose
     except ImportError:

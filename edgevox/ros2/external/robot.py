@@ -223,17 +223,17 @@ class ExternalRobot:
         self.check_goal(x_m, y_m)
         robot_node = self._switched_on()
         stops = self._stops
-        driver = robot_node.choose(token)
+        backend = robot_node.choose(token)
         with self._lock:
             if self._stops != stops:
                 raise Cancelled(called_off("not_begun"))
             token.check()
             estimate = self._estimate()
             trust = LocalisationCheck(robot_node.senses, estimate)
-            drive = ExternalNavigation(target, driver, estimate, trust, self._clock.now())
+            drive = ExternalNavigation(target, backend, estimate, trust, self._clock.now())
             robot_node.control.start(drive, estimate)
         robot_node.senses.say_frame_once(estimate)
-        log.info("driving", x_m=round(x_m, 2), y_m=round(y_m, 2), driver=driver.name)
+        log.info("driving", x_m=round(x_m, 2), y_m=round(y_m, 2), backend=backend.name)
         robot_node.control.mux.carry_out(drive, token, lambda: self._report(drive, report))
 
     def drive_to_place(self, place: str, *, token: CancelToken, report: Report) -> None:

@@ -29,7 +29,7 @@ class Timer(Protocol):
         """Do it after so many seconds. Returns a way to call it off."""
 
 
-class Shelf:
+class ProgramStore:
     """The programs that wait and run, in the order of their orders. Any thread may ask.
 
     `describe` says a program in words.
