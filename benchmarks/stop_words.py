@@ -26,7 +26,9 @@ from figures import Figure, Measured
 from numpy.typing import NDArray
 
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Samples
-from edgevox.voice.stop_spotter import StopSpotter, open_stop_spotter
+from edgevox.voice.stop_features import ROWS, features_of
+from edgevox.voice.stop_network import STRIDE, StopNetwork, Weights, read_weights
+from edgevox.voice.stop_spotter import StopJudge, StopSpotter
 
 TABLE, FALSE = "Stop words heard", "False stops"
 SAID = {
@@ -50,10 +52,29 @@ ALIKE = (
 HOURS = {"speech": 5.0, "speech in noise": 1.5, "babble": 0.75, "noise": 0.75}
 """Of what is heard without a stop word: eight in all."""
 WANTED_FALSE = 2.0
+POOL = 2_400
+"""Sentences of espeak-ng's voices: some three hours, heard again at other speeds and elsewhere."""
 LEVELS_DB = (-38.0, -18.0)
 LEAD_S, TAIL_S = 1.2, 0.9
 PATIENCE_S = 0.5
 _STOPPING = re.compile(r"stop|halt|fre[ea]z|friez|\bfrees\b", re.IGNORECASE)
+
+
+class Ears:
+    """Hears whole sounds at once, as a `StopSpotter` hears them frame by frame, but sooner done."""
+
+    def __init__(self, weights: Weights) -> None:
+        self.weights = weights
+        self.word = ""
+
+    def stops(self, sound: Samples) -> Iterator[float]:
+        """When it stops, in seconds of the sound; nothing is known of what was before."""
+        judge = StopJudge(self.weights)
+        steps = StopNetwork(self.weights).push(features_of(sound))
+        for number in range(sound.size // FRAME_SAMPLES):
+            if judge.said(steps[number * ROWS // STRIDE : (number + 1) * ROWS // STRIDE]):
+                self.word = judge.word
+                yield (number + 1) * FRAME_S
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +89,7 @@ class Trial:
     delay_s: float
 
 
-def trials(half: Half, spotter: StopSpotter, snr_db: float | None, rounds: int) -> Iterator[Trial]:
+def trials(half: Half, ears: Ears, snr_db: float | None, rounds: int) -> Iterator[Trial]:
     """Every voice of this half says every text that it has said by now."""
     rng = np.random.default_rng(29)
     responses = [room.response() for room in rooms(half, 20)]
@@ -88,7 +109,7 @@ def trials(half: Half, spotter: StopSpotter, snr_db: float | None, rounds: int) 
         sound = at_level(track, rng.uniform(*LEVELS_DB))
         end_s = (lead + clip.size) / RATE_HZ
         begins = lead / RATE_HZ
-        found = [t for t in _stops(spotter, sound) if begins + 0.1 <= t <= end_s + PATIENCE_S]
+        found = [t for t in ears.stops(sound) if begins + 0.1 <= t <= end_s + PATIENCE_S]
         engine = voice.split(":", maxsplit=1)[0]
         delay = found[0] - end_s if found else float("nan")
         yield Trial(engine, voice, text, kind, bool(found), delay)
@@ -121,18 +142,6 @@ def _resampled(sound: Samples, step: float) -> NDArray[np.float64]:
     return np.interp(np.arange(n) * step, np.arange(sound.size), sound.astype(np.float64))
 
 
-def _stops(spotter: StopSpotter, sound: Samples) -> list[float]:
-    """When it stops, in seconds of the sound, from what it knows before on."""
-    spotter.forget()
-    return list(_stops_on(spotter, sound))
-
-
-def _stops_on(spotter: StopSpotter, sound: Samples) -> Iterator[float]:
-    for number in range(sound.size // FRAME_SAMPLES):
-        if spotter.heard(sound[number * FRAME_SAMPLES : (number + 1) * FRAME_SAMPLES]):
-            yield (number + 1) * FRAME_S
-
-
 def sentences(rng: random.Random) -> Iterator[str]:
     """English without stop words, from the documentation of this repository."""
     found: list[str] = []
@@ -149,26 +158,32 @@ def sentences(rng: random.Random) -> Iterator[str]:
         yield rng.choice(found)
 
 
+def pool(half: Half) -> list[tuple[str, str, int, int]]:
+    """Who says what without a stop word, at which pitch and speed."""
+    rng = random.Random(31)
+    said, voices = sentences(rng), espeak_voices(half)
+    return [
+        (rng.choice(voices), next(said), rng.randint(20, 85), rng.randint(130, 220))
+        for _ in range(POOL)
+    ]
+
+
 def tracks(half: Half, what: str, seconds: float) -> Iterator[tuple[str, Samples]]:
     """What is said without a stop word, and who says it, until it is enough."""
-    rng, chooser, done = np.random.default_rng(31), random.Random(31), 0.0
+    rng, done = np.random.default_rng(31), 0.0
     responses = [room.response() for room in rooms(half, 20)]
-    said, told = sentences(chooser), _told(half)
+    said = pool(half)
+    told = [(voice, text, 50, 175) for voice, text in _told(half)]
     while done < seconds:
         if what in ("babble", "noise"):
             some = [kind for kind in kinds(half) if (kind == "babble") == (what == "babble")]
-            kind = some[rng.integers(len(some))]
-            track, note = noise(kind, 20.0, int(rng.integers(1_000, 900_000)), half), kind
+            note = some[rng.integers(len(some))]
+            track = noise(note, 20.0, int(rng.integers(1_000, 900_000)), half)
         else:
-            voice, text = (
-                told[rng.integers(len(told))]
-                if told and rng.random() < 0.3
-                else (chooser.choice(espeak_voices(half)), next(said))
-            )
-            pitch, speed = chooser.randint(20, 85), chooser.randint(130, 220)
-            clip = say(voice, text, pitch=pitch, words_a_minute=speed, keep=False)
-            track = _resampled(clip, rng.uniform(0.9, 1.12))
-            note = f"{voice} {text}"
+            some = told if told and rng.random() < 0.3 else said
+            voice, text, pitch, speed = some[rng.integers(len(some))]
+            clip = say(voice, text, pitch=pitch, words_a_minute=speed)
+            note, track = f"{voice} {text}", _resampled(clip, rng.uniform(0.9, 1.12))
             if rng.random() < 0.6:
                 track = in_room(track, responses[rng.integers(len(responses))])
         if what == "speech in noise":
@@ -190,19 +205,28 @@ def _told(half: Half) -> list[tuple[str, str]]:
     return [(v, t) for v in kokoro_voices(half) for t in some if is_cached(v, t)]
 
 
-def false_stops(
-    spotter: StopSpotter, half: Half, what: str, hours: float
-) -> tuple[float, list[str]]:
+def false_stops(ears: Ears, half: Half, what: str, hours: float) -> tuple[float, list[str]]:
     """Hours heard, and what it took for a stop."""
     heard_s, wrong = 0.0, []
-    spotter.forget()
-    for note, sound in tracks(half, what, 3600 * hours):
+    for some in _batches(tracks(half, what, 3600 * hours)):
+        sound = np.concatenate([one for _, one in some])
+        ends = np.cumsum([one.size for _, one in some]) / RATE_HZ
         heard_s += sound.size / RATE_HZ
-        wrong += [f"{what}: {note} (took it for {spotter.word})" for _ in _stops_on(spotter, sound)]
+        for when in ears.stops(sound):
+            note = some[min(int(np.searchsorted(ends, when)), len(some) - 1)][0]
+            wrong.append(f"{what}: {note} (took it for {ears.word})")
     return heard_s / 3600, wrong
 
 
-def alike(spotter: StopSpotter, half: Half) -> tuple[int, list[str]]:
+def _batches(
+    told: Iterator[tuple[str, Samples]], number: int = 30
+) -> Iterator[list[tuple[str, Samples]]]:
+    """Some after each other: what one ends with is there when the next one begins."""
+    while some := list(itertools.islice(told, number)):
+        yield some
+
+
+def alike(ears: Ears, half: Half) -> tuple[int, list[str]]:
     """How many words that sound like a stop word were said, and which of them stopped."""
     rng, wrong, number = random.Random(37), [], 0
     for voice in espeak_voices(half)[::2]:
@@ -210,7 +234,7 @@ def alike(spotter: StopSpotter, half: Half) -> tuple[int, list[str]]:
             number += 1
             text = rng.choice(("The {} is here.", "{}.", "Where is the {}?")).format(word)
             sound = at_level(np.append(say(voice, text), np.zeros(RATE_HZ // 2)), -26.0)
-            wrong += [f"{voice} {text}" for _ in _stops(spotter, sound)]
+            wrong += [f"{voice} {text}" for _ in ears.stops(sound)]
     return number, wrong
 
 
@@ -218,33 +242,33 @@ def share_of_a_core(spotter: StopSpotter) -> float:
     """Of the time of a frame, what it takes to hear it."""
     sound = np.random.default_rng(1).normal(0, 500, 3_000 * FRAME_SAMPLES).astype(np.int16)
     began = time.process_time()
-    for _ in _stops_on(spotter, sound):
-        pass
+    for number in range(3_000):
+        spotter.heard(sound[number * FRAME_SAMPLES : (number + 1) * FRAME_SAMPLES])
     return 100 * (time.process_time() - began) / (3_000 * FRAME_S)
 
 
 def measure(quick: bool = False, half: Half = Half.HELD_OUT) -> Measured:
     """All of it; the notes say what was missed and what was taken for a stop."""
-    spotter, figures, notes = open_stop_spotter(), [], {}
+    ears, figures, notes = Ears(read_weights()), [], {}
     for name, (snr_db, wanted) in CONDITIONS.items():
-        found = list(trials(half, spotter, snr_db, 1 if quick else 2))
+        found = list(trials(half, ears, snr_db, 1 if quick else 2))
         figures += _recall(name, found, wanted)
         notes[f"Missed, {name}"] = tuple(
             f"{t.voice}, {t.said}, {t.noise}" for t in found if not t.heard
         )
     total, wrong = 0.0, []
     for what, hours in HOURS.items():
-        took, some = false_stops(spotter, half, what, hours / (40 if quick else 1))
+        took, some = false_stops(ears, half, what, hours / (40 if quick else 1))
         identifier = f"false.{what.replace(' ', '_')}"
         figures.append(Figure.of(identifier, FALSE, f"{what}, {took:.2f} h", [len(some)]))
         total, wrong = total + took, wrong + some
     figures.append(
         Figure.of("false.all", FALSE, f"all, {total:.2f} h", [len(wrong)], wanted=WANTED_FALSE)
     )
-    number, some = alike(spotter, half)
+    number, some = alike(ears, half)
     figures.append(Figure.of("false.alike", FALSE, f"{number} words that sound alike", [len(some)]))
     notes["Taken for a stop"], notes["Sounds alike"] = tuple(wrong), tuple(some)
-    share = share_of_a_core(spotter)
+    share = share_of_a_core(StopSpotter(ears.weights))
     figures.append(Figure.of("core", "What it takes", "share of a core", [share], "%", wanted=3.0))
     return Measured(figures=tuple(figures), notes=notes)
 

@@ -30,8 +30,10 @@ from edgevox.voice.stop_network import WEIGHTS_FILE
 
 FILE = ROOT / "edgevox" / "voice" / WEIGHTS_FILE
 THRESHOLD = 0.6
-BATCH, FRESH, FIRST, KEPT = 96, 14, 800, 20_000
-"""Examples a step; how many of them are new; how many there are at first and at most."""
+BATCH, FRESH, FIRST = 96, 16, 800
+"""Examples a step, how many of them are new, and how many there are at first."""
+EASY = 0.1
+"""Beside its cost: so likely is an example that was learnt to be seen again."""
 FASTEST = 3e-3
 WEIGHTS = {"kokoro": 6.0, "piper": 3.0, "espeak": 1.0}
 """How often a clip of an engine is drawn beside the others': there are few natural voices."""
@@ -55,6 +57,7 @@ def train(sounds: Sequence[Sound], minutes: float, seed: int, save: Path, networ
     torch.manual_seed(seed)
     makes, rng = Examples(list(sounds), seed), np.random.default_rng(seed)
     kept = [makes.make() for _ in range(FIRST)]
+    costs = np.ones(FIRST)
     averaged = torch.optim.swa_utils.AveragedModel(
         network, multi_avg_fn=torch.optim.swa_utils.get_ema_multi_avg_fn(0.99), use_buffers=True
     )
@@ -66,13 +69,20 @@ def train(sounds: Sequence[Sound], minutes: float, seed: int, save: Path, networ
                 FASTEST * min(1, (step + 1) / 50) * max(0.01, np.cos(done * np.pi / 2) ** 2)
             )
         fresh = [makes.make() for _ in range(FRESH)]
-        chosen = fresh + [kept[i] for i in rng.integers(0, len(kept), BATCH - FRESH)]
-        kept = [*kept, *fresh] if len(kept) < KEPT else [*kept[FRESH:], *fresh]
+        kept += fresh
+        costs = np.append(costs, np.full(FRESH, costs.max()))
+        where = np.append(
+            rng.choice(len(kept) - FRESH, BATCH - FRESH, p=_odds(costs[:-FRESH])),
+            np.arange(len(kept) - FRESH, len(kept)),
+        )
+        chosen = [kept[i] for i in where]
         network.train()
         rows = torch.from_numpy(np.stack([one[0] for one in chosen]).astype(np.float32))
         labels = torch.from_numpy(np.stack([one[1] for one in chosen]).astype(np.int64))
         word = torch.tensor([one[2] for one in chosen])
-        loss = loss_of(network(rows), labels, word)
+        each = loss_of(network(rows), labels, word)
+        costs[where] = each.detach().numpy()
+        loss = each.mean()
         optimiser.zero_grad()
         loss.backward()
         torch.nn.utils.clip_grad_norm_(network.parameters(), 2.0)
@@ -84,6 +94,12 @@ def train(sounds: Sequence[Sound], minutes: float, seed: int, save: Path, networ
             print(f"{done:.2f} step {step} examples {len(kept)} loss {mean:.3f}", flush=True)
             write(averaged.module, save)
     write(averaged.module, save)
+
+
+def _odds(costs: np.ndarray) -> np.ndarray:
+    """How likely every example is to be seen again: those more so that cost more."""
+    worth = EASY + np.minimum(costs, 3.0)
+    return worth / worth.sum()
 
 
 def write(network: Network, place: Path, threshold: float = THRESHOLD) -> None:

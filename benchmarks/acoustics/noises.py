@@ -82,6 +82,20 @@ def clatter(rng: np.random.Generator, n: int) -> Wave:
     return made
 
 
+def beeps(rng: np.random.Generator, n: int) -> Wave:
+    """Machines that beep and play tunes: tones of some length, and now and then none."""
+    made, at = 0.02 * pink(rng, n), 0
+    while at < n:
+        length = min(n - at, int(RATE_HZ * rng.uniform(0.05, 0.6)))
+        hertz = rng.uniform(150, 2500) * np.ones(length)
+        if rng.random() < 0.3:
+            hertz *= np.linspace(1, rng.uniform(0.5, 2), length)
+        if rng.random() < 0.75:
+            made[at : at + length] += _harmonics(rng, hertz, int(rng.integers(2, 8)))
+        at += length
+    return made
+
+
 def babble(rng: np.random.Generator, n: int, half: Half, people: int = 5) -> Wave:
     """Several people who talk at once, none of whom says a stop word."""
     voices, made = espeak_voices(half), np.zeros(n)
@@ -99,7 +113,7 @@ def babble(rng: np.random.Generator, n: int, half: Half, people: int = 5) -> Wav
 _Maker = Callable[[np.random.Generator, int], Wave]
 _BOTH: dict[str, _Maker] = {"white": white, "pink": pink, "motor": motor, "fan": fan}
 _ONLY: dict[Half, dict[str, _Maker]] = {
-    Half.TRAIN: {"brown": brown},
+    Half.TRAIN: {"brown": brown, "beeps": beeps},
     Half.HELD_OUT: {"gears": gears, "vacuum": vacuum, "clatter": clatter},
 }
 BABBLE = "babble"

@@ -9,7 +9,7 @@ from collections import deque
 import numpy as np
 
 from edgevox.voice.audio import FRAME_S, Samples
-from edgevox.voice.stop_features import StopFeatures
+from edgevox.voice.stop_features import Floats, StopFeatures
 from edgevox.voice.stop_network import StopNetwork, Weights, read_weights
 
 SMOOTHED_STEPS = 3
@@ -17,14 +17,14 @@ SMOOTHED_STEPS = 3
 LANGUAGES = frozenset({"en"})
 """The languages whose stop words it knows, by ISO 639-1 code."""
 REST_S = 0.6
-"""After a word it does not count for so long, so that one word is one stop."""
+"""After a word none counts for so long, so that one word is one stop."""
 
 
-class StopSpotter:
-    """Told every frame of what is heard, it says when a stop word has just been said.
+class StopJudge:
+    """Decides, from what the network says of every frame, when a word has been said.
 
-    Used from one thread. `likelihood` is how likely one was at the end of the last frame, 0 to 1;
-    `word` the one that it took that for.
+    `likelihood` is how likely one was at the end of the last frame, 0 to 1; `word` the one that it
+    was most like.
     """
 
     languages = LANGUAGES
@@ -34,15 +34,13 @@ class StopSpotter:
         self.likelihood = 0.0
         self.word = ""
         self._words = weights.words
-        self._features = StopFeatures()
-        self._network = StopNetwork(weights)
         self._recent: deque[float] = deque(maxlen=SMOOTHED_STEPS)
         self._rest_frames = 0
 
-    def heard(self, samples: Samples) -> bool:
-        """Whether a stop word has just been said; 512 samples of int16 at 16 kHz, in order."""
+    def said(self, steps: Floats) -> bool:
+        """Whether one has just been said, by the steps of one more frame, shape (steps, words)."""
         self.likelihood = 0.0
-        for step in self._network.push(self._features.push(samples)):
+        for step in steps:
             self._recent.append(1 - float(step[0]))
             mean = sum(self._recent) / SMOOTHED_STEPS
             if mean >= self.likelihood:
@@ -57,11 +55,41 @@ class StopSpotter:
 
     def forget(self) -> None:
         """What comes next does not follow on what was before."""
-        self._features.forget()
-        self._network.forget()
         self._recent.clear()
         self._rest_frames = 0
         self.likelihood = 0.0
+
+
+class StopSpotter:
+    """Told every frame of what is heard, it says when a stop word has just been said.
+
+    Used from one thread.
+    """
+
+    def __init__(self, weights: Weights, threshold: float | None = None) -> None:
+        self._features = StopFeatures()
+        self._network = StopNetwork(weights)
+        self._judge = StopJudge(weights, threshold)
+
+    @property
+    def likelihood(self) -> float:
+        """How likely a word was at the end of the last frame, 0 to 1."""
+        return self._judge.likelihood
+
+    @property
+    def word(self) -> str:
+        """The stop word that what was last heard was most like."""
+        return self._judge.word
+
+    def heard(self, samples: Samples) -> bool:
+        """Whether a stop word has just been said; 512 samples of int16 at 16 kHz, in order."""
+        return self._judge.said(self._network.push(self._features.push(samples)))
+
+    def forget(self) -> None:
+        """What comes next does not follow on what was before."""
+        self._features.forget()
+        self._network.forget()
+        self._judge.forget()
 
 
 def open_stop_spotter() -> StopSpotter:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib import resources
 from json import loads
+from pydoc_data.topics import topics
 
 from acoustics import Half
 from acoustics.voices import PIPER, espeak_voices, is_cached, kokoro_voices, say
@@ -16,6 +17,7 @@ from stop_spotter import texts
 _SAID = re.compile(r"stop|halt|freez|friez|\bfrees\b|\bstopp", re.IGNORECASE)
 """Words with a stop word in them, and those that sound the same as one."""
 NONE = ""
+READINGS = 2_400
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +103,21 @@ def espeak_clips(half: Half = Half.TRAIN) -> list[Clip]:
     return found
 
 
+def reading_clips(number: int = READINGS) -> list[Clip]:
+    """English as it is written: from the manual that comes with Python, by espeak-ng's voices."""
+    rng, voices = random.Random(17), espeak_voices(Half.TRAIN)
+    text = " ".join("\n".join(topics.values()).split())
+    plain = (re.sub(r"[^A-Za-z0-9,.;'? -]", " ", one) for one in re.split(r"(?<=[.!?:]) ", text))
+    known = [one for one in plain if 20 < len(one) < 130 and not _SAID.search(one)]
+    return [
+        Clip(
+            rng.choice(voices), rng.choice(known), pitch=rng.randint(20, 85),
+            words_a_minute=rng.randint(125, 240),
+        )
+        for _ in range(number)
+    ]  # fmt: skip
+
+
 def sentence(rng: random.Random, known: list[str]) -> str:
     """Words in no order, as long as a sentence: all that may be said, for its sound."""
     chosen = [rng.choice(known) for _ in range(rng.randint(4, 10))]
@@ -110,5 +127,6 @@ def sentence(rng: random.Random, known: list[str]) -> str:
 def all_clips() -> Iterator[Clip]:
     """Those of all engines."""
     yield from espeak_clips()
+    yield from reading_clips()
     yield from piper_clips()
     yield from kokoro_clips()

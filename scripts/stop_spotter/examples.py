@@ -63,7 +63,7 @@ class Examples:
     def make(self) -> tuple[NDArray[np.float16], NDArray[np.int8], int]:
         """Features (rows, bands), labels (steps,), and the word: 0 for none."""
         rng = self._rng
-        word = int(rng.integers(1, len(self._words))) if rng.random() < 0.45 else 0
+        word = int(rng.integers(1, len(self._words))) if rng.random() < 0.36 else 0
         total = (LEAD_FRAMES + FRAMES) * FRAME_SAMPLES
         track = np.zeros(total, np.float32)
         labels = np.zeros(STEPS, np.int8)
@@ -81,7 +81,7 @@ class Examples:
             if rng.random() < 0.4 and not sound.within:
                 begin = start + clip.size + int(rng.uniform(0.08, 0.5) * RATE_HZ)
                 self._chatter(track, begin, total)
-        elif rng.random() < 0.93:
+        elif rng.random() < 0.9:
             self._chatter(track, int(rng.uniform(0, 1.2) * RATE_HZ), total)
         return features_of(self._heard(track))[-FRAMES * ROWS :].astype(np.float16), labels, word
 

@@ -18,6 +18,7 @@ from edgevox.ros2 import contract, standard_topics
 TABLE = proofs()
 SHOWN = {command: page for page in reversed(PAGES) for command in commands(page)}
 NEEDS = {
+    "PyTorch",
     "a broken recording",
     "a cluster",
     "a package index",

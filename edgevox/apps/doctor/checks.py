@@ -75,7 +75,7 @@ CHECKS: tuple[Check, ...] = (
     Check(
         "stop words",
         "whether they are heard by their sound, in the language that is set",
-        sound.probe_spotter,
+        f"{_HERE}.sound:probe_spotter",
         sound.judge_spotter,
     ),
     Check(

@@ -1,0 +1,163 @@
+"""When an utterance counts as over: how long after a command, and how often within a sentence.
+
+Voices are those held out from training (`acoustics`). Time is that of the sound: recognising words
+counts as `STT_S`, so that the figures do not depend on the machine, and a silence that waits for
+words waits for that.
+
+    python benchmarks/endings.py [--quick]
+"""
+
+import statistics
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from acoustics import Half
+from acoustics.voices import espeak_voices, say
+from figures import Figure, Measured
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+
+from corpus_robots import skills_of_robots
+
+from edgevox.agent.agents import Agent
+from edgevox.agent.nlu.endings import Endings
+from edgevox.agent.nlu.interpreter import Interpreter
+from edgevox.agent.phrase_file import phrasebook
+from edgevox.agent.safety import find_stop_word
+from edgevox.core.bus import Bus
+from edgevox.core.clock import SystemClock
+from edgevox.core.ending import Ending
+from edgevox.models import locate
+from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Frame, Samples
+from edgevox.voice.endpoint import Endpointer, SpeechEnded, SpeechPaused, SpeechWentOn
+from edgevox.voice.listener import ENDS_AFTER_S
+from edgevox.voice.stt.whisper import Whisper
+from edgevox.voice.vad import SileroVad
+
+TABLE = "The end of an utterance"
+STT_S = 0.25
+"""What tiny.en takes for a short command on two cores that do nothing else."""
+COMMANDS = (
+    "Go to the kitchen.", "Please drive to the living room.", "Where are you?",
+    "What is your battery level?", "Go to the bedroom.", "Drive to the office, please.",
+    "What can you do?", "Stop!",
+)  # fmt: skip
+PARTS = (
+    ("Go to the", "kitchen."), ("Please drive", "to the bedroom."),
+    ("What is your", "battery level?"),
+    ("Go to the kitchen", "and then to the bedroom."), ("Could you", "go to the living room?"),
+    ("Tell me", "where you are."), ("Drive to the", "office, please."),
+    ("Go to the bedroom", "in ten minutes."), ("I would like you", "to drive to the kitchen."),
+    ("Go", "to the living room."),
+)  # fmt: skip
+PAUSES_S = (0.3, 0.5, 0.65, 0.8)
+
+
+@dataclass
+class Heard:
+    """The utterances of a sound: the seconds of silence before each was over, and how often one
+    that was over went on.
+    """
+
+    silences_s: list[float] = field(default_factory=list)
+    taken_back: int = 0
+
+    @property
+    def utterances(self) -> int:
+        return len(self.silences_s) - self.taken_back
+
+
+def listen(sound: Samples, whisper: Whisper, ending: Callable[[str], Ending] | None) -> Heard:
+    """What the endpointer makes of it; with `ending`, by the words as the listener would."""
+    vad, endpointer, found = SileroVad(), Endpointer(), Heard()
+    known: tuple[float, Ending, float] | None = None
+    for frame in _frames(sound):
+        if known and frame.end_s >= known[2] and endpointer.paused_at == known[0]:
+            plain = known[1] in (Ending.WHOLE, Ending.MAY_GO_ON)
+            endpointer.end_after(ENDS_AFTER_S[known[1]], revocable=plain)
+            known = None
+        match endpointer.push(frame, vad.probability(frame.samples)):
+            case SpeechPaused(samples=samples, ended_s=ended_s) if ending:
+                endpointer.end_after(ENDS_AFTER_S[Ending.OPEN])
+                known = ended_s, ending(whisper.transcribe(samples, "en")), frame.end_s + STT_S
+            case SpeechEnded(ended_s=ended_s):
+                found.silences_s.append(frame.end_s - ended_s)
+            case SpeechWentOn():
+                found.taken_back += 1
+    return found
+
+
+def measure(quick: bool = False) -> Measured:
+    """Both ways: a fixed silence, and the words."""
+    whisper = Whisper(
+        lambda _: locate("whisper-tiny.en"),
+        prompt_of=lambda code: phrasebook(code).hearing.written,
+    )
+    voices = espeak_voices(Half.HELD_OUT)[:: 40 if quick else 17]
+    ways = {"a fixed silence": None, "by its words": _endings().of}
+    return Measured(
+        figures=tuple(
+            figure
+            for name, ending in ways.items()
+            for figure in _figures(name, ending, whisper, voices)
+        )
+    )
+
+
+def _figures(
+    name: str, ending: Callable[[str], Ending] | None, whisper: Whisper, voices: tuple[str, ...]
+) -> Iterator[Figure]:
+    key = "words" if ending else "silence"
+    waits = [
+        wait
+        for voice in voices
+        for text in COMMANDS
+        for wait in listen(_padded(say(voice, text)), whisper, ending).silences_s[-1:]
+    ]
+    said = [1000 * max(wait, STT_S + 0.2) for wait in waits]
+    yield Figure.of(f"command.{key}", TABLE, name, said, "ms", column="command to its words")
+    cut = [
+        listen(_padded(say(voice, first), pause_s, say(voice, rest)), whisper, ending).utterances
+        > 1
+        for voice in voices
+        for first, rest in PARTS
+        for pause_s in PAUSES_S
+    ]
+    share = 100 * statistics.mean(cut)
+    yield Figure.of(f"cut.{key}", TABLE, name, [share], "%", column="sentences cut at a pause")
+
+
+def _padded(first: Samples, pause_s: float = 0.0, rest: Samples | None = None) -> Samples:
+    parts = [_quiet(1.0), first]
+    if rest is not None:
+        parts += [_quiet(pause_s), rest]
+    return np.concatenate([*parts, _quiet(2.0)])
+
+
+def _quiet(seconds: float) -> Samples:
+    rng = np.random.default_rng(7)
+    return rng.normal(0, 10, round(seconds * RATE_HZ)).astype(np.int16)
+
+
+def _frames(sound: Samples) -> Iterator[Frame]:
+    for number in range(sound.size // FRAME_SAMPLES):
+        start = number * FRAME_SAMPLES
+        yield Frame(sound[start : start + FRAME_SAMPLES], (number + 1) * FRAME_S)
+
+
+def _endings() -> Endings:
+    agent = Agent("robot", "", skills_of_robots()["robot-apartment"])
+    interpreter = Interpreter([agent], Bus(), SystemClock())
+    return Endings(
+        interpreter.plain,
+        is_stop=lambda text: find_stop_word("en", text) is not None,
+        hearing=lambda: interpreter.phrases.hearing,
+    )
+
+
+if __name__ == "__main__":
+    for one in measure("--quick" in sys.argv).figures:
+        print(one)
