@@ -69,6 +69,17 @@ def plausible(segment: Segment, seconds: float) -> bool:
     return not (plain in _OF_NOTHING and (doubtful or seconds > SHORT_S or plain == "you"))
 
 
+def parroted(segment: Segment, prompt: str) -> bool:
+    """Whether these are sentences of the prompt that are not likely to have been said.
+
+    Of voices that talk at once Whisper makes what it was shown before it listened.
+    """
+    if segment.log_probability >= MAYBE_GUESSED:
+        return False
+    shown = {_plain(one) for one in _SENTENCE_ENDS.split(prompt)}
+    return all(_plain(one) in shown for one in _SENTENCE_ENDS.split(segment.text.strip()))
+
+
 def words_of(segments: Iterable[Segment]) -> str:
     """Their text on one line, without remarks such as ``[music]``.
 
