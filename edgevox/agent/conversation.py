@@ -133,6 +133,7 @@ class Conversation:
             turn=lambda: self._turn,
             phrases=lambda: interpreter.phrases,
             language=language,
+            phonemes=phonemes,
         )
         self._thread = threading.Thread(target=self._work, name="edgevox-conversation")
 

@@ -5,6 +5,8 @@ from collections.abc import Callable
 from edgevox.agent import inbox
 from edgevox.agent.confirmation import OpenQuestion
 from edgevox.agent.inbox import Inbox
+from edgevox.agent.near_stop import NearStop
+from edgevox.agent.nlu.sounds import Phonemes
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.programs.keeper import Programs
 from edgevox.agent.reasons import because
@@ -53,6 +55,7 @@ class Stopping:
         turn: Callable[[], Turn | None],
         phrases: Callable[[], Phrasebook],
         language: str,
+        phonemes: Phonemes | None = None,
     ) -> None:
         self._bus = bus
         self._clock = clock
@@ -63,7 +66,8 @@ class Stopping:
         self._question = question
         self._turn = turn
         self._phrases = phrases
-        self._safety = SafetyWords(language)
+        self._phonemes = phonemes
+        self.set_language(language)
         self._stopped_s = self._spotted_s = self._withdrawn_s = float("-inf")
         self._untold = ""
         self.last: Turn | None = None
@@ -72,6 +76,7 @@ class Stopping:
     def set_language(self, code: str) -> None:
         """Hear stop words of this language."""
         self._safety = SafetyWords(code)
+        self._near = NearStop(code, self._phonemes) if self._phonemes else None
 
     def counts(self, heard: Heard) -> bool:
         """Whether there are words, said neither before a stop nor taken back since.
@@ -90,12 +95,18 @@ class Stopping:
 
     def hears(self, words: TextInput | Heard) -> bool:
         """Stop if these words say so; False if they do not."""
-        word = self._safety.find(words.text)
+        word = self._safety.find(words.text) or self._nearly(words)
         if word:
             self._stop_word(word, words)
         elif isinstance(words, Heard) and words.spotted:
             self._tell_spotted()
         return word is not None
+
+    def _nearly(self, words: TextInput | Heard) -> str | None:
+        """The stop word that these sound like, if they were spoken while something moves."""
+        if self._near is None or not isinstance(words, Heard) or self._executor.moving is None:
+            return None
+        return self._near.find(words.text)
 
     def heed(self, sound: StopSpotted | SpokenOn) -> None:
         """Do at once what a sound asks for, before its words are known."""

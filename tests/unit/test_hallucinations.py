@@ -4,7 +4,13 @@ import math
 
 import pytest
 
-from edgevox.voice.stt.hallucinations import Segment, confidence_in, words_of
+from edgevox.voice.stt.hallucinations import (
+    Segment,
+    confidence_in,
+    parroted,
+    plausible,
+    words_of,
+)
 
 
 def segment(text, log_probability=-0.1):
@@ -37,3 +43,23 @@ def test_words_are_as_sure_as_the_least_sure_of_their_segments():
 
 def test_no_words_leave_no_doubt():
     assert confidence_in([]) == 1.0
+
+
+def test_words_that_are_hardly_likely_were_made_of_noise():
+    assert plausible(segment("Go to the kitchen.", -0.85), seconds=1.5)
+    assert not plausible(segment("Go to the kitchen.", -1.02), seconds=1.5)
+
+
+@pytest.mark.parametrize(
+    ("written", "log_probability", "is_parroted"),
+    [
+        (" Go to the kitchen.", -0.9, True),
+        ("Turn left. Go to the kitchen!", -0.9, True),
+        ("Go to the kitchen.", -0.3, False),
+        ("Go to the office.", -0.9, False),
+    ],
+)
+def test_what_hearing_was_shown_counts_only_if_it_is_likely(written, log_probability, is_parroted):
+    prompt = "Go to the kitchen. Turn left."
+
+    assert parroted(segment(written, log_probability), prompt) is is_parroted

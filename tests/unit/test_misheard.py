@@ -4,6 +4,7 @@ import pytest
 from dialogue_rig import Walker
 from misheard_rig import LETTERS, Spoken
 
+from edgevox.agent.near_stop import NearStop
 from edgevox.agent.nlu.hearing_prompt import MOST_CHARACTERS, HearingPrompts
 from edgevox.agent.nlu.near_commands import NearCommands
 from edgevox.agent.nlu.sounds import SoundTable, sounds_of
@@ -144,3 +145,20 @@ def test_typed_words_are_as_sure_as_they_were(rig):
     assert rig.talk.wait_idle(60)
 
     assert rig.body.moves == ["kitchen"]
+
+
+@pytest.mark.parametrize("heard", ["stob", "Frez a.", "holt"])
+def test_a_stop_word_that_is_nearly_heard_stops_what_moves(rig, heard):
+    rig.begin("go to the kitchen")
+
+    assert rig.hears(heard) == "Stopped."
+
+
+@pytest.mark.parametrize("heard", ["stob", "holt"])
+def test_the_same_words_stop_nothing_where_nothing_moves(rig, heard):
+    assert "Stopped." not in rig.hears(heard)
+
+
+@pytest.mark.parametrize("heard", ["drive", "we were at the bus stob", "the soup is good"])
+def test_what_sounds_otherwise_or_is_longer_stops_nothing(heard):
+    assert NearStop("en", LETTERS).find(heard) is None

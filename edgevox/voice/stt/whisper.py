@@ -11,7 +11,13 @@ from edgevox.core.cgroup import usable_cpus
 from edgevox.core.errors import EdgeVoxError
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.level import FULL_SCALE
-from edgevox.voice.stt.hallucinations import Segment, confidence_in, plausible, words_of
+from edgevox.voice.stt.hallucinations import (
+    Segment,
+    confidence_in,
+    parroted,
+    plausible,
+    words_of,
+)
 from edgevox.voice.stt.speech_to_text import Transcript
 
 MAX_THREADS = 4
@@ -49,7 +55,7 @@ class Whisper:
 
     def transcribe(self, samples: Samples, language: str) -> Transcript:
         path = self._paths.get(language) or self._model_of(language)
-        seconds = samples.size / RATE_HZ
+        seconds, prompt = samples.size / RATE_HZ, self._prompt_of(language)
         with self._lock:
             model = self._model(path)
             self._paths[language] = path
@@ -60,13 +66,13 @@ class Whisper:
                 temperature=0.0,
                 without_timestamps=True,
                 condition_on_previous_text=False,
-                initial_prompt=self._prompt_of(language) or None,
+                initial_prompt=prompt or None,
                 max_new_tokens=MORE_TOKENS + int(seconds * TOKENS_PER_S),
             )
             segments = [
                 Segment(s.text, s.no_speech_prob, s.avg_logprob, s.compression_ratio) for s in found
             ]
-        said = [segment for segment in segments if plausible(segment, seconds)]
+        said = [s for s in segments if plausible(s, seconds) and not parroted(s, prompt)]
         return Transcript(words_of(said), confidence_in(said))
 
     @property
