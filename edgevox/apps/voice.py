@@ -19,6 +19,7 @@ from edgevox.core.settings import Settings
 from edgevox.models import locate
 from edgevox.voice.audio import AudioSink, AudioSource
 from edgevox.voice.listener import Listener
+from edgevox.voice.played_sound import PlayedSound
 from edgevox.voice.sentence_synthesiser import SentenceSynthesiser
 from edgevox.voice.sinks.open_sink import open_sink
 from edgevox.voice.sinks.relay import Relay
@@ -48,6 +49,7 @@ class VoiceChain:
     speech_output: SpeechOutput
     wakeword: WakeWord | None
     relay: Relay | None
+    played: PlayedSound
     weights: Callable[[], Mapping[str, Iterable[Path]]]
 
     @property
@@ -79,7 +81,8 @@ def build_voice(
     source = open_source(settings.audio_in)
     stack.callback(source.close)
     relay = Relay()
-    sink = open_sink(settings.audio_out, relay=relay if settings.ros2 else None)
+    played = PlayedSound()
+    sink = open_sink(settings.audio_out, relay=relay if settings.ros2 else None, played=played)
     stack.callback(sink.close)
     wakeword = WakeWord(settings.wakeword, locate(WAKE_WORDS)) if settings.wakeword else None
     whisper = Whisper(_hearing_model, prompt_of=lambda code: phrasebook(code).hearing.written)
@@ -96,6 +99,7 @@ def build_voice(
         speech_output,
         wakeword,
         connected,
+        played,
         weights=lambda: {"stt": whisper.loaded, "tts": pool.files},
     )
 
@@ -140,6 +144,7 @@ def build_listener(
         wakeword=voice.wakeword,
         is_stop=is_stop,
         echo=settings.echo,
+        played=voice.played,
         lossless=isinstance(voice.source, WavFiles),
     )
 

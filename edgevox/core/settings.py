@@ -28,7 +28,7 @@ ENV_PREFIX = "EDGEVOX_"
 Confirm = Literal["always", "unsure", "never"]
 CONFIRM: tuple[Confirm, ...] = get_args(Confirm)
 """When somebody is asked before the robot drives."""
-Echo = Literal["gate", "none"]
+Echo = Literal["cancel", "gate", "none"]
 LlmBackend = Literal["auto", "xllamacpp", "llama-cpp-python"]
 GrammarDialect = Literal["auto", "llama-server", "vllm", "vllm-guided", "none"]
 _NAMESPACE = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+|/")
@@ -147,8 +147,9 @@ class Settings(BaseSettings):
         "", description="listen only after this wake word, such as 'hey jarvis'; empty: always"
     )
     echo: Echo = Field(
-        "gate",
-        description="own voice in the microphone: gate it by level; none where it is cancelled",
+        "cancel",
+        description="own voice in the microphone: cancel it, or gate it by level; none where "
+        "something else cancels it",
     )
     llm: str = Field(
         "qwen2.5-coder-0.5b-instruct",

@@ -3,8 +3,6 @@
 import threading
 from collections.abc import Callable
 
-import numpy as np
-
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.commands import Command, Interrupt
@@ -12,10 +10,11 @@ from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Cause, WakeWordHeard
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Echo
-from edgevox.voice.audio import FRAME_SAMPLES, RATE_HZ, AudioSource, EndOfSound, Frame
-from edgevox.voice.echo import EchoGate
+from edgevox.voice.audio import RATE_HZ, AudioSource, EndOfSound, Frame
+from edgevox.voice.echo_canceller import open_echo
 from edgevox.voice.endpoint import Endpointer, SpeechBegan, SpeechEnded, SpeechPaused
 from edgevox.voice.meter import LevelMeter
+from edgevox.voice.played_sound import PlayedSound
 from edgevox.voice.stt.speech_to_text import SpeechToText
 from edgevox.voice.transcriber import Transcriber, TranscriptionJob
 from edgevox.voice.vad import VoiceDetector
@@ -28,15 +27,14 @@ READ_S = 0.25
 STALLED_S = 1.0
 """A source that gives nothing for so long has ended the utterance that was going on."""
 
-_SILENCE = np.zeros(FRAME_SAMPLES, np.int16)
-
 
 class Listener:
     """Listens on a thread of its own and understands on another.
 
     `submit` gets, from these threads: `Transcribing` and `Heard` for each utterance; `Interrupt`,
     without motion, as soon as somebody speaks over the robot. While `muted()` nothing is heard at
-    all, nor its level published. `audible()` is how loud the robot itself speaks now. With a wake
+    all, nor its level published. `audible()` is how loud the robot itself speaks now, `played` what
+    it says, for an `echo` that is cancelled. With a wake
     word only what follows it is taken, see `wake_gate`; `is_stop` tells whether words stop the
     robot. `lossless` waits for the transcriber instead of refusing what it cannot keep up with:
     for files, never for a microphone.
@@ -56,6 +54,7 @@ class Listener:
         wakeword: WakeDetector | None = None,
         is_stop: Callable[[str], bool] = lambda _: False,
         echo: Echo = "gate",
+        played: PlayedSound | None = None,
         lossless: bool = False,
         clock: Clock | None = None,
     ) -> None:
@@ -68,7 +67,7 @@ class Listener:
         self._lossless = lossless
         self._clock = clock or SystemClock()
         self._meter = LevelMeter(bus.publish)
-        self._echo = EchoGate(audible, shut=echo == "gate")
+        self._echo = open_echo(echo, audible, played)
         self._endpointer = Endpointer()
         self._wake_gate = WakeGate()
         self._transcriber = Transcriber(
@@ -144,11 +143,10 @@ class Listener:
             self._finish()
         self._last_s = frame.end_s
         self._meter.push(frame.samples)
-        passes = self._echo.passes(frame.samples)
-        heard = frame if passes else Frame(_SILENCE, frame.end_s)
-        probability = self._vad.probability(heard.samples)
-        self._listen_for_wake_word(frame, probability)
-        match self._endpointer.push(heard, probability):
+        sound = self._echo.hear(frame)
+        probability = self._vad.probability(sound.voice)
+        self._listen_for_wake_word(Frame(sound.clean, frame.end_s), probability)
+        match self._endpointer.push(Frame(sound.words, frame.end_s), probability):
             case SpeechBegan(began_s=began_s):
                 self._interrupt_if_meant(began_s)
             case SpeechPaused(samples=samples, ended_s=ended_s):
