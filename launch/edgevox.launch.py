@@ -25,7 +25,8 @@ ARGUMENTS = {
     "audio_in": "microphone: a device's name, a WAV file or folder, ros2, or none",
     "audio_out": "loudspeaker: a device's name, a WAV file, ros2, or none",
     "wakeword": "listen only after this wake word, such as 'hey jarvis'; empty: always",
-    "echo": "own voice in the microphone: gate it by level; none where it is cancelled",
+    "echo": "own voice in the microphone: cancel it, or gate it by level; none where something "
+    "else cancels it",
     "text_mode": "type instead of speaking; no sound is used",
     "publish_clock": "publish the robot's time on /clock, for nodes with use_sim_time",
     "llm": "language model: an id of edgevox-models, a GGUF file, or none",

@@ -23,6 +23,7 @@ from edgevox.core.settings import Settings
 from edgevox.models import locate
 from edgevox.voice.audio import AudioSink, AudioSource
 from edgevox.voice.listener import Listener
+from edgevox.voice.played_sound import PlayedSound
 from edgevox.voice.sentence_synthesiser import SentenceSynthesiser
 from edgevox.voice.sinks.open_sink import open_sink
 from edgevox.voice.sinks.relay import Relay
@@ -53,6 +54,7 @@ class VoiceChain:
     speech_output: SpeechOutput
     wakeword: WakeDetector | None
     relay: Relay | None
+    played: PlayedSound
     weights: Callable[[], Mapping[str, Iterable[Path]]]
 
     @property
@@ -85,7 +87,8 @@ def build_voice(
     source = open_source(settings.audio_in)
     stack.callback(source.close)
     relay = Relay()
-    sink = open_sink(settings.audio_out, relay=relay if settings.ros2 else None)
+    played = PlayedSound()
+    sink = open_sink(settings.audio_out, relay=relay if settings.ros2 else None, played=played)
     stack.callback(sink.close)
     wakeword = open_wakeword(settings)
     if wakeword:
@@ -104,6 +107,7 @@ def build_voice(
         speech_output,
         wakeword,
         connected,
+        played,
         weights=lambda: {"stt": whisper.loaded, "tts": pool.files},
     )
 
@@ -150,6 +154,7 @@ def build_listener(
         ending=ending,
         saying=voice.speech_output.saying,
         echo=settings.echo,
+        played=voice.played,
         lossless=isinstance(voice.source, WavFiles),
     )
 

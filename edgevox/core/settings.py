@@ -28,7 +28,7 @@ ENV_PREFIX = "EDGEVOX_"
 Confirm = Literal["always", "unsure", "never"]
 CONFIRM: tuple[Confirm, ...] = get_args(Confirm)
 """When somebody is asked before the robot drives."""
-Echo = Literal["gate", "none"]
+Echo = Literal["cancel", "gate", "none"]
 NO_LLM = "none"
 """As `llm`: no language model on board."""
 WakeEngine = Literal["micro", "openwakeword"]
@@ -165,8 +165,9 @@ class Settings(BaseSettings):
         description="hear stop words by their sound, too: at once, in the middle of what is said",
     )
     echo: Echo = Field(
-        "gate",
-        description="own voice in the microphone: gate it by level; none where it is cancelled",
+        "cancel",
+        description="own voice in the microphone: cancel it, or gate it by level; none where "
+        "something else cancels it",
     )
     llm: str = Field(
         "qwen2.5-coder-0.5b-instruct",

@@ -1,24 +1,21 @@
 """Not hearing oneself: what a microphone hears of the robot's own voice is no speech.
 
-Half duplex with a measured threshold: while the robot speaks, a frame counts only if it is louder,
-by a margin, than the echo of what plays now. How much of it comes back (the coupling, from about
--6 dB for a loudspeaker beside the microphone to -30 dB across a room) is learnt as it speaks; the
-first guess is the loudest. So a person near the microphone, or who raises their voice, interrupts
-it, and it never answers itself.
-
-Why not an echo canceller: it needs the very samples that the loudspeaker plays, in step with its
-clock, which only a sound card of this machine could give (a ROS 2 speaker, a file or another
-process cannot), and the packages that bring one are not kept (``pyaec``, ``speexdsp``,
-``webrtc-audio-processing``), build from source with a compiler (``aec-audio-processing``) or bring
-a whole conferencing client (``livekit``). Where full duplex is wanted, let the sound server do it,
-which has both signals: PipeWire's or PulseAudio's ``module-echo-cancel`` makes a default
-microphone of it, and `echo` is then ``none``.
+`EchoGate` is half duplex with a measured threshold: while the robot speaks, a frame counts only if
+it is louder, by a margin, than the echo of what plays now. How much of it comes back (the coupling,
+from about -6 dB for a loudspeaker beside the microphone to -30 dB across a room) is learnt as it
+speaks; the first guess is the loudest. So a person near the microphone, or who raises their voice,
+interrupts it, and it never answers itself. A quieter person needs an `echo_canceller`, behind which
+the same gate learns how much that one leaves.
 """
 
 from collections import deque
 from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
 
-from edgevox.voice.audio import FRAME_S, Samples
+import numpy as np
+
+from edgevox.voice.audio import FRAME_S, Frame, Samples
 from edgevox.voice.level import rms
 
 TAIL_S = 0.25
@@ -44,6 +41,31 @@ OPEN_S = 0.13
 """After a frame that passed, the next ones pass too: a voice dips between syllables."""
 
 
+@dataclass(frozen=True, slots=True)
+class Unechoed:
+    """A frame without the robot's own voice, for each who listens to it.
+
+    `clean` is for a spotter of words, who knows them through what is left of it. `voice` is for a
+    detector of voices, who would take what is left for one: as little as possible. `words` is for
+    speech to text, which would take it for words.
+    """
+
+    clean: Samples
+    voice: Samples
+    words: Samples
+
+
+class EchoFilter(Protocol):
+    """Keeps the robot's own voice out of what is heard."""
+
+    @property
+    def playing(self) -> bool:
+        """Whether the robot, or its echo, may be audible."""
+
+    def hear(self, frame: Frame) -> Unechoed:
+        """The next frame, without the robot's own voice."""
+
+
 class EchoGate:
     """Decides for each frame whether it may be somebody else's voice.
 
@@ -62,6 +84,11 @@ class EchoGate:
     def playing(self) -> bool:
         """Whether the robot, or its echo, may be audible."""
         return any(self._played)
+
+    def hear(self, frame: Frame) -> Unechoed:
+        """The frame as it is if it `passes`."""
+        gated = frame.samples if self.passes(frame.samples) else np.zeros_like(frame.samples)
+        return Unechoed(frame.samples, gated, gated)
 
     def passes(self, samples: Samples) -> bool:
         """Take the next frame; False if it may be echo."""

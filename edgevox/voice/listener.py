@@ -4,8 +4,6 @@ import threading
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-import numpy as np
-
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.commands import Command, Heard, Interrupt, SpokenOn, StopSpotted, Transcribing
@@ -14,11 +12,13 @@ from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Cause, WakeWordHeard
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Echo
-from edgevox.voice.audio import FRAME_SAMPLES, RATE_HZ, AudioSource, EndOfSound, Frame
-from edgevox.voice.echo import EchoGate
+from edgevox.voice.audio import RATE_HZ, AudioSource, EndOfSound, Frame
+from edgevox.voice.echo import Unechoed
+from edgevox.voice.echo_canceller import open_echo
 from edgevox.voice.endpoint import (
     END_S,
     GOES_ON_S,
+    VOICED,
     Endpointer,
     SpeechBegan,
     SpeechEnded,
@@ -26,6 +26,7 @@ from edgevox.voice.endpoint import (
     SpeechWentOn,
 )
 from edgevox.voice.meter import LevelMeter
+from edgevox.voice.played_sound import PlayedSound
 from edgevox.voice.stop_detector import StopDetector, StopWatch
 from edgevox.voice.stt.speech_to_text import SpeechToText
 from edgevox.voice.transcriber import Transcriber, TranscriptionJob
@@ -47,8 +48,6 @@ ENDS_AFTER_S: Mapping[Ending, float] = {
 }
 """How much silence ends an utterance, by its words. They take a part of it to be understood."""
 
-_SILENCE = np.zeros(FRAME_SAMPLES, np.int16)
-
 
 class Listener:
     """Listens on a thread of its own and understands on another.
@@ -57,8 +56,9 @@ class Listener:
     without motion, as soon as somebody speaks over the robot; `StopSpotted` as soon as the
     `stop_detector` hears a stop word, with a wake word or without. While `muted()` nothing is heard
     at all, nor its level published. `audible()` is how loud the robot itself speaks now, `saying()`
-    what. With a wake word only what follows it is taken, see `wake_gate`; `is_stop` tells whether
-    words stop the robot, `ending` whether who said them and fell silent has ended. Without it, and
+    what, `played` its sound, for an `echo` that is cancelled. With a wake word only what follows it
+    is taken, see `wake_gate`; `is_stop` tells whether words stop the robot, `ending` whether who
+    said them and fell silent has ended. Without it, and
     in a file, a fixed silence ends an utterance. With it a plain command is `Heard` at once; if the
     person speaks on within `GOES_ON_S`, `SpokenOn` takes that back, and the whole is `Heard` later.
     To wait instead would make every command late for the few that go on; to do both parts would do
@@ -85,6 +85,7 @@ class Listener:
         saying: Callable[[], str] = lambda: "",
         ending: Callable[[str], Ending] | None = None,
         echo: Echo = "gate",
+        played: PlayedSound | None = None,
         lossless: bool = False,
         clock: Clock | None = None,
     ) -> None:
@@ -97,7 +98,7 @@ class Listener:
         self._lossless = lossless
         self._clock = clock or SystemClock()
         self._meter = LevelMeter(bus.publish)
-        self._echo = EchoGate(audible, shut=echo == "gate")
+        self._echo = open_echo(echo, audible, played)
         self._endpointer = Endpointer()
         self._wake_gate = WakeGate()
         self._stops = stop_detector and StopWatch(stop_detector, saying=saying, language=language)
@@ -181,13 +182,13 @@ class Listener:
             self._finish()
         self._last_s = frame.end_s
         self._meter.push(frame.samples)
-        passes = self._echo.passes(frame.samples)
-        self._listen_for_stop_word(frame, loud=passes)
-        heard = frame if passes else Frame(_SILENCE, frame.end_s)
-        probability = self._vad.probability(heard.samples)
-        self._listen_for_wake_word(frame, probability)
+        sound = self._echo.hear(frame)
+        probability = self._vad.probability(sound.voice)
+        clean = Frame(sound.clean, frame.end_s)
+        self._listen_for_stop_word(clean, loud=_is_somebody(sound, probability))
+        self._listen_for_wake_word(clean, probability)
         self._wait_as_long_as_words_want()
-        match self._endpointer.push(heard, probability):
+        match self._endpointer.push(Frame(sound.words, frame.end_s), probability):
             case SpeechBegan(began_s=began_s):
                 self._interrupt_if_meant(began_s)
             case SpeechPaused(samples=samples, ended_s=ended_s):
@@ -213,7 +214,7 @@ class Listener:
             self._endpointer.end_after(ENDS_AFTER_S[ending], revocable=plain)
 
     def _listen_for_stop_word(self, frame: Frame, *, loud: bool) -> None:
-        """By the raw frame: the echo gate may cut the beginning of a word."""
+        """By what no gate has cut: the beginning of a word counts."""
         if self._stops and self._stops.heard(frame.samples, playing=self._echo.playing, loud=loud):
             self._spotted = self._endpointer.speaking
             self._submit(StopSpotted(frame.end_s, self._stops.word, goes_on=self._spotted))
@@ -277,3 +278,8 @@ class Listener:
         self._vad.reset()
         if self._wakeword is not None:
             self._wakeword.reset()
+
+
+def _is_somebody(sound: Unechoed, probability: float) -> bool:
+    """Whether a voice is in it that is not the robot's own."""
+    return bool(sound.voice.any()) and probability >= VOICED

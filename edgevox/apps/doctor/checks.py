@@ -67,6 +67,12 @@ CHECKS: tuple[Check, ...] = (
         sound.judge_sound,
     ),
     Check(
+        "echo",
+        "the echo canceller loads",
+        f"{_HERE}.sound:probe_echo",
+        sound.judge_echo,
+    ),
+    Check(
         "espeak-ng",
         "the voice of last resort speaks",
         f"{_HERE}.sound:probe_espeak",

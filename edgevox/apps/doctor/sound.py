@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
+from edgevox.core.extras import install_extra
+from edgevox.voice.aec3 import open_engine
 from edgevox.voice.devices import DeviceMissing, devices
 from edgevox.voice.sinks.open_sink import NONE, ROS2
 
@@ -50,6 +52,25 @@ def _judge(word: str, asked: str, here: Sequence[str]) -> CheckVerdict:
         advice = "plug one in, add this user to the group audio, or use --text-mode"
         return warning(f"no {word}", advice)
     return ok(f"{word}: {asked or names}")
+
+
+def probe_echo() -> Facts:
+    """In a process of its own, since it loads a library."""
+    try:
+        open_engine()
+    except ImportError as missing:
+        return {"missing": str(missing)}
+    return {"missing": ""}
+
+
+def judge_echo(facts: Facts, situation: Situation) -> CheckVerdict:
+    """Without it the gate keeps the robot's own voice out, and quiet people with it."""
+    if situation.settings.text_mode or situation.settings.echo != "cancel":
+        return skipped("no echo canceller is asked for")
+    if facts["missing"]:
+        found = f"no echo canceller, the gate is used instead: {facts['missing']}"
+        return warning(found, install_extra("voice"))
+    return ok("the robot's own voice can be cancelled")
 
 
 def probe_espeak() -> Facts:

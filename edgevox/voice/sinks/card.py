@@ -9,6 +9,7 @@ from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.log import ChangeDetector, get_logger
 from edgevox.voice.audio import Chunk
 from edgevox.voice.devices import DeviceMissing
+from edgevox.voice.played_sound import PlayedSound
 from edgevox.voice.sinks.card_queue import CardQueue
 from edgevox.voice.sinks.paced import PacedSink
 from edgevox.voice.sinks.paced_output import Silence
@@ -47,7 +48,8 @@ Raises `DeviceMissing`.
 class SoundCardSink:
     """Plays on the device whose name is, or contains, `device`; on the default if empty.
 
-    It is opened at once. While it is missing, speech takes its time in silence.
+    It is opened at once. While it is missing, speech takes its time in silence. What it plays is
+    told to `played`.
     """
 
     def __init__(
@@ -58,6 +60,7 @@ class SoundCardSink:
         clock: Clock | None = None,
         wait: Wait = real_wait,
         retry_s: float = RETRY_S,
+        played: PlayedSound | None = None,
     ) -> None:
         self.name = device or "the default loudspeaker"
         self._device = device
@@ -65,7 +68,7 @@ class SoundCardSink:
         self._clock = clock or SystemClock()
         self._wait = wait
         self._retry_s = retry_s
-        self._queue = CardQueue(self._clock)
+        self._queue = CardQueue(self._clock, played)
         self._silence = PacedSink(Silence(), clock=self._clock, wait=wait)
         self._rate = RateChanger(1)
         self._stream: PlaybackStream | None = None

@@ -8,8 +8,12 @@ import numpy as np
 from edgevox.core.clock import Clock
 from edgevox.voice.audio import Samples
 from edgevox.voice.level import rms
+from edgevox.voice.played_sound import PlayedSound
 
 _FIRST_DELAY_S = 0.05
+_LEAST_DELAY_S = 0.02
+"""No card plays sooner what it asks for. For an echo canceller, which learns the rest of the delay,
+sound may be said to be heard too early but never too late: what cards tell of it is not exact."""
 
 
 class CardQueue:
@@ -18,8 +22,9 @@ class CardQueue:
     A card plays without end; where there is nothing to play, it plays silence.
     """
 
-    def __init__(self, clock: Clock) -> None:
+    def __init__(self, clock: Clock, played: PlayedSound | None = None) -> None:
         self._clock = clock
+        self._played = played
         self._lock = threading.Lock()
         self._blocks: deque[Samples] = deque()
         self._waiting = 0
@@ -64,6 +69,8 @@ class CardQueue:
             self.filled_s = self._clock.now()
             self._next_s = self.filled_s + delay_s + count / self._rate_hz
             self._level = rms(out)
+        if at and self._played:
+            self._played.add(out, self._rate_hz, self.filled_s + _LEAST_DELAY_S)
         return out
 
     def clear(self) -> float:

@@ -5,6 +5,7 @@ from pathlib import Path
 from edgevox.core.clock import Clock
 from edgevox.core.errors import InvalidValue
 from edgevox.voice.audio import AudioSink
+from edgevox.voice.played_sound import PlayedSound
 from edgevox.voice.sinks.card import SoundCardSink
 from edgevox.voice.sinks.paced import PacedSink
 from edgevox.voice.sinks.paced_output import PacedOutput, Silence
@@ -15,13 +16,19 @@ NONE = "none"
 
 
 def open_sink(
-    spec: str, *, relay: PacedOutput | None = None, paced: bool = True, clock: Clock | None = None
+    spec: str,
+    *,
+    relay: PacedOutput | None = None,
+    paced: bool = True,
+    clock: Clock | None = None,
+    played: PlayedSound | None = None,
 ) -> AudioSink:
     """The sink for `audio_out`.
 
     Empty is the default loudspeaker, ``none`` silence, ``ros2`` the relay that
     `edgevox.ros2.audio_out` connects to, a path a WAV file, anything else a loudspeaker's name. A
     path ends in ``.wav`` or has a slash. A file is written as fast as it comes unless `paced`.
+    What can be heard of it in a room is told to `played`.
     Raises `InvalidValue`.
     """
     if spec == NONE:
@@ -29,11 +36,11 @@ def open_sink(
     if spec == ROS2:
         if relay is None:
             raise InvalidValue("audio_out", spec, "ros2 only together with --ros2")
-        return PacedSink(relay, clock=clock)
+        return PacedSink(relay, clock=clock, played=played)
     path = Path(spec).expanduser()
     if spec and ("/" in spec or path.suffix.lower() == ".wav"):
         return _file(path, paced, clock)
-    return SoundCardSink(spec, clock=clock)
+    return SoundCardSink(spec, clock=clock, played=played)
 
 
 def _file(path: Path, paced: bool, clock: Clock | None) -> AudioSink:

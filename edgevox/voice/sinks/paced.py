@@ -7,6 +7,7 @@ from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.fault import fault_of
 from edgevox.voice.audio import Chunk, Samples
+from edgevox.voice.played_sound import PlayedSound
 from edgevox.voice.sinks.paced_output import PacedOutput
 from edgevox.voice.sinks.pacing import AHEAD_S, NOTHING_S, Loudness, RateChanger, Wait, real_wait
 
@@ -14,13 +15,20 @@ from edgevox.voice.sinks.pacing import AHEAD_S, NOTHING_S, Loudness, RateChanger
 class PacedSink:
     """Gives an output its sound when it is due, and forgets what was not due when it is stopped.
 
-    What an output was given early (`PacedOutput.lead_s`) it may still play after a stop.
+    What an output was given early (`PacedOutput.lead_s`) it may still play after a stop. What it
+    plays is told to `played`.
     """
 
     def __init__(
-        self, output: PacedOutput, *, clock: Clock | None = None, wait: Wait = real_wait
+        self,
+        output: PacedOutput,
+        *,
+        clock: Clock | None = None,
+        wait: Wait = real_wait,
+        played: PlayedSound | None = None,
     ) -> None:
         self.name = output.name
+        self._played = played
         self._output = output
         self._clock = clock or SystemClock()
         self._wait = wait
@@ -58,6 +66,8 @@ class PacedSink:
             self._due.clear()
             self._rate.flush()
             self._loudness.clear()
+            if self._played:
+                self._played.cut(now_s + self._output.lead_s)
             left_s = max(0.0, self._end_s - now_s)
             self._end_s = now_s
             return left_s
@@ -83,6 +93,8 @@ class PacedSink:
             self._due.append((start_s + at / rate_hz, block))
             self._loudness.add(start_s + (at + len(block)) / rate_hz, block)
         self._end_s = start_s + len(samples) / rate_hz
+        if self._played and len(samples):
+            self._played.add(samples, rate_hz, start_s)
         self._hand_over(self._clock.now())
 
     def _hand_over(self, now_s: float) -> None:

@@ -1,0 +1,213 @@
+"""Hearing a person through the robot's own voice: by the gate, and by the canceller before it.
+
+The robot speaks by Piper, people by Kokoro and espeak-ng, in six simulated ways from loudspeaker
+to microphone (`echo_paths`): 20 to 250 ms, clocks up to 100 ppm apart, distorted, in rooms. Both
+ways of listening hear the same. Time is simulated: how busy the machine is changes nothing but the
+share of a core.
+"""
+
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from duplex_room import Room, listen_in
+from echo_paths import PATHS, EchoPath, Sound, as_samples, at_level, noise_floor
+from figures import Figure, Measured, NotHere
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "models"))
+
+from listener_rig import frames, says_espeak, says_piper
+from voice_engines import speak, voice, words, wrong_words
+
+from edgevox.models import ModelMissing, locate
+from edgevox.voice.audio import RATE_HZ
+from edgevox.voice.echo_canceller import open_echo
+from edgevox.voice.level import rms
+from edgevox.voice.played_sound import PlayedSound
+from edgevox.voice.resample import resampled
+from edgevox.voice.stt.speech_to_text import SpeechToText
+from edgevox.voice.stt.whisper import Whisper
+from edgevox.voice.tts.pool import VoicePool
+
+TABLE = "Hearing through its own voice"
+Way = Literal["gate", "cancel"]
+WAYS: dict[Way, str] = {"gate": "the gate alone", "cancel": "echo cancelled, the gate behind it"}
+PLAYED_LEVEL = 0.1
+PERSON_DB = -5.0
+"""So much louder than the loudspeaker is the person at the microphone."""
+OWN_MINUTES = 30.0
+SAYS = (
+    "I am going to the kitchen now, and I will tell you when I have arrived.",
+    "My battery is at eighty five percent, which is enough for the next two hours.",
+    "There is a chair in front of me, so I take another way around the table.",
+    "I have put the cube into the left bin, and now I will come back to the door.",
+    "The living room is the largest room, it lies between the kitchen and the hall.",
+    "Somebody stands in my way, so I wait a moment and then I try it again.",
+    "I can drive, turn, look around, fetch things and tell you where I am.",
+)
+COMMANDS = (
+    "Go to the kitchen.",
+    "What is your battery level?",
+    "Drive to the bedroom, please.",
+    "Turn left.",
+    "Stop right now.",
+    "Where are you?",
+)
+KOKORO = ("af_heart", "am_michael", "bf_emma", "am_puck", "af_bella")
+ESPEAK = "espeak-ng"
+
+
+@dataclass(frozen=True, slots=True)
+class Tally:
+    """Of the people who spoke over the robot: how many it noticed, and understood word by word."""
+
+    noticed: int
+    understood: int
+    of: int
+    took_s: tuple[float, ...]
+
+
+def measure(quick: bool = False) -> Measured:
+    """Who is heard, whether it hears itself, and what that costs."""
+    try:
+        stt = Whisper(lambda _: locate("whisper-tiny.en"), threads=2)
+        people = list(_people(KOKORO[:1] if quick else KOKORO))
+    except ModelMissing as error:
+        raise NotHere(str(error)) from error
+    minutes = 1.0 if quick else OWN_MINUTES
+    figures = []
+    for way in WAYS:
+        figures += _heard_itself(way, stt, minutes)
+        figures += _of_people(way, _interrupted(way, stt, people))
+    figures += _cancelled()
+    figures += _costs(60.0 if quick else 300.0)
+    return Measured(figures=tuple(figures))
+
+
+def own_voice(seconds: float, first: int = 0) -> Sound:
+    """The robot, speaking with short pauses."""
+    said: list[Sound] = []
+    while sum(one.size for one in said) < seconds * RATE_HZ:
+        text = SAYS[(first + len(said)) % len(SAYS)]
+        spoken = at_level(says_piper(text) / 32768.0, PLAYED_LEVEL)
+        said.append(np.concatenate([spoken, np.zeros(round(0.3 * RATE_HZ))]))
+    return np.concatenate(said)
+
+
+def heard_itself(way: Way, path: EchoPath, stt: SpeechToText, seconds: float) -> tuple[int, int]:
+    """How often it interrupted itself, and how many utterances of its own it understood."""
+    nobody = np.zeros(0)
+    happened = listen_in(
+        Room(own_voice(seconds, path.seed), path, nobody, 0.0, yields=False), way, stt
+    )
+    return len(happened.interrupted_s), sum(bool(one.text.strip()) for one in happened.heard)
+
+
+def _heard_itself(way: Way, stt: SpeechToText, minutes: float) -> Iterator[Figure]:
+    each_s = 60 * minutes / len(PATHS)
+    found = [heard_itself(way, path, stt, each_s) for path in PATHS]
+    for name, what, count in (
+        ("interrupted", "its own voice taken for a person's", sum(one for one, _ in found)),
+        ("answered", "its own words understood, which it would answer", sum(n for _, n in found)),
+    ):
+        yield Figure.of(
+            f"itself.{name}.{way}", TABLE, f"{what}, in {minutes:.0f} min", [count], "times",
+            column=WAYS[way], wanted=0 if way == "cancel" else None,
+        )  # fmt: skip
+
+
+def _interrupted(way: Way, stt: SpeechToText, people: list[tuple[str, Sound]]) -> Tally:
+    noticed, understood, took_s = 0, 0, []
+    for number, (said, spoken) in enumerate(people):
+        path = PATHS[(number + number // len(PATHS)) % len(PATHS)]
+        at_s = 5.0 + 0.37 * (number % 5)
+        room = Room(own_voice(8.0, number), path, _person(spoken, path), at_s, yields=True)
+        happened = listen_in(room, way, stt)
+        after_s = [one - at_s for one in happened.interrupted_s if one >= at_s]
+        heard = " ".join(one.text for one in happened.heard)
+        noticed += bool(after_s)
+        took_s += after_s[:1]
+        right = wrong_words(words(said), words(heard)) == 0
+        understood += bool(after_s) and right
+        print(f"  {way}: {path.name()}: {said!r} heard as {heard!r}", flush=True)
+    return Tally(noticed, understood, len(people), tuple(took_s))
+
+
+def _of_people(way: Way, tally: Tally) -> Iterator[Figure]:
+    for name, what, count in (
+        ("noticed", "who speaks over it is noticed", tally.noticed),
+        ("understood", "and understood, word by word", tally.understood),
+    ):
+        yield Figure.of(
+            f"person.{name}.{way}", TABLE, what, [100 * count / tally.of], "%",
+            column=WAYS[way], more_is_better=True, wanted=90.0 if way == "cancel" else None,
+        )  # fmt: skip
+    if tally.took_s:
+        yield Figure.of(
+            f"person.after.{way}", TABLE, "noticed after", tally.took_s, "s", column=WAYS[way]
+        )
+
+
+def _cancelled() -> Iterator[Figure]:
+    """The ERLE of each way, after 5 s."""
+    for path in PATHS:
+        played = own_voice(30.0, path.seed)
+        reference = PlayedSound()
+        echo = open_echo("cancel", lambda: PLAYED_LEVEL, reference)
+        heard, left = [], []
+        for at, frame in enumerate(frames(as_samples(path.echo(played) + _floor(played, path)))):
+            reference.add(as_samples(played[at * 512 : (at + 1) * 512]), RATE_HZ, at * 0.032)
+            clean = echo.hear(frame).voice
+            if at > 5 * RATE_HZ / 512:
+                heard.append(rms(frame.samples) ** 2)
+                left.append(rms(clean) ** 2)
+        yield Figure.of(
+            f"erle.{path.seed}", "Echo taken out", path.name(),
+            [float(10 * np.log10(np.mean(heard) / np.mean(left)))], "dB",
+            column="after 5 s", more_is_better=True,
+        )  # fmt: skip
+
+
+def _costs(seconds: float) -> Iterator[Figure]:
+    """Share of a core while the robot speaks."""
+    path, played = PATHS[2], own_voice(seconds)
+    heard = list(frames(as_samples(path.echo(played) + _floor(played, path))))
+    for way, called in WAYS.items():
+        reference = PlayedSound()
+        echo = open_echo(way, lambda: PLAYED_LEVEL, reference)
+        spent_s = 0.0
+        for at, frame in enumerate(heard):
+            reference.add(as_samples(played[at * 512 : (at + 1) * 512]), RATE_HZ, at * 0.032)
+            began_s = time.thread_time()
+            echo.hear(frame)
+            spent_s += time.thread_time() - began_s
+        yield Figure.of(
+            f"core.{way}", TABLE, "share of a core while it speaks",
+            [100 * spent_s / (len(heard) * 0.032)], "%", column=called,
+            wanted=8.0,
+        )  # fmt: skip
+
+
+def _person(spoken: Sound, path: EchoPath) -> Sound:
+    return at_level(spoken, PLAYED_LEVEL * 10 ** ((path.gain_db + PERSON_DB) / 20))
+
+
+def _floor(played: Sound, path: EchoPath) -> Sound:
+    return noise_floor(played.size, path.seed)
+
+
+def _people(names: tuple[str, ...]) -> Iterator[tuple[str, Sound]]:
+    pool = VoicePool()
+    for number, command in enumerate(COMMANDS * (len(names) + 1)):
+        name = (*names, ESPEAK)[number // len(COMMANDS)]
+        if name == ESPEAK:
+            yield command, says_espeak(command) / 32768.0
+            continue
+        chunks = speak(voice("en", name), command, pool)
+        sound = [resampled(one.samples, one.rate_hz, RATE_HZ) for one in chunks]
+        yield command, np.concatenate(sound) / 32768.0

@@ -1,0 +1,88 @@
+"""Hearing a person through the robot's own voice: what is played is taken out of what is heard.
+
+Two cancellers side by side. WebRTC's AEC3 leaves nearly nothing of the echo and suppresses parts of
+a person's words with it: by what it gives is told whether somebody speaks. An `AdaptiveFilter`
+takes out what is linear of the echo and leaves a person's words as they are: that is for speech to
+text. Until AEC3 is measured to take the echo out, and where it does not (the reference is not what
+is played, the delay is longer than it can follow), the gate decides, on the sound as it came.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from edgevox.core.log import get_logger
+from edgevox.core.settings import Echo
+from edgevox.voice.adaptive_filter import AdaptiveFilter
+from edgevox.voice.aec3 import Engine, FrameCanceller, open_engine
+from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, Frame, Samples
+from edgevox.voice.capture_position import CapturePosition
+from edgevox.voice.echo import EchoFilter, EchoGate, Unechoed
+from edgevox.voice.echo_loss import EchoLoss
+from edgevox.voice.level import FULL_SCALE
+from edgevox.voice.played_sound import PlayedSound
+
+log = get_logger(__name__)
+
+AFTER_S = 1.0
+"""So long after the last sound that was played, nothing is to be taken out any more."""
+
+
+def open_echo(
+    echo: Echo,
+    audible: Callable[[], float],
+    played: PlayedSound | None,
+    *,
+    engine: Callable[[], Engine] = open_engine,
+) -> EchoFilter:
+    """What keeps the robot's own voice out, by the setting `echo`.
+
+    The gate stands in for a canceller that is not installed, which is logged, and where nobody
+    knows what is `played`.
+    """
+    if echo == "cancel" and played is not None:
+        try:
+            return EchoCanceller(audible, played, engine())
+        except ImportError as error:
+            log.warning("echo_canceller_missing", reason=str(error), instead="gate")
+    return EchoGate(audible, shut=echo != "none")
+
+
+class EchoCanceller:
+    """Cleans frames while something is played, or was just now; others it leaves as they are."""
+
+    def __init__(self, audible: Callable[[], float], played: PlayedSound, engine: Engine) -> None:
+        self._played = played
+        self._position = CapturePosition()
+        self._filter = AdaptiveFilter()
+        self._suppressor = FrameCanceller(engine)
+        self._gate = EchoGate(audible)
+        self._silent_s = AFTER_S
+        self.loss = EchoLoss()
+
+    @property
+    def playing(self) -> bool:
+        """Whether the robot, or its echo, may be audible."""
+        return self._gate.playing
+
+    def hear(self, frame: Frame) -> Unechoed:
+        """The next frame, without the robot's own voice."""
+        start = self._position.take(frame.end_s, quiet=self._silent_s >= AFTER_S)
+        played = self._played.between(start, FRAME_SAMPLES)
+        self._silent_s = 0.0 if played.any() else self._silent_s + FRAME_S
+        as_it_came = self._gate.hear(frame)
+        if self._silent_s >= AFTER_S:
+            self._suppressor.begin_after(frame.samples)
+            return as_it_came
+        words = _samples(self._filter.push(_sound(frame.samples), _sound(played)))
+        voice = self._suppressor.push(frame.samples, played)
+        self.loss.push(frame.samples, voice, played)
+        return Unechoed(words, voice, words) if self.loss.enough else as_it_came
+
+
+def _sound(samples: Samples) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    return samples / FULL_SCALE
+
+
+def _samples(sound: np.ndarray[tuple[int], np.dtype[np.float64]]) -> Samples:
+    return np.clip(np.rint(sound * FULL_SCALE), -FULL_SCALE, FULL_SCALE - 1).astype(np.int16)
