@@ -3,7 +3,7 @@
 Voices, noises and rooms are those held out from its training, see `acoustics`. A word is said with
 a second of what is around before it and after it; speech without stop words goes on for hours.
 
-    python benchmarks/stop_words.py [--quick] [--half train]
+    python benchmarks/stop_words.py [--quick] [--half train] [--hours 8] [--only heard]
 """
 
 import argparse
@@ -14,29 +14,22 @@ import sys
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from acoustics import Half
 from acoustics.mixing import at_level, mixed
-from acoustics.noises import kinds, noise
+from acoustics.noises import kinds
 from acoustics.rooms import in_room, rooms
-from acoustics.voices import espeak_voices, is_cached, kokoro_voices, say
+from acoustics.voices import espeak_voices, say
 from figures import Figure, Measured
-from numpy.typing import NDArray
+from stop_words_sounds import LEVELS_DB, at_speed, noise_of, texts_of, tracks
 
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Samples
 from edgevox.voice.stop_features import ROWS, features_of
-from edgevox.voice.stop_network import STRIDE, StopNetwork, Weights, read_weights
+from edgevox.voice.stop_network import STRIDE, StopNetwork, StopWeights, read_weights
 from edgevox.voice.stop_spotter import StopJudge, StopSpotter
 
 TABLE, FALSE = "Stop words heard", "False stops"
-SAID = {
-    "stop": ("Stop!", "Stop.", "Please stop."),
-    "halt": ("Halt!",),
-    "freeze": ("Freeze!",),
-    "stop moving": ("Stop moving!",),
-}
 CONDITIONS = {
     "quiet": (None, 99.5),
     "room, noise at 10 dB": (10.0, 98.0),
@@ -49,21 +42,18 @@ ALIKE = (
     "star",
 )  # fmt: skip
 """Words that sound like a stop word; their sentences are "The <word> is here." and the like."""
-HOURS = {"speech": 5.0, "speech in noise": 1.5, "babble": 0.75, "noise": 0.75}
-"""Of what is heard without a stop word: eight in all."""
+SHARES = {"speech": 0.62, "speech in noise": 0.18, "babble": 0.1, "noise": 0.1}
+"""Of what is heard without a stop word."""
 WANTED_FALSE = 2.0
-POOL = 2_400
-"""Sentences of espeak-ng's voices: some three hours, heard again at other speeds and elsewhere."""
-LEVELS_DB = (-38.0, -18.0)
+"""At most, in 8 hours."""
 LEAD_S, TAIL_S = 1.2, 0.9
 PATIENCE_S = 0.5
-_STOPPING = re.compile(r"stop|halt|fre[ea]z|friez|\bfrees\b", re.IGNORECASE)
 
 
 class Ears:
     """Hears whole sounds at once, as a `StopSpotter` hears them frame by frame, but sooner done."""
 
-    def __init__(self, weights: Weights) -> None:
+    def __init__(self, weights: StopWeights) -> None:
         self.weights = weights
         self.word = ""
 
@@ -93,15 +83,15 @@ def trials(half: Half, ears: Ears, snr_db: float | None, rounds: int) -> Iterato
     """Every voice of this half says every text that it has said by now."""
     rng = np.random.default_rng(29)
     responses = [room.response() for room in rooms(half, 20)]
-    for voice, text in itertools.chain(*itertools.repeat(list(_texts(half)), rounds)):
-        clip = _resampled(say(voice, text), rng.uniform(0.92, 1.08))
+    for voice, text in itertools.chain(*itertools.repeat(list(texts_of(half)), rounds)):
+        clip = at_speed(say(voice, text), rng.uniform(0.92, 1.08))
         kind = kinds(half)[rng.integers(len(kinds(half)))]
         lead, tail = int(LEAD_S * RATE_HZ), int(TAIL_S * RATE_HZ)
         track = np.concatenate([np.zeros(lead), clip, np.zeros(tail)])
         if snr_db is not None:
             track = in_room(track, responses[rng.integers(len(responses))])[: track.size]
             seed = int(rng.integers(40))
-            around = _noise(kind, seed, half)
+            around = noise_of(kind, seed, half)
             start = rng.integers(around.size - track.size)
             track = mixed(track, around[start : start + track.size], snr_db)
         else:
@@ -113,96 +103,6 @@ def trials(half: Half, ears: Ears, snr_db: float | None, rounds: int) -> Iterato
         engine = voice.split(":", maxsplit=1)[0]
         delay = found[0] - end_s if found else float("nan")
         yield Trial(engine, voice, text, kind, bool(found), delay)
-
-
-def _texts(half: Half) -> Iterator[tuple[str, str]]:
-    for voice in kokoro_voices(half):
-        for text in itertools.chain(*SAID.values()):
-            if is_cached(voice, text):
-                yield voice, text
-    rng = random.Random(3)
-    for voice in espeak_voices(half):
-        for texts in SAID.values():
-            yield voice, rng.choice(texts)
-
-
-_known: dict[tuple[str, int, Half], NDArray[np.float32]] = {}
-
-
-def _noise(kind: str, seed: int, half: Half) -> NDArray[np.float32]:
-    """Eight seconds of it, made once."""
-    key = (kind, seed % 6, half)
-    if key not in _known:
-        _known[key] = noise(kind, 8.0, 7_000 + seed % 6, half).astype(np.float32)
-    return _known[key]
-
-
-def _resampled(sound: Samples, step: float) -> NDArray[np.float64]:
-    n = int(sound.size / step)
-    return np.interp(np.arange(n) * step, np.arange(sound.size), sound.astype(np.float64))
-
-
-def sentences(rng: random.Random) -> Iterator[str]:
-    """English without stop words, from the documentation of this repository."""
-    found: list[str] = []
-    folder = Path(__file__).resolve().parents[1]
-    for page in [folder / "README.md", *sorted((folder / "docs").glob("*.md"))]:
-        for line in page.read_text("utf-8").splitlines():
-            if line.startswith(("#", "|", "-", "`", " ", "<", ">", "!")):
-                continue
-            for one in re.split(r"(?<=[.!?:]) ", line):
-                plain = re.sub(r"[`*_\[\]<>(){}|/\\#=]", " ", one)
-                if 15 < len(plain) < 160 and not _STOPPING.search(plain):
-                    found.append(plain)
-    while True:
-        yield rng.choice(found)
-
-
-def pool(half: Half) -> list[tuple[str, str, int, int]]:
-    """Who says what without a stop word, at which pitch and speed."""
-    rng = random.Random(31)
-    said, voices = sentences(rng), espeak_voices(half)
-    return [
-        (rng.choice(voices), next(said), rng.randint(20, 85), rng.randint(130, 220))
-        for _ in range(POOL)
-    ]
-
-
-def tracks(half: Half, what: str, seconds: float) -> Iterator[tuple[str, Samples]]:
-    """What is said without a stop word, and who says it, until it is enough."""
-    rng, done = np.random.default_rng(31), 0.0
-    responses = [room.response() for room in rooms(half, 20)]
-    said = pool(half)
-    told = [(voice, text, 50, 175) for voice, text in _told(half)]
-    while done < seconds:
-        if what in ("babble", "noise"):
-            some = [kind for kind in kinds(half) if (kind == "babble") == (what == "babble")]
-            note = some[rng.integers(len(some))]
-            track = noise(note, 20.0, int(rng.integers(1_000, 900_000)), half)
-        else:
-            some = told if told and rng.random() < 0.3 else said
-            voice, text, pitch, speed = some[rng.integers(len(some))]
-            clip = say(voice, text, pitch=pitch, words_a_minute=speed)
-            note, track = f"{voice} {text}", _resampled(clip, rng.uniform(0.9, 1.12))
-            if rng.random() < 0.6:
-                track = in_room(track, responses[rng.integers(len(responses))])
-        if what == "speech in noise":
-            kind = kinds(half)[rng.integers(len(kinds(half)))]
-            track = mixed(track, _noise(kind, int(rng.integers(40)), half), rng.uniform(0, 15))
-            note = f"{kind} {note}"
-        pause = rng.normal(0, 1e-3 * np.abs(track).max() + 1, int(rng.uniform(0.1, 0.5) * RATE_HZ))
-        sound = at_level(np.concatenate([track, pause]), rng.uniform(*LEVELS_DB))
-        done += sound.size / RATE_HZ
-        yield note, sound
-
-
-def _told(half: Half) -> list[tuple[str, str]]:
-    """What voices of Kokoro have said by now that holds no stop word."""
-    sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
-    from stop_spotter import texts
-
-    some = (*texts.ALIKE, *texts.COMMANDS, *texts.OWN, *texts.CHAT)
-    return [(v, t) for v in kokoro_voices(half) for t in some if is_cached(v, t)]
 
 
 def false_stops(ears: Ears, half: Half, what: str, hours: float) -> tuple[float, list[str]]:
@@ -247,30 +147,48 @@ def share_of_a_core(spotter: StopSpotter) -> float:
     return 100 * (time.process_time() - began) / (3_000 * FRAME_S)
 
 
-def measure(quick: bool = False, half: Half = Half.HELD_OUT) -> Measured:
-    """All of it; the notes say what was missed and what was taken for a stop."""
+def measure(
+    quick: bool = False, half: Half = Half.HELD_OUT, hours: float = 8.0, only: str = ""
+) -> Measured:
+    """All of it, or `only` what is "heard" or "false".
+
+    The notes say what was missed and what was taken for a stop.
+    """
     ears, figures, notes = Ears(read_weights()), [], {}
-    for name, (snr_db, wanted) in CONDITIONS.items():
-        found = list(trials(half, ears, snr_db, 1 if quick else 2))
-        figures += _recall(name, found, wanted)
-        notes[f"Missed, {name}"] = tuple(
-            f"{t.voice}, {t.said}, {t.noise}" for t in found if not t.heard
+    if only != "false":
+        for name, (snr_db, wanted) in CONDITIONS.items():
+            found = list(trials(half, ears, snr_db, 1 if quick else 2))
+            figures += _recall(name, found, wanted)
+            missed = (f"{t.voice}, {t.said}, {t.noise}" for t in found if not t.heard)
+            notes[f"Missed, {name}"] = tuple(missed)
+        share = share_of_a_core(StopSpotter(ears.weights))
+        figures.append(
+            Figure.of("core", "What it takes", "share of a core", [share], "%", wanted=3.0)
         )
-    total, wrong = 0.0, []
-    for what, hours in HOURS.items():
-        took, some = false_stops(ears, half, what, hours / (40 if quick else 1))
+    if only != "heard":
+        some, wrong = _false(ears, half, hours / (40 if quick else 1))
+        number, alarms = alike(ears, half)
+        figures += some
+        figures.append(
+            Figure.of("false.alike", FALSE, f"{number} words that sound alike", [len(alarms)])
+        )
+        notes |= {"Taken for a stop": tuple(wrong), "Sounds alike": tuple(alarms)}
+    return Measured(figures=tuple(figures), notes=notes)
+
+
+def _false(ears: Ears, half: Half, hours: float) -> tuple[list[Figure], list[str]]:
+    """How often it stops in so many hours, by what was heard, and at what."""
+    figures, total, wrong = [], 0.0, []
+    for what, share in SHARES.items():
+        took, some = false_stops(ears, half, what, share * hours)
         identifier = f"false.{what.replace(' ', '_')}"
         figures.append(Figure.of(identifier, FALSE, f"{what}, {took:.2f} h", [len(some)]))
         total, wrong = total + took, wrong + some
+    wanted = WANTED_FALSE * hours / 8
     figures.append(
-        Figure.of("false.all", FALSE, f"all, {total:.2f} h", [len(wrong)], wanted=WANTED_FALSE)
+        Figure.of("false.all", FALSE, f"all, {total:.2f} h", [len(wrong)], wanted=wanted)
     )
-    number, some = alike(ears, half)
-    figures.append(Figure.of("false.alike", FALSE, f"{number} words that sound alike", [len(some)]))
-    notes["Taken for a stop"], notes["Sounds alike"] = tuple(wrong), tuple(some)
-    share = share_of_a_core(StopSpotter(ears.weights))
-    figures.append(Figure.of("core", "What it takes", "share of a core", [share], "%", wanted=3.0))
-    return Measured(figures=tuple(figures), notes=notes)
+    return figures, wrong
 
 
 def _recall(name: str, found: Sequence[Trial], wanted: float) -> Iterator[Figure]:
@@ -302,8 +220,10 @@ def main() -> int:
     parser = argparse.ArgumentParser()
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--half", type=Half, default=Half.HELD_OUT)
+    parser.add_argument("--hours", type=float, default=8.0, help="of sound without a stop word")
+    parser.add_argument("--only", choices=("heard", "false"), default="")
     asked = parser.parse_args()
-    found = measure(asked.quick, asked.half)
+    found = measure(asked.quick, asked.half, asked.hours, asked.only)
     for one in found.figures:
         print(f"{one.what:60} {one.value:8} {one.unit:3} wanted {one.wanted}")
     for heading, lines in found.notes.items():

@@ -41,7 +41,7 @@ class Block:
 
 
 @dataclass(frozen=True, slots=True)
-class Weights:
+class StopWeights:
     """Of the whole network; `words` are its outputs, the first one for none.
 
     `first` has the shape (taps * bands, channels). From `threshold` on, a word counts as said.
@@ -59,7 +59,7 @@ class Weights:
 class StopNetwork:
     """Takes rows of features as they come, and says at every step how likely each word is."""
 
-    def __init__(self, weights: Weights) -> None:
+    def __init__(self, weights: StopWeights) -> None:
         self._weights = weights
         self._taps = len(weights.first) // BANDS
         self.forget()
@@ -91,13 +91,13 @@ class StopNetwork:
         return np.asarray(grown / grown.sum(axis=1, keepdims=True), np.float32)
 
 
-def read_weights() -> Weights:
+def read_weights() -> StopWeights:
     """Those that this package brings."""
     with np.load(BytesIO(files(__package__).joinpath(WEIGHTS_FILE).read_bytes())) as data:
         return weights_of(data)
 
 
-def weights_of(data: Mapping[str, Any]) -> Weights:
+def weights_of(data: Mapping[str, Any]) -> StopWeights:
     """From the arrays of their file, which keeps them in half precision."""
 
     def floats(name: str) -> Floats:
@@ -107,7 +107,7 @@ def weights_of(data: Mapping[str, Any]) -> Weights:
         Block(floats(f"block{n}"), floats(f"block_bias{n}"), int(dilation))
         for n, dilation in enumerate(data["dilations"])
     )
-    return Weights(
+    return StopWeights(
         tuple(str(word) for word in data["words"]), floats("first"), floats("first_bias"), blocks,
         floats("last"), floats("last_bias"), float(data["threshold"]),
     )  # fmt: skip

@@ -65,7 +65,7 @@ CHAT = (
 )  # fmt: skip
 """What people say to each other."""
 CHATTING = (
-    "kokoro:af_heart", "kokoro:am_michael", "kokoro:bf_emma", "kokoro:bm_george", "kokoro:af_bella",
+    "kokoro:af_heart", "kokoro:am_michael", "kokoro:bf_emma", "kokoro:bm_fable", "kokoro:af_bella",
     "kokoro:am_adam", "kokoro:bf_isabella", "kokoro:bm_lewis", "kokoro:af_sky", "kokoro:bm_daniel",
 )  # fmt: skip
 """Who of Kokoro's voices says all of that and all of `COMMANDS`, once the others are through."""
