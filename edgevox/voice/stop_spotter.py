@@ -27,8 +27,6 @@ class StopJudge:
     was most like.
     """
 
-    languages = LANGUAGES
-
     def __init__(self, weights: Weights, threshold: float | None = None) -> None:
         self.threshold = weights.threshold if threshold is None else threshold
         self.likelihood = 0.0
@@ -65,6 +63,8 @@ class StopSpotter:
 
     Used from one thread.
     """
+
+    languages = LANGUAGES
 
     def __init__(self, weights: Weights, threshold: float | None = None) -> None:
         self._features = StopFeatures()
