@@ -172,6 +172,7 @@ class Stopping:
         with self._states.gate:
             if self._executor.withdraw(because("interrupted", "spoken on"), turn):
                 self._states.enter(State.INTERRUPTED, turn)
+        self._inbox.put(inbox.Settle())
 
     def reset(self) -> None:
         """Stop everything, and forget what was said."""

@@ -25,13 +25,16 @@ AGAIN_S = 0.3
 
 
 class StopDetector(Protocol):
-    """Looks at one frame after the other; `word` is what it heard last.
+    """Looks at one frame after the other.
 
     `languages` are those whose stop words it knows, by ISO 639-1 code.
     """
 
-    word: str
     languages: frozenset[str]
+
+    @property
+    def word(self) -> str:
+        """The stop word that it heard last."""
 
     def heard(self, samples: Samples) -> bool:
         """Whether a stop word has just been said; 512 samples of int16 at 16 kHz, in order."""
