@@ -17,8 +17,9 @@ ASK_FROM, SURE_FROM = 0.5, 0.8
 """Below the first nothing is done, from the second on it is done unasked; between, one asks."""
 
 HEARD_FROM = 0.75
-"""A motion whose words are less sure to have been said is asked about. Measured on four voices: in
-quiet none is below 0.89; in noise whatever would have moved wrongly is below 0.7."""
+"""A motion whose words are less sure to have been said is asked about. Measured on eight voices to
+tune with: in quiet none was below 0.85; a "turn left" for a right turn in noise was at 0.748. Of 64
+commands held out at 5 dB one moved wrongly, at 0.88."""
 
 
 @dataclass(frozen=True, slots=True)

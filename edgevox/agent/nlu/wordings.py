@@ -1,8 +1,8 @@
 """Plain ways to say what skills do, each with its call: what a misheard sentence is compared with.
 
-They come from the templates, which hold many more: of what may be left out all is but articles,
-and of several words for the same the first few stand. What takes a number has none here: a number
-that was not heard is not guessed.
+They come from the templates, which hold many more: of what may be left out all is but articles
+before names, and of several words for the same the first few stand. What takes a number has none
+here: a number that was not heard is not guessed.
 """
 
 import itertools
@@ -111,17 +111,22 @@ class _TemplateExpander:
             rule = parse_sentence(self._rules[expression.rule_name])
             yield from self.expanded(rule.expression)
         elif isinstance(expression, Alternative) and expression.is_optional:
-            yield self._article(expression), ()
+            yield "", ()
         elif isinstance(expression, Alternative):
             usual = expression.items[:_MOST_ALTERNATIVES]
             yield from _in_turns(self.expanded(item) for item in usual)
         elif isinstance(expression, Group):
-            yield from _joined([list(self._some(item)) for item in expression.items])
+            yield from _joined([self._part(expression, at) for at in range(len(expression.items))])
 
-    def _article(self, optional: Alternative) -> str:
-        """The first thing that may be left out, if it is an article."""
-        first = next(self.expanded(optional.items[0]), ("", ()))[0]
-        return first if first.strip() in self._articles else ""
+    def _part(self, group: Group, at: int) -> list[_Choice]:
+        """What may stand there: an article before a name, though it may be left out."""
+        part = group.items[at]
+        if isinstance(part, Alternative) and part.is_optional:
+            article = next(self.expanded(part.items[0]), ("", ()))[0]
+            named = any(isinstance(one, ListReference) for one in group.items[at + 1 : at + 3])
+            if named and article.strip() in self._articles:
+                return [(article, ())]
+        return list(self._some(part))
 
     def _some(self, expression: Expression) -> Iterator[_Choice]:
         return itertools.islice(self.expanded(expression), _MOST_FRAMES)
