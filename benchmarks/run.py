@@ -34,7 +34,6 @@ BENCHMARKS = {
     "ros2": "messages, round trips, an idle robot, rates, images",
     "language_model": "the language model beside plain llama-cpp-python",
     "hearing": "speech to text beside plain faster-whisper",
-    "duplex": "who is heard through the robot's own voice, and whether it hears itself",
     "robots": "every body beside its simulator alone",
     "overhead": "what logs, metrics and diagnostics cost",
     "voice": "hearing, answering aloud, barging in, an hour of listening",
