@@ -35,7 +35,6 @@ BENCHMARKS = {
     "language_model": "the language model beside plain llama-cpp-python",
     "hearing": "speech to text beside plain faster-whisper",
     "noise": "plain commands in quiet and in noise, and what is heard out of noise alone",
-    "duplex": "who is heard through the robot's own voice, and whether it hears itself",
     "robots": "every body beside its simulator alone",
     "overhead": "what logs, metrics and diagnostics cost",
     "voice": "hearing, answering aloud, barging in, an hour of listening",

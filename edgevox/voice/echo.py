@@ -69,13 +69,16 @@ class EchoFilter(Protocol):
 class EchoGate:
     """Decides for each frame whether it may be somebody else's voice.
 
-    `audible` says how loud the robot plays now, root mean square. With `shut` False all passes.
+    `audible` says how loud the robot plays now, root mean square; its echo goes on for `tail_s`.
+    With `shut` False all passes.
     """
 
-    def __init__(self, audible: Callable[[], float], *, shut: bool = True) -> None:
+    def __init__(
+        self, audible: Callable[[], float], *, shut: bool = True, tail_s: float = TAIL_S
+    ) -> None:
         self._audible = audible
         self._shut = shut
-        self._played: deque[float] = deque(maxlen=round(TAIL_S / FRAME_S))
+        self._played: deque[float] = deque(maxlen=round(tail_s / FRAME_S))
         self._loudest = 0.0
         self._open = 0
         self.coupling = LOUDEST

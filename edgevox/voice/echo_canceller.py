@@ -27,6 +27,10 @@ log = get_logger(__name__)
 AFTER_S = 1.0
 """So long after the last sound that was played, nothing is to be taken out any more."""
 
+TAIL_S = 0.5
+"""What is cancelled may come from another computer, later than the echo of a card; until it is
+measured to be cancelled, the gate must know of that."""
+
 
 def open_echo(
     echo: Echo,
@@ -56,7 +60,7 @@ class EchoCanceller:
         self._position = CapturePosition()
         self._filter = AdaptiveFilter()
         self._suppressor = FrameCanceller(engine)
-        self._gate = EchoGate(audible)
+        self._gate = EchoGate(audible, tail_s=TAIL_S)
         self._silent_s = AFTER_S
         self.loss = EchoLoss()
 
