@@ -158,7 +158,9 @@ def _others(seconds: float) -> Iterator[Samples]:
 def _sentences() -> Iterator[tuple[str, str]]:
     for file in sorted((TESTS / "corpus").glob("*.yaml")):
         if (code := file.stem.split("_")[0]) in LANGUAGES:
-            yield from ((code, text) for text in _said(yaml.safe_load(file.read_text("utf-8"))))
+            yield from (
+                (code, text) for text in _said(list(yaml.safe_load_all(file.read_text("utf-8"))))
+            )
 
 
 def _said(node: object) -> Iterator[str]:
