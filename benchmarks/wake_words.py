@@ -36,7 +36,7 @@ KOKORO = (
     "af_heart", "af_bella", "af_nicole", "af_sky", "am_adam", "am_michael",
     "bf_emma", "bf_isabella", "bm_george", "bm_lewis",
 )  # fmt: skip
-ESPEAK = ("en-us", "en-gb", "en-gb-scotland", "en-us+f2", "en-gb+m3")
+ESPEAK = ("en-us", "en", "en-029", "en-gb-scotland", "en-gb-x-rp")
 SNR_DB = 10.0
 LEVEL = 0.05
 OTHER_S = 1200.0
@@ -54,7 +54,8 @@ def measure(quick: bool = False) -> Measured:
     """Both engines on the same sounds."""
     try:
         rng = np.random.default_rng(5)
-        calls = {phrase: list(_calls(phrase, quick)) for phrase in PHRASES}
+        pool = VoicePool(len(KOKORO))
+        calls = {phrase: list(_calls(phrase, pool, quick)) for phrase in PHRASES}
         said = {
             phrase: [(_judged(sound), _judged(_noisy(sound, rng))) for sound in sounds]
             for phrase, sounds in calls.items()
@@ -123,8 +124,7 @@ def _judged(sound: Samples) -> list[Judged]:
     return [(frame.samples, vad.probability(frame.samples)) for frame in frames(sound)]
 
 
-def _calls(phrase: str, quick: bool) -> Iterator[Samples]:
-    pool = VoicePool()
+def _calls(phrase: str, pool: VoicePool, quick: bool) -> Iterator[Samples]:
     for name in KOKORO[: 2 if quick else None]:
         yield _in_a_room(says("en", name, f"{phrase}.", pool))
     for language in ESPEAK[: 1 if quick else None]:
@@ -158,7 +158,9 @@ def _others(seconds: float) -> Iterator[Samples]:
 def _sentences() -> Iterator[tuple[str, str]]:
     for file in sorted((TESTS / "corpus").glob("*.yaml")):
         if (code := file.stem.split("_")[0]) in LANGUAGES:
-            yield from ((code, text) for text in _said(yaml.safe_load(file.read_text("utf-8"))))
+            yield from (
+                (code, text) for text in _said(list(yaml.safe_load_all(file.read_text("utf-8"))))
+            )
 
 
 def _said(node: object) -> Iterator[str]:

@@ -14,6 +14,8 @@ from edgevox.ros2 import split_ros_args
 
 DOCTOR = "doctor"
 """The first argument that asks for the doctor instead."""
+LISTEN = "listen"
+"""The first argument that shows what is heard instead."""
 OF_ROBOTS = FOR_BODIES | {
     "frame_prefix",
     "odom_frame",
@@ -27,6 +29,10 @@ OF_ROBOTS = FOR_BODIES | {
 def main(argv: Sequence[str] | None = None) -> int:
     """Run it; the process's exit code."""
     given = list(sys.argv[1:] if argv is None else argv)
+    if given[:1] == [LISTEN]:
+        from edgevox.apps.listen import main as listen
+
+        return listen(given[1:])
     if given[:1] == [DOCTOR]:
         from edgevox.apps.doctor.command import main as doctor
 
@@ -53,9 +59,13 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="edgevox",
         description="A voice agent to talk to. edgevox-agent is one with a robot's body;"
-        " edgevox doctor checks this machine.",
+        " edgevox listen shows what a microphone hears; edgevox doctor checks this machine.",
         epilog="Settings come from a --config file, then EDGEVOX_* variables, then these flags.",
     )
     parser.add_argument("--version", action="version", version=__version__)
     add_flags(parser, [name for name in Settings.model_fields if name not in OF_ROBOTS])
     return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -12,12 +12,13 @@ from edgevox.models.store import default_root
 def written_folders(
     settings: Settings, environment: Mapping[str, str] = os.environ
 ) -> tuple[Path, ...]:
-    """Where EdgeVox may write: models, ROS 2's logs, what is temporary, places, recordings."""
+    """Where EdgeVox may write: models, ROS 2's logs, what is temporary, places, and sound."""
     out = settings.audio_out
     sound = [Path(out).absolute().parent] if out.lower().endswith(".wav") else []
     temporary = Path(tempfile.gettempdir())
     places = places_folder(settings, environment)
-    return (default_root(environment), ros_logs(environment), temporary, places, *sound)
+    kept = [settings.keep_audio.expanduser()] if settings.keep_audio else []
+    return (default_root(environment), ros_logs(environment), temporary, places, *sound, *kept)
 
 
 def places_folder(settings: Settings, environment: Mapping[str, str] = os.environ) -> Path:

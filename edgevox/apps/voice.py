@@ -22,6 +22,7 @@ from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
 from edgevox.models import locate
 from edgevox.voice.audio import AudioSink, AudioSource
+from edgevox.voice.kept_audio import MOST_BYTES, MOST_UTTERANCES, KeptAudio
 from edgevox.voice.listener import Listener
 from edgevox.voice.played_sound import PlayedSound
 from edgevox.voice.sentence_synthesiser import SentenceSynthesiser
@@ -32,6 +33,8 @@ from edgevox.voice.sources.open_source import ROS2, open_source
 from edgevox.voice.sources.pushed import Pushed
 from edgevox.voice.speech_output import SpeechOutput
 from edgevox.voice.stop_spotter import open_stop_spotter
+from edgevox.voice.stt.keeping import KeepingSpeechToText
+from edgevox.voice.stt.speech_to_text import SpeechToText
 from edgevox.voice.stt.watched import WatchedSpeechToText
 from edgevox.voice.stt.whisper import Whisper
 from edgevox.voice.tts.pool import VoicePool
@@ -93,9 +96,7 @@ def build_voice(
     wakeword = open_wakeword(settings)
     if wakeword:
         stack.callback(wakeword.close)
-    whisper = Whisper(_hearing_model, prompt_of=HearingPrompts(SkillSet(skills)))
-    stt = WatchedSpeechToText(whisper)
-    stack.callback(stt.close)
+    stt, heard_by = open_hearing(stack, settings, HearingPrompts(SkillSet(skills)))
     pool = VoicePool()
     speech_output = SpeechOutput(SentenceSynthesiser(present_voices(controls), pool), sink)
     stack.callback(bus.subscribe(ControlChanged, lambda change: _prepare(speech_output, change)))
@@ -108,8 +109,33 @@ def build_voice(
         wakeword,
         connected,
         played,
-        weights=lambda: {"stt": whisper.loaded, "tts": pool.files},
+        weights=lambda: {"stt": heard_by(), "tts": pool.files},
     )
+
+
+def written_example(language: str) -> str:
+    """A sentence of the phrasebook, as hearing writes what it hears."""
+    return phrasebook(language).hearing.written
+
+
+def open_hearing(
+    stack: ExitStack, settings: Settings, prompt_of: Callable[[str], str] = written_example
+) -> tuple[WatchedSpeechToText, Callable[[], Iterable[Path]]]:
+    """What makes words of sound, and which folders of models it has loaded.
+
+    `prompt_of` tells it, by language, what it may expect. Raises `InvalidValue` for a folder of
+    `keep_audio` that cannot be written.
+    """
+    whisper = Whisper(_hearing_model, prompt_of=prompt_of)
+    hears: SpeechToText = whisper
+    if settings.keep_audio:
+        kept = KeptAudio(settings.keep_audio)
+        hears = KeepingSpeechToText(whisper, kept)
+        most_mb = MOST_BYTES // 1_000_000
+        log.warning("audio_is_kept", folder=str(kept.folder), most=MOST_UTTERANCES, most_mb=most_mb)
+    stt = WatchedSpeechToText(hears)
+    stack.callback(stt.close)
+    return stt, lambda: whisper.loaded
 
 
 def warm_up_hearing(voice: VoiceChain, language: str) -> None:

@@ -156,6 +156,11 @@ class Settings(BaseSettings):
         description="listen only after this wake word, such as 'hey jarvis', or that of a"
         " microWakeWord .json file; empty: always",
     )
+    keep_audio: Path | None = Field(
+        None,
+        description="folder that keeps the last 200 utterances as WAV files, with what was"
+        " understood; they are people's voices",
+    )
     wakeword_engine: WakeEngine = Field(
         "micro",
         description="what hears the wake word; openwakeword may not be used commercially",

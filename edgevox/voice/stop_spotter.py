@@ -10,7 +10,7 @@ import numpy as np
 
 from edgevox.voice.audio import FRAME_S, Samples
 from edgevox.voice.stop_features import Floats, StopFeatures
-from edgevox.voice.stop_network import StopNetwork, Weights, read_weights
+from edgevox.voice.stop_network import StopNetwork, StopWeights, read_weights
 
 SMOOTHED_STEPS = 3
 """The mean of so many steps of 16 ms counts: no single one stops a robot."""
@@ -27,7 +27,7 @@ class StopJudge:
     was most like.
     """
 
-    def __init__(self, weights: Weights, threshold: float | None = None) -> None:
+    def __init__(self, weights: StopWeights, threshold: float | None = None) -> None:
         self.threshold = weights.threshold if threshold is None else threshold
         self.likelihood = 0.0
         self.word = ""
@@ -66,7 +66,7 @@ class StopSpotter:
 
     languages = LANGUAGES
 
-    def __init__(self, weights: Weights, threshold: float | None = None) -> None:
+    def __init__(self, weights: StopWeights, threshold: float | None = None) -> None:
         self._features = StopFeatures()
         self._network = StopNetwork(weights)
         self._judge = StopJudge(weights, threshold)

@@ -139,7 +139,7 @@ def heard_of(speech):
 
 
 def test_with_a_wake_word_it_obeys_who_says_it_and_hears_nothing_while_muted(voiced):
-    _, peer, microphone = voiced("--wakeword", "hey jarvis")
+    _, peer, microphone = voiced("--wakeword", "alexa")
     transcription, wakeword = peer.listen("transcription"), peer.listen("wakeword")
     info = peer.listen("info")
     level = hear(peer, Float32, peer.name("audio_level"), SENSOR)
@@ -149,15 +149,15 @@ def test_with_a_wake_word_it_obeys_who_says_it_and_hears_nothing_while_muted(voi
     peer.send("command", "list_voices")  # the two are taken in this order
     info.wait_for(lambda _: True)
     muted_from = len(level.messages)
-    microphone.hears(np.concatenate([says("hey jarvis, where are you"), quiet(1.0)]))
+    microphone.hears(np.concatenate([says("alexa, where are you"), quiet(1.0)]))
     levels_while_muted = level.messages[muted_from + 1 :]  # one was on its way
     peer.send("command", "unmute")
     level.wait_for(lambda _: True, since=muted_from + 1)
     unmuted = [len(transcription.messages), len(wakeword.messages)]
-    microphone.hears(says("hey jarvis, where are you"))
+    microphone.hears(says("alexa, where are you"))
 
     assert "where are you" in transcription.wait_for(lambda _: True).lower()
-    assert wakeword.messages == ["hey jarvis"]
-    assert "jarvis" not in transcription.messages[0].lower()
+    assert wakeword.messages == ["alexa"]
+    assert "alexa" not in transcription.messages[0].lower()
     assert levels_while_muted == []
     assert unmuted == [0, 0]

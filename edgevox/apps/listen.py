@@ -1,0 +1,139 @@
+"""`edgevox listen`: what a microphone hears and what is made of it, live, without an agent."""
+
+import argparse
+import sys
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from typing import TYPE_CHECKING
+
+from edgevox.agent.safety import SafetyWords
+from edgevox.apps.flags import add_flags, given_flags
+from edgevox.apps.run_program import run_program, set_up_logs
+from edgevox.apps.shutdown_signals import ShutdownSignals
+from edgevox.apps.streams import with_streams
+from edgevox.core.errors import EdgeVoxError
+from edgevox.core.settings import Settings, load_settings
+from edgevox.ros2 import split_ros_args
+
+if TYPE_CHECKING:
+    from edgevox.voice.sources.pushed import Pushed
+
+FLAGS = (
+    "audio_in", "wakeword", "wakeword_engine", "language", "keep_audio", "ros2_namespace",
+    "log_level", "log_format",
+)  # fmt: skip
+PROGRAM = "edgevox listen"
+
+
+@with_streams(PROGRAM)
+def main(argv: Sequence[str] | None = None) -> int:
+    """Listen until the sound is over or somebody ends it; the process's exit code."""
+    own, ros = split_ros_args(list(sys.argv[2:] if argv is None else argv))
+    arguments = _parser().parse_args(own)
+
+    def prepare() -> Callable[[], bool]:
+        settings = load_settings(given_flags(arguments), arguments.config)
+        set_up_logs(PROGRAM, settings)
+        return lambda: _listen(settings, ros, live=sys.stdout.isatty())
+
+    return run_program(PROGRAM, prepare)
+
+
+def _listen(settings: Settings, ros_args: Sequence[str], *, live: bool) -> bool:
+    with ExitStack() as stack, ShutdownSignals(settings.leave_s):
+        listen(stack, settings, write=_write, live=live, ros_args=ros_args)
+    return True
+
+
+def listen(
+    stack: ExitStack,
+    settings: Settings,
+    *,
+    write: Callable[[str], object],
+    live: bool,
+    ros_args: Sequence[str] = (),
+) -> None:
+    """Listen as the agent does, with its listener, until the source is over.
+
+    A file is heard at the pace of speech where somebody looks on, else as fast as it goes.
+    Raises `EdgeVoxError` for what cannot be opened.
+    """
+    from edgevox.apps.listen_view import ListenView
+    from edgevox.apps.voice import open_hearing
+    from edgevox.apps.wake_choice import open_wakeword
+    from edgevox.core.bus import Bus
+    from edgevox.core.events import WakeWordHeard
+    from edgevox.voice.hearing_meter import HearingMeter
+    from edgevox.voice.listener import Listener
+    from edgevox.voice.sources.files import WavFiles
+    from edgevox.voice.sources.open_source import open_source
+    from edgevox.voice.sources.pushed import Pushed
+    from edgevox.voice.vad import SileroVad
+
+    wakeword = open_wakeword(settings)
+    if wakeword:
+        stack.callback(wakeword.close)
+    stt, _ = open_hearing(stack, settings)
+    source = open_source(settings.audio_in, paced=live)
+    stack.callback(source.close)
+    if isinstance(source, Pushed):
+        _connect(stack, source, settings, ros_args)
+    view, bus = ListenView(write, live=live), Bus()
+    stack.callback(view.close)
+    bus.subscribe(WakeWordHeard, view.woken)
+    stop_words = SafetyWords(settings.language)
+    listener = Listener(
+        source,
+        HearingMeter(SileroVad(), view.show),
+        stt,
+        submit=view.command,
+        bus=bus,
+        language=lambda: settings.language,
+        muted=lambda: False,
+        audible=lambda: 0.0,
+        wakeword=wakeword,
+        is_stop=lambda text: stop_words.find(text) is not None,
+        echo="none",
+        lossless=isinstance(source, WavFiles),
+    )
+    stack.callback(listener.close)
+    listener.start()
+    while not listener.wait_over(1.0) and listener.alive:
+        pass
+
+
+def _connect(
+    stack: ExitStack, source: "Pushed", settings: Settings, ros_args: Sequence[str]
+) -> None:
+    """Have a node of its own fill the source from the topic `audio_in`."""
+    try:
+        from edgevox.ros2.audio_in import AudioIn
+        from edgevox.ros2.node import RosNode
+    except ModuleNotFoundError as error:
+        raise EdgeVoxError(f"audio_in ros2: got no module {error.name}, expected ROS 2") from None
+    node = RosNode(settings.ros2_namespace, ros_args, name="edgevox_listen")
+    stack.callback(node.close)
+    stack.callback(AudioIn(node.node, source).close)
+    node.start()
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog=PROGRAM,
+        description="Show what a microphone hears: level, noise, clipping, voice and words.",
+        epilog="Settings come from a --config file, then EDGEVOX_* variables, then these flags.",
+    )
+    add_flags(parser, FLAGS)
+    parser.add_argument(
+        "--source",
+        dest="audio_in",
+        default=argparse.SUPPRESS,
+        metavar="IN",
+        help="the same as --audio-in",
+    )
+    return parser
+
+
+def _write(text: str) -> None:
+    sys.stdout.write(text)
+    sys.stdout.flush()

@@ -1,0 +1,78 @@
+"""What `edgevox listen` shows: one line that is drawn anew on a terminal, else a line a second."""
+
+import threading
+from collections.abc import Callable
+
+from edgevox.core.commands import Command, Heard
+from edgevox.core.events import WakeWordHeard
+from edgevox.voice.audio import FRAME_S
+from edgevox.voice.endpoint import VOICED
+from edgevox.voice.hearing_meter import SILENT_DB, HearingMeter, HearingReading
+
+BAR = 24
+REDRAWN_S, TOLD_S = 0.1, 1.0
+_CLEAR = "\r\x1b[K"
+
+
+class ListenView:
+    """Writes readings as they come, and above them what was understood. Any thread may use it.
+
+    `live` draws over the last reading.
+    """
+
+    def __init__(self, write: Callable[[str], object], *, live: bool) -> None:
+        self._write = write
+        self._live = live
+        self._every_s = REDRAWN_S if live else TOLD_S
+        self._due_s = self._every_s
+        self._lock = threading.Lock()
+
+    def show(self, meter: HearingMeter) -> None:
+        """Show what was measured, if it is time."""
+        if meter.heard_s < self._due_s:
+            return
+        self._due_s = meter.heard_s + self._every_s - FRAME_S / 2
+        reading = meter.reading()
+        with self._lock:
+            line = as_line(reading)
+            if self._live:
+                self._write(f"{_CLEAR}{_bar(reading.level_db)} {line}")
+            else:
+                self._write(f"{reading.heard_s:7.1f} s  {line}\n")
+
+    def command(self, command: Command) -> None:
+        """Tell what was understood."""
+        if isinstance(command, Heard):
+            self._tell(f'heard "{command.text}"' if command.text else "no words in what was heard")
+
+    def woken(self, event: WakeWordHeard) -> None:
+        """Tell that the wake word was heard."""
+        self._tell(f'wake word "{event.phrase}"')
+
+    def close(self) -> None:
+        """Leave the line that is drawn anew."""
+        if self._live:
+            self._write("\n")
+
+    def _tell(self, line: str) -> None:
+        with self._lock:
+            self._write(f"{_CLEAR if self._live else ''}  {line}\n")
+
+
+def as_line(reading: HearingReading) -> str:
+    """A reading in words and figures."""
+    noise = reading.signal_to_noise_db
+    return "  ".join(
+        (
+            f"level {reading.level_db:4.0f} dB",
+            f"floor {reading.floor_db:4.0f} dB",
+            "signal/noise    - " if noise is None else f"signal/noise {noise:3.0f} dB",
+            f"clipped {100 * reading.clipped_share:4.1f} %",
+            f"voice {reading.voice:4.2f}" + (" speech" if reading.voice >= VOICED else ""),
+        )
+    )
+
+
+def _bar(level_db: float) -> str:
+    full = round(BAR * (1 - level_db / SILENT_DB))
+    return "[" + "#" * full + " " * (BAR - full) + "]"

@@ -1,0 +1,98 @@
+"""What a microphone hears, in figures: level, noise floor, signal to noise, clipping, voice."""
+
+import math
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from edgevox.voice.audio import FRAME_S, Samples
+from edgevox.voice.endpoint import VOICED
+from edgevox.voice.level import rms
+from edgevox.voice.vad import VoiceDetector
+
+SILENT_DB = -96.0
+"""What 16 bits can hold least: nothing is quieter."""
+WINDOW_S = 10.0
+"""Floor, signal and clipping are told of the last so many seconds."""
+FLOOR_SHARE = 0.1
+"""The floor is the level that this share of the frames stays below."""
+CLIPPED_FROM = 32_700
+"""A sample this large is at the end of what 16 bits can hold."""
+
+
+@dataclass(frozen=True, slots=True)
+class HearingReading:
+    """Levels in decibels of full scale. `signal_to_noise_db` is None until somebody spoke.
+
+    `voice` is the highest probability of a voice since the reading before.
+    """
+
+    heard_s: float
+    level_db: float
+    floor_db: float
+    signal_to_noise_db: float | None
+    clipped_share: float
+    voice: float
+
+
+class HearingMeter:
+    """Implements `VoiceDetector` by another one, and measures all that it is given.
+
+    `show` is called with it after each frame, on the thread that gave the frame.
+    """
+
+    def __init__(
+        self, vad: VoiceDetector, show: Callable[["HearingMeter"], object] = lambda _: None
+    ) -> None:
+        self._vad = vad
+        self._show = show
+        frames = round(WINDOW_S / FRAME_S)
+        self._levels: deque[float] = deque(maxlen=frames)
+        self._voices: deque[float] = deque(maxlen=frames)
+        self._clipped: deque[float] = deque(maxlen=frames)
+        self._frames = 0
+        self._voice = 0.0
+
+    @property
+    def heard_s(self) -> float:
+        """How much sound it was given."""
+        return self._frames * FRAME_S
+
+    def probability(self, samples: Samples) -> float:
+        """See `VoiceDetector.probability`."""
+        voice = self._vad.probability(samples)
+        wide = samples.astype(np.int32)
+        self._levels.append(_decibels(rms(samples)))
+        self._voices.append(voice)
+        self._voice = max(self._voice, voice)
+        self._clipped.append(float(np.mean(np.abs(wide) >= CLIPPED_FROM)))
+        self._frames += 1
+        self._show(self)
+        return voice
+
+    def reset(self) -> None:
+        """See `VoiceDetector.reset`; what was measured stays."""
+        self._vad.reset()
+
+    def reading(self) -> HearingReading:
+        """How it is now. Call it from the thread that gives the frames."""
+        if not self._levels:
+            return HearingReading(0.0, SILENT_DB, SILENT_DB, None, 0.0, 0.0)
+        voice, self._voice = self._voice, 0.0
+        levels = np.array(self._levels)
+        floor_db = float(np.quantile(levels, FLOOR_SHARE))
+        spoken = levels[np.array(self._voices) >= VOICED]
+        return HearingReading(
+            heard_s=self.heard_s,
+            level_db=float(levels[-1]),
+            floor_db=floor_db,
+            signal_to_noise_db=float(np.median(spoken)) - floor_db if spoken.size else None,
+            clipped_share=float(np.mean(self._clipped)),
+            voice=voice,
+        )
+
+
+def _decibels(level: float) -> float:
+    return max(SILENT_DB, 20 * math.log10(level)) if level > 0.0 else SILENT_DB

@@ -1,0 +1,100 @@
+"""Keeps what was heard in a folder, for a site that wants to find out why it was misheard.
+
+Each utterance is a WAV file and a JSON file of one line beside it, of the same name. Both are only
+for this user to read, and named by the time and a number alone, never by what was said.
+"""
+
+import json
+import os
+import re
+import threading
+import wave
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+
+from edgevox.core.errors import InvalidValue
+from edgevox.voice.audio import RATE_HZ, Samples
+
+MOST_UTTERANCES = 200
+MOST_BYTES = 100_000_000
+"""The oldest are deleted first, so that there are never more, nor larger ones together."""
+
+_OURS = re.compile(r"heard-\d{8}T\d{6}Z-\d{6}\.(?:wav|json)")
+
+
+class KeptAudio:
+    """A bounded folder of utterances. May be used from any thread.
+
+    Raises `InvalidValue` for a folder that cannot be written. Files that are not its own are left
+    alone.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        *,
+        most_utterances: int = MOST_UTTERANCES,
+        most_bytes: int = MOST_BYTES,
+    ) -> None:
+        self.folder = folder.expanduser()
+        self._most_utterances, self._most_bytes = most_utterances, most_bytes
+        self._lock = threading.Lock()
+        try:
+            self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            if not os.access(self.folder, os.W_OK | os.X_OK):
+                raise PermissionError(0, "Permission denied")
+            self._number = max((_number(one) for one in self._names()), default=0)
+        except OSError as error:
+            reason = f"a folder that can be written ({error.strerror})"
+            raise InvalidValue("keep_audio", str(folder), reason) from None
+
+    def keep(self, samples: Samples, about: Mapping[str, object]) -> Path:
+        """Write an utterance at 16 kHz and what is known of it; the WAV file. Raises `OSError`."""
+        with self._lock:
+            self._number += 1
+            now = datetime.now(UTC)
+            stem = f"heard-{now:%Y%m%dT%H%M%SZ}-{self._number % 1_000_000:06}"
+            line = {"at": now.isoformat(timespec="milliseconds"), **about}
+            self._write(f"{stem}.json", (json.dumps(line, ensure_ascii=False) + "\n").encode())
+            path = self._write_wav(f"{stem}.wav", samples)
+            self._delete_oldest()
+            return path
+
+    def _write(self, name: str, data: bytes) -> None:
+        with os.fdopen(self._create(name), "wb") as file:
+            file.write(data)
+
+    def _write_wav(self, name: str, samples: Samples) -> Path:
+        with os.fdopen(self._create(name), "wb") as raw, wave.open(raw, "wb") as file:
+            file.setnchannels(1)
+            file.setsampwidth(2)
+            file.setframerate(RATE_HZ)
+            file.writeframes(samples.astype("<i2").tobytes())
+        return self.folder / name
+
+    def _create(self, name: str) -> int:
+        """A new file and no other: a link of that name is not followed."""
+        flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
+        return os.open(self.folder / name, flags, 0o600)
+
+    def _delete_oldest(self) -> None:
+        stems: dict[str, int] = {}
+        for name in self._names():
+            size = (self.folder / name).lstat().st_size
+            stem = name.partition(".")[0]
+            stems[stem] = stems.get(stem, 0) + size
+        total = sum(stems.values())
+        for stem in sorted(stems)[:-1]:  # the newest stays, however large it is
+            if len(stems) <= self._most_utterances and total <= self._most_bytes:
+                return
+            for suffix in ("wav", "json"):
+                (self.folder / f"{stem}.{suffix}").unlink(missing_ok=True)
+            total -= stems.pop(stem)
+
+    def _names(self) -> list[str]:
+        return [one.name for one in self.folder.iterdir() if _OURS.fullmatch(one.name)]
+
+
+def _number(name: str) -> int:
+    return int(name.partition(".")[0].rpartition("-")[2])

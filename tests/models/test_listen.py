@@ -1,0 +1,86 @@
+"""`edgevox listen`, as a person starts it on a recording: figures, words, and what is kept."""
+
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from guards import HUNG_S
+from listener_rig import loud, noises, says_espeak, says_piper, silence
+from test_voice_program import write_wav
+from voice_engines import words
+
+from edgevox.voice.audio import RATE_HZ
+
+LISTEN = (sys.executable, "-m", "edgevox.apps.edgevox", "listen")
+
+
+def listen(*arguments):
+    done = subprocess.run(
+        [*LISTEN, *map(str, arguments)],
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=HUNG_S,
+    )
+    return done.returncode, done.stdout.splitlines(), done.stderr
+
+
+@pytest.fixture
+def recording(tmp_path):
+    """A command in the hiss of a room, 30 dB below it."""
+    file = tmp_path / "said.wav"
+    said = loud(says_espeak("go to the kitchen", "en-us"), 0.08)
+    sound = np.concatenate([silence(1.0), said, silence(1.0)])
+    write_wav(file, sound + loud(noises(sound.size / RATE_HZ)["hiss"], 0.0025)[: sound.size])
+    return file
+
+
+def test_a_recording_gives_figures_and_words_and_is_kept_if_asked(recording, tmp_path):
+    folder = tmp_path / "kept"
+
+    code, lines, errors = listen("--source", recording, "--keep-audio", folder)
+
+    assert code == 0, errors
+    assert any("signal/noise" in line and "speech" in line for line in lines)
+    (heard,) = [line for line in lines if "heard" in line]
+    assert words(heard)[1:] == words("go to the kitchen")
+    assert "audio_is_kept" in errors
+    kept = [json.loads(one.read_text("utf-8")) for one in sorted(folder.glob("*.json"))]
+    assert words(kept[-1]["text"]) == words("go to the kitchen")
+    assert len(list(folder.glob("*.wav"))) == len(kept)
+
+
+def test_without_being_asked_nothing_is_kept(recording, tmp_path):
+    before = sorted(os.listdir(tmp_path))
+
+    code, _, errors = listen("--audio-in", recording)
+
+    assert (code, errors) == (0, "")
+    assert sorted(os.listdir(tmp_path)) == before
+
+
+def test_the_wake_word_is_told(tmp_path):
+    file = tmp_path / "said.wav"
+    write_wav(file, np.concatenate([silence(1.5), says_piper("hey jarvis"), silence(1.0)]))
+
+    _, lines, errors = listen("--source", file, "--wakeword", "hey jarvis")
+
+    assert '  wake word "hey jarvis"' in lines, errors
+
+
+@pytest.mark.parametrize(
+    ("flags", "reason"),
+    [
+        (("--source", "gone.wav"), "audio_in: got 'gone.wav'"),
+        (("--source", "none", "--keep-audio", "/proc/kept"), "keep_audio: got '/proc/kept'"),
+    ],
+)
+def test_what_cannot_be_opened_is_a_wrong_command_line(flags, reason):
+    code, _, errors = listen(*flags)
+
+    assert code == 2
+    assert reason in errors
+    assert "Traceback" not in errors
