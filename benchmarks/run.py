@@ -38,7 +38,6 @@ BENCHMARKS = {
     "robots": "every body beside its simulator alone",
     "overhead": "what logs, metrics and diagnostics cost",
     "voice": "hearing, answering aloud, barging in, an hour of listening",
-    "wake_words": "misses, false alarms and cost of the wake words, both engines",
     "corpus": "what becomes of what strangers say, and whether anything moves that should not",
     "image": "size and start of the container's image",
 }
