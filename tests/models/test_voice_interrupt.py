@@ -183,6 +183,7 @@ def test_a_stop_while_it_speaks_and_drives_halts_both(rig, way, room, monkeypatc
     assert (halted.word, halted.stopped) == ("stop", True)
     rig.wait_for(AgentEvent, lambda event: event.kind == "skill_cancelled")
     assert rig.wait_for(Responded).cut
+    rig.wait_for(Responded, lambda event: event.text == "Stopped.")
     assert rested(rig)
     assert rig.body.state()["goal"] is None
     assert rig.body.velocity().linear_m_s == pytest.approx(0.0, abs=0.01)
