@@ -116,22 +116,32 @@ class Stopping:
             self._withdraw(sound.ended_s)
 
     def _spotted(self, sound: StopSpotted) -> None:
-        """Stop for the sound of a stop word; what ends with it was that word, whatever it reads."""
-        stopped, waited = self._stop(because("spotted_stop"), sound.at_s + WORD_TAIL_S)
-        self._spotted_s = sound.at_s
-        self._bus.publish(SafetyPreempted(sound.word, stopped, HeardBy.SPOTTER))
+        """Stop for the sound of a stop word; what ends with it was that word, whatever it reads.
+
+        Where nothing is going on the body is halted all the same, since others may drive it; but
+        words that only sound like a stop word are then as good as any.
+        """
+        going_on = bool(self._turn() or self._executor.moving or self._programs.kept)
+        when_s = sound.at_s + WORD_TAIL_S if going_on else float("-inf")
+        stopped, waited = self._stop(because("spotted_stop"), when_s)
+        if going_on or stopped:
+            self._spotted_s = sound.at_s
+            self._bus.publish(SafetyPreempted(sound.word, stopped, HeardBy.SPOTTER))
         with self._inbox.gate:
             self._untold = _weightier(self._untold, _told(stopped=stopped, waited=waited))
         if not sound.goes_on:
             self._tell_spotted()
 
     def _tell_spotted(self, text: str = "") -> None:
-        """Say what became of a stop that was spotted, once; `text` is what its words read."""
+        """Say what became of a stop that was spotted, once; `text` is what its words read.
+
+        That nothing moved is told only to who really said the word.
+        """
         with self._inbox.gate:
             said, self._untold = self._untold, ""
         if text:
             self._bus.publish(Transcribed(clean(text)))
-        if said:
+        if said and said != _STANDING:
             self._inbox.announce(self._phrases().say(said))
 
     def _stop_word(self, word: str, words: TextInput | Heard) -> None:
@@ -144,10 +154,10 @@ class Stopping:
         why = because("heard_stop", word=word)
         stopped, waited = self._stop(why, said_s)  # before anybody is told: telling may block
         self._bus.publish(Transcribed(clean(words.text)))
-        if stopped or not spotted:
-            self._bus.publish(SafetyPreempted(word, stopped))
         with self._inbox.gate:
             untold, self._untold = self._untold, ""
+        if stopped or not spotted or untold == _STANDING:
+            self._bus.publish(SafetyPreempted(word, stopped))
         if stopped or untold or not spotted:
             told = _weightier(untold, _told(stopped=stopped, waited=waited))
             self._inbox.announce(self._phrases().say(told))

@@ -108,7 +108,17 @@ def test_a_plain_order_in_the_rest_of_the_utterance_is_done(rig):
     rig.hear("go to the bedroom", AT_S + 1.5, spotted=True)
 
     assert rig.body.sent == ["bedroom"]
-    assert rig.answers()[0] == "I am standing still."
+    assert rig.answers() == ["I am in the bedroom."]
+
+
+def test_where_nothing_is_going_on_words_are_not_lost_for_a_sound(rig):
+    rig.body.arrive()
+
+    rig.spot()
+    rig.hear("go to the bedroom", AT_S, spotted=True)
+
+    assert rig.body.sent == ["bedroom"]
+    assert rig.of(SafetyPreempted) == []
 
 
 def test_the_rest_of_the_utterance_is_asked_about_if_it_is_no_plain_order(rig):
