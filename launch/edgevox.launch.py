@@ -24,7 +24,8 @@ ARGUMENTS = {
     "policy": "YAML file that says who may ask for what, and within which limits",
     "audio_in": "microphone: a device's name, a WAV file or folder, ros2, or none",
     "audio_out": "loudspeaker: a device's name, a WAV file, ros2, or none",
-    "wakeword": "listen only after this wake word, such as 'hey jarvis'; empty: always",
+    "wakeword": "listen only after this wake word, such as 'hey jarvis', or that of a "
+    "microWakeWord .json file; empty: always",
     "echo": "own voice in the microphone: cancel it, or gate it by level; none where something "
     "else cancels it",
     "text_mode": "type instead of speaking; no sound is used",

@@ -27,7 +27,8 @@ def called_off(why: str) -> Reason:
 
     People hear the same sentence whatever it was, in their language; programs read this one.
     """
-    return because("called_off", _english()["called_off"][why])
+    text = _english()["called_off"][why]
+    return because("called_off", text)
 
 
 def in_words(sentence: str, values: Mapping[str, str | tuple[str, ...] | Reason]) -> str:

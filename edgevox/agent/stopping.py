@@ -9,7 +9,7 @@ from edgevox.agent.near_stop import NearStop
 from edgevox.agent.nlu.sounds import Phonemes
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.programs.keeper import Programs
-from edgevox.agent.reasons import because
+from edgevox.agent.reasons import because, called_off
 from edgevox.agent.safety import SafetyWords
 from edgevox.agent.skill_executor import SkillExecutor
 from edgevox.agent.states import StateMachine
@@ -180,7 +180,7 @@ class Stopping:
         if turn is None or turn.asked_s != ended_s:
             return
         with self._states.gate:
-            if self._executor.withdraw(because("interrupted", "spoken on"), turn):
+            if self._executor.withdraw(called_off("spoken_on"), turn):
                 self._states.enter(State.INTERRUPTED, turn)
         self._inbox.put(inbox.Settle())
 

@@ -12,25 +12,25 @@ DELAY_SAMPLES = 128
 """What frames may leave of a block at most; so much later comes all that it gives back."""
 
 
-class Engine(Protocol):
+class CancellingEngine(Protocol):
     """An echo canceller for samples at 16 kHz."""
 
     def process(self, near: Samples, far: Samples) -> Samples:
         """What was heard, without what was played; whole blocks."""
 
 
-def open_engine() -> Engine:
+def open_engine() -> CancellingEngine:
     """AEC3. Raises `ImportError` where the package is not installed."""
     import pywebrtc_audio
 
-    engine: Engine = pywebrtc_audio.EchoCanceller(RATE_HZ)
+    engine: CancellingEngine = pywebrtc_audio.EchoCanceller(RATE_HZ)
     return engine
 
 
 class FrameCanceller:
     """Gives frames to an engine in its own blocks, and back in ours."""
 
-    def __init__(self, engine: Engine) -> None:
+    def __init__(self, engine: CancellingEngine) -> None:
         self._engine = engine
         self.begin_after(np.zeros(FRAME_SAMPLES, np.int16))
 

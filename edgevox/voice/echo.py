@@ -53,6 +53,8 @@ class Unechoed:
     clean: Samples
     voice: Samples
     words: Samples
+    cancelled: bool = False
+    """Whether something of the robot's own voice may be left in all three."""
 
 
 class EchoFilter(Protocol):

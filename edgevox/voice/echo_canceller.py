@@ -14,7 +14,7 @@ import numpy as np
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Echo
 from edgevox.voice.adaptive_filter import AdaptiveFilter
-from edgevox.voice.aec3 import Engine, FrameCanceller, open_engine
+from edgevox.voice.aec3 import CancellingEngine, FrameCanceller, open_engine
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, Frame, Samples
 from edgevox.voice.capture_position import CapturePosition
 from edgevox.voice.echo import EchoFilter, EchoGate, Unechoed
@@ -37,7 +37,7 @@ def open_echo(
     audible: Callable[[], float],
     played: PlayedSound | None,
     *,
-    engine: Callable[[], Engine] = open_engine,
+    engine: Callable[[], CancellingEngine] = open_engine,
 ) -> EchoFilter:
     """What keeps the robot's own voice out, by the setting `echo`.
 
@@ -55,7 +55,9 @@ def open_echo(
 class EchoCanceller:
     """Cleans frames while something is played, or was just now; others it leaves as they are."""
 
-    def __init__(self, audible: Callable[[], float], played: PlayedSound, engine: Engine) -> None:
+    def __init__(
+        self, audible: Callable[[], float], played: PlayedSound, engine: CancellingEngine
+    ) -> None:
         self._played = played
         self._position = CapturePosition()
         self._filter = AdaptiveFilter()
@@ -81,7 +83,7 @@ class EchoCanceller:
         words = _samples(self._filter.push(_sound(frame.samples), _sound(played)))
         voice = self._suppressor.push(frame.samples, played)
         self.loss.push(frame.samples, voice, played)
-        return Unechoed(words, voice, words) if self.loss.enough else as_it_came
+        return Unechoed(words, voice, words, cancelled=True) if self.loss.enough else as_it_came
 
 
 def _sound(samples: Samples) -> np.ndarray[tuple[int], np.dtype[np.float64]]:

@@ -282,4 +282,4 @@ class Listener:
 
 def _is_somebody(sound: Unechoed, probability: float) -> bool:
     """Whether a voice is in it that is not the robot's own."""
-    return bool(sound.voice.any()) and probability >= VOICED
+    return probability >= VOICED if sound.cancelled else bool(sound.voice.any())

@@ -5,13 +5,12 @@
 It serves ``honk`` (SetBool), ``fold`` (Trigger) and the action ``dock`` (ExecuteSkill's type stands
 in for a docking action's), says its ``temperature`` and whether the ``door`` is open, and listens
 to ``lamp``. What it was asked stands on ``asked``. A string on ``do`` changes it while it runs:
-refuse, hang, abort, lie or obey, open or shut (the door), silent (no temperature) or die.
+refuse, hang, abort, lie or obey, open or shut (the door) or silent (no temperature).
 """
 
 import argparse
 import contextlib
 import json
-import os
 import threading
 
 import rclpy
@@ -62,8 +61,6 @@ class InterfaceRobot(Node):
 
     def change(self, message: String) -> None:
         match message.data:
-            case "die":
-                os._exit(1)
             case "open" | "shut":
                 self.open = message.data == "open"
             case "silent":

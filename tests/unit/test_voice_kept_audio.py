@@ -10,6 +10,7 @@ import pytest
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.voice.kept_audio import KeptAudio
 from edgevox.voice.stt.keeping import KeepingSpeechToText
+from edgevox.voice.stt.speech_to_text import Transcript
 
 SOUND = np.arange(16000, dtype=np.int16)
 
@@ -101,7 +102,7 @@ class Words:
     def transcribe(self, samples, language):
         if self.error:
             raise self.error
-        return self.text
+        return Transcript(self.text)
 
     def warm_up(self, language):
         """Nothing to load."""
@@ -118,7 +119,7 @@ def kept_line(folder):
 def test_what_is_understood_is_kept_with_its_words(tmp_path):
     stt = KeepingSpeechToText(Words("stop"), KeptAudio(tmp_path))
 
-    assert stt.transcribe(SOUND, "en") == "stop"
+    assert stt.transcribe(SOUND, "en").text == "stop"
 
     line = kept_line(tmp_path)
     assert (line["text"], line["language"], line["seconds"]) == ("stop", "en", 1.0)
@@ -138,5 +139,5 @@ def test_a_folder_that_is_gone_keeps_nobody_from_being_understood(tmp_path):
     kept.folder.rmdir()
     stt = KeepingSpeechToText(Words("stop"), kept)
 
-    assert stt.transcribe(SOUND, "en") == "stop"
+    assert stt.transcribe(SOUND, "en").text == "stop"
     assert stt.failed == 1

@@ -8,6 +8,6 @@ from edgevox.core.reason import Reason
 _PHRASES = OwnPhrases(Path(__file__).parent / "phrases")
 
 
-def because(code: str, *, what: str) -> Reason:
+def interface_reason(code: str, *, what: str) -> Reason:
     """The reason of this code; `what` is the interface, as the file names it."""
     return _PHRASES.because(code, what=what.strip("~/").replace("_", " ").replace("/", " "))

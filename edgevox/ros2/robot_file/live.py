@@ -8,16 +8,16 @@ from typing import Any, Protocol
 from action_msgs.msg import GoalStatus
 from rclpy.action import ActionClient
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.task import Future
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
+from edgevox.ros2.qos import interface_profile
 from edgevox.ros2.robot_file.field_paths import read_path
 from edgevox.ros2.robot_file.filling import Filling
-from edgevox.ros2.robot_file.interface_reasons import because
+from edgevox.ros2.robot_file.interface_reasons import interface_reason
 from edgevox.ros2.robot_file.outcome import holds, values_of
 from edgevox.ros2.robot_file.plan import PlannedStep
 from edgevox.ros2.robot_file.robot_file_format import ActionInterface, Publication, Topic, Wait
@@ -31,7 +31,6 @@ READ_S = 5.0
 """What was heard so long ago is no answer; unless the topic is latched, which says it once."""
 CANCEL_S = 5.0
 """So long an action that is cancelled may take to end."""
-DEPTH = 10
 
 Report = Callable[..., None]
 
@@ -57,15 +56,6 @@ def go_live(planned: PlannedStep, node: Node, clock: Clock) -> LiveStep:
     return _KINDS[planned.way](planned, node, clock)
 
 
-def _qos(topic: Topic, *, heard: bool) -> QoSProfile:
-    """Best effort hears everybody; what is latched is kept, and so reliable."""
-    if topic.latched:
-        kept = DurabilityPolicy.TRANSIENT_LOCAL
-        return QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=kept)
-    how = ReliabilityPolicy.BEST_EFFORT if heard else ReliabilityPolicy.RELIABLE
-    return QoSProfile(depth=DEPTH, reliability=how)
-
-
 class _Base:
     def __init__(self, planned: PlannedStep, node: Node, clock: Clock) -> None:
         self._planned, self._step, self._node, self._clock = planned, planned.step, node, clock
@@ -77,7 +67,7 @@ class _Base:
 
     def _failed(self, code: str) -> SkillFailed:
         log.warning("interface_failed", interface=self._name, why=code)
-        return SkillFailed(because(code, what=self._name))
+        return SkillFailed(interface_reason(code, what=self._name))
 
     def _until_there(self, look: Callable[[], bool], run: StepRun, code: str) -> None:
         try:
@@ -92,7 +82,7 @@ class Publishes(_Base):
     def __init__(self, planned: PlannedStep, node: Node, clock: Clock) -> None:
         super().__init__(planned, node, clock)
         self._how: Publication = getattr(self._step, planned.way)
-        qos = _qos(self._how, heard=False)
+        qos = interface_profile(latched=self._how.latched, heard=False)
         self._publisher = node.create_publisher(planned.type, self._name, qos)
 
     def run(self, run: StepRun) -> dict[str, Any]:
@@ -201,7 +191,7 @@ class _Hears(_Base):
         super().__init__(planned, node, clock)
         self._topic: Topic = getattr(self._step, planned.way)
         self._newest = Newest(clock)
-        qos = _qos(self._topic, heard=True)
+        qos = interface_profile(latched=self._topic.latched, heard=True)
         node.create_subscription(planned.type, self._name, self._newest.take, qos)
 
 

@@ -6,7 +6,7 @@ from typing import Any
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.log import get_logger
 from edgevox.ros2.robot_file.field_paths import read_path
-from edgevox.ros2.robot_file.interface_reasons import because
+from edgevox.ros2.robot_file.interface_reasons import interface_reason
 from edgevox.ros2.robot_file.plan import PlannedStep
 from edgevox.ros2.robot_file.robot_file_format import FieldCondition
 
@@ -39,7 +39,7 @@ def values_of(planned: PlannedStep, message: Any) -> dict[str, Any]:
     said_no = planned.way == "call" and getattr(message, "success", True) is False
     if said_no or not holds(message, planned.step.expect):
         log.warning("interface_refused", interface=what, answer=str(message)[:LONGEST_WORDS])
-        raise SkillFailed(because("refused", what=what))
+        raise SkillFailed(interface_reason("refused", what=what))
     return {name: _said(read_path(message, path)) for name, path in planned.step.result.items()}
 
 

@@ -27,7 +27,7 @@ from edgevox.core.validation import wrong
 MOST_SKILLS = 100
 MOST_STEPS = 20
 LONGEST_WAIT_S = 86_400.0
-HIGHEST_RATE_HZ = 50.0
+MOST_A_SECOND = 50.0
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Word = Annotated[str, Field(min_length=1, max_length=100)]
@@ -60,7 +60,7 @@ class Topic(Interface):
 class Publication(Topic):
     """What is published: once, or `rate_hz` times a second for `for_s`, or until it is stopped."""
 
-    rate_hz: float = Field(0.0, ge=0.0, le=HIGHEST_RATE_HZ)
+    rate_hz: float = Field(0.0, ge=0.0, le=MOST_A_SECOND)
     for_s: float = Field(0.0, ge=0.0, le=LONGEST_WAIT_S)
     at_end: Mapping[str, Any] | None = Field(
         None, description="published once when it is over, also when it was stopped"
