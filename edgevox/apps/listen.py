@@ -68,6 +68,7 @@ def listen(
     from edgevox.voice.sources.files import WavFiles
     from edgevox.voice.sources.open_source import open_source
     from edgevox.voice.sources.pushed import Pushed
+    from edgevox.voice.stop_spotter import open_stop_spotter
     from edgevox.voice.vad import SileroVad
 
     wakeword = open_wakeword(settings)
@@ -93,6 +94,7 @@ def listen(
         audible=lambda: 0.0,
         wakeword=wakeword,
         is_stop=lambda text: stop_words.find(text) is not None,
+        stop_detector=open_stop_spotter() if settings.stop_spotter else None,
         echo="none",
         lossless=isinstance(source, WavFiles),
     )

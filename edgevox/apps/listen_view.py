@@ -3,7 +3,7 @@
 import threading
 from collections.abc import Callable
 
-from edgevox.core.commands import Command, Heard
+from edgevox.core.commands import Command, Heard, StopSpotted
 from edgevox.core.events import WakeWordHeard
 from edgevox.voice.audio import FRAME_S
 from edgevox.voice.endpoint import VOICED
@@ -41,8 +41,10 @@ class ListenView:
                 self._write(f"{reading.heard_s:7.1f} s  {line}\n")
 
     def command(self, command: Command) -> None:
-        """Tell what was understood."""
-        if isinstance(command, Heard):
+        """Tell what was understood, and the stop words that were known by their sound."""
+        if isinstance(command, StopSpotted):
+            self._tell(f'sounds like "{command.word}"')
+        elif isinstance(command, Heard):
             self._tell(f'heard "{command.text}"' if command.text else "no words in what was heard")
 
     def woken(self, event: WakeWordHeard) -> None:

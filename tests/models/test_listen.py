@@ -71,6 +71,15 @@ def test_the_wake_word_is_told(tmp_path):
     assert '  wake word "hey jarvis"' in lines, errors
 
 
+def test_a_stop_word_that_is_known_by_its_sound_is_told(tmp_path):
+    file = tmp_path / "said.wav"
+    write_wav(file, np.concatenate([silence(1.0), says_espeak("Stop!"), silence(1.0)]))
+
+    _, lines, errors = listen("--source", file)
+
+    assert '  sounds like "stop"' in lines, errors
+
+
 @pytest.mark.parametrize(
     ("flags", "reason"),
     [
