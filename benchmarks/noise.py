@@ -34,7 +34,8 @@ from corpus_sentences import Calls, Sentence
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.nlu.hearing_prompt import hearing_prompt
-from edgevox.agent.nlu.interpreter import Interpreter, Meaning
+from edgevox.agent.nlu.interpreter import Interpreter
+from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import Call
 from edgevox.agent.turn import Turn

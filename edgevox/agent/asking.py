@@ -9,7 +9,8 @@ from edgevox.agent.answers import Answer, Answers
 from edgevox.agent.confirmation import OpenQuestion, Question
 from edgevox.agent.correction import correct
 from edgevox.agent.dialogue_skills import DialogueSkills
-from edgevox.agent.nlu.interpreter import Interpreter, Meaning
+from edgevox.agent.nlu.interpreter import Interpreter
+from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.performer import Performer, Prepared
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.policy import NeedsConfirmation

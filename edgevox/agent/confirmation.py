@@ -3,7 +3,7 @@
 import threading
 from dataclasses import dataclass
 
-from edgevox.agent.nlu.interpreter import Meaning
+from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import AskedCall, Confirmation, ConfirmationStatus
 from edgevox.core.bus import Bus

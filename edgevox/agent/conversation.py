@@ -87,13 +87,7 @@ class Conversation:
         self._inbox = inbox.Inbox(self._clock)
         dialogue = DialogueSkills(agents, bus, self._clock, lambda: self.interpreter.phrases, pose)
         self.interpreter = interpreter = Interpreter(
-            dialogue.agents,
-            bus,
-            self._clock,
-            model,
-            language,
-            decider=decider,
-            phonemes=phonemes,
+            dialogue.agents, bus, self._clock, model, language, decider=decider, phonemes=phonemes
         )
         self._skills = skills_of(agents)
         self._executor = SkillExecutor(

@@ -12,7 +12,7 @@ from typing import Annotated
 from edgevox.agent.agents import Agent, skills_of
 from edgevox.agent.dialogue import Dialogue
 from edgevox.agent.dialogue_answers import DialogueAnswers
-from edgevox.agent.nlu.interpreter import Meaning
+from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.programs.program import Again, Do, Program, calls_of, replaced
 from edgevox.agent.reasons import because

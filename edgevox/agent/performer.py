@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from edgevox.agent.dialogue_skills import DialogueSkills
 from edgevox.agent.goals import Goal
 from edgevox.agent.last_drive import DriveCall, LastDrive
-from edgevox.agent.nlu.interpreter import Interpreter, Meaning
+from edgevox.agent.nlu.interpreter import Interpreter
+from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.programs.keeper import Programs
 from edgevox.agent.programs.spoken import ProgramQuestions
 from edgevox.agent.skill_executor import SkillExecutor

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import pytest
 
 from edgevox.agent.llm.language_model import LanguageModel
-from edgevox.agent.nlu.interpreter import ANSWER_TOKENS, Interpreter, Meaning
+from edgevox.agent.nlu.interpreter import ANSWER_TOKENS, Interpreter
+from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.turn import Turn
 from edgevox.apps.decision import open_decider
 from edgevox.apps.robots import build_agents

@@ -7,7 +7,7 @@ from confirmation_rig import Doubts, Talk
 from guards import HUNG_S
 
 from edgevox.agent.confirmation import EXPIRES_S, OpenQuestion, Question
-from edgevox.agent.nlu.interpreter import Meaning
+from edgevox.agent.nlu.meaning import Meaning
 from edgevox.core.agent_events import (
     Confirmation,
     ConfirmationStatus,

@@ -4,7 +4,7 @@ import pytest
 from dialogue_rig import Rig, Walker
 
 from edgevox.agent.dialogue import MOST_EXCHANGES, REMEMBERED_S
-from edgevox.agent.nlu.interpreter import Meaning
+from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.skills import Call, SkillFailed, SkillSet
 from edgevox.core.agent_events import GoalStatus
 from edgevox.core.commands import Reset, RunSkill

@@ -10,7 +10,8 @@ from edgevox.agent.llm.gbnf import Matcher
 from edgevox.agent.llm.language_model import ChatMessage
 from edgevox.agent.nlu.confidence import read_head
 from edgevox.agent.nlu.decider import Decider
-from edgevox.agent.nlu.interpreter import Interpreter, Meaning
+from edgevox.agent.nlu.interpreter import Interpreter
+from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.nlu.packed_file import Floats
 from edgevox.agent.skills import Call, GoalHandle, SkillSet, skill
 from edgevox.agent.turn import Turn

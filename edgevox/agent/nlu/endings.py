@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from edgevox.agent.nlu.interpreter import Meaning
+from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.nlu.templates import RefusedCommand
 from edgevox.agent.phrase_hearing import Hearing
 from edgevox.agent.spelling import key

@@ -6,18 +6,18 @@ somebody is asked first.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 from edgevox.agent.agents import Agent, by_name
 from edgevox.agent.history import History, size_tokens
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelFailed
-from edgevox.agent.nlu.confidence import ASK_FROM, HEARD_FROM, SURE_FROM
+from edgevox.agent.nlu.confidence import ASK_FROM
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
+from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.nlu.near_commands import NearCommands
 from edgevox.agent.nlu.sounds import Phonemes
 from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
-from edgevox.agent.programs.program import Program, calls_of
+from edgevox.agent.programs.program import Program
 from edgevox.agent.programs.program_reader import ProgramReader, Unclear
 from edgevox.agent.skills import Call, Skill, SkillSet
 from edgevox.agent.spoken_lists import not_understood
@@ -40,38 +40,6 @@ BACK = "go_back"
 
 ANSWER_TOKENS = 160
 """The longest answer or sequence of calls that a model may generate."""
-
-
-@dataclass(frozen=True, slots=True)
-class Meaning:
-    """What to do about an utterance, and who found it out: ``template``, ``reading`` or ``model``.
-
-    `confidence` is that it is meant: 1 for a template; from `SURE_FROM` on it is to be done, below
-    that somebody is to be asked. What is to be done later or more than once is a `program`, and
-    has no `calls` to do at once.
-    """
-
-    agent: Agent
-    calls: tuple[Call, ...]
-    source: str
-    confidence: float = 1.0
-    program: Program | None = None
-
-    @property
-    def sure(self) -> bool:
-        """Whether to do it without asking."""
-        return self.confidence >= SURE_FROM
-
-    def heard(self, confidence: float) -> "Meaning":
-        """The same of words that are so sure to have been said: asked about if they are not."""
-        if confidence >= HEARD_FROM:
-            return self
-        return replace(self, confidence=min(self.confidence, ASK_FROM))
-
-    @property
-    def every_call(self) -> tuple[Call, ...]:
-        """All that may be called, those inside the program too."""
-        return calls_of(self.program) if self.program else self.calls
 
 
 class Interpreter:
