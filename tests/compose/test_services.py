@@ -12,7 +12,7 @@ pytestmark = pytest.mark.usefixtures("image")
 SERVICE = "edgevox-ros2"
 STATE = "/edgevox/robot_state"
 KEY = "a-key-that-nobody-sees"
-MODEL = "wake-words"
+MODEL = "micro-wake-words"
 ENOUGH_BYTES = 100_000
 
 

@@ -106,7 +106,7 @@ class VoiceRig:
         self.room = Room(paced=aloud)
         patch.setattr(voice_app, "open_source", lambda _: self.room)
         patch.setattr(
-            voice_app, "open_sink", lambda spec, relay: open_sink(spec, relay=relay, paced=aloud)
+            voice_app, "open_sink", lambda spec, **sink: open_sink(spec, **sink, paced=aloud)
         )
         if model:
             patch.setattr(composition, "open_model", lambda *_: model)
