@@ -74,13 +74,14 @@ def test_it_obeys_answers_and_stops_in_a_language_and_after_a_switch_in_another(
         said = rig.parts.voice.stt.transcribe(in_a_room(rig.answer()), language).text
         tell(rig, pool, language, spoken.stop)
         rig.wait_for(AgentEvent, lambda event: event.kind == "safety_preempt")
+        # The sound of the word may have stopped it before its words are known.
+        rig.wait_for(Transcribed, lambda event: words(event.text) == words(spoken.stop))
 
-        heard, ordered = [event.text for event in rig.of(Transcribed)]
+        heard, _ = [event.text for event in rig.of(Transcribed)]
         assert wrong_words(words(spoken.command), words(heard)) <= 1
         assert rig.calls() == [("navigate_to", {"room": "kitchen"})]
         assert response == spoken.answer
         assert wrong_words(words(response), words(said)) <= 1
-        assert wrong_words(words(spoken.stop), words(ordered)) == 0
         assert rig.body.state()["goal"] is None
 
 

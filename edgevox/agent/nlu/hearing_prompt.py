@@ -8,7 +8,7 @@ import itertools
 from collections.abc import Iterable, Iterator
 
 from edgevox.agent.nlu.wordings import wordings
-from edgevox.agent.phrase_file import phrasebook
+from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.skills import Skill, SkillSet
 
@@ -19,13 +19,19 @@ _MOST_OF_PAIRS = 4
 
 
 class HearingPrompts:
-    """Gives the prompt of each language, made anew where words were learned meanwhile."""
+    """Gives the prompt of each language, made anew where words were learned meanwhile.
+
+    Only English gets the robot's own commands: names are English in every language, and shown
+    sentences that mix two, Portuguese "Pare!" was heard as "París!".
+    """
 
     def __init__(self, skills: SkillSet) -> None:
         self._skills = skills
         self._made: dict[str, tuple[object, str]] = {}
 
     def __call__(self, code: str) -> str:
+        if code != ENGLISH:
+            return phrasebook(code).hearing.written
         words = self._skills.words()
         if code not in self._made or self._made[code][0] != words:
             prompt = hearing_prompt(self._skills.values(), phrasebook(code))
