@@ -187,12 +187,11 @@ def test_show_tokens_shows_an_answer_as_it_is_generated(agent, peer, listening):
         def ask():
             robot.send("text_input", "Tell me something about yourself.")
 
-        while not (line := first_line(listener, ask).strip()):
-            """It heard an end whose beginning it had missed."""
+        while not (line := first_line(listener, ask).strip()).endswith("a robot."):
+            """Tokens come best effort: it had missed some."""
 
         assert len(tokens.messages) > 1
         assert line in "".join(tokens.messages)
-        assert line.endswith("a robot.")
 
 
 def test_react_to_wakeword_reacts(peer, listening):
