@@ -27,16 +27,17 @@ class HearingPrompts:
 
     def __init__(self, skills: SkillSet) -> None:
         self._skills = skills
-        self._made: dict[str, tuple[object, str]] = {}
+        self._words: object = None
+        self._prompt = ""
 
     def __call__(self, code: str) -> str:
         if code != ENGLISH:
             return phrasebook(code).hearing.written
         words = self._skills.words()
-        if code not in self._made or self._made[code][0] != words:
-            prompt = hearing_prompt(self._skills.values(), phrasebook(code))
-            self._made[code] = words, prompt
-        return self._made[code][1]
+        if words != self._words:
+            self._prompt = hearing_prompt(self._skills.values(), phrasebook(code))
+            self._words = words
+        return self._prompt
 
 
 def hearing_prompt(skills: Iterable[Skill], book: Phrasebook) -> str:

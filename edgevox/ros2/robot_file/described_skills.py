@@ -1,6 +1,6 @@
 """The skills that a robot file describes, from the file to the graph."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -8,7 +8,7 @@ from hassil.parse_expression import parse_sentence
 from hassil.parser import ParseError
 from rclpy.node import Node
 
-from edgevox.agent.phrase_file import phrasebook
+from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.reasons import because as agent_because
 from edgevox.agent.skills import GoalHandle, Result, Skill, SkillFailed, SkillPhrases
 from edgevox.core.cancel import Cancelled, CancelToken
@@ -26,8 +26,6 @@ from edgevox.ros2.robot_file.plan import PlannedStep, Planner
 from edgevox.ros2.robot_file.robot_file_format import RobotFile, Sentences, SkillEntry
 
 log = get_logger(__name__)
-
-_ENGLISH = "en"
 
 
 @dataclass(eq=False)
@@ -53,7 +51,7 @@ class DescribedSkill:
     def skill(self) -> Skill:
         """As the agent takes it."""
         entry = self.entry
-        english = _words(self.name, entry, entry, _ENGLISH)
+        english = _words(self.name, entry, entry, ENGLISH)
         return Skill(
             name=self.name,
             description=entry.description,
@@ -102,7 +100,7 @@ class DescribedSkill:
             return found
         told = {code: one.failed for code, one in self.entry.languages.items() if one.failed}
         return Reason(
-            self.entry.failed, found.code, found.values, {_ENGLISH: self.entry.failed, **told}
+            self.entry.failed, found.code, found.values, {ENGLISH: self.entry.failed, **told}
         )
 
 
@@ -137,9 +135,15 @@ def _planned(name: str, entry: SkillEntry, file: YamlFile, place: Place) -> Desc
     return DescribedSkill(name, entry, steps, stop)
 
 
+def _every_language(entry: SkillEntry, at: Place) -> Iterator[tuple[Place, Sentences]]:
+    """What is said of a skill that stands `at` this place, English first, each with its place."""
+    yield at, entry
+    for code, said in entry.languages.items():
+        yield (*at, "languages", code), said
+
+
 def _check_sentences(entry: SkillEntry, file: YamlFile, place: Place) -> None:
-    for code, said in {_ENGLISH: entry, **entry.languages}.items():
-        at = place if code == _ENGLISH else (*place, "languages", code)
+    for at, said in _every_language(entry, place):
         for index, sentence in enumerate(said.sentences):
             try:
                 parse_sentence(sentence)
@@ -154,8 +158,7 @@ def _check_sentences(entry: SkillEntry, file: YamlFile, place: Place) -> None:
 
 def _check_answers(entry: SkillEntry, known: Mapping[str, str], file: YamlFile, at: Place) -> None:
     """What is said at the start knows the arguments, what is said at the end the results, too."""
-    for code, said in {_ENGLISH: entry, **entry.languages}.items():
-        place = at if code == _ENGLISH else (*at, "languages", code)
+    for place, said in _every_language(entry, at):
         for name, values in (
             ("says", entry.arguments.keys()),
             ("done", {*entry.arguments, *known}),
@@ -170,7 +173,7 @@ def _words(name: str, entry: SkillEntry, said: Sentences | None, code: str) -> S
     said = said or Sentences()
     needed = [key for key, one in entry.arguments.items() if one.default is None]
     plain = " ".join([name.replace("_", " "), *("{" + key + "}" for key in needed)])
-    made = (f"[please] {plain} [please]",) if code == _ENGLISH else ()
+    made = (f"[please] {plain} [please]",) if code == ENGLISH else ()
     return SkillPhrases(
         can=said.can,
         templates=tuple(said.sentences) or made,

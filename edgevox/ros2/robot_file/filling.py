@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from edgevox.core.errors import InvalidValue
-from edgevox.ros2.robot_file.interfaces import fields_of, interface, is_primitive, listed
+from edgevox.ros2.robot_file.interfaces import fields_of, interface, is_primitive, is_text, listed
 
 LONGEST_LIST = 10_000
 NOW = "now"
@@ -101,7 +101,7 @@ def _with_arguments(value: Any, arguments: Mapping[str, Any]) -> Any:
 
 def primitive(type_name: str, value: Any, path: str) -> Any:
     """A value as a field of this type takes it. Raises `InvalidValue` naming `path`."""
-    if type_name.startswith(("string", "wstring")):
+    if is_text(type_name):
         if not isinstance(value, str):
             raise InvalidValue(path, value, "a text")
         return value

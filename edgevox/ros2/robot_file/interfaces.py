@@ -52,6 +52,11 @@ def is_primitive(type_name: str) -> bool:
     return _PRIMITIVE.fullmatch(type_name) is not None
 
 
+def is_text(type_name: str) -> bool:
+    """Whether it is a text, bounded or not."""
+    return type_name.startswith(("string", "wstring"))
+
+
 def listed(type_name: str) -> tuple[str, int | None, int | None] | None:
     """For a list: the type in it, its fixed length, and the most that it takes; else None."""
     if match := _ARRAY.fullmatch(type_name):

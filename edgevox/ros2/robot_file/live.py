@@ -211,7 +211,7 @@ class Reads(_Hears):
 
 
 class WaitsForMessage(_Hears):
-    """WaitsForMessage until a message says that something is so."""
+    """Waits until a message says that something is so."""
 
     def run(self, run: StepRun) -> dict[str, Any]:
         how: Wait = getattr(self._step, self._planned.way)

@@ -13,7 +13,7 @@ from edgevox.core.yaml_file import YamlFile
 from edgevox.ros2.robot_file.argument_models import samples
 from edgevox.ros2.robot_file.field_paths import check_path
 from edgevox.ros2.robot_file.filling import Filling, arguments_in
-from edgevox.ros2.robot_file.interfaces import Kind, interface
+from edgevox.ros2.robot_file.interfaces import Kind, interface, is_text
 from edgevox.ros2.robot_file.robot_file_format import WAYS, Argument, FieldCondition, Step
 
 _KINDS: Mapping[str, Kind] = {
@@ -104,7 +104,7 @@ class Planner:
     def _check_condition(self, answer: Any, condition: FieldCondition, at: Place) -> None:
         type_name = self._type_at(answer, condition.field, (*at, "field"))
         compared = condition.above is not None or condition.below is not None
-        if compared and (type_name == "boolean" or type_name.startswith(("string", "wstring"))):
+        if compared and (type_name == "boolean" or is_text(type_name)):
             expected = "a number, to be above or below something"
             raise self._file.wrong((*at, "field"), condition.field, expected)
 
@@ -134,24 +134,8 @@ def _place_of(path: str) -> Place:
 
 
 def _sample_of(type_name: str) -> Any:
-    if type_name.startswith(("string", "wstring")):
+    if is_text(type_name):
         return "text"
     if type_name == "boolean":
         return True
     return 0.5 if type_name in ("float", "double") else 1
-
-
-def _check_field(answer: Any, path: str, file: YamlFile, at: Place) -> str:
-    if answer is None:
-        raise file.wrong(at, path, "nothing: what is only published has no answer")
-    try:
-        return check_path(answer, path, "")
-    except InvalidValue as error:
-        raise file.wrong(at, path, error.expected) from None
-
-
-def _check_condition(answer: Any, condition: FieldCondition, file: YamlFile, at: Place) -> None:
-    type_name = _check_field(answer, condition.field, file, at)
-    text = type_name.startswith(("string", "wstring"))
-    if text and (condition.above is not None or condition.below is not None):
-        raise file.wrong(at, condition.field, "a number, to be above or below something")
