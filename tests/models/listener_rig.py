@@ -12,6 +12,8 @@ from edgevox.models import locate
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Frame, Samples
 from edgevox.voice.resample import resampled
 from edgevox.voice.tts.espeak import open_espeak
+from edgevox.voice.vad import SileroVad
+from edgevox.voice.wakeword import WakeDetector
 
 CHATTER = """
 The weather was lovely when we walked along the river this morning.
@@ -156,3 +158,19 @@ def room_echo(sound: Samples, gain_db: float, delay_s: float = 0.06) -> Samples:
         : sound.size
     ]
     return np.convolve(late, response)[: sound.size].astype(np.int16)
+
+
+def heard_at(wakeword: WakeDetector, sound: Samples) -> list[float]:
+    """Seconds into the sound at which its phrase was heard."""
+    vad = SileroVad()
+    wakeword.reset()
+    return [
+        frame.end_s
+        for frame in frames(sound)
+        if wakeword.heard(frame.samples, vad.probability(frame.samples))
+    ]
+
+
+def in_a_room(said: Samples) -> Samples:
+    """With quiet around it."""
+    return np.concatenate([silence(1.5), said, silence(1.5)])

@@ -6,12 +6,11 @@ import json
 
 import numpy as np
 import pytest
-from listener_rig import RATE_HZ, chatter, frames, loud, noises, says_piper, silence
+from listener_rig import RATE_HZ, chatter, heard_at, in_a_room, loud, noises, says_piper, silence
 
 from edgevox.core.errors import InvalidValue
 from edgevox.models import locate
 from edgevox.voice.microwakeword import MicroWakeWord
-from edgevox.voice.vad import SileroVad
 
 PHRASES = ("alexa", "hey jarvis", "hey mycroft", "okay nabu")
 
@@ -25,21 +24,6 @@ def hey_jarvis():
     wakeword = MicroWakeWord(described("hey jarvis"))
     yield wakeword
     wakeword.close()
-
-
-def heard_at(wakeword, sound):
-    """Seconds into the sound at which it was heard."""
-    vad = SileroVad()
-    wakeword.reset()
-    return [
-        frame.end_s
-        for frame in frames(sound)
-        if wakeword.heard(frame.samples, vad.probability(frame.samples))
-    ]
-
-
-def in_a_room(said):
-    return np.concatenate([silence(1.5), said, silence(1.5)])
 
 
 @pytest.mark.parametrize("level", [0.2, 0.02])

@@ -8,11 +8,20 @@ bursts, a melody and clicks. All of it is made by `listener_rig`.
 
 import numpy as np
 import pytest
-from listener_rig import RATE_HZ, chatter, frames, loud, noises, says_espeak, says_piper, silence
+from listener_rig import (
+    RATE_HZ,
+    chatter,
+    heard_at,
+    in_a_room,
+    loud,
+    noises,
+    says_espeak,
+    says_piper,
+    silence,
+)
 
 from edgevox.core.errors import InvalidValue
 from edgevox.models import locate
-from edgevox.voice.vad import SileroVad
 from edgevox.voice.wakeword import WakeWord, phrases
 
 PHRASES = ("alexa", "hey jarvis", "hey mycroft", "hey rhasspy", "okay nabu")
@@ -24,21 +33,6 @@ def hey_jarvis():
     wakeword = WakeWord("hey jarvis", locate("wake-words"))
     yield wakeword
     wakeword.close()
-
-
-def heard_at(wakeword, sound):
-    """Seconds into the sound at which it was heard."""
-    vad = SileroVad()
-    wakeword.reset()
-    return [
-        frame.end_s
-        for frame in frames(sound)
-        if wakeword.heard(frame.samples, vad.probability(frame.samples))
-    ]
-
-
-def in_a_room(said):
-    return np.concatenate([silence(1.5), said, silence(1.5)])
 
 
 @pytest.mark.parametrize("level", [0.2, 0.02])

@@ -18,19 +18,25 @@ from waiting import wait_until
 from edgevox.core.cancel import CancelToken
 from edgevox.ros2.external.robot import ExternalRobot
 
-WHEELS = Path(__file__).with_name("wheeled_robot.py")
+HERE = Path(__file__).parent
+
+
+def wheels(*arguments: str, domain: int, namespace: str = "/"):
+    """The process of a robot on wheels."""
+    return robot_process("wheeled_robot.py", *arguments, domain=domain, namespace=namespace)
 
 
 @contextlib.contextmanager
-def wheels(*arguments: str, domain: int, namespace: str = "/"):
-    """The robot's process."""
+def robot_process(script: str, *arguments: str, domain: int, namespace: str):
+    """A robot of this folder in a process of its own."""
     environment = {
         **os.environ,
         "ROS_DOMAIN_ID": str(domain),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     }
     process = subprocess.Popen(
-        [sys.executable, str(WHEELS), "--namespace", namespace, *arguments], env=environment
+        [sys.executable, str(HERE / script), "--namespace", namespace, *arguments],
+        env=environment,
     )
     try:
         yield process

@@ -2,12 +2,10 @@
 
 import contextlib
 import json
-import os
-import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from external_rig import robot_process
 from guards import HUNG_S
 from peer import STATE, Peer
 
@@ -16,26 +14,13 @@ from edgevox.core.cancel import CancelToken
 from edgevox.core.settings import Settings
 from edgevox.ros2.external import EXTERNAL
 
-HERE = Path(__file__).parent
-ROBOT_FILE = HERE / "interface_robot.yaml"
+ROBOT_FILE = Path(__file__).with_name("interface_robot.yaml")
 NAMESPACE = "/robot1"
 
 
-@contextlib.contextmanager
 def interfaces(domain: int):
     """The robot's process."""
-    environment = {
-        **os.environ,
-        "ROS_DOMAIN_ID": str(domain),
-        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
-    }
-    command = [sys.executable, str(HERE / "interface_robot.py"), "--namespace", NAMESPACE]
-    process = subprocess.Popen(command, env=environment)
-    try:
-        yield process
-    finally:
-        process.terminate()
-        process.wait(HUNG_S)
+    return robot_process("interface_robot.py", domain=domain, namespace=NAMESPACE)
 
 
 class Asked:
