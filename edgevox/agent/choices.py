@@ -6,6 +6,9 @@ from typing import Any
 
 from pydantic_core import PydanticKnownError, core_schema
 
+MOST_HINTS = 6
+"""How many of the words that an argument takes a model is shown in examples."""
+
 
 @dataclass(frozen=True, slots=True)
 class OneOf:

@@ -21,12 +21,11 @@ _STOP = "stop"
 """The skill that halts a body; it may be called what it is."""
 
 
-def check_name(field: str, name: str, stopping: Iterable[str] = ()) -> None:
+def check_name(field: str, name: str) -> None:
     """Raise `InvalidValue`, naming `field`, for a name that people need for something else.
 
     That is one that holds a stop word of any language, or that is what people say to answer, or to
-    stop, in one of them. `stopping` are the English templates of the skill that stops; those of the
-    other languages are in their phrasebooks.
+    stop, in one of them.
     """
     said = name.replace("_", " ")
     for code in sorted(LANGUAGES, key=lambda code: code != ENGLISH):
@@ -35,7 +34,7 @@ def check_name(field: str, name: str, stopping: Iterable[str] = ()) -> None:
             raise InvalidValue(
                 field, name, f"a name without {word!r}, which stops the robot in {language}"
             )
-        if key(said) in _taken(code) | _bare(tuple(stopping), code if code == ENGLISH else ""):
+        if key(said) in _taken(code):
             raise InvalidValue(
                 field, name, f"another name: people say {said!r} to a robot in {language}"
             )
@@ -82,25 +81,17 @@ def _heard_anywhere() -> Mapping[str, list[str]]:
 def _taken(code: str) -> frozenset[str]:
     """What people say in this language that is no name, in the spelling of `key`."""
     book = phrasebook(code)
-    stop = book.skills.get(_STOP)
-    said = (*book.hearing.reserved, *book.answers.yes, *book.answers.no)
-    return frozenset(map(key, said)) | _bare(stop.templates if stop else (), code)
-
-
-@cache
-def _bare(templates: tuple[str, ...], code: str) -> frozenset[str]:
-    """The sentences that these templates are, without anything that may be left out."""
-    if not code:
-        return frozenset()
-    rules = phrasebook(code).rules
-    return frozenset(
-        key(sentence)
-        for template in templates
-        for sentence in _shortest(parse_sentence(template).expression, rules)
+    stopping = (
+        sentence
+        for template in book.skills[_STOP].templates
+        for sentence in _shortest(parse_sentence(template).expression, book.rules)
     )
+    said = (*book.hearing.reserved, *book.answers.yes, *book.answers.no, *stopping)
+    return frozenset(map(key, said))
 
 
 def _shortest(part: Expression, rules: Mapping[str, str]) -> Iterator[str]:
+    """The sentences that a template is, without anything that may be left out."""
     match part:
         case TextChunk():
             yield part.original_text

@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from edgevox.agent.phrase_file import ENGLISH, skill_phrases
+from edgevox.agent.phrase_file import ENGLISH, skill_entries
 from edgevox.agent.reasons import in_words
 from edgevox.agent.skills import SkillPhrases
 from edgevox.core.errors import InvalidValue
@@ -45,11 +45,8 @@ class OwnPhrases:
 
     def of(self, name: str) -> Mapping[str, SkillPhrases]:
         """The phrases of the skill of this name, by language."""
-        return {
-            code: skill_phrases(self._table(code, "skills")[name])
-            for code in self._by_code
-            if name in self._table(code, "skills")
-        }
+        entries = {code: skill_entries(self._table(code, "skills")) for code in self._by_code}
+        return {code: skills[name] for code, skills in entries.items() if name in skills}
 
     def because(self, code: str, /, **values: str) -> Reason:
         """The reason of this code. Raises `KeyError` for one that `en.toml` does not have."""

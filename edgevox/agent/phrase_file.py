@@ -43,7 +43,7 @@ def _book(code: str, data: Mapping[str, Any], fallback: Phrasebook | None) -> Ph
         rules=data.get("rules", {}),
         words={key(name): word_of(one) for name, one in data.get("words", {}).items()},
         unknown=word_of(data.get("unknown")),
-        skills={name: skill_phrases(one) for name, one in data.get("skills", {}).items()},
+        skills=skill_entries(data.get("skills", {})),
         reasons=data.get("reasons", {}),
         arguments=data.get("arguments", {}),
         dialogue={
@@ -105,8 +105,18 @@ def _programs(data: Mapping[str, Any]) -> ProgramPhrases:
     )
 
 
-def skill_phrases(data: Mapping[str, Any]) -> SkillPhrases:
-    """What a skill says and is called by: an entry of the table `skills`."""
+def skill_entries(table: Mapping[str, Mapping[str, Any]]) -> dict[str, SkillPhrases]:
+    """What skills say and are called by: a table `skills`.
+
+    An entry that is `like` another has of that one whatever it lacks.
+    """
+    return {
+        name: _skill_phrases({**table.get(one.get("like", ""), {}), **one})
+        for name, one in table.items()
+    }
+
+
+def _skill_phrases(data: Mapping[str, Any]) -> SkillPhrases:
     examples = [dict(one) for one in data.get("examples", ())]
     return SkillPhrases(
         can=data.get("can", ""),

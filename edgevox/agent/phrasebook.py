@@ -8,15 +8,18 @@ from itertools import zip_longest
 from typing import Any
 
 from edgevox.agent.answers import AnswerWords
+from edgevox.agent.choices import MOST_HINTS
 from edgevox.agent.phrase_forms import (
     as_part,
     bare,
     fields,
     in_english,
+    of_each_word,
     renamed,
     renamed_example,
     spoken_name,
     without_unit,
+    written_out,
 )
 from edgevox.agent.phrase_hearing import Hearing
 from edgevox.agent.phrase_numbers import Numbers, Rewriting
@@ -26,9 +29,6 @@ from edgevox.agent.skills import Example, OneOf, Skill, SkillPhrases
 from edgevox.agent.spelling import key
 from edgevox.agent.spoken_lists import brief
 from edgevox.core.reason import Reason
-
-MOST_HINTS = 6
-"""How many hints of words a model is shown."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +87,7 @@ class Phrasebook:
     def templates(self, one: Skill) -> tuple[str, ...]:
         """The sentences that call this skill, as hassil reads them; only those that suit it.
 
-        In English they stand beside the skill itself, unless it brings them as it does others.
+        A skill may bring its own in English, beside its function.
         """
         if not self.fallback and one.templates:
             return one.templates
@@ -100,20 +100,31 @@ class Phrasebook:
             if required <= self._slots(template) <= arguments.keys()
         )
 
+    def written_out(self, template: str) -> str:
+        """A template without the names of rules."""
+        return written_out(template, self.rules)
+
     def examples(self, one: Skill) -> Sequence[Example]:
-        """What a model learns a skill from; the skill's own for words that are unknown here."""
+        """What a model learns a skill from; English ones for words that are unknown here."""
+        if self._is_called_by_its_own(one):
+            return one.examples
         names = {spoken_name(name): name for name in one.arguments_model.model_fields}
-        own = [renamed_example(e, names) for e in self._phrases(one).examples]
+        own = [
+            each
+            for example in self._phrases(one).examples
+            for each in of_each_word(renamed_example(example, names), one.choices)
+        ]
         own += [
             Example(hint, {name: word})
             for name, choices in one.choices.items()
             for word, hint in (self._hints(choices) if one.moves else ())
         ]
+        english = self.fallback.examples(one) if self.fallback else one.examples
         if not own:
-            return one.examples
+            return english
         covered = {value for example in own for value in example.arguments.values()}
         words = {word for choices in one.choices.values() for word in choices.words} - covered
-        return own + [e for e in one.examples if words.intersection(e.arguments.values())]
+        return own + [e for e in english if words.intersection(e.arguments.values())]
 
     def acknowledge(self, one: Skill, arguments: Mapping[str, Any]) -> str:
         """What is said when this call begins; empty if nothing is."""
@@ -203,12 +214,17 @@ class Phrasebook:
 
     def _slots(self, template: str) -> set[str]:
         """The slots of a template and of the rules that it names."""
-        inside = (self._slots(self.rules[name]) for name in re.findall(r"<(\w+)>", template))
-        return set(re.findall(r"\{(?:\w+:)?(\w+)\}", template)).union(*inside)
+        return set(re.findall(r"\{(?:\w+:)?(\w+)\}", self.written_out(template)))
 
     def _phrases(self, one: Skill) -> SkillPhrases:
-        ours = self.skills.get(one.name) or self.dialogue.get(one.name) or SkillPhrases()
-        return one.phrases.get(self.code) or ours
+        ours = (self.skills.get(name) for name in (one.entry, one.name))
+        known = next(filter(None, ours), None) or self.dialogue.get(one.name) or SkillPhrases()
+        return one.phrases.get(self.code) or known
+
+    def _is_called_by_its_own(self, one: Skill) -> bool:
+        """Whether a skill brings what people say to call it, in this language."""
+        brought = bool(one.templates or one.examples)
+        return not self.fallback and brought and self.code not in one.phrases
 
     def _join(self, parts: Sequence[str]) -> str:
         if len(parts) < 2:

@@ -1,7 +1,7 @@
 """Skills: typed Python functions that a sentence, a model or a ROS 2 action can call.
 
 A function's name, docstring and signature give its schema, its validation and (with the templates
-beside it) the sentences that call it:
+beside it) the sentences that call it; of our own skills these stand in the phrasebooks:
 
     @skill(templates=["[please] (go|drive) to [the] {room}"], says="Going to the {room}.")
     def navigate_to(goal: GoalHandle, room: Annotated[str, OneOf(rooms)]) -> dict[str, object]:
@@ -102,7 +102,9 @@ class Skill:
     with the arguments, `done` also with the result's keys. `phrases`
     are other languages by code, for a skill that no phrasebook knows. `check` takes the arguments
     before a goal is accepted and raises `SkillFailed` for those that can never be honoured, such as
-    a point outside the world; it is quick, and does nothing else.
+    a point outside the world; it is quick, and does nothing else. `entry` is the skill's entry in
+    the phrasebooks where several bodies have a skill of this name and are asked for it in different
+    ways; a language without that entry has one for all of them, by the skill's name.
     """
 
     name: str
@@ -119,6 +121,7 @@ class Skill:
     check: Callable[..., None] | None = None
     relative: bool = False
     lasting: bool = False
+    entry: str = ""
 
     @property
     def drives(self) -> bool:
@@ -190,6 +193,7 @@ def skill(
     check: Callable[..., None] | None = None,
     relative: bool = False,
     lasting: bool = False,
+    entry: str = "",
 ) -> Callable[[Callable[..., Result | None]], Skill]:
     """Turn a function into a `Skill`; see the module's docstring."""
 
@@ -209,6 +213,7 @@ def skill(
             check=check,
             relative=relative,
             lasting=lasting,
+            entry=entry,
         )
 
     return decorate

@@ -1,6 +1,7 @@
 """`--check`: what a robot can do, as the files and settings that were given make it."""
 
 from edgevox.agent.name_rules import check_skills
+from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.robots.capabilities import Body
 
 SHORT = 60
@@ -13,8 +14,10 @@ def check_robot(body: Body) -> bool:
     Raises `InvalidValue` for a name that people need for something else.
     """
     check_skills(body.skills)
+    english = phrasebook(ENGLISH)
     print(f"{body.name} has {len(body.skills)} skills:")
     for one in body.skills:
-        said = [sentence for sentence in one.templates if len(sentence) <= SHORT]
+        templates = map(english.written_out, english.templates(one))
+        said = [sentence for sentence in templates if len(sentence) <= SHORT]
         print(f"  {one.name}: {one.description} {said[0] if said else ''}".rstrip())
     return True

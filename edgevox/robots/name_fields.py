@@ -4,7 +4,6 @@ import unicodedata
 
 from edgevox.agent.name_rules import check_name
 from edgevox.core.errors import InvalidValue
-from edgevox.robots.navigation_words import STOP
 
 LONGEST_NAME = 64
 """In the file of a world, whose things are drawn more often than spoken of."""
@@ -23,7 +22,7 @@ def read_name(where: str, value: object, longest: int = LONGEST_NAME) -> str:
             value,
             f"a name of at most {longest} letters, digits, spaces, _ and -, a letter first",
         )
-    check_name(where, value, STOP)
+    check_name(where, value)
     return value
 
 
@@ -31,7 +30,7 @@ def check_thing(where: str, name: object) -> str:
     """The name of a thing that is spoken of: another simulator's file may write it as it likes."""
     if not isinstance(name, str) or len(name) > LONGEST_NAME or not name.isprintable():
         raise InvalidValue(where, name, f"at most {LONGEST_NAME} characters that can be printed")
-    check_name(where, name, STOP)
+    check_name(where, name)
     return name
 
 

@@ -7,11 +7,11 @@ from typing import Annotated, Protocol, runtime_checkable
 
 from pydantic import Field
 
+from edgevox.agent.choices import MOST_HINTS
 from edgevox.agent.reasons import because, called_off
 from edgevox.agent.skills import Example, GoalHandle, OneOf, Result, Skill, SkillFailed, skill
 from edgevox.core.cancel import CancelToken
 from edgevox.core.transforms import Pose2D
-from edgevox.robots import navigation_words as words
 from edgevox.robots.bounds import Bounds
 from edgevox.robots.capabilities import (
     Body,
@@ -104,12 +104,7 @@ def _navigate_to(
 
     navigate_to: Callable[..., Result] = navigate_to_room if word is ROOM else navigate_to_location
     navigate_to.__name__ = "navigate_to"
-    slot = f"{{{word.noun}}}"
-    decorate = skill(
-        templates=[template.replace("{room}", slot) for template in words.TO_ROOM],
-        examples=_place_examples(known.fixed, hints, word),
-    )
-    return decorate(navigate_to)
+    return skill(examples=_hints_in_turn(known.fixed, hints, word))(navigate_to)
 
 
 def _go(
@@ -146,11 +141,7 @@ def _go_back(body: NavigableBody, goal: GoalHandle, there: Place | None, name: s
 
 
 def _navigate_xy(body: NavigableBody, word: PlaceWord) -> Skill:
-    @skill(
-        templates=words.TO_POINT,
-        examples=words.TO_POINT_EXAMPLES,
-        check=lambda x, y: check_goal(body, x, y),
-    )
+    @skill(check=lambda x, y: check_goal(body, x, y))
     def navigate_xy(
         goal: GoalHandle,
         x: Annotated[float, Field(description="metres to the right, map frame")],
@@ -172,10 +163,7 @@ def check_goal(body: Body, x_m: float, y_m: float) -> None:
 
 
 def _stop(body: NavigableBody) -> Skill:
-    @skill(
-        templates=words.STOP,
-        examples=words.STOP_EXAMPLES,
-    )
+    @skill()
     def stop(goal: GoalHandle) -> Result:
         """Stop moving at once and forget where it was going."""
         goal.token.check()
@@ -185,11 +173,7 @@ def _stop(body: NavigableBody) -> Skill:
 
 
 def _get_pose(body: NavigableBody, word: PlaceWord) -> Skill:
-    @skill(
-        templates=words.WHERE,
-        examples=words.WHERE_EXAMPLES,
-        moves=False,
-    )
+    @skill(moves=False)
     def get_pose(goal: GoalHandle) -> Result:
         """Say where the robot is: its room and its coordinates."""
         goal.token.check()
@@ -199,11 +183,7 @@ def _get_pose(body: NavigableBody, word: PlaceWord) -> Skill:
 
 
 def _battery(body: HasBattery) -> Skill:
-    @skill(
-        templates=words.BATTERY,
-        examples=words.BATTERY_EXAMPLES,
-        moves=False,
-    )
+    @skill(moves=False)
     def battery(goal: GoalHandle) -> Result:
         """Say how full the battery is."""
         goal.token.check()
@@ -213,20 +193,17 @@ def _battery(body: HasBattery) -> Skill:
     return battery
 
 
-def _place_examples(
+def _hints_in_turn(
     places: Sequence[str], hints: Mapping[str, Sequence[str]], word: PlaceWord
 ) -> tuple[Example, ...]:
-    """One hint of each place in turn, six at most; without hints, sentences that name the place."""
+    """One hint of each place in turn, a few at most; without any those of the phrasebooks count."""
     told = [
-        (place, hint)
+        Example(hint, {word.noun: place})
         for number in range(max((len(hints.get(place, ())) for place in places), default=0))
         for place in places
         for hint in hints.get(place, ())[number : number + 1]
     ]
-    named = [
-        (place, f"someone should look after the {place.replace('_', ' ')}") for place in places
-    ]
-    return tuple(Example(sentence, {word.noun: place}) for place, sentence in (told or named)[:6])
+    return tuple(told[:MOST_HINTS])
 
 
 def _where(body: NavigableBody, word: PlaceWord) -> dict[str, object]:

@@ -1,6 +1,5 @@
 """The corpus of what people say: its two halves, and that the held-out one stays unseen."""
 
-import re
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
@@ -30,12 +29,8 @@ def product_sentences() -> Iterator[str]:
         for language in ("en", *LANGUAGES):
             yield from (shown.sentence for shown in examples(skills, language=language))
         for one in skills.values():
-            yield from (example.sentence for example in one.examples)
-            yield from one.templates
             for language in LANGUAGES:
                 yield from (e.sentence for e in phrasebook(language).examples(one))
-    for file in (ROOT / "edgevox" / "robots").rglob("*words*.py"):
-        yield from re.findall(r'"([^"\n]+)"', file.read_text(encoding="utf-8"))
     scripts = ROOT / "scripts"
     for file in (scripts / "decision_sentences.yaml", *scripts.glob("decision_cases/*.yaml")):
         for data in yaml.safe_load_all(file.read_text(encoding="utf-8")):

@@ -3,7 +3,7 @@
 import pytest
 
 from edgevox.agent.nlu.templates import Recogniser, Understood
-from edgevox.agent.phrase_file import phrasebook
+from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.skills import SkillSet
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue
@@ -133,8 +133,9 @@ def test_what_only_begins_like_a_command_is_left_to_the_model(skills, sentence) 
 def test_no_example_for_the_model_is_caught_by_a_template(skills) -> None:
     recogniser = Recogniser(skills)
     for skill in skills.values():
-        assert skill.examples
-        for example in skill.examples:
+        examples = phrasebook(ENGLISH).examples(skill)
+        assert examples
+        for example in examples:
             assert recogniser.recognise(example.sentence) is None, example.sentence
             skill.validate(example.arguments)
 

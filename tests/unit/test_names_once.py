@@ -8,7 +8,7 @@ from pathlib import Path
 import edgevox
 
 PACKAGE = Path(edgevox.__file__).parent
-OF_A_BODY = {"robot.py", "scene.py", "skills.py", "words.py"}
+OF_A_BODY = {"robot.py", "scene.py", "skills.py"}
 """What the folder of a body is made of: who knows one finds `robots/panda/robot.py`."""
 BODIES = ("robots/humanoid", "robots/panda", "robots/places", "ros2/external")
 ABOVE = {"agent/skills.py", "apps/robot.py"}

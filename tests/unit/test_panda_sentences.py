@@ -5,6 +5,7 @@ from typing import Any
 import pytest
 
 from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood
+from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.skills import SkillSet
 from edgevox.robots.panda.skills import manipulation_skills
 
@@ -92,7 +93,8 @@ def test_no_template_catches_an_example_and_every_example_is_a_valid_call(
     skills, recogniser
 ) -> None:
     for one in skills.values():
-        assert one.examples
-        for example in one.examples:
+        examples = phrasebook(ENGLISH).examples(one)
+        assert examples
+        for example in examples:
             assert recogniser.recognise(example.sentence) is None, example.sentence
             one.validate(example.arguments)

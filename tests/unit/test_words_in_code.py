@@ -21,10 +21,11 @@ ANSWERS = {
     "Speak": (0,),
     "Responded": (0,),
     "Refused": (0, 1),
+    "Example": (0,),
     "write": (0,),
 }
 """What makes an answer, by its name, and which of its arguments are words."""
-SKILL_WORDS = {"says", "done", "action", "can", "actions"}
+SKILL_WORDS = {"says", "done", "action", "can", "actions", "templates", "examples"}
 TURNS = {"turn", "_turn", "self"}
 
 
@@ -98,6 +99,8 @@ def _is_a_sentence(node):
     "code",
     [
         'skill(says="Going.")(go)',
+        'skill(templates=["go to {room}"])(go)',
+        'skill(examples=(Example("off you go"),))(go)',
         'skill(done=f"I am in the {room}.")(go)',
         'SkillPhrases(can="go")',
         'skill(says=["Going." if far else "Moving."])(go)',

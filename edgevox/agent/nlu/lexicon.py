@@ -19,7 +19,6 @@ from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.skills import Skill, SkillSet
 
 _SYNTAX = re.compile(r"[()\[\]|{}<>]")
-_RULE = re.compile(r"<(\w+)>")
 _SLOT = re.compile(r"\{(\w+)\}")
 _NAME_WORDS = re.compile(r"[a-z]+")
 _WORD = re.compile(WORD)
@@ -207,7 +206,7 @@ def _spoken(words: Sequence[str], heard: Mapping[str, str]) -> dict[str, str]:
 
 def _chunks(one: Skill, book: Phrasebook, fillers: frozenset[str]) -> dict[str, float]:
     """The words of a skill's sentences; those of its templates count fully."""
-    templates = [_expanded(template, book) for template in book.templates(one)]
+    templates = [book.written_out(template) for template in book.templates(one)]
     said = _words([example.sentence for example in book.examples(one)])
     found = dict.fromkeys(said - fillers, _EXAMPLE_WEIGHT)
     found |= {word: _FILLER_WEIGHT if word in fillers else 1.0 for word in _words(templates)}
@@ -216,13 +215,6 @@ def _chunks(one: Skill, book: Phrasebook, fillers: frozenset[str]) -> dict[str, 
     if not book.hearing.spaced:
         return {word: weight for word, weight in found.items() if len(word) > 1}
     return found
-
-
-def _expanded(template: str, book: Phrasebook) -> str:
-    """With the rules that it names written out."""
-    while match := _RULE.search(template):
-        template = template[: match.start()] + book.rules[match[1]] + template[match.end() :]
-    return template
 
 
 def _words(sentences: Iterable[str]) -> set[str]:
@@ -234,7 +226,7 @@ def _units(one: Skill, book: Phrasebook) -> dict[str, frozenset[str]]:
     """What is said right after a number, by argument."""
     units: dict[str, set[str]] = {}
     for template in book.templates(one):
-        written = plain(_expanded(template, book))
+        written = plain(book.written_out(template))
         for match in re.finditer(r"\{(\w+)\}\s*(\([^()]*\)|\[[^\[\]]*\])?", written):
             units.setdefault(match[1], set()).update(_WORD.findall(match[2] or ""))
     return {name: frozenset(words) for name, words in units.items()}

@@ -10,7 +10,6 @@ from edgevox.agent.skills import GoalHandle, Result, Skill, skill
 from edgevox.core.cancel import CancelToken
 from edgevox.core.transforms import distance_on_floor, turn_between
 from edgevox.robots.capabilities import Body, HasPose, Report
-from edgevox.robots.humanoid import words
 
 LEAST_M, MOST_M = 0.05, 20.0
 LEAST_DEG, MOST_DEG = 1.0, 720.0
@@ -47,11 +46,7 @@ def walking_skills(body: WalkingBody) -> tuple[Skill, ...]:
 
 
 def _walk_forward(body: WalkingBody) -> Skill:
-    @skill(
-        templates=words.FORWARD,
-        examples=words.FORWARD_EXAMPLES,
-        relative=True,
-    )
+    @skill(relative=True)
     def walk_forward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
         """Walk straight ahead for a distance in metres."""
         return _walk(body, goal, distance)
@@ -60,11 +55,7 @@ def _walk_forward(body: WalkingBody) -> Skill:
 
 
 def _walk_backward(body: WalkingBody) -> Skill:
-    @skill(
-        templates=words.BACKWARD,
-        examples=words.BACKWARD_EXAMPLES,
-        relative=True,
-    )
+    @skill(relative=True)
     def walk_backward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
         """Walk straight back for a distance in metres."""
         return _walk(body, goal, -distance)
@@ -73,11 +64,7 @@ def _walk_backward(body: WalkingBody) -> Skill:
 
 
 def _turn_left(body: WalkingBody) -> Skill:
-    @skill(
-        templates=words.LEFT,
-        examples=words.LEFT_EXAMPLES,
-        relative=True,
-    )
+    @skill(relative=True)
     def turn_left(goal: GoalHandle, degrees: Degrees = 90.0) -> Result:
         """Turn to the left on the spot, by an angle in degrees."""
         return _turn(body, goal, degrees)
@@ -86,11 +73,7 @@ def _turn_left(body: WalkingBody) -> Skill:
 
 
 def _turn_right(body: WalkingBody) -> Skill:
-    @skill(
-        templates=words.RIGHT,
-        examples=words.RIGHT_EXAMPLES,
-        relative=True,
-    )
+    @skill(relative=True)
     def turn_right(goal: GoalHandle, degrees: Degrees = 90.0) -> Result:
         """Turn to the right on the spot, by an angle in degrees."""
         return _turn(body, goal, -degrees)
@@ -99,10 +82,7 @@ def _turn_right(body: WalkingBody) -> Skill:
 
 
 def _turn_around(body: WalkingBody) -> Skill:
-    @skill(
-        templates=words.AROUND,
-        examples=words.AROUND_EXAMPLES,
-    )
+    @skill()
     def turn_around(goal: GoalHandle) -> Result:
         """Turn around, to look the other way."""
         return _turn(body, goal, 180.0)
@@ -111,10 +91,7 @@ def _turn_around(body: WalkingBody) -> Skill:
 
 
 def _stand(body: WalkingBody) -> Skill:
-    @skill(
-        templates=words.STAND,
-        examples=words.STAND_EXAMPLES,
-    )
+    @skill()
     def stand(goal: GoalHandle) -> Result:
         """Stand still; after a fall, get up again."""
         got_up = body.stand(token=goal.token, report=goal.report)
@@ -124,7 +101,7 @@ def _stand(body: WalkingBody) -> Skill:
 
 
 def _stop(body: WalkingBody) -> Skill:
-    @skill(templates=words.STOP, examples=words.STOP_EXAMPLES)
+    @skill(entry="stop_walking")
     def stop(goal: GoalHandle) -> Result:
         """Stop walking at once."""
         goal.token.check()
@@ -134,11 +111,7 @@ def _stop(body: WalkingBody) -> Skill:
 
 
 def _get_pose(body: WalkingBody) -> Skill:
-    @skill(
-        templates=words.WHERE,
-        examples=words.WHERE_EXAMPLES,
-        moves=False,
-    )
+    @skill(entry="get_pose_walking", moves=False)
     def get_pose(goal: GoalHandle) -> Result:
         """Say where the robot is, which way it looks, and whether it has fallen."""
         goal.token.check()

@@ -8,7 +8,6 @@ from edgevox.agent.reasons import because, called_off
 from edgevox.agent.skills import GoalHandle, OneOf, Result, Skill, SkillFailed, skill
 from edgevox.core.cancel import CancelToken
 from edgevox.robots.capabilities import Body, Report
-from edgevox.robots.panda import words
 from edgevox.robots.panda.layout import BINS, CUBES, FAR_M, TABLE
 
 IT = "it"
@@ -68,19 +67,13 @@ def _carrying(body: Manipulator) -> tuple[Skill, ...]:
     cube_or_it = OneOf((*CUBES, IT), _CUBE_WORDS | _HELD_WORDS)
     target_word = OneOf((*BINS, *CUBES, TABLE), _BIN_WORDS | _CUBE_WORDS | _TABLE_WORDS)
 
-    @skill(
-        templates=words.GRASP,
-        examples=words.GRASP_EXAMPLES,
-    )
+    @skill()
     def grasp(goal: GoalHandle, object: Annotated[str, cube]) -> Result:  # noqa: A002
         """Pick up a cube and hold it."""
         body.grasp(object, token=goal.token, report=goal.report)
         return body.describe_hand()
 
-    @skill(
-        templates=words.PLACE,
-        examples=words.PLACE_EXAMPLES,
-    )
+    @skill()
     def place(
         goal: GoalHandle,
         object: Annotated[str, cube_or_it] = IT,  # noqa: A002
@@ -91,10 +84,7 @@ def _carrying(body: Manipulator) -> tuple[Skill, ...]:
         placed = body.place(name, target, token=goal.token, report=goal.report)
         return {**body.describe_hand(), "object": placed}
 
-    @skill(
-        templates=words.RELEASE,
-        examples=words.RELEASE_EXAMPLES,
-    )
+    @skill()
     def release(goal: GoalHandle) -> Result:
         """Open the hand and let go of whatever it holds."""
         held = body.release(token=goal.token, report=goal.report)
@@ -104,11 +94,7 @@ def _carrying(body: Manipulator) -> tuple[Skill, ...]:
 
 
 def _moving(body: Manipulator) -> tuple[Skill, ...]:
-    @skill(
-        templates=words.MOVE,
-        examples=words.MOVE_EXAMPLES,
-        check=_check_point,
-    )
+    @skill(check=_check_point)
     def move_to(
         goal: GoalHandle,
         x: Annotated[float, Field(description="metres forward of the arm's base")],
@@ -119,16 +105,13 @@ def _moving(body: Manipulator) -> tuple[Skill, ...]:
         body.move_to(x, y, z, token=goal.token, report=goal.report)
         return body.describe_hand()
 
-    @skill(
-        templates=words.HOME,
-        examples=words.HOME_EXAMPLES,
-    )
+    @skill()
     def goto_home(goal: GoalHandle) -> Result:
         """Move the arm to its home position, out of the way."""
         body.go_home(token=goal.token, report=goal.report)
         return body.describe_hand()
 
-    @skill(templates=words.STOP, examples=words.STOP_EXAMPLES)
+    @skill(entry="stop_arm")
     def stop(goal: GoalHandle) -> Result:
         """Stop moving at once; what is held stays held."""
         goal.token.check()
@@ -144,21 +127,13 @@ def _check_point(x: float, y: float, z: float) -> None:
 
 
 def _telling(body: Manipulator) -> tuple[Skill, ...]:
-    @skill(
-        templates=words.WHERE,
-        examples=words.WHERE_EXAMPLES,
-        moves=False,
-    )
+    @skill(entry="get_pose_of_hand", moves=False)
     def get_pose(goal: GoalHandle) -> Result:
         """Say where the hand is and what it holds."""
         goal.token.check()
         return body.describe_hand()
 
-    @skill(
-        templates=words.LIST,
-        examples=words.LIST_EXAMPLES,
-        moves=False,
-    )
+    @skill(moves=False)
     def list_objects(goal: GoalHandle) -> Result:
         """Say which objects there are and where each one is."""
         goal.token.check()

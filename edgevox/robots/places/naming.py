@@ -7,7 +7,6 @@ from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.errors import InvalidValue
 from edgevox.robots.name_fields import LONGEST_PLACE, speakable
-from edgevox.robots.navigation_words import STOP
 
 MOST_PLACES = 200
 
@@ -19,7 +18,7 @@ def check_new_name(name: str) -> None:
     if not speakable(name) or name != " ".join(name.split()):
         raise SkillFailed(because("place_name_wrong"))
     try:
-        check_name("name", name, STOP)
+        check_name("name", name)
     except InvalidValue:
         raise SkillFailed(because("place_name_reserved", name=name)) from None
     if is_clause_word(name):

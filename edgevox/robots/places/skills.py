@@ -9,7 +9,6 @@ from edgevox.agent.skills import GoalHandle, Result, Skill, SkillFailed, skill
 from edgevox.core.frame_names import MAP
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import HasPose, KnowsFrame
-from edgevox.robots.places import words
 from edgevox.robots.places.place_memory import PlaceMemory
 
 STILL_M_S, STILL_RAD_S = 0.05, 0.1
@@ -44,13 +43,7 @@ def located(body: StandsSomewhere) -> tuple[Pose2D, str]:
 
 
 def _remember_place(body: StandsSomewhere, memory: PlaceMemory) -> Skill:
-    @skill(
-        templates=words.REMEMBER,
-        examples=words.REMEMBER_EXAMPLES,
-        moves=False,
-        lasting=True,
-        check=memory.check,
-    )
+    @skill(moves=False, lasting=True, check=memory.check)
     def remember_place(goal: GoalHandle, name: Annotated[str, NewName()]) -> Result:
         """Remember the place where the robot stands now by a new name."""
         goal.token.check()
@@ -78,20 +71,11 @@ def _forget_place(memory: PlaceMemory, known: OneOf, noun: str) -> Skill:
 
     forget_place = forget_room if noun == "room" else forget_location
     forget_place.__name__ = "forget_place"
-    decorate = skill(
-        templates=[template.replace("{room}", f"{{{noun}}}") for template in words.FORGET],
-        moves=False,
-        lasting=True,
-    )
-    return decorate(forget_place)
+    return skill(moves=False, lasting=True)(forget_place)
 
 
 def _list_places(body: StandsSomewhere, memory: PlaceMemory) -> Skill:
-    @skill(
-        templates=words.LIST,
-        examples=words.LIST_EXAMPLES,
-        moves=False,
-    )
+    @skill(moves=False)
     def list_places(goal: GoalHandle) -> Result:
         """Say which places the robot knows by name."""
         goal.token.check()
