@@ -27,6 +27,7 @@ from edgevox.agent.skills import Call
 from edgevox.agent.states import StateMachine
 from edgevox.agent.stopping import Stopping
 from edgevox.agent.turn import InputTiming, Turn
+from edgevox.agent.turn_handler import TurnHandler
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.commands import (
@@ -35,23 +36,18 @@ from edgevox.core.commands import (
     Heard,
     Interrupt,
     Reset,
-    RunSkill,
-    Speak,
     SpokenOn,
     StopSpotted,
     TextInput,
     Transcribing,
 )
-from edgevox.core.events import Outcome, State, Transcribed, TurnEnded
+from edgevox.core.events import State, TurnEnded
 from edgevox.core.interlock import Interlock
-from edgevox.core.log import bound, get_logger
+from edgevox.core.log import bound
 from edgevox.core.settings import Confirm
 from edgevox.core.speech import TextToSpeech
-from edgevox.core.text import MAX_CHARACTERS, clean
 from edgevox.core.transforms import Pose2D
 from edgevox.core.ways import Way
-
-log = get_logger(__name__)
 
 
 class Conversation:
@@ -116,6 +112,14 @@ class Conversation:
         self._turn: Turn | None = None
         self._speech_output = speech_output
         self._states = StateMachine(bus)
+        self._handler = TurnHandler(
+            bus,
+            interpreter,
+            self._asking,
+            executor=self._executor,
+            skills=self._skills,
+            states=self._states,
+        )
         self._stopping = Stopping(
             bus,
             self._clock,
@@ -235,52 +239,10 @@ class Conversation:
             self._question.expire()
             if item and turn:
                 with bound(turn=turn.number):
-                    self._attend(item, turn)
-
-    def _attend(self, item: inbox.Item, turn: Turn) -> None:
-        """Do it to the end, whatever happens."""
-        try:
-            self._handle(item, turn)
-        except Exception:
-            log.exception("turn_failed")
-            turn.say(self.interpreter.phrases.say("broken"), Outcome.FAILED)
-        finally:
-            self._end(turn, measured=inbox.asked_in_words(item))
-
-    def _handle(self, item: inbox.Item, turn: Turn) -> None:
-        """On the conversation's thread: what was queued, the commands and what came of events."""
-        match item:
-            case TextInput() | Heard():
-                said_s = item.ended_s if isinstance(item, Heard) else self._inbox.since_s
-                self._converse(item.text, turn, said_s)
-            case Speak(text=text):
-                turn.say(clean(text))
-            case inbox.TooLong(length=length):
-                if item.asked:
-                    self._bus.publish(Transcribed(item.beginning, turn.number))
-                told = self.interpreter.phrases.say("too_long", length=length, limit=MAX_CHARACTERS)
-                turn.say(told, Outcome.REFUSED)
-            case RunSkill(name=name, arguments=arguments):
-                self._executor.perform([Call(name, arguments)], self._skills, turn, "command")
-            case inbox.Announce(text=text, detail=detail):
-                turn.say(text, detail=detail)
-            case inbox.Forget():
-                self.interpreter.forget()
-                self._asking.forget()
-            case inbox.SwitchLanguage(code=code):  # `Settle` needs no more than its turn
-                self.interpreter.set_language(code)
-                self._asking.set_language()
-
-    def _converse(self, raw: str, turn: Turn, said_s: float) -> None:
-        text = clean(raw)
-        self._bus.publish(Transcribed(text, turn.number))
-        if not text:
-            turn.say(self.interpreter.phrases.say("not_heard"), Outcome.NOT_UNDERSTOOD)
-        else:
-            self._states.enter(State.THINKING, turn)
-            meaning = self._asking.attend(text, turn, said_s)
-            turn.settle()
-            self.interpreter.remember(text, turn, meaning)
+                    try:
+                        self._handler.handle(item, turn, self._inbox.since_s)
+                    finally:
+                        self._end(turn, measured=inbox.asked_in_words(item))
 
     def _new_turn(self, item: inbox.Item) -> Turn:
         turn = Turn(
