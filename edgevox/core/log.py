@@ -48,6 +48,14 @@ class Said:
         return f"<{len(self.text)} characters>"
 
 
+def worth_a_line(count: int) -> bool:
+    """Whether the failure of this number is one of 1, 2, 4, 8, ...: a flood leaves a few lines.
+
+    `RateLimit` of `edgevox.ops.logs` thins what comes fast; this what goes on all night.
+    """
+    return count.bit_count() == 1
+
+
 class ChangeDetector:
     """Says whether something differs from what was told last: a fault that stays is one line."""
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from enum import IntEnum, StrEnum
 from typing import Protocol, Self
 
-from edgevox.core.log import get_logger
+from edgevox.core.log import get_logger, worth_a_line
 
 log = get_logger(__name__)
 
@@ -164,7 +164,7 @@ class Components:
             return self._by_name[name].status()
         except Exception as error:  # noqa: BLE001 - one that breaks is a finding like any other
             self._broke[name] += 1
-            if self._broke[name].bit_count() == 1:  # 1, 2, 4, 8, ...: not a line each time
+            if worth_a_line(self._broke[name]):
                 log.warning("component_unreadable", component=name, error=repr(error))
             return Status(name, Level.ERROR, f"cannot be looked at: {error!r}")
 

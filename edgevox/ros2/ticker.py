@@ -9,7 +9,7 @@ import threading
 from collections.abc import Callable
 
 from edgevox.core.clock import Clock, SystemClock
-from edgevox.core.log import get_logger
+from edgevox.core.log import get_logger, worth_a_line
 
 log = get_logger(__name__)
 
@@ -100,5 +100,5 @@ class Ticker:
                     job.tick()
         except Exception:
             self.failures += 1
-            if self.failures.bit_count() == 1:  # 1, 2, 4, 8, ...: no flood of lines
+            if worth_a_line(self.failures):
                 log.exception("tick_failed", ticker=self._thread.name, failures=self.failures)

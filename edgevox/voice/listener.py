@@ -10,7 +10,7 @@ from edgevox.core.commands import Command, Heard, Interrupt, SpokenOn, StopSpott
 from edgevox.core.ending import Ending
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Cause, WakeWordHeard
-from edgevox.core.log import get_logger
+from edgevox.core.log import get_logger, worth_a_line
 from edgevox.core.settings import Echo
 from edgevox.voice.audio import RATE_HZ, AudioSource, EndOfSound, Frame
 from edgevox.voice.echo import Unechoed
@@ -174,7 +174,7 @@ class Listener:
             except Exception:
                 self._forget()
                 self.failed += 1
-                if self.failed.bit_count() == 1:  # 1, 2, 4, 8, ...: not a line each 32 ms
+                if worth_a_line(self.failed):
                     log.exception("frame_unheard", failed=self.failed)
 
     def _hear(self, frame: Frame) -> None:

@@ -15,7 +15,8 @@ from pymicro_wakeword import MicroWakeWordFeatures
 
 from edgevox.core.errors import InvalidValue
 from edgevox.core.user_file import open_file, read_text
-from edgevox.voice.audio import FRAME_S, RATE_HZ, Samples
+from edgevox.voice.audio import RATE_HZ, Samples
+from edgevox.voice.once_per_word import OncePerWord
 from edgevox.voice.wake_sleep import KEPT_S, WakeSleep
 from edgevox.voice.wakeword import QUIET_S
 
@@ -53,16 +54,13 @@ class MicroWakeWord:
         self._features = MicroWakeWordFeatures()
         self._cutoff = said.micro.probability_cutoff
         self._sleep = WakeSleep(always_awake=always_awake)
-        self._quiet = 0  # frames left
+        self._once = OncePerWord(QUIET_S)
         self.reset()
 
     def heard(self, samples: Samples, probability: float) -> bool:
-        self._quiet = max(0, self._quiet - 1)
         awake = self._sleep.push(samples, probability)
-        if not awake or self._run(np.concatenate(awake)) <= self._cutoff or self._quiet:
-            return False
-        self._quiet = round(QUIET_S / FRAME_S)
-        return True
+        found = bool(awake) and self._run(np.concatenate(awake)) > self._cutoff
+        return self._once.counts(found)
 
     def reset(self) -> None:
         self._sleep.reset()

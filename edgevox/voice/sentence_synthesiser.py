@@ -5,7 +5,7 @@ from typing import Protocol
 
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.languages import LANGUAGES
-from edgevox.core.log import Said, get_logger
+from edgevox.core.log import Said, get_logger, worth_a_line
 from edgevox.voice.audio import Chunk
 from edgevox.voice.phrase_splitter import split_phrases
 from edgevox.voice.playback import silent_end_s
@@ -98,7 +98,7 @@ class SentenceSynthesiser:
                 chunk = next(pieces, None)
             except Exception:
                 self.failures += 1
-                if self.failures.bit_count() == 1:  # 1, 2, 4, 8, ...: no flood of lines
+                if worth_a_line(self.failures):
                     log.exception("voice_failed", voice=choice.name, text=Said(text))
                 return False
             if chunk is None:
@@ -112,7 +112,7 @@ class SentenceSynthesiser:
             engine = self._pool.get(choice)
         except Exception:
             self.failures += 1
-            if self.failures.bit_count() == 1:
+            if worth_a_line(self.failures):
                 log.exception("voice_not_loaded", voice=choice.name)
             return None
         self.last = (choice, engine.sample_rate_hz)

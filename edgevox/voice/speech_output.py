@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock, SystemClock
-from edgevox.core.log import bound, get_logger
+from edgevox.core.log import bound, get_logger, worth_a_line
 from edgevox.core.speech import Utterance
 from edgevox.voice.audio import AudioSink, Chunk
 from edgevox.voice.playback import play_chunk
@@ -268,7 +268,7 @@ class SpeechOutput:
     def _survive(self, what: str) -> None:
         """Nobody may wait for ever for a turn because a loudspeaker or a voice broke."""
         self.failed += 1
-        if self.failed.bit_count() == 1:  # 1, 2, 4, 8, ...: a flood leaves a few lines
+        if worth_a_line(self.failed):
             log.exception("mouth_failed", what=what, failed=self.failed)
 
     def _drop_jobs(self) -> None:

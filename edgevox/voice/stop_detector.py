@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Protocol
 
-from edgevox.core.log import get_logger
+from edgevox.core.log import get_logger, worth_a_line
 from edgevox.core.stop_words import STOP_WORDS
 from edgevox.voice.audio import FRAME_S, Samples
 from edgevox.voice.endpoint import ONSET_FRAMES
@@ -20,8 +20,6 @@ log = get_logger(__name__)
 
 WORD_S = 0.7
 """A stop word, and how long the detector may need to be sure of it."""
-AGAIN_S = 0.3
-"""One word is heard once; who says it again needs at least so long."""
 
 
 class StopDetector(Protocol):
@@ -37,7 +35,7 @@ class StopDetector(Protocol):
         """The stop word that it heard last."""
 
     def heard(self, samples: Samples) -> bool:
-        """Whether a stop word has just been said; 512 samples of int16 at 16 kHz, in order."""
+        """Whether a stop word has just been said, once for each; 512 samples of int16 at 16 kHz."""
 
     def forget(self) -> None:
         """The next frame does not follow on those before."""
@@ -58,7 +56,6 @@ class StopWatch:
         self._saying = saying
         self._language = language
         self._loud: deque[bool] = deque(maxlen=round(WORD_S / FRAME_S))
-        self._rests = 0
         self._unknown = ""
         self.failed = 0
 
@@ -75,16 +72,11 @@ class StopWatch:
         if not self._knows(self._language()):
             return False
         self._loud.append(loud)
-        self._rests = max(0, self._rests - 1)
-        if not self._detected(samples) or self._rests or (playing and self._is_own()):
-            return False
-        self._rests = round(AGAIN_S / FRAME_S)
-        return True
+        return self._detected(samples) and not (playing and self._is_own())
 
     def forget(self) -> None:
         """The next frame does not follow on those before."""
         self._loud.clear()
-        self._rests = 0
         self._detector.forget()
 
     def _knows(self, language: str) -> bool:
@@ -103,7 +95,7 @@ class StopWatch:
             return self._detector.heard(samples)
         except Exception:
             self.failed += 1
-            if self.failed.bit_count() == 1:  # 1, 2, 4, 8, ...: not a line each 32 ms
+            if worth_a_line(self.failed):
                 log.exception("stop_spotter_failed", failed=self.failed)
             return False
 

@@ -8,7 +8,8 @@ from collections import deque
 
 import numpy as np
 
-from edgevox.voice.audio import FRAME_S, Samples
+from edgevox.voice.audio import Samples
+from edgevox.voice.once_per_word import OncePerWord
 from edgevox.voice.stop_features import Floats, StopFeatures
 from edgevox.voice.stop_network import StopNetwork, StopWeights, read_weights
 
@@ -33,7 +34,7 @@ class StopJudge:
         self.word = ""
         self._words = weights.words
         self._recent: deque[float] = deque(maxlen=SMOOTHED_STEPS)
-        self._rest_frames = 0
+        self._once = OncePerWord(REST_S)
 
     def said(self, steps: Floats) -> bool:
         """Whether one has just been said, by the steps of one more frame, shape (steps, words)."""
@@ -43,18 +44,12 @@ class StopJudge:
             mean = sum(self._recent) / SMOOTHED_STEPS
             if mean >= self.likelihood:
                 self.likelihood, self.word = mean, self._words[1 + int(np.argmax(step[1:]))]
-        if self._rest_frames:
-            self._rest_frames -= 1
-            return False
-        if self.likelihood < self.threshold:
-            return False
-        self._rest_frames = round(REST_S / FRAME_S)
-        return True
+        return self._once.counts(self.likelihood >= self.threshold)
 
     def forget(self) -> None:
         """What comes next does not follow on what was before."""
         self._recent.clear()
-        self._rest_frames = 0
+        self._once.forget()
         self.likelihood = 0.0
 
 

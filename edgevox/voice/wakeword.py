@@ -12,7 +12,8 @@ import numpy as np
 from pyopen_wakeword import OpenWakeWord, OpenWakeWordFeatures
 
 from edgevox.core.errors import InvalidValue
-from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Samples
+from edgevox.voice.audio import FRAME_SAMPLES, RATE_HZ, Samples
+from edgevox.voice.once_per_word import OncePerWord
 from edgevox.voice.wake_sleep import KEPT_S, WakeSleep
 
 THRESHOLD = 0.5
@@ -56,19 +57,12 @@ class WakeWord:
         self._network = OpenWakeWord.from_model(folder / f"{name}.tflite")
         self._sleep = WakeSleep(always_awake=always_awake)
         self._chunk: list[Samples] = []
-        self._quiet = 0  # frames left
+        self._once = OncePerWord(QUIET_S)
         self._run(np.zeros(_CHUNK_SAMPLES, np.int16))
 
     def heard(self, samples: Samples, probability: float) -> bool:
-        self._quiet = max(0, self._quiet - 1)
         self._chunk += self._sleep.push(samples, probability)
-        if len(self._chunk) * FRAME_SAMPLES < _CHUNK_SAMPLES:
-            return False
-        found = self._run(np.concatenate(self._chunk)) >= THRESHOLD and not self._quiet
-        self._chunk.clear()
-        if found:
-            self._quiet = round(QUIET_S / FRAME_S)
-        return found
+        return self._once.counts(self._found())
 
     def reset(self) -> None:
         self._sleep.reset()
@@ -78,6 +72,14 @@ class WakeWord:
     def close(self) -> None:
         self._features.close()
         self._network.close()
+
+    def _found(self) -> bool:
+        """Whether the phrase ends in what was heard since the networks were asked last."""
+        if len(self._chunk) * FRAME_SAMPLES < _CHUNK_SAMPLES:
+            return False
+        highest = self._run(np.concatenate(self._chunk))
+        self._chunk.clear()
+        return highest >= THRESHOLD
 
     def _run(self, samples: Samples) -> float:
         """The highest probability that the phrase ends in here."""

@@ -3,8 +3,10 @@
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
+from voice_rig import VoiceRig
 
 from edgevox.agent.llm import tuning
 from edgevox.agent.llm.factory import load_model
@@ -48,3 +50,25 @@ def model(request: pytest.FixtureRequest, tiny_path: Path, threads: int) -> Iter
     loaded = load_model(tiny_path, request.param, context_tokens=1024, threads=threads)
     yield loaded
     loaded.close()
+
+
+@pytest.fixture(scope="module")
+def home_with() -> dict[str, Any]:
+    """What the apartment of a file's tests has besides; a file may say otherwise."""
+    return {}
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory: pytest.TempPathFactory, home_with: dict[str, Any]) -> Iterator[VoiceRig]:
+    """The agent in the apartment, for all tests of a file."""
+    with pytest.MonkeyPatch.context() as patch:
+        answers = tmp_path_factory.mktemp("answers") / "answers.wav"
+        with VoiceRig(patch, answers, robot="robot-apartment", **home_with) as rig:
+            yield rig
+
+
+@pytest.fixture
+def rig(home: VoiceRig) -> VoiceRig:
+    """The same, at rest, with nothing noted yet."""
+    home.forget()
+    return home

@@ -7,7 +7,6 @@ import pytest
 from guards import HUNG_S
 from listener_rig import loud, says_espeak, silence
 from voice_engines import words
-from voice_rig import VoiceRig
 
 from edgevox.agent.grammar import SAY
 from edgevox.agent.history import CUT_MARK
@@ -58,17 +57,8 @@ def teller():
 
 
 @pytest.fixture(scope="module")
-def home(tmp_path_factory, teller):
-    with pytest.MonkeyPatch.context() as patch:
-        file = tmp_path_factory.mktemp("answers") / "answers.wav"
-        with VoiceRig(patch, file, aloud=True, robot="robot-apartment", model=teller) as rig:
-            yield rig
-
-
-@pytest.fixture
-def rig(home):
-    home.forget()
-    return home
+def home_with(teller):
+    return {"aloud": True, "model": teller}
 
 
 def states(rig):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from listener_rig import loud, silence
 from voice_engines import words, wrong_words
-from voice_rig import VoiceRig, says
+from voice_rig import says
 
 from edgevox.core.agent_events import AgentEvent
 from edgevox.core.commands import SetLanguage
@@ -36,20 +36,6 @@ SPOKEN = {
 @pytest.fixture(scope="module")
 def pool():
     return VoicePool()
-
-
-@pytest.fixture(scope="module")
-def home(tmp_path_factory):
-    with pytest.MonkeyPatch.context() as patch:
-        file = tmp_path_factory.mktemp("answers") / "answers.wav"
-        with VoiceRig(patch, file, robot="robot-apartment") as rig:
-            yield rig
-
-
-@pytest.fixture
-def rig(home):
-    home.forget()
-    return home
 
 
 def in_a_room(sound):

@@ -4,24 +4,9 @@ import numpy as np
 import pytest
 from guards import HUNG_S
 from listener_rig import loud, says_espeak, silence
-from voice_rig import VoiceRig
 
 from edgevox.core.agent_events import GoalChanged, HeardBy, SafetyPreempted
 from edgevox.core.events import Responded
-
-
-@pytest.fixture(scope="module")
-def home(tmp_path_factory):
-    with pytest.MonkeyPatch.context() as patch:
-        file = tmp_path_factory.mktemp("answers") / "answers.wav"
-        with VoiceRig(patch, file, robot="robot-apartment") as rig:
-            yield rig
-
-
-@pytest.fixture
-def rig(home):
-    home.forget()
-    return home
 
 
 def drive(rig):

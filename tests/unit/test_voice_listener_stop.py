@@ -1,18 +1,19 @@
 """The stop word spotter in the listener, scripted: the word is a frame whose samples are 9000."""
 
-import numpy as np
 import pytest
 from voice_script import VOICE, Script, Stt, Vad, Wake, spoken
 
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Heard, StopSpotted, Transcribing
-from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES
+from edgevox.voice.audio import FRAME_S
 from edgevox.voice.listener import Listener
-from edgevox.voice.stop_detector import StopWatch, may_stop
+from edgevox.voice.once_per_word import OncePerWord
+from edgevox.voice.stop_detector import may_stop
 
 STOP = 9000
 QUIET_WORD = 3000
-MUTTERED = [QUIET_WORD] * 6
+MUTTERED = [*[QUIET_WORD - 1] * 6, QUIET_WORD]
+"""A spotter hears a word at its end."""
 
 
 class Spotter:
@@ -23,9 +24,10 @@ class Spotter:
 
     def __init__(self, level=STOP):
         self.level, self.forgotten = level, 0
+        self._once = OncePerWord(10 * FRAME_S)
 
     def heard(self, samples):
-        return bool(samples[0] == self.level)
+        return self._once.counts(bool(samples[0] == self.level))
 
     def forget(self):
         self.forgotten += 1
@@ -134,12 +136,6 @@ def test_an_utterance_that_is_refused_is_answered_all_the_same(monkeypatch):
     assert said[-1].spotted
 
 
-def test_a_word_that_lasts_for_several_frames_is_told_once():
-    said = hear(Stt("stop!"), *[VOICE] * 10, *[STOP] * 5, *spoken())
-
-    assert len(spots(said)) == 1
-
-
 def test_a_spotter_that_fails_leaves_the_robot_its_hearing(caplog):
     said = hear(Stt("go"), *spoken(), detector=Broken())
 
@@ -196,18 +192,6 @@ def test_where_the_echo_is_cancelled_elsewhere_every_stop_word_counts():
     )
 
     assert len(spots(said)) == 1
-
-
-def test_a_word_said_again_after_a_moment_is_told_again():
-    watch = StopWatch(Spotter(), saying=str, language=lambda: "en")
-    frame = np.full(FRAME_SAMPLES, STOP, np.int16)
-    silent = np.zeros(FRAME_SAMPLES, np.int16)
-
-    told = [
-        watch.heard(one, playing=False, loud=True) for one in (frame, frame, *[silent] * 8, frame)
-    ]
-
-    assert [number for number, one in enumerate(told) if one] == [0, 10]
 
 
 @pytest.mark.parametrize(

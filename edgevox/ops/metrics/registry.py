@@ -18,7 +18,7 @@ from prometheus_client import (
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily
 from prometheus_client.registry import Collector
 
-from edgevox.core.log import get_logger
+from edgevox.core.log import get_logger, worth_a_line
 from edgevox.core.status import Components
 from edgevox.ops.metrics.metric import Kind, Metric
 from edgevox.ops.metrics.metric_table import METRICS
@@ -101,7 +101,7 @@ class Registry(Collector):
                 yield _family(METRICS[name], look())
             except Exception as error:  # noqa: BLE001 - whoever is read may raise what he likes
                 self.failures += 1
-                if self.failures.bit_count() == 1:  # 1, 2, 4, 8, ...: not a line each scrape
+                if worth_a_line(self.failures):
                     log.warning("metric_unreadable", metric=name, error=repr(error))
 
     def _shown(self) -> Iterator[CounterMetricFamily | GaugeMetricFamily]:

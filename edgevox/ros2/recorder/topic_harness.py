@@ -14,7 +14,7 @@ from edgevox.core.agent_events import AgentEventKind
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.json_reader import read_json_object
-from edgevox.core.log import get_logger
+from edgevox.core.log import get_logger, worth_a_line
 from edgevox.ros2.contract_rows import Qos
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.qos import profile
@@ -217,7 +217,7 @@ class TopicHarness:
             return read_json_object(text, "message")
         except InvalidValue:
             self._broken += 1
-            if self._broken.bit_count() == 1:  # 1, 2, 4, 8, ...: a flood leaves a few lines
+            if worth_a_line(self._broken):
                 log.warning("messages_not_json", broken=self._broken)
             return {}
 

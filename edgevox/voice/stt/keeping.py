@@ -1,7 +1,7 @@
 """Speech to text that keeps what it was given, with the words that it made of it."""
 
 from edgevox.core.clock import Clock, SystemClock
-from edgevox.core.log import get_logger
+from edgevox.core.log import get_logger, worth_a_line
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.kept_audio import KeptAudio
 from edgevox.voice.stt.speech_to_text import SpeechToText, Transcript
@@ -53,6 +53,6 @@ class KeepingSpeechToText:
             self._kept.keep(samples, about)
         except OSError as error:
             self.failed += 1
-            if self.failed.bit_count() == 1:  # 1, 2, 4, 8, ...
+            if worth_a_line(self.failed):
                 reason = error.strerror or str(error)
                 log.warning("audio_not_kept", reason=reason, failed=self.failed)
