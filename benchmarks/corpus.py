@@ -7,21 +7,17 @@ table tells how far the judge's confidence in a reading of the held-out half can
 0.5 on it asks, from 0.8 on it acts.
 """
 
-import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 
 import numpy as np
+import shared_with_tests  # noqa: F401 - finds the tests' modules
 from calibration import calibrated
-from figures import Figure, Measured, NotHere
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-
 from corpus_robots import is_right, skills_of_robots
 from corpus_sentences import Sentence, read_corpus
+from figures import Figure, Measured, NotHere
 
 from edgevox.agent.nlu.confidence import ASK_FROM, SURE_FROM, Head, read_head
 from edgevox.agent.nlu.decider import Decider, Judged, Readings

@@ -6,21 +6,16 @@ ways of listening hear the same. Time is simulated: how busy the machine is chan
 share of a core.
 """
 
-import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
+import shared_with_tests  # noqa: F401 - finds the tests' modules
 from duplex_room import Room, listen_in
 from echo_paths import PATHS, EchoPath, Sound, as_samples, at_level, noise_floor
 from figures import Figure, Measured, NotHere
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "models"))
-
 from listener_rig import frames, says_espeak, says_piper
 from voice_engines import speak, voice, words, wrong_words
 

@@ -11,16 +11,13 @@ import statistics
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
+import shared_with_tests  # noqa: F401 - finds the tests' modules
 from acoustics import Half
 from acoustics.voices import espeak_voices, say
-from figures import Figure, Measured
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
-
 from corpus_robots import skills_of_robots
+from figures import Figure, Measured
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.nlu.endings import Endings

@@ -4,17 +4,13 @@ Plain is `WhisperModel.transcribe` twice: with the library's defaults, and with 
 give it, which leaves what our own layer costs. The rounds take turns.
 """
 
-import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
+import shared_with_tests  # noqa: F401 - finds the tests' modules
 from figures import Figure, Measured, NotHere
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "models"))
-
 from voice_engines import words, wrong_words
 from voice_parts import record
 

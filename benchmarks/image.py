@@ -9,20 +9,16 @@ import os
 import re
 import shutil
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-ROOT = HERE.parent
-sys.path.insert(0, str(ROOT / "tests"))
-sys.path.insert(0, str(ROOT / "tests" / "compose"))
+import shared_with_tests  # noqa: F401 - finds the tests' modules
+from figures import Figure, Measured, NotHere
+from stacks import Stack, docker, stack
 
-from figures import Figure, Measured, NotHere  # noqa: E402
-from stacks import Stack, docker, stack  # noqa: E402
-
+ROOT = Path(__file__).resolve().parents[1]
 SERVICE = "edgevox-ros2"
 IMAGE = os.environ.get("EDGEVOX_IMAGE", "edgevox-ros2:local")
 QUESTION = "I am so tired, I could fall asleep right here"  # for the language model

@@ -9,7 +9,6 @@ that it starts. A page that processes share counts in part in each of them (PSS)
 
 import os
 import subprocess
-import sys
 import tempfile
 import threading
 import wave
@@ -17,17 +16,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent / "tests"))
-sys.path.insert(0, str(HERE.parent / "tests" / "models"))
+import numpy as np
+import shared_with_tests  # noqa: F401 - finds the tests' modules
+from figures import Figure, Measured, NotHere
+from listener_rig import loud, says_piper, silence
+from talker import AGENT, isolate
 
-import numpy as np  # noqa: E402
-from figures import Figure, Measured, NotHere  # noqa: E402
-from listener_rig import loud, says_piper, silence  # noqa: E402
-from talker import AGENT, isolate  # noqa: E402
-
-from edgevox.models import ModelMissing  # noqa: E402
-from edgevox.voice.audio import RATE_HZ  # noqa: E402
+from edgevox.models import ModelMissing
+from edgevox.voice.audio import RATE_HZ
 
 TABLE = "Memory with the default set"
 SAID = ("go to the kitchen", "get yourself to the bedroom, please", "how do bees make honey?")

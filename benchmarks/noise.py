@@ -10,27 +10,23 @@ which is far more than voice activity lets through.
 """
 
 import itertools
-import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+import shared_with_tests  # noqa: F401 - finds the tests' modules
 from acoustics import Half
 from acoustics.mixing import at_level, mixed
 from acoustics.noises import BABBLE, noise
 from acoustics.rooms import in_room, room_of
 from acoustics.voices import kokoro_voices, say
-from figures import Figure, Measured, NotHere
-from numpy.typing import NDArray
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-
 from corpus_robots import is_right, skills_of_robots
 from corpus_sentences import Calls, Sentence
+from figures import Figure, Measured, NotHere
+from numpy.typing import NDArray
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.nlu.hearing_prompt import hearing_prompt

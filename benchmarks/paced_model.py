@@ -3,14 +3,11 @@
 What an agent's own work for a turn costs is lost in the noise of a model on the same processor.
 """
 
-import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
-
+import shared_with_tests  # noqa: F401 - finds the tests' modules
 from llm_server import Reply, serving
 
 from edgevox.agent.grammar import SAY

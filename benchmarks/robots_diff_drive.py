@@ -6,15 +6,11 @@ same machine, whatever else runs on it. Time is that of the processor.
 """
 
 import math
-import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
 
+import shared_with_tests  # noqa: F401 - finds the tests' modules
 from worlds import Row
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
-
 from wrapped_engine import WrappedEngine
 
 from edgevox.core.cancel import CancelToken

@@ -5,18 +5,13 @@ is frozen for 3 s, from the moment in which it goes on. The model is a server th
 end. Starved means: on one core, shared with a program that takes all it gets.
 """
 
-import sys
 import time
 from collections.abc import Iterator
-from pathlib import Path
 
+import shared_with_tests  # noqa: F401 - finds the tests' modules
 from figures import Figure, Measured
-from talker import isolate
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "ros2"))
-
 from stop_rig import SITUATIONS, WAYS, Robot, settle
+from talker import isolate
 
 TABLE = "From the word to zero velocity"
 WANTED_MS = 200.0

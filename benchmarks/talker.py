@@ -3,14 +3,10 @@
 import json
 import os
 import random
-import sys
 import time
 from collections.abc import Callable, Sequence
-from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "ros2"))
-
+import shared_with_tests  # noqa: F401 - finds the tests' modules
 from agent_process import AGENT, Agent
 from peer import RELIABLE, SENSOR, STATE, Peer
 from waiting import Heard, wait_until

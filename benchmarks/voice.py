@@ -4,28 +4,24 @@ Four voices of Kokoro speak to it, Piper answers. The floor is what the parts ne
 another, on the same sound and words in the same run.
 """
 
-import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
-HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE.parent / "tests"))
-sys.path.insert(0, str(HERE.parent / "tests" / "models"))
+import shared_with_tests  # noqa: F401 - finds the tests' modules
+import voice_parts
+from figures import Figure, Measured, NotHere
+from listening import listen, quiet_room
+from voice_endurance import Endured, endure
+from voice_engines import words, wrong_words
+from voice_rig import VoiceRig
+from voice_turns import Talk, Turn
 
-import voice_parts  # noqa: E402
-from figures import Figure, Measured, NotHere  # noqa: E402
-from listening import listen, quiet_room  # noqa: E402
-from voice_endurance import Endured, endure  # noqa: E402
-from voice_engines import words, wrong_words  # noqa: E402
-from voice_rig import VoiceRig  # noqa: E402
-from voice_turns import Talk, Turn  # noqa: E402
-
-from edgevox.apps.queries import find_model  # noqa: E402
-from edgevox.models import ModelMissing, locate  # noqa: E402
-from edgevox.voice.microwakeword import MicroWakeWord  # noqa: E402
-from edgevox.voice.stt.whisper import Whisper  # noqa: E402
-from edgevox.voice.voices import choose  # noqa: E402
+from edgevox.apps.queries import find_model
+from edgevox.models import ModelMissing, locate
+from edgevox.voice.microwakeword import MicroWakeWord
+from edgevox.voice.stt.whisper import Whisper
+from edgevox.voice.voices import choose
 
 COMMANDS = (
     "go to the kitchen",

@@ -12,26 +12,24 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
+import shared_with_tests  # noqa: F401 - finds the tests' modules
 import yaml
 from figures import Figure, Measured, NotHere
+from listener_rig import frames, says_espeak
+from listening import quiet_room
+from voice_rig import says
 
-TESTS = Path(__file__).resolve().parents[1] / "tests"
-sys.path[:0] = [str(TESTS), str(TESTS / "models")]
-
-from listener_rig import frames, says_espeak  # noqa: E402
-from listening import quiet_room  # noqa: E402
-from voice_rig import says  # noqa: E402
-
-from edgevox.models import ModelMissing, locate  # noqa: E402
-from edgevox.voice.audio import FRAME_S, RATE_HZ, Samples  # noqa: E402
-from edgevox.voice.microwakeword import MicroWakeWord  # noqa: E402
-from edgevox.voice.resample import resampled  # noqa: E402
-from edgevox.voice.tts.pool import VoicePool  # noqa: E402
-from edgevox.voice.vad import SileroVad  # noqa: E402
-from edgevox.voice.wakeword import WakeDetector, WakeWord  # noqa: E402
+from edgevox.models import ModelMissing, locate
+from edgevox.voice.audio import FRAME_S, RATE_HZ, Samples
+from edgevox.voice.microwakeword import MicroWakeWord
+from edgevox.voice.resample import resampled
+from edgevox.voice.tts.pool import VoicePool
+from edgevox.voice.vad import SileroVad
+from edgevox.voice.wakeword import WakeDetector, WakeWord
 
 Judged = tuple[Samples, float]
 TABLE = "Wake words"
+CORPUS = Path(__file__).resolve().parents[1] / "tests" / "corpus"
 PHRASES = ("hey jarvis", "alexa", "hey mycroft", "okay nabu")
 KOKORO = (
     "af_heart", "af_bella", "af_nicole", "af_sky", "am_adam", "am_michael",
@@ -157,7 +155,7 @@ def _others(seconds: float) -> Iterator[Samples]:
 
 
 def _sentences() -> Iterator[tuple[str, str]]:
-    for file in sorted((TESTS / "corpus").glob("*.yaml")):
+    for file in sorted(CORPUS.glob("*.yaml")):
         if (code := file.stem.split("_")[0]) in LANGUAGES:
             yield from (
                 (code, text) for text in _said(list(yaml.safe_load_all(file.read_text("utf-8"))))

@@ -18,7 +18,6 @@ CHAT = [ChatMessage("system", "Be brief."), ChatMessage("user", "Where to?")]
 ROOMS = 'root ::= "go " ("kitchen" | "bedroom") "!"'
 Chat = Callable[["Reply"], None]
 AT_ONCE_S = [0.0 for _ in PAUSES_S]
-PATIENCE_S = HUNG_S
 """What answers has so long, on whatever machine; shorter where silence is the subject."""
 
 
@@ -100,7 +99,7 @@ class Server:
     def url(self) -> str:
         return f"http://127.0.0.1:{self.port}"
 
-    def model(self, timeout_s: float = PATIENCE_S, **address: Any) -> EndpointModel:
+    def model(self, timeout_s: float = HUNG_S, **address: Any) -> EndpointModel:
         """A model that asks this server, again at once if that failed; it is closed with it."""
         where = Address(self.url, timeout_s=timeout_s, **address)
         model = EndpointModel(where, pauses_s=AT_ONCE_S)

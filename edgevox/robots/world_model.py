@@ -5,12 +5,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from edgevox.core.transforms import Pose2D
+from edgevox.core.transforms import ORIGIN, Pose2D
 from edgevox.robots.bounds import Bounds
 from edgevox.robots.shapes import Floats, Point, Polygon, Shape, inside
 from edgevox.robots.world_fields import XY, NotNegative, Positive
-
-ORIGIN = Pose2D(0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)

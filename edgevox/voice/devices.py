@@ -16,6 +16,9 @@ from edgevox.core.extras import install_extra
 
 Kind = Literal["input", "output"]
 
+RETRY_S = 3.0
+"""How long a device that is not there is left alone."""
+
 _WORDS: Mapping[Kind, str] = {"input": "microphone", "output": "loudspeaker"}
 
 

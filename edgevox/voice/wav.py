@@ -14,6 +14,9 @@ from edgevox.core.user_file import regular
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.resample import Resampler
 
+HEADER_BYTES = 44
+"""Before the samples, in what most programs write."""
+
 
 def check_wav(path: Path, field: str = "audio_in") -> None:
     """Raise `InvalidValue` for what cannot be read as a WAV file."""

@@ -20,10 +20,10 @@ from edgevox.core.commands import Heard, Interrupt, TextInput, Transcribing
 from edgevox.core.events import Responded
 from edgevox.voice import devices
 from edgevox.voice.audio import FRAME_SAMPLES
-from edgevox.voice.devices import DeviceMissing
+from edgevox.voice.devices import RETRY_S, DeviceMissing
 from edgevox.voice.listener import Listener
 from edgevox.voice.sentence_synthesiser import SentenceSynthesiser
-from edgevox.voice.sinks.card import RETRY_S, SoundCardSink
+from edgevox.voice.sinks.card import SoundCardSink
 from edgevox.voice.sinks.portaudio_playback import open_loudspeaker
 from edgevox.voice.sources.portaudio_capture import open_microphone
 from edgevox.voice.sources.soundcard import SoundCard

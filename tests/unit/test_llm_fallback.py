@@ -5,7 +5,8 @@ from collections.abc import Iterator, Sequence
 
 import pytest
 from clocks import HeldClock
-from llm_server import PATIENCE_S, Chat, Server, failing, good, never, serving
+from guards import HUNG_S
+from llm_server import Chat, Server, failing, good, never, serving
 
 from edgevox.agent.llm.endpoint import Address, EndpointModel, FallbackModel
 from edgevox.agent.llm.endpoint.breaker import FIRST_REST_S, LONGEST_REST_S, Breaker
@@ -48,7 +49,7 @@ class Rig:
 @pytest.fixture
 def rig(request: pytest.FixtureRequest):
     def make(
-        *chats: Chat, on_board: OnBoard | None, timeout_s: float = PATIENCE_S
+        *chats: Chat, on_board: OnBoard | None, timeout_s: float = HUNG_S
     ) -> tuple[Rig, Server]:
         running = serving(*chats)
         server = running.__enter__()
@@ -73,7 +74,7 @@ def test_a_server_that_works_is_the_one_that_answers(rig, caplog) -> None:
 
 @pytest.mark.parametrize("chat", [never, failing(500), failing(401), failing(404)])
 def test_a_server_that_fails_is_replaced_and_then_left_alone(rig, caplog, chat: Chat) -> None:
-    one, server = rig(chat, on_board=OnBoard(), timeout_s=0.5 if chat is never else PATIENCE_S)
+    one, server = rig(chat, on_board=OnBoard(), timeout_s=0.5 if chat is never else HUNG_S)
 
     assert one.ask() == "on board"
     tried = len(server.asked)

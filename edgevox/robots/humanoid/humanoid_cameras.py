@@ -11,11 +11,11 @@ from edgevox.core.transforms import Pose2D, compose_on_floor, pitch
 from edgevox.robots.capabilities import CameraImage, CameraSpec
 from edgevox.robots.humanoid.mujoco_environment import MujocoHumanoidEnvironment
 from edgevox.robots.humanoid.scene import HEAD_CAMERA
+from edgevox.robots.mujoco.cameras import PICTURE_PX
 from edgevox.robots.mujoco.mujoco_snapshot import Snapshot
 from edgevox.robots.mujoco.renderer import Renderer
 
 WIDTH_PX, HEIGHT_PX = 320, 240
-PICTURE_PX = (640, 480)
 VERTICAL_FOV_RAD = math.radians(60.0)
 DOWN_RAD = math.radians(25.0)
 """How far the head camera looks down: a robot that walks looks where it goes."""

@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from edgevox.core.transforms import Pose3D
 from edgevox.robots.capabilities import CameraSpec
 
+PICTURE_PX = (640, 480)
+"""Of the pictures that people look at."""
+
 Point3 = tuple[float, float, float]
 
 

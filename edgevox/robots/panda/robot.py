@@ -15,6 +15,7 @@ from edgevox.core.errors import finite
 from edgevox.core.reason import Reason
 from edgevox.core.transforms import Pose3D
 from edgevox.robots.capabilities import CameraImage, CameraSpec, Report
+from edgevox.robots.mujoco.cameras import PICTURE_PX
 from edgevox.robots.mujoco.renderer import Renderer
 from edgevox.robots.panda import tasks
 from edgevox.robots.panda import things as seen
@@ -25,7 +26,6 @@ from edgevox.robots.panda.workcell import Workcell
 from edgevox.robots.simulated_body import SimulatedBody
 
 CAMERA_PX = (320, 240)
-PICTURE_PX = (640, 480)
 _POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
 
 

@@ -8,7 +8,7 @@ from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.log import ChangeDetector, get_logger
 from edgevox.voice.audio import Chunk
-from edgevox.voice.devices import DeviceMissing
+from edgevox.voice.devices import RETRY_S, DeviceMissing
 from edgevox.voice.played_sound import PlayedSound
 from edgevox.voice.sinks.card_queue import CardQueue
 from edgevox.voice.sinks.paced import PacedSink
@@ -18,7 +18,6 @@ from edgevox.voice.sinks.portaudio_playback import Fill, open_loudspeaker
 
 log = get_logger(__name__)
 
-RETRY_S = 3.0
 DEAF_S = 1.0
 """A card that asks for no samples for this long is lost: PortAudio does not always say so."""
 _STEP_S = 0.02

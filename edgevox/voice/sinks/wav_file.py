@@ -12,6 +12,7 @@ from edgevox.core.log import get_logger
 from edgevox.core.user_file import regular
 from edgevox.voice.audio import Chunk, Samples
 from edgevox.voice.sinks.pacing import RateChanger
+from edgevox.voice.wav import HEADER_BYTES
 
 log = get_logger(__name__)
 
@@ -19,8 +20,7 @@ RATE_HZ = 24_000
 """No voice has a higher one."""
 RETRY_S = 5.0
 """How long a file system that failed is left alone."""
-_HEADER_BYTES = 44
-_MOST_BYTES = 0xFFFF_FFFF - _HEADER_BYTES
+_MOST_BYTES = 0xFFFF_FFFF - HEADER_BYTES
 
 
 class WavFile:
@@ -71,7 +71,7 @@ class WavFile:
         if self.fault and self._clock.now() < self._retry_at_s:
             return
         try:
-            self._file.seek(_HEADER_BYTES + 2 * position)
+            self._file.seek(HEADER_BYTES + 2 * position)
             self._write_all(samples.astype("<i2").tobytes())
             self._file.seek(0)
             self._write_all(_header(end))
@@ -92,7 +92,7 @@ class WavFile:
     def _fail(self, error: OSError) -> None:
         """The header still tells of what was written before; what came after it is cut off."""
         with suppress(OSError):
-            self._file.truncate(_HEADER_BYTES + 2 * self._written)
+            self._file.truncate(HEADER_BYTES + 2 * self._written)
         self._retry_at_s = self._clock.now() + self._retry_s
         why = f"{self._path}: {error.strerror or error}"
         if not self.fault:
@@ -142,7 +142,7 @@ def _header(data_bytes: int) -> bytes:
     """Of a WAV file: PCM, mono, 16 bit."""
     return struct.pack(
         "<4sI4s4sIHHIIHH4sI",
-        *(b"RIFF", data_bytes + _HEADER_BYTES - 8, b"WAVE"),
+        *(b"RIFF", data_bytes + HEADER_BYTES - 8, b"WAVE"),
         *(b"fmt ", 16, 1, 1, RATE_HZ, 2 * RATE_HZ, 2, 16),
         *(b"data", data_bytes),
     )

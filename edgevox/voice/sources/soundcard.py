@@ -8,13 +8,12 @@ from typing import Protocol
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.log import ChangeDetector, get_logger
 from edgevox.voice.audio import Frame, Samples
-from edgevox.voice.devices import DeviceMissing
+from edgevox.voice.devices import RETRY_S, DeviceMissing
 from edgevox.voice.sources.portaudio_capture import open_microphone
 from edgevox.voice.sources.pushed import Pushed
 
 log = get_logger(__name__)
 
-RETRY_S = 3.0
 SILENT_S = 2.0
 """A stream that gives nothing for this long is lost: PortAudio does not always say so."""
 

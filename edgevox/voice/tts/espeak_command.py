@@ -7,8 +7,8 @@ import numpy as np
 from edgevox.core.cancel import CancelToken
 from edgevox.voice.audio import Chunk
 from edgevox.voice.tts.synthesiser import SynthesisFailed
+from edgevox.voice.wav import HEADER_BYTES
 
-_HEADER_BYTES = 44
 _RATE_HZ = 22_050  # of every voice of espeak-ng's own
 
 
@@ -29,5 +29,5 @@ class EspeakCommand:
             forget()
         if process.returncode and not token.cancelled:
             raise SynthesisFailed(f"espeak: {errors.decode(errors='replace').strip()}")
-        whole = len(out) - (len(out) - _HEADER_BYTES) % 2
-        return Chunk(np.frombuffer(out[_HEADER_BYTES:whole], np.int16), _RATE_HZ)
+        whole = len(out) - (len(out) - HEADER_BYTES) % 2
+        return Chunk(np.frombuffer(out[HEADER_BYTES:whole], np.int16), _RATE_HZ)
