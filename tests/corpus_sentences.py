@@ -8,6 +8,7 @@ said near any robot is said near one of them, by the same hash.
 import hashlib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -52,7 +53,7 @@ def is_held_out(says: str) -> bool:
 
 def read_corpus(folder: Path = FOLDER) -> list[Sentence]:
     """All of it, in the order of the files."""
-    return [one for file in sorted(folder.glob("*.yaml")) for one in _read_file(file)]
+    return list(_read_folder(folder))
 
 
 def tuning(sentences: Iterable[Sentence] | None = None) -> list[Sentence]:
@@ -67,8 +68,13 @@ def held_out(sentences: Iterable[Sentence] | None = None) -> list[Sentence]:
     return [one for one in given if one.held_out]
 
 
+@lru_cache
+def _read_folder(folder: Path) -> tuple[Sentence, ...]:
+    return tuple(one for file in sorted(folder.glob("*.yaml")) for one in _read_file(file))
+
+
 def _read_file(file: Path) -> Iterator[Sentence]:
-    for data in yaml.safe_load_all(file.read_text(encoding="utf-8")):
+    for data in yaml.load_all(file.read_text(encoding="utf-8"), yaml.CSafeLoader):
         for kind in ("commands", "others"):
             for category, several in (data.get(kind) or {}).items():
                 for one in several:

@@ -145,6 +145,7 @@ def _cuts(before: str, character: str, after: str) -> bool:
     ) and not _stands_alone(character)
 
 
+@lru_cache(maxsize=4096)
 def _in_word(character: str) -> bool:
     """Letters, digits and the marks that belong to them (the vowel signs of Hindi, say)."""
     return character == "'" or unicodedata.category(character)[0] in "LMN"
@@ -159,6 +160,7 @@ def _joins(text: str, i: int) -> bool:
     return character.isspace() and character not in _LINE_ENDS
 
 
+@lru_cache(maxsize=4096)
 def _stands_alone(character: str) -> bool:
     """Chinese characters, kana, and pictures that stop."""
     code = ord(character)

@@ -2,6 +2,7 @@
 
 import random
 from collections.abc import Mapping
+from functools import cache
 from types import MappingProxyType
 
 from hassil.expression import (
@@ -68,11 +69,16 @@ def say_it(book: Phrasebook, one: Skill, template: str, source: random.Random) -
             case Sequence():
                 return "".join(write(item) for item in part.items)
             case ListReference(list_name="place"):
-                return write(parse_sentence(source.choice(book.hearing.places)).expression)
+                return write(_parsed(source.choice(book.hearing.places)))
             case ListReference(list_name=name):
                 return source.choice(heard.get(name, ["0.5", "2", "90"]))
             case RuleReference(rule_name=name):
-                return write(parse_sentence(book.rules[name]).expression)
+                return write(_parsed(book.rules[name]))
         raise TypeError(part)
 
-    return " ".join(write(parse_sentence(template).expression).split())
+    return " ".join(write(_parsed(template)).split())
+
+
+@cache
+def _parsed(template: str) -> Expression:
+    return parse_sentence(template).expression

@@ -33,7 +33,7 @@ def product_sentences() -> Iterator[str]:
                 yield from (e.sentence for e in phrasebook(language).examples(one))
     scripts = ROOT / "scripts"
     for file in (scripts / "decision_sentences.yaml", *scripts.glob("decision_cases/*.yaml")):
-        for data in yaml.safe_load_all(file.read_text(encoding="utf-8")):
+        for data in yaml.load_all(file.read_text(encoding="utf-8"), yaml.CSafeLoader):
             yield from strings(data)
 
 

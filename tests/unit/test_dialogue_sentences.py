@@ -1,4 +1,5 @@
 import random
+from functools import cache
 
 import pytest
 from phrasebook_bodies import BODIES, say_it
@@ -24,8 +25,13 @@ OF_THE_BODY = {"go_back": "walk_backward", "further": "walk_forward"}
 """What a body that walks understands of itself where another one refers to its last drive."""
 
 
+@cache
 def sentences(code, body):
     """Each question and reference with sentences of every template."""
+    return tuple(_sentences(code, body))
+
+
+def _sentences(code, body):
     book, source = phrasebook(code), random.Random(7)
     for name, one in AGENTS[body].dialogue_skills.items():
         templates = book.templates(one)

@@ -15,6 +15,7 @@ from edgevox.ops.http_server import MOST_AT_ONCE, MOST_BYTES, HttpServer, Page
 from edgevox.ops.metrics import MetricsServer, Registry
 
 HANG_S = 30
+SMALL = Page(b"yes", "text/plain")
 BIG = Page(b"x" * 50_000_000, "text/plain")
 """Fits into no buffer of the system."""
 
@@ -33,7 +34,9 @@ def server(request):
 
 @pytest.fixture
 def pages():
-    one = HttpServer({"/big": lambda: BIG}, "127.0.0.1", 0, setting="port", name="pages")
+    """What both servers are made of, by itself."""
+    made = {"/live": lambda: SMALL, "/big": lambda: BIG}
+    one = HttpServer(made, "127.0.0.1", 0, setting="port", name="pages")
     one.start()
     yield one
     one.close()
@@ -118,10 +121,10 @@ class Hogs:
     ("addresses", "words"),
     [(1, b""), (200, b""), (7, b"G"), (7, b"GET /live HTTP/1.1\r\nX: "), (7, b"\r\n")],
 )
-def test_who_holds_every_connection_keeps_no_probe_from_its_answer(server, addresses, words):
+def test_who_holds_every_connection_keeps_no_probe_from_its_answer(pages, addresses, words):
     sources = [f"127.0.1.{number + 1}" for number in range(addresses)]
-    with Hogs(server, 3 * MOST_AT_ONCE, sources, words):
-        assert {ask(server) for _ in range(50)} == {200}
+    with Hogs(pages, 3 * MOST_AT_ONCE, sources, words):
+        assert {ask(pages) for _ in range(50)} == {200}
 
 
 def test_they_may_even_come_from_the_address_of_the_probe(server):
@@ -129,8 +132,8 @@ def test_they_may_even_come_from_the_address_of_the_probe(server):
         assert {ask(server) for _ in range(50)} == {200}
 
 
-def test_who_asks_a_byte_at_a_time_is_hung_up_on_however_long_he_goes_on(server):
-    with connect(server) as slow:
+def test_who_asks_a_byte_at_a_time_is_hung_up_on_however_long_he_goes_on(pages):
+    with connect(pages) as slow:
         slow.settimeout(0.05)  # the pace of his bytes
         with contextlib.suppress(ConnectionError):
             while not heard_the_end(slow):
@@ -170,10 +173,10 @@ def test_a_question_too_long_is_hung_up_on(server):
     assert ask(server) == 200
 
 
-def test_a_crowd_takes_no_thread_and_few_files(server):
+def test_a_crowd_takes_no_thread_and_few_files(pages):
     threads = threading.active_count()
-    crowd = [connect(server) for _ in range(3 * MOST_AT_ONCE)]
-    assert ask(server) == 200
+    crowd = [connect(pages) for _ in range(3 * MOST_AT_ONCE)]
+    assert ask(pages) == 200
     assert threading.active_count() == threads
     left = sum(still_open(one) for one in crowd)
     assert left <= MOST_AT_ONCE

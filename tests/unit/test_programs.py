@@ -1,8 +1,10 @@
 """Programs: orders that are repeated, delayed or wait, and all that ends them."""
 
 import pytest
+from guards import HUNG_S
 from programs_rig import Talk
 
+from edgevox.agent.programs import program_run
 from edgevox.agent.programs.keeper import LEAD_S
 from edgevox.agent.programs.program_limits import LONGEST_RUN_S, LONGEST_WAIT_S, MAX_PROGRAMS
 from edgevox.agent.programs.waits import LOOK_EVERY_S
@@ -16,7 +18,8 @@ LOW = "if the battery is below twenty percent, go to the dock"
 
 
 @pytest.fixture
-def talk():
+def talk(monkeypatch):
+    monkeypatch.setattr(program_run, "SHORTEST_ROUND_S", 0.0)
     one = Talk()
     yield one
     one.conversation.close()
@@ -57,6 +60,17 @@ def test_an_order_is_done_so_many_times(talk):
     talk.ended()
     assert talk.body.visited == ["kitchen", "1, 2"] * 3
     assert talk.statuses() == ["running", "running", "running", "done"]
+
+
+def test_rounds_that_are_over_at_once_do_not_spin(talk, monkeypatch):
+    monkeypatch.setattr(program_run, "SHORTEST_ROUND_S", 2 * HUNG_S)
+    talk.body.arrive()
+    talk.say("go to the kitchen three times")
+    talk.until_said("I am in the kitchen.")
+    talk.say("stop")
+    talk.ended()
+    assert talk.body.visited == ["kitchen"]
+    assert talk.statuses() == ["running", "cancelled"]
 
 
 def test_that_three_times_is_about_the_last_order_that_moved(talk):

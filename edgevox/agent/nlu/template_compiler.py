@@ -1,38 +1,85 @@
-"""Compiles the sentence templates of skills for hassil, in the words of one language."""
+"""Compiles the sentence templates of skills for hassil, in the words of one language.
 
+A template is parsed once in the life of the process, however many recognisers have it: one is made
+for each agent, and again for each change of the language.
+"""
+
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
-from typing import Any
 
 from hassil import Intents
-from hassil.intents import TextSlotList
+from hassil.expression import Sentence
+from hassil.intents import Intent, IntentData, SlotList, TextSlotList, WildcardSlotList
+from hassil.parse_expression import parse_sentence
 
+from edgevox.agent.choices import OneOf
 from edgevox.agent.numbers import digits
 from edgevox.agent.phrase_hearing import Hearing
 from edgevox.agent.phrasebook import Phrasebook
-from edgevox.agent.skills import OneOf, Skill, SkillSet
+from edgevox.agent.skills import Skill, SkillSet
 from edgevox.agent.spelling import folded, key, separated
+from edgevox.core.languages import LANGUAGES
 from edgevox.core.text import one_form
+
+_MOST_TEMPLATES = 4096
+"""How many parsed templates of a language are kept; all robots together have about 700."""
+
+_Lists = dict[str, SlotList]
 
 
 def compile_templates(skills: SkillSet, book: Phrasebook, *, loose: bool) -> Intents:
     """Intents, one per skill; `loose` lets any words stand where one of some words should."""
+    shared = _shared(book.code, tuple(book.rules.items()), book.hearing.places)
     templates = {
         name: book.templates(one) for name, one in skills.items() if not loose or one.choices
     }
-    data = {
-        name: {
-            "data": [
-                {
-                    "sentences": [_pattern(sentence) for sentence in sentences],
-                    "lists": _lists(skills[name], book, loose=loose),
-                }
-            ]
-        }
-        for name, sentences in templates.items()
-        if sentences
+    intents = {
+        name: _intent(name, map(shared.parsed, some), shared.lists(skills[name], loose=loose))
+        for name, some in templates.items()
+        if some
     }
-    rules = {name: _pattern(rule) for name, rule in book.rules.items()}
-    return Intents.from_dict({"language": book.code, "intents": data, "expansion_rules": rules})
+    return Intents(book.code, intents, expansion_rules=shared.rules)
+
+
+def _intent(name: str, templates: Iterable[Sentence], lists: _Lists) -> Intent:
+    """Of templates that are parsed already, and of what may stand in their slots."""
+    data = IntentData([], slot_lists=lists)
+    vars(data)["sentences"] = list(templates)  # where it keeps what it would parse itself
+    return Intent(name, [data])
+
+
+class _SharedTemplates:
+    """What all templates of a language have in common, and those that were parsed."""
+
+    def __init__(self, code: str, rules: Sequence[tuple[str, str]], places: Sequence[str]) -> None:
+        shared = Intents.from_dict(
+            {
+                "language": code,
+                "intents": {},
+                "lists": {"place": {"values": [_pattern(place) for place in places]}},
+                "expansion_rules": {name: _pattern(rule) for name, rule in rules},
+            }
+        )
+        self.rules = shared.expansion_rules
+        self._places = {name: _indexed(one) for name, one in shared.slot_lists.items()}
+        self.parsed = lru_cache(_MOST_TEMPLATES)(_parsed)
+
+    def lists(self, one: Skill, *, loose: bool) -> _Lists:
+        """Any words, but where words are given to choose from; the book's usual places."""
+        lists: _Lists = {
+            name: WildcardSlotList(name)
+            if loose or name not in one.choices
+            else TextSlotList(name, [])
+            for name in one.arguments_model.model_fields
+        }
+        return lists | self._places if one.new_names else lists
+
+
+_shared = lru_cache(len(LANGUAGES))(_SharedTemplates)
+
+
+def _parsed(template: str) -> Sentence:
+    return parse_sentence(_pattern(template), keep_text=True)
 
 
 def _pattern(template: str) -> str:
@@ -42,16 +89,6 @@ def _pattern(template: str) -> str:
 def written(text: str, hearing: Hearing) -> str:
     """With spaces only where the language has them between words."""
     return text if hearing.spaced else text.replace(" ", "")
-
-
-def _lists(one: Skill, book: Phrasebook, *, loose: bool) -> dict[str, Any]:
-    """Any words, but for what `learn` gives words to choose from; the book's usual places."""
-    lists: dict[str, Any] = {
-        name: {"wildcard": True} if loose or name not in one.choices else {"values": []}
-        for name in one.arguments_model.model_fields
-    }
-    usual = [_pattern(place) for place in book.hearing.places]
-    return lists | {"place": {"values": usual}} if one.new_names else lists
 
 
 @lru_cache(maxsize=8192)
@@ -69,4 +106,10 @@ def word_list(choices: OneOf, book: Phrasebook) -> TextSlotList:
         for said, word in book.heard(choices).items()
         for form in _forms(said, book.code, spaced=book.hearing.spaced)
     }
-    return TextSlotList.from_tuples(spoken.items(), allow_template=False)
+    return _indexed(TextSlotList.from_tuples(spoken.items(), allow_template=False))
+
+
+def _indexed(words: TextSlotList) -> TextSlotList:
+    """The same with its index made: two threads that look first would make it at once."""
+    words.get_candidates("")
+    return words

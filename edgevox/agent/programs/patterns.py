@@ -7,7 +7,7 @@ slots goes to it.
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import count
 
 from hassil.expression import (
@@ -15,6 +15,7 @@ from hassil.expression import (
     Expression,
     ListReference,
     RuleReference,
+    Sentence,
     Sequence,
     TextChunk,
 )
@@ -36,21 +37,35 @@ _GAP = rf"[{_MARKS}]*"
 _NUMBER = r"\d+(?:\.\d+)?(?: \d)?"
 
 
-@dataclass(frozen=True, slots=True)
 class Pattern:
-    """One template. `text` is what `spelled` made of a sentence."""
+    """One template. `text` is what `spelled` made of a sentence.
 
-    expression: re.Pattern[str]
-    wants_number: bool
+    Its expression is made when a sentence first has the words that the template cannot do without:
+    to make them all takes longer than the rest of a language, and most are never asked for.
+    """
+
+    def __init__(self, shared: "_ProgramRules", template: Sentence) -> None:
+        self._shared = shared
+        self._template = template
+        self._needed = template.get_required_clauses(shared.rules)
+        self.wants_number = not NUMBERS.isdisjoint(template.list_names(shared.rules))
 
     def slots(self, text: str, *, anywhere: bool = False) -> dict[str, str] | None:
         """What stands in the slots if the whole text is this, or with `anywhere` a part of it."""
-        find = self.expression.search if anywhere else self.expression.fullmatch
-        found = find(folded(text))
+        read = folded(text)
+        said = read.casefold()
+        if not all(any(word in said for word in some) for some in self._needed):
+            return None
+        found = self._expression.search(read) if anywhere else self._expression.fullmatch(read)
         if found is None:
             return None
         spans = {name: found.span(name) for name, value in found.groupdict().items() if value}
         return {name.partition("__")[0]: text[slice(*span)] for name, span in spans.items()}
+
+    @cached_property
+    def _expression(self) -> re.Pattern[str]:
+        written = _Writer(self._shared).write(self._template.expression)
+        return re.compile(_GAP + written + _GAP, re.IGNORECASE)
 
 
 @lru_cache(maxsize=8)
@@ -66,19 +81,18 @@ def spelled(text: str, code: str) -> str:
 @lru_cache
 def patterns_of(code: str, kinds: tuple[str, ...]) -> Mapping[str, tuple[Pattern, ...]]:
     """The patterns of a language by these kinds of its templates."""
-    book = phrasebook(code)
-    spaced, rules, templates = book.hearing.spaced, book.programs.rules, book.programs.templates
-    return {
-        kind: tuple(compiled(one, rules, spaced=spaced) for one in templates.get(kind, ()))
-        for kind in kinds
-    }
+    templates = phrasebook(code).programs.templates
+    return {kind: tuple(_pattern(code, one) for one in templates.get(kind, ())) for kind in kinds}
 
 
-def compiled(template: str, rules: Mapping[str, str], *, spaced: bool) -> Pattern:
-    """The pattern of a template; `spaced` is False where words have no spaces between them."""
-    written = _Writer(rules, spaced=spaced).write(parse_sentence(_folded(template)).expression)
-    wants_number = any(f"(?P<{name}__" in written for name in NUMBERS)
-    return Pattern(re.compile(_GAP + written + _GAP, re.IGNORECASE), wants_number)
+@lru_cache
+def marks_of(code: str, rules: tuple[str, ...]) -> tuple[Pattern, ...]:
+    """The patterns of these rules of a language by themselves, of those that it has."""
+    return tuple(_pattern(code, f"<{rule}>") for rule in rules if rule in _rules_of(code).rules)
+
+
+def _pattern(code: str, template: str) -> Pattern:
+    return Pattern(_rules_of(code), _parsed(template))
 
 
 def number(said: str) -> float:
@@ -86,12 +100,27 @@ def number(said: str) -> float:
     return sum(float(part) for part in said.split())
 
 
+@dataclass(frozen=True, slots=True)
+class _ProgramRules:
+    """What the templates of a language share; `spaced`: there are spaces between its words."""
+
+    rules: dict[str, Sentence]
+    spaced: bool
+
+
+@lru_cache
+def _rules_of(code: str) -> _ProgramRules:
+    book = phrasebook(code)
+    rules = {name: _parsed(rule) for name, rule in book.programs.rules.items()}
+    return _ProgramRules(rules, book.hearing.spaced)
+
+
 class _Writer:
     """Writes an expression as a regular one. A slot may stand in it more than once."""
 
-    def __init__(self, rules: Mapping[str, str], *, spaced: bool) -> None:
-        self._rules = rules
-        self._spaced = spaced
+    def __init__(self, shared: _ProgramRules) -> None:
+        self._rules = shared.rules
+        self._spaced = shared.spaced
         self._numbers = count(1)
 
     def write(self, part: Expression) -> str:
@@ -105,8 +134,7 @@ class _Writer:
             case ListReference(list_name=name):
                 return self._slot(name)
             case RuleReference(rule_name=name):
-                rule = parse_sentence(_folded(self._rules[name]))
-                return f"(?:{self.write(rule.expression)})"
+                return f"(?:{self.write(self._rules[name].expression)})"
         raise TypeError(part)
 
     def _slot(self, name: str) -> str:
@@ -136,5 +164,5 @@ def _prepared(text: str) -> str:
     return " ".join(separated(one_form(text)).split()).strip(" .,;:!?\u3002\u0964\u061f")
 
 
-def _folded(template: str) -> str:
-    return folded(separated(one_form(template)))
+def _parsed(template: str) -> Sentence:
+    return parse_sentence(folded(separated(one_form(template))))

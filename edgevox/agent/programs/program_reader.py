@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from edgevox.agent.nlu.templates import MAX_CHARACTERS, RefusedCommand
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.phrasebook import Phrasebook
-from edgevox.agent.programs.patterns import compiled, number, patterns_of, spelled
+from edgevox.agent.programs.patterns import marks_of, number, patterns_of, spelled
 from edgevox.agent.programs.program import (
     After,
     Again,
@@ -32,6 +32,8 @@ DEEPEST = 4
 _SECONDS = {"hours": 3600.0, "minutes": 60.0, "seconds": 1.0}
 _KINDS = ("low", "after", "until", "times", "arrived", "saying", "back", "patrol", "say")
 """The kinds of wrappers, the outermost first."""
+_MARKS = ("later", "low")
+"""The rules that tell that an order is for later."""
 _AT_ONCE = ("until", "times", "arrived", "saying", "back")
 """Wrappers around what is done on the spot: nothing in them may wait for its time."""
 
@@ -85,11 +87,7 @@ class _ProgramLanguage:
         self._book = book
         phrases, spaced = book.programs, book.hearing.spaced
         self._patterns = patterns_of(book.code, _KINDS)
-        self._marks = [
-            compiled(f"<{rule}>", phrases.rules, spaced=spaced)
-            for rule in ("later", "low")
-            if rule in phrases.rules
-        ]
+        self._marks = marks_of(book.code, _MARKS)
         between = [re.escape(word) for word in phrases.between]
         joint = "|".join(rf"\s+{word}\s+" if spaced else word for word in between) or "(?!)"
         self._between = re.compile(rf"\s*[,\u3001\u060c]\s*(?:{joint})?|{joint}", re.IGNORECASE)
