@@ -43,6 +43,7 @@ def _book(code: str, data: Mapping[str, Any], fallback: Phrasebook | None) -> Ph
         rules=data.get("rules", {}),
         words={key(name): word_of(one) for name, one in data.get("words", {}).items()},
         unknown=word_of(data.get("unknown")),
+        own_names={one: word_of(forms) for one, forms in data.get("own_names", {}).items()},
         skills={name: skill_phrases(one) for name, one in data.get("skills", {}).items()},
         reasons=data.get("reasons", {}),
         arguments=data.get("arguments", {}),

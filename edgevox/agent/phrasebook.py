@@ -51,6 +51,7 @@ class Phrasebook:
     rules: Mapping[str, str] = field(default_factory=dict)
     words: Mapping[str, Word] = field(default_factory=dict)
     unknown: Word = field(default_factory=lambda: word_of(None))
+    own_names: Mapping[str, Word] = field(default_factory=dict)
     skills: Mapping[str, SkillPhrases] = field(default_factory=dict)
     reasons: Mapping[str, str] = field(default_factory=dict)
     arguments: Mapping[str, str] = field(default_factory=dict)
@@ -199,7 +200,7 @@ class Phrasebook:
 
     @cached_property
     def _first_heard(self) -> Mapping[str, Word]:
-        return {key(one.heard[0]): one for one in self.words.values()}
+        return {key(one.heard[0]): one for one in self.words.values() if one.heard}
 
     def _slots(self, template: str) -> set[str]:
         """The slots of a template and of the rules that it names."""
@@ -231,12 +232,12 @@ class Phrasebook:
     ) -> str:
         """A sentence of a skill: the skill's own if that is this language's, else the book's."""
         said = "" if self._speaks(one) else self._first(part(self._phrases(one)), values)
-        return said or _formatted(english, values)
+        return said or self._formatted(english, values)
 
     def _action(self, one: Skill, arguments: Mapping[str, Any]) -> str:
         """The part of a question about it: an English one fits no other language's sentence."""
         if self._speaks(one):
-            return _formatted(one.action, arguments)
+            return self._formatted(one.action, arguments)
         return self._first(self._phrases(one).actions, arguments)
 
     def _speaks(self, one: Skill) -> bool:
@@ -272,12 +273,16 @@ class Phrasebook:
     def _thing_at(self, name: str, place: str) -> str:
         return self.say("thing_at", thing=self.word(name), place=self.word(place))
 
+    def _formatted(self, english: str, values: Mapping[str, Any]) -> str:
+        """A skill's own English sentence, with what its words are called in English."""
+        words = (self.fallback or self).words
+        told = {
+            name: words.get(key(value), in_english(value)) if isinstance(value, str) else value
+            for name, value in values.items()
+        }
+        return english.format(**told)
+
     def _smooth(self, text: str) -> str:
         for pattern, replacement in self.smoothing:
             text = pattern.sub(replacement, text)
         return text
-
-
-def _formatted(english: str, values: Mapping[str, Any]) -> str:
-    """A skill's own English sentence."""
-    return english.format(**{name: in_english(value) for name, value in values.items()})

@@ -24,7 +24,7 @@ from edgevox.agent.arguments import (
     check_numbers,
     from_words,
 )
-from edgevox.agent.choices import NewName, OneOf
+from edgevox.agent.choices import NewName, OneOf, OwnName
 from edgevox.agent.failures import SkillFailed, UnknownSkill, reason_of
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue
@@ -275,6 +275,7 @@ __all__ = [
     "GoalHandle",
     "NewName",
     "OneOf",
+    "OwnName",
     "Result",
     "Skill",
     "SkillFailed",

@@ -16,7 +16,8 @@ from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.nlu.near_commands import NearCommands
 from edgevox.agent.nlu.sounds import Phonemes
 from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood
-from edgevox.agent.phrase_file import ENGLISH, phrasebook
+from edgevox.agent.own_names import phrasebook_of
+from edgevox.agent.phrase_file import ENGLISH
 from edgevox.agent.programs.program import Program
 from edgevox.agent.programs.program_reader import ProgramReader, Unclear
 from edgevox.agent.skills import Call, Skill, SkillSet
@@ -68,8 +69,8 @@ class Interpreter:
 
     def set_language(self, code: str) -> None:
         """Understand and answer in this language from now on; `phrases` are its sentences."""
-        self.phrases = phrasebook(code)
         agents = self._agents.values()
+        self.phrases = phrasebook_of(code, self._every_skill())
         self._recognisers = {a.name: Recogniser(a.skills, code, a.dialogue_skills) for a in agents}
         self._readings = {a.name: Readings(a.skills, code) for a in agents}
         self._near = (

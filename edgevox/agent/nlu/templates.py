@@ -13,7 +13,8 @@ from hassil.intents import TextSlotList
 from edgevox.agent.arguments import is_number_type
 from edgevox.agent.nlu.template_compiler import compile_templates, word_list, written
 from edgevox.agent.numbers import digits
-from edgevox.agent.phrase_file import ENGLISH, phrasebook
+from edgevox.agent.own_names import phrasebook_of
+from edgevox.agent.phrase_file import ENGLISH
 from edgevox.agent.phrase_hearing import Hearing
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.skills import NO_SKILLS, Call, Skill, SkillSet
@@ -66,13 +67,13 @@ class Recogniser:
     def __init__(
         self, skills: SkillSet, language: str = ENGLISH, dialogue_skills: SkillSet = NO_SKILLS
     ) -> None:
-        answers = phrasebook(language)
-        books = [phrasebook(code) for code in dict.fromkeys((language, ENGLISH))]
+        codes = dict.fromkeys((language, ENGLISH))
+        books = [phrasebook_of(code, skills.values()) for code in codes]
         self._language = language
         self._skills = skills
         self._words = skills.words()
         self._learning = threading.Lock()
-        self._readers = [_TemplateReader(skills, book, answers, dialogue_skills) for book in books]
+        self._readers = [_TemplateReader(skills, book, books[0], dialogue_skills) for book in books]
 
     def recognise(self, text: str) -> Understood | RefusedCommand | None:
         """Calls, a refusal, or None when this is not a plain command."""
