@@ -21,7 +21,7 @@ _PLAIN = "plain"
 
 
 def phrasebook_of(code: str, skills: Iterable[Skill]) -> Phrasebook:
-    """The phrasebook of a language, with the names of the words that these skills take."""
+    """The phrasebook of a language, with the names of these skills' words and arguments."""
     return _named(phrasebook(code), tuple(skills))
 
 
@@ -43,10 +43,21 @@ def _named(book: Phrasebook, skills: tuple[Skill, ...]) -> Phrasebook:
         for word, by_code in choices.names.items()
         if book.code in by_code
     }
+    arguments = {
+        name: called
+        for one in skills
+        if book.code in one.phrases
+        for name, called in one.phrases[book.code].arguments.items()
+    }
     fallback = _named(book.fallback, skills) if book.fallback else None
-    if not names and fallback is book.fallback:
+    if not names and not arguments and fallback is book.fallback:
         return book
-    return replace(book, words=_words(book, names), fallback=fallback)
+    return replace(
+        book,
+        words=_words(book, names),
+        arguments={**arguments, **book.arguments},
+        fallback=fallback,
+    )
 
 
 def _words(book: Phrasebook, names: Mapping[str, OwnName]) -> Mapping[str, Word]:

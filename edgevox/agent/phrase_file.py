@@ -116,6 +116,7 @@ def skill_phrases(data: Mapping[str, Any]) -> SkillPhrases:
         says=_several(data.get("says", ())),
         done=_several(data.get("done", ())),
         examples=tuple(Example(one.pop("sentence"), one) for one in examples),
+        arguments=data.get("arguments", {}),
     )
 
 

@@ -16,7 +16,6 @@ from edgevox.agent.phrase_forms import (
     renamed,
     renamed_example,
     spoken_name,
-    without_unit,
 )
 from edgevox.agent.phrase_hearing import Hearing
 from edgevox.agent.phrase_numbers import Numbers, Rewriting
@@ -29,6 +28,10 @@ from edgevox.core.reason import Reason
 
 MOST_HINTS = 6
 """How many hints of words a model is shown."""
+_OTHER = "other"
+"""What an argument is called that has no name of its own."""
+_WORD = "word"
+"""What kind of thing its words are, where a sentence of the language says so."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,10 +159,9 @@ class Phrasebook:
         """What a robot with this skill can do, as a part of a sentence."""
         return self._phrases(one).can or as_part(one.description)
 
-    def abilities(self, skills: Sequence[Skill]) -> str:
-        """What a robot with these skills can do, in one sentence; empty if it can do nothing."""
-        actions = [self.can(one) for one in skills]
-        return self.say("abilities", actions="; ".join(actions)) if actions else ""
+    def knows(self, one: Skill) -> bool:
+        """Whether it is a skill that robots commonly have, by its name."""
+        return one.name in self.skills
 
     def chained(self, sentences: Sequence[str]) -> str:
         """What is done one after another: "Going to the kitchen. Then: going to the bedroom."."""
@@ -176,9 +178,16 @@ class Phrasebook:
         return self._join([str(self.word(name)) for name in names])
 
     def argument(self, name: str) -> str:
-        """What an argument is called: "the distance in metres"; a skill's own as it is named."""
+        """What an argument is called: "the distance in metres".
+
+        An axis is called by its letter; one that nobody gave a name in this language is a value.
+        """
         known = self.arguments.get(name) or self.arguments.get(spoken_name(name))
-        return known or without_unit(name)
+        return known or (name if len(name) == 1 else self.arguments.get(_OTHER, name))
+
+    def kind(self, argument: str) -> str:
+        """What the words of an argument are: "room"; those of an unknown one are words."""
+        return argument if argument in self.arguments else self.arguments.get(_WORD, "")
 
     def _because(self, sentence: str, reason: Reason) -> str:
         return self.say(sentence, reason=bare(self.reason(reason)))

@@ -7,6 +7,7 @@ somebody is asked first.
 
 from collections.abc import Sequence
 
+from edgevox.agent.abilities import not_understood
 from edgevox.agent.agents import Agent, by_name
 from edgevox.agent.history import History, size_tokens
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelFailed
@@ -21,7 +22,6 @@ from edgevox.agent.phrase_file import ENGLISH
 from edgevox.agent.programs.program import Program
 from edgevox.agent.programs.program_reader import ProgramReader, Unclear
 from edgevox.agent.skills import Call, Skill, SkillSet
-from edgevox.agent.spoken_lists import not_understood
 from edgevox.agent.toolcalls import HANDOFF, Protocol
 from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import HandedOver

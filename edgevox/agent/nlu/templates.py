@@ -181,7 +181,9 @@ class _TemplateReader:
             if not _may_be_a_name(said, self._book.hearing):
                 return None
             if not choices.words:
-                return RefusedCommand(self._answers.say("no_words", argument=name))
+                return RefusedCommand(
+                    self._answers.say("no_words", argument=self._answers.kind(name))
+                )
             spoken = {key(one): word for one, word in self._book.heard(choices).items()}
             near = difflib.get_close_matches(key(said), spoken, n=1, cutoff=_NEAR)
             if not near or not _alike_word_by_word(key(said), near[0]):
@@ -206,8 +208,8 @@ def refused(
     book: Phrasebook, sentence: str, argument: str, known: Sequence[str], said: str = ""
 ) -> RefusedCommand:
     """Says that a word is missing or unknown, and some words that are known; all in `detail`."""
-    name = argument.replace("_", " ")
-    reason = book.say(sentence, argument=name, said=said, known=brief(book, known, said))
+    kind = book.kind(argument)
+    reason = book.say(sentence, argument=kind, said=said, known=brief(book, known, said))
     return RefusedCommand(reason, whole(book, known))
 
 

@@ -180,6 +180,9 @@ class Sentences(Part):
     done: str = ""
     failed: str = ""
     can: str = Field("", description="what the robot can do, as a part of a sentence")
+    argument_names: Mapping[Name, Word] = Field(
+        default_factory=dict, description="what arguments are called: the number of passes"
+    )
 
 
 def _known_languages(by_code: dict[str, Sentences]) -> dict[str, Sentences]:
@@ -228,12 +231,24 @@ class SkillEntry(Step, Sentences):
             _one_way(self, ())
         if self.moves is False and not all(step.read for step in self.every_step):
             _only_short(self)
+        _only_arguments(self, (), self.arguments)
+        for code, said in self.languages.items():
+            _only_arguments(said, ("languages", code), self.arguments)
         return self
 
 
 def _one_way(step: Step, place: tuple[str | int, ...]) -> None:
     if len(step.ways) != 1:
         raise wrong(place, step.ways, "exactly one of " + ", ".join(WAYS))
+
+
+def _only_arguments(
+    said: Sentences, place: tuple[str, ...], arguments: Mapping[str, Argument]
+) -> None:
+    for name in said.argument_names:
+        if name not in arguments:
+            known = "an argument: one of " + (", ".join(arguments) or "none")
+            raise wrong((*place, "argument_names", name), name, known)
 
 
 def _only_short(entry: SkillEntry) -> None:
