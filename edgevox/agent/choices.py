@@ -11,17 +11,39 @@ MOST_HINTS = 6
 
 
 @dataclass(frozen=True, slots=True)
+class OwnName:
+    """What a word is called in one language, by whoever brings it: "die Apotheke".
+
+    `name` may begin with an article, by which the forms of going there (`to`), of being there
+    (`at`) and of grasping it (`taken`) are found, unless they are given. `heard` are other things
+    people say for it.
+    """
+
+    name: str
+    heard: tuple[str, ...] = ()
+    to: str = ""
+    at: str = ""
+    taken: str = ""
+
+
+OwnNames = Mapping[str, Mapping[str, OwnName]]
+"""By word, and then by the code of the language."""
+
+
+@dataclass(frozen=True, slots=True)
 class OneOf:
     """Annotates a string argument that takes one of some words, known only when the robot is.
 
     `aliases` are other things people say for a word ("fridge": "kitchen"). Matching ignores case,
-    underscores against spaces, and a leading article. `learned` gives the words that came while the
-    robot runs; it is quick, and asked from any thread.
+    underscores against spaces, and a leading article. They count in every language; `names` are
+    what a word is called in one: said, and understood while that is spoken. `learned` gives the
+    words that came while the robot runs; it is quick, and asked from any thread.
     """
 
     fixed: tuple[str, ...]
     aliases: Mapping[str, str] = field(default_factory=dict)
     learned: Callable[[], tuple[str, ...]] = tuple
+    names: OwnNames = field(default_factory=dict)
 
     @property
     def words(self) -> tuple[str, ...]:

@@ -2,10 +2,10 @@
 
 from collections.abc import Callable, Mapping
 
+from edgevox.agent.abilities import abilities
 from edgevox.agent.dialogue import Dialogue
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.skills import Skill
-from edgevox.agent.spoken_lists import abilities
 
 MOST_QUOTED = 120
 """So many characters of what somebody said are said back."""

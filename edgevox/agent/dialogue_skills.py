@@ -201,4 +201,5 @@ def _every_choice(skills: SkillSet) -> OneOf:
         words = dict.fromkeys(word for one in choices for word in one.words)
         return tuple(word for word in words if word not in fixed)
 
-    return OneOf(fixed, aliases, learned)
+    names = {word: by_code for one in choices for word, by_code in one.names.items()}
+    return OneOf(fixed, aliases, learned, names)

@@ -11,6 +11,7 @@ from itertools import zip_longest
 from typing import Any
 
 from edgevox.agent.grammar import DO, END, HANDOFF, SAY, is_optional, literal
+from edgevox.agent.own_names import phrasebook_of
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.phrasebook import Phrasebook, SmallTalk
 from edgevox.agent.skills import Call, Skill, SkillSet
@@ -72,7 +73,7 @@ def examples(
     They alternate, so that no kind of answer is what the last ones were, and end in words: small
     models repeat what they saw last, and a wrong word costs less than a wrong drive.
     """
-    book = phrasebook(language)
+    book = phrasebook_of(language, skills.values())
     singles = _singles(skills, book)
     handed = [
         Shown(f"let me talk to the {name}", (Call(HANDOFF, {"agent": name}),)) for name in handoffs

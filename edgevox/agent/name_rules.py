@@ -10,6 +10,8 @@ from itertools import product
 from hassil.expression import Alternative, Expression, RuleReference, Sequence, TextChunk
 from hassil.parse_expression import parse_sentence
 
+from edgevox.agent.choices import OwnName
+from edgevox.agent.own_names import heard, without_article
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.safety import find_stop_word
 from edgevox.agent.skills import OneOf, Skill
@@ -49,21 +51,54 @@ def check_skills(skills: Iterable[Skill]) -> None:
         if one.name != _STOP:
             check_name("skill", one.name)
         for argument, choices in one.choices.items():
-            for name in (*choices.words, *choices.aliases):
+            said = [
+                name
+                for one in choices.names.values()
+                for each in one.values()
+                for name in (each.name, *each.heard)
+            ]
+            for name in (*choices.words, *choices.aliases, *said):
                 check_name(f"{one.name}.{argument}", name)
 
 
 def word_meant(name: str, choices: OneOf) -> str | None:
     """The word of these that people mean by a name in any language; None if it is another."""
     known = {key(said): word for said, word in choices.aliases.items()}
+    known |= {
+        key(said): word
+        for word, by_code in choices.names.items()
+        for code, one in by_code.items()
+        for said in heard(code, one)
+    }
     known |= {key(word): word for word in choices.words}
     meant = (key(name), *_heard_anywhere().get(key(name), ()))
     return next((known[one] for one in meant if one in known), None)
 
 
-def is_clause_word(name: str) -> bool:
-    """Whether it stands for something else in any language: "here", "it", "and"."""
-    return any(key(name) in phrasebook(code).hearing.clause_words for code in LANGUAGES)
+def is_clause_word(name: str, languages: Iterable[str] = tuple(LANGUAGES)) -> bool:
+    """Whether it stands for something else in one of these languages: "here", "it", "and"."""
+    return any(key(name) in phrasebook(code).hearing.clause_words for code in languages)
+
+
+def bare_name(code: str, name: str) -> str:
+    """A name in this language without its article, as it stands behind any."""
+    return without_article(code, name)
+
+
+def name_clash(
+    entries: Mapping[str, tuple[Iterable[str], Mapping[str, OwnName]]],
+) -> tuple[str, str, str, str] | None:
+    """Whose name, in which language, which it is, and whose it is, too; None if all differ.
+
+    `entries` are the aliases, which count in every language, and the names by language of words.
+    """
+    for code in LANGUAGES:
+        owners = {key(one): word for word, (more, _) in entries.items() for one in (word, *more)}
+        for word, (_, names) in entries.items():
+            for said in heard(code, names[code]) if code in names else ():
+                if (owner := owners.setdefault(key(said), word)) != word:
+                    return word, code, said, owner
+    return None
 
 
 @cache

@@ -43,6 +43,7 @@ def _book(code: str, data: Mapping[str, Any], fallback: Phrasebook | None) -> Ph
         rules=data.get("rules", {}),
         words={key(name): word_of(one) for name, one in data.get("words", {}).items()},
         unknown=word_of(data.get("unknown")),
+        own_names={one: word_of(forms) for one, forms in data.get("own_names", {}).items()},
         skills=skill_entries(data.get("skills", {})),
         reasons=data.get("reasons", {}),
         arguments=data.get("arguments", {}),
@@ -125,6 +126,7 @@ def _skill_phrases(data: Mapping[str, Any]) -> SkillPhrases:
         says=_several(data.get("says", ())),
         done=_several(data.get("done", ())),
         examples=tuple(Example(one.pop("sentence"), one) for one in examples),
+        arguments=data.get("arguments", {}),
     )
 
 

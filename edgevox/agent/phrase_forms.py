@@ -45,11 +45,6 @@ def bare(sentence: str) -> str:
     return sentence.rstrip(". \u3002\u0964")
 
 
-def without_unit(argument: str) -> str:
-    """An argument's name as a word: "height_m" is "height"."""
-    return re.sub(r"_(m|s|m_s|deg|rad|rad_s|percent)$", "", argument).replace("_", " ")
-
-
 def as_part(sentence: str) -> str:
     """A sentence as a part of another."""
     return continued(sentence).rstrip(".")

@@ -18,7 +18,6 @@ from edgevox.agent.phrase_forms import (
     renamed,
     renamed_example,
     spoken_name,
-    without_unit,
     written_out,
 )
 from edgevox.agent.phrase_hearing import Hearing
@@ -29,6 +28,11 @@ from edgevox.agent.skills import Example, OneOf, Skill, SkillPhrases
 from edgevox.agent.spelling import key
 from edgevox.agent.spoken_lists import brief
 from edgevox.core.reason import Reason
+
+_OTHER = "other"
+"""What an argument is called that has no name of its own."""
+_WORD = "word"
+"""What kind of thing its words are, where a sentence of the language says so."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +55,7 @@ class Phrasebook:
     rules: Mapping[str, str] = field(default_factory=dict)
     words: Mapping[str, Word] = field(default_factory=dict)
     unknown: Word = field(default_factory=lambda: word_of(None))
+    own_names: Mapping[str, Word] = field(default_factory=dict)
     skills: Mapping[str, SkillPhrases] = field(default_factory=dict)
     reasons: Mapping[str, str] = field(default_factory=dict)
     arguments: Mapping[str, str] = field(default_factory=dict)
@@ -166,10 +171,9 @@ class Phrasebook:
         """What a robot with this skill can do, as a part of a sentence."""
         return self._phrases(one).can or as_part(one.description)
 
-    def abilities(self, skills: Sequence[Skill]) -> str:
-        """What a robot with these skills can do, in one sentence; empty if it can do nothing."""
-        actions = [self.can(one) for one in skills]
-        return self.say("abilities", actions="; ".join(actions)) if actions else ""
+    def knows(self, one: Skill) -> bool:
+        """Whether it is a skill that robots commonly have, by its name."""
+        return one.name in self.skills
 
     def chained(self, sentences: Sequence[str]) -> str:
         """What is done one after another: "Going to the kitchen. Then: going to the bedroom."."""
@@ -186,9 +190,16 @@ class Phrasebook:
         return self._join([str(self.word(name)) for name in names])
 
     def argument(self, name: str) -> str:
-        """What an argument is called: "the distance in metres"; a skill's own as it is named."""
+        """What an argument is called: "the distance in metres".
+
+        An axis is called by its letter; one that nobody gave a name in this language is a value.
+        """
         known = self.arguments.get(name) or self.arguments.get(spoken_name(name))
-        return known or without_unit(name)
+        return known or (name if len(name) == 1 else self.arguments.get(_OTHER, name))
+
+    def kind(self, argument: str) -> str:
+        """What the words of an argument are: "room"; those of an unknown one are words."""
+        return argument if argument in self.arguments else self.arguments.get(_WORD, "")
 
     def _because(self, sentence: str, reason: Reason) -> str:
         return self.say(sentence, reason=bare(self.reason(reason)))
@@ -210,7 +221,7 @@ class Phrasebook:
 
     @cached_property
     def _first_heard(self) -> Mapping[str, Word]:
-        return {key(one.heard[0]): one for one in self.words.values()}
+        return {key(one.heard[0]): one for one in self.words.values() if one.heard}
 
     def _slots(self, template: str) -> set[str]:
         """The slots of a template and of the rules that it names."""
@@ -247,12 +258,12 @@ class Phrasebook:
     ) -> str:
         """A sentence of a skill: the skill's own if that is this language's, else the book's."""
         said = "" if self._speaks(one) else self._first(part(self._phrases(one)), values)
-        return said or _formatted(english, values)
+        return said or self._formatted(english, values)
 
     def _action(self, one: Skill, arguments: Mapping[str, Any]) -> str:
         """The part of a question about it: an English one fits no other language's sentence."""
         if self._speaks(one):
-            return _formatted(one.action, arguments)
+            return self._formatted(one.action, arguments)
         return self._first(self._phrases(one).actions, arguments)
 
     def _speaks(self, one: Skill) -> bool:
@@ -288,12 +299,16 @@ class Phrasebook:
     def _thing_at(self, name: str, place: str) -> str:
         return self.say("thing_at", thing=self.word(name), place=self.word(place))
 
+    def _formatted(self, english: str, values: Mapping[str, Any]) -> str:
+        """A skill's own English sentence, with what its words are called in English."""
+        words = (self.fallback or self).words
+        told = {
+            name: words.get(key(value), in_english(value)) if isinstance(value, str) else value
+            for name, value in values.items()
+        }
+        return english.format(**told)
+
     def _smooth(self, text: str) -> str:
         for pattern, replacement in self.smoothing:
             text = pattern.sub(replacement, text)
         return text
-
-
-def _formatted(english: str, values: Mapping[str, Any]) -> str:
-    """A skill's own English sentence."""
-    return english.format(**{name: in_english(value) for name, value in values.items()})

@@ -24,7 +24,7 @@ from edgevox.agent.arguments import (
     check_numbers,
     from_words,
 )
-from edgevox.agent.choices import NewName, OneOf
+from edgevox.agent.choices import NewName, OneOf, OwnName
 from edgevox.agent.failures import SkillFailed, UnknownSkill, reason_of
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue
@@ -79,7 +79,8 @@ class SkillPhrases:
     """One skill in one language. Of `says` and `done` the first counts whose values are all known.
 
     `can` is what a robot with this skill can do, as a part of a sentence; `actions` are the part of
-    a question that asks whether it shall do it, with the arguments.
+    a question that asks whether it shall do it, with the arguments. `arguments` are what those are
+    called, where one of them is wrong: "the number of rounds".
     """
 
     can: str = ""
@@ -88,6 +89,7 @@ class SkillPhrases:
     says: tuple[str, ...] = ()
     done: tuple[str, ...] = ()
     examples: tuple[Example, ...] = ()
+    arguments: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -280,6 +282,7 @@ __all__ = [
     "GoalHandle",
     "NewName",
     "OneOf",
+    "OwnName",
     "Result",
     "Skill",
     "SkillFailed",

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from difflib import SequenceMatcher
 from typing import TYPE_CHECKING
 
-from edgevox.agent.skills import STOP, Skill
 from edgevox.agent.spelling import key
 from edgevox.core.reason import Reason
 
@@ -35,30 +34,6 @@ def detail(book: "Phrasebook", why: Reason) -> str:
     lists = [value for value in why.values.values() if isinstance(value, tuple)]
     topic = book.say("topic", topic=why.values["topic"]) if "topic" in why.values else ""
     return " ".join(filter(None, (*(whole(book, names) for names in lists), topic)))
-
-
-def abilities(book: "Phrasebook", skills: Sequence[Skill]) -> tuple[str, str]:
-    """What a robot with these skills can do, in one sentence; and all of it, if that is more."""
-    everything = book.abilities(skills)
-    if len(skills) <= MOST_SPOKEN:
-        return everything, ""
-    few = "; ".join(book.can(one) for one in skills[: MOST_SPOKEN - 1])
-    more = len(skills) - MOST_SPOKEN + 1
-    return book.say("abilities_more", actions=few, count=more), everything
-
-
-def not_understood(book: "Phrasebook", skills: Sequence[Skill]) -> tuple[str, str]:
-    """That a sentence was not understood, with an example of what would be.
-
-    And what is only written: a few more examples, and how to ask for all.
-    """
-    if not skills:
-        return book.say("not_understood"), ""
-    few, everything = abilities(book, sorted(skills, key=lambda one: one.name == STOP))
-    if everything:
-        question = book.say("abilities_question")
-        few = f"{few} {book.say('abilities_all', question=question)}"
-    return book.say("not_understood_but", action=book.can(skills[0])), few
 
 
 def _nearness(book: "Phrasebook", name: str, said: str) -> float:

@@ -75,8 +75,12 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
         self._run = DiffDriveRun(world, engine, self._mux)
         hints = {room.name: room.hints for room in world.rooms}
         aliases = {said: room.name for room in world.rooms for said in room.aliases}
-        self.place_memory = PlaceMemory(world.name, OneOf(tuple(self._places), aliases))
-        self._skills = navigation_skills(self, hints, aliases, memory=self.place_memory)
+        names = {room.name: room.names for room in world.rooms}
+        own = OneOf(tuple(self._places), aliases, names=names)
+        self.place_memory = PlaceMemory(world.name, own)
+        self._skills = navigation_skills(
+            self, hints, aliases, memory=self.place_memory, names=names
+        )
         self._sim_loop = SimLoop(
             self._step,
             period_s=STEP_S,

@@ -7,7 +7,7 @@ from typing import Annotated, Protocol, runtime_checkable
 
 from pydantic import Field
 
-from edgevox.agent.choices import MOST_HINTS
+from edgevox.agent.choices import MOST_HINTS, OwnNames
 from edgevox.agent.reasons import because, called_off
 from edgevox.agent.skills import Example, GoalHandle, OneOf, Result, Skill, SkillFailed, skill
 from edgevox.core.cancel import CancelToken
@@ -67,17 +67,20 @@ def navigation_skills(
     aliases: Mapping[str, str] | None = None,
     word: PlaceWord = ROOM,
     memory: PlaceMemory | None = None,
+    *,
+    names: OwnNames | None = None,
 ) -> tuple[Skill, ...]:
     """`navigate_to` (if there are places), `navigate_xy`, `stop`, `get_pose`, `battery` (if any).
 
     With a `memory` also those of `place_skills`, and `navigate_to` goes to what it remembers.
 
     `hints` are sentences, by place, of people who want to be there: what a model learns from.
-    `aliases` are other things that people say for a place, to that place. `word` is `ROOM` or
+    `aliases` are other things that people say for a place, to that place, `names` what a place is
+    called by language. `word` is `ROOM` or
     `LOCATION`, and the name of `navigate_to`'s argument.
     """
     skills = [_navigate_xy(body, word), _stop(body), _get_pose(body, word)]
-    known = OneOf(tuple(body.places), aliases or {}, memory.names if memory else tuple)
+    known = OneOf(tuple(body.places), aliases or {}, memory.names if memory else tuple, names or {})
     if body.places or memory:
         skills.insert(0, _navigate_to(body, hints or {}, known, word, memory))
     if isinstance(body, HasBattery):

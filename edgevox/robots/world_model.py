@@ -1,10 +1,12 @@
 """What a 2D world is, once its file has been read: the robot, the things, the rooms."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from edgevox.agent.choices import OwnName
 from edgevox.core.transforms import ORIGIN, Pose2D
 from edgevox.robots.bounds import Bounds
 from edgevox.robots.shapes import Floats, Point, Polygon, Shape, inside
@@ -86,7 +88,8 @@ class Thing:
 class Room:
     """A named area and the point that "go there" means.
 
-    `hints` are sentences of people who want to be there, `aliases` other words for it.
+    `hints` are sentences of people who want to be there, `aliases` other words for it, `names` what
+    it is called by language.
     """
 
     name: str
@@ -94,6 +97,7 @@ class Room:
     goal: Point
     hints: tuple[str, ...] = ()
     aliases: tuple[str, ...] = ()
+    names: Mapping[str, OwnName] = field(default_factory=dict)
 
     @property
     def spoken(self) -> str:

@@ -7,6 +7,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from edgevox.core.validation import wrong
 from edgevox.robots.name_fields import read_name
+from edgevox.robots.names_per_language import LocalNames, check_told_apart
 from edgevox.robots.shapes import Point, Polygon, inside
 from edgevox.robots.world_fields import XY, WorldPart, called, check_keys, listed
 from edgevox.robots.world_model import BatterySpec, Room
@@ -22,6 +23,7 @@ class RoomPart(WorldPart):
     outline: Annotated[tuple[XY, ...], listed("a list of 3 to 1000 [x, y] points", 3, 1000)]
     goal: XY | None = None
     aliases: Annotated[tuple[Name, ...], TEXTS] = ()
+    names: LocalNames = Field(default_factory=dict)
     hints: Annotated[tuple[str, ...], TEXTS] = ()
 
     @model_validator(mode="after")
@@ -37,12 +39,13 @@ class RoomPart(WorldPart):
 
     def named(self, name: str) -> Room:
         """The room of this name."""
-        return Room(name, Polygon(self.outline), self._spot, self.hints, self.aliases)
+        return Room(name, Polygon(self.outline), self._spot, self.hints, self.aliases, self.names)
 
 
 def _few(rooms: dict[str, RoomPart]) -> dict[str, RoomPart]:
     if len(rooms) > MOST_ROOMS:
         raise ValueError(f"at most {MOST_ROOMS} rooms")
+    check_told_apart({name: (one.aliases, one.names) for name, one in rooms.items()})
     return rooms
 
 

@@ -6,6 +6,7 @@ import pytest
 from geometry_msgs.msg import PoseStamped
 
 from edgevox.agent.name_rules import check_skills
+from edgevox.agent.skills import OwnName, SkillSet
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import Settings
 from edgevox.core.yaml_file import YamlFile
@@ -78,6 +79,25 @@ def test_no_word_of_a_skill_may_be_one_that_stops_the_robot(tmp_path):
     body = build(tmp_path, lamp + "arguments: {x: {type: choice, values: [halt, red]}}")
     with pytest.raises(InvalidValue, match="stops the robot"):
         check_skills(body.skills)
+
+
+def test_the_words_of_a_choice_have_names_by_language(tmp_path):
+    lamp = "publish: {name: lamp, type: std_msgs/msg/String}\nrequest: {data: '{x}'}\n"
+    choice = "arguments: {x: {type: choice, values: [red, blue], names: {NAMES}}}"
+    body = build(tmp_path, lamp + choice.replace("NAMES", "red: {de: [rot, rötlich]}"))
+    names = SkillSet(body.skills)["act"].choices["x"].names
+    assert names == {"red": {"de": OwnName("rot", ("rötlich",))}}
+
+    for given, field, expected in (
+        ("green: {de: rot}", "x.names.green", "one of red, blue"),
+        ("red: {xx: rot}", "x.names.red.xx", "a language"),
+        ("red: {de: halt}", "x.names.red.de", "stops the robot"),
+        ("red: {de: bunt}, blue: {de: Bunt}", "x.names.blue.de", "'red' does not have"),
+    ):
+        with pytest.raises(InvalidValue) as caught:
+            build(tmp_path, lamp + choice.replace("NAMES", given))
+        assert field in caught.value.field
+        assert expected in caught.value.expected
 
 
 def test_a_message_is_filled_field_by_field():

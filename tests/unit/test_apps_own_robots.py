@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from edgevox.agent.abilities import abilities
 from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import Call, SkillSet
@@ -128,6 +129,6 @@ def test_a_skill_is_spoken_of_in_its_own_words(patrol):
     german = phrasebook("de")
     assert german.acknowledge(patrol, {"rounds": 1}) == "Ich mache meinen Rundgang."
     assert german.report(patrol, {}, {"seen": 4}) == "Ich habe 4 Räume gesehen, alles ist ruhig."
-    assert german.abilities([patrol]) == "Ich kann: einen Rundgang durch alle Räume machen."
+    assert abilities(german, [patrol])[0] == "Ich kann: einen Rundgang durch alle Räume machen."
     french = phrasebook("fr")
     assert french.acknowledge(patrol, {"rounds": 1}) == "Going on my round."

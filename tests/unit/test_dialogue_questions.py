@@ -1,11 +1,12 @@
 from contextlib import closing
+from typing import Annotated
 
 import pytest
 from dialogue_rig import Rig, Walker
 
 from edgevox.agent.dialogue import MOST_EXCHANGES, REMEMBERED_S
 from edgevox.agent.nlu.meaning import Meaning
-from edgevox.agent.skills import Call, SkillFailed, SkillSet
+from edgevox.agent.skills import Call, OneOf, SkillFailed, SkillPhrases, SkillSet, skill
 from edgevox.core.agent_events import GoalStatus
 from edgevox.core.commands import Reset, RunSkill
 
@@ -30,6 +31,40 @@ def test_asked_what_it_does_it_says_when_that_is_nothing(rig):
     assert rig.say("what are you doing?") == "I am doing nothing right now."
     rig.say("go to the office")
     assert rig.say("Are you busy?") == "I am doing nothing right now."
+
+
+class Cleaner(Walker):
+    """A walker that sweeps, too, and says how that is asked for in two languages."""
+
+    def __init__(self):
+        super().__init__()
+        german = SkillPhrases(templates=("[bitte] kehre [die] {room}", "kehre {room} aus"))
+        spanish = SkillPhrases(can="barrer una sala", templates=("barre {room}",))
+
+        @skill(templates=["sweep [the] {room}"], phrases={"de": german, "es": spanish})
+        def sweep(goal, room: Annotated[str, OneOf(("hall", "porch"))]):
+            """Sweep a room."""
+
+        self.skills = SkillSet([*self.skills.values(), sweep])
+
+
+@pytest.mark.parametrize(
+    ("code", "asked", "first"),
+    [
+        ("en", "what can you do?", "I can: sweep a room; drive to a room; "),
+        ("de", "was kannst du?", "Ich kann: „kehre die hall“; in ein Zimmer fahren; "),
+        ("es", "¿qué puedes hacer?", "Puedo: barrer una sala; "),
+        ("fr", "qu'est-ce que tu sais faire ?", "Je sais : sweep a room ; "),
+    ],
+)
+def test_asked_what_it_can_do_it_says_first_what_only_this_robot_can(code, asked, first):
+    rig = Rig(Cleaner(), language=code)
+    with closing(rig.talk):
+        answer = rig.hear(asked)
+
+    assert answer.text.startswith(first)
+    assert answer.detail.startswith(first)
+    assert answer.detail.count(";") == len(rig.body.skills) - 1
 
 
 def test_asked_why_it_quotes_the_words_and_says_that_they_were_plain(rig):

@@ -11,6 +11,7 @@ from edgevox.agent import skill_executor
 from edgevox.agent.inbox import MAX_WAITING
 from edgevox.agent.llm.endpoint import http_request
 from edgevox.agent.nlu import interpreter
+from edgevox.agent.skills import OneOf, OwnName
 from edgevox.apps.terminal import lines
 from edgevox.core import text, user_file
 from edgevox.ops import http_server
@@ -26,13 +27,22 @@ PACKAGE = ROOT / "edgevox"
 ARCHITECTURE = DOCS / "architecture.md"
 
 
+def code_on_the_page_of_skills() -> list[str]:
+    page = (DOCS / "writing-a-skill.md").read_text()
+    return re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+
+
+def test_words_with_names_are_written_as_the_page_of_skills_writes_them():
+    (block,) = (one for one in code_on_the_page_of_skills() if "OwnName" in one)
+    names = {"OneOf": OneOf, "OwnName": OwnName}
+    exec(block, names)  # noqa: S102 - the page is ours
+
+    assert names["MODES"].names["soft"]["de"] == OwnName("sanft", ("weich",))
+
+
 def test_code_on_the_page_of_skills_is_that_of_the_example():
     example = (ROOT / "examples" / "own_skill" / "watchman.py").read_text()
-    blocks = re.findall(
-        r"^```python\n(.*?)^```",
-        (DOCS / "writing-a-skill.md").read_text(),
-        re.MULTILINE | re.DOTALL,
-    )
+    blocks = [one for one in code_on_the_page_of_skills() if "OwnName" not in one]
     assert len(blocks) == 2
     for block in blocks:
         assert block in example or textwrap.indent(block, "    ") in example

@@ -41,7 +41,11 @@ def test_the_example_is_a_locations_file() -> None:
         ("dock: {x: 1, y: true}", "home.yaml:1: dock.y", "a number"),
         ("dock: {x: 1, y: 2, yaw: 90}", "home.yaml:1: dock.yaw", "-6.28319 to 6.28319"),
         ("dock: {x: 1, y: 2, yawn: 1}", "home.yaml:1: dock.yawn", "did you mean 'yaw'?"),
-        ("dock: {x: 1, y: 2, speed: 1}", "home.yaml:1: dock.speed", "one of aliases, x, y, yaw"),
+        (
+            "dock: {x: 1, y: 2, speed: 1}",
+            "home.yaml:1: dock.speed",
+            "one of aliases, names, x, y, yaw",
+        ),
         ("dock: {x: 1, y: 2, aliases: home}", "home.yaml:1: dock.aliases", "a list of texts"),
         ("dock: {x: 1, y: 2, aliases: ['[home]']}", "home.yaml:1: dock.aliases.0", "a name"),
         ("'(dock|desk)': {x: 1, y: 2}", "home.yaml:1: (dock|desk)", "a name"),

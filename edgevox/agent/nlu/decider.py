@@ -10,7 +10,8 @@ from edgevox.agent.nlu.evidence import evidence, is_denied, is_doubted, is_unsup
 from edgevox.agent.nlu.lexicon import Lexicon
 from edgevox.agent.nlu.readings import CallReader, Reading
 from edgevox.agent.numbers import digits
-from edgevox.agent.phrase_file import ENGLISH, phrasebook
+from edgevox.agent.own_names import phrasebook_of
+from edgevox.agent.phrase_file import ENGLISH
 from edgevox.agent.skills import Call, SkillSet
 
 _LEAST_MARGIN = 0.25
@@ -81,7 +82,9 @@ class Readings:
         words = self._skills.words()
         if words != self._words:
             codes = dict.fromkeys((self._language, ENGLISH))
-            lexicons = [Lexicon(self._skills, phrasebook(code)) for code in codes]
+            lexicons = [
+                Lexicon(self._skills, phrasebook_of(code, self._skills.values())) for code in codes
+            ]
             self._readers = [(lexicon, CallReader(lexicon)) for lexicon in lexicons]
             self._words = words
 

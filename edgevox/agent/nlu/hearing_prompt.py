@@ -8,6 +8,7 @@ import itertools
 from collections.abc import Iterable, Iterator
 
 from edgevox.agent.nlu.wordings import wordings
+from edgevox.agent.own_names import phrasebook_of
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.skills import Skill, SkillSet
@@ -35,7 +36,8 @@ class HearingPrompts:
             return phrasebook(code).hearing.written
         words = self._skills.words()
         if words != self._words:
-            self._prompt = hearing_prompt(self._skills.values(), phrasebook(code))
+            skills = self._skills.values()
+            self._prompt = hearing_prompt(skills, phrasebook_of(code, skills))
             self._words = words
         return self._prompt
 

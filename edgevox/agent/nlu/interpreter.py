@@ -7,6 +7,7 @@ somebody is asked first.
 
 from collections.abc import Sequence
 
+from edgevox.agent.abilities import not_understood
 from edgevox.agent.agents import Agent, by_name
 from edgevox.agent.history import History, size_tokens
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelFailed
@@ -16,11 +17,11 @@ from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.nlu.near_commands import NearCommands
 from edgevox.agent.nlu.sounds import Phonemes
 from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood
-from edgevox.agent.phrase_file import ENGLISH, phrasebook
+from edgevox.agent.own_names import phrasebook_of
+from edgevox.agent.phrase_file import ENGLISH
 from edgevox.agent.programs.program import Program
 from edgevox.agent.programs.program_reader import ProgramReader, Unclear
 from edgevox.agent.skills import Call, Skill, SkillSet
-from edgevox.agent.spoken_lists import not_understood
 from edgevox.agent.toolcalls import HANDOFF, Protocol
 from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import HandedOver
@@ -68,8 +69,8 @@ class Interpreter:
 
     def set_language(self, code: str) -> None:
         """Understand and answer in this language from now on; `phrases` are its sentences."""
-        self.phrases = phrasebook(code)
         agents = self._agents.values()
+        self.phrases = phrasebook_of(code, self._every_skill())
         self._recognisers = {a.name: Recogniser(a.skills, code, a.dialogue_skills) for a in agents}
         self._readings = {a.name: Readings(a.skills, code) for a in agents}
         self._near = (

@@ -13,7 +13,8 @@ from hassil.intents import TextSlotList
 from edgevox.agent.arguments import is_number_type
 from edgevox.agent.nlu.template_compiler import compile_templates, word_list, written
 from edgevox.agent.numbers import digits
-from edgevox.agent.phrase_file import ENGLISH, phrasebook
+from edgevox.agent.own_names import phrasebook_of
+from edgevox.agent.phrase_file import ENGLISH
 from edgevox.agent.phrase_hearing import Hearing
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.skills import NO_SKILLS, Call, Skill, SkillSet
@@ -66,13 +67,13 @@ class Recogniser:
     def __init__(
         self, skills: SkillSet, language: str = ENGLISH, dialogue_skills: SkillSet = NO_SKILLS
     ) -> None:
-        answers = phrasebook(language)
-        books = [phrasebook(code) for code in dict.fromkeys((language, ENGLISH))]
+        codes = dict.fromkeys((language, ENGLISH))
+        books = [phrasebook_of(code, skills.values()) for code in codes]
         self._language = language
         self._skills = skills
         self._words = skills.words()
         self._learning = threading.Lock()
-        self._readers = [_TemplateReader(skills, book, answers, dialogue_skills) for book in books]
+        self._readers = [_TemplateReader(skills, book, books[0], dialogue_skills) for book in books]
 
     def recognise(self, text: str) -> Understood | RefusedCommand | None:
         """Calls, a refusal, or None when this is not a plain command."""
@@ -180,7 +181,9 @@ class _TemplateReader:
             if not _may_be_a_name(said, self._book.hearing):
                 return None
             if not choices.words:
-                return RefusedCommand(self._answers.say("no_words", argument=name))
+                return RefusedCommand(
+                    self._answers.say("no_words", argument=self._answers.kind(name))
+                )
             spoken = {key(one): word for one, word in self._book.heard(choices).items()}
             near = difflib.get_close_matches(key(said), spoken, n=1, cutoff=_NEAR)
             if not near or not _alike_word_by_word(key(said), near[0]):
@@ -205,8 +208,8 @@ def refused(
     book: Phrasebook, sentence: str, argument: str, known: Sequence[str], said: str = ""
 ) -> RefusedCommand:
     """Says that a word is missing or unknown, and some words that are known; all in `detail`."""
-    name = argument.replace("_", " ")
-    reason = book.say(sentence, argument=name, said=said, known=brief(book, known, said))
+    kind = book.kind(argument)
+    reason = book.say(sentence, argument=kind, said=said, known=brief(book, known, said))
     return RefusedCommand(reason, whole(book, known))
 
 

@@ -1,23 +1,25 @@
 """The places that a robot knows by name, from a YAML file that its people write.
 
     dock: {x: 0.0, y: 0.0, yaw: 3.14, aliases: [home, charger]}
-    front_door: {x: 4.5, y: -1.2}
+    front_door: {x: 4.5, y: -1.2, names: {de: die Haustür, fr: [la porte d'entrée, la porte]}}
 
 Metres and radians (counter-clockwise from x) in the map frame; `yaw` is the way to look there.
 """
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import AfterValidator, RootModel
+from pydantic import AfterValidator, Field, RootModel
 
+from edgevox.agent.skills import OwnName
 from edgevox.core.user_file import read_text
 from edgevox.core.yaml_file import YamlFile
 from edgevox.robots.name_fields import LONGEST_PLACE, read_name
+from edgevox.robots.names_per_language import LocalNames, check_told_apart
 from edgevox.robots.world_fields import Finite, WorldPart, called, listed, within
 from edgevox.ros2.external.motion_bounds import FURTHEST_M
 
@@ -29,12 +31,16 @@ Name = Annotated[str, called(partial(read_name, longest=LONGEST_PLACE))]
 
 @dataclass(frozen=True, slots=True)
 class Location:
-    """A point of the map (m), the way to look there (rad) if any, and what else it is called."""
+    """A point of the map (m), the way to look there (rad) if any, and what else it is called.
+
+    `names` are what it is called by language.
+    """
 
     x_m: float
     y_m: float
     yaw_rad: float | None = None
     aliases: tuple[str, ...] = ()
+    names: Mapping[str, OwnName] = field(default_factory=dict)
 
 
 class LocationEntry(WorldPart):
@@ -44,11 +50,13 @@ class LocationEntry(WorldPart):
     y: Metres | None = None
     yaw: Annotated[Finite, within(-math.tau, math.tau)] | None = None
     aliases: Annotated[tuple[Name, ...], listed("a list of texts", 0)] = ()
+    names: LocalNames = Field(default_factory=dict)
 
 
 def _home(entries: dict[str, LocationEntry]) -> dict[str, LocationEntry]:
     if not 1 <= len(entries) <= MOST_LOCATIONS:
         raise ValueError(f"1 to {MOST_LOCATIONS} locations")
+    check_told_apart({name: (one.aliases, one.names) for name, one in entries.items()})
     return entries
 
 
@@ -79,7 +87,7 @@ def parse_locations(text: str, name: str) -> Mapping[str, Location]:
 def _location(file: YamlFile, name: str, entry: LocationEntry) -> Location:
     if entry.x is None or entry.y is None:
         raise file.wrong((name, "x" if entry.x is None else "y"), None, "metres, map frame")
-    return Location(entry.x, entry.y, entry.yaw, entry.aliases)
+    return Location(entry.x, entry.y, entry.yaw, entry.aliases, entry.names)
 
 
 def _names(entries: Mapping[str, LocationEntry]) -> Iterator[tuple[str, str]]:

@@ -71,9 +71,13 @@ class ExternalRobot:
             {name: (one.x_m, one.y_m) for name, one in self._locations.items()}
         )
         aliases = {said: name for name, one in self._locations.items() for said in one.aliases}
-        self.place_memory = PlaceMemory(namespace, OneOf(tuple(self._places), aliases))
+        names = {name: one.names for name, one in self._locations.items()}
+        known = OneOf(tuple(self._places), aliases, names=names)
+        self.place_memory = PlaceMemory(namespace, known)
         self._described = described
-        own = navigation_skills(self, aliases=aliases, word=LOCATION, memory=self.place_memory)
+        own = navigation_skills(
+            self, aliases=aliases, word=LOCATION, memory=self.place_memory, names=names
+        )
         self._skills = (
             *(
                 replace(one, function=self._stop_and_see) if one.name == STOP else one

@@ -43,7 +43,8 @@ def samples(arguments: Mapping[str, Argument]) -> Iterator[tuple[str, dict[str, 
 def _annotated(one: Argument) -> Any:
     about = f"{one.description} ({one.unit})" if one.unit else one.description
     if one.type == "choice":
-        return Annotated[str, OneOf(tuple(one.meanings), one.aliases), Field(description=about)]
+        words = OneOf(tuple(one.meanings), one.aliases, names=one.names)
+        return Annotated[str, words, Field(description=about)]
     bounds: dict[str, Any] = {"ge": one.min, "le": one.max} if one.type in _NUMBERS else {}
     if one.type == "text":
         bounds = {"max_length": LONGEST_TEXT}

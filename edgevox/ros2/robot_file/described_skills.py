@@ -179,4 +179,5 @@ def _words(name: str, entry: SkillEntry, said: Sentences | None, code: str) -> S
         templates=tuple(said.sentences) or made,
         says=(said.says,) if said.says else (),
         done=(said.done or phrasebook(code).say("program_done"),),
+        arguments=said.argument_names,
     )

@@ -23,6 +23,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validat
 
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.validation import wrong
+from edgevox.robots.names_per_language import LocalNames, check_told_apart
 
 MOST_SKILLS = 100
 MOST_STEPS = 20
@@ -126,7 +127,7 @@ class Argument(Part):
     """What a skill is told: a number, a whole number, a truth, a text, or one of some words.
 
     `values` of a choice are its words, or what each word stands for in the request; `aliases` are
-    other things people say for a word, in any language.
+    other things people say for a word, in any language; `names` are what a word is called in each.
     """
 
     type: Literal["number", "integer", "boolean", "text", "choice"]
@@ -137,6 +138,7 @@ class Argument(Part):
     default: Scalar | None = None
     values: list[Word] | dict[Word, Scalar] | None = None
     aliases: Mapping[Word, Word] = Field(default_factory=dict)
+    names: Mapping[Word, LocalNames] = Field(default_factory=dict)
 
     @property
     def meanings(self) -> Mapping[str, Scalar]:
@@ -151,10 +153,23 @@ class Argument(Part):
         for said, word in self.aliases.items():
             if word not in self.meanings:
                 raise wrong(("aliases", said), word, "one of " + ", ".join(self.meanings))
+        _told_apart(self)
         for name in ("min", "max"):
             if getattr(self, name) is not None and self.type not in ("number", "integer"):
                 raise wrong((name,), getattr(self, name), "nothing: only numbers have bounds")
         return self
+
+
+def _told_apart(one: Argument) -> None:
+    for word in one.names:
+        if word not in one.meanings:
+            raise wrong(("names", word), word, "one of " + ", ".join(one.meanings))
+    aliases = {
+        word: tuple(said for said, meant in one.aliases.items() if meant == word)
+        for word in one.meanings
+    }
+    entries = {word: (aliases[word], one.names.get(word, {})) for word in aliases}
+    check_told_apart(entries, lambda word, code: ("names", word, code))
 
 
 class Sentences(Part):
@@ -165,6 +180,9 @@ class Sentences(Part):
     done: str = ""
     failed: str = ""
     can: str = Field("", description="what the robot can do, as a part of a sentence")
+    argument_names: Mapping[Name, Word] = Field(
+        default_factory=dict, description="what arguments are called: the number of passes"
+    )
 
 
 def _known_languages(by_code: dict[str, Sentences]) -> dict[str, Sentences]:
@@ -213,12 +231,24 @@ class SkillEntry(Step, Sentences):
             _one_way(self, ())
         if self.moves is False and not all(step.read for step in self.every_step):
             _only_short(self)
+        _only_arguments(self, (), self.arguments)
+        for code, said in self.languages.items():
+            _only_arguments(said, ("languages", code), self.arguments)
         return self
 
 
 def _one_way(step: Step, place: tuple[str | int, ...]) -> None:
     if len(step.ways) != 1:
         raise wrong(place, step.ways, "exactly one of " + ", ".join(WAYS))
+
+
+def _only_arguments(
+    said: Sentences, place: tuple[str, ...], arguments: Mapping[str, Argument]
+) -> None:
+    for name in said.argument_names:
+        if name not in arguments:
+            known = "an argument: one of " + (", ".join(arguments) or "none")
+            raise wrong((*place, "argument_names", name), name, known)
 
 
 def _only_short(entry: SkillEntry) -> None:

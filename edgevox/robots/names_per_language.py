@@ -1,0 +1,117 @@
+"""What a word of a file is called in each language, under `names`: of rooms, places and choices.
+
+    pharmacy:
+      names:
+        de: die Apotheke
+        fr: [la pharmacie, l'officine]
+        ru: {name: аптека, to: в аптеку, at: в аптеке, heard: [аптеку, аптечный пункт]}
+
+The first name of a language is said, all are understood while it is spoken.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, WithJsonSchema
+
+from edgevox.agent.choices import OwnName
+from edgevox.agent.name_rules import bare_name, is_clause_word, name_clash
+from edgevox.core.errors import InvalidValue
+from edgevox.core.languages import LANGUAGES
+from edgevox.core.validation import Place, wrong
+from edgevox.robots.name_fields import LONGEST_PLACE, read_name
+
+_FORMS = ("to", "at", "taken")
+_KEYS = ("name", "heard", *_FORMS)
+_LONGEST_FORM = 80
+
+NamesByCode = Mapping[str, OwnName]
+
+
+def _read(data: Any) -> NamesByCode:
+    if not isinstance(data, Mapping):
+        raise ValueError("a mapping, the code of a language to names")  # noqa: TRY004 - of pydantic's kind
+    return {code: _of_language(code, given) for code, given in data.items()}
+
+
+_TEXT: dict[str, Any] = {"type": "string", "maxLength": LONGEST_PLACE}
+_SEVERAL: dict[str, Any] = {"type": "array", "items": _TEXT, "minItems": 1}
+_WRITTEN: dict[str, Any] = {
+    "type": "object",
+    "required": ["name"],
+    "properties": {"name": _TEXT, "heard": {"type": "array", "items": _TEXT}}
+    | {one: {"type": "string", "maxLength": _LONGEST_FORM} for one in _FORMS},
+    "additionalProperties": False,
+}
+_SCHEMA: dict[str, Any] = {
+    "type": "object",
+    "propertyNames": {"enum": sorted(LANGUAGES)},
+    "additionalProperties": {"anyOf": [_TEXT, _SEVERAL, _WRITTEN]},
+}
+
+LocalNames = Annotated[NamesByCode, BeforeValidator(_read), WithJsonSchema(_SCHEMA)]
+"""The field `names` of whatever has a name."""
+
+
+def check_told_apart(
+    entries: Mapping[str, tuple[Iterable[str], NamesByCode]],
+    place: Callable[[str, str], Place] = lambda word, code: (word, "names", code),
+) -> None:
+    """Raise what a validator raises where two of these are called the same in one language.
+
+    `entries` are the aliases and the names of words; `place` is where the names of one are.
+    """
+    if clash := name_clash(entries):
+        word, code, said, other = clash
+        raise wrong(place(word, code), said, f"a name that {other!r} does not have")
+
+
+def _of_language(code: Any, given: Any) -> OwnName:
+    if code not in LANGUAGES:
+        raise wrong((str(code),), code, "a language: " + ", ".join(LANGUAGES))
+    forms: Mapping[str, Any] = given if isinstance(given, Mapping) else {}
+    for one in forms:
+        if one not in _KEYS:
+            raise wrong((code, str(one)), one, "one of " + ", ".join(_KEYS))
+    names = [_name(code, place, name) for place, name in _listed(code, given)]
+    if not names:
+        raise wrong((code,), given, "at least one name")
+    first, *others = names
+    return OwnName(first, tuple(others), **{one: _form(code, forms, one) for one in _FORMS})
+
+
+def _listed(code: str, given: Any) -> Iterator[tuple[Place, Any]]:
+    """The names with their places, the one that is said first."""
+    if isinstance(given, Mapping):
+        yield (code, "name"), given.get("name")
+        yield from _items((code, "heard"), given.get("heard", []))
+    elif isinstance(given, list):
+        yield from _items((code,), given)
+    else:
+        yield (code,), given
+
+
+def _items(place: Place, given: Any) -> Iterator[tuple[Place, Any]]:
+    if not isinstance(given, list):
+        raise wrong(place, given, "a list of names")
+    yield from (((*place, index), name) for index, name in enumerate(given))
+
+
+def _name(code: str, place: Place, name: Any) -> str:
+    """As it is written; what people say of it, without its article, must be free as well."""
+    try:
+        read_name("", name, LONGEST_PLACE)
+        bare = read_name("", bare_name(code, name), LONGEST_PLACE)
+    except InvalidValue as error:
+        raise wrong(place, name, error.expected) from None
+    if is_clause_word(bare, (code,)):
+        raise wrong(place, name, f"another name: {bare!r} stands for something else")
+    return str(name)
+
+
+def _form(code: str, forms: Mapping[str, Any], one: str) -> str:
+    text = forms.get(one, "")
+    if not isinstance(text, str) or len(text) > _LONGEST_FORM or not f"x{text}".isprintable():
+        expected = f"a text of at most {_LONGEST_FORM} characters, as it stands in a sentence"
+        raise wrong((code, one), text, expected)
+    return text
