@@ -104,20 +104,37 @@ class DescribedSkill:
         )
 
 
+@dataclass(frozen=True, slots=True)
+class SkillOff:
+    """A skill whose types are not there, and which."""
+
+    name: str
+    reason: str
+
+
 def described_skills(robot: RobotFile, file: YamlFile) -> list[DescribedSkill]:
     """The skills of a file; one whose types are not there is left out, and told by name.
 
     Raises `InvalidValue` naming file, line and field.
     """
     found = []
+    for one in planned_skills(robot, file):
+        if isinstance(one, SkillOff):
+            log.warning("skill_off", skill=one.name, reason=one.reason)
+        else:
+            found.append(one)
+    return found
+
+
+def planned_skills(robot: RobotFile, file: YamlFile) -> Iterator[DescribedSkill | SkillOff]:
+    """Every skill of a file, or why it is off. Raises `InvalidValue` as `described_skills`."""
     for name, entry in robot.skills.items():
         place: Place = ("skills", name)
         _check_sentences(entry, file, place)
         try:
-            found.append(_planned(name, entry, file, place))
+            yield _planned(name, entry, file, place)
         except InterfaceMissing as error:
-            log.warning("skill_off", skill=name, reason=str(error))
-    return found
+            yield SkillOff(name, str(error))
 
 
 def _planned(name: str, entry: SkillEntry, file: YamlFile, place: Place) -> DescribedSkill:

@@ -245,7 +245,7 @@ class RobotFile(Part):
     description: str = ""
     namespace: str = Field("/", pattern=r"^/([A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*)?$")
     topics: Mapping[
-        Literal["odom", "cmd_vel", "goal_pose", "scan", "map", "camera/image_raw"], GraphName
+        Literal["odom", "cmd_vel", "goal_pose", "scan", "camera/image_raw"], GraphName
     ] = Field(default_factory=dict)
     limits: Limits = Limits()
     locations: Path | None = None
