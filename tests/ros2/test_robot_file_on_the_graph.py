@@ -64,6 +64,8 @@ def test_all_that_is_there_is_told_skill_by_skill(look):
         "look_at_door",
         "wait_for_door",
         "leave",
+        "flash",
+        "open_tray",
     }
 
 
@@ -118,7 +120,7 @@ def test_a_namespace_that_is_wrong_is_told_with_the_right_one_and_a_setting_beat
     ((grade, found, advice),) = said
     assert (code, grade) == (0, "warning")
     assert "nothing of the robot is there" in found
-    assert advice == "namespace: /robot1, where 12 of 12 are"
+    assert advice == "namespace: /robot1, where 15 of 15 are"
     _, said = look(
         ("namespace: /robot1", "namespace: /robot2"), EDGEVOX_EXTERNAL_NAMESPACE="/robot1"
     )

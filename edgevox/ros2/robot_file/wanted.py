@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from edgevox.ros2.robot_file.interfaces import InterfaceMissing, Kind, full_name
-from edgevox.ros2.robot_file.robot_file_format import RobotFile, SkillEntry, Topic
+from edgevox.ros2.robot_file.robot_file_format import RobotFile, SkillEntry, Step, Topic
 from edgevox.ros2.standard_topics import DRIVEN
 
 Role = Literal["service", "action", "publisher", "subscriber"]
@@ -48,7 +48,8 @@ def wanted_by(robot: RobotFile) -> Iterator[Wanted]:
 
 
 def _wanted_by_steps(skill: str, entry: SkillEntry) -> Iterator[Wanted]:
-    for step in (*entry.every_step, *([entry.stop] if entry.stop else ())):
+    watches = [Step(wait=one) for one in entry.stops_on]
+    for step in (*entry.every_step, *watches, *([entry.stop] if entry.stop else ())):
         way = step.ways[0]
         role, kind = _ROLES[way]
         used = getattr(step, way)
