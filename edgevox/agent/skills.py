@@ -99,14 +99,15 @@ class Skill:
     `moves`: it uses the body, so it runs beside the conversation and pre-empts whatever moves; a
     skill that does not is answered on the spot. `relative`: it moves by so much, not to somewhere,
     so that it can go on further. `lasting`: what it changes stays when it is over, as when a place
-    is forgotten, so that it is not done where it may not have been meant. `says` acknowledges the
-    call, `done` reports success, `action` ends a question that begins "Shall I"; all are formatted
-    with the arguments, `done` also with the result's keys. `phrases`
-    are other languages by code, for a skill that no phrasebook knows. `check` takes the arguments
-    before a goal is accepted and raises `SkillFailed` for those that can never be honoured, such as
-    a point outside the world; it is quick, and does nothing else. `entry` is the skill's entry in
-    the phrasebooks where several bodies have a skill of this name and are asked for it in different
-    ways; a language without that entry has one for all of them, by the skill's name.
+    is forgotten, so that it is not done where it may not have been meant. `confirm`: somebody has
+    to say yes to it, as if the policy wanted that. `says` acknowledges the call, `done` reports
+    success, `action` ends a question that begins "Shall I"; all are formatted with the arguments,
+    `done` also with the result's keys. `phrases` are other languages by code, for a skill that no
+    phrasebook knows. `check` takes the arguments before a goal is accepted and raises `SkillFailed`
+    for those that can never be honoured, such as a point outside the world; it is quick, and does
+    nothing else. `entry` is the skill's entry in the phrasebooks where several bodies have a skill
+    of this name and are asked for it in different ways; a language without that entry has one for
+    all of them, by the skill's name.
     """
 
     name: str
@@ -124,6 +125,7 @@ class Skill:
     relative: bool = False
     lasting: bool = False
     entry: str = ""
+    confirm: bool = False
 
     @property
     def drives(self) -> bool:

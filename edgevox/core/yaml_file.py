@@ -24,6 +24,9 @@ _EXPECTED = {
     "int_type": "a whole number",
     "string_type": "a text",
     "bool_type": "true or false",
+    "float_parsing": "a number",
+    "int_parsing": "a whole number",
+    "bool_parsing": "true or false",
 }
 """In the words of people who write YAML, not of Python."""
 

@@ -16,6 +16,7 @@ from edgevox.ros2.robot_file.filling import Filling
 EXAMPLE = Path(__file__).parents[2] / "examples" / "robot_file" / "cleaner.yaml"
 LAMP = "publish: {{name: lamp, type: std_msgs/msg/{}}}\nrequest: {{data: '{{x}}'}}\n"
 HONK = "call: {name: honk, type: std_srvs/srv/SetBool}"
+FOLD = "call: {name: fold, type: std_srvs/srv/Trigger}"
 GO = "action: {name: dock, type: edgevox_msgs/action/ExecuteSkill}"
 HEAR = "read: {name: pose, type: geometry_msgs/msg/PoseStamped}"
 
@@ -59,6 +60,27 @@ def build(tmp_path, skill, head=""):
         (HONK + '\nsentences: ["honk (now"]', "skills.act.sentences.0", "a template"),
         (HONK + "\ndone: It is {loud}.", "skills.act.done", "a value that is known"),
         (HONK + "\nlanguages: {xx: {done: x}}", "skills.act.languages.xx", "a code of"),
+        (
+            HONK + f"\nstop: {{{HONK}, timeout_s: 60}}",
+            "robot.yaml:5: skills.act.stop.timeout_s",
+            "less than or equal to 5",
+        ),
+        (HONK + f"\nstop: {{{GO}}}", "skills.act.stop.action", "publish without rate_hz, or call"),
+        (
+            FOLD + "\nresult: {why: message}\nstop: "
+            "{publish: {name: x, type: std_msgs/msg/String}, request: {data: '{why}'}}",
+            "skills.act.stop.request",
+            "an argument",
+        ),
+        (
+            HONK + "\nstops_on: [{name: b, type: std_msgs/msg/Bool, until: "
+            "[{field: pressed, equals: true}]}]",
+            "robot.yaml:5: skills.act.stops_on.0.until.0.field",
+            "one of data",
+        ),
+        (HONK + "\nstops_on: [{name: b, type: std_msgs/msg/Bool}]", "stops_on.0.until", "a value"),
+        (HONK + "\nconfirm: always", "skills.act.confirm", "true or false"),
+        (HONK + '\nasks: "do {what}"', "skills.act.asks", "a value that is known"),
         (HONK + "\nhorn: 1", "skills.act.horn", "no such key"),
         (
             "publish: {name: /cmd_vel, type: geometry_msgs/msg/Twist}",

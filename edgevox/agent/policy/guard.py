@@ -28,11 +28,15 @@ TELL_EVERY_S = 1.0
 
 @dataclass(frozen=True, slots=True)
 class CheckedCall:
-    """One call of a skill, its arguments checked; `moves`: it sets the robot in motion."""
+    """One call of a skill, its arguments checked; `moves`: it sets the robot in motion.
+
+    `confirm`: the skill itself wants a yes, also where the policy does not.
+    """
 
     skill: str
     arguments: Mapping[str, Any] = field(default_factory=dict)
     moves: bool = True
+    confirm: bool = False
 
 
 class Guard:
@@ -104,7 +108,13 @@ class Guard:
         unsure: NeedsConfirmation | None = None
         for one in calls:
             verdict = policy.judge(
-                way, one.skill, one.arguments, moves=one.moves, around=self.around, now=now
+                way,
+                one.skill,
+                one.arguments,
+                moves=one.moves,
+                confirm=one.confirm,
+                around=self.around,
+                now=now,
             )
             if verdict.rule is Rule.DENY:
                 denied = Denied(verdict.reason, way, one.skill, one.arguments)

@@ -4,15 +4,11 @@ Imports core, agent.skills, agent.reasons, robots and ros2 of edgevox. Only `EXT
 others; rclpy is imported when its body is built.
 """
 
-from typing import TypeVar
-
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.extras import install_extra
 from edgevox.core.settings import Settings
 from edgevox.robots.capabilities import Body
 from edgevox.robots.plugin import Robot
-
-T = TypeVar("T")
 
 
 def _build(settings: Settings, _speed: float | None) -> Body:
@@ -35,22 +31,15 @@ def _build(settings: Settings, _speed: float | None) -> Body:
             f"setup.bash, or {install_extra('ros2')}"
         ) from error
     limits = SteeringLimits(
-        max_linear_m_s=_given(settings, "max_linear", robot.limits.max_linear),
-        max_angular_rad_s=_given(settings, "max_angular", robot.limits.max_angular),
+        max_linear_m_s=described.setting(settings, "max_linear", robot.limits.max_linear),
+        max_angular_rad_s=described.setting(settings, "max_angular", robot.limits.max_angular),
     )
     return ExternalRobot(
-        _given(settings, "external_namespace", robot.namespace),
+        described.namespace(settings),
         places,
         ExternalSettings(steering=limits, remappings=tuple(described.remappings)),
         described=described_skills(robot, described.file),
     )
-
-
-def _given(settings: Settings, name: str, described: T | None) -> T:
-    """A setting that somebody gave, else what the robot file says, else the setting's default."""
-    given: T = getattr(settings, name)
-    usual = Settings.model_fields[name].default
-    return described if given == usual and described is not None else given
 
 
 EXTERNAL = Robot(

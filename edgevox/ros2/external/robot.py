@@ -28,7 +28,7 @@ from edgevox.ros2.external.motion_bounds import FURTHEST_M
 from edgevox.ros2.external.robot_node import RobotNode
 from edgevox.ros2.external.sensor_inputs import incredible
 from edgevox.ros2.external.target import PoseEstimate, Target, describe
-from edgevox.ros2.robot_file.described_skills import DescribedSkill
+from edgevox.ros2.robot_file.described_skill import DescribedSkill
 from edgevox.ros2.stamps import NS_PER_S
 
 log = get_logger(__name__)

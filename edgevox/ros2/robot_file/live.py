@@ -37,11 +37,15 @@ Report = Callable[..., None]
 
 @dataclass(frozen=True, slots=True)
 class StepRun:
-    """One time that a step is done: the values for its request, and the goal it is done for."""
+    """One time that a step is done: the values for its request, and the goal it is done for.
+
+    `stop` does what the skill does when it ends early; only the first call counts.
+    """
 
     values: Mapping[str, Any]
     token: CancelToken
     report: Report
+    stop: Callable[[], None] = lambda: None
 
 
 class LiveStep(Protocol):
@@ -129,6 +133,7 @@ class Calls(_Base):
             self._client.remove_pending_request(future)
             if isinstance(end, Cancelled):
                 raise
+            run.stop()  # it may still be at it
             raise self._failed("no_answer") from None
         return values_of(self._planned, answer)
 
@@ -159,7 +164,7 @@ class Acts(_Base):
         try:
             answer = wait_for(ended, run.token, max(0.0, until_s - self._clock.now()))
         except (TookTooLong, Cancelled) as end:
-            self._cancel(handle, ended)
+            self._cancel(handle, ended, run)
             raise end if isinstance(end, Cancelled) else self._failed("no_answer") from None
         if answer.status != GoalStatus.STATUS_SUCCEEDED:
             raise self._failed("gave_up")
@@ -172,8 +177,9 @@ class Acts(_Base):
         if isinstance(part, int | float) and 0.0 <= part <= 1.0:
             run.report(progress=round(float(part), 3))
 
-    def _cancel(self, handle: Any, ended: Future) -> None:
+    def _cancel(self, handle: Any, ended: Future, run: StepRun) -> None:
         handle.cancel_goal_async()
+        run.stop()
         with contextlib.suppress(TookTooLong):
             wait_for(ended, CancelToken(), CANCEL_S)
         if not ended.done():

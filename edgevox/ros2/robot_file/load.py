@@ -3,10 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
+from edgevox.core.settings import Settings
 from edgevox.core.user_file import read_text
 from edgevox.core.yaml_file import YamlFile
 from edgevox.ros2.robot_file.robot_file_format import RobotFile
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -29,6 +33,16 @@ class DescribedRobot:
             rule for ours, its in self.robot.topics.items() for rule in ("-r", f"{ours}:={its}")
         ]
         return ["--ros-args", *rules] if rules else []
+
+    def namespace(self, settings: Settings) -> str:
+        """The namespace of the robot's topics."""
+        return self.setting(settings, "external_namespace", self.robot.namespace)
+
+    @staticmethod
+    def setting(settings: Settings, name: str, described: T | None) -> T:
+        """A setting that somebody gave, else what the file says, else the setting's default."""
+        given: T = getattr(settings, name)
+        return given if described is None or name in settings.model_fields_set else described
 
 
 NO_FILE = DescribedRobot(RobotFile(), YamlFile("{}", "robot"), Path())

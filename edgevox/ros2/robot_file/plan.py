@@ -14,7 +14,7 @@ from edgevox.ros2.robot_file.argument_models import samples
 from edgevox.ros2.robot_file.field_paths import check_path
 from edgevox.ros2.robot_file.filling import Filling, arguments_in
 from edgevox.ros2.robot_file.interfaces import Kind, interface, is_text
-from edgevox.ros2.robot_file.robot_file_format import WAYS, Argument, FieldCondition, Step
+from edgevox.ros2.robot_file.robot_file_format import WAYS, Argument, FieldCondition, Step, Wait
 
 _KINDS: Mapping[str, Kind] = {
     "publish": "msg",
@@ -66,6 +66,13 @@ class Planner:
         if step.action and step.action.progress:
             self._type_at(kind.Feedback, step.action.progress, (*at, "action", "progress"))
         return planned
+
+    def plan_watch(self, watch: Wait, at: Place) -> PlannedStep:
+        """What ends a skill, as a step that waits for it. Raises as `plan`."""
+        kind = interface(watch.type, "msg")
+        for number, one in enumerate(watch.until):
+            self._check_condition(kind, one, (*at, "until", number))
+        return PlannedStep(Step(wait=watch), "wait", kind, answer=kind)
 
     def _check_steering(self, planned: PlannedStep, at: Place) -> None:
         """Velocities have one way, with limits, a watchdog and the policy: that of drives."""

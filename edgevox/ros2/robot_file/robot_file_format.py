@@ -28,6 +28,9 @@ from edgevox.robots.names_per_language import LocalNames, check_told_apart
 MOST_SKILLS = 100
 MOST_STEPS = 20
 LONGEST_WAIT_S = 86_400.0
+LONGEST_STOP_S = 5.0
+"""What is done after a stop may not keep the robot from the next one."""
+MOST_WATCHES = 5
 MOST_A_SECOND = 50.0
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
@@ -90,7 +93,7 @@ class FieldCondition(Part):
 
 
 class Wait(Topic):
-    """Waits for a message on a topic for which every condition holds."""
+    """A message on a topic for which every condition holds."""
 
     until: Annotated[list[FieldCondition], Field(min_length=1, max_length=10)]
 
@@ -121,6 +124,22 @@ class Step(Part):
     def ways(self) -> list[str]:
         """The ways that are given."""
         return [way for way in WAYS if getattr(self, way) is not None]
+
+
+class StopStep(Step):
+    """What is done at once when a skill was stopped: a message or a call, within seconds."""
+
+    timeout_s: float = Field(
+        2.0, gt=0.0, le=LONGEST_STOP_S, description="longer, and it has failed"
+    )
+
+    @model_validator(mode="after")
+    def _is_short(self) -> "StopStep":
+        _one_way(self, ())
+        if not (self.call or (self.publish and not self.publish.rate_hz)):
+            expected = "publish without rate_hz, or call: what is stopped may not begin anew"
+            raise wrong((self.ways[0],), None, expected)
+        return self
 
 
 class Argument(Part):
@@ -183,6 +202,7 @@ class Sentences(Part):
     argument_names: Mapping[Name, Word] = Field(
         default_factory=dict, description="what arguments are called: the number of passes"
     )
+    asks: str = Field("", description="the end of a question that begins 'Shall I'")
 
 
 def _known_languages(by_code: dict[str, Sentences]) -> dict[str, Sentences]:
@@ -196,14 +216,18 @@ class SkillEntry(Step, Sentences):
     """A skill: one step of its own, or a list of `steps`, which are done in order.
 
     `moves`: it uses the body, so it ends whatever moves, and every stop ends it; by default all
-    that does more than read. `stop` is done when it was stopped, beside the cancel of an action.
+    that does more than read. `confirm`: somebody has to say yes before it is begun. `stops_on` are
+    messages that end it, and with which it does not begin. `stop` is done when it did not come to
+    its end, beside the cancel of an action.
     """
 
     description: Word
     arguments: Mapping[Name, Argument] = Field(default_factory=dict)
     steps: list[Step] = Field(default_factory=list, max_length=MOST_STEPS)
-    stop: Step | None = None
+    stop: StopStep | None = None
+    stops_on: list[Wait] = Field(default_factory=list, max_length=MOST_WATCHES)
     moves: bool | None = None
+    confirm: bool = False
     languages: Annotated[dict[str, Sentences], AfterValidator(_known_languages)] = Field(
         default_factory=dict
     )
@@ -225,8 +249,6 @@ class SkillEntry(Step, Sentences):
             raise wrong((self.ways[0],), None, "nothing: the skill has steps")
         for index, step in enumerate(self.steps):
             _one_way(step, ("steps", index))
-        if self.stop:
-            _one_way(self.stop, ("stop",))
         if not self.steps:
             _one_way(self, ())
         if self.moves is False and not all(step.read for step in self.every_step):
@@ -275,7 +297,7 @@ class RobotFile(Part):
     description: str = ""
     namespace: str = Field("/", pattern=r"^/([A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*)?$")
     topics: Mapping[
-        Literal["odom", "cmd_vel", "goal_pose", "scan", "map", "camera/image_raw"], GraphName
+        Literal["odom", "cmd_vel", "goal_pose", "scan", "camera/image_raw"], GraphName
     ] = Field(default_factory=dict)
     limits: Limits = Limits()
     locations: Path | None = None
