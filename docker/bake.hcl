@@ -51,3 +51,10 @@ target "slim" {
   target   = "slim"
   tags     = ["${REPOSITORY}:${TAG}-slim"]
 }
+
+# pip with the image's Python, for a stage of an image derived from it (docs/deployment.md).
+target "tools" {
+  inherits = ["common"]
+  target   = "tools"
+  tags     = ["${REPOSITORY}:${TAG}-tools"]
+}

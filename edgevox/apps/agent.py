@@ -7,7 +7,8 @@ from pathlib import Path
 from edgevox.apps.agent_arguments import AgentArguments, parse_arguments
 from edgevox.apps.check_robot import check_robot
 from edgevox.apps.play import play, read_script
-from edgevox.apps.robots import build_body, open_places
+from edgevox.apps.plugins import Plugins, bring_plugins, plugins_folder
+from edgevox.apps.robots import build_body, learn_robots, open_places
 from edgevox.apps.run_program import run_program, set_up_logs
 from edgevox.apps.serving import serve
 from edgevox.apps.shutdown_signals import ShutdownSignals, Terminated
@@ -22,16 +23,20 @@ IN_THE_HAND = 0.0
 @with_streams("edgevox-agent")
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the agent; the process's exit code."""
-    asked = parse_arguments(sys.argv[1:] if argv is None else argv)
-    return run_program("edgevox-agent", lambda: _prepare(asked))
+    given = sys.argv[1:] if argv is None else argv
+    return run_program("edgevox-agent", lambda: _prepare(given))
 
 
-def _prepare(asked: AgentArguments) -> Callable[[], bool]:
+def _prepare(argv: Sequence[str]) -> Callable[[], bool]:
     """What to run; it says whether it went well. Raises `EdgeVoxError` for what cannot be."""
+    plugins = bring_plugins(plugins_folder(argv))
+    learn_robots()
+    asked = parse_arguments(argv, plugins.complaint)
     if asked.scenario:
-        return _prepare_scenario(asked, asked.scenario)
+        return _prepare_scenario(asked, asked.scenario, plugins)
     settings = load_settings(asked.flags, asked.config)
     set_up_logs("edgevox-agent", settings)
+    plugins.log()
     if snapshot := asked.snapshot:
         drawn = build_body(asked.robot, settings, IN_THE_HAND)
         return lambda: take_snapshot(drawn, snapshot)
@@ -43,10 +48,11 @@ def _prepare(asked: AgentArguments) -> Callable[[], bool]:
     return lambda: serve(settings, body, asked.ros_args)
 
 
-def _prepare_scenario(asked: AgentArguments, file: Path) -> Callable[[], bool]:
+def _prepare_scenario(asked: AgentArguments, file: Path, plugins: Plugins) -> Callable[[], bool]:
     script = read_script(file, asked.robot)
     settings = load_settings(script.flags(asked.flags), asked.config)
     set_up_logs("edgevox-agent", settings)
+    plugins.log()
     body = build_body(asked.robot, settings, IN_THE_HAND)
     if settings.places:  # a run of a scenario remembers nothing of the last one, unless it says so
         open_places(body, settings)

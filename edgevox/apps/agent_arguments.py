@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from edgevox import __version__
 from edgevox.apps.flags import add_flags, given_flags
@@ -28,10 +28,13 @@ class AgentArguments:
     ros_args: tuple[str, ...]
 
 
-def parse_arguments(argv: Sequence[str]) -> AgentArguments:
-    """Read a command line; ends the process for one that makes no sense, as argparse does."""
+def parse_arguments(argv: Sequence[str], complaint: str = "") -> AgentArguments:
+    """Read a command line; ends the process for one that makes no sense, as argparse does.
+
+    `complaint` is said with what is wrong then: why a robot may be missing.
+    """
     own, ros = split_ros_args(argv)
-    arguments = _parser().parse_args(own)
+    arguments = _parser(complaint).parse_args(own)
     return AgentArguments(
         arguments.robot,
         given_flags(arguments),
@@ -46,20 +49,25 @@ def parse_arguments(argv: Sequence[str]) -> AgentArguments:
 class _ArgumentParser(argparse.ArgumentParser):
     """Loads the robots, so that each says what it is, only for those who ask for help."""
 
-    def __init__(self, prog: str, description: str, epilog: str) -> None:
+    def __init__(self, prog: str, description: str, epilog: str, complaint: str) -> None:
         super().__init__(prog, description=description, epilog=epilog)
+        self._complaint = complaint
         self._robot = self.add_argument("robot", choices=ROBOTS, metavar="ROBOT")
+
+    def error(self, message: str) -> NoReturn:
+        super().error("\n".join(filter(None, (message, self._complaint))))
 
     def format_help(self) -> str:
         self._robot.help = "; ".join(f"{name}: {one.about}" for name, one in ROBOTS.items())
         return super().format_help()
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser(complaint: str) -> argparse.ArgumentParser:
     parser = _ArgumentParser(
         prog="edgevox-agent",
         description="A voice agent with a robot's body.",
         epilog="Settings come from a --config file, then EDGEVOX_* variables, then these flags.",
+        complaint=complaint,
     )
     parser.add_argument("--version", action="version", version=__version__)
     parser.add_argument(

@@ -19,6 +19,7 @@ LISTEN = "listen"
 OF_ROBOTS = FOR_BODIES | {
     "frame_prefix",
     "odom_frame",
+    "plugins",
     "publish_clock",
     "render",
     "ros2_state_hz",

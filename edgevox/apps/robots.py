@@ -10,7 +10,7 @@ from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
 from edgevox.robots.capabilities import Body, RemembersPlaces
 from edgevox.robots.places.place_store import PlaceStore
-from edgevox.robots.plugin import installed_robots
+from edgevox.robots.plugin import installed_robots, robot_points
 
 log = get_logger(__name__)
 
@@ -21,6 +21,11 @@ TALK_INSTRUCTIONS = (
 
 ROBOTS = installed_robots()
 """All of them, in the order in which they are listed."""
+
+
+def learn_robots() -> None:
+    """Know the robots of packages that were found since, too."""
+    ROBOTS.add(robot_points())
 
 
 def build_body(name: str, settings: Settings, speed: float | None = 1.0) -> Body:

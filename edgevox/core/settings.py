@@ -136,6 +136,11 @@ class Settings(BaseSettings):
         description="folder of the places that a robot was told to remember; without one edgevox "
         "in $XDG_STATE_HOME, ~/.local/state by default",
     )
+    plugins: Path | None = Field(
+        None,
+        description="folder of packages that bring robots and skills, wheels or folders; none is"
+        " loaded without it",
+    )
     policy: Path | None = Field(
         None, description="YAML file that says who may ask for what, and within which limits"
     )
@@ -253,7 +258,7 @@ def load_settings(flags: Mapping[str, Any], config: Path | None = None) -> Setti
     """
 
     class FromFile(Settings):
-        written = _read_config(config) if config else {}
+        written = written_in(config) if config else {}
 
     try:
         return FromFile(**flags)
@@ -261,7 +266,8 @@ def load_settings(flags: Mapping[str, Any], config: Path | None = None) -> Setti
         raise _explain(error) from None
 
 
-def _read_config(file: Path) -> dict[str, Any]:
+def written_in(file: Path) -> dict[str, Any]:
+    """What stands in a TOML file. Raises `EdgeVoxError` for one that cannot be read."""
     try:
         return tomllib.loads(read_text(file, "config"))
     except (ValueError, RecursionError) as error:

@@ -77,6 +77,11 @@ class Robots(Mapping[str, Robot]):
         self._points = {point.name: point for point in points}
         self._loaded: dict[str, Robot] = {}
 
+    def add(self, points: Iterable[EntryPoint]) -> None:
+        """Know those, too, whose names are not taken."""
+        for point in points:
+            self._points.setdefault(point.name, point)
+
     def __getitem__(self, name: str) -> Robot:
         if name not in self._loaded:
             self._loaded[name] = _load(self._points[name])
@@ -97,7 +102,12 @@ def installed_robots(project: Path = _PROJECT) -> Robots:
     """
     ours = sorted(_installed() or _declared(project))
     names = {point.name for point in ours}
-    return Robots([*ours, *(one for one in entry_points(group=GROUP) if one.name not in names)])
+    return Robots([*ours, *(one for one in robot_points() if one.name not in names)])
+
+
+def robot_points() -> tuple[EntryPoint, ...]:
+    """Those of all packages that are found now."""
+    return tuple(entry_points(group=GROUP))
 
 
 def _installed() -> tuple[EntryPoint, ...]:

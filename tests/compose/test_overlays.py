@@ -159,6 +159,8 @@ def test_what_an_overlay_sets_the_entrypoint_takes(overlay, monkeypatch, tmp_pat
     (index / "rmw_fastrtps_cpp").touch()
     monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path))
     for service in _config(overlay.stem)["services"].values():
+        mounted = {one["target"] for one in service.get("volumes") or ()}
         given = {k: v for k, v in (service.get("environment") or {}).items() if v is not None}
+        given |= {k: str(tmp_path) for k, v in given.items() if v in mounted}
         prepared(given, pytest.fail)
         assert {name for name in given if name.startswith("EDGEVOX_")} <= set(ENVIRONMENT)

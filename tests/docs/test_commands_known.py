@@ -30,6 +30,8 @@ NEEDS = {
     "jq",
 }
 OF_EXAMPLES = {"robot-shuttle", "robot-watchman"}
+MOUNTED, EXAMPLE = "/etc/edgevox/robot", "examples/robot_repository/robot"
+"""Where compose/robot.yml has the folder that the page names."""
 TYPES = {
     **{one.topic: one.type for one in (*contract.PUBLISHED, *contract.SUBSCRIBED)},
     **{one.topic: one.type for one in standard_topics.INTEROP},
@@ -54,7 +56,17 @@ def started(name):
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_every_block_of_a_page_says_what_it_is(page):
     languages = {language for language, _ in fences(page)}
-    assert languages <= {"bash", "sh", "console", "text", "yaml", "toml", "python", "json"}
+    assert languages <= {
+        "bash",
+        "sh",
+        "console",
+        "text",
+        "yaml",
+        "toml",
+        "python",
+        "json",
+        "dockerfile",
+    }
 
 
 def test_of_every_command_the_table_says_how_it_is_known_to_work():
@@ -117,7 +129,9 @@ def test_models_that_are_named_are_in_the_manifest():
 def test_files_of_this_repository_that_are_named_are_there():
     named = re.compile(r"(?:examples|scenarios|scripts|compose|helm|tests)/[\w./-]*[\w/]")
     for command in SHOWN:
-        for path in named.findall(command.replace("/opt/edgevox/scenarios", "scenarios")):
+        for path in named.findall(
+            command.replace("/opt/edgevox/scenarios", "scenarios").replace(MOUNTED, EXAMPLE)
+        ):
             assert (ROOT / path).exists() or list(ROOT.glob(f"{path}*")), command
 
 

@@ -11,7 +11,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from edgevox.apps.container import ENVIRONMENT, prepared
+from edgevox.apps.container import ENVIRONMENT, prepared, robot_folder
 from edgevox.apps.container.start import command_of, main
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import Settings
@@ -201,8 +201,67 @@ def test_every_setting_has_a_row_and_every_row_says_what_it_is():
     )
 
 
-def test_compose_passes_on_no_variable_that_is_not_in_the_table():
+OF_THE_HOST = {"EDGEVOX_MODELS_DIR"}
+"""It names a folder of the host, for docker/image and programs there."""
+
+
+def test_compose_passes_on_every_variable_and_none_that_is_not_in_the_table():
     compose = yaml.safe_load((ROOT / "docker-compose.ros2.yml").read_text())
     passed = set(compose["services"]["edgevox-ros2"]["environment"])
-    assert passed <= set(ENVIRONMENT)
-    assert {"ROS_DOMAIN_ID", "EDGEVOX_NAMESPACE", "EDGEVOX_AGENT", "EDGEVOX_LANGUAGE"} <= passed
+    assert passed == set(ENVIRONMENT) - OF_THE_HOST
+
+
+@pytest.fixture
+def folder(tmp_path):
+    made = tmp_path / "robot"
+    made.mkdir()
+    return made
+
+
+def test_each_file_of_a_robots_folder_is_as_if_its_variable_were_set(folder):
+    for name in ("robot.yaml", "world.yaml", "places.yaml", "policy.yaml", "README.md"):
+        (folder / name).touch()
+    for name in ("plugins", "scenarios"):
+        (folder / name).mkdir()
+    environment = _prepared(EDGEVOX_ROBOT_FOLDER=str(folder))
+    assert {k: v for k, v in environment.items() if v.startswith(f"{folder}/")} == {
+        "EDGEVOX_ROBOT_FILE": f"{folder}/robot.yaml",
+        "EDGEVOX_WORLD": f"{folder}/world.yaml",
+        "EDGEVOX_LOCATIONS": f"{folder}/places.yaml",
+        "EDGEVOX_POLICY": f"{folder}/policy.yaml",
+        "EDGEVOX_PLUGINS": f"{folder}/plugins",
+    }
+    assert command_of([], environment)[:2] == ["edgevox-agent", "robot-external"]
+
+
+def test_a_folder_with_only_a_world_is_a_simulated_robot_and_what_is_set_counts_more(folder):
+    (folder / "world.yaml").touch()
+    given = {"EDGEVOX_ROBOT_FOLDER": str(folder)}
+    assert _prepared(**given)["EDGEVOX_AGENT"] == "robot-apartment"
+    given |= {"EDGEVOX_WORLD": "/other.yaml", "EDGEVOX_AGENT": "robot-irsim"}
+    environment = _prepared(**given)
+    assert environment["EDGEVOX_WORLD"] == "/other.yaml"
+    assert environment["EDGEVOX_AGENT"] == "robot-irsim"
+
+
+def test_plug_ins_that_are_mounted_are_taken_unless_something_else_is_named(folder, monkeypatch):
+    mounted, own = folder / "mounted", folder / "robot" / "plugins"
+    own.mkdir(parents=True)
+    monkeypatch.setattr(robot_folder, "MOUNTED", mounted)
+    assert "EDGEVOX_PLUGINS" not in _prepared()
+    mounted.mkdir()
+    assert _prepared()["EDGEVOX_PLUGINS"] == str(mounted)
+    assert _prepared(EDGEVOX_ROBOT_FOLDER=str(own.parent))["EDGEVOX_PLUGINS"] == str(own)
+    other = folder / "other"
+    other.mkdir()
+    assert _prepared(EDGEVOX_PLUGINS=str(other))["EDGEVOX_PLUGINS"] == str(other)
+
+
+def test_a_robots_folder_that_is_none_is_refused_and_a_slip_in_a_name_is_told(folder):
+    with pytest.raises(InvalidValue, match="EDGEVOX_ROBOT_FOLDER: got '/nope', expected a folder"):
+        prepared({"EDGEVOX_ROBOT_FOLDER": "/nope"}, pytest.fail)
+    (folder / "robot.yml").touch()
+    (folder / "Makefile").touch()
+    said = []
+    prepared({"EDGEVOX_ROBOT_FOLDER": str(folder)}, said.append)
+    assert said == ["EDGEVOX_ROBOT_FOLDER: nothing reads robot.yml; did you mean robot.yaml?"]

@@ -6,7 +6,10 @@ import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from edgevox.apps.container.variables import AGENTS, ENVIRONMENT, Variable
+from edgevox.apps.container.robot_folder import from_folder
+from edgevox.apps.container.variables import ENVIRONMENT, NO_ROBOT, Variable
+from edgevox.apps.plugins import bring_plugins
+from edgevox.apps.robots import ROBOTS, learn_robots
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import ENV_PREFIX, check_settings
 
@@ -14,6 +17,7 @@ TRUTH = {"true": "true", "1": "true", "yes": "true", "on": "true"}
 TRUTH |= {"false": "false", "0": "false", "no": "false", "off": "false"}
 NOT_OURS = re.compile(r"EDGEVOX_(\w+_)?(SERVICE_(HOST|PORT)(_\w+)?|PORT(_\d+_\w+)?)")
 """What Kubernetes sets in every pod for a service whose name begins with edgevox."""
+PLUGINS = "EDGEVOX_PLUGINS"
 OF_COMPOSE = frozenset({"EDGEVOX_IMAGE", "EDGEVOX_UID", "EDGEVOX_GID"})
 
 
@@ -23,6 +27,8 @@ def prepared(environment: Mapping[str, str], warn: Callable[[str], None]) -> dic
     An empty variable counts as not given. Raises `InvalidValue` for the first that is nonsense;
     what is odd but allowed goes to `warn`.
     """
+    environment = {**environment, **from_folder(environment, warn)}
+    _bring_plugins(environment, warn)
     given = {name: environment[name] for name in ENVIRONMENT if environment.get(name)}
     values = {name: _checked(ENVIRONMENT[name], value, warn) for name, value in given.items()}
     _refuse_contradictions(values)
@@ -34,6 +40,18 @@ def prepared(environment: Mapping[str, str], warn: Callable[[str], None]) -> dic
     warn_of_unknown(environment, warn)
     rest = {name: value for name, value in environment.items() if name not in ENVIRONMENT}
     return rest | _targets(values)
+
+
+def _bring_plugins(environment: Mapping[str, str], warn: Callable[[str], None]) -> None:
+    """Know the robots of plug-ins, before it is asked whether there is one of a name."""
+    if folder := environment.get(PLUGINS):
+        try:
+            plugins = bring_plugins(Path(folder))
+        except InvalidValue as error:
+            raise InvalidValue(PLUGINS, error.value, f"{error.expected} ({error.field})") from None
+        learn_robots()
+        for line in plugins.complaint.splitlines():
+            warn(line)
 
 
 def _targets(values: Mapping[str, str]) -> dict[str, str]:
@@ -54,8 +72,9 @@ def _checked(row: Variable, value: str, warn: Callable[[str], None]) -> str:
                 raise InvalidValue(row.variable, value, row.values)
             return truth
         case "agent":
-            value = AGENTS[-1] if value == "none" else value
-            _require(row, value, value in AGENTS, f"one of {row.values}")
+            value = NO_ROBOT if value == "none" else value
+            agents = (*ROBOTS, NO_ROBOT)
+            _require(row, value, value in agents, "one of " + ", ".join(agents))
         case "choice":
             _require(row, value, value in row.choices, f"one of {row.values}")
         case "text":

@@ -1,0 +1,150 @@
+"""Puts the plug-ins of a folder where Python and `importlib.metadata` find them."""
+
+import argparse
+import os
+import re
+import sys
+import zipfile
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from importlib.metadata import Distribution, PackageNotFoundError, PathDistribution, distribution
+from pathlib import Path
+
+from edgevox.apps.flags import add_flags, given_flags
+from edgevox.apps.plugins.plugin_hashes import HASHES, check_hashes
+from edgevox.apps.plugins.source_package import PROJECT, SourceFinder, SourcePackage
+from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.log import get_logger
+from edgevox.core.settings import ENV_PREFIX, written_in
+
+log = get_logger(__name__)
+
+EXPECTED = f"a wheel, or a folder with {PROJECT} or what pip install --target makes"
+_COMPILED = "a wheel of Python alone (none-any); unpack one with compiled code into a folder"
+_NAME = re.compile(r"\s*([A-Za-z0-9][A-Za-z0-9._-]*)([^;]*)(;.*)?")
+
+
+@dataclass(frozen=True)
+class Plugin:
+    """One package that was found, with the file or folder that it is of."""
+
+    file: str
+    name: str
+    version: str
+
+
+@dataclass(frozen=True)
+class Plugins:
+    """What a folder brought, and what of it is broken: its reason by file."""
+
+    loaded: tuple[Plugin, ...] = ()
+    broken: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def complaint(self) -> str:
+        """What is broken, a line each, for people; empty if nothing is."""
+        return "\n".join(f"plugins: {file}: {reason}" for file, reason in self.broken.items())
+
+    def log(self) -> None:
+        """Tell of each, by name."""
+        for one in self.loaded:
+            log.info("plugin_loaded", file=one.file, plugin=one.name, version=one.version)
+        for file, reason in self.broken.items():
+            log.error("plugin_broken", file=file, reason=reason)
+
+
+def plugins_folder(argv: Sequence[str]) -> Path | None:
+    """What `--plugins` says, else its variable, else the file that `--config` names.
+
+    It is read before all else, since which robots there are depends on it.
+    """
+    parser = argparse.ArgumentParser(add_help=False, exit_on_error=False)
+    add_flags(parser, ["plugins"])
+    try:
+        arguments, _ = parser.parse_known_args(argv)
+    except argparse.ArgumentError:
+        return None  # told by the whole parser, with its usage
+    folder = given_flags(arguments).get("plugins") or os.environ.get(f"{ENV_PREFIX}PLUGINS")
+    if not folder and arguments.config:
+        folder = written_in(arguments.config).get("plugins")
+    return Path(str(folder)) if folder else None
+
+
+def bring_plugins(folder: Path | None) -> Plugins:
+    """Make the folder's packages known to this process, after all that is installed.
+
+    One that is broken is left out. Raises `InvalidValue` for a folder that is none, and where
+    `plugins.sha256` is there and not everything is as it says.
+    """
+    if folder is None:
+        return Plugins()
+    if not folder.is_dir():
+        raise InvalidValue("plugins", str(folder), "a folder")
+    folder = folder.absolute()
+    check_hashes(folder)
+    loaded: list[Plugin] = []
+    broken: dict[str, str] = {}
+    for item in sorted(folder.iterdir()):
+        if item.name.startswith(".") or item.name == HASHES:
+            continue
+        try:
+            loaded += [_plugin(item.name, package) for package in _bring(item)]
+        except (EdgeVoxError, OSError, zipfile.BadZipFile) as error:
+            broken[item.name] = str(error)
+    for one in loaded:
+        if missing := _missing(one.name):
+            broken[one.file] = f"{one.name} needs {', '.join(missing)}: nothing is fetched"
+    return Plugins(tuple(one for one in loaded if one.file not in broken), broken)
+
+
+def _bring(item: Path) -> list[Distribution]:
+    """Put one on the path; the packages in it. Raises `EdgeVoxError` for what is no plug-in."""
+    if item.is_file() and item.suffix == ".whl":
+        if not item.name.endswith("-none-any.whl"):
+            raise EdgeVoxError(f"expected {_COMPILED}")
+        inside = zipfile.Path(item).iterdir()
+        about = [one for one in inside if one.name.endswith(".dist-info")]
+        return _put(item, [PathDistribution(one) for one in about])
+    if item.is_dir() and (infos := sorted(item.glob("*.dist-info"))):
+        return _put(item, [PathDistribution(one) for one in infos])
+    if item.is_dir() and (item / PROJECT).is_file():
+        package = SourcePackage(item)
+        SourceFinder.installed().packages.append(package)
+        return _put(package.import_path, [package])
+    raise EdgeVoxError(f"expected {EXPECTED}")
+
+
+def _put(place: Path, packages: list[Distribution]) -> list[Distribution]:
+    """At the end of the path: a plug-in takes the place of nothing that is installed."""
+    if not packages:
+        raise EdgeVoxError(f"expected {EXPECTED}")
+    if str(place) not in sys.path:
+        sys.path.append(str(place))
+    return packages
+
+
+def _plugin(file: str, package: Distribution) -> Plugin:
+    name = package.metadata["Name"]
+    if not name:
+        raise EdgeVoxError("expected a package with a name in its metadata")
+    return Plugin(file, name, package.version)
+
+
+def _missing(name: str) -> list[str]:
+    """The packages that one needs and that are not here, but for those under a condition."""
+
+    def needed() -> Iterator[str]:
+        for need in distribution(name).requires or ():
+            parts = _NAME.fullmatch(need)
+            if parts and not parts[3]:
+                yield parts[1]
+
+    return [one for one in needed() if not _is_here(one)]
+
+
+def _is_here(name: str) -> bool:
+    try:
+        distribution(name)
+    except PackageNotFoundError:
+        return False
+    return True
