@@ -73,7 +73,7 @@ class Skills:
         return SkillSet(
             [
                 breaking("fall_apart", ZeroDivisionError("by zero"), moves=True),
-                breaking("refuse_a_value", InvalidValue("speed", -1, "a number above 0"), moves=True),
+                breaking("refuse_a_value", InvalidValue("speed", -1, "above 0"), moves=True),
                 breaking("leave_us", SystemExit(3), moves=True),
                 breaking("leave_now", SystemExit(3), moves=False),
                 breaking("get_nervous", KeyboardInterrupt(), moves=True),
@@ -120,7 +120,7 @@ def rig():
     ("said", "skill", "raised"),
     [
         ("fall apart", "fall_apart", "by zero"),
-        ("refuse a value", "refuse_a_value", "got -1, expected a number above 0"),
+        ("refuse a value", "refuse_a_value", "got -1, expected above 0"),
         ("leave us", "leave_us", "3"),
         ("leave now", "leave_now", "3"),
         ("get nervous", "get_nervous", "KeyboardInterrupt"),

@@ -1,0 +1,30 @@
+"""Calls a service, and waits for its answer."""
+
+from typing import Any
+
+from rclpy.node import Node
+
+from edgevox.core.cancel import Cancelled, CancelToken
+from edgevox.core.clock import Clock
+from edgevox.ros2.clients.interface_client import InterfaceClient
+from edgevox.ros2.clients.waiting import TookTooLong, wait_for
+
+
+class ServiceCaller(InterfaceClient):
+    """A service's client."""
+
+    def __init__(self, node: Node, kind: Any, name: str, clock: Clock) -> None:
+        super().__init__(node, kind, name, clock)
+        self._client = node.create_client(kind, name)
+
+    def call(self, request: Any, token: CancelToken, timeout_s: float) -> Any:
+        """Its answer. Raises `SkillFailed` where it is not there or silent, or `Cancelled`."""
+        self.until_there(self._client.service_is_ready, token, timeout_s, "not_there")
+        future = self._client.call_async(request)
+        try:
+            return wait_for(future, token, timeout_s)
+        except (TookTooLong, Cancelled) as end:
+            self._client.remove_pending_request(future)
+            if isinstance(end, Cancelled):
+                raise
+            raise self.failed("no_answer") from None
