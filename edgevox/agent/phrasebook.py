@@ -97,7 +97,7 @@ class Phrasebook:
         return tuple(
             renamed(template, arguments)
             for template in self._phrases(one).templates
-            if required <= self._slots(template) <= arguments.keys()
+            if required <= self.slots(template) <= arguments.keys()
         )
 
     def examples(self, one: Skill) -> Sequence[Example]:
@@ -201,9 +201,9 @@ class Phrasebook:
     def _first_heard(self) -> Mapping[str, Word]:
         return {key(one.heard[0]): one for one in self.words.values()}
 
-    def _slots(self, template: str) -> set[str]:
+    def slots(self, template: str) -> set[str]:
         """The slots of a template and of the rules that it names."""
-        inside = (self._slots(self.rules[name]) for name in re.findall(r"<(\w+)>", template))
+        inside = (self.slots(self.rules[name]) for name in re.findall(r"<(\w+)>", template))
         return set(re.findall(r"\{(?:\w+:)?(\w+)\}", template)).union(*inside)
 
     def _phrases(self, one: Skill) -> SkillPhrases:

@@ -26,16 +26,17 @@ PACKAGE = ROOT / "edgevox"
 ARCHITECTURE = DOCS / "architecture.md"
 
 
-def test_code_on_the_page_of_skills_is_that_of_the_example():
-    example = (ROOT / "examples" / "own_skill" / "watchman.py").read_text()
+def test_code_on_the_page_of_skills_is_that_of_the_examples():
+    files = ("own_skill/watchman.py", "own_ros_skill/dock_hand.py")
+    examples = "".join((ROOT / "examples" / file).read_text() for file in files)
     blocks = re.findall(
         r"^```python\n(.*?)^```",
         (DOCS / "writing-a-skill.md").read_text(),
         re.MULTILINE | re.DOTALL,
     )
-    assert len(blocks) == 2
+    assert len(blocks) == 4
     for block in blocks:
-        assert block in example or textwrap.indent(block, "    ") in example
+        assert block in examples or textwrap.indent(block, "    ") in examples
 
 
 def test_the_page_of_robots_has_every_protocol_with_its_methods():

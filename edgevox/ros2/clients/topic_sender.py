@@ -9,6 +9,14 @@ from edgevox.core.clock import Clock
 from edgevox.ros2.clients.interface_client import InterfaceClient
 from edgevox.ros2.qos import interface_profile
 
+STEERING = frozenset({"geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"})
+"""Velocities have one way, with limits, a watchdog and the policy: that of drives."""
+
+
+def type_name(kind: Any) -> str:
+    """The name of a message's class, such as ``std_msgs/msg/String``."""
+    return "/".join((kind.__module__.split(".")[0], "msg", kind.__name__))
+
 
 class TopicSender(InterfaceClient):
     """A topic's publisher; what is `latched` is kept for who listens later."""
