@@ -7,11 +7,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from edgevox.agent.reasons import because
-from edgevox.agent.skills import Skill, reason_of
+from edgevox.agent.skills import Skill, SkillFailed, reason_of
+from edgevox.agent.wrong_arguments import WrongArgument
 from edgevox.core.agent_events import GOAL_ENDS, GoalCancelled, GoalChanged, GoalStatus
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import Cancelled, CancelToken
-from edgevox.core.errors import EdgeVoxError, shorten
+from edgevox.core.errors import shorten
 from edgevox.core.log import bound, get_logger
 from edgevox.core.reason import NO_REASON, Reason
 
@@ -88,7 +89,7 @@ class Goal:
             result = _as_json(self.skill.function(self, **self.arguments))
         except Cancelled as cancelled:
             self.end(GoalStatus.CANCELLED, self._token.why or cancelled.why)
-        except EdgeVoxError as error:  # `SkillFailed`, or what it called did
+        except (SkillFailed, WrongArgument) as error:  # what people may hear, and nothing else
             self.end(GoalStatus.FAILED, reason_of(error))
         except BaseException as error:
             log.exception("skill_broke", skill=self.skill.name)

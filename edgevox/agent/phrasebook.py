@@ -102,7 +102,7 @@ class Phrasebook:
         return tuple(
             renamed(template, arguments)
             for template in self._phrases(one).templates
-            if required <= self._slots(template) <= arguments.keys()
+            if required <= self.slots(template) <= arguments.keys()
         )
 
     def written_out(self, template: str) -> str:
@@ -223,7 +223,7 @@ class Phrasebook:
     def _first_heard(self) -> Mapping[str, Word]:
         return {key(one.heard[0]): one for one in self.words.values() if one.heard}
 
-    def _slots(self, template: str) -> set[str]:
+    def slots(self, template: str) -> set[str]:
         """The slots of a template and of the rules that it names."""
         return set(re.findall(r"\{(?:\w+:)?(\w+)\}", self.written_out(template)))
 

@@ -42,7 +42,7 @@ def _prepare(argv: Sequence[str]) -> Callable[[], bool]:
         return lambda: take_snapshot(drawn, snapshot)
     if asked.check:
         checked = build_body(asked.robot, settings, IN_THE_HAND)
-        return lambda: check_robot(checked)
+        return lambda: check_robot(checked, settings)
     body = build_body(asked.robot, settings)
     open_places(body, settings)
     return lambda: serve(settings, body, asked.ros_args)

@@ -9,6 +9,7 @@ from typing import Any, NoReturn
 from edgevox import __version__
 from edgevox.apps.flags import add_flags, given_flags
 from edgevox.apps.robots import ROBOTS
+from edgevox.apps.skill_setup import about_packages
 from edgevox.ros2 import split_ros_args
 
 
@@ -47,7 +48,7 @@ def parse_arguments(argv: Sequence[str], complaint: str = "") -> AgentArguments:
 
 
 class _ArgumentParser(argparse.ArgumentParser):
-    """Loads the robots, so that each says what it is, only for those who ask for help."""
+    """Loads robots and packages with skills only for those who ask for help."""
 
     def __init__(self, prog: str, description: str, epilog: str, complaint: str) -> None:
         super().__init__(prog, description=description, epilog=epilog)
@@ -59,6 +60,7 @@ class _ArgumentParser(argparse.ArgumentParser):
 
     def format_help(self) -> str:
         self._robot.help = "; ".join(f"{name}: {one.about}" for name, one in ROBOTS.items())
+        self.epilog = f"{self.epilog} {about_packages()}"
         return super().format_help()
 
 

@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Protocol
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.llm.language_model import LanguageModel
 from edgevox.agent.policy import Guard
+from edgevox.agent.skills import Skill
 from edgevox.apps.command_router import CommandRouter
 from edgevox.apps.queries import Queries
+from edgevox.apps.skill_setup import RobotSkills
 from edgevox.apps.voice import VoiceChain
 from edgevox.core.bus import Bus
 from edgevox.core.controls import Controls
@@ -56,6 +58,12 @@ class AgentParts:
     absent: str = ""
     interlock: Interlock = field(default_factory=Interlock)
     guard: Guard = field(default_factory=Guard)
+    robot_skills: RobotSkills = field(default_factory=RobotSkills)
+
+    @property
+    def skills(self) -> tuple[Skill, ...]:
+        """What its robot can be asked to do."""
+        return self.robot_skills.skills
 
     @property
     def name(self) -> str:

@@ -2,21 +2,24 @@
 
 from edgevox.agent.name_rules import check_skills
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
+from edgevox.apps.skill_setup import gather_skills
+from edgevox.core.settings import Settings
 from edgevox.robots.capabilities import Body
 
 SHORT = 60
 """A longer template shows nobody what to say."""
 
 
-def check_robot(body: Body) -> bool:
+def check_robot(body: Body, settings: Settings) -> bool:
     """Print the skills of a body that is not started, each with what it can be told; True.
 
     Raises `InvalidValue` for a name that people need for something else.
     """
     check_skills(body.skills)
+    skills = gather_skills(body, settings).skills
     english = phrasebook(ENGLISH)
-    print(f"{body.name} has {len(body.skills)} skills:")
-    for one in body.skills:
+    print(f"{body.name} has {len(skills)} skills:")
+    for one in skills:
         templates = map(english.written_out, english.templates(one))
         said = [sentence for sentence in templates if len(sentence) <= SHORT]
         print(f"  {one.name}: {one.description} {said[0] if said else ''}".rstrip())

@@ -7,7 +7,6 @@ asked for is well, and says that it is off.
 from edgevox import __version__
 from edgevox.agent.llm.llm_status import LlmComponent
 from edgevox.agent.policy.policy_status import PolicyComponent
-from edgevox.agent.skills import Skill
 from edgevox.apps.agent_parts import AgentParts
 from edgevox.apps.folders import written_folders
 from edgevox.apps.policy_setup import known_names
@@ -32,7 +31,7 @@ def list_components(parts: AgentParts, gauges: Gauges) -> None:
         SimComponent(parts.body) if parts.body else Off(ComponentName.SIM, "no robot"),
         Off(ComponentName.EXECUTOR, "no ROS 2"),
         Off(ComponentName.PRESENCE, "no ROS 2"),
-        PolicyComponent(parts.guard, lambda: known_names(_skills(parts))),
+        PolicyComponent(parts.guard, lambda: known_names(parts.skills)),
         DiskComponent(lambda: written_folders(parts.settings)),
         ProcessComponent(parts.health, __version__, lambda: parts.conversation.refusals),
     )
@@ -70,7 +69,3 @@ def _llm(parts: AgentParts, gauges: Gauges) -> Component:
         endpoint=parts.settings.llm_endpoint,
         absent=parts.absent,
     )
-
-
-def _skills(parts: AgentParts) -> tuple[Skill, ...]:
-    return parts.body.skills if parts.body else ()

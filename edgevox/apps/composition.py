@@ -19,6 +19,7 @@ from edgevox.apps.model_choice import find_weights, open_model, open_without
 from edgevox.apps.policy_setup import build_guard
 from edgevox.apps.queries import available_voices, build_queries, deafness
 from edgevox.apps.robots import build_agents
+from edgevox.apps.skill_setup import gather_skills
 from edgevox.apps.voice import build_listener, build_voice, warm_up_hearing
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Speak
@@ -48,10 +49,10 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
     health = _serve_health(stack, settings, components)
     bus = Bus()
     guard = build_guard(settings, bus, body)
-    agents = build_agents(body)
+    robot_skills = gather_skills(body, settings)
+    agents = build_agents(body, robot_skills.skills)
     stack.callback(BusLog(bus, free_text(agents)).close)
-    skills = body.skills if body else ()
-    metrics = serve_metrics(stack, settings, bus, components, health, skills=skills)
+    metrics = serve_metrics(stack, settings, bus, components, health, skills=robot_skills.skills)
     controls = Controls(
         bus,
         language=settings.language,
@@ -61,7 +62,11 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
         voices=available_voices,
         deafness=(lambda _: "") if settings.text_mode else deafness,
     )
-    voice = None if settings.text_mode else build_voice(stack, settings, bus, controls, skills)
+    voice = (
+        None
+        if settings.text_mode
+        else build_voice(stack, settings, bus, controls, robot_skills.skills)
+    )
     model, model_path, absent = _think(settings)
     if model:
         stack.callback(model.close)
@@ -121,6 +126,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
         absent,
         interlock,
         guard,
+        robot_skills,
     )
 
 
@@ -213,6 +219,7 @@ def _bridge_context(parts: AgentParts) -> BridgeContext:
         parts.components,
         parts.interlock,
         parts.guard,
+        parts.robot_skills.handle,
     )
 
 

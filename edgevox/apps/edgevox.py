@@ -23,6 +23,7 @@ OF_ROBOTS = FOR_BODIES | {
     "publish_clock",
     "render",
     "ros2_state_hz",
+    "skills",
 }
 """Settings that are about a body."""
 

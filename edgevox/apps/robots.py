@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.name_rules import check_skills
-from edgevox.agent.skills import SkillSet
+from edgevox.agent.skills import Skill, SkillSet
 from edgevox.apps.folders import places_folder
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
@@ -45,12 +45,13 @@ def open_places(body: Body, settings: Settings) -> None:
         body.place_memory.open(PlaceStore(places_folder(settings)), body.name)
 
 
-def build_agents(body: Body | None) -> Sequence[Agent]:
-    """Who talks: for a body one agent that has all its skills, else one that has none.
+def build_agents(body: Body | None, skills: Sequence[Skill] | None = None) -> Sequence[Agent]:
+    """Who talks: for a body one agent that has these skills, or its own, else one that has none.
 
     Raises `InvalidValue` for a skill, or a word of one, that people need for something else.
     """
     if body is None:
         return (Agent("edgevox", TALK_INSTRUCTIONS),)
-    check_skills(body.skills)
-    return (Agent(body.name, ROBOTS[body.name].instructions, SkillSet(body.skills)),)
+    had = body.skills if skills is None else skills
+    check_skills(had)
+    return (Agent(body.name, ROBOTS[body.name].instructions, SkillSet(had)),)

@@ -128,6 +128,12 @@ class Settings(BaseSettings):
         description="robot-external: YAML file that describes a robot: its limits, its topics and"
         " the skills that its ROS 2 interfaces give it",
     )
+    skills: str = Field(
+        "all",
+        min_length=1,
+        description="installed packages whose skills a robot has, by name, with commas between;"
+        " all, or none",
+    )
     locations: Path | None = Field(
         None, description="robot-external: YAML file of the places that it knows by name"
     )

@@ -5,6 +5,13 @@ skills, reasons and policy.
 """
 
 from edgevox.ros2.bridge_context import BridgeContext
-from edgevox.ros2.open import Bridge, NullBridge, open_bridge, split_ros_args
+from edgevox.ros2.open import Bridge, NullBridge, open_bridge, open_node_handle, split_ros_args
 
-__all__ = ["Bridge", "BridgeContext", "NullBridge", "open_bridge", "split_ros_args"]
+__all__ = [
+    "Bridge",
+    "BridgeContext",
+    "NullBridge",
+    "open_bridge",
+    "open_node_handle",
+    "split_ros_args",
+]

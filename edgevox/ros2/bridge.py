@@ -130,6 +130,9 @@ class RosBridge:
         self._parts += _audio(node, context)
         if context.components:
             self._parts.append(DiagnosticsPublisher(node, context.components, self._watching))
+        if context.handle:
+            context.handle.open(node)
+            self._parts.append(context.handle)
         if context.goals and (action := open_skill_action(node, bus, context.goals)):
             self._parts.append(action)
         if context.body and not isinstance(context.body, ExternalRobot):  # it has its own topics

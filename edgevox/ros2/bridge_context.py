@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from edgevox.agent.policy import Guard
 from edgevox.core.bus import Bus
@@ -16,6 +17,9 @@ from edgevox.ros2.skill_requests import StartsGoals
 from edgevox.voice.sinks.relay import Relay
 from edgevox.voice.sources.pushed import Pushed
 
+if TYPE_CHECKING:
+    from edgevox.ros2.clients.agent_node_handle import AgentNodeHandle
+
 
 @dataclass(frozen=True)
 class BridgeContext:
@@ -25,7 +29,8 @@ class BridgeContext:
     `robot_state` nor `agent_event`, no robot's topics and no action. `audio_in` is filled from a
     topic, `audio_out` is sent to one. `components` say how they are. `interlock` is
     engaged while another agent of the namespace moves the robot. `guard` is asked of velocities and
-    of what comes on `command`; of goals the one who runs them asks.
+    of what comes on `command`; of goals the one who runs them asks. `handle` is lent the node, for
+    skills.
     """
 
     settings: Settings
@@ -40,3 +45,4 @@ class BridgeContext:
     components: Components | None = None
     interlock: Interlock = field(default_factory=Interlock)
     guard: Guard = field(default_factory=Guard)
+    handle: "AgentNodeHandle | None" = None

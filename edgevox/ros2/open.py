@@ -2,12 +2,15 @@
 
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.status import Component
 from edgevox.ros2.bridge_context import BridgeContext
 from edgevox.ros2.bridge_status import ExecutorComponent, ExecutorCounts
+
+if TYPE_CHECKING:
+    from edgevox.ros2.clients.agent_node_handle import AgentNodeHandle
 
 
 class Bridge(Protocol):
@@ -62,6 +65,15 @@ def open_bridge(context: BridgeContext, ros_args: Sequence[str] = ()) -> Bridge:
             " ROS 2 Jazzy or from make msgs"
         ) from error
     return RosBridge(context, ros_args)
+
+
+def open_node_handle() -> "AgentNodeHandle | None":
+    """What a bridge lends its node to, for skills; None where rclpy cannot be imported."""
+    try:
+        from edgevox.ros2.clients.agent_node_handle import AgentNodeHandle
+    except ModuleNotFoundError:
+        return None
+    return AgentNodeHandle()
 
 
 def split_ros_args(argv: Sequence[str]) -> tuple[list[str], list[str]]:

@@ -124,7 +124,7 @@ def test_our_own_paths_and_programs_are_not_taken_for_it(text: str) -> None:
 
 def test_the_examples_and_the_locks_know_our_own_name() -> None:
     assert project("pyproject.toml")["name"] == OURS
-    for example in ("own_robot", "own_skill"):
+    for example in ("own_robot", "own_skill", "own_ros_skill"):
         assert project(f"examples/{example}/pyproject.toml")["dependencies"] == [OURS]
     for lock in (ROOT / "requirements").glob("*.lock"):
         names = {distribution(line.split(" \\")[0]) for line in lock.read_text().splitlines()}

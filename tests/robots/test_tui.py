@@ -51,7 +51,7 @@ async def screen(size=(80, 24)):
         start_parts(stack, parts)
         updates = UpdateBuffer(parts.bus, parts.controls)
         stack.callback(updates.close)
-        context = SlashContext(parts.conversation, parts.body)
+        context = SlashContext(parts.conversation, parts.body, skills=parts.skills)
         face = Face(updates, context, parts.queries, parts.command_router.submit, SystemClock())
         async with face.run_test(size=size) as pilot:
             yield Screen(face, pilot, parts)

@@ -90,6 +90,7 @@ class InterfaceRobot(Node):
 
     def dock(self, goal) -> ExecuteSkill.Result:
         self.tell("dock", [goal.request.skill_name, goal.request.arguments_json])
+        goal.publish_feedback(ExecuteSkill.Feedback(feedback_json='{"progress": 0.5}'))
         while self.mode == "hang" and not self.over.wait(PAUSE_S):
             if goal.is_cancel_requested:
                 self.tell("cancelled", goal.request.skill_name)

@@ -40,12 +40,13 @@ def test_words_with_names_are_written_as_the_page_of_skills_writes_them():
     assert names["MODES"].names["soft"]["de"] == OwnName("sanft", ("weich",))
 
 
-def test_code_on_the_page_of_skills_is_that_of_the_example():
-    example = (ROOT / "examples" / "own_skill" / "watchman.py").read_text()
+def test_code_on_the_page_of_skills_is_that_of_the_examples():
+    files = ("own_skill/watchman.py", "own_ros_skill/dock_hand.py")
+    examples = "".join((ROOT / "examples" / file).read_text() for file in files)
     blocks = [one for one in code_on_the_page_of_skills() if "OwnName" not in one]
-    assert len(blocks) == 2
+    assert len(blocks) == 4
     for block in blocks:
-        assert block in example or textwrap.indent(block, "    ") in example
+        assert block in examples or textwrap.indent(block, "    ") in examples
 
 
 def test_the_page_of_robots_has_every_protocol_with_its_methods():

@@ -18,6 +18,7 @@ from edgevox.agent.skills import SkillSet, skill
 from edgevox.core.agent_events import GoalCancelled, GoalChanged, as_json
 from edgevox.core.bus import Bus
 from edgevox.core.commands import TextInput
+from edgevox.core.errors import InvalidValue
 from edgevox.core.events import Responded
 
 
@@ -72,6 +73,7 @@ class Skills:
         return SkillSet(
             [
                 breaking("fall_apart", ZeroDivisionError("by zero"), moves=True),
+                breaking("refuse_a_value", InvalidValue("speed", -1, "above 0"), moves=True),
                 breaking("leave_us", SystemExit(3), moves=True),
                 breaking("leave_now", SystemExit(3), moves=False),
                 breaking("get_nervous", KeyboardInterrupt(), moves=True),
@@ -115,27 +117,37 @@ def rig():
 
 
 @pytest.mark.parametrize(
-    ("said", "reason"),
+    ("said", "skill", "raised"),
     [
-        ("fall apart", "fall_apart broke: by zero"),
-        ("leave us", "leave_us broke: 3"),
-        ("leave now", "leave_now broke: 3"),
-        ("get nervous", "get_nervous broke: KeyboardInterrupt"),
-        ("return nonsense", "nonsense broke: its result is not JSON"),
-        ("return a number", "seven broke: its result is 7, not a mapping"),
-        ("mumble", "mumble broke: Object of type object is not JSON"),
+        ("fall apart", "fall_apart", "by zero"),
+        ("refuse a value", "refuse_a_value", "got -1, expected above 0"),
+        ("leave us", "leave_us", "3"),
+        ("leave now", "leave_now", "3"),
+        ("get nervous", "get_nervous", "KeyboardInterrupt"),
+        ("return nonsense", "nonsense", "its result is not JSON"),
+        ("return a number", "seven", "its result is 7, not a mapping"),
+        ("mumble", "mumble", "Object of type object is not JSON"),
     ],
 )
-def test_whatever_a_skill_does_its_failure_is_spoken_and_the_next_one_runs(rig, said, reason):
+@pytest.mark.parametrize(
+    ("language", "told"), [("en", "there was an error in"), ("de", "ist ein Fehler aufgetreten")]
+)
+def test_whatever_a_skill_raises_people_hear_of_an_error_and_the_next_one_runs(
+    rig, said, skill, raised, language, told
+):
+    rig.conversation.set_language(language)
     rig.say(said)
-    rig.hear(f"I could not do that: {reason}")
+    rig.hear(told)
 
     rig.say("walk")
     rig.hear("I have walked.")
 
+    assert not [one for one in rig.answers.messages if raised in one]
     assert rig.conversation.alive
     json.dumps(rig.ends)
-    assert {"failed", "succeeded"} <= {end["status"] for end in rig.ends}
+    (failed,) = [end for end in rig.ends if end["status"] == "failed"]
+    assert (failed["code"], failed["skill"]) == ("skill_broke", skill)
+    assert raised in failed["error"], "programs are told"
 
 
 @pytest.fixture
@@ -188,6 +200,7 @@ from edgevox.agent.conversation import Conversation
 from edgevox.agent.skills import SkillSet, skill
 from edgevox.core.bus import Bus
 from edgevox.core.commands import TextInput
+from edgevox.core.errors import InvalidValue
 
 hangs = threading.Event()
 

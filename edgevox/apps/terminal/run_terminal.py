@@ -26,7 +26,7 @@ def run_terminal(parts: AgentParts, shutdown: ShutdownSignals) -> None:
     script: it ends the program when its last line is done. An empty stdin, or none, is nobody: the
     program runs until its WAV files are over, if it hears those, or a signal tells it to end.
     """
-    context = SlashContext(parts.conversation, parts.body)
+    context = SlashContext(parts.conversation, parts.body, skills=parts.skills)
     if _is_terminal():
         typed = typed_ahead(sys.stdin.fileno(), lambda line: is_stop(line.strip(), context))
         if parts.settings.simple_ui:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from edgevox.agent.conversation import Conversation
+from edgevox.agent.skills import Skill
 from edgevox.apps.snapshot import check_picture, write_picture
 from edgevox.core.commands import Interrupt, Reset
 from edgevox.core.errors import EdgeVoxError
@@ -27,6 +28,7 @@ class SlashContext:
     conversation: Conversation
     body: Body | None
     columns: int = MAP_COLUMNS
+    skills: tuple[Skill, ...] = ()
 
 
 def _help(_: SlashContext) -> str:
@@ -61,7 +63,7 @@ def _state(context: SlashContext) -> str:
 def _skills(context: SlashContext) -> str:
     return "\n".join(
         f"  {s.name}({', '.join(s.arguments_model.model_fields)})  {s.description}"
-        for s in (context.body.skills if context.body else ())
+        for s in context.skills
     )
 
 

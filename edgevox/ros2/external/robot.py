@@ -19,6 +19,7 @@ from edgevox.robots.bounds import Bounds
 from edgevox.robots.capabilities import Report, SpeedLimit, Twist2D
 from edgevox.robots.navigation import LOCATION, navigation_skills
 from edgevox.robots.places.place_memory import PlaceMemory
+from edgevox.ros2.clients.agent_node_handle import AgentNodeHandle
 from edgevox.ros2.external.control_loop import ZeroVelocity
 from edgevox.ros2.external.external_navigation import ExternalNavigation
 from edgevox.ros2.external.external_settings import ExternalSettings
@@ -75,6 +76,8 @@ class ExternalRobot:
         known = OneOf(tuple(self._places), aliases, names=names)
         self.place_memory = PlaceMemory(namespace, known)
         self._described = described
+        self.ros = AgentNodeHandle(self._clock)
+        """Its node, for skills."""
         own = navigation_skills(
             self, aliases=aliases, word=LOCATION, memory=self.place_memory, names=names
         )
@@ -135,7 +138,12 @@ class ExternalRobot:
     def start(self) -> None:
         """Join the graph. Raises `RosBridgeFailed` where that cannot be done."""
         self._robot_node = RobotNode(
-            self._namespace, self._settings, self._clock, self._lock, self._described
+            self._namespace,
+            self._settings,
+            self._clock,
+            self._lock,
+            described=self._described,
+            handle=self.ros,
         )
         self._robot_node.control.mux.limit = self._limit
         self._robot_node.start()

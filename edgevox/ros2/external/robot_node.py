@@ -10,6 +10,7 @@ from rclpy.clock_type import ClockType
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
+from edgevox.ros2.clients.agent_node_handle import AgentNodeHandle
 from edgevox.ros2.external.control_loop import ControlLoop
 from edgevox.ros2.external.external_settings import ExternalSettings, SteeringLimits
 from edgevox.ros2.external.motion_backends import GoalTopicBackend, MotionBackend, VelocityPublisher
@@ -40,7 +41,9 @@ class RobotNode:
         settings: ExternalSettings,
         clock: Clock,
         lock: AbstractContextManager[object],
+        *,
         described: Sequence[DescribedSkill] = (),
+        handle: AgentNodeHandle | None = None,
     ) -> None:
         self._settings, self._clock, self._lock = settings, clock, lock
         ros_args = [*sys.argv, *settings.remappings] if settings.remappings else ()
@@ -64,6 +67,9 @@ class RobotNode:
         self._described = described
         for one in described:
             one.open(node, clock)
+        self._handle = handle
+        if handle:
+            handle.open(node)
         self._silent = False
         # Real time: a /clock that stands still or jumps must not leave a robot driving.
         steady = RosClock(clock_type=ClockType.STEADY_TIME)
@@ -76,6 +82,8 @@ class RobotNode:
     def close(self) -> None:
         for one in self._described:
             one.close()
+        if self._handle:
+            self._handle.close()
         self._ros.close()
 
     @property

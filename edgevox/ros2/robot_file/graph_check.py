@@ -19,6 +19,7 @@ from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import SystemClock
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import Settings, check_settings
+from edgevox.ros2.clients.waiting import TookTooLong, wait_until
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.qos import interface_profile, profile
 from edgevox.ros2.robot_file.described_skills import SkillOff, planned_skills
@@ -29,7 +30,6 @@ from edgevox.ros2.robot_file.graph_view import (
     unheard,
 )
 from edgevox.ros2.robot_file.load import DescribedRobot, load_robot_file
-from edgevox.ros2.robot_file.waiting import TookTooLong, wait_until
 from edgevox.ros2.robot_file.wanted import Wanted, wanted_by
 from edgevox.ros2.standard_topics import DRIVEN
 

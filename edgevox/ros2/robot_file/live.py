@@ -1,36 +1,22 @@
 """Steps on a node: what publishes, calls, runs actions, reads and waits."""
 
-import contextlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from action_msgs.msg import GoalStatus
-from rclpy.action import ActionClient
 from rclpy.node import Node
-from rclpy.task import Future
 
-from edgevox.agent.skills import SkillFailed
-from edgevox.core.cancel import Cancelled, CancelToken
+from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
-from edgevox.core.log import get_logger
-from edgevox.ros2.qos import interface_profile
+from edgevox.ros2.clients.action_runner import ActionRunner
+from edgevox.ros2.clients.service_caller import ServiceCaller
+from edgevox.ros2.clients.topic_listener import TopicListener
+from edgevox.ros2.clients.topic_sender import TopicSender
 from edgevox.ros2.robot_file.field_paths import read_path
 from edgevox.ros2.robot_file.filling import Filling
-from edgevox.ros2.robot_file.interface_reasons import interface_reason
 from edgevox.ros2.robot_file.outcome import holds, values_of
 from edgevox.ros2.robot_file.plan import PlannedStep
 from edgevox.ros2.robot_file.robot_file_format import ActionInterface, Publication, Topic, Wait
-from edgevox.ros2.robot_file.waiting import Newest, TookTooLong, wait_for, wait_until
-
-log = get_logger(__name__)
-
-THERE_S = 3.0
-"""So long an interface may take to be discovered."""
-READ_S = 5.0
-"""What was heard so long ago is no answer; unless the topic is latched, which says it once."""
-CANCEL_S = 5.0
-"""So long an action that is cancelled may take to end."""
 
 Report = Callable[..., None]
 
@@ -62,22 +48,11 @@ def go_live(planned: PlannedStep, node: Node, clock: Clock) -> LiveStep:
 
 class _Base:
     def __init__(self, planned: PlannedStep, node: Node, clock: Clock) -> None:
-        self._planned, self._step, self._node, self._clock = planned, planned.step, node, clock
-        self._name = planned.interface_name
+        self._planned, self._step, self._clock = planned, planned.step, clock
         self._filling = Filling(lambda: node.get_clock().now().to_msg())
 
     def _request(self, run: StepRun) -> Any:
         return self._filling.fill(self._planned.request(), self._step.request, run.values)
-
-    def _failed(self, code: str) -> SkillFailed:
-        log.warning("interface_failed", interface=self._name, why=code)
-        return SkillFailed(interface_reason(code, what=self._name))
-
-    def _until_there(self, look: Callable[[], bool], run: StepRun, code: str) -> None:
-        try:
-            wait_until(look, run.token, min(THERE_S, self._step.timeout_s), self._clock)
-        except TookTooLong:
-            raise self._failed(code) from None
 
 
 class Publishes(_Base):
@@ -86,25 +61,24 @@ class Publishes(_Base):
     def __init__(self, planned: PlannedStep, node: Node, clock: Clock) -> None:
         super().__init__(planned, node, clock)
         self._how: Publication = getattr(self._step, planned.way)
-        qos = interface_profile(latched=self._how.latched, heard=False)
-        self._publisher = node.create_publisher(planned.type, self._name, qos)
+        self._sender = TopicSender(
+            node, planned.type, planned.interface_name, clock, latched=self._how.latched
+        )
 
     def run(self, run: StepRun) -> dict[str, Any]:
         message = self._request(run)
-        if not self._how.latched:
-            heard = self._publisher.get_subscription_count
-            self._until_there(lambda: heard() > 0, run, "nobody_listens")
+        self._sender.until_heard(run.token, self._step.timeout_s)
         try:
             self._repeat(message, run)
         finally:
             if self._how.at_end is not None:
                 end = self._filling.fill(self._planned.request(), self._how.at_end, run.values)
-                self._publisher.publish(end)
+                self._sender.send(end)
         return {}
 
     def _repeat(self, message: Any, run: StepRun) -> None:
         run.token.check()
-        self._publisher.publish(message)
+        self._sender.send(message)
         begun_s = self._clock.now()
         while self._how.rate_hz:
             passed_s = self._clock.now() - begun_s
@@ -112,7 +86,7 @@ class Publishes(_Base):
                 return
             if run.token.wait(1.0 / self._how.rate_hz):
                 run.token.check()
-            self._publisher.publish(message)
+            self._sender.send(message)
             if self._how.for_s:
                 run.report(progress=round(min(1.0, passed_s / self._how.for_s), 3))
 
@@ -122,19 +96,10 @@ class Calls(_Base):
 
     def __init__(self, planned: PlannedStep, node: Node, clock: Clock) -> None:
         super().__init__(planned, node, clock)
-        self._client = node.create_client(planned.type, self._name)
+        self._service = ServiceCaller(node, planned.type, planned.interface_name, clock)
 
     def run(self, run: StepRun) -> dict[str, Any]:
-        self._until_there(self._client.service_is_ready, run, "not_there")
-        future = self._client.call_async(self._request(run))
-        try:
-            answer = wait_for(future, run.token, self._step.timeout_s)
-        except (TookTooLong, Cancelled) as end:
-            self._client.remove_pending_request(future)
-            if isinstance(end, Cancelled):
-                raise
-            run.stop()  # it may still be at it
-            raise self._failed("no_answer") from None
+        answer = self._service.call(self._request(run), run.token, self._step.timeout_s, run.stop)
         return values_of(self._planned, answer)
 
 
@@ -145,74 +110,40 @@ class Acts(_Base):
         super().__init__(planned, node, clock)
         how: ActionInterface = getattr(self._step, planned.way)
         self._progress = how.progress
-        self._client = ActionClient(node, planned.type, self._name)
+        self._action = ActionRunner(node, planned.type, planned.interface_name, clock)
 
     def run(self, run: StepRun) -> dict[str, Any]:
-        self._until_there(self._client.server_is_ready, run, "not_there")
-        until_s = self._clock.now() + self._step.timeout_s
-        sent = self._client.send_goal_async(
-            self._request(run), feedback_callback=lambda message: self._hear(message, run)
+        result = self._action.run(
+            self._request(run),
+            run.token,
+            self._step.timeout_s,
+            lambda feedback: self._hear(feedback, run),
+            run.stop,
         )
-        try:
-            handle = wait_for(sent, run.token, self._step.timeout_s)
-        except (TookTooLong, Cancelled) as end:
-            sent.add_done_callback(_cancel_late)
-            raise end if isinstance(end, Cancelled) else self._failed("no_answer") from None
-        if not handle.accepted:
-            raise self._failed("refused")
-        ended = handle.get_result_async()
-        try:
-            answer = wait_for(ended, run.token, max(0.0, until_s - self._clock.now()))
-        except (TookTooLong, Cancelled) as end:
-            self._cancel(handle, ended, run)
-            raise end if isinstance(end, Cancelled) else self._failed("no_answer") from None
-        if answer.status != GoalStatus.STATUS_SUCCEEDED:
-            raise self._failed("gave_up")
-        return values_of(self._planned, answer.result)
+        return values_of(self._planned, result)
 
-    def _hear(self, message: Any, run: StepRun) -> None:
+    def _hear(self, feedback: Any, run: StepRun) -> None:
         if self._progress is None or run.token.cancelled:
             return
-        part = read_path(message.feedback, self._progress)
+        part = read_path(feedback, self._progress)
         if isinstance(part, int | float) and 0.0 <= part <= 1.0:
             run.report(progress=round(float(part), 3))
-
-    def _cancel(self, handle: Any, ended: Future, run: StepRun) -> None:
-        handle.cancel_goal_async()
-        run.stop()
-        with contextlib.suppress(TookTooLong):
-            wait_for(ended, CancelToken(), CANCEL_S)
-        if not ended.done():
-            log.error("action_not_cancelled", interface=self._name, waited_s=CANCEL_S)
-
-
-def _cancel_late(sent: Future) -> None:
-    """A goal that is accepted when nobody wants it any more."""
-    if sent.exception() is None and sent.result() is not None and sent.result().accepted:
-        sent.result().cancel_goal_async()
 
 
 class _Hears(_Base):
     def __init__(self, planned: PlannedStep, node: Node, clock: Clock) -> None:
         super().__init__(planned, node, clock)
-        self._topic: Topic = getattr(self._step, planned.way)
-        self._newest = Newest(clock)
-        qos = interface_profile(latched=self._topic.latched, heard=True)
-        node.create_subscription(planned.type, self._name, self._newest.take, qos)
+        topic: Topic = getattr(self._step, planned.way)
+        self._listener = TopicListener(
+            node, planned.type, planned.interface_name, clock, latched=topic.latched
+        )
 
 
 class Reads(_Hears):
     """Answers with the newest message of a topic."""
 
     def run(self, run: StepRun) -> dict[str, Any]:
-        oldest_s = float("inf") if self._topic.latched else READ_S
-        message = self._newest.young(oldest_s)
-        if message is None:
-            timeout_s = min(READ_S, self._step.timeout_s)
-            try:
-                message = self._newest.wait(lambda _: True, run.token, timeout_s, kept=False)
-            except TookTooLong:
-                raise self._failed("unheard") from None
+        message = self._listener.latest(run.token, self._step.timeout_s)
         return values_of(self._planned, message)
 
 
@@ -221,13 +152,9 @@ class WaitsForMessage(_Hears):
 
     def run(self, run: StepRun) -> dict[str, Any]:
         how: Wait = getattr(self._step, self._planned.way)
-        fresh = self._topic.latched or self._newest.young(READ_S) is not None
-        try:
-            message = self._newest.wait(
-                lambda one: holds(one, how.until), run.token, self._step.timeout_s, kept=fresh
-            )
-        except TookTooLong:
-            raise self._failed("not_so") from None
+        message = self._listener.wait_for(
+            lambda one: holds(one, how.until), run.token, self._step.timeout_s
+        )
         return values_of(self._planned, message)
 
 

@@ -5,8 +5,8 @@ from typing import Any
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.log import get_logger
+from edgevox.ros2.clients.interface_reasons import interface_reason
 from edgevox.ros2.robot_file.field_paths import read_path
-from edgevox.ros2.robot_file.interface_reasons import interface_reason
 from edgevox.ros2.robot_file.plan import PlannedStep
 from edgevox.ros2.robot_file.robot_file_format import FieldCondition
 

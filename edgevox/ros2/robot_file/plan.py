@@ -10,6 +10,7 @@ from builtin_interfaces.msg import Time
 from edgevox.core.errors import InvalidValue
 from edgevox.core.validation import Place
 from edgevox.core.yaml_file import YamlFile
+from edgevox.ros2.clients.topic_sender import STEERING, type_name
 from edgevox.ros2.robot_file.argument_models import samples
 from edgevox.ros2.robot_file.field_paths import check_path
 from edgevox.ros2.robot_file.filling import Filling, arguments_in
@@ -23,7 +24,6 @@ _KINDS: Mapping[str, Kind] = {
     "call": "srv",
     "action": "action",
 }
-_STEERING = frozenset({"geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,9 +75,8 @@ class Planner:
         return PlannedStep(Step(wait=watch), "wait", kind, answer=kind)
 
     def _check_steering(self, planned: PlannedStep, at: Place) -> None:
-        """Velocities have one way, with limits, a watchdog and the policy: that of drives."""
-        name = "/".join((planned.type.__module__.split(".")[0], "msg", planned.type.__name__))
-        if planned.way == "publish" and name in _STEERING:
+        name = type_name(planned.type)
+        if planned.way == "publish" and name in STEERING:
             expected = "no velocity: a robot is driven by navigate_to and its like, and limited"
             raise self._file.wrong((*at, "publish", "type"), name, expected)
 

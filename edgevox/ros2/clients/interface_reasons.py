@@ -1,4 +1,4 @@
-"""The reasons of skills that a file describes, in the languages of the robot."""
+"""Why an interface of the robot did not do what was asked, in the languages of the robot."""
 
 from pathlib import Path
 
@@ -9,5 +9,5 @@ _PHRASES = OwnPhrases(Path(__file__).parent / "phrases")
 
 
 def interface_reason(code: str, *, what: str) -> Reason:
-    """The reason of this code; `what` is the interface, as the file names it."""
+    """The reason of this code; `what` is the interface, by its name."""
     return _PHRASES.because(code, what=what.strip("~/").replace("_", " ").replace("/", " "))

@@ -1,0 +1,125 @@
+"""Packages that bring skills to any robot, by an entry point as robots come.
+
+[project.entry-points."edgevox.skills"]
+lift = "my_package:lift_skills"
+
+def lift_skills(context: SkillContext) -> Iterable[Skill]:
+    ...
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import EntryPoint, entry_points
+
+from edgevox.agent.skills import Skill
+from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.log import Logger, get_logger
+from edgevox.core.settings import Settings
+from edgevox.robots.capabilities import Body, HasPlaces
+from edgevox.robots.node_handle import NodeHandle
+
+SKILL_GROUP = "edgevox.skills"
+"""The entry points that name a `MakeSkills` each."""
+ALL, NONE = "all", "none"
+
+log = get_logger(__name__)
+
+
+class SkillsOff(EdgeVoxError):
+    """What a package raises whose skills this robot cannot have; the message says why."""
+
+
+@dataclass(frozen=True)
+class SkillContext:
+    """What a package's skills have of the agent. The body is not started yet.
+
+    `name` is that of the entry point. What the body can do, `edgevox.robots.capabilities` says:
+    its pose, battery and the like are asked with ``isinstance(context.body, HasPose)``. Without
+    ROS 2 (`robot-external`, or the setting `ros2`) there is no `ros`.
+    """
+
+    name: str
+    body: Body
+    settings: Settings
+    ros: NodeHandle | None = None
+
+    @property
+    def places(self) -> Mapping[str, tuple[float, float]]:
+        """The places that it knows by name, as (x, y), metres, map frame."""
+        return self.body.places if isinstance(self.body, HasPlaces) else {}
+
+    @property
+    def log(self) -> Logger:
+        """A logger; its lines are shown as the agent's own are."""
+        return get_logger(f"{SKILL_GROUP}.{self.name}")
+
+    def require_ros(self) -> NodeHandle:
+        """`ros`. Raises `SkillsOff` where there is none."""
+        if self.ros is None:
+            raise SkillsOff("it needs ROS 2: robot-external, or --ros2 and rclpy")
+        return self.ros
+
+
+MakeSkills = Callable[[SkillContext], Iterable[Skill]]
+"""Makes a package's skills for one robot. Raises `SkillsOff` where it has none for it."""
+
+
+def installed_skills() -> Mapping[str, EntryPoint]:
+    """The packages' entry points by name; the first of a name counts."""
+    found: dict[str, EntryPoint] = {}
+    for point in sorted(entry_points(group=SKILL_GROUP)):
+        found.setdefault(point.name, point)
+    return found
+
+
+def chosen_skills(chosen: str, installed: Mapping[str, EntryPoint]) -> Sequence[EntryPoint]:
+    """Those that the setting `skills` names. Raises `InvalidValue` for one that is not there."""
+    if chosen in {ALL, NONE}:
+        return tuple(installed.values()) if chosen == ALL else ()
+    names = [name.strip() for name in chosen.split(",")]
+    for name in names:
+        if name not in installed:
+            raise InvalidValue("skills", name, "one of " + ", ".join([*installed, ALL, NONE]))
+    return [installed[name] for name in dict.fromkeys(names)]
+
+
+def fault_of(point: EntryPoint) -> str:
+    """Why a package cannot even be loaded; empty if it can."""
+    try:
+        _load_factory(point)
+    except Exception as error:  # noqa: BLE001 - a package of somebody else raises what it likes
+        return f"{type(error).__name__}: {error}"
+    return ""
+
+
+def brought_skills(
+    points: Iterable[EntryPoint], body: Body, settings: Settings, ros: NodeHandle | None
+) -> Iterator[tuple[str, Skill]]:
+    """The skills that these bring to a body, each with its package's name.
+
+    A package that breaks, or has none for this robot, is told by name, and no other is touched.
+    """
+    for point in points:
+        try:
+            made = _made(point, SkillContext(point.name, body, settings, ros))
+        except SkillsOff as error:
+            log.warning("skill_package_off", package=point.name, reason=str(error))
+        except Exception:
+            log.exception("skill_package_broken", package=point.name)
+        else:
+            yield from ((point.name, one) for one in made)
+
+
+def _made(point: EntryPoint, context: SkillContext) -> Sequence[Skill]:
+    made = tuple(_load_factory(point)(context))
+    for one in made:
+        if not isinstance(one, Skill):
+            raise TypeError(f"{point.value} brings {one!r}, which is no Skill")
+    return made
+
+
+def _load_factory(point: EntryPoint) -> MakeSkills:
+    factory: MakeSkills = point.load()
+    if not callable(factory):
+        raise TypeError(f"{point.value} is no function")
+    return factory
