@@ -2,6 +2,7 @@
 
 from edgevox.agent.name_rules import check_skills
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
+from edgevox.apps.robots import about
 from edgevox.apps.skill_setup import gather_skills
 from edgevox.core.settings import Settings
 from edgevox.robots.capabilities import Body
@@ -17,6 +18,8 @@ def check_robot(body: Body, settings: Settings) -> bool:
     """
     check_skills(body.skills)
     skills = gather_skills(body, settings).skills
+    if itself := about(body):
+        print(itself)
     english = phrasebook(ENGLISH)
     print(f"{body.name} has {len(skills)} skills:")
     for one in skills:

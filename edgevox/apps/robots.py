@@ -8,7 +8,7 @@ from edgevox.agent.skills import Skill, SkillSet
 from edgevox.apps.folders import places_folder
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
-from edgevox.robots.capabilities import Body, RemembersPlaces
+from edgevox.robots.capabilities import Body, RemembersPlaces, TellsAbout
 from edgevox.robots.places.place_store import PlaceStore
 from edgevox.robots.plugin import installed_robots, robot_points
 
@@ -54,4 +54,10 @@ def build_agents(body: Body | None, skills: Sequence[Skill] | None = None) -> Se
         return (Agent("edgevox", TALK_INSTRUCTIONS),)
     had = body.skills if skills is None else skills
     check_skills(had)
-    return (Agent(body.name, ROBOTS[body.name].instructions, SkillSet(had)),)
+    instructions = " ".join(filter(None, (ROBOTS[body.name].instructions, about(body))))
+    return (Agent(body.name, instructions, SkillSet(had)),)
+
+
+def about(body: Body) -> str:
+    """What a body says of itself, beyond what its kind is; empty for most."""
+    return body.about if isinstance(body, TellsAbout) else ""

@@ -1,7 +1,8 @@
 """Reads YAML that people write and others send: bounded in size, also with aliases."""
 
 from collections.abc import Collection, Iterator, Mapping
-from functools import cached_property
+from copy import copy
+from functools import cached_property, reduce
 from typing import Any, TypeVar
 
 import yaml
@@ -85,6 +86,16 @@ class YamlFile:
     def __init__(self, text: str, name: str, tags: Collection[str] = ()) -> None:
         self.data, self.name = parse_yaml(text, name), name
         self._text, self._tags = text, tags
+        self._whole = self.data
+        self.at: Place = ()
+        """Where it stands in the whole file."""
+
+    def part(self, *place: str | int) -> "YamlFile":
+        """What stands at this place, as a file; what is wrong is said as of the whole one."""
+        part = copy(self)
+        part.at = (*self.at, *place)
+        part.data = reduce(_inside, place, self.data)
+        return part
 
     def read(self, model: type[M], data: Any, place: Place = ()) -> M:
         """`data`, which stands at this place of the file, as such a model."""
@@ -103,12 +114,12 @@ class YamlFile:
 
     def field(self, place: Place) -> str:
         """What a place is called: the file, the line, and the way to it."""
-        place = tuple(self._in_the_file(place))
+        place = tuple(self._in_the_file((*self.at, *place)))
         return f"{self.name}:{self._line(place)}: {dotted(place)}" if place else self.name
 
     def _in_the_file(self, place: Place) -> Iterator[str | int]:
         """Without what pydantic adds: tags, a mark of keys, the index of what is no list."""
-        data, before = self.data, None
+        data, before = self._whole, None
         for part in place:
             tag = part in self._tags and isinstance(before, int)
             index = isinstance(part, int) and isinstance(data, Mapping) and part not in data

@@ -44,8 +44,9 @@ class Guard:
 
     With a `file` it is that file's policy: read at once, which raises `InvalidValue`, and again
     when something is asked and the file has changed. One that cannot be read leaves the old policy
-    in force, which is logged, and said by `fault` until it is mended. `around` is what is known
-    of the robot, `now` the time of day. A refusal is published as `GoalRejected`.
+    in force, which is logged, and said by `fault` until it is mended. Without one the `fixed`
+    policy is in force. `around` is what is known of the robot, `now` the time of day. A refusal is
+    published as `GoalRejected`.
     """
 
     def __init__(
@@ -54,12 +55,13 @@ class Guard:
         bus: Bus | None = None,
         around: PolicyContext = NOWHERE,
         *,
+        fixed: Policy | None = None,
         now: Callable[[], datetime] = local_time,
         clock: Clock | None = None,
     ) -> None:
         self.around = around
         self._file = WatchedFile(file) if file else None
-        self._fixed = Policy()
+        self._fixed = fixed or Policy()
         self._bus = bus or Bus()
         self._now = now
         self._clock = clock or SystemClock()
@@ -77,9 +79,9 @@ class Guard:
         return self._file.policy if self._file else self._fixed
 
     @property
-    def reads_a_file(self) -> bool:
-        """Whether it is a file's policy."""
-        return self._file is not None
+    def has_rules(self) -> bool:
+        """Whether anybody gave a policy: a file's, or one that the robot brings."""
+        return self._file is not None or self._fixed != Policy()
 
     @property
     def fault(self) -> str:

@@ -21,9 +21,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
+from edgevox.agent.policy import PolicyFile
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.validation import wrong
 from edgevox.robots.names_per_language import LocalNames, check_told_apart
+from edgevox.ros2.external.locations import LocationsFile
 
 MOST_SKILLS = 100
 MOST_STEPS = 20
@@ -281,26 +283,57 @@ def _only_short(entry: SkillEntry) -> None:
 
 
 class Limits(Part):
-    """How fast it is steered where nothing there takes goals, in m/s and rad/s."""
+    """How it is steered where nothing there takes goals, in m/s, rad/s and m/s²."""
 
     max_linear: float | None = Field(None, gt=0.0, le=10.0)
     max_angular: float | None = Field(None, gt=0.0, le=10.0)
+    max_acceleration: float | None = Field(None, gt=0.0, le=10.0)
+
+
+class Footprint(Part):
+    """How large it is, in metres, along and across its way, about the middle that `odom` tells of.
+
+    Where it is steered, what the scan shows in the strip before it makes it wait.
+    """
+
+    length: float = Field(gt=0.0, le=10.0)
+    width: float = Field(gt=0.0, le=10.0)
 
 
 class RobotFile(Part):
     """A whole file. What it says of the robot counts unless a setting says otherwise.
 
-    `topics` are what the robot calls the topics of the contract: ``{odom: wheel/odometry}``;
-    `locations` is a file of places, beside this one.
+    `topics` are what the robot calls the topics of the contract: ``{odom: wheel/odometry}``.
+    Places and the policy stand here, or in files of their own, whose paths begin beside this one:
+    `places` as in a locations file, `locations` its path; `policy` as in a policy file,
+    `policy_file` its path.
     """
 
-    description: str = ""
+    name: str = Field("", max_length=100, description="what people call it")
+    description: str = Field("", max_length=500, description="what it is for, in a sentence")
     namespace: str = Field("/", pattern=r"^/([A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*)?$")
     topics: Mapping[
         Literal["odom", "cmd_vel", "goal_pose", "scan", "camera/image_raw"], GraphName
     ] = Field(default_factory=dict)
     limits: Limits = Limits()
+    footprint: Footprint | None = None
+    places: LocationsFile | None = None
     locations: Path | None = None
+    policy: PolicyFile | None = None
+    policy_file: Path | None = None
     skills: Annotated[Mapping[Name, SkillEntry], Field(max_length=MOST_SKILLS)] = Field(
         default_factory=dict
     )
+
+    @model_validator(mode="after")
+    def _each_once(self) -> "RobotFile":
+        for here, path in (("places", "locations"), ("policy", "policy_file")):
+            if getattr(self, here) is not None and getattr(self, path) is not None:
+                raise wrong((path,), getattr(self, path), f"nothing: {here} stand in this file")
+        return self
+
+    @property
+    def about(self) -> str:
+        """What it is called and what it is for."""
+        called = f"Your name is {self.name}." if self.name else ""
+        return " ".join(filter(None, (called, self.description)))
