@@ -1,43 +1,11 @@
 """Forms of words and sentences that phrasebooks need, whatever the language."""
 
 import re
-from collections.abc import Iterator, Mapping
 from string import Formatter
 from typing import Any
 
-from edgevox.agent.choices import MOST_HINTS, OneOf
-from edgevox.agent.skills import Example
-
-_RULE = re.compile(r"<(\w+)>")
 _ONE_NAME = {"location": "room"}
 """What phrasebooks call by another name: all places are spoken of as rooms."""
-
-
-def renamed(template: str, arguments: Mapping[str, str]) -> str:
-    """A template with its slots called as these arguments are."""
-    return re.sub(r"\{(\w+)\}", lambda match: f"{{{arguments[match[1]]}}}", template)
-
-
-def renamed_example(example: Example, arguments: Mapping[str, str]) -> Example:
-    """An example with its slots and arguments called as these are."""
-    values = {arguments[name]: value for name, value in example.arguments.items()}
-    return Example(renamed(example.sentence, arguments), values)
-
-
-def of_each_word(example: Example, choices: Mapping[str, OneOf]) -> Iterator[Example]:
-    """An example with a slot is one of each word that may stand there, a few at most."""
-    slot = next(iter(fields(example.sentence)), "")
-    if slot not in choices:
-        yield example
-        return
-    for word in choices[slot].fixed[:MOST_HINTS]:
-        sentence = example.sentence.format(**{slot: in_english(word)})
-        yield Example(sentence, {**example.arguments, slot: word})
-
-
-def written_out(template: str, rules: Mapping[str, str]) -> str:
-    """A template without the names of rules: each is what it stands for."""
-    return _RULE.sub(lambda match: written_out(rules[match[1]], rules), template)
 
 
 def bare(sentence: str) -> str:

@@ -1,24 +1,18 @@
 """Phrasebooks: how a robot speaks and is spoken to in one language."""
 
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import zip_longest
 from typing import Any
 
 from edgevox.agent.answers import AnswerWords
-from edgevox.agent.choices import MOST_HINTS
+from edgevox.agent.phrase_calls import examples_of, slots_of, suited, written_out
 from edgevox.agent.phrase_forms import (
     as_part,
     bare,
     fields,
     in_english,
-    of_each_word,
-    renamed,
-    renamed_example,
     spoken_name,
-    written_out,
 )
 from edgevox.agent.phrase_hearing import Hearing
 from edgevox.agent.phrase_numbers import Numbers, Rewriting
@@ -96,14 +90,7 @@ class Phrasebook:
         """
         if not self.fallback and one.templates:
             return one.templates
-        infos = one.arguments_model.model_fields
-        arguments = {spoken_name(name): name for name in infos}
-        required = {spoken_name(name) for name, info in infos.items() if info.is_required()}
-        return tuple(
-            renamed(template, arguments)
-            for template in self._phrases(one).templates
-            if required <= self.slots(template) <= arguments.keys()
-        )
+        return suited(one, self._phrases(one).templates, self.rules)
 
     def written_out(self, template: str) -> str:
         """A template without the names of rules."""
@@ -113,17 +100,7 @@ class Phrasebook:
         """What a model learns a skill from; English ones for words that are unknown here."""
         if self._is_called_by_its_own(one):
             return one.examples
-        names = {spoken_name(name): name for name in one.arguments_model.model_fields}
-        own = [
-            each
-            for example in self._phrases(one).examples
-            for each in of_each_word(renamed_example(example, names), one.choices)
-        ]
-        own += [
-            Example(hint, {name: word})
-            for name, choices in one.choices.items()
-            for word, hint in (self._hints(choices) if one.moves else ())
-        ]
+        own = examples_of(one, self._phrases(one).examples, self.words)
         english = self.fallback.examples(one) if self.fallback else one.examples
         if not own:
             return english
@@ -225,7 +202,7 @@ class Phrasebook:
 
     def slots(self, template: str) -> set[str]:
         """The slots of a template and of the rules that it names."""
-        return set(re.findall(r"\{(?:\w+:)?(\w+)\}", self.written_out(template)))
+        return slots_of(template, self.rules)
 
     def _phrases(self, one: Skill) -> SkillPhrases:
         ours = (self.skills.get(name) for name in (one.entry, one.name))
@@ -242,12 +219,6 @@ class Phrasebook:
             return "".join(parts)
         first = self.say("separator").join(parts[:-1])
         return self.say("list", first=first, last=parts[-1])
-
-    def _hints(self, choices: OneOf) -> list[tuple[str, str]]:
-        """Words with a hint of each in turn, a few of them."""
-        known = [(word, self.words[key(word)]) for word in choices.words if key(word) in self.words]
-        rounds = zip_longest(*([(word, hint) for hint in one.hints] for word, one in known))
-        return [pair for each in rounds for pair in each if pair][:MOST_HINTS]
 
     def _speak(
         self,

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from clocks import HeldClock
 
 from edgevox.core.cancel import CancelToken
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Chunk
@@ -16,14 +17,6 @@ COUNT = 1600
 
 def ramp(count=COUNT):
     return np.arange(1, count + 1, dtype=np.int16)
-
-
-class Time:
-    def __init__(self):
-        self.now_s = 100.0
-
-    def now(self):
-        return self.now_s
 
 
 def test_sound_is_found_at_its_time_and_silence_around_it():
@@ -86,7 +79,7 @@ def test_what_nobody_asks_for_does_not_pile_up():
 
 def test_a_card_tells_what_it_was_given_and_not_its_silence():
     played = PlayedSound()
-    queue = CardQueue(Time(), played)
+    queue = CardQueue(HeldClock(100.0), played)
     queue.open(RATE_HZ)
     queue.fill(160, 0.04)
     queue.add(ramp(160))
@@ -98,7 +91,7 @@ def test_a_card_tells_what_it_was_given_and_not_its_silence():
 
 
 def test_a_relay_tells_what_is_due_and_takes_back_what_a_stop_keeps_from_it():
-    time, played = Time(), PlayedSound()
+    time, played = HeldClock(100.0), PlayedSound()
 
     def wait(token, seconds):
         time.now_s += seconds
