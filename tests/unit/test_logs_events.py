@@ -3,6 +3,7 @@
 import ast
 import re
 from collections import defaultdict
+from functools import cache
 from pathlib import Path
 
 import edgevox
@@ -16,8 +17,13 @@ OF_THE_LOG_ITSELF = {"lines_held_back", "log_lines_lost", "log_line_broken"}
 COMMON = {"ts", "level", "logger", "event", *IDS, LAST, "exc_info"}
 
 
+@cache
 def calls():
     """Every call of a module's `log`: where, the method, the call."""
+    return tuple(_calls())
+
+
+def _calls():
     for file in sorted(CODE.rglob("*.py")):
         for node in ast.walk(ast.parse(file.read_text())):
             if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute):

@@ -9,6 +9,7 @@ import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 from hassil.expression import (
     Alternative,
@@ -108,8 +109,7 @@ class _TemplateExpander:
         elif isinstance(expression, ListReference):
             yield _SLOT, (expression.list_name,)
         elif isinstance(expression, RuleReference):
-            rule = parse_sentence(self._rules[expression.rule_name])
-            yield from self.expanded(rule.expression)
+            yield from self.expanded(_rule(self._rules[expression.rule_name]))
         elif isinstance(expression, Alternative) and expression.is_optional:
             yield "", ()
         elif isinstance(expression, Alternative):
@@ -130,6 +130,12 @@ class _TemplateExpander:
 
     def _some(self, expression: Expression) -> Iterator[_Choice]:
         return itertools.islice(self.expanded(expression), _MOST_FRAMES)
+
+
+@lru_cache(maxsize=512)
+def _rule(written: str) -> Expression:
+    """A rule of a phrasebook: most templates name the same few."""
+    return parse_sentence(written).expression
 
 
 def _joined(parts: Iterable[list[_Choice]]) -> Iterator[_Choice]:
