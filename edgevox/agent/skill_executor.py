@@ -230,20 +230,21 @@ class SkillExecutor:
         return [Goal(skill, args, turn=turn.number, bus=self._bus) for skill, args in checked]
 
     def _run_beside(self, goals: Sequence[Goal], turn: Turn) -> bool:
-        phrases = self._phrases()
+        """Say what is going to be done, and begin: planning a way first would hold the words up."""
+        moving = [goal for goal in goals if goal.skill.moves]
+        phrases, skills = self._phrases(), [goal.skill for goal in goals]
+        if not turn.token.cancelled and not self._held(skills):
+            said = [phrases.acknowledge(goal.skill, goal.arguments) for goal in moving]
+            turn.say(phrases.chained(said))
         with self._gate:
             if turn.token.cancelled:
                 return False
-            held = self._held([goal.skill for goal in goals])
+            held = self._held(skills)
             if not held:
                 self._runner.move(goals)
         if held:
             turn.say(phrases.refusal(held), Outcome.REFUSED)
-            return False
-        moving = [goal for goal in goals if goal.skill.moves]
-        said = [phrases.acknowledge(goal.skill, goal.arguments) for goal in moving]
-        turn.say(phrases.chained(said))
-        return True
+        return not held
 
     def _run_now(self, goals: Sequence[Goal], turn: Turn) -> None:
         for goal in goals:

@@ -37,6 +37,10 @@ class Pacer:
             self._due_s = now_s - MOST_LAG_S
         return self._due_s - now_s
 
+    def due(self, now_s: float) -> bool:
+        """Whether a step is. Asked all the time: it takes no lock and changes nothing."""
+        return now_s >= self._due_s
+
     def stepped(self) -> None:
         """A step was taken."""
         self._due_s += self._period_s
@@ -134,7 +138,8 @@ class SimLoop:
 
     def catch_up(self) -> None:
         """Take the steps that are due in a world at rest; nothing in one that moves."""
-        if not self._resting:
+        pacer = self._pacer
+        if pacer is None or not pacer.due(self._clock.now()) or not self._resting:
             return
         with self._lock:
             while self._resting and self._wait_s() <= 0.0:

@@ -5,11 +5,14 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+_ENCODER = json.JSONEncoder(ensure_ascii=False, allow_nan=False, default=str)
+"""One for all: `json.dumps` makes a new one each time that it is told how."""
+
 
 def write(data: Mapping[str, Any]) -> str:
     """A JSON object that every parser reads: what is not finite becomes null."""
     try:
-        text = json.dumps(data, ensure_ascii=False, allow_nan=False, default=str)
+        text = _ENCODER.encode(data)
         text.encode()
     except ValueError:
         return json.dumps(_finite(data), default=str)

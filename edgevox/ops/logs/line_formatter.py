@@ -6,13 +6,13 @@ Every record becomes the same fields in the same order, ours and those of librar
 
 import json
 import logging
+import math
 from collections.abc import Callable, MutableMapping
 from datetime import UTC, datetime
 from typing import Any
 
 from structlog.contextvars import get_contextvars
 from structlog.dev import ConsoleRenderer, plain_traceback
-from structlog.processors import JSONRenderer
 
 from edgevox.core.log import LogLine
 from edgevox.ops.logs.values import one_line, plain, trace
@@ -61,7 +61,7 @@ class LineFormatter(logging.Formatter):
 def json_lines(*, speech: bool) -> LineFormatter:
     """One JSON object a line, in UTF-8."""
     encode = json.JSONEncoder(ensure_ascii=False, separators=(",", ":")).encode
-    return LineFormatter(_utc, JSONRenderer(lambda fields, **_: encode(fields)), speech=speech)
+    return LineFormatter(_UtcStamp(), lambda _logger, _name, fields: encode(fields), speech=speech)
 
 
 def console_lines(*, speech: bool, in_colour: Callable[[], bool]) -> LineFormatter:
@@ -99,9 +99,19 @@ def _shown(value: Any) -> Any:
     return one_line(value) if isinstance(value, str) else value
 
 
-def _utc(created_s: float) -> str:
-    text = datetime.fromtimestamp(created_s, UTC).isoformat(timespec="milliseconds")
-    return text.replace("+00:00", "Z")
+class _UtcStamp:
+    """The time of a line. Lines come close together: the text of a second is kept."""
+
+    def __init__(self) -> None:
+        self._kept = (0, "")
+
+    def __call__(self, created_s: float) -> str:
+        second, part_ms = divmod(math.floor(created_s * 1000), 1000)
+        kept_second, text = self._kept
+        if second != kept_second or not text:
+            text = datetime.fromtimestamp(second, UTC).strftime("%Y-%m-%dT%H:%M:%S")
+            self._kept = (second, text)
+        return f"{text}.{part_ms:03d}Z"
 
 
 def _time_of_day(created_s: float) -> str:

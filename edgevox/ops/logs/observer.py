@@ -1,5 +1,6 @@
 """Writes down what happens on the bus: turns, goals, stops. Nothing else logs any of that."""
 
+import logging
 from collections import OrderedDict
 from collections.abc import Callable
 from typing import Any, TypeVar
@@ -81,7 +82,8 @@ class BusLog:
         log.info("answered", text=Said(event.text), cut=event.cut, **_of(event.turn))
 
     def _on_state(self, event: StateChanged) -> None:
-        log.debug("state", state=str(event.state), **_of(event.turn))
+        if log.isEnabledFor(logging.DEBUG):  # three a turn, which hardly anybody reads
+            log.debug("state", state=str(event.state), **_of(event.turn))
 
     def _on_end(self, event: TurnEnded) -> None:
         took = self._took.pop(event.turn, None)

@@ -1,6 +1,7 @@
 """Counts what happens on the bus."""
 
 from collections.abc import Callable
+from functools import partial
 
 from edgevox.core.agent_events import (
     GOAL_ENDS,
@@ -66,7 +67,9 @@ class _Observer:
         self._interrupts = registry.counter("edgevox_interrupts_total")
         self._safety_stops = registry.counter("edgevox_safety_stops_total")
         state = registry.gauge("edgevox_state")
-        self._states = {one: state.labels(one) for one in State}
+        self._state: State | None = None
+        for one in State:
+            state.labels(one).set_function(partial(self._is_in, one))
         self._running: dict[str, float] = {}
 
     def turn_ended(self, event: TurnEnded) -> None:
@@ -84,8 +87,11 @@ class _Observer:
         self._interrupts.labels(cause).inc()
 
     def state_changed(self, event: StateChanged) -> None:
-        for state, gauge in self._states.items():
-            gauge.set(state is event.state)
+        self._state = event.state
+
+    def _is_in(self, state: State) -> float:
+        """Looked up when somebody fetches the metrics, which is less often than it changes."""
+        return float(state is self._state)
 
     def agent_event(self, event: AgentEvent) -> None:
         match event:

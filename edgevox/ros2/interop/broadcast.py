@@ -7,6 +7,7 @@ from rclpy.node import Node
 
 from edgevox.ros2.messages import transform_msg
 from edgevox.ros2.qos import profile
+from edgevox.ros2.stamped_publisher import StampedPublisher
 from edgevox.ros2.standard_topics import STANDARD
 from edgevox.ros2.tf_buffer import FramePose
 from tf2_msgs.msg import TFMessage
@@ -16,12 +17,11 @@ class Broadcaster:
     """Publishes what moves."""
 
     def __init__(self, node: Node) -> None:
-        self._publisher = node.create_publisher(TFMessage, "/tf", profile(STANDARD["/tf"].qos))
+        self._publisher = StampedPublisher(node, TFMessage, "/tf")
 
-    def send(self, placed: Sequence[FramePose], stamp: Time) -> None:
+    def send(self, placed: Sequence[FramePose], stamp_ns: int) -> None:
         """Where things are at this stamp."""
-        if self._publisher.get_subscription_count():
-            self._publisher.publish(_message(placed, stamp))
+        self._publisher.say(placed, lambda stamp: _message(placed, stamp), stamp_ns)
 
 
 def broadcast_fixed(node: Node, placed: Sequence[FramePose]) -> None:

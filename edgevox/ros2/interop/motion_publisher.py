@@ -3,9 +3,10 @@
 `/tf`, `pose` and `odom` of one tick carry the same pose and the same stamp.
 """
 
-from typing import Any
+from functools import lru_cache
 
 import numpy as np
+from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped, PoseWithCovariance, Twist, TwistWithCovariance, Vector3
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
@@ -16,9 +17,8 @@ from edgevox.ros2.interop.broadcast import Broadcaster
 from edgevox.ros2.interop.frames import Frames
 from edgevox.ros2.interop.odometry import Odometer
 from edgevox.ros2.messages import header, pose_msg
-from edgevox.ros2.qos import profile
-from edgevox.ros2.stamps import Stamps, to_msg
-from edgevox.ros2.standard_topics import STANDARD
+from edgevox.ros2.stamped_publisher import StampedPublisher
+from edgevox.ros2.stamps import Stamps
 from edgevox.ros2.tf_buffer import FramePose, TfBuffer
 
 _FASTEST_M_S, _FASTEST_RAD_S = 2.0, 4.0
@@ -42,12 +42,9 @@ class MotionPublisher:
         self._broadcaster, self._tf = Broadcaster(node), tf_buffer
         self._base = body if isinstance(body, HasPose) else None
         self._hand = body if isinstance(body, HasEndEffector) else None
-        self._pose = node.create_publisher(PoseStamped, "pose", profile(STANDARD["pose"].qos))
-        self._odom = (
-            node.create_publisher(Odometry, "odom", profile(STANDARD["odom"].qos))
-            if self._base
-            else None
-        )
+        self._pose = StampedPublisher(node, PoseStamped, "pose")
+        self._odom = StampedPublisher(node, Odometry, "odom") if self._base else None
+        self._lift = lru_cache(maxsize=1)(lift)  # a robot at rest is asked all the time
         steered = body if isinstance(body, TakesVelocity) else None
         self._odometer = Odometer(
             steered.max_linear_m_s if steered else _FASTEST_M_S,
@@ -70,14 +67,14 @@ class MotionPublisher:
         if hand is not None:
             placed.append(FramePose(self._frames.map, self._frames.hand, hand))
         self._tf.put(stamp_ns, *placed)
-        self._broadcaster.send(placed, to_msg(stamp_ns))
+        self._broadcaster.send(placed, stamp_ns)
         self._say_pose(base or hand, stamp_ns)
 
     def _sample(self) -> tuple[float, Pose3D | None, Twist2D | None, Pose3D | None]:
         """Everything at one moment of the body's time, as far as it stands still for it."""
         for _ in range(3):
             time_s = self._body.time_s
-            base = lift(self._base.pose()) if self._base else None
+            base = self._lift(self._base.pose()) if self._base else None
             twist = self._base.velocity() if self._base else None
             hand = self._hand.end_effector() if self._hand else None
             if self._body.time_s == time_s:
@@ -94,20 +91,22 @@ class MotionPublisher:
         ]
 
     def _say_pose(self, pose: Pose3D | None, stamp_ns: int) -> None:
-        if pose is not None and self._pose.get_subscription_count():
-            stamped = header(self._frames.map, to_msg(stamp_ns))
-            self._pose.publish(PoseStamped(header=stamped, pose=pose_msg(pose)))
+        if pose is not None:
+            self._pose.say(pose, lambda stamp: self._pose_stamped(pose, stamp), stamp_ns)
 
     def _say_odom(self, pose: Pose3D, twist: Twist2D | None, stamp_ns: int) -> None:
-        publisher: Any = self._odom
-        if twist is None or not publisher.get_subscription_count():
-            return
+        if self._odom and twist is not None:
+            said = (pose, twist)
+            self._odom.say(said, lambda stamp: self._odometry(pose, twist, stamp), stamp_ns)
+
+    def _pose_stamped(self, pose: Pose3D, stamp: Time) -> PoseStamped:
+        return PoseStamped(header=header(self._frames.map, stamp), pose=pose_msg(pose))
+
+    def _odometry(self, pose: Pose3D, twist: Twist2D, stamp: Time) -> Odometry:
         moving = Twist(linear=Vector3(x=twist.linear_m_s), angular=Vector3(z=twist.angular_rad_s))
-        publisher.publish(
-            Odometry(
-                header=header(self._frames.odom or self._frames.map, to_msg(stamp_ns)),
-                child_frame_id=self._frames.base,
-                pose=PoseWithCovariance(pose=pose_msg(pose), covariance=_EXACT),
-                twist=TwistWithCovariance(twist=moving, covariance=_EXACT),
-            )
+        return Odometry(
+            header=header(self._frames.odom or self._frames.map, stamp),
+            child_frame_id=self._frames.base,
+            pose=PoseWithCovariance(pose=pose_msg(pose), covariance=_EXACT),
+            twist=TwistWithCovariance(twist=moving, covariance=_EXACT),
         )

@@ -25,7 +25,11 @@ class Odometer:
 
     def move(self, time_s: float, pose: Pose3D) -> Pose3D:
         """The pose in `odom`, from that on the map."""
-        if self._before is None or self._jumped(*self._before, time_s, pose):
+        before = self._before
+        if before is not None and before[1] == pose:  # a robot at rest is asked all the time
+            self._before = time_s, pose
+            return self._odom_to_base
+        if before is None or self._jumped(*before, time_s, pose):
             self.map_to_odom = compose(pose, inverse(self._odom_to_base))
         self._odom_to_base = compose(inverse(self.map_to_odom), pose)
         self._before = time_s, pose

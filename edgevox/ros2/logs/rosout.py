@@ -2,7 +2,8 @@
 
 import logging
 from collections import deque
-from dataclasses import dataclass
+from copy import copy
+from typing import NamedTuple
 
 from builtin_interfaces.msg import Time
 from rcl_interfaces.msg import Log
@@ -11,7 +12,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from edgevox.core.clock import Clock, SystemClock
-from edgevox.core.log import ROOT
+from edgevox.core.log import ROOT, LogLine
 from edgevox.ops.logs import RateLimit
 from edgevox.ros2.logs.rcutils import OF_RCUTILS
 from edgevox.ros2.ticker import Ticker
@@ -29,18 +30,14 @@ QOS = QoSProfile(
 PERIOD_S = 0.1
 
 
-@dataclass(frozen=True, slots=True)
-class _KeptRecord:
-    """What is kept of a record, `since_s` on: none of it keeps a traceback's frames alive."""
+class _KeptRecord(NamedTuple):
+    """A record that waits since `since_s`, its text not yet written if it is one of ours.
+
+    What could keep others' things alive, such as a traceback its frames, is written at once.
+    """
 
     since_s: float
-    created_s: float
-    level: int
-    logger: str
-    text: str
-    file: str
-    function: str
-    line: int
+    record: logging.LogRecord
 
 
 class Rosout(logging.Handler):
@@ -65,7 +62,7 @@ class Rosout(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         """Queue it."""
         if not hasattr(record, OF_RCUTILS):
-            self._waiting.append(_told(record, self._clock.now()))
+            self._waiting.append(_kept(record, self._clock.now()))
 
     @property
     def listeners(self) -> int:
@@ -87,34 +84,29 @@ class Rosout(logging.Handler):
             self._waiting.popleft()
         if self._waiting and self.listeners:
             while self._waiting:
-                self._publisher.publish(_message(self._waiting.popleft(), self._name))
+                self._publisher.publish(_message(self._waiting.popleft().record, self._name))
 
 
-def _told(record: logging.LogRecord, now_s: float) -> _KeptRecord:
+def _kept(record: logging.LogRecord, now_s: float) -> _KeptRecord:
+    if isinstance(record.msg, LogLine) and not record.exc_info:
+        return _KeptRecord(now_s, record)
     text = record.getMessage()
     if record.exc_info and record.exc_info[1]:
         text += f": {type(record.exc_info[1]).__name__}: {record.exc_info[1]}"
-    return _KeptRecord(
-        now_s,
-        record.created,
-        record.levelno,
-        record.name,
-        text,
-        record.pathname,
-        record.funcName or "",
-        record.lineno,
-    )
+    bare = copy(record)
+    bare.msg, bare.args, bare.exc_info = text, (), None
+    return _KeptRecord(now_s, bare)
 
 
-def _message(told: _KeptRecord, node: str) -> Log:
+def _message(record: logging.LogRecord, node: str) -> Log:
     """Under the node's name, as ROS 2 knows it, and that of our module."""
-    second, part = divmod(told.created_s, 1.0)
+    second, part = divmod(record.created, 1.0)
     return Log(
         stamp=Time(sec=int(second), nanosec=int(part * 1e9)),
-        level=told.level,
-        name=node + told.logger.removeprefix(ROOT),
-        msg=told.text,
-        file=told.file,
-        function=told.function,
-        line=told.line,
+        level=record.levelno,
+        name=node + record.name.removeprefix(ROOT),
+        msg=record.getMessage(),
+        file=record.pathname,
+        function=record.funcName or "",
+        line=record.lineno,
     )
