@@ -36,6 +36,13 @@
 {{- if $robot.policy -}}
 {{- $_ := set $env "EDGEVOX_POLICY" "/etc/edgevox/policy/policy.yaml" -}}
 {{- end -}}
+{{- if or $robot.files.data $robot.files.configMap -}}
+{{- $_ := set $env "EDGEVOX_ROBOT_FOLDER" "/etc/edgevox/robot" -}}
+{{- end -}}
+{{- if $robot.plugins.volume -}}
+{{- $_ := set $env "EDGEVOX_PLUGINS" "/plugins" -}}
+{{- $_ := set $env "EDGEVOX_AGENT" ($robot.plugins.agent | default $robot.agent) -}}
+{{- end -}}
 {{- with $robot.llm.endpoint -}}
 {{- $_ := set $env "EDGEVOX_LLM_ENDPOINT" . -}}
 {{- $_ := set $env "EDGEVOX_LLM_ENDPOINT_MODEL" $robot.llm.endpointModel -}}

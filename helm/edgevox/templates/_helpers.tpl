@@ -35,7 +35,7 @@ edgevox/domain: {{ .domain | int | quote }}
 
 {{/* All robots, each with what counts for all of them filled in: a list under "robots", as JSON. */}}
 {{- define "edgevox.robots" -}}
-{{- $common := pick .Values "affinity" "agent" "audioIn" "audioOut" "discovery" "env" "externalNamespace" "extraVolumeMounts" "extraVolumes" "framePrefix" "health" "hostNetwork" "language" "llm" "logLevel" "models" "muted" "nodeSelector" "places" "podAnnotations" "podLabels" "policy" "priorityClassName" "resources" "runtimeClassName" "settings" "tolerations" "topologySpreadConstraints" "voice" "wakeword" -}}
+{{- $common := pick .Values "affinity" "agent" "audioIn" "audioOut" "discovery" "env" "externalNamespace" "extraVolumeMounts" "extraVolumes" "files" "framePrefix" "health" "hostNetwork" "language" "llm" "logLevel" "models" "muted" "nodeSelector" "places" "plugins" "podAnnotations" "podLabels" "policy" "priorityClassName" "recorder" "resources" "runtimeClassName" "settings" "tolerations" "topologySpreadConstraints" "voice" "wakeword" -}}
 {{- $robots := list -}}
 {{- range .Values.robots -}}
 {{- $namespace := printf "/%s" (replace "-" "_" .name) -}}
@@ -51,6 +51,16 @@ edgevox/domain: {{ .domain | int | quote }}
 {{- end -}}
 {{- if hasKey (.places | default dict) "volume" -}}
 {{- $_ := set $robot.places "volume" .places.volume -}}
+{{- end -}}
+{{- if hasKey (.plugins | default dict) "volume" -}}
+{{- $_ := set $robot.plugins "volume" .plugins.volume -}}
+{{- end -}}
+{{- if hasKey (.recorder | default dict) "volume" -}}
+{{- $_ := set $robot.recorder "volume" .recorder.volume -}}
+{{- end -}}
+{{- /* Files are one robot's: its own take the place of the common ones. */ -}}
+{{- if hasKey . "files" -}}
+{{- $_ := set $robot "files" (mergeOverwrite (dict "data" (dict) "configMap" "") .files) -}}
 {{- end -}}
 {{- $robots = append $robots $robot -}}
 {{- end -}}
@@ -75,6 +85,9 @@ edgevox/domain: {{ .domain | int | quote }}
 {{- fail (printf "%s.name: got %q, expected a name that no other robot has" $where .name) -}}
 {{- end -}}
 {{- $_ := set $names .name true -}}
+{{- if and .files.data .files.configMap -}}
+{{- fail (printf "%s.files.configMap: got %q, expected none beside files.data" $where .files.configMap) -}}
+{{- end -}}
 {{- $node := printf "%d %s" (int .domain) (trimPrefix "/" .namespace) -}}
 {{- if hasKey $nodes $node -}}
 {{- fail (printf "%s.namespace: got %q, expected another one than %s has, which is on domain %d too" $where .namespace (get $nodes $node) (int .domain)) -}}

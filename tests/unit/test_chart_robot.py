@@ -1,0 +1,172 @@
+"""What a robot of one's own needs of the chart: its files, plug-ins, recorder and alerts."""
+
+from typing import Any
+
+import helm_python as helm
+import kubernetes_validate
+import pytest
+import yaml
+from chart_rig import ONE, chart, environment, objects, pods, solo
+
+from edgevox.apps.container import prepared
+from edgevox.ros2.robot_file.load import load_robot_file
+
+EXAMPLES = sorted(
+    one for one in (chart.CHART / "examples").glob("*.yaml") if "rendered" not in one.name
+)
+VERSIONS = ("1.27", "1.37")
+WHOLE = {
+    "robots": [
+        {"name": "a", "domain": 1, "recorder": {"enabled": True}},
+        {"name": "b", "domain": 2, "files": {"configMap": "b-files"}},
+    ],
+    "files": {"data": {"world.yaml": "world: {}\n"}},
+    "plugins": {"volume": {"configMap": {"name": "wheels"}}, "agent": "robot-porter"},
+    "user": {"groups": [29]},
+}
+
+
+def known_rules(values: dict[str, Any], tmp_path: Any) -> list[dict[str, Any]]:
+    """What the chart makes where the cluster knows Prometheus' kinds."""
+    copy = tmp_path / "edgevox"
+    for file in (one for one in chart.CHART.rglob("*") if one.is_file()):
+        target = copy / file.relative_to(chart.CHART)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(file.read_text().replace('Has "monitoring.coreos.com/v1"', 'Has "v1"'))
+    return chart.documents(chart.render(values, copy))
+
+
+@pytest.mark.parametrize("file", EXAMPLES, ids=lambda file: file.stem)
+def test_every_example_is_what_helm_and_kubernetes_take(file) -> None:
+    values = yaml.safe_load(file.read_text())
+    assert helm.lint(str(chart.CHART), values, strict=True)["errors"] == []
+    for one in chart.documents(chart.render(values)):
+        for version in VERSIONS:
+            kubernetes_validate.validate(one, version, strict=True)
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_files_plug_ins_and_a_recorder_are_what_kubernetes_knows(version: str) -> None:
+    for one in chart.documents(chart.render(WHOLE)):
+        kubernetes_validate.validate(one, version, strict=True)
+
+
+def test_a_robots_files_are_a_folder_that_the_entrypoint_takes(tmp_path) -> None:
+    own = {"robot.yaml": "namespace: /x\n", "places.yaml": "dock: {x: 0, y: 0}\n"}
+    values = ONE | {"agent": "robot-external", "files": {"data": own}}
+    pod = pods(values)["solo"]
+    (mount,) = [m for m in pod["containers"][0]["volumeMounts"] if m["name"] == "files"]
+    (volume,) = [v for v in pod["volumes"] if v["name"] == "files"]
+    (made,) = objects(values, "ConfigMap")
+
+    assert mount["readOnly"] is True
+    assert volume["configMap"] == {"name": made["metadata"]["name"]}
+    assert made["data"] == own
+    given = environment(pod)
+    assert given["EDGEVOX_ROBOT_FOLDER"] == mount["mountPath"]
+    for name, text in made["data"].items():
+        (tmp_path / name).write_text(text)
+    found = prepared(given | {"EDGEVOX_ROBOT_FOLDER": str(tmp_path)}, pytest.fail)
+    assert found["EDGEVOX_ROBOT_FILE"] == str(tmp_path / "robot.yaml")
+    assert found["EDGEVOX_LOCATIONS"] == str(tmp_path / "places.yaml")
+
+
+def test_a_file_that_changes_makes_a_new_pod_and_a_robots_own_take_the_place_of_common_ones():
+    def annotations(values: dict[str, Any]) -> list[dict[str, str]]:
+        found = objects(values, "StatefulSet")
+        return [one["spec"]["template"]["metadata"].get("annotations", {}) for one in found]
+
+    a, b = annotations(WHOLE)
+    assert a.keys() == {"edgevox/files"}
+    assert b == {}
+    assert annotations(WHOLE | {"files": {"data": {"world.yaml": "world: {width: 1}\n"}}})[0] != a
+    assert annotations(ONE) == [{}]
+    volumes = {one["name"]: one for one in pods(WHOLE)["b"]["volumes"]}
+    assert volumes["files"]["configMap"] == {"name": "b-files"}
+
+
+def test_files_come_from_one_place_only() -> None:
+    both = {"data": {"a": "b"}, "configMap": "c"}
+    with pytest.raises(helm.HelmError, match=r'robots\[0\]\.files\.configMap: got "c"'):
+        solo(files=both)
+
+
+@pytest.mark.parametrize("name", ["../x", "a/b", ".hidden", ""])
+def test_a_name_that_no_config_map_takes_is_refused(name: str) -> None:
+    with pytest.raises(helm.HelmValuesError):
+        solo(files={"data": {name: ""}})
+
+
+def test_plug_ins_are_mounted_read_only_and_name_their_robot() -> None:
+    plugins = {"volume": {"persistentVolumeClaim": {"claimName": "p"}}, "agent": "robot-mine"}
+    pod = solo(plugins=plugins)
+    (mount,) = [m for m in pod["containers"][0]["volumeMounts"] if m["name"] == "plugins"]
+
+    assert mount == {"name": "plugins", "mountPath": "/plugins", "readOnly": True}
+    assert {"name": "plugins", **plugins["volume"]} in pod["volumes"]
+    assert environment(pod)["EDGEVOX_PLUGINS"] == "/plugins"
+    assert environment(pod)["EDGEVOX_AGENT"] == "robot-mine"
+    assert "EDGEVOX_PLUGINS" not in environment(solo())
+
+
+def test_a_recorder_is_beside_its_robot_with_a_claim_of_its_own() -> None:
+    values = ONE | {"recorder": {"enabled": True, "size": "5Gi", "storageClass": "fast"}}
+    (workload,) = objects(values, "StatefulSet")
+    robot, recorder = workload["spec"]["template"]["spec"]["containers"]
+    (claim,) = workload["spec"]["volumeClaimTemplates"]
+    given, of_robot = ({e["name"]: e["value"] for e in c["env"]} for c in (recorder, robot))
+
+    assert recorder["args"] == ["edgevox-recorder", "--output", "/recordings"]
+    assert recorder["securityContext"] == robot["securityContext"]
+    assert {"name": "recordings", "mountPath": "/recordings"} in recorder["volumeMounts"]
+    assert claim["metadata"]["name"] == "recordings"
+    assert claim["spec"]["storageClassName"] == "fast"
+    assert claim["spec"]["resources"]["requests"]["storage"] == "5Gi"
+    for same in ("ROS_DOMAIN_ID", "EDGEVOX_NAMESPACE", "ROS_AUTOMATIC_DISCOVERY_RANGE"):
+        assert given[same] == of_robot[same]
+    assert given["EDGEVOX_HEALTH_PORT"] != of_robot["EDGEVOX_HEALTH_PORT"]
+    prepared(given, pytest.fail)
+    assert len(solo()["containers"]) == 1
+
+
+def test_a_recorder_has_nothing_of_what_its_robot_is_made_of() -> None:
+    secret = {"name": "TOKEN", "valueFrom": {"secretKeyRef": {"name": "s", "key": "k"}}}
+    pod = pods(WHOLE | {"policy": {"limits": {"distance_m": 5}}, "env": [secret]})["a"]
+    _, recorder = pod["containers"]
+
+    assert {m["name"] for m in recorder["volumeMounts"]} == {"tmp", "shm", "recordings"}
+    names = {one["name"] for one in recorder["env"]}
+    assert not names & {"TOKEN", "EDGEVOX_PLUGINS", "EDGEVOX_ROBOT_FOLDER", "EDGEVOX_POLICY"}
+    assert environment({"containers": [recorder]})["EDGEVOX_AGENT"] == "robot-apartment"
+
+
+def test_recordings_go_to_a_volume_that_is_named() -> None:
+    volume = {"persistentVolumeClaim": {"claimName": "mine"}}
+    values = ONE | {"recorder": {"enabled": True, "volume": volume}}
+    (workload,) = objects(values, "StatefulSet")
+
+    assert "volumeClaimTemplates" not in workload["spec"]
+    assert {"name": "recordings", **volume} in pods(values)["solo"]["volumes"]
+
+
+def test_the_alerts_are_those_of_prometheus_made_only_if_asked_and_known(tmp_path) -> None:
+    assert chart.ALERTS.read_text() == chart.alerts(), "scripts/chart.py write"
+    asked = ONE | {"prometheusRule": {"enabled": True, "labels": {"release": "prometheus"}}}
+    assert objects(asked, "PrometheusRule") == []
+    assert "No PrometheusRule was made" in chart.render(asked)["edgevox/templates/NOTES.txt"]
+
+    (rule,) = [one for one in known_rules(asked, tmp_path) if one["kind"] == "PrometheusRule"]
+    assert rule["spec"] == yaml.safe_load(chart.OBSERVABILITY.read_text())
+    assert rule["metadata"]["labels"]["release"] == "prometheus"
+
+
+def test_a_group_for_a_device_is_a_group_more() -> None:
+    assert pods(WHOLE)["a"]["securityContext"]["supplementalGroups"] == [29]
+    assert "supplementalGroups" not in solo()["securityContext"]
+
+
+def test_the_robot_file_of_the_example_is_one(tmp_path) -> None:
+    values = yaml.safe_load((chart.CHART / "examples" / "own-robot.yaml").read_text())
+    for name, text in values["robots"][0]["files"]["data"].items():
+        (tmp_path / name).write_text(text)
+    assert load_robot_file(tmp_path / "robot.yaml").robot.skills.keys() == {"brush"}
