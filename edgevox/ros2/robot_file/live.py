@@ -20,7 +20,7 @@ from edgevox.ros2.robot_file.filling import Filling
 from edgevox.ros2.robot_file.interface_reasons import interface_reason
 from edgevox.ros2.robot_file.outcome import holds, values_of
 from edgevox.ros2.robot_file.plan import PlannedStep
-from edgevox.ros2.robot_file.robot_file_format import ActionInterface, Publication, Topic, Wait
+from edgevox.ros2.robot_file.step_format import ActionInterface, Publication, Topic, Wait
 from edgevox.ros2.robot_file.waiting import Newest, TookTooLong, wait_for, wait_until
 
 log = get_logger(__name__)

@@ -16,7 +16,7 @@ from edgevox.ros2.robot_file.interface_reasons import interface_reason
 from edgevox.ros2.robot_file.live import READ_S, LiveStep, StepRun
 from edgevox.ros2.robot_file.outcome import holds
 from edgevox.ros2.robot_file.plan import PlannedStep
-from edgevox.ros2.robot_file.robot_file_format import Wait
+from edgevox.ros2.robot_file.step_format import Wait
 from edgevox.ros2.robot_file.waiting import Newest
 
 log = get_logger(__name__)
