@@ -1,5 +1,6 @@
 """Reads YAML that people write and others send: bounded in size, also with aliases."""
 
+import re
 from collections.abc import Collection, Iterator, Mapping
 from copy import copy
 from functools import cached_property, reduce
@@ -14,6 +15,7 @@ from edgevox.core.validation import Place, dotted, explain
 
 M = TypeVar("M", bound=BaseModel)
 
+MOST_OPEN = 200
 _MERGE = "tag:yaml.org,2002:merge"
 _EXPECTED = {
     **dict.fromkeys(
@@ -57,6 +59,10 @@ class _EachKeyOnce(yaml.SafeLoader):
 
 def parse_yaml(text: str, name: str) -> Any:
     """The values of a YAML text; `name` is the file's name in messages."""
+    if _open_at_once(text) > MOST_OPEN:
+        raise InvalidValue(
+            name, text[:200], f"valid YAML (at most {MOST_OPEN} brackets within each other)"
+        )
     try:
         data = yaml.load(text, _EachKeyOnce)  # noqa: S506 - it is a safe loader
         if _weight(data, {}) > LARGEST_TEXT_BYTES:
@@ -67,6 +73,18 @@ def parse_yaml(text: str, name: str) -> Any:
         reason = " ".join(str(error).split())
         raise InvalidValue(name, text[:200], f"valid YAML ({reason[:300]})") from None
     return data
+
+
+def _open_at_once(text: str) -> int:
+    """How many brackets are open at once, at most: many take YAML's reader a time without end.
+
+    Those of texts and comments count, too, since most of them are closed.
+    """
+    opened = most = 0
+    for bracket in re.findall(r"[\[{}\]]", text):
+        opened = opened + 1 if bracket in "[{" else max(0, opened - 1)
+        most = max(most, opened)
+    return most
 
 
 def _weight(node: Any, known: dict[int, int]) -> int:

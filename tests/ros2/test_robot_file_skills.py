@@ -23,7 +23,10 @@ def robot(domain):
 
 @pytest.fixture
 def asked(robot, peer):
-    return Asked(peer(NAMESPACE))
+    """What a robot is asked that is up: it has answered."""
+    one = Asked(peer(NAMESPACE))
+    one.do("obey")
+    return one
 
 
 def test_a_service_is_called(skills, asked):
@@ -98,6 +101,21 @@ def test_a_robot_that_dies_under_an_action_ends_it(skills, asked, robot):
     robot.kill()
     with pytest.raises(SkillFailed, match="dock did not answer in time"):
         run.result()
+
+
+def test_a_robot_that_comes_back_is_worked_with_again(skills, domain, peer):
+    with interfaces(domain) as first:
+        asked = Asked(peer(NAMESPACE))
+        asked.do("hang")
+        run = Run(skills, "dock")
+        asked.wait("dock")
+        first.kill()
+        with pytest.raises(SkillFailed, match="dock did not answer in time"):
+            run.result()
+    with interfaces(domain):
+        Asked(peer(NAMESPACE)).do("obey")
+        assert Run(skills, "dock").result() == {"where": "slot 3"}
+        assert Run(skills, "temperature").result() == {"degrees": 41.26}
 
 
 def test_the_newest_value_answers_a_question(skills, asked):

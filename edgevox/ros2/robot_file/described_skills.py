@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from string import Formatter
 
 from hassil.parse_expression import parse_sentence
 from hassil.parser import ParseError
@@ -100,6 +101,21 @@ def _check_answers(entry: SkillEntry, known: Mapping[str, str], file: YamlFile, 
             ("asks", entry.arguments.keys()),
             ("done", {*entry.arguments, *known}),
         ):
-            if unknown := arguments_in(getattr(said, name)) - values:
+            text = getattr(said, name)
+            try:
+                unknown = _values_in(text) - values
+            except ValueError as error:
+                expected = f"values in pairs of braces ({error})"
+                raise file.wrong((*place, name), text, expected) from None
+            if unknown:
                 expected = "a value that is known then: " + (", ".join(sorted(values)) or "none")
                 raise file.wrong((*place, name), min(unknown), expected)
+
+
+def _values_in(text: str) -> set[str]:
+    """The values that a sentence says, as it names them. Raises `ValueError` for lone braces."""
+    parts = [part for part in Formatter().parse(text) if part[1] is not None]
+    for _, name, how, conversion in parts:
+        if how or conversion:
+            raise ValueError(f"{{{name}}} is written out as it is")
+    return {str(name) for _, name, *_ in parts}

@@ -16,7 +16,7 @@ from edgevox.ros2.robot_file.field_paths import read_path
 from edgevox.ros2.robot_file.filling import Filling
 from edgevox.ros2.robot_file.outcome import holds, values_of
 from edgevox.ros2.robot_file.plan import PlannedStep
-from edgevox.ros2.robot_file.robot_file_format import ActionInterface, Publication, Topic, Wait
+from edgevox.ros2.robot_file.step_format import ActionInterface, Publication, Topic, Wait
 
 Report = Callable[..., None]
 

@@ -8,7 +8,7 @@ from edgevox.core.log import get_logger
 from edgevox.ros2.clients.interface_reasons import interface_reason
 from edgevox.ros2.robot_file.field_paths import read_path
 from edgevox.ros2.robot_file.plan import PlannedStep
-from edgevox.ros2.robot_file.robot_file_format import FieldCondition
+from edgevox.ros2.robot_file.step_format import FieldCondition
 
 log = get_logger(__name__)
 

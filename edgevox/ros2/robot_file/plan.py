@@ -14,8 +14,9 @@ from edgevox.ros2.clients.topic_sender import STEERING, type_name
 from edgevox.ros2.robot_file.argument_models import samples
 from edgevox.ros2.robot_file.field_paths import check_path
 from edgevox.ros2.robot_file.filling import Filling, arguments_in
-from edgevox.ros2.robot_file.interfaces import Kind, interface, is_text
-from edgevox.ros2.robot_file.robot_file_format import WAYS, Argument, FieldCondition, Step, Wait
+from edgevox.ros2.robot_file.interfaces import Kind, interface, is_primitive, is_text
+from edgevox.ros2.robot_file.robot_file_format import Argument
+from edgevox.ros2.robot_file.step_format import WAYS, FieldCondition, Scalar, Step, Wait
 
 _KINDS: Mapping[str, Kind] = {
     "publish": "msg",
@@ -110,9 +111,12 @@ class Planner:
     def _check_condition(self, answer: Any, condition: FieldCondition, at: Place) -> None:
         type_name = self._type_at(answer, condition.field, (*at, "field"))
         compared = condition.above is not None or condition.below is not None
-        if compared and (type_name == "boolean" or is_text(type_name)):
+        numeric = is_primitive(type_name) and type_name != "boolean" and not is_text(type_name)
+        if compared and not numeric:
             expected = "a number, to be above or below something"
             raise self._file.wrong((*at, "field"), condition.field, expected)
+        if condition.equals is not None and (other := _unlike(type_name, condition.equals)):
+            raise self._file.wrong((*at, "equals"), condition.equals, f"{other} ({type_name})")
 
     def _type_at(self, answer: Any, path: str, at: Place) -> str:
         if answer is None:
@@ -132,6 +136,17 @@ def _sides(way: str, kind: Any) -> tuple[Any, Any]:
         case "action":
             return kind.Goal, kind.Result
     return None, kind
+
+
+def _unlike(type_name: str, value: Scalar) -> str:
+    """What a field of this type would have to equal, if it can never equal this value."""
+    if not is_primitive(type_name):
+        return "nothing: only a number, a truth or a text is compared"
+    if is_text(type_name):
+        return "" if isinstance(value, str) else "a text"
+    if type_name == "boolean":
+        return "" if isinstance(value, bool) else "true or false"
+    return "a number" if isinstance(value, bool | str) else ""
 
 
 def _place_of(path: str) -> Place:

@@ -17,131 +17,35 @@ Arguments:
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from edgevox.agent.policy import PolicyFile
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.validation import wrong
 from edgevox.robots.names_per_language import LocalNames, check_told_apart
 from edgevox.ros2.external.locations import LocationsFile
+from edgevox.ros2.robot_file.argument_values import wanted_instead
+from edgevox.ros2.robot_file.step_format import (
+    GraphName,
+    Name,
+    Number,
+    Part,
+    Scalar,
+    Step,
+    StopStep,
+    Wait,
+    Word,
+    at_most,
+    one_way,
+)
 
 MOST_SKILLS = 100
+MOST_ARGUMENTS = 20
+MOST_WORDS = 500
 MOST_STEPS = 20
-LONGEST_WAIT_S = 86_400.0
-LONGEST_STOP_S = 5.0
-"""What is done after a stop may not keep the robot from the next one."""
 MOST_WATCHES = 5
-MOST_A_SECOND = 50.0
-
-Number = Annotated[float, Field(allow_inf_nan=False)]
-Word = Annotated[str, Field(min_length=1, max_length=100)]
-Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,39}$")]
-"""A name in the file: lower case, digits and underscores."""
-GraphName = Annotated[str, Field(pattern=r"^~?/?[A-Za-z][A-Za-z0-9_/]{0,254}$")]
-"""A topic, service or action; relative to the robot's namespace unless it begins with a slash."""
-Scalar = bool | int | Number | str
-
-
-class Part(BaseModel):
-    """A mapping of the file; a key that nobody knows is refused."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Interface(Part):
-    """One interface of the robot: its name on the graph, and its type."""
-
-    name: GraphName
-    type: Word = Field(description="such as std_srvs/srv/SetBool")
-
-
-class Topic(Interface):
-    """A topic; `latched` is transient local: what was said last is kept for who comes later."""
-
-    latched: bool = False
-
-
-class Publication(Topic):
-    """What is published: once, or `rate_hz` times a second for `for_s`, or until it is stopped."""
-
-    rate_hz: float = Field(0.0, ge=0.0, le=MOST_A_SECOND)
-    for_s: float = Field(0.0, ge=0.0, le=LONGEST_WAIT_S)
-    at_end: Mapping[str, Any] | None = Field(
-        None, description="published once when it is over, also when it was stopped"
-    )
-
-
-class ActionInterface(Interface):
-    """An action; `progress` is the path of a feedback's field that goes from 0 to 1."""
-
-    progress: Word | None = None
-
-
-class FieldCondition(Part):
-    """What a field of a message must be: `equals`, or a number `above` or `below`."""
-
-    field: Word
-    equals: Scalar | None = None
-    above: Number | None = None
-    below: Number | None = None
-
-    @model_validator(mode="after")
-    def _says_something(self) -> "FieldCondition":
-        if self.equals is None and self.above is None and self.below is None:
-            raise wrong((), None, "equals, above or below")
-        return self
-
-
-class Wait(Topic):
-    """A message on a topic for which every condition holds."""
-
-    until: Annotated[list[FieldCondition], Field(min_length=1, max_length=10)]
-
-
-WAYS = ("publish", "call", "action", "read", "wait")
-
-
-class Step(Part):
-    """One thing that is done over ROS 2, in exactly one of these ways.
-
-    `request` fills the message; `result` are values of what comes back, by the path of a field,
-    which sentences and later steps may use; `expect` are conditions without which it has failed.
-    """
-
-    publish: Publication | None = None
-    call: Interface | None = None
-    action: ActionInterface | None = None
-    read: Topic | None = None
-    wait: Wait | None = None
-    request: Mapping[str, Any] = Field(default_factory=dict)
-    result: Mapping[Name, Word] = Field(default_factory=dict)
-    expect: list[FieldCondition] = Field(default_factory=list, max_length=10)
-    timeout_s: float = Field(
-        60.0, gt=0.0, le=LONGEST_WAIT_S, description="longer, and it has failed"
-    )
-
-    @property
-    def ways(self) -> list[str]:
-        """The ways that are given."""
-        return [way for way in WAYS if getattr(self, way) is not None]
-
-
-class StopStep(Step):
-    """What is done at once when a skill was stopped: a message or a call, within seconds."""
-
-    timeout_s: float = Field(
-        2.0, gt=0.0, le=LONGEST_STOP_S, description="longer, and it has failed"
-    )
-
-    @model_validator(mode="after")
-    def _is_short(self) -> "StopStep":
-        _one_way(self, ())
-        if not (self.call or (self.publish and not self.publish.rate_hz)):
-            expected = "publish without rate_hz, or call: what is stopped may not begin anew"
-            raise wrong((self.ways[0],), None, expected)
-        return self
 
 
 class Argument(Part):
@@ -157,7 +61,7 @@ class Argument(Part):
     min: Number | None = None
     max: Number | None = None
     default: Scalar | None = None
-    values: list[Word] | dict[Word, Scalar] | None = None
+    values: Annotated[list[Word] | dict[Word, Scalar] | None, at_most(MOST_WORDS, "words")] = None
     aliases: Mapping[Word, Word] = Field(default_factory=dict)
     names: Mapping[Word, LocalNames] = Field(default_factory=dict)
 
@@ -178,6 +82,13 @@ class Argument(Part):
         for name in ("min", "max"):
             if getattr(self, name) is not None and self.type not in ("number", "integer"):
                 raise wrong((name,), getattr(self, name), "nothing: only numbers have bounds")
+        if self.min is not None and self.max is not None and self.min > self.max:
+            raise wrong(("max",), self.max, f"no less than min, {self.min:g}")
+        if self.default is not None:
+            words = self.meanings
+            expected = wanted_instead(self.default, self.type, words, self.min, self.max)
+            if expected:
+                raise wrong(("default",), self.default, expected)
         return self
 
 
@@ -224,7 +135,9 @@ class SkillEntry(Step, Sentences):
     """
 
     description: Word
-    arguments: Mapping[Name, Argument] = Field(default_factory=dict)
+    arguments: Annotated[Mapping[Name, Argument], at_most(MOST_ARGUMENTS, "arguments")] = Field(
+        default_factory=dict
+    )
     steps: list[Step] = Field(default_factory=list, max_length=MOST_STEPS)
     stop: StopStep | None = None
     stops_on: list[Wait] = Field(default_factory=list, max_length=MOST_WATCHES)
@@ -246,24 +159,19 @@ class SkillEntry(Step, Sentences):
         return not reads if self.moves is None else self.moves
 
     @model_validator(mode="after")
-    def _each_step_has_one_way(self) -> "SkillEntry":
+    def _each_step_hasone_way(self) -> "SkillEntry":
         if self.steps and self.ways:
             raise wrong((self.ways[0],), None, "nothing: the skill has steps")
         for index, step in enumerate(self.steps):
-            _one_way(step, ("steps", index))
+            one_way(step, ("steps", index))
         if not self.steps:
-            _one_way(self, ())
+            one_way(self, ())
         if self.moves is False and not all(step.read for step in self.every_step):
             _only_short(self)
         _only_arguments(self, (), self.arguments)
         for code, said in self.languages.items():
             _only_arguments(said, ("languages", code), self.arguments)
         return self
-
-
-def _one_way(step: Step, place: tuple[str | int, ...]) -> None:
-    if len(step.ways) != 1:
-        raise wrong(place, step.ways, "exactly one of " + ", ".join(WAYS))
 
 
 def _only_arguments(
@@ -285,9 +193,9 @@ def _only_short(entry: SkillEntry) -> None:
 class Limits(Part):
     """How it is steered where nothing there takes goals, in m/s, rad/s and m/s²."""
 
-    max_linear: float | None = Field(None, gt=0.0, le=10.0)
-    max_angular: float | None = Field(None, gt=0.0, le=10.0)
-    max_acceleration: float | None = Field(None, gt=0.0, le=10.0)
+    max_linear: Number | None = Field(None, gt=0.0, le=10.0)
+    max_angular: Number | None = Field(None, gt=0.0, le=10.0)
+    max_acceleration: Number | None = Field(None, gt=0.0, le=10.0)
 
 
 class Footprint(Part):
@@ -296,8 +204,8 @@ class Footprint(Part):
     Where it is steered, what the scan shows in the strip before it makes it wait.
     """
 
-    length: float = Field(gt=0.0, le=10.0)
-    width: float = Field(gt=0.0, le=10.0)
+    length: Number = Field(gt=0.0, le=10.0)
+    width: Number = Field(gt=0.0, le=10.0)
 
 
 class RobotFile(Part):
@@ -321,9 +229,9 @@ class RobotFile(Part):
     locations: Path | None = None
     policy: PolicyFile | None = None
     policy_file: Path | None = None
-    skills: Annotated[Mapping[Name, SkillEntry], Field(max_length=MOST_SKILLS)] = Field(
-        default_factory=dict
-    )
+    skills: Annotated[
+        Mapping[Name, SkillEntry], Field(max_length=MOST_SKILLS), at_most(MOST_SKILLS, "skills")
+    ] = Field(default_factory=dict)
 
     @model_validator(mode="after")
     def _each_once(self) -> "RobotFile":

@@ -18,7 +18,7 @@ from edgevox.ros2.qos import interface_profile
 from edgevox.ros2.robot_file.live import LiveStep, StepRun
 from edgevox.ros2.robot_file.outcome import holds
 from edgevox.ros2.robot_file.plan import PlannedStep
-from edgevox.ros2.robot_file.robot_file_format import Wait
+from edgevox.ros2.robot_file.step_format import Wait
 
 log = get_logger(__name__)
 

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from edgevox.ros2.robot_file.interfaces import InterfaceMissing, Kind, full_name
-from edgevox.ros2.robot_file.robot_file_format import RobotFile, SkillEntry, Step, Topic
+from edgevox.ros2.robot_file.robot_file_format import RobotFile, SkillEntry
+from edgevox.ros2.robot_file.step_format import Step, Topic
 from edgevox.ros2.standard_topics import DRIVEN
 
 Role = Literal["service", "action", "publisher", "subscriber"]
