@@ -63,13 +63,14 @@ def robot(domain):
 
 @pytest.fixture
 def asked(robot, peer, ros):
-    """The robot, once the agent's node knows of it."""
-
-    def known(node):
-        return {name for name, _ in node.get_service_names_and_types()}
-
+    """The robot, once the agent's node knows of it, and of none that was killed before."""
     wanted = {f"{NAMESPACE}/honk", f"{NAMESPACE}/dock/_action/send_goal"}
-    wait_until(lambda: wanted <= ros.on_node(known), "the robot's services")
+
+    def only_this_one(node):
+        there = {name for name, _ in node.get_service_names_and_types()}
+        return wanted <= there and node.count_subscribers(f"{NAMESPACE}/lamp") == 1
+
+    wait_until(lambda: ros.on_node(only_this_one), "the robot, alone")
     return Asked(peer(NAMESPACE))
 
 
