@@ -207,6 +207,11 @@ def test_a_condition_is_waited_for_and_a_stop_ends_that(ros, asked, token, besid
     asked.do("open")
     assert ros.wait_for(Bool, "door", lambda m: m.data, token=token, timeout_s=HUNG_S).data
     asked.do("shut")
+    wait = beside(
+        ros.wait_for, Bool, "door", lambda m: m.data, token=token, timeout_s=HUNG_S, oldest_s=0.0
+    )
+    asked.do("open")
+    assert wait.result(HUNG_S).data
     never = beside(ros.wait_for, Int32, "nothing", lambda _: True, token=token, timeout_s=HUNG_S)
     token.cancel("stop")
     with pytest.raises(Cancelled):
