@@ -74,9 +74,13 @@ class NodeHandle(Protocol):
         *,
         token: CancelToken,
         timeout_s: float,
+        oldest_s: float = 5.0,
         latched: bool = False,
     ) -> Any:
-        """The first message that fits, be it the newest now. `fits` is quick."""
+        """The first message that fits, be it the newest now, if that is no older.
+
+        With an `oldest_s` of 0 only what comes from now on counts. `fits` is quick.
+        """
 
     def on_node(self, work: Callable[[Any], T]) -> T:
         """What this makes of the `rclpy.node.Node`, on the one thread that spins it.

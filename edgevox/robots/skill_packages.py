@@ -21,6 +21,8 @@ from edgevox.robots.node_handle import NodeHandle
 SKILL_GROUP = "edgevox.skills"
 """The entry points that name a `MakeSkills` each."""
 ALL, NONE = "all", "none"
+_BROKEN = (Exception, SystemExit)
+"""A package of somebody else raises what it likes, and may want to end the program."""
 
 log = get_logger(__name__)
 
@@ -87,7 +89,7 @@ def fault_of(point: EntryPoint) -> str:
     """Why a package cannot even be loaded; empty if it can."""
     try:
         _load_factory(point)
-    except Exception as error:  # noqa: BLE001 - a package of somebody else raises what it likes
+    except _BROKEN as error:
         return f"{type(error).__name__}: {error}"
     return ""
 
@@ -104,7 +106,7 @@ def brought_skills(
             made = _made(point, SkillContext(point.name, body, settings, ros))
         except SkillsOff as error:
             log.warning("skill_package_off", package=point.name, reason=str(error))
-        except Exception:
+        except _BROKEN:
             log.exception("skill_package_broken", package=point.name)
         else:
             yield from ((point.name, one) for one in made)

@@ -63,13 +63,14 @@ def robot(domain):
 
 @pytest.fixture
 def asked(robot, peer, ros):
-    """The robot, once the agent's node knows of it."""
-
-    def known(node):
-        return {name for name, _ in node.get_service_names_and_types()}
-
+    """The robot, once the agent's node knows of it, and of none that was killed before."""
     wanted = {f"{NAMESPACE}/honk", f"{NAMESPACE}/dock/_action/send_goal"}
-    wait_until(lambda: wanted <= ros.on_node(known), "the robot's services")
+
+    def only_this_one(node):
+        there = {name for name, _ in node.get_service_names_and_types()}
+        return wanted <= there and node.count_subscribers(f"{NAMESPACE}/lamp") == 1
+
+    wait_until(lambda: ros.on_node(only_this_one), "the robot, alone")
     return Asked(peer(NAMESPACE))
 
 
@@ -206,6 +207,11 @@ def test_a_condition_is_waited_for_and_a_stop_ends_that(ros, asked, token, besid
     asked.do("open")
     assert ros.wait_for(Bool, "door", lambda m: m.data, token=token, timeout_s=HUNG_S).data
     asked.do("shut")
+    wait = beside(
+        ros.wait_for, Bool, "door", lambda m: m.data, token=token, timeout_s=HUNG_S, oldest_s=0.0
+    )
+    asked.do("open")
+    assert wait.result(HUNG_S).data
     never = beside(ros.wait_for, Int32, "nothing", lambda _: True, token=token, timeout_s=HUNG_S)
     token.cancel("stop")
     with pytest.raises(Cancelled):

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from guards import HUNG_S
-from robot_file_rig import NAMESPACE, Asked, interfaces
+from robot_file_rig import NAMESPACE, ROBOT_FILE, Asked, interfaces
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "own_ros_skill"
 BROKEN = """
@@ -99,3 +99,10 @@ def test_a_package_that_needs_ros_2_is_off_without_it(agent, installed):
     one.wait_for_line("skill_package_off")
     assert one.process.wait(HUNG_S) == 0
     assert not [line for line in one.lines if "sound_horn" in line]
+
+
+def test_skills_of_a_robot_file_and_of_a_package_go_together(agent, installed):
+    one = agent(f"--robot-file={ROBOT_FILE}", "--check", robot="robot-external", wait=False)
+    one.wait_for_line("temperature:")
+    one.wait_for_line("sound_horn: Sound the horn once.")
+    assert one.process.wait(HUNG_S) == 0

@@ -95,7 +95,8 @@ def test_a_package_that_is_not_installed_is_refused_with_those_that_are(install)
 @pytest.mark.parametrize(
     "code",
     [
-        "raise SystemError('no driver')",
+        "raise ValueError('no driver')",
+        "raise SystemExit(3)",
         "",
         "make = 3",
         "def make(context): raise OSError('no port')",

@@ -114,11 +114,12 @@ class AgentNodeHandle:
         *,
         token: CancelToken,
         timeout_s: float,
+        oldest_s: float = READ_S,
         latched: bool = False,
     ) -> Any:
         token.check()
         listener = self._client(_Wanted(TopicListener, kind, name, latched))
-        return listener.wait_for(fits, token, timeout_s)
+        return listener.wait_for(fits, token, timeout_s, oldest_s)
 
     def on_node(self, work: Callable[[Any], T]) -> T:
         if self._node is None:

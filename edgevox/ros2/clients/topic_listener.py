@@ -35,9 +35,18 @@ class TopicListener(InterfaceClient):
         except TookTooLong:
             raise self.failed("unheard") from None
 
-    def wait_for(self, fits: Callable[[Any], bool], token: CancelToken, timeout_s: float) -> Any:
-        """The first message that fits, be it the newest. Raises `SkillFailed`, or `Cancelled`."""
-        fresh = self._latched or self._newest.young(READ_S) is not None
+    def wait_for(
+        self,
+        fits: Callable[[Any], bool],
+        token: CancelToken,
+        timeout_s: float,
+        oldest_s: float = READ_S,
+    ) -> Any:
+        """The first message that fits, be it the newest, if that is no older.
+
+        Raises `SkillFailed`, or `Cancelled`.
+        """
+        fresh = self._latched or self._newest.young(oldest_s) is not None
         try:
             return self._newest.wait(fits, token, timeout_s, kept=fresh)
         except TookTooLong:
