@@ -10,8 +10,9 @@ import yaml
 from page_commands import PAGES, ROOT, commands, fences, programs, proofs
 
 from edgevox.apps.agent_arguments import parse_arguments
+from edgevox.apps.container import ENVIRONMENT
 from edgevox.apps.robots import ROBOTS
-from edgevox.core.settings import Settings, check_settings
+from edgevox.core.settings import check_settings
 from edgevox.models.manifest import builtin_manifest
 from edgevox.ros2 import contract, standard_topics
 
@@ -127,7 +128,9 @@ def test_models_that_are_named_are_in_the_manifest():
 
 
 def test_files_of_this_repository_that_are_named_are_there():
-    named = re.compile(r"(?:examples|scenarios|scripts|compose|helm|tests)/[\w./-]*[\w/]")
+    named = re.compile(
+        r"(?<!/robot/)(?:examples|scenarios|scripts|compose|helm|tests)/[\w./-]*[\w/]"
+    )
     for command in SHOWN:
         for path in named.findall(
             command.replace("/opt/edgevox/scenarios", "scenarios").replace(MOUNTED, EXAMPLE)
@@ -161,4 +164,4 @@ def test_what_is_sent_on_ros_2_is_what_the_contract_takes():
 def test_variables_that_are_set_are_settings():
     for command in SHOWN:
         for name in re.findall(r"\bEDGEVOX_(\w+)=", command):
-            assert name.lower() in Settings.model_fields or name == "MODELS_DIR", command
+            assert f"EDGEVOX_{name}" in ENVIRONMENT, command

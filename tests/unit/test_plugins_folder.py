@@ -2,7 +2,9 @@
 
 import hashlib
 import importlib.util
+import os
 import shutil
+import subprocess
 import sys
 import zipfile
 from importlib.metadata import entry_points, version
@@ -92,6 +94,30 @@ def test_a_wheel_or_what_pip_makes_of_one_brings_its_robot(folder, put):
     learn_robots()
     assert ROBOTS[f"robot-{name}"].about == name
     assert [one for one in sorted(folder.rglob("*")) if "__pycache__" not in str(one)] == before
+
+
+def test_a_wheel_finds_its_data_beside_its_modules_and_leaves_nothing_behind(folder, tmp_path):
+    with zipfile.ZipFile(wheel(folder, "with_data"), "a") as archive:
+        archive.writestr("data_of_it/words.txt", "what it says")
+        archive.writestr(
+            "data_of_it/__init__.py",
+            "from pathlib import Path\nSAID = (Path(__file__).parent / 'words.txt').read_text()\n",
+        )
+    scratch = tmp_path / "scratch"
+    scratch.mkdir()
+    code = (
+        "import sys; from pathlib import Path; from edgevox.apps.plugins import bring_plugins;"
+        "bring_plugins(Path(sys.argv[1])); import data_of_it; print(data_of_it.SAID)"
+    )
+    ran = subprocess.run(
+        [sys.executable, "-c", code, str(folder)],
+        env={**os.environ, "TMPDIR": str(scratch)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert ran.stdout == "what it says\n"
+    assert list(scratch.iterdir()) == []
 
 
 def test_a_packages_own_folder_is_taken_as_it_is(folder):

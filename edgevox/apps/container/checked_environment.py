@@ -46,7 +46,7 @@ def _bring_plugins(environment: Mapping[str, str], warn: Callable[[str], None]) 
     """Know the robots of plug-ins, before it is asked whether there is one of a name."""
     if folder := environment.get(PLUGINS):
         try:
-            plugins = bring_plugins(Path(folder))
+            plugins = bring_plugins(Path(folder), load=False)
         except InvalidValue as error:
             raise InvalidValue(PLUGINS, error.value, f"{error.expected} ({error.field})") from None
         learn_robots()

@@ -1,9 +1,12 @@
 """Puts the plug-ins of a folder where Python and `importlib.metadata` find them."""
 
 import argparse
+import atexit
 import os
 import re
+import shutil
 import sys
+import tempfile
 import zipfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -21,6 +24,7 @@ log = get_logger(__name__)
 
 EXPECTED = f"a wheel, or a folder with {PROJECT} or what pip install --target makes"
 _COMPILED = "a wheel of Python alone (none-any); unpack one with compiled code into a folder"
+_INFO = ".dist-info"
 _NAME = re.compile(r"\s*([A-Za-z0-9][A-Za-z0-9._-]*)([^;]*)(;.*)?")
 
 
@@ -70,10 +74,11 @@ def plugins_folder(argv: Sequence[str]) -> Path | None:
     return Path(str(folder)) if folder else None
 
 
-def bring_plugins(folder: Path | None) -> Plugins:
+def bring_plugins(folder: Path | None, *, load: bool = True) -> Plugins:
     """Make the folder's packages known to this process, after all that is installed.
 
-    One that is broken is left out. Raises `InvalidValue` for a folder that is none, and where
+    One that is broken is left out. Without `load` their entry points are known and may not be
+    loaded: nothing is unpacked. Raises `InvalidValue` for a folder that is none, and where
     `plugins.sha256` is there and not everything is as it says.
     """
     if folder is None:
@@ -88,7 +93,7 @@ def bring_plugins(folder: Path | None) -> Plugins:
         if item.name.startswith(".") or item.name == HASHES:
             continue
         try:
-            loaded += [_plugin(item.name, package) for package in _bring(item)]
+            loaded += [_plugin(item.name, package) for package in _bring(item, load)]
         except (EdgeVoxError, OSError, zipfile.BadZipFile) as error:
             broken[item.name] = str(error)
     for one in loaded:
@@ -97,14 +102,14 @@ def bring_plugins(folder: Path | None) -> Plugins:
     return Plugins(tuple(one for one in loaded if one.file not in broken), broken)
 
 
-def _bring(item: Path) -> list[Distribution]:
+def _bring(item: Path, load: bool) -> list[Distribution]:
     """Put one on the path; the packages in it. Raises `EdgeVoxError` for what is no plug-in."""
     if item.is_file() and item.suffix == ".whl":
         if not item.name.endswith("-none-any.whl"):
             raise EdgeVoxError(f"expected {_COMPILED}")
-        inside = zipfile.Path(item).iterdir()
-        about = [one for one in inside if one.name.endswith(".dist-info")]
-        return _put(item, [PathDistribution(one) for one in about])
+        about = [one for one in zipfile.Path(item).iterdir() if one.name.endswith(_INFO)]
+        place = _unpacked(item) if load and _has_data(item) else item
+        return _put(place, [PathDistribution(one) for one in about])
     if item.is_dir() and (infos := sorted(item.glob("*.dist-info"))):
         return _put(item, [PathDistribution(one) for one in infos])
     if item.is_dir() and (item / PROJECT).is_file():
@@ -112,6 +117,22 @@ def _bring(item: Path) -> list[Distribution]:
         SourceFinder.installed().packages.append(package)
         return _put(package.import_path, [package])
     raise EdgeVoxError(f"expected {EXPECTED}")
+
+
+def _has_data(wheel: Path) -> bool:
+    """Whether it holds more than modules: what reads a file beside itself looks for a folder."""
+    with zipfile.ZipFile(wheel) as archive:
+        names = [one.filename for one in archive.infolist() if not one.is_dir()]
+    return not all(one.endswith(".py") or one.partition("/")[0].endswith(_INFO) for one in names)
+
+
+def _unpacked(wheel: Path) -> Path:
+    """A folder with what is in it, which is gone when the program ends."""
+    folder = Path(tempfile.mkdtemp(prefix="edgevox-plugin-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(folder)
+    return folder
 
 
 def _put(place: Path, packages: list[Distribution]) -> list[Distribution]:

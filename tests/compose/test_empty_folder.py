@@ -1,0 +1,41 @@
+"""docs/empty-folder.md, done by the word in a folder that has nothing in it."""
+
+import re
+import subprocess
+
+import pytest
+from guards import HUNG_S
+from stacks import ROOT
+
+PAGE = (ROOT / "docs" / "empty-folder.md").read_text()
+SECTIONS = {
+    part.partition("\n")[0]: part for part in re.split(r"^## ", PAGE, flags=re.MULTILINE)[1:]
+}
+FILE = re.compile(r"^`(robot/[\w./-]+)`[^\n]*:\n\n```\w+\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+COMMAND = re.compile(r"^```bash\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+@pytest.mark.parametrize("title", SECTIONS)
+def test_what_a_section_says_works_in_an_empty_folder(title, image, tmp_path):
+    tmp_path.chmod(0o755)
+    files = FILE.findall(SECTIONS[title])
+    assert files
+    for name, text in files:
+        file = tmp_path / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text)
+    (command,) = COMMAND.findall(SECTIONS[title])
+    command = command.replace("edgevox-ros2:local", image)
+    ran = subprocess.run(
+        ["bash", "-euc", command], cwd=tmp_path, capture_output=True, text=True, timeout=HUNG_S
+    )
+    assert ran.returncode == 0, ran.stdout + ran.stderr
+    assert "PASSED" in ran.stdout
+
+
+def test_there_is_a_section_for_each_newcomer():
+    assert list(SECTIONS) == [
+        "A scenario for your CI",
+        "A world of your own",
+        "A skill of your own",
+    ]
