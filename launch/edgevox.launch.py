@@ -44,7 +44,7 @@ FLAGS = {
     "model_source": "--model-source",
     "mjcf": "--mjcf",
     "seed": "--seed",
-    "external_namespace": "--namespace",
+    "external_namespace": "--robot-namespace",
     "locations": "--locations",
     "policy": "--policy",
     "audio_in": "--audio-in",

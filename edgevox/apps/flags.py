@@ -24,11 +24,11 @@ def given_flags(arguments: argparse.Namespace) -> dict[str, Any]:
 
 
 def _add(parser: argparse.ArgumentParser, name: str, info: FieldInfo) -> None:
-    flag = "--" + _flag_name(name, info)
+    names = _flag_names(name, info)
     help_text = f"{info.description} ({ENV_PREFIX}{name.upper()})"
     if info.annotation is bool:
         parser.add_argument(
-            flag,
+            *names,
             dest=name,
             action=argparse.BooleanOptionalAction,
             default=argparse.SUPPRESS,
@@ -37,7 +37,7 @@ def _add(parser: argparse.ArgumentParser, name: str, info: FieldInfo) -> None:
         return
     default = "" if info.default in (None, "") else f" [default: {info.default}]"
     parser.add_argument(
-        flag,
+        *names,
         dest=name,
         default=argparse.SUPPRESS,
         metavar=_metavar(name, info),
@@ -45,10 +45,17 @@ def _add(parser: argparse.ArgumentParser, name: str, info: FieldInfo) -> None:
     )
 
 
-def _flag_name(name: str, info: FieldInfo) -> str:
-    """After the field, unless the field names another in its ``json_schema_extra``."""
+def _flag_names(name: str, info: FieldInfo) -> Sequence[str]:
+    """After the field, unless the field names another in its ``json_schema_extra``.
+
+    An `old_flag` there is one that it had before, and which goes on working.
+    """
     extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
-    return str(extra.get("flag", name)).replace("_", "-")
+    names = [
+        str(extra.get("flag", name)),
+        *([str(extra["old_flag"])] if "old_flag" in extra else []),
+    ]
+    return ["--" + one.replace("_", "-") for one in names]
 
 
 def _metavar(name: str, info: FieldInfo) -> str:

@@ -116,7 +116,7 @@ def _parser() -> argparse.ArgumentParser:
         dest="ros2_namespace",
         default=argparse.SUPPRESS,
         metavar="NS",
-        help="the same as --ros2-namespace",
+        help="the same as --agent-namespace",
     )
     add_flags(parser, SETTINGS)
     return parser

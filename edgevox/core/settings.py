@@ -92,7 +92,9 @@ class Settings(BaseSettings):
     render: bool = Field(True, description="show the robot in a window where there is a display")
     ros2: bool = Field(False, description="be a ROS 2 node")
     ros2_namespace: Annotated[str, AfterValidator(_valid_namespace)] = Field(
-        "/edgevox", description="namespace of the ROS 2 node"
+        "/edgevox",
+        description="namespace of the ROS 2 node",
+        json_schema_extra={"flag": "agent_namespace", "old_flag": "ros2_namespace"},
     )
     ros2_state_hz: float = Field(
         10.0, ge=0.1, le=100.0, description="how often robot_state is published, in hertz"
@@ -121,7 +123,7 @@ class Settings(BaseSettings):
     external_namespace: Annotated[str, AfterValidator(_valid_namespace)] = Field(
         "/",
         description="robot-external: namespace of the robot's topics, such as /robot1",
-        json_schema_extra={"flag": "namespace"},
+        json_schema_extra={"flag": "robot_namespace", "old_flag": "namespace"},
     )
     robot_file: Path | None = Field(
         None,

@@ -23,15 +23,21 @@ from edgevox.core.settings import load_settings
 class Screen:
     """The interface with an agent behind it, and a person's fingers."""
 
-    def __init__(self, face, pilot, parts):
-        self.face, self.pilot, self.parts = face, pilot, parts
+    def __init__(self, face, pilot, parts, updates):
+        self.face, self.pilot, self.parts, self.updates = face, pilot, parts, updates
 
     async def type(self, line):
         self.face.query_one(Input).value = line
         await self.pilot.press("enter")
 
     def transcript(self):
-        return [line.text.strip() for line in self.face.query_one(RichLog).lines]
+        return self.lines_of("#transcript")
+
+    def log(self):
+        return self.lines_of("#log")
+
+    def lines_of(self, name):
+        return [line.text.strip() for line in self.face.query_one(name, RichLog).lines]
 
     def panel(self, name):
         return str(self.face.query_one(f"#{name}", Static).render())
@@ -54,7 +60,7 @@ async def screen(size=(80, 24)):
         context = SlashContext(parts.conversation, parts.body, skills=parts.skills)
         face = Face(updates, context, parts.queries, parts.command_router.submit, SystemClock())
         async with face.run_test(size=size) as pilot:
-            yield Screen(face, pilot, parts)
+            yield Screen(face, pilot, parts, updates)
         updates.changed = lambda: None
 
 
@@ -147,13 +153,49 @@ def test_slash_commands_answer_into_the_transcript():
 def test_everything_has_its_place_on_80_by_24_and_the_panel_can_go():
     async def play(shown):
         whole = shown.face.screen.region
-        for widget in (shown.face.query_one(kind) for kind in (RichLog, Input, Footer)):
+        for widget in (shown.face.query_one(kind) for kind in ("#transcript", Input, Footer)):
             assert whole.contains_region(widget.region)
             assert widget.region.area > 0
         assert whole.contains_region(shown.face.query_one("#machine").region)
-        before = shown.face.query_one(RichLog).region.width
+        before = shown.face.query_one("#transcript").region.width
         await shown.pilot.press("f2")
-        await shown.until(lambda: shown.face.query_one(RichLog).region.width > before)
+        await shown.until(lambda: shown.face.query_one("#transcript").region.width > before)
+
+    drive(play)
+
+
+def test_the_log_has_a_place_of_its_own_and_a_key_shows_it():
+    async def play(shown):
+        shown.updates.log("\x1b[31merror\x1b[0m the disk is full")
+        shown.updates.log("a line of a library")
+        await shown.until(lambda: "log: 2 new, F3" in shown.panel("unread"))
+        assert not shown.face.query_one("#log").display
+        assert not any("disk" in line for line in shown.transcript())
+        await shown.pilot.press("f3")
+        await shown.until(lambda: "error the disk is full" in shown.log())
+        assert shown.log().count("a line of a library") == 1
+        assert shown.panel("unread") == ""
+        log, whole = shown.face.query_one("#log").region, shown.face.screen.region
+        assert log.height > 4
+        assert whole.contains_region(log)
+        assert shown.face.query_one("#transcript").region.height > 4
+        await shown.pilot.press("f3")
+        shown.updates.log("later")
+        await shown.until(lambda: "log: 1 new, F3" in shown.panel("unread"))
+
+    drive(play)
+
+
+def test_a_failure_stands_in_the_conversation_once():
+    async def play(shown):
+        with stderr_as_lines(shown.updates.log):
+            await shown.type("go to x 99 y 99")
+            await shown.until(lambda: any("could not" in x for x in shown.transcript()))
+            await shown.pilot.press("f3")
+            os.write(2, b"warning refused\n")
+            await shown.until(lambda: "warning refused" in shown.log())
+        assert len([x for x in shown.transcript() if "could not" in x]) == 1
+        assert not any(x.startswith("!") or "warning" in x for x in shown.transcript())
 
     drive(play)
 

@@ -14,6 +14,7 @@ from edgevox.agent.nlu import interpreter
 from edgevox.agent.skills import OneOf, OwnName
 from edgevox.apps.terminal import lines
 from edgevox.core import text, user_file
+from edgevox.core.languages import LANGUAGES
 from edgevox.ops import http_server
 from edgevox.robots import capabilities, world
 from edgevox.ros2 import skill_requests
@@ -117,3 +118,15 @@ def test_the_table_of_folders_names_every_folder():
     ignored = {one.strip("/") for one in (ROOT / ".gitignore").read_text().splitlines()}
     there = {one.name for one in ROOT.iterdir() if one.is_dir() and one.name[0] not in "._"}
     assert there - ignored - named == set()
+
+
+@pytest.mark.parametrize("code", sorted(LANGUAGES.keys() - {"en"}))
+def test_the_page_of_languages_names_every_file_that_has_an_entry_for_each(code):
+    page = (DOCS / "adding-a-language.md").read_text()
+    files = re.findall(r"^\| `([^`]+)` \|", page, re.MULTILINE)
+    assert len(files) == 7
+    for name in files:
+        path = ROOT / name.replace("CODE", code)
+        text = path.read_text("utf-8")
+        entry = rf"^\[?{code}[\]:.]"
+        assert "CODE" in name or re.search(entry, text, re.MULTILINE), name

@@ -1,3 +1,4 @@
+import argparse
 import ast
 from collections import Counter
 from pathlib import Path
@@ -6,6 +7,7 @@ from typing import get_args
 import pytest
 
 import edgevox
+from edgevox.apps.flags import add_flags, given_flags
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.settings import Settings, load_settings
 
@@ -90,3 +92,19 @@ def test_what_a_setting_may_be_chosen_from_is_written_down_once():
     counts = Counter(written)
     assert counts["cancel", "gate", "none"] == 1
     assert [one for one in choices if counts[one] > 1] == []
+
+
+@pytest.mark.parametrize(
+    ("flag", "field"),
+    [
+        ("--agent-namespace", "ros2_namespace"),
+        ("--ros2-namespace", "ros2_namespace"),
+        ("--robot-namespace", "external_namespace"),
+        ("--namespace", "external_namespace"),
+    ],
+)
+def test_a_flag_says_whose_namespace_it_is_and_its_old_name_goes_on_working(flag, field):
+    parser = argparse.ArgumentParser()
+    add_flags(parser)
+
+    assert given_flags(parser.parse_args([flag, "/robot1"])) == {field: "/robot1"}

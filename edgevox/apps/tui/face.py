@@ -1,6 +1,10 @@
-"""The screen, in Textual: transcript, what is being said or done, a line to type, a side panel."""
+"""The screen, in Textual: transcript, what is being said or done, a line to type, a side panel.
+
+What the program writes of itself stands in a log of its own, which a key shows.
+"""
 
 import asyncio
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar
 
@@ -38,6 +42,7 @@ class Face(App[None]):
     #side {{ width: {panels.WIDTH + 4}; border-left: solid $panel; padding: 0 1; }}
     #side Static {{ margin-bottom: 1; }}
     #transcript {{ height: 1fr; scrollbar-size-vertical: 1; }}
+    #log {{ height: 2fr; display: none; border-top: solid $panel; }}
     #status {{ height: auto; max-height: 5; color: $text-muted; }}
     #line {{ border: tall $panel; }}
     """
@@ -46,6 +51,7 @@ class Face(App[None]):
         Binding("ctrl+t", "mute", "Mute", priority=True),
         Binding("f1", "help", "Help", priority=True),
         Binding("f2", "panel", "Panel", priority=True),
+        Binding("f3", "log", "Log", priority=True),
         Binding("ctrl+q", "quit", "Leave", priority=True),
     ]
 
@@ -66,6 +72,7 @@ class Face(App[None]):
         self._ctrl_c = DoubleInterrupt(clock)
         self._shown: tuple[str, str] = ("", "")
         self._muted = False
+        self._unread: deque[str] = deque(maxlen=panels.MOST_UNREAD)
         self._running_loop: asyncio.AbstractEventLoop | None = None
 
     def compose(self) -> ComposeResult:
@@ -74,12 +81,14 @@ class Face(App[None]):
             with Vertical():
                 yield RichLog(id="transcript", wrap=True, markup=False, max_lines=5000, min_width=1)
                 yield Static(id="status", markup=False)
+                yield RichLog(id="log", wrap=True, markup=False, max_lines=1000, min_width=1)
             with Vertical(id="side"):
                 yield Static(id="state")
                 yield Static(panels.meter(0.0), id="level")
                 yield Static(id="voice", markup=False)
                 yield Static(panels.latencies(()), id="turns")
                 yield Static(id="machine")
+                yield Static(id="unread")
         yield Input(placeholder="type what you would say; /help for more", id="line")
         yield Footer()
 
@@ -105,6 +114,7 @@ class Face(App[None]):
         transcript = self.query_one("#transcript", RichLog)
         for line in news.lines:
             transcript.write(_styled(line))
+        self._show_log(news.log_lines)
         self._static("status", news.status)
         self._static("state", panels.state_text(news.state, muted=news.muted))
         self._static("level", panels.meter(0.0 if news.muted else news.level))
@@ -148,6 +158,12 @@ class Face(App[None]):
         side = self.query_one("#side")
         side.display = not side.display
 
+    def action_log(self) -> None:
+        """Show or hide the log; what is shown is read."""
+        log = self.query_one("#log")
+        log.display = not log.display
+        self._show_log(())
+
     def _command(self, line: str) -> None:
         """A slash command, off the event loop: it may take long."""
         try:
@@ -159,6 +175,14 @@ class Face(App[None]):
             answer = str(error)
         for one in answer.splitlines():
             self._updates.write(one)
+
+    def _show_log(self, lines: Sequence[str]) -> None:
+        """What comes while it is hidden is kept here: a widget would keep all of it."""
+        log = self.query_one("#log", RichLog)
+        self._unread.extend(lines)
+        while log.display and self._unread:
+            log.write(Text.from_ansi(self._unread.popleft()))
+        self._static("unread", panels.unread(len(self._unread)))
 
     def _show_voice(self, news: ScreenUpdate) -> None:
         self._muted = news.muted
@@ -179,7 +203,5 @@ class Face(App[None]):
 
 
 def _styled(line: str) -> Text:
-    """What was asked is bold; a line of the log may bring its own colours."""
-    if line.startswith("! "):
-        return Text.from_ansi(line)
+    """What was asked is bold."""
     return Text(line, style="bold" if line.startswith(">") else "")

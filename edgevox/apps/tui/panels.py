@@ -10,6 +10,7 @@ from rich.text import Text
 from edgevox.core.events import State, TurnMeasured
 
 WIDTH = 26
+MOST_UNREAD = 1000
 _FLOOR_DB = -60.0
 _COLORS = {
     State.LISTENING: "green",
@@ -43,6 +44,13 @@ def latencies(turns: Sequence[TurnMeasured]) -> Text:
         f"{t.stt:5.2f}{t.llm:5.2f}{t.tts:5.2f}{t.ttfs:5.2f}{t.total:6.1f}" for t in reversed(turns)
     ]
     return Text("\n".join(lines))
+
+
+def unread(count: int) -> Text:
+    """How many lines of the log nobody has seen, and the key that shows them."""
+    if not count:
+        return Text("")
+    return Text(f"log: {count} new, F3" if count < MOST_UNREAD else "log: many new, F3", "yellow")
 
 
 def machine(models: Mapping[str, Any], hardware: Mapping[str, Any]) -> Text:

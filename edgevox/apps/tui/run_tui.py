@@ -26,7 +26,7 @@ def run_tui(parts: AgentParts, shutdown: ShutdownSignals, typed: Sequence[str] =
     )
     shutdown.gently = face.leave_soon
     try:
-        with stderr_as_lines(lambda line: updates.write(f"! {line}")):
+        with stderr_as_lines(updates.log):
             face.run()
     finally:
         shutdown.gently = None

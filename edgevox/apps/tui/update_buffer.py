@@ -25,9 +25,14 @@ MAX_LINES = 500
 
 @dataclass(frozen=True, slots=True)
 class ScreenUpdate:
-    """What is new, and how things are now. `level` is the microphone's, 0 to 1."""
+    """What is new, and how things are now. `level` is the microphone's, 0 to 1.
+
+    `lines` are of the conversation, `log_lines` what the program and its libraries write of
+    themselves.
+    """
 
     lines: tuple[str, ...]
+    log_lines: tuple[str, ...]
     status: str
     state: State
     level: float
@@ -44,6 +49,7 @@ class UpdateBuffer:
         self._controls = controls
         self._lock = threading.Lock()
         self._lines: deque[str] = deque(maxlen=MAX_LINES)
+        self._log_lines: deque[str] = deque(maxlen=MAX_LINES)
         self._state = State.LISTENING
         self._level = 0.0
         self._turns: deque[TurnMeasured] = deque(maxlen=TURNS)
@@ -74,16 +80,25 @@ class UpdateBuffer:
             self._lines.append(line)
         self._tell()
 
+    def log(self, line: str) -> None:
+        """One more line of the log, which may bring its own colours."""
+        with self._lock:
+            self._log_lines.append(line)
+        self._tell()
+
     def take(self) -> ScreenUpdate:
         """What is new since the last time."""
         with self._lock:
             self._told = False
             lines = tuple(self._lines)
+            log_lines = tuple(self._log_lines)
             self._lines.clear()
+            self._log_lines.clear()
             state, level, turns = self._state, self._level, tuple(self._turns)
         controls = self._controls
         return ScreenUpdate(
             lines,
+            log_lines,
             self._view.status,
             state,
             level,
