@@ -4,7 +4,7 @@ import pytest
 
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.core.languages import LANGUAGES
-from edgevox.ros2.robot_file.interface_reasons import interface_reason
+from edgevox.ros2.clients.interface_reasons import interface_reason
 
 CODES = (
     "not_there",

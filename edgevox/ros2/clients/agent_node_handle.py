@@ -23,7 +23,7 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
-class _Wanted:
+class _ClientKey:
     """A client as it is asked for; each is made once, and stays as long as the node."""
 
     make: Callable[..., Any]
@@ -42,8 +42,8 @@ class AgentNodeHandle:
     def __init__(self, clock: Clock | None = None) -> None:
         self._clock = clock or SystemClock()
         self._node: Node | None = None
-        self._listens: dict[_Wanted, None] = {}
-        self._clients: dict[_Wanted, Any] = {}
+        self._listens: dict[_ClientKey, None] = {}
+        self._clients: dict[_ClientKey, Any] = {}
         self._making = threading.Lock()
 
     def open(self, node: Node) -> None:
@@ -60,7 +60,7 @@ class AgentNodeHandle:
         self, kind: Any, name: str, request: Any, *, token: CancelToken, timeout_s: float = 10.0
     ) -> Any:
         token.check()
-        return self._client(_Wanted(ServiceCaller, kind, name)).call(request, token, timeout_s)
+        return self._client(_ClientKey(ServiceCaller, kind, name)).call(request, token, timeout_s)
 
     def run(
         self,
@@ -73,7 +73,7 @@ class AgentNodeHandle:
         hear: Callable[[Any], None] = lambda _: None,
     ) -> Any:
         token.check()
-        return self._client(_Wanted(ActionRunner, kind, name)).run(goal, token, timeout_s, hear)
+        return self._client(_ClientKey(ActionRunner, kind, name)).run(goal, token, timeout_s, hear)
 
     def publish(
         self, kind: Any, name: str, message: Any, *, token: CancelToken, latched: bool = False
@@ -82,12 +82,12 @@ class AgentNodeHandle:
             expected = "no velocity: a robot is driven by its body, with limits and a watchdog"
             raise InvalidValue(name, type_name(kind), expected)
         token.check()
-        sender = self._client(_Wanted(TopicSender, kind, name, latched))
+        sender = self._client(_ClientKey(TopicSender, kind, name, latched))
         sender.until_heard(token, THERE_S)
         sender.send(message)
 
     def listen(self, kind: Any, name: str, *, latched: bool = False) -> None:
-        wanted = _Wanted(TopicListener, kind, name, latched)
+        wanted = _ClientKey(TopicListener, kind, name, latched)
         self._listens[wanted] = None
         if self._node is not None:
             self._client(wanted)
@@ -103,7 +103,7 @@ class AgentNodeHandle:
         latched: bool = False,
     ) -> Any:
         token.check()
-        listener = self._client(_Wanted(TopicListener, kind, name, latched))
+        listener = self._client(_ClientKey(TopicListener, kind, name, latched))
         return listener.latest(token, timeout_s, oldest_s)
 
     def wait_for(
@@ -118,7 +118,7 @@ class AgentNodeHandle:
         latched: bool = False,
     ) -> Any:
         token.check()
-        listener = self._client(_Wanted(TopicListener, kind, name, latched))
+        listener = self._client(_ClientKey(TopicListener, kind, name, latched))
         return listener.wait_for(fits, token, timeout_s, oldest_s)
 
     def on_node(self, work: Callable[[Any], T]) -> T:
@@ -129,7 +129,7 @@ class AgentNodeHandle:
         except NodeBusy:
             raise SkillFailed(because("switched_off")) from None
 
-    def _client(self, wanted: _Wanted) -> Any:
+    def _client(self, wanted: _ClientKey) -> Any:
         with self._making:
             if wanted not in self._clients:
                 self._clients[wanted] = self.on_node(lambda node: wanted.made(node, self._clock))
