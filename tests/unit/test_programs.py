@@ -18,11 +18,15 @@ LOW = "if the battery is below twenty percent, go to the dock"
 
 
 @pytest.fixture
-def talk(monkeypatch):
-    monkeypatch.setattr(program_run, "SHORTEST_ROUND_S", 0.0)
+def talk():
     one = Talk()
     yield one
     one.conversation.close()
+
+
+@pytest.fixture
+def quick_rounds(monkeypatch):
+    monkeypatch.setattr(program_run, "SHORTEST_ROUND_S", 0.0)
 
 
 def test_a_patrol_visits_its_rooms_again_and_again_until_it_is_stopped(talk):
@@ -51,7 +55,7 @@ def test_a_question_does_not_end_a_patrol_and_a_new_order_does_and_says_so(talk)
     assert talk.body.visited == ["bedroom"]
 
 
-def test_an_order_is_done_so_many_times(talk):
+def test_an_order_is_done_so_many_times(talk, quick_rounds):
     assert talk.say("go to the kitchen and back three times") == (
         "3 times: going to the kitchen. Then: going back."
     )
@@ -73,7 +77,7 @@ def test_rounds_that_are_over_at_once_do_not_spin(talk, monkeypatch):
     assert talk.statuses() == ["running", "cancelled"]
 
 
-def test_that_three_times_is_about_the_last_order_that_moved(talk):
+def test_that_three_times_is_about_the_last_order_that_moved(talk, quick_rounds):
     assert "nothing was asked of me just now" in talk.say("do that three times")
     talk.body.arrive(4)
     talk.say("go to the office")
