@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from edgevox.agent.skills import OneOf
-from edgevox.ros2.robot_file.robot_file_format import Argument, Scalar
+from edgevox.ros2.robot_file.robot_file_format import Argument, Meaning
 
 LONGEST_TEXT = 500
 _TYPES: Mapping[str, type] = {"number": float, "integer": int, "boolean": bool, "text": str}
@@ -25,15 +25,14 @@ def arguments_model(name: str, arguments: Mapping[str, Argument]) -> type[BaseMo
 
 def meanings(arguments: Mapping[str, Argument], values: Mapping[str, Any]) -> dict[str, Any]:
     """What goes into the request: of a choice what its word stands for, of others the value."""
-    return {
-        name: arguments[name].meanings[value] if arguments[name].type == "choice" else value
-        for name, value in values.items()
-    }
+    return {name: _meaning(arguments[name], value) for name, value in values.items()}
 
 
-def samples(arguments: Mapping[str, Argument]) -> Iterator[tuple[str, dict[str, Scalar]]]:
+def samples(arguments: Mapping[str, Argument]) -> Iterator[tuple[str, dict[str, Meaning]]]:
     """Values that a request has to take, and the argument that is tried with each: its extremes."""
-    every = {name: _samples(one) for name, one in arguments.items()}
+    every = {
+        name: [_meaning(one, value) for value in _samples(one)] for name, one in arguments.items()
+    }
     usual = {name: values[0] for name, values in every.items()}
     yield "", usual
     for name, values in every.items():
@@ -53,9 +52,15 @@ def _annotated(one: Argument) -> Any:
 _NUMBERS = ("number", "integer")
 
 
-def _samples(one: Argument) -> list[Scalar]:
+def _meaning(one: Argument, value: Any) -> Any:
     if one.type == "choice":
-        return list(one.meanings.values())
+        return one.meanings[value]
+    return value if one.times is None else value * one.times
+
+
+def _samples(one: Argument) -> list[Any]:
+    if one.type == "choice":
+        return list(one.meanings)
     if one.type == "boolean":
         return [True, False]
     if one.type == "text":

@@ -23,7 +23,7 @@ from edgevox.ros2.robot_file.filling import arguments_in
 from edgevox.ros2.robot_file.interfaces import InterfaceMissing
 from edgevox.ros2.robot_file.live import LiveStep, StepRun, go_live
 from edgevox.ros2.robot_file.plan import PlannedStep, Planner
-from edgevox.ros2.robot_file.robot_file_format import RobotFile, Sentences, SkillEntry
+from edgevox.ros2.robot_file.robot_file_format import RobotFile, Sentences, SkillEntry, Step
 
 log = get_logger(__name__)
 
@@ -38,9 +38,11 @@ class DescribedSkill:
     stop: PlannedStep | None
     _live: list[LiveStep] = field(default_factory=list)
     _live_stop: LiveStep | None = None
+    _clock: Clock | None = None
 
     def open(self, node: Node, clock: Clock) -> None:
         """Join the graph with what it needs."""
+        self._clock = clock
         self._live = [go_live(one, node, clock) for one in self.steps]
         self._live_stop = go_live(self.stop, node, clock) if self.stop else None
 
@@ -69,15 +71,17 @@ class DescribedSkill:
 
     def run(self, goal: GoalHandle, **arguments: Any) -> Result:
         """Do all steps, one after another. Raises `SkillFailed`, or `Cancelled`."""
-        live = self._live
-        if not live:
+        live, clock = self._live, self._clock
+        if not live or clock is None:
             raise SkillFailed(agent_because("switched_off"))
         results: dict[str, Any] = {}
         values = meanings(self.entry.arguments, arguments)
+        asked_s: float | None = None
         try:
             for step in live:
                 goal.token.check()
-                run = StepRun({**values, **results}, goal.token, goal.report)
+                run = StepRun({**values, **results}, goal.token, goal.report, asked_s)
+                asked_s = clock.now()
                 results |= step.run(run)
         except Cancelled:
             self._stop({**values, **results})
@@ -128,11 +132,16 @@ def _planned(name: str, entry: SkillEntry, file: YamlFile, place: Place) -> Desc
     ]
     _check_answers(entry, planner.results, file, place)
     stop = planner.plan(entry.stop, (*place, "stop")) if entry.stop else None
-    used = frozenset().union(*(arguments_in(one.request) for one in entry.every_step))
+    used = frozenset().union(*map(_named_by, entry.every_step))
     if idle := entry.arguments.keys() - used:
         at = (*place, "arguments", min(idle))
         raise file.wrong(at, min(idle), "an argument that a request takes, as {" + min(idle) + "}")
     return DescribedSkill(name, entry, steps, stop)
+
+
+def _named_by(step: Step) -> frozenset[str]:
+    """The arguments that a step's request and its conditions name."""
+    return arguments_in([step.request, [one.equals for one in step.conditions]])
 
 
 def _every_language(entry: SkillEntry, at: Place) -> Iterator[tuple[Place, Sentences]]:

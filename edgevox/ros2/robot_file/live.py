@@ -37,11 +37,15 @@ Report = Callable[..., None]
 
 @dataclass(frozen=True, slots=True)
 class StepRun:
-    """One time that a step is done: the values for its request, and the goal it is done for."""
+    """One time that a step is done: the values for its request, and the goal it is done for.
+
+    `asked_s` is when the step before it began to ask for something, if there is one.
+    """
 
     values: Mapping[str, Any]
     token: CancelToken
     report: Report
+    asked_s: float | None = None
 
 
 class LiveStep(Protocol):
@@ -130,7 +134,7 @@ class Calls(_Base):
             if isinstance(end, Cancelled):
                 raise
             raise self._failed("no_answer") from None
-        return values_of(self._planned, answer)
+        return values_of(self._planned, answer, run.values)
 
 
 class Acts(_Base):
@@ -163,7 +167,7 @@ class Acts(_Base):
             raise end if isinstance(end, Cancelled) else self._failed("no_answer") from None
         if answer.status != GoalStatus.STATUS_SUCCEEDED:
             raise self._failed("gave_up")
-        return values_of(self._planned, answer.result)
+        return values_of(self._planned, answer.result, run.values)
 
     def _hear(self, message: Any, run: StepRun) -> None:
         if self._progress is None or run.token.cancelled:
@@ -207,7 +211,7 @@ class Reads(_Hears):
                 message = self._newest.wait(lambda _: True, run.token, timeout_s, kept=False)
             except TookTooLong:
                 raise self._failed("unheard") from None
-        return values_of(self._planned, message)
+        return values_of(self._planned, message, run.values)
 
 
 class WaitsForMessage(_Hears):
@@ -215,14 +219,19 @@ class WaitsForMessage(_Hears):
 
     def run(self, run: StepRun) -> dict[str, Any]:
         how: Wait = getattr(self._step, self._planned.way)
-        fresh = self._topic.latched or self._newest.young(READ_S) is not None
+        # After another step only what came since is an answer to it, also if it was there at once.
+        oldest_s = READ_S if run.asked_s is None else self._clock.now() - run.asked_s
+        fresh = self._topic.latched or self._newest.young(min(READ_S, oldest_s)) is not None
         try:
             message = self._newest.wait(
-                lambda one: holds(one, how.until), run.token, self._step.timeout_s, kept=fresh
+                lambda one: holds(one, how.until, run.values),
+                run.token,
+                self._step.timeout_s,
+                kept=fresh,
             )
         except TookTooLong:
             raise self._failed("not_so") from None
-        return values_of(self._planned, message)
+        return values_of(self._planned, message, run.values)
 
 
 _KINDS: Mapping[str, Callable[[PlannedStep, Node, Clock], LiveStep]] = {

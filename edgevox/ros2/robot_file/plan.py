@@ -1,7 +1,7 @@
 """A step of the file with the types that it needs: checked before the robot is started."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,9 +12,15 @@ from edgevox.core.validation import Place
 from edgevox.core.yaml_file import YamlFile
 from edgevox.ros2.robot_file.argument_models import samples
 from edgevox.ros2.robot_file.field_paths import check_path
-from edgevox.ros2.robot_file.filling import Filling, arguments_in
-from edgevox.ros2.robot_file.interfaces import Kind, interface, is_text
-from edgevox.ros2.robot_file.robot_file_format import WAYS, Argument, FieldCondition, Step
+from edgevox.ros2.robot_file.filling import Filling, arguments_in, primitive, with_arguments
+from edgevox.ros2.robot_file.interfaces import Kind, interface, is_primitive, is_text
+from edgevox.ros2.robot_file.robot_file_format import (
+    WAYS,
+    Argument,
+    FieldCondition,
+    Step,
+    Value,
+)
 
 _KINDS: Mapping[str, Kind] = {
     "publish": "msg",
@@ -75,27 +81,33 @@ class Planner:
             raise self._file.wrong((*at, "publish", "type"), name, expected)
 
     def _check_request(self, request: Any, template: Mapping[str, Any], at: Place) -> None:
-        named = arguments_in(template)
-        if unknown := named - self._arguments.keys() - self.results.keys():
-            expected = "an argument: one of " + ", ".join([*self._arguments, *self.results])
-            raise self._file.wrong(at, "{" + min(unknown) + "}", expected)
+        self._check_named(template, at)
         if request is None and template:
             raise self._file.wrong(at, dict(template), "nothing: what only hears has no request")
         if request is None:
             return
-        earlier = {name: _sample_of(type_name) for name, type_name in self.results.items()}
-        for tried, values in samples(self._arguments):
+        for tried, values in self._samples():
             try:
-                Filling(Time).fill(request(), template, {**earlier, **values})
+                Filling(Time).fill(request(), template, values)
             except InvalidValue as error:
                 hint = f"; so bound the argument {tried!r}" if tried else ""
                 place = (*at, *_place_of(error.field))
                 raise self._file.wrong(place, error.value, error.expected + hint) from None
 
+    def _check_named(self, template: Any, at: Place) -> None:
+        if unknown := arguments_in(template) - self._arguments.keys() - self.results.keys():
+            expected = "an argument: one of " + ", ".join([*self._arguments, *self.results])
+            raise self._file.wrong(at, "{" + min(unknown) + "}", expected)
+
+    def _samples(self) -> Iterator[tuple[str, Mapping[str, Any]]]:
+        earlier = {name: _sample_of(type_name) for name, type_name in self.results.items()}
+        for tried, values in samples(self._arguments):
+            yield tried, {**earlier, **values}
+
     def _check_answer(self, planned: PlannedStep, at: Place) -> None:
         step = planned.step
-        for name, path in step.result.items():
-            self.results[name] = self._type_at(planned.answer, path, (*at, "result", name))
+        for name, value in step.values.items():
+            self.results[name] = self._type_of(planned.answer, value, (*at, "result", name))
         for number, one in enumerate(step.expect):
             self._check_condition(planned.answer, one, (*at, "expect", number))
         for number, one in enumerate(step.wait.until if step.wait else ()):
@@ -104,9 +116,29 @@ class Planner:
     def _check_condition(self, answer: Any, condition: FieldCondition, at: Place) -> None:
         type_name = self._type_at(answer, condition.field, (*at, "field"))
         compared = condition.above is not None or condition.below is not None
-        if compared and (type_name == "boolean" or is_text(type_name)):
+        if compared and not _is_number(type_name):
             expected = "a number, to be above or below something"
             raise self._file.wrong((*at, "field"), condition.field, expected)
+        if condition.equals is None:
+            return
+        self._check_named(condition.equals, (*at, "equals"))
+        if not is_primitive(type_name):
+            expected = "a number, a truth or a text, to be equal to something"
+            raise self._file.wrong((*at, "field"), condition.field, expected)
+        for _, values in self._samples():
+            try:
+                primitive(type_name, with_arguments(condition.equals, values), "")
+            except InvalidValue as error:
+                expected = f"{error.expected}, as {condition.field} is"
+                raise self._file.wrong((*at, "equals"), condition.equals, expected) from None
+
+    def _type_of(self, answer: Any, value: Value, at: Place) -> str:
+        type_name = self._type_at(answer, value.field, at)
+        if value.times is None:
+            return type_name
+        if not _is_number(type_name):
+            raise self._file.wrong(at, value.field, "a number, to be multiplied")
+        return "double" if value.decimals else "int64"
 
     def _type_at(self, answer: Any, path: str, at: Place) -> str:
         if answer is None:
@@ -131,6 +163,10 @@ def _sides(way: str, kind: Any) -> tuple[Any, Any]:
 def _place_of(path: str) -> Place:
     """The place of a field in a template, from how `Filling` names it."""
     return tuple(int(one) if one.isdigit() else one for one in re.findall(r"\w+", path))
+
+
+def _is_number(type_name: str) -> bool:
+    return is_primitive(type_name) and type_name != "boolean" and not is_text(type_name)
 
 
 def _sample_of(type_name: str) -> Any:

@@ -36,6 +36,8 @@ Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,39}$")]
 GraphName = Annotated[str, Field(pattern=r"^~?/?[A-Za-z][A-Za-z0-9_/]{0,254}$")]
 """A topic, service or action; relative to the robot's namespace unless it begins with a slash."""
 Scalar = bool | int | Number | str
+Meaning = Scalar | list[Any] | dict[str, Any]
+"""What a word stands for in a request: a value, a list, or a message's fields by name."""
 
 
 class Part(BaseModel):
@@ -73,8 +75,19 @@ class ActionInterface(Interface):
     progress: Word | None = None
 
 
+class Value(Part):
+    """A value of what comes back: a field by its path, a number in it `times` so much, rounded."""
+
+    field: Word
+    times: Number | None = None
+    decimals: int = Field(3, ge=0, le=6)
+
+
 class FieldCondition(Part):
-    """What a field of a message must be: `equals`, or a number `above` or `below`."""
+    """What a field of a message must be: `equals`, or a number `above` or `below`.
+
+    `equals` may name arguments and earlier results, as requests do.
+    """
 
     field: Word
     equals: Scalar | None = None
@@ -110,7 +123,7 @@ class Step(Part):
     read: Topic | None = None
     wait: Wait | None = None
     request: Mapping[str, Any] = Field(default_factory=dict)
-    result: Mapping[Name, Word] = Field(default_factory=dict)
+    result: Mapping[Name, Word | Value] = Field(default_factory=dict)
     expect: list[FieldCondition] = Field(default_factory=list, max_length=10)
     timeout_s: float = Field(
         60.0, gt=0.0, le=LONGEST_WAIT_S, description="longer, and it has failed"
@@ -121,12 +134,26 @@ class Step(Part):
         """The ways that are given."""
         return [way for way in WAYS if getattr(self, way) is not None]
 
+    @property
+    def values(self) -> Mapping[str, Value]:
+        """The values of what comes back, by their names."""
+        return {
+            name: one if isinstance(one, Value) else Value(field=one)
+            for name, one in self.result.items()
+        }
+
+    @property
+    def conditions(self) -> list[FieldCondition]:
+        """All that must hold of what comes."""
+        return [*self.expect, *(self.wait.until if self.wait else ())]
+
 
 class Argument(Part):
     """What a skill is told: a number, a whole number, a truth, a text, or one of some words.
 
     `values` of a choice are its words, or what each word stands for in the request; `aliases` are
-    other things people say for a word, in any language.
+    other things people say for a word, in any language. A number goes into the request `times` so
+    much: 0.01 where people say percent and the robot takes a part of one.
     """
 
     type: Literal["number", "integer", "boolean", "text", "choice"]
@@ -135,11 +162,12 @@ class Argument(Part):
     min: Number | None = None
     max: Number | None = None
     default: Scalar | None = None
-    values: list[Word] | dict[Word, Scalar] | None = None
+    times: Number | None = None
+    values: list[Word] | dict[Word, Meaning] | None = None
     aliases: Mapping[Word, Word] = Field(default_factory=dict)
 
     @property
-    def meanings(self) -> Mapping[str, Scalar]:
+    def meanings(self) -> Mapping[str, Meaning]:
         """What each word of a choice stands for."""
         values = self.values or []
         return values if isinstance(values, dict) else {word: word for word in values}
@@ -151,9 +179,9 @@ class Argument(Part):
         for said, word in self.aliases.items():
             if word not in self.meanings:
                 raise wrong(("aliases", said), word, "one of " + ", ".join(self.meanings))
-        for name in ("min", "max"):
+        for name in ("min", "max", "times"):
             if getattr(self, name) is not None and self.type not in ("number", "integer"):
-                raise wrong((name,), getattr(self, name), "nothing: only numbers have bounds")
+                raise wrong((name,), getattr(self, name), "nothing: this is for numbers only")
         return self
 
 
