@@ -1,13 +1,12 @@
 """What robots that stand in for real ones share: plain rclpy, nothing of edgevox imported.
 
 What such a robot was asked stands on ``asked``, as JSON. A string on ``do`` changes it while it
-runs: refuse, hang, abort, lie or obey; die ends its process at once.
+runs: refuse, hang, abort, lie or obey.
 """
 
 import argparse
 import contextlib
 import json
-import os
 import threading
 from collections.abc import Callable
 from typing import Any
@@ -98,8 +97,6 @@ class StandIn(Node):
         return True
 
     def _do(self, message: String) -> None:
-        if message.data == "die":
-            os._exit(1)
         if not self.change(message.data):
             self.mode = message.data
         self.tell("do", message.data)

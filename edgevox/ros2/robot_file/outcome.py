@@ -9,7 +9,7 @@ from edgevox.ros2.robot_file.field_paths import read_path
 from edgevox.ros2.robot_file.filling import with_arguments
 from edgevox.ros2.robot_file.interface_reasons import interface_reason
 from edgevox.ros2.robot_file.plan import PlannedStep
-from edgevox.ros2.robot_file.robot_file_format import FieldCondition, Value
+from edgevox.ros2.robot_file.robot_file_format import FieldCondition, ResultValue
 
 log = get_logger(__name__)
 
@@ -45,7 +45,7 @@ def values_of(planned: PlannedStep, message: Any, arguments: Mapping[str, Any]) 
     }
 
 
-def _said(value: Any, how: Value) -> Any:
+def _said(value: Any, how: ResultValue) -> Any:
     if how.times is not None and isinstance(value, int | float):
         value = value * how.times
     if isinstance(value, float):

@@ -18,8 +18,8 @@ from edgevox.ros2.robot_file.robot_file_format import (
     WAYS,
     Argument,
     FieldCondition,
+    ResultValue,
     Step,
-    Value,
 )
 
 _KINDS: Mapping[str, Kind] = {
@@ -132,7 +132,7 @@ class Planner:
                 expected = f"{error.expected}, as {condition.field} is"
                 raise self._file.wrong((*at, "equals"), condition.equals, expected) from None
 
-    def _type_of(self, answer: Any, value: Value, at: Place) -> str:
+    def _type_of(self, answer: Any, value: ResultValue, at: Place) -> str:
         type_name = self._type_at(answer, value.field, at)
         if value.times is None:
             return type_name

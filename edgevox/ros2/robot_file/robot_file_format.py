@@ -75,7 +75,7 @@ class ActionInterface(Interface):
     progress: Word | None = None
 
 
-class Value(Part):
+class ResultValue(Part):
     """A value of what comes back: a field by its path, a number in it `times` so much, rounded."""
 
     field: Word
@@ -123,7 +123,7 @@ class Step(Part):
     read: Topic | None = None
     wait: Wait | None = None
     request: Mapping[str, Any] = Field(default_factory=dict)
-    result: Mapping[Name, Word | Value] = Field(default_factory=dict)
+    result: Mapping[Name, Word | ResultValue] = Field(default_factory=dict)
     expect: list[FieldCondition] = Field(default_factory=list, max_length=10)
     timeout_s: float = Field(
         60.0, gt=0.0, le=LONGEST_WAIT_S, description="longer, and it has failed"
@@ -135,10 +135,10 @@ class Step(Part):
         return [way for way in WAYS if getattr(self, way) is not None]
 
     @property
-    def values(self) -> Mapping[str, Value]:
+    def values(self) -> Mapping[str, ResultValue]:
         """The values of what comes back, by their names."""
         return {
-            name: one if isinstance(one, Value) else Value(field=one)
+            name: one if isinstance(one, ResultValue) else ResultValue(field=one)
             for name, one in self.result.items()
         }
 
