@@ -57,7 +57,7 @@ def test_it_speaks_german(talk, arm):
         talk.say("bewege den Arm nach zuhause", "Der Arm bewegt sich.", "Der Arm ist da.")
     with arm.asked.within(GRIPPER, grips(0.04)):
         talk.say("öffne den Greifer", "Meine Hand ist offen.")
-    talk.say("wie weit ist dein Ellbogen gebeugt", "Mein Ellbogen steht bei -135 Grad.")
+    talk.ask_until("wie weit ist dein Ellbogen gebeugt", "Mein Ellbogen steht bei -135 Grad.")
 
 
 def test_a_stop_cancels_the_trajectory(talk, arm):
