@@ -118,7 +118,7 @@ class SkillExecutor:
         """
         skill = skills[call.skill]
         arguments = skill.validate(call.arguments)
-        asked = CheckedCall(skill.name, arguments, skill.drives)
+        asked = _asked(skill, arguments)
         self._guard.permit(way, [asked], turn, confirmed=confirmed)
         if held := self._held([skill]):
             raise SkillFailed(held)
@@ -196,7 +196,7 @@ class SkillExecutor:
         """
         try:
             goals = self._goals(calls, skills, turn)
-            asked = [CheckedCall(one.skill.name, one.arguments, one.skill.drives) for one in goals]
+            asked = [_asked(one.skill, one.arguments) for one in goals]
             self._guard.check(turn.way, asked, turn.number, confirmed=confirmed)
         except NeedsConfirmation:
             raise
@@ -296,3 +296,8 @@ def _report(phrases: Phrasebook, goal: Goal) -> str:
     if goal.status is GoalStatus.FAILED:
         return phrases.failure(goal.reason)
     return ""
+
+
+def _asked(skill: Skill, arguments: Mapping[str, Any]) -> CheckedCall:
+    """As the policy judges it."""
+    return CheckedCall(skill.name, arguments, skill.drives, skill.confirm)

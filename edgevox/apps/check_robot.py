@@ -1,6 +1,7 @@
 """`--check`: what a robot can do, as the files and settings that were given make it."""
 
 from edgevox.agent.name_rules import check_skills
+from edgevox.apps.robots import about
 from edgevox.robots.capabilities import Body
 
 SHORT = 60
@@ -13,6 +14,8 @@ def check_robot(body: Body) -> bool:
     Raises `InvalidValue` for a name that people need for something else.
     """
     check_skills(body.skills)
+    if itself := about(body):
+        print(itself)
     print(f"{body.name} has {len(body.skills)} skills:")
     for one in body.skills:
         said = [sentence for sentence in one.templates if len(sentence) <= SHORT]

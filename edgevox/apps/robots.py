@@ -8,7 +8,7 @@ from edgevox.agent.skills import SkillSet
 from edgevox.apps.folders import places_folder
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
-from edgevox.robots.capabilities import Body, RemembersPlaces
+from edgevox.robots.capabilities import Body, RemembersPlaces, TellsAbout
 from edgevox.robots.places.place_store import PlaceStore
 from edgevox.robots.plugin import installed_robots
 
@@ -48,4 +48,10 @@ def build_agents(body: Body | None) -> Sequence[Agent]:
     if body is None:
         return (Agent("edgevox", TALK_INSTRUCTIONS),)
     check_skills(body.skills)
-    return (Agent(body.name, ROBOTS[body.name].instructions, SkillSet(body.skills)),)
+    instructions = " ".join(filter(None, (ROBOTS[body.name].instructions, about(body))))
+    return (Agent(body.name, instructions, SkillSet(body.skills)),)
+
+
+def about(body: Body) -> str:
+    """What a body says of itself, beyond what its kind is; empty for most."""
+    return body.about if isinstance(body, TellsAbout) else ""

@@ -1,7 +1,9 @@
 """Reads YAML that people write and others send: bounded in size, also with aliases."""
 
+import re
 from collections.abc import Collection, Iterator, Mapping
-from functools import cached_property
+from copy import copy
+from functools import cached_property, reduce
 from typing import Any, TypeVar
 
 import yaml
@@ -13,6 +15,7 @@ from edgevox.core.validation import Place, dotted, explain
 
 M = TypeVar("M", bound=BaseModel)
 
+MOST_OPEN = 200
 _MERGE = "tag:yaml.org,2002:merge"
 _EXPECTED = {
     **dict.fromkeys(
@@ -24,6 +27,9 @@ _EXPECTED = {
     "int_type": "a whole number",
     "string_type": "a text",
     "bool_type": "true or false",
+    "float_parsing": "a number",
+    "int_parsing": "a whole number",
+    "bool_parsing": "true or false",
 }
 """In the words of people who write YAML, not of Python."""
 
@@ -53,6 +59,10 @@ class _EachKeyOnce(yaml.SafeLoader):
 
 def parse_yaml(text: str, name: str) -> Any:
     """The values of a YAML text; `name` is the file's name in messages."""
+    if _open_at_once(text) > MOST_OPEN:
+        raise InvalidValue(
+            name, text[:200], f"valid YAML (at most {MOST_OPEN} brackets within each other)"
+        )
     try:
         data = yaml.load(text, _EachKeyOnce)  # noqa: S506 - it is a safe loader
         if _weight(data, {}) > LARGEST_TEXT_BYTES:
@@ -63,6 +73,18 @@ def parse_yaml(text: str, name: str) -> Any:
         reason = " ".join(str(error).split())
         raise InvalidValue(name, text[:200], f"valid YAML ({reason[:300]})") from None
     return data
+
+
+def _open_at_once(text: str) -> int:
+    """How many brackets are open at once, at most: many take YAML's reader a time without end.
+
+    Those of texts and comments count, too, since most of them are closed.
+    """
+    opened = most = 0
+    for bracket in re.findall(r"[\[{}\]]", text):
+        opened = opened + 1 if bracket in "[{" else max(0, opened - 1)
+        most = max(most, opened)
+    return most
 
 
 def _weight(node: Any, known: dict[int, int]) -> int:
@@ -82,6 +104,16 @@ class YamlFile:
     def __init__(self, text: str, name: str, tags: Collection[str] = ()) -> None:
         self.data, self.name = parse_yaml(text, name), name
         self._text, self._tags = text, tags
+        self._whole = self.data
+        self.at: Place = ()
+        """Where it stands in the whole file."""
+
+    def part(self, *place: str | int) -> "YamlFile":
+        """What stands at this place, as a file; what is wrong is said as of the whole one."""
+        part = copy(self)
+        part.at = (*self.at, *place)
+        part.data = reduce(_inside, place, self.data)
+        return part
 
     def read(self, model: type[M], data: Any, place: Place = ()) -> M:
         """`data`, which stands at this place of the file, as such a model."""
@@ -100,12 +132,12 @@ class YamlFile:
 
     def field(self, place: Place) -> str:
         """What a place is called: the file, the line, and the way to it."""
-        place = tuple(self._in_the_file(place))
+        place = tuple(self._in_the_file((*self.at, *place)))
         return f"{self.name}:{self._line(place)}: {dotted(place)}" if place else self.name
 
     def _in_the_file(self, place: Place) -> Iterator[str | int]:
         """Without what pydantic adds: tags, a mark of keys, the index of what is no list."""
-        data, before = self.data, None
+        data, before = self._whole, None
         for part in place:
             tag = part in self._tags and isinstance(before, int)
             index = isinstance(part, int) and isinstance(data, Mapping) and part not in data

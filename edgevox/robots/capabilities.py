@@ -168,6 +168,15 @@ class ChecksGoals(Protocol):
 
 
 @runtime_checkable
+class TellsAbout(Protocol):
+    """Says of itself what nobody knows of its kind: its name, and what it is for."""
+
+    @property
+    def about(self) -> str:
+        """Sentences for people and for the language model; may be empty."""
+
+
+@runtime_checkable
 class HasPlaces(Protocol):
     """Knows places by name."""
 

@@ -5,7 +5,8 @@
 It serves ``honk`` (SetBool), ``fold`` (Trigger) and the action ``dock`` (ExecuteSkill's type stands
 in for a docking action's), says its ``temperature`` and whether the ``door`` is open, and listens
 to ``lamp``. What it was asked stands on ``asked``. A string on ``do`` changes it while it runs:
-refuse, hang, abort, lie or obey, open or shut (the door) or silent (no temperature).
+refuse, hang, abort, lie or obey, open or shut (the door) or silent (no temperature). With
+``--changed`` its horn, lamp and thermometer have other types, as after an update.
 """
 
 import argparse
@@ -30,14 +31,15 @@ PAUSE_S = 0.05
 
 
 class InterfaceRobot(Node):
-    def __init__(self, namespace: str) -> None:
+    def __init__(self, namespace: str, *, changed: bool = False) -> None:
         super().__init__("interfaces", namespace=namespace)
         self.mode, self.silent, self.open = "obey", False, False
         self.over = threading.Event()
         kept = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self.asked = self.create_publisher(String, "asked", kept)
         group = ReentrantCallbackGroup()
-        self.create_service(SetBool, "honk", self.honk, callback_group=group)
+        horn = (Trigger, self.fold) if changed else (SetBool, self.honk)
+        self.create_service(horn[0], "honk", horn[1], callback_group=group)
         self.create_service(Trigger, "fold", self.fold, callback_group=group)
         ActionServer(
             self,
@@ -51,8 +53,10 @@ class InterfaceRobot(Node):
             callback_group=group,
         )
         self.create_subscription(String, "do", self.change, 10)
-        self.create_subscription(Int32, "lamp", lambda m: self.tell("lamp", m.data), 10)
-        self.temperature = self.create_publisher(Temperature, "temperature", 10)
+        lamp = String if changed else Int32
+        self.create_subscription(lamp, "lamp", lambda m: self.tell("lamp", m.data), 10)
+        self.heat = Bool() if changed else Temperature(temperature=41.26)
+        self.temperature = self.create_publisher(type(self.heat), "temperature", 10)
         self.door = self.create_publisher(Bool, "door", 10)
         self.create_timer(PERIOD_S, self.say)
 
@@ -72,7 +76,7 @@ class InterfaceRobot(Node):
     def say(self) -> None:
         self.door.publish(Bool(data=self.open))
         if not self.silent:
-            self.temperature.publish(Temperature(temperature=41.26))
+            self.temperature.publish(self.heat)
 
     def honk(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         self.tell("honk", request.data)
@@ -105,9 +109,10 @@ class InterfaceRobot(Node):
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--namespace", default="/")
+    parser.add_argument("--changed", action="store_true")
     options = parser.parse_args()
     rclpy.init(args=[])
-    robot = InterfaceRobot(options.namespace)
+    robot = InterfaceRobot(options.namespace, changed=options.changed)
     executor = MultiThreadedExecutor(4)
     executor.add_node(robot)
     with contextlib.suppress(ExternalShutdownException, KeyboardInterrupt):

@@ -20,9 +20,9 @@ ROBOT_FILE = Path(__file__).with_name("interface_robot.yaml")
 NAMESPACE = "/robot1"
 
 
-def interfaces(domain: int):
+def interfaces(domain: int, *arguments: str):
     """The robot's process."""
-    return robot_process("interface_robot.py", domain=domain, namespace=NAMESPACE)
+    return robot_process("interface_robot.py", *arguments, domain=domain, namespace=NAMESPACE)
 
 
 class Asked:

@@ -1,40 +1,18 @@
 """`edgevox doctor` for real, as a process on this machine."""
 
-import json
-import os
-import subprocess
-from pathlib import Path
+from functools import partial
 
 import pytest
-from agent_process import AGENT
-from guards import HUNG_S
+from doctor_process import ask_doctor
 
 from edgevox.apps.doctor.checks import CHECKS
 from edgevox.models import Store
 
-EDGEVOX = str(Path(AGENT).with_name("edgevox"))
-
 
 @pytest.fixture
-def doctor(domain, tmp_path):
+def doctor(domain):
     """Runs it; its exit code, and its verdicts by check."""
-
-    def run(*arguments, **environment):
-        ours = {name: v for name, v in os.environ.items() if not name.startswith("EDGEVOX_")}
-        done = subprocess.run(
-            [EDGEVOX, "doctor", "--json", *arguments],
-            env=ours | {"ROS_DOMAIN_ID": str(domain), **environment},
-            capture_output=True,
-            text=True,
-            timeout=HUNG_S,
-        )
-        told = json.loads(done.stdout)
-        checks = {}
-        for one in told["checks"]:
-            checks.setdefault(one["check"], []).append(one)
-        return done.returncode, checks
-
-    return run
+    return partial(ask_doctor, domain=domain)
 
 
 def test_this_machine_is_well_and_every_check_has_an_answer(doctor):

@@ -1,6 +1,7 @@
 """An agent that was given nothing but a robot file, typed to over ROS 2."""
 
 import pytest
+from action_rig import Client
 from guards import HUNG_S
 from robot_file_rig import NAMESPACE, ROBOT_FILE, Asked, Talk, interfaces
 
@@ -38,6 +39,26 @@ def test_all_that_the_robot_can_do_is_done_by_sentences(talk, peer):
     asked.wait("dock", ["slot 3", "{}"])
     say("stop", "Stopped.")
     asked.wait("cancelled", "slot 3")
+    # What is done at the stop hangs in the robot; it keeps nobody from the next command.
+    asked.wait("honk", False)
+    say("stop", "Stopped.")
+    say("lamp to green", "The lamp is green.")
+    say("dock", "Docking.")
+    say("stop", "Stopped.")
+
+
+def test_a_skill_that_wants_a_yes_is_asked_about_and_refused_where_nobody_can_be_asked(talk, peer):
+    say = talk()
+    asked = Asked(peer(NAMESPACE))
+    asked.do("obey")
+    say("open tray", "Shall I open the tray?")
+    say("no", "")
+    assert asked.times("fold") == 0
+    say("open tray", "Shall I open the tray?")
+    say("yes", "The tray is open.")
+    asked.wait("fold")
+    refused = Client(peer()).send("open_tray")
+    assert not refused.accepted
 
 
 def test_a_file_is_checked_without_a_robot_and_its_fault_is_told(agent, tmp_path):

@@ -6,16 +6,26 @@ import pytest
 from geometry_msgs.msg import PoseStamped
 
 from edgevox.agent.name_rules import check_skills
+from edgevox.agent.policy import Rule
+from edgevox.apps.policy_setup import build_guard
+from edgevox.apps.robots import build_agents
+from edgevox.core.bus import Bus
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import Settings
+from edgevox.core.ways import Way
 from edgevox.core.yaml_file import YamlFile
 from edgevox.ros2.external import EXTERNAL
+from edgevox.ros2.external.external_settings import SteeringLimits
 from edgevox.ros2.robot_file.filling import Filling
+from edgevox.ros2.robot_file.load import load_robot_file
+from edgevox.ros2.robot_file.robot_file_format import RobotFile
+from edgevox.ros2.standard_topics import DRIVEN
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "robot_file" / "cleaner.yaml"
 LAMP = "publish: {{name: lamp, type: std_msgs/msg/{}}}\nrequest: {{data: '{{x}}'}}\n"
 HONK = "call: {name: honk, type: std_srvs/srv/SetBool}"
 POINT = "publish: {name: to, type: geometry_msgs/msg/PointStamped}\nrequest: {point: '{x}'}\n"
+FOLD = "call: {name: fold, type: std_srvs/srv/Trigger}"
 GO = "action: {name: dock, type: edgevox_msgs/action/ExecuteSkill}"
 HEAR = "read: {name: pose, type: geometry_msgs/msg/PoseStamped}"
 
@@ -55,12 +65,12 @@ def build(tmp_path, skill, head=""):
         (
             HONK + "\nexpect: [{field: success, equals: 1}]",
             "skills.act.expect.0.equals",
-            "true or false, as success is",
+            "true or false (boolean)",
         ),
         (
             HEAR + "\nexpect: [{field: pose.position, equals: 1}]",
-            "skills.act.expect.0.field",
-            "to be equal to something",
+            "skills.act.expect.0.equals",
+            "is compared",
         ),
         (
             HONK + "\nexpect: [{field: message, equals: '{x}'}]",
@@ -89,6 +99,27 @@ def build(tmp_path, skill, head=""):
         (HONK + '\nsentences: ["honk (now"]', "skills.act.sentences.0", "a template"),
         (HONK + "\ndone: It is {loud}.", "skills.act.done", "a value that is known"),
         (HONK + "\nlanguages: {xx: {done: x}}", "skills.act.languages.xx", "a code of"),
+        (
+            HONK + f"\nstop: {{{HONK}, timeout_s: 60}}",
+            "robot.yaml:5: skills.act.stop.timeout_s",
+            "less than or equal to 5",
+        ),
+        (HONK + f"\nstop: {{{GO}}}", "skills.act.stop.action", "publish without rate_hz, or call"),
+        (
+            FOLD + "\nresult: {why: message}\nstop: "
+            "{publish: {name: x, type: std_msgs/msg/String}, request: {data: '{why}'}}",
+            "skills.act.stop.request",
+            "an argument",
+        ),
+        (
+            HONK + "\nstops_on: [{name: b, type: std_msgs/msg/Bool, until: "
+            "[{field: pressed, equals: true}]}]",
+            "robot.yaml:5: skills.act.stops_on.0.until.0.field",
+            "one of data",
+        ),
+        (HONK + "\nstops_on: [{name: b, type: std_msgs/msg/Bool}]", "stops_on.0.until", "a value"),
+        (HONK + "\nconfirm: always", "skills.act.confirm", "true or false"),
+        (HONK + '\nasks: "do {what}"', "skills.act.asks", "a value that is known"),
         (HONK + "\nhorn: 1", "skills.act.horn", "no such key"),
         (
             "publish: {name: /cmd_vel, type: geometry_msgs/msg/Twist}",
@@ -129,6 +160,107 @@ def test_the_file_says_how_the_robot_is_unless_a_setting_does(tmp_path):
     body = build(tmp_path, HONK, head)
     assert set(body.places) == {"dock"}
     assert {"navigate_to", "act"} <= {one.name for one in body.skills}
+
+
+HEAD_FAULTS = [
+    ("places: {dock: {x: 0.0, y: north}}\n", "robot.yaml:1: places.dock.y", "a number"),
+    ("places: {dock: {x: 0.0}}\n", "robot.yaml:1: places.dock.y", "metres"),
+    (
+        "places:\n  dock: {x: 0.0, y: 0.0}\n  bay: {x: 1.0, y: 0.0, aliases: [dock]}\n",
+        "robot.yaml:3: places.bay",
+        "a name that",
+    ),
+    (
+        "places: {dock: {x: 0.0, y: 0.0}}\nlocations: places.yaml\n",
+        "robot.yaml:2: locations",
+        "nothing: places stand in this file",
+    ),
+    ("policy: {rules: {voice: {act: ask}}}\n", "yaml:1: policy.rules.voice.act", "'confirm'"),
+    ("policy: {limit: 1}\n", "robot.yaml:1: policy.limit", "no such key"),
+    (
+        "policy: {rules: {voice: deny}}\npolicy_file: p.yaml\n",
+        "robot.yaml:2: policy_file",
+        "nothing",
+    ),
+    ("footprint: {width: 0.4}\n", "robot.yaml:1: footprint.length", "a value"),
+    ("footprint: {width: 0.4, length: -1}\n", "footprint.length", "greater than 0"),
+    ("limits: {max_acceleration: 0}\n", "limits.max_acceleration", "greater than 0"),
+    ("frames: {map: map}\n", "robot.yaml:1: frames", "no such key"),
+    ("topics: {map: chart}\n", "robot.yaml:1: topics.map", "'odom'"),
+    ("name: 3\n", "robot.yaml:1: name", "a text"),
+]
+
+
+@pytest.mark.parametrize(("head", "field", "expected"), HEAD_FAULTS)
+def test_what_is_wrong_about_the_robot_is_told_by_line_and_field(tmp_path, head, field, expected):
+    with pytest.raises(InvalidValue) as caught:
+        build(tmp_path, HONK, head)
+    assert field in caught.value.field
+    assert expected in caught.value.expected
+
+
+def test_places_in_the_file_are_known_unless_a_setting_names_others(tmp_path):
+    head = "places:\n  dock: {x: 1.0, y: 2.0, yaw: 1.5, aliases: [home]}\n"
+    body = build(tmp_path, HONK, head)
+    assert body.places == {"dock": (1.0, 2.0)}
+    (tmp_path / "others.yaml").write_text("bay: {x: 0.0, y: 0.0}\n")
+    settings = Settings(robot_file=tmp_path / "robot.yaml", locations=tmp_path / "others.yaml")
+    assert set(EXTERNAL.build(settings, None).places) == {"bay"}
+
+
+@pytest.mark.parametrize(
+    ("head", "settings", "rule"),
+    [
+        ("policy: {rules: {voice: {act: deny}}}\n", {}, Rule.DENY),
+        ("policy_file: policy.yaml\n", {}, Rule.CONFIRM),
+        ("policy: {rules: {voice: {act: deny}}}\n", {"policy": "policy.yaml"}, Rule.CONFIRM),
+        ("", {}, Rule.ALLOW),
+    ],
+)
+def test_the_policy_is_the_settings_else_the_files(tmp_path, head, settings, rule):
+    (tmp_path / "policy.yaml").write_text("rules: {voice: {act: confirm}}\n")
+    body = build(tmp_path, HONK, head)
+    given = {name: tmp_path / path for name, path in settings.items()}
+    guard = build_guard(Settings(**given), Bus(), body)
+    assert guard.policy.judge(Way.VOICE, "act", {}).rule is rule
+    assert guard.has_rules is (rule is not Rule.ALLOW)
+
+
+def test_a_footprint_widens_the_strip_that_has_to_be_free_and_the_way_to_stop(tmp_path):
+    file = tmp_path / "robot.yaml"
+    file.write_text(
+        "limits: {max_linear: 1.0, max_acceleration: 0.5}\nfootprint: {length: 1.2, width: 0.7}\n"
+    )
+    steering = load_robot_file(file).steering(Settings())
+    assert steering.half_width_m == pytest.approx(0.4)
+    # Half of its length, 1 m to brake from its fastest, and what is left free.
+    assert steering.stop_ahead_m == pytest.approx(0.6 + 1.0 + 0.1)
+    slower = load_robot_file(file).steering(Settings(max_linear=0.3))
+    assert slower.max_linear_m_s == 0.3
+    assert slower.stop_ahead_m == pytest.approx(0.6 + 0.09 + 0.1)
+    file.write_text("{}\n")
+    assert load_robot_file(file).steering(Settings()) == SteeringLimits()
+
+
+def test_a_setting_that_is_given_counts_though_it_is_the_default(tmp_path):
+    file = tmp_path / "robot.yaml"
+    file.write_text("namespace: /cleaner\nlimits: {max_linear: 0.2}\n")
+    described = load_robot_file(file)
+    assert described.steering(Settings()).max_linear_m_s == 0.2
+    assert described.steering(Settings(max_linear=0.3)).max_linear_m_s == 0.3
+    assert described.namespace(Settings()) == "/cleaner"
+    assert described.namespace(Settings(external_namespace="/")) == "/"
+
+
+def test_its_name_and_what_it_is_for_are_told_to_the_language_model(tmp_path):
+    body = build(tmp_path, HONK, "name: Rosie\ndescription: A robot that honks.\n")
+    (agent,) = build_agents(body)
+    assert agent.instructions.endswith("Your name is Rosie. A robot that honks.")
+
+
+def test_the_topics_that_may_be_called_otherwise_are_those_of_the_contract():
+    topics = RobotFile.model_json_schema()["properties"]["topics"]["propertyNames"]["enum"]
+    assert set(topics) == DRIVEN.keys()
 
 
 def test_the_example_is_whole():

@@ -23,7 +23,10 @@ def robot(domain):
 
 @pytest.fixture
 def asked(robot, peer):
-    return Asked(peer(NAMESPACE))
+    """What a robot is asked that is up: it has answered."""
+    one = Asked(peer(NAMESPACE))
+    one.do("obey")
+    return one
 
 
 def test_a_service_is_called(skills, asked):
@@ -100,6 +103,21 @@ def test_a_robot_that_dies_under_an_action_ends_it(skills, asked, robot):
         run.result()
 
 
+def test_a_robot_that_comes_back_is_worked_with_again(skills, domain, peer):
+    with interfaces(domain) as first:
+        asked = Asked(peer(NAMESPACE))
+        asked.do("hang")
+        run = Run(skills, "dock")
+        asked.wait("dock")
+        first.kill()
+        with pytest.raises(SkillFailed, match="dock did not answer in time"):
+            run.result()
+    with interfaces(domain):
+        Asked(peer(NAMESPACE)).do("obey")
+        assert Run(skills, "dock").result() == {"where": "slot 3"}
+        assert Run(skills, "temperature").result() == {"degrees": 41.26}
+
+
 def test_the_newest_value_answers_a_question(skills, asked):
     assert Run(skills, "temperature").result() == {"degrees": 41.26}
 
@@ -127,6 +145,52 @@ def test_a_condition_is_waited_for_and_a_stop_ends_that(skills, asked):
         pass  # what was said before it was shut is still on its way
     run = Run(skills, "wait_for_door")
     run.token.cancel("stop")
+    with pytest.raises(Cancelled):
+        run.result()
+
+
+def test_what_a_skill_stops_on_ends_it_as_failed_and_does_what_the_file_wants_then(skills, asked):
+    asked.do("shut")
+    while Run(skills, "look_at_door").result() != {"open": False}:
+        pass
+    run = Run(skills, "flash")
+    asked.wait("lamp", 8)
+    asked.do("open")
+    with pytest.raises(SkillFailed, match="I ended it because of door"):
+        run.result()
+    asked.wait("lamp", 9)
+
+
+def test_a_skill_does_not_begin_while_what_it_stops_on_is_so(skills, asked):
+    asked.do("open")
+    while Run(skills, "look_at_door").result() != {"open": True}:
+        pass
+    with pytest.raises(SkillFailed, match="I ended it because of door"):
+        Run(skills, "flash").result()
+    Run(skills, "set_lamp", colour="red").result()
+    asked.wait("lamp", 1)
+    assert asked.times("lamp") == 1
+
+
+def test_a_stop_of_the_person_is_no_failure_though_the_skill_watches_for_others(skills, asked):
+    asked.do("shut")
+    while Run(skills, "look_at_door").result() != {"open": False}:
+        pass
+    run = Run(skills, "flash")
+    asked.wait("lamp", 8)
+    run.token.cancel("enough")
+    with pytest.raises(Cancelled):
+        run.result()
+    asked.wait("lamp", 9)
+
+
+def test_a_stop_that_hangs_is_waited_for_no_longer_than_its_time(skills, asked):
+    asked.do("hang")
+    run = Run(skills, "dock")
+    asked.wait("dock")
+    run.token.cancel("stop")
+    asked.wait("honk", False)
+    asked.wait("cancelled", "slot 3")
     with pytest.raises(Cancelled):
         run.result()
 

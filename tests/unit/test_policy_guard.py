@@ -255,3 +255,22 @@ def test_what_is_around_a_robot_is_its_places_and_where_it_is():
     assert around.place_at(x_m, y_m) == "kitchen"
     assert around.here() == (robot.pose().x_m, robot.pose().y_m)
     assert policy_context(None).here() is None
+
+
+@pytest.mark.parametrize(
+    ("rules", "way", "expected"),
+    [
+        (ALLOW, Way.VOICE, NeedsConfirmation),
+        ("rules: {'*': deny}", Way.VOICE, Denied),
+        (ALLOW, Way.ACTION, Denied),
+    ],
+)
+def test_a_skill_that_wants_a_yes_gets_one_whatever_the_policy_allows(file, rules, way, expected):
+    file.write_text(rules)
+    guard = Guard(file, Bus())
+    asked = [CheckedCall("open_tray", confirm=True)]
+    with pytest.raises(expected) as caught:
+        guard.check(way, asked)
+    assert type(caught.value) is expected
+    if expected is NeedsConfirmation:
+        guard.check(way, asked, confirmed=True)

@@ -5,6 +5,7 @@ force, reads the file again when it has changed, and counts what is refused. Imp
 the agent skills and reasons.
 """
 
+from edgevox.agent.policy.format import PolicyFile
 from edgevox.agent.policy.guard import CheckedCall, Guard
 from edgevox.agent.policy.policy import Policy, load_policy
 from edgevox.agent.policy.policy_context import PolicyContext
@@ -17,6 +18,7 @@ __all__ = [
     "NeedsConfirmation",
     "Policy",
     "PolicyContext",
+    "PolicyFile",
     "Rule",
     "Verdict",
     "load_policy",

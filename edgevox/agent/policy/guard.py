@@ -28,11 +28,15 @@ TELL_EVERY_S = 1.0
 
 @dataclass(frozen=True, slots=True)
 class CheckedCall:
-    """One call of a skill, its arguments checked; `moves`: it sets the robot in motion."""
+    """One call of a skill, its arguments checked; `moves`: it sets the robot in motion.
+
+    `confirm`: the skill itself wants a yes, also where the policy does not.
+    """
 
     skill: str
     arguments: Mapping[str, Any] = field(default_factory=dict)
     moves: bool = True
+    confirm: bool = False
 
 
 class Guard:
@@ -40,8 +44,9 @@ class Guard:
 
     With a `file` it is that file's policy: read at once, which raises `InvalidValue`, and again
     when something is asked and the file has changed. One that cannot be read leaves the old policy
-    in force, which is logged, and said by `fault` until it is mended. `around` is what is known
-    of the robot, `now` the time of day. A refusal is published as `GoalRejected`.
+    in force, which is logged, and said by `fault` until it is mended. Without one the `fixed`
+    policy is in force. `around` is what is known of the robot, `now` the time of day. A refusal is
+    published as `GoalRejected`.
     """
 
     def __init__(
@@ -50,12 +55,13 @@ class Guard:
         bus: Bus | None = None,
         around: PolicyContext = NOWHERE,
         *,
+        fixed: Policy | None = None,
         now: Callable[[], datetime] = local_time,
         clock: Clock | None = None,
     ) -> None:
         self.around = around
         self._file = WatchedFile(file) if file else None
-        self._fixed = Policy()
+        self._fixed = fixed or Policy()
         self._bus = bus or Bus()
         self._now = now
         self._clock = clock or SystemClock()
@@ -73,9 +79,9 @@ class Guard:
         return self._file.policy if self._file else self._fixed
 
     @property
-    def reads_a_file(self) -> bool:
-        """Whether it is a file's policy."""
-        return self._file is not None
+    def has_rules(self) -> bool:
+        """Whether anybody gave a policy: a file's, or one that the robot brings."""
+        return self._file is not None or self._fixed != Policy()
 
     @property
     def fault(self) -> str:
@@ -104,7 +110,13 @@ class Guard:
         unsure: NeedsConfirmation | None = None
         for one in calls:
             verdict = policy.judge(
-                way, one.skill, one.arguments, moves=one.moves, around=self.around, now=now
+                way,
+                one.skill,
+                one.arguments,
+                moves=one.moves,
+                confirm=one.confirm,
+                around=self.around,
+                now=now,
             )
             if verdict.rule is Rule.DENY:
                 denied = Denied(verdict.reason, way, one.skill, one.arguments)

@@ -42,13 +42,15 @@ class Policy:
         arguments: Mapping[str, Any],
         *,
         moves: bool = True,
+        confirm: bool = False,
         around: PolicyContext = NOWHERE,
         now: datetime | None = None,
     ) -> Verdict:
         """What becomes of a skill, with checked arguments, asked for by this way.
 
-        `moves` says whether it sets the robot in motion; limits are for what does. Where nobody can
-        be asked, what needs a yes is refused.
+        `moves` says whether it sets the robot in motion; limits are for what does. `confirm` says
+        that the skill wants a yes where the file allows it. Where nobody can be asked, what needs a
+        yes is refused.
         """
         if skill == STOP:
             return ALLOWED
@@ -60,11 +62,11 @@ class Policy:
             reason = limits.closed(now or local_time()) or limits.against(arguments, around)
             if reason:
                 return Verdict(Rule.DENY, reason)
-        if rule is Rule.ALLOW:
+        if rule is Rule.ALLOW and not confirm:
             return ALLOWED
         if not way.attended:
             return Verdict(Rule.DENY, because("needs_a_person", way=way, skill=skill))
-        return Verdict(rule, because("needs_confirmation", way=way, skill=skill))
+        return Verdict(Rule.CONFIRM, because("needs_confirmation", way=way, skill=skill))
 
     def steered(self, now: datetime | None = None) -> Reason:
         """Why it may not be steered by velocities now; none if it may. Takes microseconds."""

@@ -36,7 +36,7 @@ class PolicyComponent:
         return Status.judged(
             self.name,
             found,
-            well=(file.about or "in force") if guard.reads_a_file else NO_FILE,
+            well=(file.about or "in force") if guard.has_rules else NO_FILE,
             broken=bool(guard.fault),
             refused=sum(guard.refusals.values()),
             slowed=guard.slowed,

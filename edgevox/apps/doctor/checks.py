@@ -7,6 +7,7 @@ from edgevox.apps.doctor import (
     network,
     permitted,
     process_environment,
+    robot_interfaces,
     ros,
     sound,
 )
@@ -115,6 +116,13 @@ CHECKS: tuple[Check, ...] = (
         "a message goes to a node of another process, and back",
         f"{_ROS}:round_trip",
         ros.judge_round_trip,
+        needs=("ros2", "domain"),
+    ),
+    Check(
+        "robot file",
+        "each interface that the robot file names is on the graph, with its type and QoS",
+        robot_interfaces.probe_robot_file,
+        robot_interfaces.judge_robot_file,
         needs=("ros2", "domain"),
     ),
     Check(

@@ -1,5 +1,6 @@
 """Runs one probe in this process, for one that may hang or die: ``child.py module:function``.
 
+What follows on the command line are the probe's arguments.
 Its facts are the last line on standard output; whatever libraries print goes to standard error.
 """
 
@@ -9,15 +10,15 @@ import os
 import sys
 
 
-def main(address: str) -> None:
+def main(address: str, *arguments: str) -> None:
     """Probe, and print what was seen."""
     answers = os.dup(1)
     os.dup2(2, 1)
     module, _, function = address.partition(":")
-    facts = getattr(importlib.import_module(module), function)()
+    facts = getattr(importlib.import_module(module), function)(*arguments)
     os.write(answers, json.dumps(facts).encode() + b"\n")
     os.close(answers)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main(*sys.argv[1:])

@@ -3,8 +3,9 @@
 import argparse
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from edgevox.apps.doctor.check import Check, Situation
 from edgevox.apps.doctor.checks import CHECKS
@@ -25,7 +26,8 @@ PROGRAM = "edgevox-doctor"
 def main(argv: Sequence[str] | None = None, program: str = PROGRAM) -> int:
     """Look at the machine; 0 if EdgeVox can run on it, 1 if not, 2 for a wrong command line."""
     arguments = _parser(program).parse_args(argv)
-    settings, refused = _settings(arguments.config)
+    flags = {"robot_file": arguments.robot_file} if arguments.robot_file else {}
+    settings, refused = _settings(flags, arguments.config)
     agent = arguments.robot or os.environ.get(AGENT, "")
     situation = Situation(settings, dict(os.environ), agent, arguments.quick, refused)
     answers = ask(_chosen(arguments.only), situation)
@@ -37,17 +39,17 @@ def main(argv: Sequence[str] | None = None, program: str = PROGRAM) -> int:
     return UNWELL if worst(answers) >= limit else WELL
 
 
-def _settings(config: Path | None) -> tuple[Settings, str]:
+def _settings(flags: Mapping[str, Any], config: Path | None) -> tuple[Settings, str]:
     """The settings; where they are nonsense the defaults, and why."""
     try:
-        return load_settings({}, config), ""
+        return load_settings(flags, config), ""
     except InvalidValue as wrong:
         variable = f"{ENV_PREFIX}{wrong.field.upper()}"
         where = variable if variable in os.environ else f"{wrong.field} in {config}"
         said = f"{where}: {wrong}"
     except EdgeVoxError as wrong:
         said = str(wrong)
-    return check_settings({}), said
+    return check_settings(flags), said
 
 
 def _chosen(only: Sequence[str] | None) -> list[Check]:
@@ -64,6 +66,12 @@ def _parser(program: str) -> argparse.ArgumentParser:
     parser.add_argument("--config", type=Path, metavar="FILE", help="TOML file with settings")
     parser.add_argument(
         "--robot", choices=ROBOTS, metavar="ROBOT", help=f"check its models, too [{AGENT}]"
+    )
+    parser.add_argument(
+        "--robot-file",
+        type=Path,
+        metavar="FILE",
+        help=f"look on the graph for what this robot file names [{ENV_PREFIX}ROBOT_FILE]",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--strict", action="store_true", help="a warning fails, too")

@@ -1,23 +1,26 @@
 """What the policy permits, line by line, and whether its file can be read."""
 
+from pathlib import Path
+
 from edgevox.agent.policy.explain import explain
-from edgevox.agent.policy.format import read_policy_file
+from edgevox.agent.policy.format import PolicyFile, read_policy_file
 from edgevox.agent.policy.policy import local_time
 from edgevox.agent.policy.policy_status import NO_FILE
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, warning
 from edgevox.apps.policy_setup import known_names
 from edgevox.core.errors import InvalidValue
+from edgevox.core.settings import Settings
+from edgevox.ros2.robot_file.load import load_robot_file
 
 
 def probe_policy(situation: Situation) -> Facts:
     """The policy in words, or why it cannot be read."""
-    file = situation.settings.policy
-    if file is None:
-        return {"lines": None}
     try:
-        policy = read_policy_file(file)
+        policy = _policy_of(situation.settings)
     except InvalidValue as wrong:
         return {"lines": None, "wrong": str(wrong)}
+    if policy is None:
+        return {"lines": None}
     closed = str(policy.limits.closed(local_time()))
     return {
         "lines": explain(policy),
@@ -25,6 +28,14 @@ def probe_policy(situation: Situation) -> Facts:
         "now": f"{local_time():%a %H:%M %Z}" if policy.limits.hours else "",
         "closed": closed,
     }
+
+
+def _policy_of(settings: Settings) -> PolicyFile | None:
+    """What the setting names, else what the robot file says of it."""
+    if settings.policy:
+        return read_policy_file(settings.policy)
+    own = load_robot_file(settings.robot_file).policy if settings.robot_file else None
+    return read_policy_file(own) if isinstance(own, Path) else own.file if own else None
 
 
 def judge_policy(facts: Facts, _: Situation) -> CheckVerdict | list[CheckVerdict]:

@@ -41,9 +41,9 @@ def ask(checks: Sequence[Check], situation: Situation) -> list[CheckAnswer]:
     ]
 
 
-def probe_apart(address: str, timeout_s: float = PROBE_S) -> Facts:
+def probe_apart(address: str, *arguments: str, timeout_s: float = PROBE_S) -> Facts:
     """What a probe sees in a process of its own. Raises `ProbeFailed`."""
-    command = [sys.executable, "-P", "-m", "edgevox.apps.doctor.child", address]
+    command = [sys.executable, "-P", "-m", "edgevox.apps.doctor.child", address, *arguments]
     try:
         done = subprocess.run(
             command,

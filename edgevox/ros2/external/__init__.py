@@ -4,26 +4,19 @@ Imports core, agent.skills, agent.reasons, robots and ros2 of edgevox. Only `EXT
 others; rclpy is imported when its body is built.
 """
 
-from typing import TypeVar
-
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.extras import install_extra
 from edgevox.core.settings import Settings
 from edgevox.robots.capabilities import Body
 from edgevox.robots.plugin import Robot
 
-T = TypeVar("T")
-
 
 def _build(settings: Settings, _speed: float | None) -> Body:
-    from edgevox.ros2.external.external_settings import ExternalSettings, SteeringLimits
-    from edgevox.ros2.external.locations import load_locations
+    from edgevox.ros2.external.external_settings import ExternalSettings
     from edgevox.ros2.robot_file.load import NO_FILE, load_robot_file
 
     described = load_robot_file(settings.robot_file) if settings.robot_file else NO_FILE
-    robot = described.robot
-    locations = settings.locations or described.locations
-    places = load_locations(locations) if locations else {}
+    places = described.places(settings)
     try:
         from edgevox.ros2.external.robot import ExternalRobot
         from edgevox.ros2.robot_file.described_skills import described_skills
@@ -34,23 +27,15 @@ def _build(settings: Settings, _speed: float | None) -> Body:
             f"robot-external needs ROS 2, and {error.name} cannot be imported: source ROS 2's "
             f"setup.bash, or {install_extra('ros2')}"
         ) from error
-    limits = SteeringLimits(
-        max_linear_m_s=_given(settings, "max_linear", robot.limits.max_linear),
-        max_angular_rad_s=_given(settings, "max_angular", robot.limits.max_angular),
-    )
-    return ExternalRobot(
-        _given(settings, "external_namespace", robot.namespace),
+    steering = described.steering(settings)
+    robot = ExternalRobot(
+        described.namespace(settings),
         places,
-        ExternalSettings(steering=limits, remappings=tuple(described.remappings)),
-        described=described_skills(robot, described.file),
+        ExternalSettings(steering=steering, remappings=tuple(described.remappings)),
+        described=described_skills(described.robot, described.file),
     )
-
-
-def _given(settings: Settings, name: str, described: T | None) -> T:
-    """A setting that somebody gave, else what the robot file says, else the setting's default."""
-    given: T = getattr(settings, name)
-    usual = Settings.model_fields[name].default
-    return described if given == usual and described is not None else given
+    robot.about, robot.own_policy = described.robot.about, described.policy
+    return robot
 
 
 EXTERNAL = Robot(

@@ -66,7 +66,11 @@ def load_locations(path: Path) -> Mapping[str, Location]:
 
 def parse_locations(text: str, name: str) -> Mapping[str, Location]:
     """The locations that this YAML text describes; `name` is the file's name in messages."""
-    file = YamlFile(text, name)
+    return read_locations(YamlFile(text, name))
+
+
+def read_locations(file: YamlFile) -> Mapping[str, Location]:
+    """The locations of a file, or of a part of one. Raises as `load_locations`."""
     entries = file.read(LocationsFile, file.data).root
     owners: dict[str, str] = {}
     for owner, said in _names(entries):

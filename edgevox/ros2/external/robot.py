@@ -4,9 +4,11 @@ import math
 import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from edgevox.agent.policy import Policy
 from edgevox.agent.reasons import because, called_off
 from edgevox.agent.skills import STOP, GoalHandle, OneOf, Result, Skill, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
@@ -28,7 +30,7 @@ from edgevox.ros2.external.motion_bounds import FURTHEST_M
 from edgevox.ros2.external.robot_node import RobotNode
 from edgevox.ros2.external.sensor_inputs import incredible
 from edgevox.ros2.external.target import PoseEstimate, Target, describe
-from edgevox.ros2.robot_file.described_skills import DescribedSkill
+from edgevox.ros2.robot_file.described_skill import DescribedSkill
 from edgevox.ros2.stamps import NS_PER_S
 
 log = get_logger(__name__)
@@ -49,6 +51,10 @@ class ExternalRobot:
     """
 
     name = "robot-external"
+    about = ""
+    """What it is called and what it is for, if its file says so."""
+    own_policy: Path | Policy | None = None
+    """The policy that its file names or holds, for where no setting names one."""
 
     def __init__(
         self,

@@ -19,7 +19,7 @@ from edgevox.ros2.external.odometry_history import SILENT_S
 from edgevox.ros2.external.sensor_inputs import SensorInputs
 from edgevox.ros2.external.steering import OwnSteering
 from edgevox.ros2.node import RosNode
-from edgevox.ros2.robot_file.described_skills import DescribedSkill
+from edgevox.ros2.robot_file.described_skill import DescribedSkill
 
 log = get_logger(__name__)
 

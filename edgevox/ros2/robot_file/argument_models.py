@@ -6,7 +6,8 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from edgevox.agent.skills import OneOf
-from edgevox.ros2.robot_file.robot_file_format import Argument, Meaning
+from edgevox.ros2.robot_file.robot_file_format import Argument
+from edgevox.ros2.robot_file.step_format import Meaning
 
 LONGEST_TEXT = 500
 _TYPES: Mapping[str, type] = {"number": float, "integer": int, "boolean": bool, "text": str}

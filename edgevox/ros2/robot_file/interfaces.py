@@ -25,10 +25,7 @@ def interface(name: str, kind: Kind) -> Any:
 
     Raises `InterfaceMissing` with the reason.
     """
-    match = _NAME.fullmatch(name)
-    if match is None or match[2] not in (None, kind):
-        raise InterfaceMissing(f"{name!r} is no type such as package/{kind}/Name")
-    package, _, bare = match.groups()
+    package, _, bare = full_name(name, kind).split("/")
     try:
         module = import_module(f"{package}.{kind}")
     except ImportError as error:
@@ -40,6 +37,14 @@ def interface(name: str, kind: Kind) -> Any:
         known = sorted(one for one in dir(module) if one[:1].isupper() and "_" not in one)
         raise InterfaceMissing(f"{package} has no {kind} {bare!r}, only {', '.join(known)}")
     return found
+
+
+def full_name(name: str, kind: Kind) -> str:
+    """The type's name with its middle. Raises `InterfaceMissing` for what names no type."""
+    match = _NAME.fullmatch(name)
+    if match is None or match[2] not in (None, kind):
+        raise InterfaceMissing(f"{name!r} is no type such as package/{kind}/Name")
+    return f"{match[1]}/{kind}/{match[3]}"
 
 
 def fields_of(message: Any) -> dict[str, str]:

@@ -20,7 +20,7 @@ from edgevox.ros2.robot_file.filling import Filling
 from edgevox.ros2.robot_file.interface_reasons import interface_reason
 from edgevox.ros2.robot_file.outcome import holds, values_of
 from edgevox.ros2.robot_file.plan import PlannedStep
-from edgevox.ros2.robot_file.robot_file_format import ActionInterface, Publication, Topic, Wait
+from edgevox.ros2.robot_file.step_format import ActionInterface, Publication, Topic, Wait
 from edgevox.ros2.robot_file.waiting import Newest, TookTooLong, wait_for, wait_until
 
 log = get_logger(__name__)
@@ -39,13 +39,15 @@ Report = Callable[..., None]
 class StepRun:
     """One time that a step is done: the values for its request, and the goal it is done for.
 
-    `asked_s` is when the step before it began to ask for something, if there is one.
+    `asked_s` is when the step before it began to ask for something, if there is one. `stop` does
+    what the skill does when it ends early; only the first call counts.
     """
 
     values: Mapping[str, Any]
     token: CancelToken
     report: Report
     asked_s: float | None = None
+    stop: Callable[[], None] = lambda: None
 
 
 class LiveStep(Protocol):
@@ -133,6 +135,7 @@ class Calls(_Base):
             self._client.remove_pending_request(future)
             if isinstance(end, Cancelled):
                 raise
+            run.stop()  # it may still be at it
             raise self._failed("no_answer") from None
         return values_of(self._planned, answer, run.values)
 
@@ -163,7 +166,7 @@ class Acts(_Base):
         try:
             answer = wait_for(ended, run.token, max(0.0, until_s - self._clock.now()))
         except (TookTooLong, Cancelled) as end:
-            self._cancel(handle, ended)
+            self._cancel(handle, ended, run)
             raise end if isinstance(end, Cancelled) else self._failed("no_answer") from None
         if answer.status != GoalStatus.STATUS_SUCCEEDED:
             raise self._failed("gave_up")
@@ -176,8 +179,9 @@ class Acts(_Base):
         if isinstance(part, int | float) and 0.0 <= part <= 1.0:
             run.report(progress=round(float(part), 3))
 
-    def _cancel(self, handle: Any, ended: Future) -> None:
+    def _cancel(self, handle: Any, ended: Future, run: StepRun) -> None:
         handle.cancel_goal_async()
+        run.stop()
         with contextlib.suppress(TookTooLong):
             wait_for(ended, CancelToken(), CANCEL_S)
         if not ended.done():

@@ -1,12 +1,23 @@
 """Reads a robot file, and makes its skills."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TypeVar
 
+from edgevox.agent.policy import Policy
+from edgevox.core.settings import Settings
 from edgevox.core.user_file import read_text
 from edgevox.core.yaml_file import YamlFile
+from edgevox.ros2.external.external_settings import SteeringLimits
+from edgevox.ros2.external.locations import Location, load_locations, read_locations
 from edgevox.ros2.robot_file.robot_file_format import RobotFile
+
+T = TypeVar("T")
+
+CLEAR_AHEAD_M = 0.1
+"""So far from what is ahead a robot stands that was told its size."""
+CLEAR_ASIDE_M = 0.05
 
 
 @dataclass(frozen=True)
@@ -17,10 +28,39 @@ class DescribedRobot:
     file: YamlFile
     folder: Path
 
+    def places(self, settings: Settings) -> Mapping[str, Location]:
+        """Its places: of the setting's file, else as this one says. Raises `InvalidValue`."""
+        if settings.locations:
+            return load_locations(settings.locations)
+        if self.robot.locations:
+            return load_locations(self.folder / self.robot.locations)
+        return read_locations(self.file.part("places")) if self.robot.places else {}
+
     @property
-    def locations(self) -> Path | None:
-        """The file of its places: beside the robot file, if its path is relative."""
-        return None if self.robot.locations is None else self.folder / self.robot.locations
+    def policy(self) -> Path | Policy | None:
+        """The file of its policy, or what this one says of it."""
+        if self.robot.policy_file:
+            return self.folder / self.robot.policy_file
+        return Policy(self.robot.policy) if self.robot.policy else None
+
+    def steering(self, settings: Settings) -> SteeringLimits:
+        """How it is steered where nothing takes goals."""
+        limits, usual = self.robot.limits, SteeringLimits()
+        fastest = self.setting(settings, "max_linear", limits.max_linear)
+        steering = SteeringLimits(
+            max_linear_m_s=fastest,
+            max_angular_rad_s=self.setting(settings, "max_angular", limits.max_angular),
+            max_linear_m_s2=limits.max_acceleration or usual.max_linear_m_s2,
+        )
+        size = self.robot.footprint
+        if size is None:
+            return steering
+        braking_m = fastest**2 / (2 * steering.max_linear_m_s2)
+        return replace(
+            steering,
+            half_width_m=size.width / 2 + CLEAR_ASIDE_M,
+            stop_ahead_m=size.length / 2 + braking_m + CLEAR_AHEAD_M,
+        )
 
     @property
     def remappings(self) -> Sequence[str]:
@@ -29,6 +69,16 @@ class DescribedRobot:
             rule for ours, its in self.robot.topics.items() for rule in ("-r", f"{ours}:={its}")
         ]
         return ["--ros-args", *rules] if rules else []
+
+    def namespace(self, settings: Settings) -> str:
+        """The namespace of the robot's topics."""
+        return self.setting(settings, "external_namespace", self.robot.namespace)
+
+    @staticmethod
+    def setting(settings: Settings, name: str, described: T | None) -> T:
+        """A setting that somebody gave, else what the file says, else the setting's default."""
+        given: T = getattr(settings, name)
+        return given if described is None or name in settings.model_fields_set else described
 
 
 NO_FILE = DescribedRobot(RobotFile(), YamlFile("{}", "robot"), Path())

@@ -9,7 +9,7 @@ from edgevox.ros2.robot_file.field_paths import read_path
 from edgevox.ros2.robot_file.filling import with_arguments
 from edgevox.ros2.robot_file.interface_reasons import interface_reason
 from edgevox.ros2.robot_file.plan import PlannedStep
-from edgevox.ros2.robot_file.robot_file_format import FieldCondition, ResultValue
+from edgevox.ros2.robot_file.step_format import FieldCondition, ResultValue
 
 log = get_logger(__name__)
 

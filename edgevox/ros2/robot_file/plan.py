@@ -12,14 +12,16 @@ from edgevox.core.validation import Place
 from edgevox.core.yaml_file import YamlFile
 from edgevox.ros2.robot_file.argument_models import samples
 from edgevox.ros2.robot_file.field_paths import check_path
-from edgevox.ros2.robot_file.filling import Filling, arguments_in, primitive, with_arguments
+from edgevox.ros2.robot_file.filling import Filling, arguments_in, with_arguments
 from edgevox.ros2.robot_file.interfaces import Kind, interface, is_primitive, is_text
-from edgevox.ros2.robot_file.robot_file_format import (
+from edgevox.ros2.robot_file.robot_file_format import Argument
+from edgevox.ros2.robot_file.step_format import (
     WAYS,
-    Argument,
     FieldCondition,
     ResultValue,
+    Scalar,
     Step,
+    Wait,
 )
 
 _KINDS: Mapping[str, Kind] = {
@@ -73,6 +75,13 @@ class Planner:
             self._type_at(kind.Feedback, step.action.progress, (*at, "action", "progress"))
         return planned
 
+    def plan_watch(self, watch: Wait, at: Place) -> PlannedStep:
+        """What ends a skill, as a step that waits for it. Raises as `plan`."""
+        kind = interface(watch.type, "msg")
+        for number, one in enumerate(watch.until):
+            self._check_condition(kind, one, (*at, "until", number))
+        return PlannedStep(Step(wait=watch), "wait", kind, answer=kind)
+
     def _check_steering(self, planned: PlannedStep, at: Place) -> None:
         """Velocities have one way, with limits, a watchdog and the policy: that of drives."""
         name = "/".join((planned.type.__module__.split(".")[0], "msg", planned.type.__name__))
@@ -122,15 +131,11 @@ class Planner:
         if condition.equals is None:
             return
         self._check_named(condition.equals, (*at, "equals"))
-        if not is_primitive(type_name):
-            expected = "a number, a truth or a text, to be equal to something"
-            raise self._file.wrong((*at, "field"), condition.field, expected)
         for _, values in self._samples():
-            try:
-                primitive(type_name, with_arguments(condition.equals, values), "")
-            except InvalidValue as error:
-                expected = f"{error.expected}, as {condition.field} is"
-                raise self._file.wrong((*at, "equals"), condition.equals, expected) from None
+            value = with_arguments(condition.equals, values)
+            if other := _unlike(type_name, value):
+                expected = f"{other} ({type_name})"
+                raise self._file.wrong((*at, "equals"), condition.equals, expected)
 
     def _type_of(self, answer: Any, value: ResultValue, at: Place) -> str:
         type_name = self._type_at(answer, value.field, at)
@@ -158,6 +163,17 @@ def _sides(way: str, kind: Any) -> tuple[Any, Any]:
         case "action":
             return kind.Goal, kind.Result
     return None, kind
+
+
+def _unlike(type_name: str, value: Scalar) -> str:
+    """What a field of this type would have to equal, if it can never equal this value."""
+    if not is_primitive(type_name):
+        return "nothing: only a number, a truth or a text is compared"
+    if is_text(type_name):
+        return "" if isinstance(value, str) else "a text"
+    if type_name == "boolean":
+        return "" if isinstance(value, bool) else "true or false"
+    return "a number" if isinstance(value, bool | str) else ""
 
 
 def _place_of(path: str) -> Place:

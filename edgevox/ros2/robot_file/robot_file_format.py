@@ -17,135 +17,35 @@ Arguments:
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
+from edgevox.agent.policy import PolicyFile
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.validation import wrong
+from edgevox.ros2.external.locations import LocationsFile
+from edgevox.ros2.robot_file.argument_values import wanted_instead
+from edgevox.ros2.robot_file.step_format import (
+    GraphName,
+    Meaning,
+    Name,
+    Number,
+    Part,
+    Scalar,
+    Step,
+    StopStep,
+    Wait,
+    Word,
+    at_most,
+    one_way,
+)
 
 MOST_SKILLS = 100
+MOST_ARGUMENTS = 20
+MOST_WORDS = 500
 MOST_STEPS = 20
-LONGEST_WAIT_S = 86_400.0
-MOST_A_SECOND = 50.0
-
-Number = Annotated[float, Field(allow_inf_nan=False)]
-Word = Annotated[str, Field(min_length=1, max_length=100)]
-Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,39}$")]
-"""A name in the file: lower case, digits and underscores."""
-GraphName = Annotated[str, Field(pattern=r"^~?/?[A-Za-z][A-Za-z0-9_/]{0,254}$")]
-"""A topic, service or action; relative to the robot's namespace unless it begins with a slash."""
-Scalar = bool | int | Number | str
-Meaning = Scalar | list[Any] | dict[str, Any]
-"""What a word stands for in a request: a value, a list, or a message's fields by name."""
-
-
-class Part(BaseModel):
-    """A mapping of the file; a key that nobody knows is refused."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Interface(Part):
-    """One interface of the robot: its name on the graph, and its type."""
-
-    name: GraphName
-    type: Word = Field(description="such as std_srvs/srv/SetBool")
-
-
-class Topic(Interface):
-    """A topic; `latched` is transient local: what was said last is kept for who comes later."""
-
-    latched: bool = False
-
-
-class Publication(Topic):
-    """What is published: once, or `rate_hz` times a second for `for_s`, or until it is stopped."""
-
-    rate_hz: float = Field(0.0, ge=0.0, le=MOST_A_SECOND)
-    for_s: float = Field(0.0, ge=0.0, le=LONGEST_WAIT_S)
-    at_end: Mapping[str, Any] | None = Field(
-        None, description="published once when it is over, also when it was stopped"
-    )
-
-
-class ActionInterface(Interface):
-    """An action; `progress` is the path of a feedback's field that goes from 0 to 1."""
-
-    progress: Word | None = None
-
-
-class ResultValue(Part):
-    """A value of what comes back: a field by its path, a number in it `times` so much, rounded."""
-
-    field: Word
-    times: Number | None = None
-    decimals: int = Field(3, ge=0, le=6)
-
-
-class FieldCondition(Part):
-    """What a field of a message must be: `equals`, or a number `above` or `below`.
-
-    `equals` may name arguments and earlier results, as requests do.
-    """
-
-    field: Word
-    equals: Scalar | None = None
-    above: Number | None = None
-    below: Number | None = None
-
-    @model_validator(mode="after")
-    def _says_something(self) -> "FieldCondition":
-        if self.equals is None and self.above is None and self.below is None:
-            raise wrong((), None, "equals, above or below")
-        return self
-
-
-class Wait(Topic):
-    """Waits for a message on a topic for which every condition holds."""
-
-    until: Annotated[list[FieldCondition], Field(min_length=1, max_length=10)]
-
-
-WAYS = ("publish", "call", "action", "read", "wait")
-
-
-class Step(Part):
-    """One thing that is done over ROS 2, in exactly one of these ways.
-
-    `request` fills the message; `result` are values of what comes back, by the path of a field,
-    which sentences and later steps may use; `expect` are conditions without which it has failed.
-    """
-
-    publish: Publication | None = None
-    call: Interface | None = None
-    action: ActionInterface | None = None
-    read: Topic | None = None
-    wait: Wait | None = None
-    request: Mapping[str, Any] = Field(default_factory=dict)
-    result: Mapping[Name, Word | ResultValue] = Field(default_factory=dict)
-    expect: list[FieldCondition] = Field(default_factory=list, max_length=10)
-    timeout_s: float = Field(
-        60.0, gt=0.0, le=LONGEST_WAIT_S, description="longer, and it has failed"
-    )
-
-    @property
-    def ways(self) -> list[str]:
-        """The ways that are given."""
-        return [way for way in WAYS if getattr(self, way) is not None]
-
-    @property
-    def values(self) -> Mapping[str, ResultValue]:
-        """The values of what comes back, by their names."""
-        return {
-            name: one if isinstance(one, ResultValue) else ResultValue(field=one)
-            for name, one in self.result.items()
-        }
-
-    @property
-    def conditions(self) -> list[FieldCondition]:
-        """All that must hold of what comes."""
-        return [*self.expect, *(self.wait.until if self.wait else ())]
+MOST_WATCHES = 5
 
 
 class Argument(Part):
@@ -163,7 +63,7 @@ class Argument(Part):
     max: Number | None = None
     default: Scalar | None = None
     times: Number | None = None
-    values: list[Word] | dict[Word, Meaning] | None = None
+    values: Annotated[list[Word] | dict[Word, Meaning] | None, at_most(MOST_WORDS, "words")] = None
     aliases: Mapping[Word, Word] = Field(default_factory=dict)
 
     @property
@@ -182,6 +82,13 @@ class Argument(Part):
         for name in ("min", "max", "times"):
             if getattr(self, name) is not None and self.type not in ("number", "integer"):
                 raise wrong((name,), getattr(self, name), "nothing: this is for numbers only")
+        if self.min is not None and self.max is not None and self.min > self.max:
+            raise wrong(("max",), self.max, f"no less than min, {self.min:g}")
+        if self.default is not None:
+            words = self.meanings
+            expected = wanted_instead(self.default, self.type, words, self.min, self.max)
+            if expected:
+                raise wrong(("default",), self.default, expected)
         return self
 
 
@@ -193,6 +100,7 @@ class Sentences(Part):
     done: str = ""
     failed: str = ""
     can: str = Field("", description="what the robot can do, as a part of a sentence")
+    asks: str = Field("", description="the end of a question that begins 'Shall I'")
 
 
 def _known_languages(by_code: dict[str, Sentences]) -> dict[str, Sentences]:
@@ -206,14 +114,20 @@ class SkillEntry(Step, Sentences):
     """A skill: one step of its own, or a list of `steps`, which are done in order.
 
     `moves`: it uses the body, so it ends whatever moves, and every stop ends it; by default all
-    that does more than read. `stop` is done when it was stopped, beside the cancel of an action.
+    that does more than read. `confirm`: somebody has to say yes before it is begun. `stops_on` are
+    messages that end it, and with which it does not begin. `stop` is done when it did not come to
+    its end, beside the cancel of an action.
     """
 
     description: Word
-    arguments: Mapping[Name, Argument] = Field(default_factory=dict)
+    arguments: Annotated[Mapping[Name, Argument], at_most(MOST_ARGUMENTS, "arguments")] = Field(
+        default_factory=dict
+    )
     steps: list[Step] = Field(default_factory=list, max_length=MOST_STEPS)
-    stop: Step | None = None
+    stop: StopStep | None = None
+    stops_on: list[Wait] = Field(default_factory=list, max_length=MOST_WATCHES)
     moves: bool | None = None
+    confirm: bool = False
     languages: Annotated[dict[str, Sentences], AfterValidator(_known_languages)] = Field(
         default_factory=dict
     )
@@ -230,23 +144,16 @@ class SkillEntry(Step, Sentences):
         return not reads if self.moves is None else self.moves
 
     @model_validator(mode="after")
-    def _each_step_has_one_way(self) -> "SkillEntry":
+    def _each_step_hasone_way(self) -> "SkillEntry":
         if self.steps and self.ways:
             raise wrong((self.ways[0],), None, "nothing: the skill has steps")
         for index, step in enumerate(self.steps):
-            _one_way(step, ("steps", index))
-        if self.stop:
-            _one_way(self.stop, ("stop",))
+            one_way(step, ("steps", index))
         if not self.steps:
-            _one_way(self, ())
+            one_way(self, ())
         if self.moves is False and not all(step.read for step in self.every_step):
             _only_short(self)
         return self
-
-
-def _one_way(step: Step, place: tuple[str | int, ...]) -> None:
-    if len(step.ways) != 1:
-        raise wrong(place, step.ways, "exactly one of " + ", ".join(WAYS))
 
 
 def _only_short(entry: SkillEntry) -> None:
@@ -257,26 +164,57 @@ def _only_short(entry: SkillEntry) -> None:
 
 
 class Limits(Part):
-    """How fast it is steered where nothing there takes goals, in m/s and rad/s."""
+    """How it is steered where nothing there takes goals, in m/s, rad/s and m/s²."""
 
-    max_linear: float | None = Field(None, gt=0.0, le=10.0)
-    max_angular: float | None = Field(None, gt=0.0, le=10.0)
+    max_linear: Number | None = Field(None, gt=0.0, le=10.0)
+    max_angular: Number | None = Field(None, gt=0.0, le=10.0)
+    max_acceleration: Number | None = Field(None, gt=0.0, le=10.0)
+
+
+class Footprint(Part):
+    """How large it is, in metres, along and across its way, about the middle that `odom` tells of.
+
+    Where it is steered, what the scan shows in the strip before it makes it wait.
+    """
+
+    length: Number = Field(gt=0.0, le=10.0)
+    width: Number = Field(gt=0.0, le=10.0)
 
 
 class RobotFile(Part):
     """A whole file. What it says of the robot counts unless a setting says otherwise.
 
-    `topics` are what the robot calls the topics of the contract: ``{odom: wheel/odometry}``;
-    `locations` is a file of places, beside this one.
+    `topics` are what the robot calls the topics of the contract: ``{odom: wheel/odometry}``.
+    Places and the policy stand here, or in files of their own, whose paths begin beside this one:
+    `places` as in a locations file, `locations` its path; `policy` as in a policy file,
+    `policy_file` its path.
     """
 
-    description: str = ""
+    name: str = Field("", max_length=100, description="what people call it")
+    description: str = Field("", max_length=500, description="what it is for, in a sentence")
     namespace: str = Field("/", pattern=r"^/([A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*)?$")
     topics: Mapping[
-        Literal["odom", "cmd_vel", "goal_pose", "scan", "map", "camera/image_raw"], GraphName
+        Literal["odom", "cmd_vel", "goal_pose", "scan", "camera/image_raw"], GraphName
     ] = Field(default_factory=dict)
     limits: Limits = Limits()
+    footprint: Footprint | None = None
+    places: LocationsFile | None = None
     locations: Path | None = None
-    skills: Annotated[Mapping[Name, SkillEntry], Field(max_length=MOST_SKILLS)] = Field(
-        default_factory=dict
-    )
+    policy: PolicyFile | None = None
+    policy_file: Path | None = None
+    skills: Annotated[
+        Mapping[Name, SkillEntry], Field(max_length=MOST_SKILLS), at_most(MOST_SKILLS, "skills")
+    ] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _each_once(self) -> "RobotFile":
+        for here, path in (("places", "locations"), ("policy", "policy_file")):
+            if getattr(self, here) is not None and getattr(self, path) is not None:
+                raise wrong((path,), getattr(self, path), f"nothing: {here} stand in this file")
+        return self
+
+    @property
+    def about(self) -> str:
+        """What it is called and what it is for."""
+        called = f"Your name is {self.name}." if self.name else ""
+        return " ".join(filter(None, (called, self.description)))

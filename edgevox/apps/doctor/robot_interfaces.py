@@ -1,0 +1,91 @@
+"""The robot that a file describes: whether what the file names is on the graph, skill by skill."""
+
+from collections.abc import Iterator
+
+from edgevox.apps.doctor.check import (
+    CheckVerdict,
+    Facts,
+    Situation,
+    error,
+    ok,
+    skipped,
+    warning,
+)
+from edgevox.apps.doctor.runner import probe_apart
+from edgevox.core.settings import Settings
+
+PROBE = "edgevox.ros2.robot_file.graph_check:look_for_robot"
+_NEEDED = {"robot_file", "external_namespace"}
+
+
+def probe_robot_file(situation: Situation) -> Facts:
+    """What is on the graph of what the file names, if there is a file."""
+    settings = situation.settings
+    if settings.robot_file is None:
+        return {"given": False}
+    return {"given": True, **probe_apart(PROBE, _as_json(settings))}
+
+
+def _as_json(settings: Settings) -> str:
+    """Of the settings those that the probe needs and somebody gave: they count more than a file."""
+    return settings.model_dump_json(include=_NEEDED & settings.model_fields_set)
+
+
+def judge_robot_file(facts: Facts, situation: Situation) -> list[CheckVerdict]:
+    """What has another type is an error; what is not there may only be switched off."""
+    if not facts["given"]:
+        return [skipped("no robot file", "--robot-file FILE looks for what it names")]
+    if facts["wrong"]:
+        return [error(facts["wrong"], "correct it: with it no agent starts")]
+    off = {name: warning(f"{name} is off: {why}") for name, why in facts["off"]}
+    found = [one for one in facts["found"] if one["whose"] not in off]
+    if found and not any(one["types"] for one in found):
+        return [*off.values(), _nothing_there(facts, len(found), situation)]
+    by_owner: dict[str, list[Facts]] = {}
+    for one in found:
+        by_owner.setdefault(one["whose"], []).append(one)
+    judged = [verdict for owner in by_owner.items() for verdict in _judge_owner(*owner)]
+    return [*off.values(), *judged] or [ok("it names no interface")]
+
+
+def _nothing_there(facts: Facts, wanted: int, situation: Situation) -> CheckVerdict:
+    domain = situation.environment.get("ROS_DOMAIN_ID", "0")
+    said = f"nothing of the robot is there; other nodes on domain {domain}: {facts['others']}"
+    for namespace, count in facts["elsewhere"]:
+        return warning(said, f"namespace: {namespace}, where {count} of {wanted} are")
+    advice = "switch the robot on; give both the same ROS_DOMAIN_ID and let discovery reach it"
+    return warning(said, advice)
+
+
+def _judge_owner(owner: str, found: list[Facts]) -> Iterator[CheckVerdict]:
+    """One line if all is well; else one for each thing that is not."""
+    faults = [verdict for one in found if (verdict := _fault(owner, one))]
+    yield from faults
+    if not faults:
+        yield ok(f"{owner}: " + ", ".join(f"{one['role']} {one['name']}" for one in found))
+
+
+def _fault(owner: str, one: Facts) -> CheckVerdict | None:
+    what = f"{owner}: {one['role']} {one['name']}"
+    if not one["types"]:
+        return warning(f"{what} is not there", _advice(one))
+    if one["type"] not in one["types"]:
+        there = ", ".join(one["types"])
+        return error(f"{what} has the type {there}, and not {one['type']}", f"type: {there}")
+    if one["unfit"]:
+        latched = one["latched"]
+        advice = "its node has to change" if latched is None else f"latched: {str(latched).lower()}"
+        return error(f"{what} does not fit in quality of service: {one['unfit']}", advice)
+    return None
+
+
+def _advice(one: Facts) -> str:
+    if one["instead"]:
+        return f"{one['name']} is there as {' and '.join(one['instead'])}"
+    if one["near"]:
+        return f"there is {_list(one['near'])}"
+    return "start what has it"
+
+
+def _list(near: list[list[str]]) -> str:
+    return ", ".join(f"{name} ({types})" for name, types in near)
