@@ -2,6 +2,7 @@
 
 import random
 import socket
+from pathlib import Path
 
 import pytest
 from agent_process import READY, Agent
@@ -42,6 +43,12 @@ def _is_free(domain):
 @pytest.fixture(scope="module")
 def domain(_domains):
     return next(_domains)
+
+
+@pytest.fixture(scope="session")
+def overlays(request):
+    """Where interface packages are that tests build; kept for the next run, for all workers."""
+    return Path(request.config.cache.mkdir("interfaces"))
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""A robot file, the robot of interfaces that it describes, and the body that is made of both."""
+"""A robot file, the robot that it describes, the body that is made of both, and talk with it."""
 
 import contextlib
 import json
@@ -8,6 +8,8 @@ from pathlib import Path
 from external_rig import robot_process
 from guards import HUNG_S
 from peer import STATE, Peer
+from std_srvs.srv import Trigger
+from waiting import wait_until
 
 from edgevox.agent.skills import SkillSet
 from edgevox.core.cancel import CancelToken
@@ -31,11 +33,20 @@ class Asked:
         self.heard = peer.listen("asked", STATE)
 
     def wait(self, what: str, value: object = None, *, since: int = 0) -> None:
-        wanted = [what, value]
-        self.heard.wait_for(
-            lambda m: json.loads(m) == wanted or (value is None and json.loads(m)[0] == what),
-            since=since,
-        )
+        """Until it was asked this; of a message those fields count that are given."""
+
+        def is_it(message: str) -> bool:
+            found, its = json.loads(message)
+            return found == what and (value is None or _has(its, value))
+
+        self.heard.wait_for(is_it, since=since)
+
+    @contextlib.contextmanager
+    def within(self, what: str, value: object = None):
+        """It is asked this because of what is done meanwhile."""
+        since = len(self.heard.messages)
+        yield
+        self.wait(what, value, since=since)
 
     def times(self, what: str) -> int:
         return sum(json.loads(one)[0] == what for one in self.heard.messages)
@@ -44,6 +55,60 @@ class Asked:
         since = len(self.heard.messages)
         self._peer.send("do", change)
         self.wait("do", change, since=since)
+
+
+def _has(found: object, wanted: object) -> bool:
+    if isinstance(wanted, dict) and isinstance(found, dict):
+        return all(name in found and _has(found[name], one) for name, one in wanted.items())
+    if isinstance(wanted, list) and isinstance(found, list):
+        return len(found) == len(wanted) and all(map(_has, found, wanted))
+    return bool(found == wanted)
+
+
+class Talk:
+    """Things said to the agent, and its answers."""
+
+    def __init__(self, peer: Peer) -> None:
+        self._peer = peer
+        self._heard = peer.listen("response")
+
+    def say(self, text: str, *parts: str) -> None:
+        """Say something, and wait for an answer with each of these, one after another."""
+        with self.told(*parts):
+            self._peer.send("text_input", text)
+
+    @contextlib.contextmanager
+    def told(self, *parts: str):
+        """Answers with these come because of what is done meanwhile."""
+        since = len(self._heard.messages)
+        yield
+        for part in parts:
+            since = self._number_of(part, since) + 1
+
+    def ask_until(self, text: str, part: str) -> None:
+        """Ask again and again until the answer has this: what was heard last stays true a while."""
+
+        def answered() -> bool:
+            since = len(self._heard.messages)
+            self.say(text, "")
+            return part in self._heard.messages[since]
+
+        wait_until(answered, part)
+
+    def speak(self, language: str) -> None:
+        """Go on in another language."""
+        self._peer.send("set_language", language)
+        wait_until(lambda: self._language() == language, f"language {language}")
+
+    def _number_of(self, part: str, since: int) -> int:
+        self._heard.wait_for(lambda one: part in one, since=since)
+        told = self._heard.messages
+        return next(number for number in range(since, len(told)) if part in told[number])
+
+    def _language(self) -> str:
+        service = self._peer.name("list_languages")
+        answer = self._peer.call(Trigger, service, Trigger.Request())
+        return str(json.loads(answer.message)["current"])
 
 
 class Run:
@@ -76,4 +141,4 @@ def body(file: Path = ROBOT_FILE):
         one.close()
 
 
-__all__ = ["NAMESPACE", "ROBOT_FILE", "Asked", "Run", "body", "interfaces"]
+__all__ = ["NAMESPACE", "ROBOT_FILE", "Asked", "Run", "Talk", "body", "interfaces"]

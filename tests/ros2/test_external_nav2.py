@@ -5,19 +5,17 @@ to a robot that takes them on goal_pose.
 """
 
 import ctypes
-import importlib.util
 import math
 import os
-import subprocess
 import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import pytest
 from external_rig import Velocities, drive, heard, moving, standing, wheels
 from geometry_msgs.msg import PoseStamped
 from guards import HUNG_S
+from interface_overlay import build_overlay, python_packages
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from waiting import wait_until
 
@@ -25,50 +23,16 @@ from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled
 from edgevox.ros2.external.robot import ExternalRobot
 
-HERE = Path(__file__).parent
-SOURCES = HERE / "interfaces" / "nav2_msgs"
-
-
-def build(prefix: Path, place: Path) -> None:
-    """Build the stand-in for nav2_msgs, as scripts/build_msgs.py builds edgevox_msgs."""
-    spec = importlib.util.spec_from_file_location(
-        "build_msgs", HERE.parents[1] / "scripts" / "build_msgs.py"
-    )
-    build_msgs = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(build_msgs)
-    definitions = (
-        f"-DCMAKE_INSTALL_PREFIX={prefix}",
-        f"-DCMAKE_INSTALL_RPATH={prefix / 'lib'}",
-        f"-DPython3_EXECUTABLE={sys.executable}",
-        "-DBUILD_TESTING=OFF",
-        "-Wno-dev",
-        "-Wno-deprecated",
-    )
-    for command in (
-        ["cmake", "-S", SOURCES, "-B", place, "-G", "Ninja", *definitions],
-        ["cmake", "--build", place, "--target", "install"],
-    ):
-        done = subprocess.run(
-            command,
-            env=build_msgs.environment(),
-            capture_output=True,
-            text=True,
-            timeout=HUNG_S,
-        )
-        assert done.returncode == 0, done.stdout + done.stderr
-
 
 @pytest.fixture(scope="module")
-def action(tmp_path_factory):
+def action(overlays):
     """Nav2's action, importable by this process for as long as the module's tests run."""
-    prefix = tmp_path_factory.mktemp("nav2")
-    build(prefix, tmp_path_factory.mktemp("build"))
+    (prefix,) = build_overlay(["nav2_msgs"], overlays)
     for library in (prefix / "lib").glob("*.so"):
         ctypes.CDLL(str(library))  # the path of a running process's libraries is fixed
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("AMENT_PREFIX_PATH", f"{prefix}:{os.environ.get('AMENT_PREFIX_PATH', '')}")
-        (packages,) = prefix.glob("lib/python3*/site-packages")
-        patch.syspath_prepend(str(packages))
+        patch.syspath_prepend(str(python_packages(prefix)))
         from nav2_msgs.action import NavigateToPose
 
         yield NavigateToPose

@@ -3,7 +3,7 @@
 import pytest
 from action_rig import Client
 from guards import HUNG_S
-from robot_file_rig import NAMESPACE, ROBOT_FILE, Asked, interfaces
+from robot_file_rig import NAMESPACE, ROBOT_FILE, Asked, Talk, interfaces
 
 
 @pytest.fixture(scope="module")
@@ -18,17 +18,7 @@ def talk(agent, robot, peer):
 
     def start(*arguments):
         agent(f"--robot-file={ROBOT_FILE}", *arguments, robot="robot-external")
-        one = peer()
-        heard = one.listen("response")
-
-        def say(text, *parts):
-            for part in parts:
-                since = len(heard.messages)
-                if part is parts[0]:
-                    one.send("text_input", text)
-                heard.wait_for(lambda m, p=part: p in m, since=since)
-
-        return say
+        return Talk(peer()).say
 
     return start
 

@@ -25,6 +25,7 @@ from edgevox.ros2.standard_topics import DRIVEN
 EXAMPLE = Path(__file__).parents[2] / "examples" / "robot_file" / "cleaner.yaml"
 LAMP = "publish: {{name: lamp, type: std_msgs/msg/{}}}\nrequest: {{data: '{{x}}'}}\n"
 HONK = "call: {name: honk, type: std_srvs/srv/SetBool}"
+POINT = "publish: {name: to, type: geometry_msgs/msg/PointStamped}\nrequest: {point: '{x}'}\n"
 FOLD = "call: {name: fold, type: std_srvs/srv/Trigger}"
 GO = "action: {name: dock, type: edgevox_msgs/action/ExecuteSkill}"
 HEAR = "read: {name: pose, type: geometry_msgs/msg/PoseStamped}"
@@ -62,6 +63,36 @@ def build(tmp_path, skill, head=""):
         (HEAR + "\nresult: {x: pose.position.w}", "skills.act.result.x", "one of x, y, z"),
         (HEAR + "\nrequest: {a: 1}", "skills.act.request", "no request"),
         (GO + "\nexpect: [{field: error, above: 1}]", "skills.act.expect.0.field", "a number"),
+        (
+            HONK + "\nexpect: [{field: success, equals: 1}]",
+            "skills.act.expect.0.equals",
+            "true or false (boolean)",
+        ),
+        (
+            HEAR + "\nexpect: [{field: pose.position, equals: 1}]",
+            "skills.act.expect.0.equals",
+            "is compared",
+        ),
+        (
+            HONK + "\nexpect: [{field: message, equals: '{x}'}]",
+            "skills.act.expect.0.equals",
+            "an argument",
+        ),
+        (
+            HONK + "\nresult: {why: {field: message, times: 2}}",
+            "skills.act.result.why",
+            "a number, to be multiplied",
+        ),
+        (
+            LAMP.format("String") + "arguments: {x: {type: text, times: 2}}",
+            "skills.act.arguments.x.times",
+            "for numbers only",
+        ),
+        (
+            POINT + "arguments: {x: {type: choice, values: {desk: {x: 1.0, up: 1.0}}}}",
+            "skills.act.request.point.up",
+            "a field that is one of x, y, z",
+        ),
         (GO + "\nmoves: false", "skills.act.moves", "a stop can end"),
         (HONK + "\n" + GO, "skills.act", "exactly one of publish, call, action, read, wait"),
         ("says: Hello.", "skills.act", "exactly one of"),

@@ -7,7 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from edgevox.agent.skills import OneOf
 from edgevox.ros2.robot_file.robot_file_format import Argument
-from edgevox.ros2.robot_file.step_format import Scalar
+from edgevox.ros2.robot_file.step_format import Meaning
 
 LONGEST_TEXT = 500
 _TYPES: Mapping[str, type] = {"number": float, "integer": int, "boolean": bool, "text": str}
@@ -26,15 +26,14 @@ def arguments_model(name: str, arguments: Mapping[str, Argument]) -> type[BaseMo
 
 def meanings(arguments: Mapping[str, Argument], values: Mapping[str, Any]) -> dict[str, Any]:
     """What goes into the request: of a choice what its word stands for, of others the value."""
-    return {
-        name: arguments[name].meanings[value] if arguments[name].type == "choice" else value
-        for name, value in values.items()
-    }
+    return {name: _meaning(arguments[name], value) for name, value in values.items()}
 
 
-def samples(arguments: Mapping[str, Argument]) -> Iterator[tuple[str, dict[str, Scalar]]]:
+def samples(arguments: Mapping[str, Argument]) -> Iterator[tuple[str, dict[str, Meaning]]]:
     """Values that a request has to take, and the argument that is tried with each: its extremes."""
-    every = {name: _samples(one) for name, one in arguments.items()}
+    every = {
+        name: [_meaning(one, value) for value in _samples(one)] for name, one in arguments.items()
+    }
     usual = {name: values[0] for name, values in every.items()}
     yield "", usual
     for name, values in every.items():
@@ -55,9 +54,15 @@ def _annotated(one: Argument) -> Any:
 _NUMBERS = ("number", "integer")
 
 
-def _samples(one: Argument) -> list[Scalar]:
+def _meaning(one: Argument, value: Any) -> Any:
     if one.type == "choice":
-        return list(one.meanings.values())
+        return one.meanings[value]
+    return value if one.times is None else value * one.times
+
+
+def _samples(one: Argument) -> list[Any]:
+    if one.type == "choice":
+        return list(one.meanings)
     if one.type == "boolean":
         return [True, False]
     if one.type == "text":

@@ -36,6 +36,7 @@ class DescribedSkill:
             [go_live(one, node, clock) for one in self.steps],
             go_live(self.stop, node, clock) if self.stop else None,
             [Watch(one, node, clock) for one in self.watches],
+            clock,
         )
 
     def close(self) -> None:

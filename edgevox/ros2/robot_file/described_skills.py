@@ -15,6 +15,7 @@ from edgevox.ros2.robot_file.filling import arguments_in
 from edgevox.ros2.robot_file.interfaces import InterfaceMissing
 from edgevox.ros2.robot_file.plan import Planner
 from edgevox.ros2.robot_file.robot_file_format import RobotFile, Sentences, SkillEntry
+from edgevox.ros2.robot_file.step_format import Step
 
 log = get_logger(__name__)
 
@@ -62,14 +63,19 @@ def _planned(name: str, entry: SkillEntry, file: YamlFile, place: Place) -> Desc
     # What is done at a stop cannot use results, which may not be known by then.
     stop = Planner(entry.arguments, file).plan(entry.stop, (*place, "stop")) if entry.stop else None
     watches = [
-        planner.plan_watch(one, (*place, "stops_on", index))
+        Planner({}, file).plan_watch(one, (*place, "stops_on", index))
         for index, one in enumerate(entry.stops_on)
     ]
-    used = frozenset().union(*(arguments_in(one.request) for one in entry.every_step))
+    used = frozenset().union(*map(_named_by, entry.every_step))
     if idle := entry.arguments.keys() - used:
         at = (*place, "arguments", min(idle))
         raise file.wrong(at, min(idle), "an argument that a request takes, as {" + min(idle) + "}")
     return DescribedSkill(name, entry, steps, stop, watches)
+
+
+def _named_by(step: Step) -> frozenset[str]:
+    """The arguments that a step's request and its conditions name."""
+    return arguments_in([step.request, [one.equals for one in step.conditions]])
 
 
 def _every_language(entry: SkillEntry, at: Place) -> Iterator[tuple[Place, Sentences]]:

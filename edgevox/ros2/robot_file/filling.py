@@ -62,7 +62,7 @@ class Filling:
         arguments: Mapping[str, Any],
         path: str,
     ) -> Any:
-        value = _with_arguments(value, arguments)
+        value = with_arguments(value, arguments)
         if is_primitive(type_name):
             return primitive(type_name, value, path)
         if listed(type_name):
@@ -91,7 +91,8 @@ def _empty(type_name: str) -> Any:
     return None if is_primitive(type_name) else interface(type_name, "msg")()
 
 
-def _with_arguments(value: Any, arguments: Mapping[str, Any]) -> Any:
+def with_arguments(value: Any, arguments: Mapping[str, Any]) -> Any:
+    """A value of a template; only a text names arguments."""
     if not isinstance(value, str):
         return value
     if match := _ARGUMENT.fullmatch(value):

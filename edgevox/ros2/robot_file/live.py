@@ -10,7 +10,7 @@ from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
 from edgevox.ros2.clients.action_runner import ActionRunner
 from edgevox.ros2.clients.service_caller import ServiceCaller
-from edgevox.ros2.clients.topic_listener import TopicListener
+from edgevox.ros2.clients.topic_listener import READ_S, TopicListener
 from edgevox.ros2.clients.topic_sender import TopicSender
 from edgevox.ros2.robot_file.field_paths import read_path
 from edgevox.ros2.robot_file.filling import Filling
@@ -25,13 +25,15 @@ Report = Callable[..., None]
 class StepRun:
     """One time that a step is done: the values for its request, and the goal it is done for.
 
-    `stop` does what the skill does when it ends early; only the first call counts.
+    `stop` does what the skill does when it ends early; only the first call counts. `asked_s` is
+    when the step before it began to ask for something, if there is one.
     """
 
     values: Mapping[str, Any]
     token: CancelToken
     report: Report
     stop: Callable[[], None] = lambda: None
+    asked_s: float | None = None
 
 
 class LiveStep(Protocol):
@@ -100,7 +102,7 @@ class Calls(_Base):
 
     def run(self, run: StepRun) -> dict[str, Any]:
         answer = self._service.call(self._request(run), run.token, self._step.timeout_s, run.stop)
-        return values_of(self._planned, answer)
+        return values_of(self._planned, answer, run.values)
 
 
 class Acts(_Base):
@@ -120,7 +122,7 @@ class Acts(_Base):
             lambda feedback: self._hear(feedback, run),
             run.stop,
         )
-        return values_of(self._planned, result)
+        return values_of(self._planned, result, run.values)
 
     def _hear(self, feedback: Any, run: StepRun) -> None:
         if self._progress is None or run.token.cancelled:
@@ -144,7 +146,7 @@ class Reads(_Hears):
 
     def run(self, run: StepRun) -> dict[str, Any]:
         message = self._listener.latest(run.token, self._step.timeout_s)
-        return values_of(self._planned, message)
+        return values_of(self._planned, message, run.values)
 
 
 class WaitsForMessage(_Hears):
@@ -152,10 +154,15 @@ class WaitsForMessage(_Hears):
 
     def run(self, run: StepRun) -> dict[str, Any]:
         how: Wait = getattr(self._step, self._planned.way)
+        # After another step only what came since is an answer to it, also if it was there at once.
+        oldest_s = READ_S if run.asked_s is None else self._clock.now() - run.asked_s
         message = self._listener.wait_for(
-            lambda one: holds(one, how.until), run.token, self._step.timeout_s
+            lambda one: holds(one, how.until, run.values),
+            run.token,
+            self._step.timeout_s,
+            min(READ_S, oldest_s),
         )
-        return values_of(self._planned, message)
+        return values_of(self._planned, message, run.values)
 
 
 _KINDS: Mapping[str, Callable[[PlannedStep, Node, Clock], LiveStep]] = {

@@ -1,7 +1,7 @@
 """A step of the file with the types that it needs: checked before the robot is started."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,10 +13,17 @@ from edgevox.core.yaml_file import YamlFile
 from edgevox.ros2.clients.topic_sender import STEERING, type_name
 from edgevox.ros2.robot_file.argument_models import samples
 from edgevox.ros2.robot_file.field_paths import check_path
-from edgevox.ros2.robot_file.filling import Filling, arguments_in
+from edgevox.ros2.robot_file.filling import Filling, arguments_in, with_arguments
 from edgevox.ros2.robot_file.interfaces import Kind, interface, is_primitive, is_text
 from edgevox.ros2.robot_file.robot_file_format import Argument
-from edgevox.ros2.robot_file.step_format import WAYS, FieldCondition, Scalar, Step, Wait
+from edgevox.ros2.robot_file.step_format import (
+    WAYS,
+    FieldCondition,
+    ResultValue,
+    Scalar,
+    Step,
+    Wait,
+)
 
 _KINDS: Mapping[str, Kind] = {
     "publish": "msg",
@@ -82,27 +89,33 @@ class Planner:
             raise self._file.wrong((*at, "publish", "type"), name, expected)
 
     def _check_request(self, request: Any, template: Mapping[str, Any], at: Place) -> None:
-        named = arguments_in(template)
-        if unknown := named - self._arguments.keys() - self.results.keys():
-            expected = "an argument: one of " + ", ".join([*self._arguments, *self.results])
-            raise self._file.wrong(at, "{" + min(unknown) + "}", expected)
+        self._check_named(template, at)
         if request is None and template:
             raise self._file.wrong(at, dict(template), "nothing: what only hears has no request")
         if request is None:
             return
-        earlier = {name: _sample_of(type_name) for name, type_name in self.results.items()}
-        for tried, values in samples(self._arguments):
+        for tried, values in self._samples():
             try:
-                Filling(Time).fill(request(), template, {**earlier, **values})
+                Filling(Time).fill(request(), template, values)
             except InvalidValue as error:
                 hint = f"; so bound the argument {tried!r}" if tried else ""
                 place = (*at, *_place_of(error.field))
                 raise self._file.wrong(place, error.value, error.expected + hint) from None
 
+    def _check_named(self, template: Any, at: Place) -> None:
+        if unknown := arguments_in(template) - self._arguments.keys() - self.results.keys():
+            expected = "an argument: one of " + ", ".join([*self._arguments, *self.results])
+            raise self._file.wrong(at, "{" + min(unknown) + "}", expected)
+
+    def _samples(self) -> Iterator[tuple[str, Mapping[str, Any]]]:
+        earlier = {name: _sample_of(type_name) for name, type_name in self.results.items()}
+        for tried, values in samples(self._arguments):
+            yield tried, {**earlier, **values}
+
     def _check_answer(self, planned: PlannedStep, at: Place) -> None:
         step = planned.step
-        for name, path in step.result.items():
-            self.results[name] = self._type_at(planned.answer, path, (*at, "result", name))
+        for name, value in step.values.items():
+            self.results[name] = self._type_of(planned.answer, value, (*at, "result", name))
         for number, one in enumerate(step.expect):
             self._check_condition(planned.answer, one, (*at, "expect", number))
         for number, one in enumerate(step.wait.until if step.wait else ()):
@@ -111,12 +124,25 @@ class Planner:
     def _check_condition(self, answer: Any, condition: FieldCondition, at: Place) -> None:
         type_name = self._type_at(answer, condition.field, (*at, "field"))
         compared = condition.above is not None or condition.below is not None
-        numeric = is_primitive(type_name) and type_name != "boolean" and not is_text(type_name)
-        if compared and not numeric:
+        if compared and not _is_number(type_name):
             expected = "a number, to be above or below something"
             raise self._file.wrong((*at, "field"), condition.field, expected)
-        if condition.equals is not None and (other := _unlike(type_name, condition.equals)):
-            raise self._file.wrong((*at, "equals"), condition.equals, f"{other} ({type_name})")
+        if condition.equals is None:
+            return
+        self._check_named(condition.equals, (*at, "equals"))
+        for _, values in self._samples():
+            value = with_arguments(condition.equals, values)
+            if other := _unlike(type_name, value):
+                expected = f"{other} ({type_name})"
+                raise self._file.wrong((*at, "equals"), condition.equals, expected)
+
+    def _type_of(self, answer: Any, value: ResultValue, at: Place) -> str:
+        type_name = self._type_at(answer, value.field, at)
+        if value.times is None:
+            return type_name
+        if not _is_number(type_name):
+            raise self._file.wrong(at, value.field, "a number, to be multiplied")
+        return "double" if value.decimals else "int64"
 
     def _type_at(self, answer: Any, path: str, at: Place) -> str:
         if answer is None:
@@ -152,6 +178,10 @@ def _unlike(type_name: str, value: Scalar) -> str:
 def _place_of(path: str) -> Place:
     """The place of a field in a template, from how `Filling` names it."""
     return tuple(int(one) if one.isdigit() else one for one in re.findall(r"\w+", path))
+
+
+def _is_number(type_name: str) -> bool:
+    return is_primitive(type_name) and type_name != "boolean" and not is_text(type_name)
 
 
 def _sample_of(type_name: str) -> Any:

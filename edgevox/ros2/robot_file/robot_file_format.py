@@ -29,6 +29,7 @@ from edgevox.ros2.external.locations import LocationsFile
 from edgevox.ros2.robot_file.argument_values import wanted_instead
 from edgevox.ros2.robot_file.step_format import (
     GraphName,
+    Meaning,
     Name,
     Number,
     Part,
@@ -53,6 +54,8 @@ class Argument(Part):
 
     `values` of a choice are its words, or what each word stands for in the request; `aliases` are
     other things people say for a word, in any language; `names` are what a word is called in each.
+    A number goes into the request `times` so much: 0.01 where people say percent and the robot
+    takes a part of one.
     """
 
     type: Literal["number", "integer", "boolean", "text", "choice"]
@@ -61,12 +64,13 @@ class Argument(Part):
     min: Number | None = None
     max: Number | None = None
     default: Scalar | None = None
-    values: Annotated[list[Word] | dict[Word, Scalar] | None, at_most(MOST_WORDS, "words")] = None
+    times: Number | None = None
+    values: Annotated[list[Word] | dict[Word, Meaning] | None, at_most(MOST_WORDS, "words")] = None
     aliases: Mapping[Word, Word] = Field(default_factory=dict)
     names: Mapping[Word, LocalNames] = Field(default_factory=dict)
 
     @property
-    def meanings(self) -> Mapping[str, Scalar]:
+    def meanings(self) -> Mapping[str, Meaning]:
         """What each word of a choice stands for."""
         values = self.values or []
         return values if isinstance(values, dict) else {word: word for word in values}
@@ -79,9 +83,9 @@ class Argument(Part):
             if word not in self.meanings:
                 raise wrong(("aliases", said), word, "one of " + ", ".join(self.meanings))
         _told_apart(self)
-        for name in ("min", "max"):
+        for name in ("min", "max", "times"):
             if getattr(self, name) is not None and self.type not in ("number", "integer"):
-                raise wrong((name,), getattr(self, name), "nothing: only numbers have bounds")
+                raise wrong((name,), getattr(self, name), "nothing: this is for numbers only")
         if self.min is not None and self.max is not None and self.min > self.max:
             raise wrong(("max",), self.max, f"no less than min, {self.min:g}")
         if self.default is not None:

@@ -39,7 +39,7 @@ class Watch:
     def so_now(self) -> bool:
         """Whether what was heard last, and not long ago, would end it."""
         newest = self._newest.young(float("inf") if self._how.latched else READ_S)
-        return newest is not None and holds(newest, self._how.until)
+        return newest is not None and holds(newest, self._how.until, {})
 
     def tell(self, run: Callable[["Watch"], None]) -> Callable[[], None]:
         """Tell this of each such message from now on, on the node's thread; what ends that."""
@@ -54,7 +54,7 @@ class Watch:
     def _take(self, message: Any) -> None:
         self._newest.take(message)
         runs = self._runs
-        if runs and holds(message, self._how.until):
+        if runs and holds(message, self._how.until, {}):
             for run in runs:
                 run(self)
 
@@ -67,6 +67,7 @@ class LiveSkill:
     steps: Sequence[LiveStep]
     stop: LiveStep | None
     watches: Sequence[Watch]
+    clock: Clock
 
 
 def run_skill(skill: LiveSkill, goal: GoalHandle, values: Mapping[str, Any]) -> dict[str, Any]:
@@ -102,11 +103,14 @@ class _SkillRun:
             if watch.so_now:
                 self._end(watch)
         results: dict[str, Any] = {}
+        asked_s: float | None = None
         for step in self._skill.steps:
             self._token.check()
             self._begun = True
             values = {**self._values, **results}
-            results |= step.run(StepRun(values, self._token, self._goal.report, self.stop))
+            run = StepRun(values, self._token, self._goal.report, asked_s, self.stop)
+            asked_s = self._skill.clock.now()
+            results |= step.run(run)
         return results
 
     def stop(self) -> None:

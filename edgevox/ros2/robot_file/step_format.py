@@ -39,6 +39,8 @@ def at_most(most: int, what: str) -> BeforeValidator:
 
 
 Scalar = Annotated[bool | int | float | str, BeforeValidator(_is_scalar)]
+Meaning = Scalar | list[Any] | dict[str, Any]
+"""What a word stands for in a request: a value, a list, or a message's fields by name."""
 
 
 class Part(BaseModel):
@@ -76,8 +78,19 @@ class ActionInterface(Interface):
     progress: Word | None = None
 
 
+class ResultValue(Part):
+    """A value of what comes back: a field by its path, a number in it `times` so much, rounded."""
+
+    field: Word
+    times: Number | None = None
+    decimals: int = Field(3, ge=0, le=6)
+
+
 class FieldCondition(Part):
-    """What a field of a message must be: `equals`, or a number `above` or `below`."""
+    """What a field of a message must be: `equals`, or a number `above` or `below`.
+
+    `equals` may name arguments and earlier results, as requests do.
+    """
 
     field: Word
     equals: Scalar | None = None
@@ -113,7 +126,7 @@ class Step(Part):
     read: Topic | None = None
     wait: Wait | None = None
     request: Mapping[str, Any] = Field(default_factory=dict)
-    result: Mapping[Name, Word] = Field(default_factory=dict)
+    result: Mapping[Name, Word | ResultValue] = Field(default_factory=dict)
     expect: list[FieldCondition] = Field(default_factory=list, max_length=10)
     timeout_s: Number = Field(
         60.0, gt=0.0, le=LONGEST_WAIT_S, description="longer, and it has failed"
@@ -123,6 +136,19 @@ class Step(Part):
     def ways(self) -> list[str]:
         """The ways that are given."""
         return [way for way in WAYS if getattr(self, way) is not None]
+
+    @property
+    def values(self) -> Mapping[str, ResultValue]:
+        """The values of what comes back, by their names."""
+        return {
+            name: one if isinstance(one, ResultValue) else ResultValue(field=one)
+            for name, one in self.result.items()
+        }
+
+    @property
+    def conditions(self) -> list[FieldCondition]:
+        """All that must hold of what comes."""
+        return [*self.expect, *(self.wait.until if self.wait else ())]
 
 
 class StopStep(Step):

@@ -1,0 +1,57 @@
+"""A robot file of the examples with an agent that has nothing else, and a robot that stands in."""
+
+import contextlib
+from pathlib import Path
+
+import pytest
+from agent_process import READY, Agent
+from external_rig import robot_process
+from interface_overlay import build_overlay, overlaid
+from peer import Peer
+from robot_file_rig import Asked, Talk
+
+EXAMPLES = Path(__file__).parents[2] / "examples" / "robot_file"
+
+
+class Example:
+    """A conversation about the robot, and the robot, which may die and come again."""
+
+    def __init__(self, name: str, domain: int) -> None:
+        self._name, self._domain = name, domain
+        self._robot = contextlib.ExitStack()
+        self.robot_starts()
+        self.peer, self._robot_peer = Peer(domain), Peer(domain, "")
+        self.talk, self.asked = Talk(self.peer), Asked(self._robot_peer)
+
+    def close(self) -> None:
+        self._robot.close()
+        self.peer.close()
+        self._robot_peer.close()
+
+    def robot_starts(self) -> None:
+        one = robot_process(f"{self._name}_robot.py", domain=self._domain, namespace="/")
+        self._process = self._robot.enter_context(one)
+
+    def robot_dies(self) -> None:
+        """At once: it says no goodbye."""
+        self._process.kill()
+        self._robot.close()
+
+
+@contextlib.contextmanager
+def example(name: str, *packages: str, domain: int, cache: Path):
+    """The example of this name, which is talked to in English; it needs these packages."""
+    prefixes = build_overlay(packages, cache)
+    with pytest.MonkeyPatch.context() as patch, contextlib.ExitStack() as running:
+        for variable, value in overlaid(prefixes).items():
+            patch.setenv(variable, value)
+        file = EXAMPLES / f"{name}.yaml"
+        agent = Agent(
+            "robot-external", "--text-mode", "--ros2", "--llm=none", f"--robot-file={file}",
+            domain=domain,
+        )  # fmt: skip
+        running.callback(agent.terminate)
+        one = Example(name, domain)
+        running.callback(one.close)
+        agent.wait_for_line(READY)
+        yield one

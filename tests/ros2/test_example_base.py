@@ -1,0 +1,85 @@
+"""examples/robot_file/base.yaml, talked to: Nav2 drives it, Create 3's interfaces dock it."""
+
+import json
+
+import pytest
+from example_rig import example
+from peer import STATE
+
+RED = {"red": 255, "green": 0, "blue": 0}
+DARK = {"red": 0, "green": 0, "blue": 0}
+
+
+@pytest.fixture(scope="module")
+def base(domain, overlays):
+    packages = ("irobot_create_msgs", "nav2_msgs")
+    with example("base", *packages, domain=domain, cache=overlays) as one:
+        yield one
+
+
+@pytest.fixture
+def talk(base):
+    base.asked.do("obey")
+    base.talk.speak("en")
+    return base.talk
+
+
+def test_it_docks_and_undocks_and_tells_how_full_its_battery_is(talk, base):
+    with base.asked.within("dock"):
+        talk.say("go back to your dock", "Going to my dock.", "I am on my dock.")
+    with base.asked.within("undock"):
+        talk.say("undock", "Leaving my dock.", "I am off my dock.")
+    talk.say("how full is your battery", "My battery is at 87 percent.")
+
+
+def test_it_shines_and_beeps(talk, base):
+    with base.asked.within("cmd_lightring", {"leds": [RED] * 6, "override_system": True}):
+        talk.say("turn the light to red", "My light is red.")
+    with base.asked.within("cmd_lightring", {"leds": [DARK] * 6}):
+        talk.say("turn the lights off", "My light is dark.")
+    notes = [{"frequency": 880}, {"frequency": 440}]
+    with base.asked.within("cmd_audio", {"notes": notes, "append": False}):
+        talk.say("beep", "That was me.")
+
+
+def test_it_drives_by_nav2_and_tells_how_far_it_is(talk, base):
+    state = base.peer.listen("robot_state", STATE)
+    pose = {"pose": {"position": {"x": 1.0, "y": 0.5, "z": 0.0}}}
+    with base.asked.within("navigate_to_pose", {"pose": pose}):
+        talk.say("go to the kitchen", "Going to the kitchen.", "I am at the kitchen.")
+    goals = [json.loads(one)["goal"] for one in state.messages]
+    assert any(one and 0 < one["progress"] < 1 for one in goals)
+
+
+def test_it_speaks_german(talk, base):
+    talk.speak("de")
+    with base.asked.within("dock"):
+        talk.say("fahr zur Ladestation", "Ich fahre auf meine", "Ich stehe auf der Ladestation.")
+    talk.say("wie voll ist dein Akku", "Mein Akku hat 87 Prozent.")
+    with base.asked.within("cmd_lightring", {"leds": [RED] * 6}):
+        talk.say("Licht rot", "So leuchte ich jetzt.")
+
+
+def test_a_stop_cancels_docking_and_driving(talk, base):
+    base.asked.do("hang")
+    talk.say("dock", "Going to my dock.")
+    with base.asked.within("cancelled", "dock"):
+        talk.say("stop", "Stopped.")
+    talk.say("go to the front door", "Going to the front door.")
+    with base.asked.within("cancelled", "navigate_to_pose"):
+        talk.say("stop", "Stopped.")
+
+
+@pytest.mark.parametrize("how", ["refuse", "abort", "lie"])
+def test_a_dock_that_is_not_felt_is_not_claimed(talk, base, how):
+    base.asked.do(how)
+    talk.say("dock", "I could not dock.")
+    talk.speak("de")
+    talk.say("dock an", "Ich konnte nicht andocken.")
+
+
+def test_a_base_that_is_gone_has_no_battery(talk, base):
+    base.robot_dies()
+    talk.ask_until("battery level", "I do not know how full my battery is.")
+    base.robot_starts()
+    talk.ask_until("battery level", "My battery is at 87 percent.")
