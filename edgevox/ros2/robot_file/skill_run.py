@@ -108,7 +108,7 @@ class _SkillRun:
             self._token.check()
             self._begun = True
             values = {**self._values, **results}
-            run = StepRun(values, self._token, self._goal.report, asked_s, self.stop)
+            run = StepRun(values, self._token, self._goal.report, self.stop, asked_s)
             asked_s = self._skill.clock.now()
             results |= step.run(run)
         return results
