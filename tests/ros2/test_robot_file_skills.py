@@ -103,21 +103,6 @@ def test_a_robot_that_dies_under_an_action_ends_it(skills, asked, robot):
         run.result()
 
 
-def test_a_robot_that_comes_back_is_worked_with_again(skills, domain, peer):
-    with interfaces(domain) as first:
-        asked = Asked(peer(NAMESPACE))
-        asked.do("hang")
-        run = Run(skills, "dock")
-        asked.wait("dock")
-        first.kill()
-        with pytest.raises(SkillFailed, match="dock did not answer in time"):
-            run.result()
-    with interfaces(domain):
-        Asked(peer(NAMESPACE)).do("obey")
-        assert Run(skills, "dock").result() == {"where": "slot 3"}
-        assert Run(skills, "temperature").result() == {"degrees": 41.26}
-
-
 def test_the_newest_value_answers_a_question(skills, asked):
     assert Run(skills, "temperature").result() == {"degrees": 41.26}
 
