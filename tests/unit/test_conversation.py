@@ -243,7 +243,7 @@ def test_bad_input_has_its_clear_answer(rig, text, answer):
 def test_without_a_model_an_unknown_sentence_is_answered_with_what_the_robot_can_do(rig):
     rig.say("sing a song")
     rig.settle()
-    assert rig.texts() == ["I did not understand that, but I can drive to a room, for example."]
+    assert rig.texts() == ["I did not understand that, but I can open the door, for example."]
 
 
 def test_reset_stops_the_robot_and_forgets(rig):

@@ -73,6 +73,7 @@ def parts(tmp_path):
         health=Health(components),
         absent="",
         guard=Guard(),
+        skills=(),
     )
 
 

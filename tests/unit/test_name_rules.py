@@ -167,7 +167,8 @@ def test_our_own_worlds_and_locations_are_free() -> None:
     load_world()
     for file in (ROOT / "examples").rglob("*.yaml"):
         text = file.read_text("utf-8")
-        if "robot:" in text:
+        read = yaml.safe_load(text)
+        if "robot" in read:
             parse_world(text, file.name)
-        elif all(isinstance(one, dict) and "x" in one for one in yaml.safe_load(text).values()):
+        elif all(isinstance(one, dict) and "x" in one for one in read.values()):
             parse_locations(text, file.name)
