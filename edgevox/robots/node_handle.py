@@ -45,6 +45,8 @@ class NodeHandle(Protocol):
     ) -> None:
         """Publish once, to somebody who listens; what is latched waits for who listens later.
 
+        As always on ROS 2, the first message of a topic may be lost to a listener that does not
+        know of its publisher yet: what must not be lost is a service's or an action's.
         Raises `InvalidValue` for velocities: `set_velocity` of the body keeps limits and policy.
         """
 
