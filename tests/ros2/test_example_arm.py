@@ -75,6 +75,17 @@ def test_what_it_does_not_do_it_does_not_claim(talk, arm, how):
     talk.say("Arm bereit", "Der Arm ist dort nicht angekommen.")
 
 
+def test_it_says_what_it_can_and_nothing_else_and_drives_nowhere(talk, arm):
+    talk.say(
+        "what can you do",
+        "I can: move the arm to a named pose; open the gripper, wholly or by so much; say how "
+        "far the elbow is bent; close the gripper around something; stop at once.",
+    )
+    arm.assert_it_drives_nowhere("I do not know the word 'kitchen'.")
+    talk.speak("de")
+    talk.say("was kannst du", "Ich kann: den Arm in eine Haltung bringen, die ich kenne; ")
+
+
 def test_an_arm_that_is_gone_is_not_moved(talk, arm):
     arm.robot_dies()
     talk.ask_until("how far is the elbow bent", "I do not feel my joints.")

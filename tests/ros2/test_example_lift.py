@@ -66,6 +66,17 @@ def test_a_door_that_stays_shut_is_no_arrival_and_its_opening_is_told(talk, lift
         lift.asked.do("obey")
 
 
+def test_it_says_what_it_can_and_nothing_else_and_drives_nowhere(talk, lift):
+    talk.say(
+        "what can you do",
+        "I can: go to a floor and open the door there; wait until the door is open; say on which "
+        "floor the lift is; let others use the lift again; stop at once.",
+    )
+    lift.assert_it_drives_nowhere("I did not understand that, but I can ")
+    talk.speak("de")
+    talk.say("was kannst du", "Ich kann: auf eine Etage fahren und dort die Tür öffnen; ")
+
+
 def test_a_lift_that_is_gone_is_not_claimed_to_be_anywhere(talk, lift):
     lift.robot_dies()
     talk.ask_until("where is the lift", "I do not hear where the lift is.")
