@@ -62,7 +62,8 @@ def test_it_speaks_german(talk, arm):
 
 def test_a_stop_cancels_the_trajectory(talk, arm):
     arm.asked.do("hang")
-    talk.say("move to ready", "Moving to ready.")
+    with arm.asked.within(ARM):
+        talk.say("move to ready", "Moving to ready.")
     with arm.asked.within("cancelled", ARM):
         talk.say("stop", "Stopped.")
 

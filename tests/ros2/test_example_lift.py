@@ -53,7 +53,8 @@ def test_it_speaks_german(talk, lift):
 
 def test_a_stop_lets_the_lift_go(talk, lift):
     lift.asked.do("hang")
-    talk.say("floor 0", "Going to floor 0.")
+    with lift.asked.within("lift_requests", going("L0")):
+        talk.say("floor 0", "Going to floor 0.")
     with lift.asked.within("lift_requests", LEAVES):
         talk.say("stop", "Stopped.")
 
@@ -61,6 +62,7 @@ def test_a_stop_lets_the_lift_go(talk, lift):
 def test_a_door_that_stays_shut_is_no_arrival_and_its_opening_is_told(talk, lift):
     lift.asked.do("lie")
     talk.say("go to floor 2", "Going to floor 2.")
+    talk.ask_until("where is the lift", "The lift is on L2.")  # so its shut door was seen, too
     talk.say("tell me when the door opens", "I will tell you.")
     with talk.told("The door is open."):
         lift.asked.do("obey")
