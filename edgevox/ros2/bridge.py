@@ -10,11 +10,11 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.status import Component
 from edgevox.core.ways import Way
 from edgevox.robots.capabilities import Body
+from edgevox.robots.node_handle import OnRos2
 from edgevox.ros2.bridge_context import BridgeContext
 from edgevox.ros2.bridge_status import ExecutorComponent, ExecutorCounts
 from edgevox.ros2.contract import PARAMETERS
 from edgevox.ros2.diagnostics import DiagnosticsPublisher
-from edgevox.ros2.external.robot import ExternalRobot
 from edgevox.ros2.interop import Interop
 from edgevox.ros2.logs import Rosout
 from edgevox.ros2.node import RosBridgeFailed, RosNode
@@ -135,7 +135,7 @@ class RosBridge:
             self._parts.append(context.handle)
         if context.goals and (action := open_skill_action(node, bus, context.goals)):
             self._parts.append(action)
-        if context.body and not isinstance(context.body, ExternalRobot):  # it has its own topics
+        if context.body and not isinstance(context.body, OnRos2):  # it has its own topics
             self._parts.append(self._interop(context, context.body, values))
 
     def _interop(

@@ -5,10 +5,12 @@ from pathlib import Path
 
 import pytest
 from agent_process import READY, Agent
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from external_rig import robot_process
 from interface_overlay import build_overlay, overlaid
-from peer import Peer
+from peer import RELIABLE, Peer
 from robot_file_rig import Asked, Talk
+from waiting import Heard
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "robot_file"
 
@@ -27,6 +29,24 @@ class Example:
         self._robot.close()
         self.peer.close()
         self._robot_peer.close()
+
+    def assert_it_drives_nowhere(self, refusal: str) -> None:
+        """Asked to drive it refuses with this, and nothing of driving is heard or published."""
+        assert self.talk.answer("go to the kitchen").startswith(refusal)
+        for sentence in ("where are you", "remember this place as den", "go to x 1 y 2"):
+            assert self.talk.answer(sentence).startswith("I did not understand that, but I can ")
+        topics = {name for name, _ in self.peer.node.get_topic_names_and_types()}
+        assert "/edgevox/response" in topics
+        assert not topics & {"/odom", "/scan", "/cmd_vel", "/goal_pose", "/edgevox/pose", "/tf"}
+        self._is_well()
+
+    def _is_well(self) -> None:
+        """Its diagnostics miss nothing of its body."""
+        heard = Heard[DiagnosticArray]()
+        self.peer.node.create_subscription(DiagnosticArray, "/diagnostics", heard.add, RELIABLE)
+        found = {one.name: one for one in heard.wait_for(lambda array: array.status).status}
+        body = found["/edgevox/edgevox: sim"]
+        assert (body.level, body.message) == (DiagnosticStatus.OK, "runs")
 
     def robot_starts(self) -> None:
         one = robot_process(f"{self._name}_robot.py", domain=self._domain, namespace="/")

@@ -85,15 +85,16 @@ class Talk:
         for part in parts:
             since = self._number_of(part, since) + 1
 
+    def answer(self, text: str) -> str:
+        """The first answer to this."""
+        since = len(self._heard.messages)
+        self.say(text, "")
+        return self._heard.messages[since]
+
     def ask_until(self, text: str, part: str) -> None:
         """Ask again and again until the answer has this: what was heard last stays true a while."""
 
-        def answered() -> bool:
-            since = len(self._heard.messages)
-            self.say(text, "")
-            return part in self._heard.messages[since]
-
-        wait_until(answered, part)
+        wait_until(lambda: part in self.answer(text), part)
 
     def speak(self, language: str) -> None:
         """Go on in another language."""

@@ -62,7 +62,8 @@ def test_it_speaks_german(talk, arm):
 
 def test_a_stop_cancels_the_trajectory(talk, arm):
     arm.asked.do("hang")
-    talk.say("move to ready", "Moving to ready.")
+    with arm.asked.within(ARM):
+        talk.say("move to ready", "Moving to ready.")
     with arm.asked.within("cancelled", ARM):
         talk.say("stop", "Stopped.")
 
@@ -73,6 +74,17 @@ def test_what_it_does_not_do_it_does_not_claim(talk, arm, how):
     talk.say("move to ready", "The arm did not get there.")
     talk.speak("de")
     talk.say("Arm bereit", "Der Arm ist dort nicht angekommen.")
+
+
+def test_it_says_what_it_can_and_nothing_else_and_drives_nowhere(talk, arm):
+    talk.say(
+        "what can you do",
+        "I can: move the arm to a named pose; open the gripper, wholly or by so much; say how "
+        "far the elbow is bent; close the gripper around something; stop at once.",
+    )
+    arm.assert_it_drives_nowhere("I do not know the word 'kitchen'.")
+    talk.speak("de")
+    talk.say("was kannst du", "Ich kann: den Arm in eine Haltung bringen, die ich kenne; ")
 
 
 def test_an_arm_that_is_gone_is_not_moved(talk, arm):

@@ -53,7 +53,8 @@ def test_it_speaks_german(talk, lift):
 
 def test_a_stop_lets_the_lift_go(talk, lift):
     lift.asked.do("hang")
-    talk.say("floor 0", "Going to floor 0.")
+    with lift.asked.within("lift_requests", going("L0")):
+        talk.say("floor 0", "Going to floor 0.")
     with lift.asked.within("lift_requests", LEAVES):
         talk.say("stop", "Stopped.")
 
@@ -61,9 +62,21 @@ def test_a_stop_lets_the_lift_go(talk, lift):
 def test_a_door_that_stays_shut_is_no_arrival_and_its_opening_is_told(talk, lift):
     lift.asked.do("lie")
     talk.say("go to floor 2", "Going to floor 2.")
+    talk.ask_until("where is the lift", "The lift is on L2.")  # so its shut door was seen, too
     talk.say("tell me when the door opens", "I will tell you.")
     with talk.told("The door is open."):
         lift.asked.do("obey")
+
+
+def test_it_says_what_it_can_and_nothing_else_and_drives_nowhere(talk, lift):
+    talk.say(
+        "what can you do",
+        "I can: go to a floor and open the door there; wait until the door is open; say on which "
+        "floor the lift is; let others use the lift again; stop at once.",
+    )
+    lift.assert_it_drives_nowhere("I did not understand that, but I can ")
+    talk.speak("de")
+    talk.say("was kannst du", "Ich kann: auf eine Etage fahren und dort die Tür öffnen; ")
 
 
 def test_a_lift_that_is_gone_is_not_claimed_to_be_anywhere(talk, lift):

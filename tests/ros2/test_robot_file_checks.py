@@ -15,6 +15,13 @@ from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import Settings
 from edgevox.core.ways import Way
 from edgevox.core.yaml_file import YamlFile
+from edgevox.robots.capabilities import (
+    DrivesTo,
+    HasPlaces,
+    HasPose,
+    RemembersPlaces,
+    TakesVelocity,
+)
 from edgevox.ros2.external import EXTERNAL
 from edgevox.ros2.external.external_settings import SteeringLimits
 from edgevox.ros2.robot_file.filling import Filling
@@ -208,6 +215,17 @@ HEAD_FAULTS = [
     ("frames: {map: map}\n", "robot.yaml:1: frames", "no such key"),
     ("topics: {map: chart}\n", "robot.yaml:1: topics.map", "'odom'"),
     ("name: 3\n", "robot.yaml:1: name", "a text"),
+    ("drives: sometimes\n", "robot.yaml:1: drives", "true or false"),
+    *(
+        (f"drives: false\n{line}\n", f"robot.yaml:2: {line.partition(':')[0]}", "nothing: drives")
+        for line in (
+            "topics: {odom: wheel/odometry}",
+            "limits: {max_linear: 0.2}",
+            "footprint: {width: 0.4, length: 0.4}",
+            "places: {dock: {x: 0.0, y: 0.0}}",
+            "locations: places.yaml",
+        )
+    ),
 ]
 
 
@@ -217,6 +235,16 @@ def test_what_is_wrong_about_the_robot_is_told_by_line_and_field(tmp_path, head,
         build(tmp_path, HONK, head)
     assert field in caught.value.field
     assert expected in caught.value.expected
+
+
+def test_a_robot_that_does_not_drive_can_what_its_file_says_and_stop(tmp_path, caplog):
+    build(tmp_path, HONK, "drives: false\n")
+    settings = Settings(robot_file=tmp_path / "robot.yaml", max_linear=0.2)
+    body = EXTERNAL.build(settings, None)
+    assert [one.name for one in body.skills] == ["stop", "act"]
+    assert not isinstance(body, HasPose | DrivesTo | HasPlaces | RemembersPlaces | TakesVelocity)
+    (record,) = caplog.records
+    assert "max_linear" in record.getMessage()
 
 
 def test_places_in_the_file_are_known_unless_a_setting_names_others(tmp_path):

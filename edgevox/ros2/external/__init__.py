@@ -6,9 +6,15 @@ others; rclpy is imported when its body is built.
 
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.extras import install_extra
+from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
 from edgevox.robots.capabilities import Body
 from edgevox.robots.plugin import Robot
+
+log = get_logger(__name__)
+
+_OF_DRIVES = frozenset({"locations", "max_angular", "max_linear"})
+"""Settings that do nothing for a robot that does not drive."""
 
 
 def _build(settings: Settings, _speed: float | None) -> Body:
@@ -16,9 +22,11 @@ def _build(settings: Settings, _speed: float | None) -> Body:
     from edgevox.ros2.robot_file.load import NO_FILE, load_robot_file
 
     described = load_robot_file(settings.robot_file) if settings.robot_file else NO_FILE
-    places = described.places(settings)
+    drives = described.robot.drives
+    places = described.places(settings) if drives else {}
     try:
         from edgevox.ros2.external.robot import ExternalRobot
+        from edgevox.ros2.external.stationary_robot import StationaryRobot
         from edgevox.ros2.robot_file.described_skills import described_skills
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0].startswith("edgevox"):
@@ -27,21 +35,30 @@ def _build(settings: Settings, _speed: float | None) -> Body:
             f"robot-external needs ROS 2, and {error.name} cannot be imported: source ROS 2's "
             f"setup.bash, or {install_extra('ros2')}"
         ) from error
-    steering = described.steering(settings)
-    robot = ExternalRobot(
-        described.namespace(settings),
-        places,
-        ExternalSettings(steering=steering, remappings=tuple(described.remappings)),
-        described=described_skills(described.robot, described.file),
-    )
+    namespace = described.namespace(settings)
+    skills = described_skills(described.robot, described.file)
+    robot: ExternalRobot | StationaryRobot
+    if drives:
+        how = ExternalSettings(
+            steering=described.steering(settings), remappings=tuple(described.remappings)
+        )
+        robot = ExternalRobot(namespace, places, how, described=skills)
+    else:
+        _tell_unread(settings)
+        robot = StationaryRobot(namespace, skills)
     robot.about, robot.own_policy = described.robot.about, described.policy
     return robot
+
+
+def _tell_unread(settings: Settings) -> None:
+    for name in sorted(_OF_DRIVES & settings.model_fields_set):
+        log.warning("setting_unread", setting=name, robot="robot-external")
 
 
 EXTERNAL = Robot(
     "any ROS 2 robot, over its odom, cmd_vel and goal_pose",
     _build,
-    reads=frozenset({"external_namespace", "locations", "max_angular", "max_linear", "robot_file"}),
+    reads=_OF_DRIVES | {"external_namespace", "robot_file"},
 )
 
 __all__ = ["EXTERNAL"]

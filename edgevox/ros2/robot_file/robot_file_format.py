@@ -47,6 +47,8 @@ MOST_ARGUMENTS = 20
 MOST_WORDS = 500
 MOST_STEPS = 20
 MOST_WATCHES = 5
+FOR_DRIVING = ("topics", "limits", "footprint", "places", "locations")
+"""What a file says of how its robot drives, and where to."""
 
 
 class Argument(Part):
@@ -215,7 +217,8 @@ class Footprint(Part):
 class RobotFile(Part):
     """A whole file. What it says of the robot counts unless a setting says otherwise.
 
-    `topics` are what the robot calls the topics of the contract: ``{odom: wheel/odometry}``.
+    One that does not drive (`drives: false`) can what its skills say, and nothing else. `topics`
+    are what the robot calls the topics of the contract: ``{odom: wheel/odometry}``.
     Places and the policy stand here, or in files of their own, whose paths begin beside this one:
     `places` as in a locations file, `locations` its path; `policy` as in a policy file,
     `policy_file` its path.
@@ -224,6 +227,9 @@ class RobotFile(Part):
     name: str = Field("", max_length=100, description="what people call it")
     description: str = Field("", max_length=500, description="what it is for, in a sentence")
     namespace: str = Field("/", pattern=r"^/([A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*)?$")
+    drives: bool = Field(
+        True, description="false for an arm, a lift and whatever else stays where it is"
+    )
     topics: Mapping[
         Literal["odom", "cmd_vel", "goal_pose", "scan", "camera/image_raw"], GraphName
     ] = Field(default_factory=dict)
@@ -242,6 +248,13 @@ class RobotFile(Part):
         for here, path in (("places", "locations"), ("policy", "policy_file")):
             if getattr(self, here) is not None and getattr(self, path) is not None:
                 raise wrong((path,), getattr(self, path), f"nothing: {here} stand in this file")
+        return self
+
+    @model_validator(mode="after")
+    def _drives_where_it_says_how(self) -> "RobotFile":
+        for name in () if self.drives else FOR_DRIVING:
+            if name in self.model_fields_set:
+                raise wrong((name,), getattr(self, name), "nothing: drives is false")
         return self
 
     @property
