@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from edgevox.core.yaml_file import value_key
+
 _NO_WORD = {"name": "{name}"}
 
 
@@ -45,3 +47,12 @@ def word_of(data: Mapping[str, Any] | None) -> Word:
         heard=tuple(data.get("heard", (name,))),
         hints=tuple(data.get("hints", ())),
     )
+
+
+def worded(values: Mapping[str, Any], words: Mapping[str, Mapping[str, str]]) -> Mapping[str, Any]:
+    """Values as sentences need them: what is said for one, where there is something."""
+    said = {name: words.get(name, {}).get(value_key(value)) for name, value in values.items()}
+    return {**values, **{name: _PLAIN.called(text) for name, text in said.items() if text}}
+
+
+_PLAIN = word_of(None)

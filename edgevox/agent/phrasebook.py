@@ -16,7 +16,7 @@ from edgevox.agent.phrase_forms import (
 )
 from edgevox.agent.phrase_hearing import Hearing
 from edgevox.agent.phrase_numbers import Numbers, Rewriting
-from edgevox.agent.phrase_words import Word, word_of
+from edgevox.agent.phrase_words import Word, word_of, worded
 from edgevox.agent.programs.program_phrases import ProgramPhrases
 from edgevox.agent.skills import Example, OneOf, Skill, SkillPhrases
 from edgevox.agent.spelling import key
@@ -148,6 +148,10 @@ class Phrasebook:
         """What a robot with this skill can do, as a part of a sentence."""
         return self._phrases(one).can or as_part(one.description)
 
+    def said_for(self, one: Skill) -> Mapping[str, Mapping[str, str]]:
+        """What is said for values of this skill's arguments and results."""
+        return self._phrases(one).words
+
     def knows(self, one: Skill) -> bool:
         """Whether it is a skill that robots commonly have, by its name."""
         return one.name in self.skills
@@ -228,22 +232,24 @@ class Phrasebook:
         values: Mapping[str, Any],
     ) -> str:
         """A sentence of a skill: the skill's own if that is this language's, else the book's."""
-        said = "" if self._speaks(one) else self._first(part(self._phrases(one)), values)
-        return said or self._formatted(english, values)
+        said = "" if self._speaks(one) else self._first(one, part(self._phrases(one)), values)
+        return said or self._formatted(one, english, values)
 
     def _action(self, one: Skill, arguments: Mapping[str, Any]) -> str:
         """The part of a question about it: an English one fits no other language's sentence."""
         if self._speaks(one):
-            return self._formatted(one.action, arguments)
-        return self._first(self._phrases(one).actions, arguments)
+            return self._formatted(one, one.action, arguments)
+        return self._first(one, self._phrases(one).actions, arguments)
 
     def _speaks(self, one: Skill) -> bool:
         """Whether a skill brings its own sentences in this language."""
         return not self.fallback and bool(one.says or one.done or one.action)
 
-    def _first(self, templates: Sequence[str], values: Mapping[str, Any]) -> str:
+    def _first(self, one: Skill, templates: Sequence[str], values: Mapping[str, Any]) -> str:
         """The first of these sentences whose values are all known; empty if there is none."""
-        told = {name: self._spoken(value) for name, value in values.items()}
+        told = {
+            name: self._spoken(value) for name, value in worded(values, self.said_for(one)).items()
+        }
         told |= {spoken_name(name): value for name, value in told.items()}
         known = {name for name, value in told.items() if value is not None}
         fit = (template for template in templates if fields(template) <= known)
@@ -270,12 +276,12 @@ class Phrasebook:
     def _thing_at(self, name: str, place: str) -> str:
         return self.say("thing_at", thing=self.word(name), place=self.word(place))
 
-    def _formatted(self, english: str, values: Mapping[str, Any]) -> str:
+    def _formatted(self, one: Skill, english: str, values: Mapping[str, Any]) -> str:
         """A skill's own English sentence, with what its words are called in English."""
-        words = (self.fallback or self).words
+        book = self.fallback or self
         told = {
-            name: words.get(key(value), in_english(value)) if isinstance(value, str) else value
-            for name, value in values.items()
+            name: book.words.get(key(value), in_english(value)) if isinstance(value, str) else value
+            for name, value in worded(values, book.said_for(one)).items()
         }
         return english.format(**told)
 

@@ -6,6 +6,7 @@ import pytest
 from geometry_msgs.msg import PoseStamped
 
 from edgevox.agent.name_rules import check_skills
+from edgevox.agent.own_names import phrasebook_of
 from edgevox.agent.policy import Rule
 from edgevox.agent.skills import OwnName, SkillSet
 from edgevox.apps.policy_setup import build_guard
@@ -122,6 +123,45 @@ def build(tmp_path, skill, head=""):
         (HONK + "\nconfirm: always", "skills.act.confirm", "true or false"),
         (HONK + '\nasks: "do {what}"', "skills.act.asks", "a value that is known"),
         (HONK + "\nhorn: 1", "skills.act.horn", "no such key"),
+        (HONK + "\nwords: {heard: {1: x}}", "skills.act.words.heard", "one of none"),
+        (
+            HONK + "\nresult: {ok: success}\nwords: {ok: {maybe: x}}",
+            "skills.act.words.ok.maybe",
+            "true or false",
+        ),
+        (
+            HONK + "\nresult: {ok: success}\nwords: {ok: {true: x, 'true': x}}",
+            "skills.act.words.ok",
+            "each value once",
+        ),
+        (HONK + "\nresult: {ok: success}\nwords: {ok: {true: ''}}", "words.ok.true", "1 char"),
+        (
+            HONK + "\nresult: {ok: success}\ndone: It is {ok}.\nwords: {ok: {true: well}}",
+            "skills.act.done",
+            'words for it: words: {ok: {"true": ..., "false": ...}}',
+        ),
+        (
+            HONK + "\nresult: {ok: success}\nwords: {ok: {true: a, false: b}}\n"
+            "languages: {de: {done: 'Es ist {ok}.'}}",
+            "skills.act.languages.de.done",
+            "words for it",
+        ),
+        (
+            LAMP.format("Bool") + "arguments: {x: {type: boolean}}\nsays: Now {x}.",
+            "skills.act.says",
+            "words for it",
+        ),
+        (
+            HEAR + "\nresult: {x: pose.position.x}\nwords: {x: {'1.0': one}}",
+            "skills.act.words.x.1.0",
+            "1, as the number is said",
+        ),
+        (
+            LAMP.format("String")
+            + "arguments: {x: {type: choice, values: [red]}}\nwords: {x: {red: rot}}",
+            "skills.act.words.x",
+            "no choice",
+        ),
         (
             "publish: {name: /cmd_vel, type: geometry_msgs/msg/Twist}",
             "skills.act.publish.type",
@@ -160,6 +200,29 @@ def test_the_words_of_a_choice_have_names_by_language(tmp_path):
             build(tmp_path, lamp + choice.replace("NAMES", given))
         assert field in caught.value.field
         assert expected in caught.value.expected
+
+
+def test_what_is_said_for_a_value_is_the_languages_and_the_result_keeps_the_value(tmp_path):
+    body = build(
+        tmp_path,
+        "read: {name: battery, type: sensor_msgs/msg/BatteryState}\n"
+        "result: {there: present, how: power_supply_status, cell: serial_number}\n"
+        "done: It is {there}, {how}, {cell}.\n"
+        "words: {there: {true: in, false: out}, how: {1: charging}, cell: {A7: the new one}}\n"
+        "languages:\n"
+        "  de:\n"
+        "    done: Er ist {there}, {how}, {cell}.\n"
+        "    words: {there: {true: drin, false: fort}, how: {1: am Laden}}",
+    )
+    act = SkillSet(body.skills)["act"]
+
+    def said(code, **result):
+        return phrasebook_of(code, [act]).report(act, {}, result)
+
+    assert said("en", there=True, how=1, cell="A7") == "It is in, charging, the new one."
+    assert said("en", there=False, how=3, cell="B1") == "It is out, 3, B1."
+    assert said("de", there=True, how=1, cell="A7") == "Er ist drin, am Laden, A7."
+    assert said("de", there=False, how=4, cell="B1") == "Er ist fort, 4, B1."
 
 
 def test_a_message_is_filled_field_by_field():
