@@ -70,7 +70,7 @@ def test_it_speaks_german(talk, base):
         talk.say("fahr zur Ladestation", "Ich fahre auf meine", "Ich stehe auf der Ladestation.")
     talk.say("wie voll ist dein Akku", "Mein Akku hat 87 Prozent.")
     with base.asked.within("cmd_lightring", {"leds": [RED] * 6}):
-        talk.say("Licht rot", "So leuchte ich jetzt.")
+        talk.say("Licht rot", "Mein Licht ist rot.")
 
 
 def test_a_stop_cancels_docking_and_driving(talk, base):

@@ -6,9 +6,10 @@ import pytest
 from geometry_msgs.msg import PoseStamped
 
 from edgevox.agent.name_rules import check_skills
+from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.own_names import phrasebook_of
 from edgevox.agent.policy import Rule
-from edgevox.agent.skills import OwnName, SkillSet
+from edgevox.agent.skills import Call, OwnName, SkillSet
 from edgevox.apps.policy_setup import build_guard
 from edgevox.apps.robots import build_agents
 from edgevox.core.bus import Bus
@@ -18,6 +19,7 @@ from edgevox.core.ways import Way
 from edgevox.core.yaml_file import YamlFile
 from edgevox.ros2.external import EXTERNAL
 from edgevox.ros2.external.external_settings import SteeringLimits
+from edgevox.ros2.robot_file.described_skill import DescribedSkill
 from edgevox.ros2.robot_file.filling import Filling
 from edgevox.ros2.robot_file.load import load_robot_file
 from edgevox.ros2.robot_file.robot_file_format import RobotFile
@@ -344,6 +346,32 @@ def test_its_name_and_what_it_is_for_are_told_to_the_language_model(tmp_path):
 def test_the_topics_that_may_be_called_otherwise_are_those_of_the_contract():
     topics = RobotFile.model_json_schema()["properties"]["topics"]["propertyNames"]["enum"]
     assert set(topics) == DRIVEN.keys()
+
+
+@pytest.mark.parametrize(
+    ("name", "skill", "sentence", "values", "done"),
+    [
+        ("cleaner", "set_suction", "sauge kräftig", {"power": "strong"}, "Ich sauge jetzt stark."),
+        ("cleaner", "set_suction", "sauge quiet", {"power": "quiet"}, "Ich sauge jetzt leise."),
+        ("base", "set_lights", "mach das Licht aus", {"colour": "dark"}, "Mein Licht ist dunkel."),
+        (
+            "quadruped",
+            "set_gait",
+            "lauf im Trab",
+            {"gait": "trot"},
+            "Meine Gangart ist jetzt Trab.",
+        ),
+        ("arm", "move_arm", "Arm bereit", {"pose": "ready"}, "Der Arm ist in Bereitschaft."),
+    ],
+)
+def test_the_examples_say_and_hear_values_by_their_german_names(
+    name, skill, sentence, values, done
+):
+    robot = load_robot_file(EXAMPLE.with_name(f"{name}.yaml")).robot
+    one = DescribedSkill(skill, robot.skills[skill], [], None, []).skill()
+    found = Recogniser(SkillSet([one]), "de").recognise(sentence)
+    assert found == Understood((Call(skill, values),))
+    assert phrasebook_of("de", [one]).report(one, values, {}) == done
 
 
 def test_the_example_is_whole():
