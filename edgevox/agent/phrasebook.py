@@ -16,12 +16,12 @@ from edgevox.agent.phrase_forms import (
 )
 from edgevox.agent.phrase_hearing import Hearing
 from edgevox.agent.phrase_numbers import Numbers, Rewriting
-from edgevox.agent.phrase_words import Word, word_of, worded
+from edgevox.agent.phrase_words import Word, in_brackets, word_of, worded
 from edgevox.agent.programs.program_phrases import ProgramPhrases
 from edgevox.agent.skills import Example, OneOf, Skill, SkillPhrases
 from edgevox.agent.spelling import key
 from edgevox.agent.spoken_lists import brief
-from edgevox.core.reason import Reason
+from edgevox.core.reason import Named, Reason
 
 _OTHER = "other"
 """What an argument is called that has no name of its own."""
@@ -142,7 +142,8 @@ class Phrasebook:
             return why.text
         said = str(why.values.get("value", ""))
         values = {name: self._about(name, value, said) for name, value in why.values.items()}
-        return self._smooth(sentence.format(**values))
+        left = [one for name, one in why.values.items() if name not in fields(sentence)]
+        return self._smooth(sentence.format(**values)) + in_brackets(left, self.code)
 
     def can(self, one: Skill) -> str:
         """What a robot with this skill can do, as a part of a sentence."""
@@ -190,10 +191,12 @@ class Phrasebook:
             return self.argument(value)
         return brief(self, value, said) if isinstance(value, tuple) else self._told(value)
 
-    def _told(self, value: str | Reason) -> Word | str:
+    def _told(self, value: str | Reason | Named) -> Word | str:
         """What a reason is about: another reason, a word with its forms, or a name as it is."""
         if isinstance(value, Reason):
             return bare(self.reason(value))
+        if isinstance(value, Named):
+            return self.unknown.called(value.names.get(self.code, str(value)))
         return self._known(value) or self.unknown.called(value)
 
     def _known(self, name: str) -> Word | None:
