@@ -127,6 +127,7 @@ def _skill_phrases(data: Mapping[str, Any]) -> SkillPhrases:
         done=_several(data.get("done", ())),
         examples=tuple(Example(one.pop("sentence"), one) for one in examples),
         arguments=data.get("arguments", {}),
+        words=data.get("words", {}),
     )
 
 

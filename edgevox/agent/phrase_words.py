@@ -1,8 +1,11 @@
 """Words in the forms that sentences need: a thing's name, and how one speaks of it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
+
+from edgevox.core.reason import Named
+from edgevox.core.yaml_file import value_key
 
 _NO_WORD = {"name": "{name}"}
 
@@ -45,3 +48,18 @@ def word_of(data: Mapping[str, Any] | None) -> Word:
         heard=tuple(data.get("heard", (name,))),
         hints=tuple(data.get("hints", ())),
     )
+
+
+def worded(values: Mapping[str, Any], words: Mapping[str, Mapping[str, str]]) -> Mapping[str, Any]:
+    """Values as sentences need them: what is said for one, where there is something."""
+    said = {name: words.get(name, {}).get(value_key(value)) for name, value in values.items()}
+    return {**values, **{name: _PLAIN.called(text) for name, text in said.items() if text}}
+
+
+def in_brackets(values: Iterable[Any], code: str) -> str:
+    """The names in a language of those that have one there, behind a sentence without them."""
+    names = (one.names.get(code) for one in values if isinstance(one, Named))
+    return "".join(f" ({name})" for name in names if name)
+
+
+_PLAIN = word_of(None)

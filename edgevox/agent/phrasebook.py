@@ -16,12 +16,12 @@ from edgevox.agent.phrase_forms import (
 )
 from edgevox.agent.phrase_hearing import Hearing
 from edgevox.agent.phrase_numbers import Numbers, Rewriting
-from edgevox.agent.phrase_words import Word, word_of
+from edgevox.agent.phrase_words import Word, in_brackets, word_of, worded
 from edgevox.agent.programs.program_phrases import ProgramPhrases
 from edgevox.agent.skills import Example, OneOf, Skill, SkillPhrases
 from edgevox.agent.spelling import key
 from edgevox.agent.spoken_lists import brief
-from edgevox.core.reason import Reason
+from edgevox.core.reason import Named, Reason
 
 _OTHER = "other"
 """What an argument is called that has no name of its own."""
@@ -142,11 +142,16 @@ class Phrasebook:
             return why.text
         said = str(why.values.get("value", ""))
         values = {name: self._about(name, value, said) for name, value in why.values.items()}
-        return self._smooth(sentence.format(**values))
+        left = [one for name, one in why.values.items() if name not in fields(sentence)]
+        return self._smooth(sentence.format(**values)) + in_brackets(left, self.code)
 
     def can(self, one: Skill) -> str:
         """What a robot with this skill can do, as a part of a sentence."""
         return self._phrases(one).can or as_part(one.description)
+
+    def said_for(self, one: Skill) -> Mapping[str, Mapping[str, str]]:
+        """What is said for values of this skill's arguments and results."""
+        return self._phrases(one).words
 
     def knows(self, one: Skill) -> bool:
         """Whether it is a skill that robots commonly have, by its name."""
@@ -186,10 +191,12 @@ class Phrasebook:
             return self.argument(value)
         return brief(self, value, said) if isinstance(value, tuple) else self._told(value)
 
-    def _told(self, value: str | Reason) -> Word | str:
+    def _told(self, value: str | Reason | Named) -> Word | str:
         """What a reason is about: another reason, a word with its forms, or a name as it is."""
         if isinstance(value, Reason):
             return bare(self.reason(value))
+        if isinstance(value, Named):
+            return self.unknown.called(value.names.get(self.code, str(value)))
         return self._known(value) or self.unknown.called(value)
 
     def _known(self, name: str) -> Word | None:
@@ -228,22 +235,24 @@ class Phrasebook:
         values: Mapping[str, Any],
     ) -> str:
         """A sentence of a skill: the skill's own if that is this language's, else the book's."""
-        said = "" if self._speaks(one) else self._first(part(self._phrases(one)), values)
-        return said or self._formatted(english, values)
+        said = "" if self._speaks(one) else self._first(one, part(self._phrases(one)), values)
+        return said or self._formatted(one, english, values)
 
     def _action(self, one: Skill, arguments: Mapping[str, Any]) -> str:
         """The part of a question about it: an English one fits no other language's sentence."""
         if self._speaks(one):
-            return self._formatted(one.action, arguments)
-        return self._first(self._phrases(one).actions, arguments)
+            return self._formatted(one, one.action, arguments)
+        return self._first(one, self._phrases(one).actions, arguments)
 
     def _speaks(self, one: Skill) -> bool:
         """Whether a skill brings its own sentences in this language."""
         return not self.fallback and bool(one.says or one.done or one.action)
 
-    def _first(self, templates: Sequence[str], values: Mapping[str, Any]) -> str:
+    def _first(self, one: Skill, templates: Sequence[str], values: Mapping[str, Any]) -> str:
         """The first of these sentences whose values are all known; empty if there is none."""
-        told = {name: self._spoken(value) for name, value in values.items()}
+        told = {
+            name: self._spoken(value) for name, value in worded(values, self.said_for(one)).items()
+        }
         told |= {spoken_name(name): value for name, value in told.items()}
         known = {name for name, value in told.items() if value is not None}
         fit = (template for template in templates if fields(template) <= known)
@@ -270,12 +279,12 @@ class Phrasebook:
     def _thing_at(self, name: str, place: str) -> str:
         return self.say("thing_at", thing=self.word(name), place=self.word(place))
 
-    def _formatted(self, english: str, values: Mapping[str, Any]) -> str:
+    def _formatted(self, one: Skill, english: str, values: Mapping[str, Any]) -> str:
         """A skill's own English sentence, with what its words are called in English."""
-        words = (self.fallback or self).words
+        book = self.fallback or self
         told = {
-            name: words.get(key(value), in_english(value)) if isinstance(value, str) else value
-            for name, value in values.items()
+            name: book.words.get(key(value), in_english(value)) if isinstance(value, str) else value
+            for name, value in worded(values, book.said_for(one)).items()
         }
         return english.format(**told)
 

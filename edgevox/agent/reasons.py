@@ -8,10 +8,13 @@ from typing import Any
 
 from edgevox.agent.phrase_words import Word, word_of
 from edgevox.agent.spelling import key
-from edgevox.core.reason import Reason, in_english
+from edgevox.core.reason import Named, Reason, in_english
+
+About = str | tuple[str, ...] | Reason | Named
+"""What a reason is about."""
 
 
-def because(code: str, text: str = "", /, **values: str | tuple[str, ...] | Reason) -> Reason:
+def because(code: str, text: str = "", /, **values: About) -> Reason:
     """The reason of this code. Raises `KeyError` for one that `phrases/en.toml` does not have.
 
     `text` is the English sentence for programs, where it says more than the phrasebook does. What
@@ -31,12 +34,12 @@ def called_off(why: str) -> Reason:
     return because("called_off", text)
 
 
-def in_words(sentence: str, values: Mapping[str, str | tuple[str, ...] | Reason]) -> str:
+def in_words(sentence: str, values: Mapping[str, About]) -> str:
     """An English sentence of a reason, with what it is about."""
     return sentence.format(**{name: _told(value) for name, value in values.items()})
 
 
-def _told(value: str | tuple[str, ...] | Reason) -> Word | str:
+def _told(value: About) -> Word | str:
     """What a reason is about, as its sentence needs it: a plain word has forms."""
     said = in_english(value).rstrip(".")
     return _words().get(key(said)) or _unknown().called(said) if isinstance(value, str) else said

@@ -80,7 +80,8 @@ class SkillPhrases:
 
     `can` is what a robot with this skill can do, as a part of a sentence; `actions` are the part of
     a question that asks whether it shall do it, with the arguments. `arguments` are what those are
-    called, where one of them is wrong: "the number of rounds".
+    called, where one of them is wrong: "the number of rounds". `words` are what is said for the
+    values of an argument or a result, by `value_key`: "true" of `docked` is "on my dock".
     """
 
     can: str = ""
@@ -90,6 +91,7 @@ class SkillPhrases:
     done: tuple[str, ...] = ()
     examples: tuple[Example, ...] = ()
     arguments: Mapping[str, str] = field(default_factory=dict)
+    words: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from edgevox.robots.skill_packages import (
     chosen_skills,
     fault_of,
     installed_skills,
+    warn_of_namesakes,
 )
 from edgevox.ros2 import open_node_handle
 
@@ -46,6 +47,7 @@ def gather_skills(body: Body | None, settings: Settings) -> RobotSkills:
     points = chosen_skills(settings.skills, installed_skills())
     if not points:
         return RobotSkills(body.skills)
+    warn_of_namesakes(points)
     handle = None if isinstance(body, OnRos2) or not settings.ros2 else open_node_handle()
     ros: NodeHandle | None = body.ros if isinstance(body, OnRos2) else handle
     brought = brought_skills(points, body, settings, ros)

@@ -173,3 +173,12 @@ def _inside(data: Any, part: str | int) -> Any:
         return data[part]
     except (TypeError, LookupError):
         return None
+
+
+def value_key(value: object) -> str:
+    """A value as YAML has it as a key: `true`, `3`, `0.5`, or a text as it is."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, float) and value.is_integer():
+        return str(int(value))
+    return str(value)

@@ -53,6 +53,18 @@ LocalNames = Annotated[NamesByCode, BeforeValidator(_read), WithJsonSchema(_SCHE
 """The field `names` of whatever has a name."""
 
 
+def _only_said(data: Any) -> Mapping[str, str]:
+    names = _read(data)
+    for code, one in names.items():
+        if one != OwnName(one.name):
+            raise wrong((code,), one.name, "one name: a thing is mentioned, never asked for")
+    return {code: one.name for code, one in names.items()}
+
+
+MentionedNames = Annotated[Mapping[str, str], BeforeValidator(_only_said)]
+"""The field `names` of what is only spoken of: one name a language."""
+
+
 def check_told_apart(
     entries: Mapping[str, tuple[Iterable[str], NamesByCode]],
     place: Callable[[str, str], Place] = lambda word, code: (word, "names", code),

@@ -58,9 +58,9 @@ class PathPlanner:
         gaps = [(solid.gap(goal), solid.thing) for solid in near]
         gap, thing = min(gaps, key=lambda pair: pair[0], default=(np.inf, None))
         if thing and gap == 0.0:
-            raise SkillFailed(because("taken", thing=thing.mentioned))
+            raise SkillFailed(because("taken", thing=thing.named))
         if thing and gap < self._radius_m:
-            raise SkillFailed(because("too_close", thing=thing.mentioned))
+            raise SkillFailed(because("too_close", thing=thing.named))
         if self._to_edge(goal) < self._radius_m:
             raise SkillFailed(because("at_the_edge"))
 

@@ -85,6 +85,15 @@ def chosen_skills(chosen: str, installed: Mapping[str, EntryPoint]) -> Sequence[
     return [installed[name] for name in dict.fromkeys(names)]
 
 
+def warn_of_namesakes(used: Iterable[EntryPoint]) -> None:
+    """Say which packages are left out because one that is used has their entry point's name."""
+    taken = {point.name: _package(point) for point in used}
+    for point in entry_points(group=SKILL_GROUP):
+        used_one, left_out = taken.get(point.name), _package(point)
+        if used_one not in (None, left_out):
+            log.warning("skill_package_twice", package=point.name, used=used_one, left_out=left_out)
+
+
 def fault_of(point: EntryPoint) -> str:
     """Why a package cannot even be loaded; empty if it can."""
     try:
@@ -110,6 +119,10 @@ def brought_skills(
             log.exception("skill_package_broken", package=point.name)
         else:
             yield from ((point.name, one) for one in made)
+
+
+def _package(point: EntryPoint) -> str:
+    return point.dist.name if point.dist else point.value
 
 
 def _made(point: EntryPoint, context: SkillContext) -> Sequence[Skill]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from edgevox.agent.choices import OwnName
+from edgevox.core.reason import Named
 from edgevox.core.transforms import ORIGIN, Pose2D
 from edgevox.robots.bounds import Bounds
 from edgevox.robots.shapes import Floats, Point, Polygon, Shape, inside
@@ -52,7 +53,8 @@ class RobotSpec:
 class Thing:
     """A wall or a piece of furniture: shapes in its own frame, and where that frame stands.
 
-    A finite mass makes it something that the robot can push. `friction` is that of the floor.
+    A finite mass makes it something that the robot can push. `friction` is that of the floor,
+    `names` what it is called by language.
     """
 
     name: str
@@ -61,6 +63,7 @@ class Thing:
     mass_kg: float = math.inf
     friction: float = 0.5
     color: str | None = None
+    names: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def movable(self) -> bool:
@@ -82,6 +85,11 @@ class Thing:
     def mentioned(self) -> str:
         """The spoken name with its article: an office chair."""
         return f"{'an' if self.spoken[0].lower() in 'aeiou' else 'a'} {self.spoken}"
+
+    @property
+    def named(self) -> Named:
+        """How sentences mention it, in each language."""
+        return Named(self.mentioned, self.names)
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,6 +21,7 @@ from edgevox.core.transforms import Pose2D
 from edgevox.core.validation import Place
 from edgevox.core.yaml_file import YamlFile
 from edgevox.robots.name_fields import check_thing
+from edgevox.robots.names_per_language import MentionedNames
 from edgevox.robots.shapes import Circle, Line, Polygon, Shape, reach
 from edgevox.robots.world_fields import (
     Finite,
@@ -55,7 +56,7 @@ class ObjectEntry(WorldPart):
         "shape kinematics velocity goal role color static mass friction inertia restitution "
         "vel_min vel_max acce angle_range behavior group_behavior goal_threshold sensors "
         "arrive_mode description group group_name state_dim vel_dim unobstructed fov "
-        "fov_radius name plot"
+        "fov_radius name names plot"
     )
     number: Annotated[Whole, within(0, MOST_OBJECTS)] = 1
     distribution: AnyDistribution = Distribution()
@@ -93,6 +94,9 @@ class Member:
         if part.kinematics.name != "diff":
             field, expected = ("kinematics", "name"), "'diff', a robot with two driven wheels"
             raise self.file.wrong((*self.place, *field), part.kinematics.name or "none", expected)
+        if self.data.get("names"):
+            expected = "nothing: no sentence mentions the robot that is driven"
+            raise self.file.wrong((*self.place, "names"), self.data["names"], expected)
         linear, angular = part.vel_max
         linear_acceleration, angular_acceleration = part.acce
         return RobotSpec(
@@ -127,6 +131,7 @@ class Member:
             mass_kg=part.mass_kg,
             friction=part.friction,
             color=part.color if isinstance(part.color, str) else None,
+            names=part.names,
         )
 
     def _parts(self, shape: ShapePart | None, dice: random.Random) -> tuple[Shape, ...]:
@@ -189,6 +194,7 @@ class _ThingEntry(BaseModel):
     static: Flag = False
     mass: Annotated[float, Field(strict=True), AfterValidator(_weighs)] | None = None
     name: Annotated[Text, called(check_thing)] | None = None
+    names: MentionedNames = Field(default_factory=dict)
     friction: Annotated[Finite, within(0.0, 10.0)] = 0.5
     color: Any = None
 

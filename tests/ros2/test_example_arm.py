@@ -54,7 +54,7 @@ def test_it_opens_its_hand_so_far_and_knows_what_it_holds(talk, arm):
 def test_it_speaks_german(talk, arm):
     talk.speak("de")
     with arm.asked.within(ARM, moves(HOME)):
-        talk.say("bewege den Arm nach zuhause", "Der Arm bewegt sich.", "Der Arm ist da.")
+        talk.say("bewege den Arm nach zuhause", "Der Arm geht in", "Der Arm ist in Grundstellung.")
     with arm.asked.within(GRIPPER, grips(0.04)):
         talk.say("öffne den Greifer", "Meine Hand ist offen.")
     talk.ask_until("wie weit ist dein Ellbogen gebeugt", "Mein Ellbogen steht bei -135 Grad.")

@@ -32,6 +32,19 @@ def test_it_docks_and_undocks_and_tells_how_full_its_battery_is(talk, base):
     talk.say("how full is your battery", "My battery is at 87 percent.")
 
 
+def test_it_says_whether_it_is_docked(talk, base):
+    with base.asked.within("undock"):
+        talk.say("undock", "I am off my dock.")
+    talk.ask_until("are you docked", "I am not on my dock.")
+    talk.speak("de")
+    talk.say("stehst du auf der Ladestation", "Ich stehe nicht auf der Ladestation.")
+    with base.asked.within("dock"):
+        talk.say("dock an", "Ich stehe auf der Ladestation.")
+    talk.ask_until("bist du an der Ladestation", "Ich stehe auf der Ladestation.")
+    talk.speak("en")
+    talk.say("are you on your dock", "I am on my dock.")
+
+
 def test_it_shines_and_beeps(talk, base):
     with base.asked.within("cmd_lightring", {"leds": [RED] * 6, "override_system": True}):
         talk.say("turn the light to red", "My light is red.")
@@ -57,7 +70,7 @@ def test_it_speaks_german(talk, base):
         talk.say("fahr zur Ladestation", "Ich fahre auf meine", "Ich stehe auf der Ladestation.")
     talk.say("wie voll ist dein Akku", "Mein Akku hat 87 Prozent.")
     with base.asked.within("cmd_lightring", {"leds": [RED] * 6}):
-        talk.say("Licht rot", "So leuchte ich jetzt.")
+        talk.say("Licht rot", "Mein Licht ist rot.")
 
 
 def test_a_stop_cancels_docking_and_driving(talk, base):

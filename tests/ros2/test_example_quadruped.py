@@ -45,7 +45,7 @@ def test_it_speaks_german(talk, dog):
     with dog.asked.within(REQUEST, asks(1009)):
         talk.say("Sitz", "Ich sitze.")
     with dog.asked.within(REQUEST, asks(1011, '{"data": 1}')):
-        talk.say("Gangart Trab", "Die Gangart ist gewechselt.")
+        talk.say("Gangart Trab", "Meine Gangart ist jetzt Trab.")
 
 
 def test_a_dance_lasts_until_it_is_over_or_stopped(talk, dog):

@@ -6,8 +6,10 @@ import pytest
 from geometry_msgs.msg import PoseStamped
 
 from edgevox.agent.name_rules import check_skills
+from edgevox.agent.nlu.templates import Recogniser, Understood
+from edgevox.agent.own_names import phrasebook_of
 from edgevox.agent.policy import Rule
-from edgevox.agent.skills import OwnName, SkillSet
+from edgevox.agent.skills import Call, OwnName, SkillSet
 from edgevox.apps.policy_setup import build_guard
 from edgevox.apps.robots import build_agents
 from edgevox.core.bus import Bus
@@ -24,6 +26,7 @@ from edgevox.robots.capabilities import (
 )
 from edgevox.ros2.external import EXTERNAL
 from edgevox.ros2.external.external_settings import SteeringLimits
+from edgevox.ros2.robot_file.described_skill import DescribedSkill
 from edgevox.ros2.robot_file.filling import Filling
 from edgevox.ros2.robot_file.load import load_robot_file
 from edgevox.ros2.robot_file.robot_file_format import RobotFile
@@ -129,6 +132,45 @@ def build(tmp_path, skill, head=""):
         (HONK + "\nconfirm: always", "skills.act.confirm", "true or false"),
         (HONK + '\nasks: "do {what}"', "skills.act.asks", "a value that is known"),
         (HONK + "\nhorn: 1", "skills.act.horn", "no such key"),
+        (HONK + "\nwords: {heard: {1: x}}", "skills.act.words.heard", "one of none"),
+        (
+            HONK + "\nresult: {ok: success}\nwords: {ok: {maybe: x}}",
+            "skills.act.words.ok.maybe",
+            "true or false",
+        ),
+        (
+            HONK + "\nresult: {ok: success}\nwords: {ok: {true: x, 'true': x}}",
+            "skills.act.words.ok",
+            "each value once",
+        ),
+        (HONK + "\nresult: {ok: success}\nwords: {ok: {true: ''}}", "words.ok.true", "1 char"),
+        (
+            HONK + "\nresult: {ok: success}\ndone: It is {ok}.\nwords: {ok: {true: well}}",
+            "skills.act.done",
+            'words for it: words: {ok: {"true": ..., "false": ...}}',
+        ),
+        (
+            HONK + "\nresult: {ok: success}\nwords: {ok: {true: a, false: b}}\n"
+            "languages: {de: {done: 'Es ist {ok}.'}}",
+            "skills.act.languages.de.done",
+            "words for it",
+        ),
+        (
+            LAMP.format("Bool") + "arguments: {x: {type: boolean}}\nsays: Now {x}.",
+            "skills.act.says",
+            "words for it",
+        ),
+        (
+            HEAR + "\nresult: {x: pose.position.x}\nwords: {x: {'1.0': one}}",
+            "skills.act.words.x.1.0",
+            "1, as the number is said",
+        ),
+        (
+            LAMP.format("String")
+            + "arguments: {x: {type: choice, values: [red]}}\nwords: {x: {red: rot}}",
+            "skills.act.words.x",
+            "no choice",
+        ),
         (
             "publish: {name: /cmd_vel, type: geometry_msgs/msg/Twist}",
             "skills.act.publish.type",
@@ -167,6 +209,29 @@ def test_the_words_of_a_choice_have_names_by_language(tmp_path):
             build(tmp_path, lamp + choice.replace("NAMES", given))
         assert field in caught.value.field
         assert expected in caught.value.expected
+
+
+def test_what_is_said_for_a_value_is_the_languages_and_the_result_keeps_the_value(tmp_path):
+    body = build(
+        tmp_path,
+        "read: {name: battery, type: sensor_msgs/msg/BatteryState}\n"
+        "result: {there: present, how: power_supply_status, cell: serial_number}\n"
+        "done: It is {there}, {how}, {cell}.\n"
+        "words: {there: {true: in, false: out}, how: {1: charging}, cell: {A7: the new one}}\n"
+        "languages:\n"
+        "  de:\n"
+        "    done: Er ist {there}, {how}, {cell}.\n"
+        "    words: {there: {true: drin, false: fort}, how: {1: am Laden}}",
+    )
+    act = SkillSet(body.skills)["act"]
+
+    def said(code, **result):
+        return phrasebook_of(code, [act]).report(act, {}, result)
+
+    assert said("en", there=True, how=1, cell="A7") == "It is in, charging, the new one."
+    assert said("en", there=False, how=3, cell="B1") == "It is out, 3, B1."
+    assert said("de", there=True, how=1, cell="A7") == "Er ist drin, am Laden, A7."
+    assert said("de", there=False, how=4, cell="B1") == "Er ist fort, 4, B1."
 
 
 def test_a_message_is_filled_field_by_field():
@@ -309,6 +374,32 @@ def test_its_name_and_what_it_is_for_are_told_to_the_language_model(tmp_path):
 def test_the_topics_that_may_be_called_otherwise_are_those_of_the_contract():
     topics = RobotFile.model_json_schema()["properties"]["topics"]["propertyNames"]["enum"]
     assert set(topics) == DRIVEN.keys()
+
+
+@pytest.mark.parametrize(
+    ("name", "skill", "sentence", "values", "done"),
+    [
+        ("cleaner", "set_suction", "sauge kräftig", {"power": "strong"}, "Ich sauge jetzt stark."),
+        ("cleaner", "set_suction", "sauge quiet", {"power": "quiet"}, "Ich sauge jetzt leise."),
+        ("base", "set_lights", "mach das Licht aus", {"colour": "dark"}, "Mein Licht ist dunkel."),
+        (
+            "quadruped",
+            "set_gait",
+            "lauf im Trab",
+            {"gait": "trot"},
+            "Meine Gangart ist jetzt Trab.",
+        ),
+        ("arm", "move_arm", "Arm bereit", {"pose": "ready"}, "Der Arm ist in Bereitschaft."),
+    ],
+)
+def test_the_examples_say_and_hear_values_by_their_german_names(
+    name, skill, sentence, values, done
+):
+    robot = load_robot_file(EXAMPLE.with_name(f"{name}.yaml")).robot
+    one = DescribedSkill(skill, robot.skills[skill], [], None, []).skill()
+    found = Recogniser(SkillSet([one]), "de").recognise(sentence)
+    assert found == Understood((Call(skill, values),))
+    assert phrasebook_of("de", [one]).report(one, values, {}) == done
 
 
 def test_the_example_is_whole():

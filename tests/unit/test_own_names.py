@@ -9,10 +9,20 @@ from dialogue_rig import Rig, Walker
 from edgevox.agent.nlu.decider import Readings
 from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.own_names import phrasebook_of
-from edgevox.agent.skills import Call, OneOf, OwnName, Skill, SkillPhrases, SkillSet, skill
+from edgevox.agent.skills import (
+    Call,
+    OneOf,
+    OwnName,
+    Skill,
+    SkillFailed,
+    SkillPhrases,
+    SkillSet,
+    skill,
+)
 from edgevox.core.errors import InvalidValue
 from edgevox.core.languages import LANGUAGES
 from edgevox.robots.navigation import LOCATION, navigation_skills
+from edgevox.robots.path_planner import PathPlanner
 from edgevox.robots.places.place_memory import PlaceMemory
 from edgevox.robots.world import parse_world
 from edgevox.ros2.external.locations import parse_locations
@@ -241,3 +251,62 @@ def test_the_values_of_a_skill_have_names_by_language_and_the_wire_keeps_the_wor
         rig.talk.set_language("en")
         assert rig.say("brush mild") == "Brushing, mild."
         assert [dict(one.arguments) for one in rig.calls] == [{"mode": "soft"}] * 2
+
+
+THINGS = (
+    "world: {width: 6, height: 6}\n"
+    f"{ROBOT}obstacle:\n"
+    "  - {shape: {name: rectangle, length: 1, width: 1}, state: [4, 4, 0], name: sofa, NAMES}\n"
+)
+
+
+def told_of_the_sofa(code: str, names: str, goal: tuple[float, float]) -> str:
+    world = parse_world(THINGS.replace("NAMES", names), "home.yaml")
+    with pytest.raises(SkillFailed) as caught:
+        PathPlanner(world).plan((1.0, 1.0), goal, ())
+    return phrasebook_of(code, ()).failure(caught.value.reason)
+
+
+@pytest.mark.parametrize(
+    ("code", "names", "said"),
+    [
+        ("en", "names: {de: das Sofa}", "there is a sofa."),
+        ("en", "names: {en: the couch}", "there is the couch."),
+        ("de", "names: {de: das Sofa}", "ist schon etwas (das Sofa)."),
+        ("de", "names: {fr: le canapé}", "ist schon etwas."),
+        ("fr", "names: {fr: le canapé}", "à cet endroit (le canapé)."),
+        ("ja", "names: {ja: ソファ}", "何かがあります (ソファ)"),
+    ],
+)
+def test_a_thing_of_a_world_is_mentioned_by_its_name_in_the_language(code, names, said):
+    assert said in told_of_the_sofa(code, names, (4.0, 4.0))
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_a_name_of_a_thing_is_said_once_in_every_language(code):
+    for goal in ((4.0, 4.0), (3.4, 4.0)):
+        told = told_of_the_sofa(code, f"names: {{{code}: Zebra}}", goal)
+        assert told.count("Zebra") == 1
+        assert "sofa" not in told
+
+
+@pytest.mark.parametrize(
+    ("names", "field", "expected"),
+    [
+        ("names: {xx: Sofa}", "obstacle.0.names.xx", "a language: en, es"),
+        ("names: {de: halt}", "obstacle.0.names.de", "which stops the robot"),
+        ("names: {de: [Sofa, Couch]}", "obstacle.0.names.de", "one name: a thing is mentioned"),
+        ("names: {de: {name: Sofa, to: zum Sofa}}", "obstacle.0.names.de", "one name"),
+        ("nmaes: {de: Sofa}", "obstacle.0.nmaes", "did you mean 'names'?"),
+    ],
+)
+def test_a_wrong_name_of_a_thing_is_told_by_file_line_and_field(names, field, expected):
+    with pytest.raises(InvalidValue) as caught:
+        parse_world(THINGS.replace("NAMES", names), "home.yaml")
+    assert caught.value.field == f"home.yaml:4: {field}"
+    assert expected in caught.value.expected
+
+
+def test_the_robot_that_is_driven_has_no_names():
+    with pytest.raises(InvalidValue, match=r"robot\.names.*no sentence mentions the robot"):
+        parse_world(ROBOT.replace("state:", "names: {de: Kurt}, state:"), "home.yaml")

@@ -108,3 +108,35 @@ def test_a_reason_of_a_package_is_said_in_its_languages_and_has_a_code_for_progr
 def test_what_is_wrong_with_the_files_of_a_package_is_named(tmp_path, files, wrong):
     with pytest.raises(InvalidValue, match=wrong):
         OwnPhrases(written(tmp_path, **files))
+
+
+def test_what_is_said_for_a_truth_stands_in_each_languages_file(tmp_path):
+    own = OwnPhrases(
+        written(
+            tmp_path,
+            en="""
+            [skills.look]
+            templates = ["is the door open"]
+            done = "The door is {open}."
+            words.open = {true = "open", false = "shut"}
+            """,
+            de="""
+            [skills.look]
+            templates = ["ist die Tür auf"]
+            done = "Die Tür ist {open}."
+            words.open = {true = "auf", false = "zu"}
+            """,
+        )
+    )
+
+    @skill(phrases=own.of("look"))
+    def look(goal):
+        """Look."""
+
+    for code, open_, said in (
+        ("en", True, "The door is open."),
+        ("en", False, "The door is shut."),
+        ("de", False, "Die Tür ist zu."),
+        ("fr", False, "The door is shut."),
+    ):
+        assert phrasebook(code).report(look, {}, {"open": open_}) == said

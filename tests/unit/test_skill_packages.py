@@ -30,18 +30,18 @@ def make(context):
 
 @pytest.fixture
 def install(tmp_path, monkeypatch):
-    """Makes one package with these modules, whose entry points have their names."""
+    """Makes a package with these modules, whose entry points have their names."""
     monkeypatch.syspath_prepend(tmp_path)
 
-    def make(**modules):
-        about = tmp_path / "brought-1.0.dist-info"
+    def make(package="brought", **modules):
+        about = tmp_path / f"{package}-1.0.dist-info"
         about.mkdir()
-        (about / "METADATA").write_text("Metadata-Version: 2.1\nName: brought\nVersion: 1.0\n")
-        points = "\n".join(f"{name} = brought_{name}:make" for name in modules)
+        (about / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {package}\nVersion: 1.0\n")
+        points = "\n".join(f"{name} = {package}_{name}:make" for name in modules)
         (about / "entry_points.txt").write_text(f"[{SKILL_GROUP}]\n{points}\n")
         for name, code in modules.items():
-            (tmp_path / f"brought_{name}.py").write_text(code)
-            monkeypatch.delitem(sys.modules, f"brought_{name}", raising=False)
+            (tmp_path / f"{package}_{name}.py").write_text(code)
+            monkeypatch.delitem(sys.modules, f"{package}_{name}", raising=False)
 
     return make
 
@@ -136,6 +136,18 @@ def test_a_skill_that_cannot_be_is_refused_by_name_and_the_others_work(
     (line,) = told(caplog, "skill_refused")
     assert (line["skill"], line["package"]) == (name, "second")
     assert reason in line["reason"]
+
+
+def test_of_two_packages_with_one_name_the_first_is_used_and_the_other_is_told(install, caplog):
+    install("zebra", greeter=wave("jump_up", "jump up"), other=wave("bow", "take a bow"))
+    install("apple", greeter=wave())
+    body, skills = gathered()
+    assert names(skills) == [*names(body.skills), "wave_hand", "bow"]
+    (line,) = told(caplog, "skill_package_twice")
+    assert (line["package"], line["used"], line["left_out"]) == ("greeter", "apple", "zebra")
+    caplog.clear()
+    gathered(skills="other")
+    assert not told(caplog, "skill_package_twice")
 
 
 def test_skills_that_need_ros_2_are_off_without_it_which_is_told(install, caplog):

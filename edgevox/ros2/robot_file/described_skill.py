@@ -46,6 +46,7 @@ class DescribedSkill:
     def skill(self) -> Skill:
         """As the agent takes it."""
         entry = self.entry
+        said = {ENGLISH: entry, **entry.languages}
         english = words_of(self.name, entry, entry, ENGLISH)
         return Skill(
             name=self.name,
@@ -58,10 +59,7 @@ class DescribedSkill:
             action=entry.asks,
             moves=entry.uses_the_body,
             confirm=entry.confirm,
-            phrases={
-                code: words_of(self.name, entry, entry.languages.get(code), code)
-                for code in LANGUAGES
-            },
+            phrases={code: words_of(self.name, entry, said.get(code), code) for code in LANGUAGES},
         )
 
     def run(self, goal: GoalHandle, **arguments: Any) -> Result:
@@ -97,4 +95,5 @@ def words_of(name: str, entry: SkillEntry, said: Sentences | None, code: str) ->
         says=(said.says,) if said.says else (),
         done=(said.done or phrasebook(code).say("program_done"),),
         arguments=said.argument_names,
+        words=said.words,
     )

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from string import Formatter
 
 from hassil.parse_expression import parse_sentence
 from hassil.parser import ParseError
@@ -14,7 +13,8 @@ from edgevox.ros2.robot_file.described_skill import DescribedSkill
 from edgevox.ros2.robot_file.filling import arguments_in
 from edgevox.ros2.robot_file.interfaces import InterfaceMissing
 from edgevox.ros2.robot_file.plan import Planner
-from edgevox.ros2.robot_file.robot_file_format import RobotFile, Sentences, SkillEntry
+from edgevox.ros2.robot_file.robot_file_format import RobotFile, SkillEntry
+from edgevox.ros2.robot_file.said_values import check_words, every_language, values_in
 from edgevox.ros2.robot_file.step_format import Step
 
 log = get_logger(__name__)
@@ -60,6 +60,7 @@ def _planned(name: str, entry: SkillEntry, file: YamlFile, place: Place) -> Desc
         for index, step in enumerate(entry.every_step)
     ]
     _check_answers(entry, planner.results, file, place)
+    check_words(entry, planner.results, file, place)
     # What is done at a stop cannot use results, which may not be known by then.
     stop = Planner(entry.arguments, file).plan(entry.stop, (*place, "stop")) if entry.stop else None
     watches = [
@@ -78,15 +79,8 @@ def _named_by(step: Step) -> frozenset[str]:
     return arguments_in([step.request, [one.equals for one in step.conditions]])
 
 
-def _every_language(entry: SkillEntry, at: Place) -> Iterator[tuple[Place, Sentences]]:
-    """What is said of a skill that stands `at` this place, English first, each with its place."""
-    yield at, entry
-    for code, said in entry.languages.items():
-        yield (*at, "languages", code), said
-
-
 def _check_sentences(entry: SkillEntry, file: YamlFile, place: Place) -> None:
-    for at, said in _every_language(entry, place):
+    for at, said in every_language(entry, place):
         for index, sentence in enumerate(said.sentences):
             try:
                 parse_sentence(sentence)
@@ -101,7 +95,7 @@ def _check_sentences(entry: SkillEntry, file: YamlFile, place: Place) -> None:
 
 def _check_answers(entry: SkillEntry, known: Mapping[str, str], file: YamlFile, at: Place) -> None:
     """What is said at the start knows the arguments, what is said at the end the results, too."""
-    for place, said in _every_language(entry, at):
+    for place, said in every_language(entry, at):
         for name, values in (
             ("says", entry.arguments.keys()),
             ("asks", entry.arguments.keys()),
@@ -109,19 +103,10 @@ def _check_answers(entry: SkillEntry, known: Mapping[str, str], file: YamlFile, 
         ):
             text = getattr(said, name)
             try:
-                unknown = _values_in(text) - values
+                unknown = values_in(text) - values
             except ValueError as error:
                 expected = f"values in pairs of braces ({error})"
                 raise file.wrong((*place, name), text, expected) from None
             if unknown:
                 expected = "a value that is known then: " + (", ".join(sorted(values)) or "none")
                 raise file.wrong((*place, name), min(unknown), expected)
-
-
-def _values_in(text: str) -> set[str]:
-    """The values that a sentence says, as it names them. Raises `ValueError` for lone braces."""
-    parts = [part for part in Formatter().parse(text) if part[1] is not None]
-    for _, name, how, conversion in parts:
-        if how or conversion:
-            raise ValueError(f"{{{name}}} is written out as it is")
-    return {str(name) for _, name, *_ in parts}

@@ -17,13 +17,14 @@ Arguments:
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from edgevox.agent.policy import PolicyFile
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.validation import wrong
+from edgevox.core.yaml_file import value_key
 from edgevox.robots.names_per_language import LocalNames, check_told_apart
 from edgevox.ros2.external.locations import LocationsFile
 from edgevox.ros2.robot_file.argument_values import wanted_instead
@@ -110,6 +111,20 @@ def _told_apart(one: Argument) -> None:
     check_told_apart(entries, lambda word, code: ("names", word, code))
 
 
+def _by_value(data: Any) -> Any:
+    """With keys that are texts: YAML reads `true` and `3` as what they are."""
+    if not isinstance(data, dict):
+        return data
+    keyed = {value_key(key): said for key, said in data.items()}
+    if len(keyed) < len(data):
+        raise ValueError("each value once")
+    return keyed
+
+
+ByValue = Annotated[Mapping[str, Word], BeforeValidator(_by_value), at_most(MOST_WORDS, "values")]
+"""What is said for values, by how they are written: true, 3, or a text."""
+
+
 class Sentences(Part):
     """What is said to have it done, and what the robot says of it, in one language."""
 
@@ -122,6 +137,9 @@ class Sentences(Part):
         default_factory=dict, description="what arguments are called: the number of passes"
     )
     asks: str = Field("", description="the end of a question that begins 'Shall I'")
+    words: Mapping[Name, ByValue] = Field(
+        default_factory=dict, description="what is said for values: {docked: {true: on my dock}}"
+    )
 
 
 def _known_languages(by_code: dict[str, Sentences]) -> dict[str, Sentences]:
