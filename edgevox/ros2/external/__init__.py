@@ -41,7 +41,7 @@ def _build(settings: Settings, _speed: float | None) -> Body:
 EXTERNAL = Robot(
     "any ROS 2 robot, over its odom, cmd_vel and goal_pose",
     _build,
-    reads=frozenset({"external_namespace", "locations", "max_angular", "max_linear", "robot_file"}),
+    reads=frozenset({"robot_namespace", "locations", "max_angular", "max_linear", "robot_file"}),
 )
 
 __all__ = ["EXTERNAL"]
