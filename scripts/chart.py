@@ -38,7 +38,7 @@ VARIABLES: Mapping[str, str] = {
     "discovery.server": "ROS_DISCOVERY_SERVER",
     "discovery.staticPeers": "ROS_STATIC_PEERS",
     "domain": "ROS_DOMAIN_ID",
-    "externalNamespace": "EDGEVOX_EXTERNAL_NAMESPACE",
+    "externalNamespace": "EDGEVOX_ROBOT_NAMESPACE",
     "framePrefix": "EDGEVOX_FRAME_PREFIX",
     "health.host": "EDGEVOX_HEALTH_HOST",
     "health.port": "EDGEVOX_HEALTH_PORT",
@@ -54,14 +54,16 @@ VARIABLES: Mapping[str, str] = {
     "logLevel": "EDGEVOX_LOG_LEVEL",
     "models.offline": "EDGEVOX_OFFLINE",
     "muted": "EDGEVOX_MUTED",
-    "namespace": "EDGEVOX_NAMESPACE",
+    "namespace": "EDGEVOX_AGENT_NAMESPACE",
     "policy": "EDGEVOX_POLICY",
     "voice": "EDGEVOX_VOICE",
     "wakeword": "EDGEVOX_WAKEWORD",
 }
 """A robot's values that are a variable of the container; all others go through `settings`."""
 FIXED = (
+    "EDGEVOX_EXTERNAL_NAMESPACE",
     "EDGEVOX_MODELS_DIR",
+    "EDGEVOX_NAMESPACE",
     "EDGEVOX_PLACES",
     "EDGEVOX_PLUGINS",
     "EDGEVOX_ROBOT_FOLDER",
@@ -69,7 +71,7 @@ FIXED = (
     "EDGEVOX_ROS2_NAMESPACE",
     "FASTDDS_BUILTIN_TRANSPORTS",
 )
-"""Variables that the chart or the image sets, and no release."""
+"""Variables that the chart or the image sets, and no release, and the old names of others."""
 OF_THE_TABLE = ("agent", "discovery.range", "domain", "language", "health.port", "logLevel")
 OF_THE_TABLE += ("llm.context", "llm.endpointGrammar", "llm.endpointTimeoutSeconds", "llm.threads")
 """Values whose words or bounds the schema takes from the table."""

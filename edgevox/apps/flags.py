@@ -8,7 +8,8 @@ from typing import Any, Literal, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from edgevox.core.settings import ENV_PREFIX, Settings
+from edgevox.core.old_names import ENV_PREFIX, old_flag
+from edgevox.core.settings import Settings
 
 
 def add_flags(parser: argparse.ArgumentParser, fields: Sequence[str] | None = None) -> None:
@@ -39,22 +40,37 @@ def _add(parser: argparse.ArgumentParser, name: str, info: FieldInfo) -> None:
     parser.add_argument(
         *names,
         dest=name,
+        action=_ByEitherName if len(names) > 1 else "store",
         default=argparse.SUPPRESS,
         metavar=_metavar(name, info),
         help=(help_text + default).replace("%", "%%"),
     )
 
 
-def _flag_names(name: str, info: FieldInfo) -> Sequence[str]:
-    """After the field, unless the field names another in its ``json_schema_extra``.
+class _ByEitherName(argparse.Action):
+    """Takes a value by the setting's flag or by its old one; two values by two names are refused.
 
-    An `old_flag` there is one that it had before, and which goes on working.
+    The name by which it came is kept in the result, since a parser may be used twice.
     """
-    extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
-    names = [
-        str(extra.get("flag", name)),
-        *([str(extra["old_flag"])] if "old_flag" in extra else []),
-    ]
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: str | Sequence[Any] | None,
+        option_string: str | None = None,
+    ) -> None:
+        before = getattr(namespace, f"flag of {self.dest}", option_string)
+        if before != option_string and getattr(namespace, self.dest) != values:
+            other = getattr(namespace, self.dest)
+            parser.error(f"{option_string}: got {values!r}, but {before} says {other!r}")
+        setattr(namespace, f"flag of {self.dest}", option_string)
+        setattr(namespace, self.dest, values)
+
+
+def _flag_names(name: str, info: FieldInfo) -> Sequence[str]:
+    """After the field, and after what it was called before."""
+    names = [name, old_flag(info)] if old_flag(info) else [name]
     return ["--" + one.replace("_", "-") for one in names]
 
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from edgevox.voice.sources.pushed import Pushed
 
 FLAGS = (
-    "audio_in", "wakeword", "wakeword_engine", "language", "keep_audio", "ros2_namespace",
+    "audio_in", "wakeword", "wakeword_engine", "language", "keep_audio", "agent_namespace",
     "log_level", "log_format",
 )  # fmt: skip
 PROGRAM = "edgevox listen"
@@ -113,7 +113,7 @@ def _connect(
         from edgevox.ros2.node import RosNode
     except ModuleNotFoundError as error:
         raise EdgeVoxError(f"audio_in ros2: got no module {error.name}, expected ROS 2") from None
-    node = RosNode(settings.ros2_namespace, ros_args, name="edgevox_listen")
+    node = RosNode(settings.agent_namespace, ros_args, name="edgevox_listen")
     stack.callback(node.close)
     stack.callback(AudioIn(node.node, source).close)
     node.start()

@@ -53,14 +53,14 @@ def _prepare(argv: Sequence[str], lost: list[str]) -> Callable[[], bool]:
     scenario = load_scenario(asked.scenario) if asked.scenario else None
     from edgevox.ros2.recorder import choose_topics
 
-    choose_topics(asked.settings.ros2_namespace, asked.topics)
+    choose_topics(asked.settings.agent_namespace, asked.topics)
     return lambda: _record(asked, scenario, lost)
 
 
 def _record(asked: RecorderArguments, scenario: Scenario | None, lost: list[str]) -> bool:
     from edgevox.ros2.recorder import Disk, Recorder, choose_topics
 
-    namespace = asked.settings.ros2_namespace
+    namespace = asked.settings.agent_namespace
     folder = asked.output / f"edgevox-{datetime.now(UTC):%Y%m%d-%H%M%S}"
     disk = Disk(folder, round(asked.max_size_mb * MB), round(asked.spare_mb * MB))
     topics = choose_topics(namespace, asked.topics)

@@ -13,7 +13,7 @@ from edgevox.core.settings import Settings, load_settings
 from edgevox.ros2 import split_ros_args
 
 SETTINGS = (
-    "ros2_namespace",
+    "agent_namespace",
     "health_port",
     "health_host",
     "metrics_port",
@@ -113,7 +113,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--namespace",
-        dest="ros2_namespace",
+        dest="agent_namespace",
         default=argparse.SUPPRESS,
         metavar="NS",
         help="the same as --agent-namespace",

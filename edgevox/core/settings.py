@@ -4,6 +4,7 @@ They come from, each overruling the one before: the defaults below, a TOML file,
 variables, command line flags, and, on a running node, ROS 2 parameters.
 """
 
+import os
 import re
 import tomllib
 from collections.abc import Mapping
@@ -21,10 +22,10 @@ from pydantic_settings import (
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.frame_names import PREFIX_EXPECTED, OdomFrame, is_prefix
 from edgevox.core.languages import LANGUAGES
+from edgevox.core.old_names import ENV_PREFIX, by_new_keys, by_old_variables
 from edgevox.core.user_file import read_text
 from edgevox.core.validation import dotted, explain
 
-ENV_PREFIX = "EDGEVOX_"
 Confirm = Literal["always", "unsure", "never"]
 CONFIRM: tuple[Confirm, ...] = get_args(Confirm)
 """When somebody is asked before the robot drives."""
@@ -91,10 +92,10 @@ class Settings(BaseSettings):
     simple_ui: bool = Field(False, description="plain lines instead of a full-screen interface")
     render: bool = Field(True, description="show the robot in a window where there is a display")
     ros2: bool = Field(False, description="be a ROS 2 node")
-    ros2_namespace: Annotated[str, AfterValidator(_valid_namespace)] = Field(
+    agent_namespace: Annotated[str, AfterValidator(_valid_namespace)] = Field(
         "/edgevox",
         description="namespace of the ROS 2 node",
-        json_schema_extra={"flag": "agent_namespace", "old_flag": "ros2_namespace"},
+        json_schema_extra={"old_name": "ros2_namespace"},
     )
     ros2_state_hz: float = Field(
         10.0, ge=0.1, le=100.0, description="how often robot_state is published, in hertz"
@@ -120,10 +121,10 @@ class Settings(BaseSettings):
     seed: int = Field(
         0, ge=0, lt=1 << 32, description="what is random in a simulated world comes from this"
     )
-    external_namespace: Annotated[str, AfterValidator(_valid_namespace)] = Field(
+    robot_namespace: Annotated[str, AfterValidator(_valid_namespace)] = Field(
         "/",
         description="robot-external: namespace of the robot's topics, such as /robot1",
-        json_schema_extra={"flag": "robot_namespace", "old_flag": "namespace"},
+        json_schema_extra={"old_name": "external_namespace", "old_flag": "namespace"},
     )
     robot_file: Path | None = Field(
         None,
@@ -256,7 +257,8 @@ class Settings(BaseSettings):
         file_secret_settings: PydanticBaseSettingsSource,  # noqa: ARG003
     ) -> tuple[PydanticBaseSettingsSource, ...]:
         """Flags, then the environment, then the TOML file that `load_settings` names."""
-        return init_settings, env_settings, InitSettingsSource(settings_cls, dict(cls.written))
+        old = InitSettingsSource(settings_cls, by_old_variables(os.environ, cls.model_fields))
+        return init_settings, env_settings, old, InitSettingsSource(settings_cls, dict(cls.written))
 
 
 def load_settings(flags: Mapping[str, Any], config: Path | None = None) -> Settings:
@@ -266,7 +268,7 @@ def load_settings(flags: Mapping[str, Any], config: Path | None = None) -> Setti
     """
 
     class FromFile(Settings):
-        written = written_in(config) if config else {}
+        written = by_new_keys(written_in(config), Settings.model_fields) if config else {}
 
     try:
         return FromFile(**flags)

@@ -23,7 +23,7 @@ INSTRUCTIONS = (
 
 FOR_BODIES = frozenset(
     {
-        "external_namespace",
+        "robot_namespace",
         "locations",
         "max_angular",
         "max_linear",

@@ -52,7 +52,7 @@ class RosBridge:
     def __init__(
         self, context: BridgeContext, ros_args: Sequence[str] = (), tickers: MakeTicker = Ticker
     ) -> None:
-        self._node = RosNode(context.settings.ros2_namespace, ros_args)
+        self._node = RosNode(context.settings.agent_namespace, ros_args)
         self._ticker, self._tickers = tickers("edgevox-ticker"), tickers
         self._watching = tickers("edgevox-diagnostics")
         self._body = context.body

@@ -145,7 +145,7 @@ def test_each_robot_of_the_fleet_has_a_domain_a_namespace_and_a_health_port_of_i
     robots = [services[name]["environment"] for name in ("robot1", "robot2", "robot3")]
     for own in (
         "ROS_DOMAIN_ID",
-        "EDGEVOX_NAMESPACE",
+        "EDGEVOX_AGENT_NAMESPACE",
         "EDGEVOX_FRAME_PREFIX",
         "EDGEVOX_HEALTH_PORT",
     ):

@@ -65,7 +65,7 @@ def test_without_a_robot_the_agent_says_that_it_hears_none(agent, peer):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--namespace", "my robot"], "external_namespace: got 'my robot', expected a ROS 2 name"),
+        (["--namespace", "my robot"], "robot_namespace: got 'my robot', expected a ROS 2 name"),
         (["--locations", "nowhere.yaml"], "locations: got 'nowhere.yaml', expected a file"),
         (["--max-linear", "0"], "max_linear: got '0', expected greater than 0"),
     ],

@@ -28,7 +28,7 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "own_ros_skill"
 def external(domain):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_DOMAIN_ID", str(domain))
-        one = EXTERNAL.build(Settings(external_namespace=NAMESPACE), None)
+        one = EXTERNAL.build(Settings(robot_namespace=NAMESPACE), None)
         one.ros.listen(Temperature, "temperature")
         one.start()
         yield one

@@ -65,7 +65,7 @@ def test_a_bad_namespace_ends_the_process_with_its_reason(domain):
         timeout=HUNG_S,
     )
     assert bad.returncode == 2
-    assert "ros2_namespace: got 'my robot', expected a ROS 2 namespace" in bad.stderr
+    assert "agent_namespace: got 'my robot', expected a ROS 2 namespace" in bad.stderr
 
 
 def test_a_middleware_that_is_not_there_ends_the_process_with_its_reason(domain, monkeypatch):

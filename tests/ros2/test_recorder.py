@@ -307,7 +307,7 @@ def test_a_scenario_for_another_robot_or_for_none_fails_and_says_so(agent, recor
     [
         (["--topics", "respons"], "topics: got 'respons'"),
         (["--max-size", "0"], "max_size: got 0.0, expected a number of 0.01 or more"),
-        (["--namespace", "my robot"], "ros2_namespace: got 'my robot'"),
+        (["--namespace", "my robot"], "agent_namespace: got 'my robot'"),
         (["--scenario", "nowhere.yaml"], "scenario: got 'nowhere.yaml'"),
     ],
 )

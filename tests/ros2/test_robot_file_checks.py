@@ -362,7 +362,7 @@ def test_a_setting_that_is_given_counts_though_it_is_the_default(tmp_path):
     assert described.steering(Settings()).max_linear_m_s == 0.2
     assert described.steering(Settings(max_linear=0.3)).max_linear_m_s == 0.3
     assert described.namespace(Settings()) == "/cleaner"
-    assert described.namespace(Settings(external_namespace="/")) == "/"
+    assert described.namespace(Settings(robot_namespace="/")) == "/"
 
 
 def test_its_name_and_what_it_is_for_are_told_to_the_language_model(tmp_path):

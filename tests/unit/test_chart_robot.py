@@ -122,7 +122,7 @@ def test_a_recorder_is_beside_its_robot_with_a_claim_of_its_own() -> None:
     assert claim["metadata"]["name"] == "recordings"
     assert claim["spec"]["storageClassName"] == "fast"
     assert claim["spec"]["resources"]["requests"]["storage"] == "5Gi"
-    for same in ("ROS_DOMAIN_ID", "EDGEVOX_NAMESPACE", "ROS_AUTOMATIC_DISCOVERY_RANGE"):
+    for same in ("ROS_DOMAIN_ID", "EDGEVOX_AGENT_NAMESPACE", "ROS_AUTOMATIC_DISCOVERY_RANGE"):
         assert given[same] == of_robot[same]
     assert given["EDGEVOX_HEALTH_PORT"] != of_robot["EDGEVOX_HEALTH_PORT"]
     prepared(given, pytest.fail)

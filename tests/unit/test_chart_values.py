@@ -97,7 +97,7 @@ def test_what_the_chart_sets_is_what_the_entrypoint_takes_without_a_word(name: s
 
     assert warnings == []
     assert given.keys() <= ENVIRONMENT.keys()
-    assert made["EDGEVOX_ROS2_NAMESPACE"] == given["EDGEVOX_NAMESPACE"]
+    assert made["EDGEVOX_AGENT_NAMESPACE"] == given["EDGEVOX_AGENT_NAMESPACE"]
 
 
 def test_every_variable_of_the_container_has_a_value_of_the_chart() -> None:
@@ -172,7 +172,7 @@ def test_variables_of_ones_own_come_last_with_secrets_by_reference() -> None:
 @settings(max_examples=60, deadline=None)
 @given(st.text("/_aB1- ", min_size=1, max_size=8))
 def test_chart_and_program_agree_on_namespaces(name: str) -> None:
-    assert _refused(robot(namespace=name)) == _refuses({"ros2_namespace": name})
+    assert _refused(robot(namespace=name)) == _refuses({"agent_namespace": name})
 
 
 @settings(max_examples=40, deadline=None)

@@ -44,7 +44,7 @@ def test_variables_become_the_settings_that_they_name():
     environment = _prepared(
         EDGEVOX_NAMESPACE="/robot1", EDGEVOX_MUTED="true", EDGEVOX_LANGUAGE="fr"
     )
-    assert environment["EDGEVOX_ROS2_NAMESPACE"] == "/robot1"
+    assert environment["EDGEVOX_AGENT_NAMESPACE"] == "/robot1"
     assert "EDGEVOX_NAMESPACE" not in environment
     assert environment["EDGEVOX_MUTED"] == "true"
     assert environment["EDGEVOX_LANGUAGE"] == "fr"
@@ -109,7 +109,11 @@ def test_with_sound_in_one_direction_it_is_not_in_text_mode(given):
         ),
         (
             {"EDGEVOX_NAMESPACE": "/a", "EDGEVOX_ROS2_NAMESPACE": "/b"},
-            "EDGEVOX_NAMESPACE: got '/a', expected '/b', as EDGEVOX_ROS2_NAMESPACE says",
+            "EDGEVOX_ROS2_NAMESPACE: got '/b', expected '/a', as EDGEVOX_NAMESPACE says",
+        ),
+        (
+            {"EDGEVOX_ROBOT_NAMESPACE": "/a", "EDGEVOX_EXTERNAL_NAMESPACE": "/b"},
+            "EDGEVOX_EXTERNAL_NAMESPACE: got '/b', expected '/a', as EDGEVOX_ROBOT_NAMESPACE says",
         ),
     ],
 )
@@ -182,7 +186,7 @@ def test_a_command_that_cannot_run_is_told_as_shells_do(command, code, capsys):
 
 
 def test_a_command_gets_its_arguments_untouched_and_the_environment_made_good():
-    asked = "import os, sys; print(sys.argv[1:], os.environ['EDGEVOX_ROS2_NAMESPACE'])"
+    asked = "import os, sys; print(sys.argv[1:], os.environ['EDGEVOX_AGENT_NAMESPACE'])"
     start = [sys.executable, "-m", "edgevox.apps.container.start"]
     ran = subprocess.run(
         [*start, sys.executable, "-c", asked, "two words", "$HOME", "; true"],

@@ -13,7 +13,8 @@ from clocks import HeldClock
 from edgevox.apps import health as command
 from edgevox.core.errors import InvalidValue
 from edgevox.core.heartbeat import Heartbeat
-from edgevox.core.settings import ENV_PREFIX, Settings
+from edgevox.core.old_names import ENV_PREFIX
+from edgevox.core.settings import Settings
 from edgevox.core.status import STALL_S, Components, HealthCheck, lives, moves
 from edgevox.ops.health_checks import Health
 from edgevox.ops.health_server import HealthServer

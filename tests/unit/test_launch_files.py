@@ -152,7 +152,7 @@ def test_the_namespace_and_the_file_of_settings_are_described_in_the_same_words(
     parser = argparse.ArgumentParser()
     add_flags(parser)
     assert f"{description.arguments['config'].description}\n" in parser.format_help()
-    about = Settings.model_fields["ros2_namespace"].description
+    about = Settings.model_fields["agent_namespace"].description
     assert description.arguments["namespace"].description == about
 
 

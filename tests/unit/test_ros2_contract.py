@@ -122,7 +122,7 @@ def test_the_action_and_the_names_are_the_contracts():
     (action,) = PROMISED["actions"].items()
     assert (action[0], action[1]["type"]) == contract.ACTION
     assert PROMISED["node"] == contract.NODE_NAME
-    assert PROMISED["default_namespace"] == Settings.model_fields["ros2_namespace"].default
+    assert PROMISED["default_namespace"] == Settings.model_fields["agent_namespace"].default
 
 
 @pytest.mark.parametrize(

@@ -31,7 +31,7 @@ def test_each_source_overrules_the_one_before(config, monkeypatch):
     assert settings.language == "fr"
     assert settings.ros2_state_hz == 20
     assert settings.llm_threads == 5
-    assert settings.ros2_namespace == "/edgevox"
+    assert settings.agent_namespace == "/edgevox"
 
 
 @pytest.mark.parametrize(
@@ -44,8 +44,8 @@ def test_each_source_overrules_the_one_before(config, monkeypatch):
         ),
         ({"language": "xx"}, "language: got 'xx', expected one of en, es"),
         (
-            {"ros2_namespace": "my robot"},
-            "ros2_namespace: got 'my robot', expected a ROS 2 namespace",
+            {"agent_namespace": "my robot"},
+            "agent_namespace: got 'my robot', expected a ROS 2 namespace",
         ),
         ({"log_level": "loud"}, "log_level: got 'loud', expected 'debug', 'info'"),
     ],
@@ -78,7 +78,7 @@ def test_a_missing_file_is_refused(tmp_path):
 
 
 def test_a_namespace_without_a_slash_is_made_absolute():
-    assert load_settings({"ros2_namespace": "robot1"}).ros2_namespace == "/robot1"
+    assert load_settings({"agent_namespace": "robot1"}).agent_namespace == "/robot1"
 
 
 def test_what_a_setting_may_be_chosen_from_is_written_down_once():
@@ -97,10 +97,10 @@ def test_what_a_setting_may_be_chosen_from_is_written_down_once():
 @pytest.mark.parametrize(
     ("flag", "field"),
     [
-        ("--agent-namespace", "ros2_namespace"),
-        ("--ros2-namespace", "ros2_namespace"),
-        ("--robot-namespace", "external_namespace"),
-        ("--namespace", "external_namespace"),
+        ("--agent-namespace", "agent_namespace"),
+        ("--ros2-namespace", "agent_namespace"),
+        ("--robot-namespace", "robot_namespace"),
+        ("--namespace", "robot_namespace"),
     ],
 )
 def test_a_flag_says_whose_namespace_it_is_and_its_old_name_goes_on_working(flag, field):
@@ -108,3 +108,32 @@ def test_a_flag_says_whose_namespace_it_is_and_its_old_name_goes_on_working(flag
     add_flags(parser)
 
     assert given_flags(parser.parse_args([flag, "/robot1"])) == {field: "/robot1"}
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("ros2_namespace", "agent_namespace"), ("external_namespace", "robot_namespace")],
+)
+def test_a_variable_and_a_key_go_on_working_by_their_old_name(old, new, monkeypatch, tmp_path):
+    file = tmp_path / "edgevox.toml"
+    file.write_text(f'{old} = "/file"\n', encoding="utf-8")
+    assert getattr(load_settings({}, file), new) == "/file"
+    file.write_text(f'{old} = "/file"\n{new} = "/other"\n', encoding="utf-8")
+    with pytest.raises(InvalidValue, match=f"{old}: got '/file', expected '/other', as {new} says"):
+        load_settings({}, file)
+
+    old, new_variable = f"EDGEVOX_{old.upper()}", f"EDGEVOX_{new.upper()}"
+    monkeypatch.setenv(old, "/a")
+    assert getattr(load_settings({}), new) == "/a"
+    assert getattr(load_settings({new: "/flag"}), new) == "/flag"
+    monkeypatch.setenv(new_variable, "/b")
+    with pytest.raises(InvalidValue, match=f"{old}: got '/a', expected '/b', as {new_variable}"):
+        load_settings({})
+
+
+def test_two_values_by_a_flag_and_its_old_name_are_refused_with_both_names(capsys):
+    parser = argparse.ArgumentParser()
+    add_flags(parser)
+    with pytest.raises(SystemExit):
+        parser.parse_args(["--robot-namespace=/a", "--namespace=/b"])
+    assert "--namespace: got '/b', but --robot-namespace says '/a'" in capsys.readouterr().err

@@ -11,7 +11,8 @@ from edgevox.apps.container.variables import ENVIRONMENT, NO_ROBOT, Variable
 from edgevox.apps.plugins import bring_plugins
 from edgevox.apps.robots import ROBOTS, learn_robots
 from edgevox.core.errors import InvalidValue
-from edgevox.core.settings import ENV_PREFIX, check_settings
+from edgevox.core.old_names import ENV_PREFIX, one_value
+from edgevox.core.settings import check_settings
 
 TRUTH = {"true": "true", "1": "true", "yes": "true", "on": "true"}
 TRUTH |= {"false": "false", "0": "false", "no": "false", "off": "false"}
@@ -113,11 +114,11 @@ def installed_middlewares() -> list[str]:
 
 
 def _refuse_contradictions(values: Mapping[str, str]) -> None:
-    """One setting by two names must have one value."""
-    for name, value in values.items():
-        target = ENVIRONMENT[name].target
-        if target != name and target in values and values[target] != value:
-            raise InvalidValue(name, value, f"{values[target]!r}, as {target} says, or only one")
+    """One setting by several names must have one value."""
+    names: dict[str, str] = {}
+    for name in sorted(values, key=lambda name: name != ENVIRONMENT[name].target):
+        first = names.setdefault(ENVIRONMENT[name].target, name)
+        one_value(name, values[name], first, values[first])
 
 
 def _be_quiet_without_sound(values: dict[str, str]) -> None:

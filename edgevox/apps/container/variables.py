@@ -9,7 +9,8 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, model_validator
 from pydantic.fields import FieldInfo
 
 from edgevox.apps.robots import ROBOTS
-from edgevox.core.settings import ENV_PREFIX, Settings
+from edgevox.core.old_names import ENV_PREFIX, old_name
+from edgevox.core.settings import Settings
 
 NO_ROBOT = "edgevox"
 """The agent without a robot."""
@@ -137,8 +138,18 @@ def _load() -> Mapping[str, Variable]:
         for variable, name in own.items()
         if variable not in named
     ]
+    rows += [
+        Variable(
+            variable=ENV_PREFIX + old_name(info).upper(),
+            setting=name,
+            about=f"old name of {ENV_PREFIX}{name.upper()}",
+            listed=False,
+        )
+        for name, info in Settings.model_fields.items()
+        if old_name(info)
+    ]
     return {row.variable: row for row in rows}
 
 
 ENVIRONMENT: Mapping[str, Variable] = _load()
-"""All variables by name, those of the file first, then every other setting's."""
+"""All variables by name: those of the file, every other setting's, then the old names."""

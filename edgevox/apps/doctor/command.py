@@ -14,7 +14,8 @@ from edgevox.apps.doctor.runner import ask
 from edgevox.apps.robots import ROBOTS
 from edgevox.apps.streams import with_streams
 from edgevox.core.errors import EdgeVoxError, InvalidValue
-from edgevox.core.settings import ENV_PREFIX, Settings, check_settings, load_settings
+from edgevox.core.old_names import ENV_PREFIX
+from edgevox.core.settings import Settings, check_settings, load_settings
 from edgevox.core.status import Level
 
 WELL, UNWELL, USAGE_ERROR = 0, 1, 2
@@ -44,7 +45,7 @@ def _settings(flags: Mapping[str, Any], config: Path | None) -> tuple[Settings, 
     try:
         return load_settings(flags, config), ""
     except InvalidValue as wrong:
-        variable = f"{ENV_PREFIX}{wrong.field.upper()}"
+        variable = f"{ENV_PREFIX}{wrong.field.upper().removeprefix(ENV_PREFIX)}"
         where = variable if variable in os.environ else f"{wrong.field} in {config}"
         said = f"{where}: {wrong}"
     except EdgeVoxError as wrong:

@@ -15,7 +15,7 @@ from edgevox.apps.doctor.runner import probe_apart
 from edgevox.core.settings import Settings
 
 PROBE = "edgevox.ros2.robot_file.graph_check:look_for_robot"
-_NEEDED = {"robot_file", "external_namespace"}
+_NEEDED = {"robot_file", "robot_namespace"}
 
 
 def probe_robot_file(situation: Situation) -> Facts:

@@ -18,7 +18,8 @@ from edgevox.apps.plugins.plugin_hashes import HASHES, check_hashes
 from edgevox.apps.plugins.source_package import PROJECT, SourceFinder, SourcePackage
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.log import get_logger
-from edgevox.core.settings import ENV_PREFIX, written_in
+from edgevox.core.old_names import ENV_PREFIX
+from edgevox.core.settings import written_in
 
 log = get_logger(__name__)
 

@@ -58,7 +58,7 @@ def _tell_unread(settings: Settings) -> None:
 EXTERNAL = Robot(
     "any ROS 2 robot, over its odom, cmd_vel and goal_pose",
     _build,
-    reads=_OF_DRIVES | {"external_namespace", "robot_file"},
+    reads=_OF_DRIVES | {"robot_namespace", "robot_file"},
 )
 
 __all__ = ["EXTERNAL"]

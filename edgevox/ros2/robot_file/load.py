@@ -72,7 +72,7 @@ class DescribedRobot:
 
     def namespace(self, settings: Settings) -> str:
         """The namespace of the robot's topics."""
-        return self.setting(settings, "external_namespace", self.robot.namespace)
+        return self.setting(settings, "robot_namespace", self.robot.namespace)
 
     @staticmethod
     def setting(settings: Settings, name: str, described: T | None) -> T:
