@@ -11,7 +11,7 @@ from importlib import resources
 from types import MappingProxyType
 from typing import Any, Generic, TypeVar
 
-from edgevox.core.errors import InvalidValue
+from edgevox.core.errors import EdgeVoxError, InvalidValue
 
 _HERE = resources.files("edgevox.core")
 _FOLDER = _HERE / "languages"
@@ -25,6 +25,13 @@ EVERY_LANGUAGE: Mapping[str, Any] = MappingProxyType(
 """What is of no single language."""
 
 _Kept = TypeVar("_Kept")
+
+
+class UnusableLanguage(EdgeVoxError):
+    """The file of a language cannot be used; the message names it, and says why."""
+
+    def __init__(self, code: str, why: str) -> None:
+        super().__init__(f"{_FOLDER / code}{_ENDING}: {why}")
 
 
 def _codes() -> tuple[str, ...]:
@@ -43,18 +50,18 @@ CODES: tuple[str, ...] = _codes()
 def language_file(code: str) -> Mapping[str, Any]:
     """All that the file of a language holds.
 
-    Raises `InvalidValue` for one that there is none of, or that lacks what each needs.
+    Raises `InvalidValue` for one that there is none of, and `UnusableLanguage` for one that is no
+    TOML, or lacks what each needs.
     """
     if code not in CODES:
         raise InvalidValue("language", code, "one of " + ", ".join(CODES))
-    name = f"languages/{code}{_ENDING}"
     try:
         tables = tomllib.loads((_FOLDER / f"{code}{_ENDING}").read_text("utf-8"))
     except ValueError as error:
-        raise InvalidValue(name, str(error), "a TOML file") from error
+        raise UnusableLanguage(code, str(error)) from error
     for one in _NEEDED:
         if one not in tables:
-            raise InvalidValue(name, f"no {one}", f"{one}, as in languages/en.toml")
+            raise UnusableLanguage(code, f"it has no {one!r}, which en{_ENDING} explains")
     return MappingProxyType(tables)
 
 

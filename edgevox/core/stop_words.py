@@ -3,8 +3,12 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
-from edgevox.core.errors import InvalidValue
-from edgevox.core.language_files import EVERY_LANGUAGE, ByLanguage, language_file
+from edgevox.core.language_files import (
+    EVERY_LANGUAGE,
+    ByLanguage,
+    UnusableLanguage,
+    language_file,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,8 +32,7 @@ def _words(code: str) -> StopWords:
     table = language_file(code)["stop"]
     known = {one.name for one in fields(StopWords)}
     if "anywhere" not in table or not table.keys() <= known:
-        expected = "anywhere, and of these at most: " + ", ".join(sorted(known))
-        raise InvalidValue(f"languages/{code}.toml, [stop]", sorted(table), expected)
+        raise UnusableLanguage(code, f"[stop] has anywhere, and at most {', '.join(sorted(known))}")
     return StopWords(**{field: tuple(words) for field, words in table.items()})
 
 
