@@ -23,7 +23,7 @@ _TOKEN = re.compile(rf"{NUMBER}|[a-z']+|\S")
 
 @dataclass(frozen=True, slots=True)
 class AnswerWords:
-    """What a language answers with; phrases/en.toml says what each is."""
+    """What a language answers with; languages/en.toml says what each is."""
 
     yes: tuple[str, ...] = ()
     no: tuple[str, ...] = ()

@@ -8,9 +8,6 @@ from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.phrase_numbers import Numbers
 from edgevox.agent.spelling import NUMBER
 
-SPOKEN_LANGUAGES = frozenset({"en", "fr", "es", "pt", "de", "nl", "it"})
-"""Languages whose number words the library knows; phrasebooks list the usual ones of others."""
-
 _GLUED = re.compile(r"\s*(?<![^\W\d])([xyz])\s*(?=-?\d)", re.IGNORECASE)
 _DECIMAL_COMMA = re.compile(r"(?<![\d.,])(\d+),(\d+)(?![\d.,]*\d)")
 
@@ -22,8 +19,8 @@ def digits(text: str, language: str = "en") -> str:
     off its number ("x2.5": so whisper writes coordinates).
     """
     known = phrasebook(language).numbers
-    if language in SPOKEN_LANGUAGES:
-        text = str(alpha2digit(text, language, 0))
+    if known.library:
+        text = str(alpha2digit(text, known.library, 0))
     text = known.words.as_digits(text) if known.words else text
     text = _GLUED.sub(r" \1 ", text).strip()
     if known.decimal_comma:

@@ -24,7 +24,7 @@ from edgevox.core.reason import Reason
 
 
 class OwnPhrases:
-    """The tables `skills` and `reasons` of each file, in the form of `edgevox/agent/phrases`.
+    """The tables `skills` and `reasons` of each file, in the form of `edgevox/core/languages`.
 
     Raises `InvalidValue` for a file that is of no language, for a folder without `en.toml`, and for
     a language that lacks a reason that English has.

@@ -1,10 +1,8 @@
-"""Reads phrasebooks, one TOML file a language, from the folder `phrases` beside this file."""
+"""Reads phrasebooks, of the file that each language has: `edgevox/core/languages`."""
 
 import re
-import tomllib
 from collections.abc import Mapping
 from functools import cache
-from importlib import resources
 from typing import Any
 
 from edgevox.agent.answers import AnswerWords
@@ -15,7 +13,7 @@ from edgevox.agent.phrasebook import Phrasebook, SmallTalk
 from edgevox.agent.programs.program_phrases import ProgramPhrases
 from edgevox.agent.skills import Example, SkillPhrases
 from edgevox.agent.spelling import key
-from edgevox.core.errors import InvalidValue
+from edgevox.core.language_files import language_file
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.text import one_form
 
@@ -25,12 +23,11 @@ ENGLISH = "en"
 
 @cache
 def phrasebook(code: str) -> Phrasebook:
-    """The phrasebook of a language; an empty one that falls back to English if it has none."""
-    if code not in LANGUAGES:
-        raise InvalidValue("language", code, "one of " + ", ".join(LANGUAGES))
-    file = resources.files("edgevox.agent.phrases").joinpath(f"{code}.toml")
-    data = tomllib.loads(file.read_text("utf-8")) if file.is_file() else {}
-    return _book(code, data, None if code == ENGLISH else phrasebook(ENGLISH))
+    """The phrasebook of a language; what its file lacks falls back to English.
+
+    Raises `InvalidValue` for a language that there is no file of.
+    """
+    return _book(code, language_file(code), None if code == ENGLISH else phrasebook(ENGLISH))
 
 
 def _book(code: str, data: Mapping[str, Any], fallback: Phrasebook | None) -> Phrasebook:
@@ -88,6 +85,7 @@ def _numbers(data: Mapping[str, Any]) -> Numbers:
         units=data.get("units", ""),
         centimetres=data.get("centimetres", ""),
         metres=data.get("metres", ""),
+        library=data.get("library", ""),
     )
 
 

@@ -43,7 +43,10 @@ def number_words(words: Mapping[str, float], units: str = "") -> NumberWords | N
 
 @dataclass(frozen=True, slots=True)
 class Numbers:
-    """How numbers are said: what `edgevox.agent.numbers` reads."""
+    """How numbers are said: what `edgevox.agent.numbers` reads.
+
+    `library` is the language whose number words text2num reads; empty if it knows none of these.
+    """
 
     decimal_comma: bool = False
     rules: tuple[Rewriting, ...] = ()
@@ -51,3 +54,4 @@ class Numbers:
     units: str = ""
     centimetres: str = ""
     metres: str = ""
+    library: str = ""

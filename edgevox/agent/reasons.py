@@ -1,13 +1,12 @@
 """The reasons that robots give, by their codes: English ones stand where all other languages do."""
 
-import tomllib
 from collections.abc import Mapping
 from functools import cache
-from importlib import resources
 from typing import Any
 
 from edgevox.agent.phrase_words import Word, word_of
 from edgevox.agent.spelling import key
+from edgevox.core.language_files import language_file
 from edgevox.core.reason import Named, Reason, in_english
 
 About = str | tuple[str, ...] | Reason | Named
@@ -15,7 +14,7 @@ About = str | tuple[str, ...] | Reason | Named
 
 
 def because(code: str, text: str = "", /, **values: About) -> Reason:
-    """The reason of this code. Raises `KeyError` for one that `phrases/en.toml` does not have.
+    """The reason of this code. Raises `KeyError` for one that `languages/en.toml` does not have.
 
     `text` is the English sentence for programs, where it says more than the phrasebook does. What
     the phrasebook itself has for programs stands in its table `errors`.
@@ -26,7 +25,7 @@ def because(code: str, text: str = "", /, **values: About) -> Reason:
 
 
 def called_off(why: str) -> Reason:
-    """Why a body's motion was called off, of the table `called_off` of `phrases/en.toml`.
+    """Why a body's motion was called off, of the table `called_off` of `languages/en.toml`.
 
     People hear the same sentence whatever it was, in their language; programs read this one.
     """
@@ -47,8 +46,7 @@ def _told(value: About) -> Word | str:
 
 @cache
 def _english() -> Mapping[str, Any]:
-    file = resources.files("edgevox.agent.phrases").joinpath("en.toml")
-    return tomllib.loads(file.read_text("utf-8"))
+    return language_file("en")
 
 
 @cache

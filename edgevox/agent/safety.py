@@ -33,7 +33,7 @@ class SafetyWords:
     A stop word counts wherever it stands, so that "hold it there, stop", "No! Don't! Stop!" and
     "go to the kitchen, no, stop" all halt: rather one halt too many than one too few. It does not
     where it is plainly part of something else in the same clause ("don't stop", "bus stop"). Some
-    everyday words count only at the end of a clause, or alone: see `core/stop_words.toml`.
+    everyday words count only at the end of a clause, or alone: see `core/languages/en.toml`.
     """
 
     def __init__(self, code: str) -> None:

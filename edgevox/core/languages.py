@@ -1,12 +1,11 @@
-"""The catalogue of languages, read from `languages.toml` beside this file."""
+"""The catalogue of languages, one file each in the folder `languages` beside this file."""
 
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from importlib import resources
 from types import MappingProxyType
 from typing import Any
 
+from edgevox.core.language_files import ByLanguage, language_file
 from edgevox.core.stop_words import STOP_WORDS, StopWords
 
 STT_BACKEND = "faster-whisper"
@@ -60,23 +59,18 @@ def _voices(code: str, entry: Mapping[str, Any]) -> Iterator[Voice]:
                 yield Voice(aliases[key], backend, key, models)
 
 
-def _read() -> Mapping[str, Language]:
-    text = resources.files("edgevox.core").joinpath("languages.toml").read_text("utf-8")
-    return MappingProxyType(
-        {
-            code: Language(
-                code=code,
-                name=entry["name"],
-                stop=STOP_WORDS[code],
-                signs=MappingProxyType(entry["signs"]),
-                spaced=entry.get("spaced", True),
-                stt_model=entry["stt"],
-                voices=tuple(_voices(code, entry)),
-            )
-            for code, entry in tomllib.loads(text).items()
-        }
+def _language(code: str) -> Language:
+    entry = language_file(code)
+    return Language(
+        code=code,
+        name=entry["name"],
+        stop=STOP_WORDS[code],
+        signs=MappingProxyType(entry["signs"]),
+        spaced=entry.get("spaced", True),
+        stt_model=entry["stt"],
+        voices=tuple(_voices(code, entry)),
     )
 
 
-LANGUAGES: Mapping[str, Language] = _read()
+LANGUAGES: Mapping[str, Language] = ByLanguage(_language)
 """Language by ISO 639-1 code."""

@@ -1,16 +1,19 @@
-"""The table of what stops a robot, read from `stop_words.toml` beside this file."""
+"""What stops a robot: the table `[stop]` of each language's file."""
 
-import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
-from importlib import resources
-from types import MappingProxyType
-from typing import Any
+from dataclasses import dataclass, fields
+
+from edgevox.core.language_files import (
+    EVERY_LANGUAGE,
+    ByLanguage,
+    UnusableLanguage,
+    language_file,
+)
 
 
 @dataclass(frozen=True, slots=True)
 class StopWords:
-    """What stops a robot in one language; the head of `stop_words.toml` says what each field is."""
+    """What stops a robot in one language; `languages/en.toml` says what each field is."""
 
     anywhere: tuple[str, ...]
     last: tuple[str, ...] = ()
@@ -25,20 +28,16 @@ class StopWords:
         return self.anywhere + self.last + self.alone
 
 
-def _read() -> dict[str, Any]:
-    text = resources.files("edgevox.core").joinpath("stop_words.toml").read_text("utf-8")
-    return tomllib.loads(text)
+def _words(code: str) -> StopWords:
+    table = language_file(code)["stop"]
+    known = {one.name for one in fields(StopWords)}
+    if "anywhere" not in table or not table.keys() <= known:
+        raise UnusableLanguage(code, f"[stop] has anywhere, and at most {', '.join(sorted(known))}")
+    return StopWords(**{field: tuple(words) for field, words in table.items()})
 
 
-_TABLE = _read()
-
-STOP_SIGNS: tuple[str, ...] = tuple(_TABLE.pop("signs"))
+STOP_SIGNS: tuple[str, ...] = tuple(EVERY_LANGUAGE["stop_signs"])
 """Pictures that stop a robot in every language."""
 
-STOP_WORDS: Mapping[str, StopWords] = MappingProxyType(
-    {
-        code: StopWords(**{field: tuple(words) for field, words in entry.items()})
-        for code, entry in _TABLE.items()
-    }
-)
+STOP_WORDS: Mapping[str, StopWords] = ByLanguage(_words)
 """Stop words by ISO 639-1 code."""

@@ -23,7 +23,7 @@ LANGUAGES = {"de": 60, "es": 60, "fr": 60, "ja": 60, "zh": 60} | dict.fromkeys(
 
 def product_sentences() -> Iterator[str]:
     """Whatever the product shows to a model, says as an example, or was trained with."""
-    for file in (ROOT / "edgevox" / "agent").rglob("*.toml"):
+    for file in (ROOT / "edgevox").rglob("*.toml"):
         yield from strings(tomllib.loads(file.read_text(encoding="utf-8")))
     for skills in skills_of_robots().values():
         for language in ("en", *LANGUAGES):

@@ -1,13 +1,11 @@
-"""The small words of a language that say how a sentence is meant: see `function_words.toml`."""
+"""The small words that say how a sentence is meant: `[function_words]` of a language's file."""
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache
-from importlib.resources import files
+from functools import cache
 from typing import Any
 
-_FILE = "function_words.toml"
+from edgevox.core.language_files import language_file
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,19 +51,11 @@ class FunctionWords:
         )  # fmt: skip
 
 
+@cache
 def words_of(code: str) -> FunctionWords:
-    """Those of a language of the catalogue."""
-    return _read()[code]
-
-
-@lru_cache(maxsize=1)
-def _read() -> Mapping[str, FunctionWords]:
-    text = files(__package__).joinpath(_FILE).read_text(encoding="utf-8")
-    tables: dict[str, dict[str, Any]] = tomllib.loads(text)
-    return {
-        code: FunctionWords(
-            misheard=table.get("misheard", {}),
-            **{n: tuple(words) for n, words in table.items() if n != "misheard"},
-        )
-        for code, table in tables.items()
-    }
+    """Those of a language of the catalogue; none if its file has none."""
+    table: Mapping[str, Any] = language_file(code).get("function_words", {})
+    return FunctionWords(
+        misheard=table.get("misheard", {}),
+        **{n: tuple(words) for n, words in table.items() if n != "misheard"},
+    )
