@@ -18,6 +18,7 @@ from edgevox.ros2.contract import NODE_NAME
 from edgevox.ros2.fast_dds import choose_profile
 from edgevox.ros2.logs import LoggerLevels, RcutilsStream, apply_log_levels
 from edgevox.ros2.qos_events import QuietNode
+from edgevox.ros2.spin import end_spin, spin_until
 
 log = get_logger(__name__)
 
@@ -65,10 +66,7 @@ class RosNode:
 
     def close(self) -> None:
         """Leave the graph: the thread joined, shared memory freed."""
-        self._closing.set()
-        self.executor.shutdown()
-        if self._thread.is_alive():
-            self._thread.join()
+        end_spin(self._closing, self.executor, self._thread)
         self.node.destroy_node()
         self._shut_down()
 
@@ -115,7 +113,7 @@ class RosNode:
         """Run callbacks until the end; one that fails is logged and must not end the others."""
         while not self._closing.is_set():
             try:
-                self.executor.spin()
+                spin_until(self._closing, self.executor)
             except ExternalShutdownException:
                 return
             except Exception:

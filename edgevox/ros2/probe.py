@@ -96,6 +96,7 @@ class _Node:
         self._node = Node(name, context=self._context)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
+        self._ended = threading.Event()
         self._thread = threading.Thread(target=self._spin, name=name)
 
     def __enter__(self) -> Any:
@@ -103,16 +104,19 @@ class _Node:
         return self._node
 
     def __exit__(self, *_: object) -> None:
-        self._executor.shutdown()
-        self._thread.join()
+        from edgevox.ros2.spin import end_spin
+
+        end_spin(self._ended, self._executor, self._thread)
         self._node.destroy_node()
         self._context.try_shutdown()
 
     def _spin(self) -> None:
         from rclpy.executors import ExternalShutdownException
 
+        from edgevox.ros2.spin import spin_until
+
         try:
-            self._executor.spin()
+            spin_until(self._ended, self._executor)
         except ExternalShutdownException:
             return
 

@@ -30,14 +30,18 @@ class Peer:
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._publishers: dict[str, object] = {}
+        self._closing = threading.Event()
         self._thread = threading.Thread(target=self._spin, name="peer")
         self._thread.start()
 
     def close(self) -> None:
         if not self._context.ok():
             return
-        self._executor.shutdown()
+        # The thread first: what shutdown frees, a callback may be about to use.
+        self._closing.set()
+        self._executor.create_task(lambda: None)
         self._thread.join()
+        self._executor.shutdown()
         self.node.destroy_node()
         self._context.try_shutdown()
 
@@ -78,4 +82,5 @@ class Peer:
 
     def _spin(self) -> None:
         with contextlib.suppress(ExternalShutdownException):
-            self._executor.spin()
+            while not self._closing.is_set():
+                self._executor.spin_once()
