@@ -37,8 +37,8 @@ class AudioComponent:
         self._controls, self._gauges = controls, gauges
         self._losing = RecentIncrease(clock)
         self.checks = (
-            HealthCheck("ears", lives(lambda: listener.alive)),
-            HealthCheck("mouth", lives(lambda: speech_output.alive)),
+            HealthCheck("listener", lives(lambda: listener.alive)),
+            HealthCheck("speech_output", lives(lambda: speech_output.alive)),
         )
 
     def status(self) -> Status:

@@ -107,7 +107,11 @@ def sound(clock, *, alive=True, muted=False, source_fault="", sink_fault="", dro
         ({"muted": True}, Level.OK, "muted"),
         ({"source_fault": "unplugged"}, Level.ERROR, "microphone: unplugged"),
         ({"sink_fault": "unplugged"}, Level.ERROR, "loudspeaker: unplugged"),
-        ({"alive": False}, Level.ERROR, "ears: its thread has ended; mouth: its thread has ended"),
+        (
+            {"alive": False},
+            Level.ERROR,
+            "listener: its thread has ended; speech_output: its thread has ended",
+        ),
         ({"dropped": 9}, Level.WARN, "9 by now"),
     ],
 )

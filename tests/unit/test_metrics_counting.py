@@ -160,14 +160,14 @@ def test_nothing_is_counted_after_the_end(rig) -> None:
 
 
 def test_what_is_read_is_read_anew_and_one_that_breaks_takes_no_other_with_it(rig) -> None:
-    counts = {"mouth": 1}
+    counts = {"speech_output": 1}
     rig.registry.read("edgevox_dropped_total", lambda: counts)
     rig.registry.read("edgevox_threads", lambda: 1 / 0)
     rig.registry.read("edgevox_build_info", lambda: {("0.1", "robot", "fr"): 1.0})
-    assert rig.value("edgevox_dropped_total", queue="mouth") == 1
+    assert rig.value("edgevox_dropped_total", queue="speech_output") == 1
 
-    counts["mouth"] = 4
-    assert rig.value("edgevox_dropped_total", queue="mouth") == 4
+    counts["speech_output"] = 4
+    assert rig.value("edgevox_dropped_total", queue="speech_output") == 4
     assert rig.value("edgevox_threads") is None
     assert rig.value("edgevox_build_info", version="0.1", agent="robot", language="fr") == 1
     assert rig.registry.failures > 0

@@ -121,12 +121,12 @@ def test_what_the_parts_count_is_what_is_read(parts, registry) -> None:
     assert told["edgevox_dropped_total", "conversation"] == 1
     assert told["edgevox_refused_requests_total", "too_many"] == 1
     assert told["edgevox_refused_requests_total", "too_long"] == 8
-    assert told["edgevox_dropped_total", "understanding"] == 2
-    assert told["edgevox_dropped_total", "mouth"] == 3
+    assert told["edgevox_dropped_total", "transcriber"] == 2
+    assert told["edgevox_dropped_total", "speech_output"] == 3
     assert told["edgevox_dropped_total", "microphone"] == 7
-    assert told["edgevox_failures_total", "ears"] == 4
-    assert told["edgevox_failures_total", "mouth"] == 5
-    assert told["edgevox_failures_total", "understanding"] == 6
+    assert told["edgevox_failures_total", "listener"] == 4
+    assert told["edgevox_failures_total", "speech_output"] == 5
+    assert told["edgevox_failures_total", "transcriber"] == 6
     assert told["edgevox_model_weights_bytes", "llm"] == 1000
     assert told["edgevox_model_weights_bytes", "stt"] == 1020
     assert told["edgevox_model_weights_bytes", "tts"] == 20

@@ -11,8 +11,17 @@ from edgevox.ops.metrics.metric import Kind, Metric
 SKILLS, CHECKS, TOPICS = "the agent's skills", "the checks of health.md", "topics that come in"
 STAGES = ("stt", "llm", "tts", "ttfs", "total")
 SOURCES = ("template", "model", "command", "action", "program")
-QUEUES = ("conversation", "microphone", "understanding", "mouth", "recorder")
-PARTS = ("ears", "understanding", "mouth", "body", "executor", "ticker", "camera", "metrics")
+QUEUES = ("conversation", "microphone", "transcriber", "speech_output", "recorder")
+PARTS = (
+    "listener",
+    "transcriber",
+    "speech_output",
+    "body",
+    "executor",
+    "ticker",
+    "camera",
+    "metrics",
+)
 MODELS = ("stt", "llm", "tts")
 
 SIMULATED, MOVES = "a simulated body", "an agent with a body"
@@ -197,8 +206,8 @@ _READ = (
         read={
             "conversation": "process.refused_too_many",
             "microphone": "audio.dropped_frames",
-            "understanding": "stt.refused",
-            "mouth": "tts.refused",
+            "transcriber": "stt.refused",
+            "speech_output": "tts.refused",
             "recorder": "recorder.dropped_messages",
         },
     ),
@@ -215,9 +224,9 @@ _READ = (
         "Errors that a part survived",
         {"part": PARTS},
         read={
-            "ears": "audio.failed_frames",
-            "understanding": "stt.failed",
-            "mouth": "tts.failed",
+            "listener": "audio.failed_frames",
+            "transcriber": "stt.failed",
+            "speech_output": "tts.failed",
             "body": "sim.broke",
             "executor": "executor.failed_callbacks",
             "ticker": "executor.failed_ticks",
