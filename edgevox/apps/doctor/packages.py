@@ -1,10 +1,9 @@
 """Packages that bring robots and skills, plug-ins among them: what there is, and does it load?"""
 
+import json
 from collections.abc import Iterator
 from dataclasses import asdict
 from importlib.metadata import EntryPoint
-
-from pydantic_core import from_json
 
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
 from edgevox.apps.doctor.runner import probe_apart
@@ -27,7 +26,7 @@ def probe_packages(situation: Situation) -> Facts:
 
 def look_for_packages(settings: str) -> Facts:
     """Load what is there for these settings, as JSON. Into this process, which should end then."""
-    asked = check_settings(from_json(settings))
+    asked = check_settings(json.loads(settings))
     try:
         plugins = bring_plugins(asked.plugins)
         chosen = chosen_skills(asked.skills, installed_skills())
