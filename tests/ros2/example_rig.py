@@ -12,7 +12,8 @@ from peer import RELIABLE, Peer
 from robot_file_rig import Asked, Talk
 from waiting import Heard
 
-EXAMPLES = Path(__file__).parents[2] / "examples" / "robot_file"
+HERE = Path(__file__).parent
+EXAMPLES = HERE.parents[1] / "examples" / "robot_file"
 
 
 class Example:
@@ -59,15 +60,18 @@ class Example:
 
 
 @contextlib.contextmanager
-def example(name: str, *packages: str, domain: int, cache: Path):
-    """The example of this name, which is talked to in English; it needs these packages."""
+def example(name: str, *packages: str, domain: int, cache: Path, file: Path | None = None):
+    """The example of this name, which is talked to in English; it needs these packages.
+
+    `file` is the robot file where it is no example of ours.
+    """
     prefixes = build_overlay(packages, cache)
     with pytest.MonkeyPatch.context() as patch, contextlib.ExitStack() as running:
         for variable, value in overlaid(prefixes).items():
             patch.setenv(variable, value)
-        file = EXAMPLES / f"{name}.yaml"
+        described = file or EXAMPLES / f"{name}.yaml"
         agent = Agent(
-            "robot-external", "--text-mode", "--ros2", "--llm=none", f"--robot-file={file}",
+            "robot-external", "--text-mode", "--ros2", "--llm=none", f"--robot-file={described}",
             domain=domain,
         )  # fmt: skip
         running.callback(agent.terminate)

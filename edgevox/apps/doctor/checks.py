@@ -5,6 +5,7 @@ from edgevox.apps.doctor import (
     machine,
     model_files,
     network,
+    packages,
     permitted,
     process_environment,
     robot_interfaces,
@@ -42,6 +43,12 @@ CHECKS: tuple[Check, ...] = (
         "who may ask for what, a line for each way in and each limit of the policy file",
         permitted.probe_policy,
         permitted.judge_policy,
+    ),
+    Check(
+        "packages",
+        "the plug-ins and the packages that bring robots and skills, and whether each loads",
+        packages.probe_packages,
+        packages.judge_packages,
     ),
     Check(
         "folders",

@@ -3,7 +3,7 @@
 {{- $robot := .robot -}}
 {{- $env := dict
   "ROS_DOMAIN_ID" ($robot.domain | int)
-  "EDGEVOX_AGENT_NAMESPACE" $robot.namespace
+  "EDGEVOX_AGENT_NAMESPACE" $robot.agentNamespace
   "EDGEVOX_AGENT" $robot.agent
   "EDGEVOX_LANGUAGE" $robot.language
   "EDGEVOX_VOICE" $robot.voice
@@ -12,7 +12,7 @@
   "EDGEVOX_AUDIO_IN" $robot.audioIn
   "EDGEVOX_AUDIO_OUT" $robot.audioOut
   "EDGEVOX_LOG_LEVEL" $robot.logLevel
-  "EDGEVOX_ROBOT_NAMESPACE" $robot.externalNamespace
+  "EDGEVOX_ROBOT_NAMESPACE" $robot.robotNamespace
   "EDGEVOX_FRAME_PREFIX" $robot.framePrefix
   "EDGEVOX_OFFLINE" $robot.models.offline
   "EDGEVOX_LLM" $robot.llm.model

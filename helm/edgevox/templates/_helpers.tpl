@@ -33,14 +33,43 @@ edgevox/domain: {{ .domain | int | quote }}
 {{- end -}}
 {{- end -}}
 
+{{/* What values were called before. */}}
+{{- define "edgevox.oldNames" -}}
+{"namespace": "agentNamespace", "externalNamespace": "robotNamespace"}
+{{- end -}}
+
+{{/* Values by the names of now, as JSON, also those that came by an old one. Takes values and where they stand. */}}
+{{- define "edgevox.renamed" -}}
+{{- $values := deepCopy .values -}}
+{{- $where := .where -}}
+{{- range $old, $new := include "edgevox.oldNames" . | fromJson -}}
+{{- if hasKey $values $old -}}
+{{- $value := get $values $old -}}
+{{- $other := get $values $new | default $value -}}
+{{- if ne $value $other -}}
+{{- fail (printf "%s%s: got %q, expected %q, as %s says, or only one" $where $old $value $other $new) -}}
+{{- end -}}
+{{- $_ := set $values $new $value -}}
+{{- $_ := unset $values $old -}}
+{{- end -}}
+{{- end -}}
+{{- toJson $values -}}
+{{- end -}}
+
 {{/* All robots, each with what counts for all of them filled in: a list under "robots", as JSON. */}}
 {{- define "edgevox.robots" -}}
-{{- $common := pick .Values "affinity" "agent" "audioIn" "audioOut" "discovery" "env" "externalNamespace" "extraVolumeMounts" "extraVolumes" "files" "framePrefix" "health" "hostNetwork" "language" "llm" "logLevel" "models" "muted" "nodeSelector" "places" "plugins" "podAnnotations" "podLabels" "policy" "priorityClassName" "recorder" "resources" "runtimeClassName" "settings" "tolerations" "topologySpreadConstraints" "voice" "wakeword" -}}
+{{- $common := pick .Values "affinity" "agent" "audioIn" "audioOut" "discovery" "env" "externalNamespace" "extraVolumeMounts" "extraVolumes" "files" "framePrefix" "health" "hostNetwork" "language" "llm" "logLevel" "models" "muted" "nodeSelector" "places" "plugins" "podAnnotations" "podLabels" "policy" "priorityClassName" "recorder" "resources" "robotNamespace" "runtimeClassName" "settings" "tolerations" "topologySpreadConstraints" "voice" "wakeword" -}}
+{{- /* The default of the new name says nothing against a value by the old one. */ -}}
+{{- if and (hasKey $common "externalNamespace") (eq $common.robotNamespace "/") -}}
+{{- $_ := unset $common "robotNamespace" -}}
+{{- end -}}
+{{- $common = include "edgevox.renamed" (dict "values" $common "where" "") | fromJson -}}
 {{- $robots := list -}}
-{{- range .Values.robots -}}
+{{- range $index, $given := .Values.robots -}}
+{{- $where := printf "robots[%d]." $index -}}
+{{- $own := include "edgevox.renamed" (dict "values" $given "where" $where) | fromJson -}}
 {{- $namespace := printf "/%s" (replace "-" "_" .name) -}}
-{{- $own := dict "namespace" $namespace -}}
-{{- $robot := mergeOverwrite (deepCopy $common) $own (deepCopy .) -}}
+{{- $robot := mergeOverwrite (deepCopy $common) (dict "agentNamespace" $namespace) $own -}}
 {{- /* A volume has one source: a robot's own takes the place of the common one. */ -}}
 {{- if hasKey (.models | default dict) "volume" -}}
 {{- $_ := set $robot.models "volume" .models.volume -}}
@@ -88,9 +117,9 @@ edgevox/domain: {{ .domain | int | quote }}
 {{- if and .files.data .files.configMap -}}
 {{- fail (printf "%s.files.configMap: got %q, expected none beside files.data" $where .files.configMap) -}}
 {{- end -}}
-{{- $node := printf "%d %s" (int .domain) (trimPrefix "/" .namespace) -}}
+{{- $node := printf "%d %s" (int .domain) (trimPrefix "/" .agentNamespace) -}}
 {{- if hasKey $nodes $node -}}
-{{- fail (printf "%s.namespace: got %q, expected another one than %s has, which is on domain %d too" $where .namespace (get $nodes $node) (int .domain)) -}}
+{{- fail (printf "%s.agentNamespace: got %q, expected another one than %s has, which is on domain %d too" $where .agentNamespace (get $nodes $node) (int .domain)) -}}
 {{- end -}}
 {{- $_ := set $nodes $node .name -}}
 {{- $frame := printf "%d %s" (int .domain) .framePrefix -}}
