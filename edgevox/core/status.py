@@ -33,6 +33,7 @@ class ComponentName(StrEnum):
     SIM = "sim"
     EXECUTOR = "executor"
     PRESENCE = "presence"
+    INTERLOCK = "interlock"
     POLICY = "policy"
     DISK = "disk"
     PROCESS = "process"
