@@ -45,13 +45,16 @@ SCENE: Message = {
         box(0.3, 7.2, 1.6, 2.0, "bed"), box(7.6, 8.9, 1.6, 0.8, "desk"),
     ],
     "rooms": [
-        {"name": "living room", "goal": [3.4, 2.9], "outline": [[0, 0], [5.8, 0], [5.8, 5.2], [0, 5.2]]},
-        {"name": "kitchen", "goal": [7.9, 1.9], "outline": [[5.8, 0], [10, 0], [10, 5.2], [5.8, 5.2]]},
-        {"name": "bedroom", "goal": [3, 7.4], "outline": [[0, 5.2], [4.8, 5.2], [4.8, 10], [0, 10]]},
-        {"name": "office", "goal": [7.2, 7.2], "outline": [[4.8, 5.2], [10, 5.2], [10, 10], [4.8, 10]]},
+        {**box(0, 0, 5.8, 5.2), "name": "living room", "goal": [3.4, 2.9]},
+        {**box(5.8, 0, 4.2, 5.2), "name": "kitchen", "goal": [7.9, 1.9]},
+        {**box(0, 5.2, 4.8, 4.8), "name": "bedroom", "goal": [3, 7.4]},
+        {**box(4.8, 5.2, 5.2, 4.8), "name": "office", "goal": [7.2, 7.2]},
     ],
     "places": [{"name": "charger", "x": 9.2, "y": 5.9}],
 }  # fmt: skip
+
+for _room in SCENE["rooms"]:
+    _room["outline"] = _room.pop("points")
 
 LIVE: Message = {
     "pose": {"x": 4.6, "y": 2.4, "yaw": 0.35},
@@ -173,7 +176,7 @@ class Robot:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._do(self._runner.cleanup())
+        self._do(self._end())
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join()
         self._loop.close()
@@ -211,6 +214,10 @@ class Robot:
         await site.start()
         self._beat = asyncio.create_task(self._live())
         return f"http://127.0.0.1:{self._runner.addresses[0][1]}"
+
+    async def _end(self) -> None:
+        self._beat.cancel()
+        await self._runner.cleanup()
 
     async def _page(self, _: web.Request) -> web.FileResponse:
         return web.FileResponse(PAGE / "index.html")

@@ -3,7 +3,7 @@
  */
 
 const PING_MS = 400;
-const SILENCE_MS = 900;
+const SILENCE_MS = 800;
 const GIVE_UP_MS = 3000;
 const AGAIN_MS = [250, 500, 1000, 2000, 4000];
 

@@ -26,9 +26,15 @@ function topBar(store, /** @type {Link} */ link) {
     name.textContent = store.robot || "EdgeVox";
     document.title = `${store.robot || "EdgeVox"}`;
   });
-  store.on("talk", (m) => m.kind === "state" && (state.textContent = say(`state_${m.state}`)));
-  store.on("link", (now) => now !== "ready" && (state.textContent = say(now === "gone" ? "state_gone" : "state_waiting")));
-  store.on("hello", () => (state.textContent = say("state_listening")));
+  let does = "listening";
+  const tellState = () => (state.textContent = say(`state_${store.link === "ready" ? does : store.link}`));
+  store.on("talk", (m) => {
+    if (m.kind !== "state") return;
+    does = m.state;
+    tellState();
+  });
+  store.on("hello", () => (does = "listening"));
+  store.on("link", tellState);
   store.on("live", () => {
     const level = store.live.battery?.level;
     battery.hidden = level == null;

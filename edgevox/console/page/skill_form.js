@@ -31,7 +31,7 @@ export function skillForm(skill, run) {
   const allowed = skill.allowed !== false;
   const button = h("button", { class: "small primary", type: "submit", disabled: !allowed, "aria-label": `${say("run")}: ${label}` }, say("run"));
   const form = h("form", { class: "skill", autocomplete: "off" },
-    h("div", { class: "row tight" }, h("h3", { class: "fill" }, label), button),
+    h("div", { class: "row tight" }, h("h2", { class: "fill" }, label), button),
     skill.description ? h("p", { class: "quiet small-text" }, skill.description) : null,
     fields.length ? h("div", { class: "fields" }, ...fields.map((one) => one.element)) : null,
     allowed ? null : h("p", { class: "small-text warn-text" }, skill.why || say("policy_forbids")));
