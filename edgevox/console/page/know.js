@@ -78,7 +78,7 @@ function recordingPart(store, link) {
     part.hidden = !store.capabilities.record;
     button.textContent = running ? say("record_stop", { seconds: number(seconds, 0) }) : say("record_start");
     button.disabled = !store.commands;
-    files.replaceChildren(...kept.map((one) => h("li", {}, one.url ? h("a", { href: one.url, download: "" }, one.name) : one.name)));
+    files.replaceChildren(...kept.map((one) => h("li", {}, h("a", { href: one.url ?? `/api/recording/${encodeURIComponent(one.name)}`, download: "" }, one.name))));
   };
   for (const type of ["hello", "status", "lease", "link"]) store.on(type, show);
   return part;

@@ -1,6 +1,7 @@
 /**
  * The line to the robot. It is either there, or nothing is sent: no command waits for a better time.
  */
+import { language } from "./words.js";
 
 const PING_MS = 400;
 const SILENCE_MS = 800;
@@ -40,7 +41,7 @@ export class Link {
   }
 
   open() {
-    const socket = new WebSocket(socketAddress("/ws"));
+    const socket = new WebSocket(socketAddress(`/ws?language=${language()}`));
     this.socket = socket;
     this.heard = performance.now();
     socket.onmessage = (event) => this.receive(event.data);

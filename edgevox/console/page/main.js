@@ -80,13 +80,13 @@ function consolePage(store, link) {
   document.getElementById("page")?.replaceChildren(page, toasts);
   choose("do");
   choose(matchMedia("(min-width: 900px)").matches ? "do" : "talk");
-  store.on("hello", () => look(link));
+  store.on("link", () => look(link));
   document.addEventListener("visibilitychange", () => look(link));
 }
 
 /** Ask for what is in sight only. @param {Link} link */
 function look(link) {
-  if (link.store.link === "out" || link.socket?.readyState !== WebSocket.OPEN) return;
+  if (link.store.link !== "ready") return;
   const what = document.hidden ? [] : ["live", "status", "log"];
   link.send({ type: "look", what }).catch(() => {});
 }
