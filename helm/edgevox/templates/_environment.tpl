@@ -33,6 +33,18 @@
 {{- if $robot.hostNetwork -}}
 {{- $_ := set $env "FASTDDS_BUILTIN_TRANSPORTS" "UDPv4" -}}
 {{- end -}}
+{{- if $robot.console.enabled -}}
+{{- $_ := set $env "EDGEVOX_CONSOLE" true -}}
+{{- $_ := set $env "EDGEVOX_CONSOLE_PORT" (int $robot.console.port) -}}
+{{- $_ := set $env "EDGEVOX_CONSOLE_HOST" (ternary "127.0.0.1" $robot.health.host $robot.hostNetwork) -}}
+{{- $_ := set $env "EDGEVOX_CONSOLE_FOLDER" "/console" -}}
+{{- $_ := set $env "EDGEVOX_CONSOLE_NAMES" (include "edgevox.consoleNames" .) -}}
+{{- if $robot.console.tlsSecret -}}
+{{- $_ := set $env "EDGEVOX_CONSOLE_TLS" "files" -}}
+{{- $_ := set $env "EDGEVOX_CONSOLE_CERTIFICATE" "/run/secrets/edgevox-console/tls.crt" -}}
+{{- $_ := set $env "EDGEVOX_CONSOLE_KEY" "/run/secrets/edgevox-console/tls.key" -}}
+{{- end -}}
+{{- end -}}
 {{- if $robot.policy -}}
 {{- $_ := set $env "EDGEVOX_POLICY" "/etc/edgevox/policy/policy.yaml" -}}
 {{- end -}}

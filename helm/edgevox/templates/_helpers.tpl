@@ -64,6 +64,7 @@ edgevox/domain: {{ .domain | int | quote }}
 {{- $_ := unset $common "robotNamespace" -}}
 {{- end -}}
 {{- $common = include "edgevox.renamed" (dict "values" $common "where" "") | fromJson -}}
+{{- $common := pick .Values "affinity" "agent" "audioIn" "audioOut" "console" "discovery" "env" "externalNamespace" "extraVolumeMounts" "extraVolumes" "files" "framePrefix" "health" "hostNetwork" "language" "llm" "logLevel" "models" "muted" "nodeSelector" "places" "plugins" "podAnnotations" "podLabels" "policy" "priorityClassName" "recorder" "resources" "runtimeClassName" "settings" "tolerations" "topologySpreadConstraints" "voice" "wakeword" -}}
 {{- $robots := list -}}
 {{- range $index, $given := .Values.robots -}}
 {{- $where := printf "robots[%d]." $index -}}
@@ -77,6 +78,9 @@ edgevox/domain: {{ .domain | int | quote }}
 {{- /* A policy is one text: a robot's own takes the place of the common one. */ -}}
 {{- if hasKey . "policy" -}}
 {{- $_ := set $robot "policy" .policy -}}
+{{- end -}}
+{{- if hasKey (.console | default dict) "volume" -}}
+{{- $_ := set $robot.console "volume" .console.volume -}}
 {{- end -}}
 {{- if hasKey (.places | default dict) "volume" -}}
 {{- $_ := set $robot.places "volume" .places.volume -}}
@@ -103,11 +107,32 @@ edgevox/domain: {{ .domain | int | quote }}
 {{ $name }}-{{ .robot.name }}-0.{{ $name }}.{{ .root.Release.Namespace }}.svc
 {{- end -}}
 
+{{/* The Service of a robot's console. Takes root and robot. */}}
+{{- define "edgevox.consoleService" -}}
+{{ include "edgevox.fullname" .root }}-{{ .robot.name }}-console
+{{- end -}}
+
+{{/* By which names a robot's console is opened, with commas between. Takes root and robot. */}}
+{{- define "edgevox.consoleNames" -}}
+{{- $names := .robot.console.names -}}
+{{- if not .robot.hostNetwork -}}
+{{- $service := include "edgevox.consoleService" . -}}
+{{- $names = append $names (printf "%s.%s.svc" $service .root.Release.Namespace) -}}
+{{- with .robot.console.ingress -}}
+{{- if .enabled -}}
+{{- $names = append $names .host -}}
+{{- end -}}
+{{- end -}}
+{{- end -}}
+{{- join "," (uniq $names) -}}
+{{- end -}}
+
 {{/* What one schema cannot say: that robots do not get into each other's way. */}}
 {{- define "edgevox.validate" -}}
 {{- $names := dict -}}
 {{- $nodes := dict -}}
 {{- $frames := dict -}}
+{{- $hosts := dict -}}
 {{- range $index, $robot := . -}}
 {{- $where := printf "robots[%d]" $index -}}
 {{- if hasKey $names .name -}}
@@ -118,6 +143,20 @@ edgevox/domain: {{ .domain | int | quote }}
 {{- fail (printf "%s.files.configMap: got %q, expected none beside files.data" $where .files.configMap) -}}
 {{- end -}}
 {{- $node := printf "%d %s" (int .domain) (trimPrefix "/" .agentNamespace) -}}
+{{- if and .console.enabled .console.ingress.enabled -}}
+{{- $host := .console.ingress.host -}}
+{{- if not $host -}}
+{{- fail (printf "%s.console.ingress.host: got %q, expected a host name" $where $host) -}}
+{{- end -}}
+{{- if hasKey $hosts $host -}}
+{{- fail (printf "%s.console.ingress.host: got %q, expected another one than %s has" $where $host (get $hosts $host)) -}}
+{{- end -}}
+{{- if .hostNetwork -}}
+{{- fail (printf "%s.console.ingress.enabled: got true, expected false on the host's network, where the console is on loopback" $where) -}}
+{{- end -}}
+{{- $_ := set $hosts $host .name -}}
+{{- end -}}
+{{- $node := printf "%d %s" (int .domain) (trimPrefix "/" .namespace) -}}
 {{- if hasKey $nodes $node -}}
 {{- fail (printf "%s.agentNamespace: got %q, expected another one than %s has, which is on domain %d too" $where .agentNamespace (get $nodes $node) (int .domain)) -}}
 {{- end -}}
