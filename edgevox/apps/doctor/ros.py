@@ -65,10 +65,10 @@ def judge_domain(facts: Facts, _: Situation) -> CheckVerdict:
 def probe_discovery(situation: Situation) -> Facts:
     """The variables that decide how others are found."""
     names = (RANGE, PEERS, "ROS_LOCALHOST_ONLY", "ROS_DISCOVERY_SERVER")
-    facts: Facts = {name: situation.environment.get(name, "") for name in names}
+    facts = {name: situation.environment.get(name, "") for name in names}
     peers = [name for name in facts[PEERS].split(";") if name]
     known = addresses(peers, 0) if peers else {}
-    return facts | {"unknown": [name for name in peers if name not in known]}
+    return {**facts, "unknown": [name for name in peers if name not in known]}
 
 
 def judge_discovery(facts: Facts, _: Situation) -> list[CheckVerdict]:
