@@ -35,6 +35,7 @@ VARIABLES: Mapping[str, str] = {
     "agentNamespace": "EDGEVOX_AGENT_NAMESPACE",
     "audioIn": "EDGEVOX_AUDIO_IN",
     "audioOut": "EDGEVOX_AUDIO_OUT",
+    "discovery.peersWaitSeconds": "EDGEVOX_PEERS_WAIT_S",
     "discovery.range": "ROS_AUTOMATIC_DISCOVERY_RANGE",
     "discovery.server": "ROS_DISCOVERY_SERVER",
     "discovery.staticPeers": "ROS_STATIC_PEERS",
@@ -72,8 +73,15 @@ FIXED = (
     "FASTDDS_BUILTIN_TRANSPORTS",
 )
 """Variables that the chart or the image sets, and no release, and the old names of others."""
-OF_THE_TABLE = ("agent", "discovery.range", "domain", "language", "health.port", "logLevel")
-OF_THE_TABLE += ("llm.context", "llm.endpointGrammar", "llm.endpointTimeoutSeconds", "llm.threads")
+OF_THE_TABLE = ("agent", "discovery.peersWaitSeconds", "discovery.range", "domain", "language")
+OF_THE_TABLE += (
+    "health.port",
+    "logLevel",
+    "llm.context",
+    "llm.endpointGrammar",
+    "llm.endpointTimeoutSeconds",
+    "llm.threads",
+)
 """Values whose words or bounds the schema takes from the table."""
 
 
