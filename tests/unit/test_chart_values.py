@@ -116,10 +116,8 @@ def test_each_value_reaches_the_variable_that_it_is_said_to_reach() -> None:
         "agentNamespace": "/n",
         "audioIn": "ros2",
         "audioOut": "ros2",
-        "discovery": {"range": "LOCALHOST", "server": "dds:11811", "staticPeers": ["peer"]},
         "discovery": {"range": "LOCALHOST", "server": "dds:11811", "staticPeers": ["peer"]}
         | {"peersWaitSeconds": 3},
-        "externalNamespace": "/base",
         "framePrefix": "x/",
         "health": {"port": 9000, "host": "::"},
         "language": "fr",

@@ -58,13 +58,12 @@ edgevox/domain: {{ .domain | int | quote }}
 
 {{/* All robots, each with what counts for all of them filled in: a list under "robots", as JSON. */}}
 {{- define "edgevox.robots" -}}
-{{- $common := pick .Values "affinity" "agent" "audioIn" "audioOut" "discovery" "env" "externalNamespace" "extraVolumeMounts" "extraVolumes" "files" "framePrefix" "health" "hostNetwork" "language" "llm" "logLevel" "models" "muted" "nodeSelector" "places" "plugins" "podAnnotations" "podLabels" "policy" "priorityClassName" "recorder" "resources" "robotNamespace" "runtimeClassName" "settings" "tolerations" "topologySpreadConstraints" "voice" "wakeword" -}}
+{{- $common := pick .Values "affinity" "agent" "audioIn" "audioOut" "console" "discovery" "env" "externalNamespace" "extraVolumeMounts" "extraVolumes" "files" "framePrefix" "health" "hostNetwork" "language" "llm" "logLevel" "models" "muted" "nodeSelector" "places" "plugins" "podAnnotations" "podLabels" "policy" "priorityClassName" "recorder" "resources" "robotNamespace" "runtimeClassName" "settings" "tolerations" "topologySpreadConstraints" "voice" "wakeword" -}}
 {{- /* The default of the new name says nothing against a value by the old one. */ -}}
 {{- if and (hasKey $common "externalNamespace") (eq $common.robotNamespace "/") -}}
 {{- $_ := unset $common "robotNamespace" -}}
 {{- end -}}
 {{- $common = include "edgevox.renamed" (dict "values" $common "where" "") | fromJson -}}
-{{- $common := pick .Values "affinity" "agent" "audioIn" "audioOut" "console" "discovery" "env" "externalNamespace" "extraVolumeMounts" "extraVolumes" "files" "framePrefix" "health" "hostNetwork" "language" "llm" "logLevel" "models" "muted" "nodeSelector" "places" "plugins" "podAnnotations" "podLabels" "policy" "priorityClassName" "recorder" "resources" "runtimeClassName" "settings" "tolerations" "topologySpreadConstraints" "voice" "wakeword" -}}
 {{- $robots := list -}}
 {{- range $index, $given := .Values.robots -}}
 {{- $where := printf "robots[%d]." $index -}}
@@ -125,13 +124,15 @@ edgevox/domain: {{ .domain | int | quote }}
 {{- end -}}
 {{- end -}}
 {{- join "," (uniq $names) -}}
+{{- end -}}
+
 {{/* Which of a robot's values a namespace that holds to "restricted" does not admit. */}}
 {{- define "edgevox.notRestricted" -}}
 {{- $robot := . -}}
 {{- $admitted := list "name" "configMap" "csi" "downwardAPI" "emptyDir" "ephemeral" "image" "persistentVolumeClaim" "projected" "secret" -}}
 {{- $found := ternary (list "hostNetwork") (list) .hostNetwork -}}
 {{- $volumes := dict "extraVolumes" .extraVolumes -}}
-{{- range $part := concat (list "models" "places" "plugins") (ternary (list "recorder") (list) .recorder.enabled) -}}
+{{- range $part := concat (list "models" "places" "plugins") (ternary (list "recorder") (list) .recorder.enabled) (ternary (list "console") (list) .console.enabled) -}}
 {{- $_ := set $volumes (printf "%s.volume" $part) (list (index $robot $part).volume) -}}
 {{- end -}}
 {{- range $name, $sources := $volumes -}}
@@ -159,7 +160,6 @@ edgevox/domain: {{ .domain | int | quote }}
 {{- if and .files.data .files.configMap -}}
 {{- fail (printf "%s.files.configMap: got %q, expected none beside files.data" $where .files.configMap) -}}
 {{- end -}}
-{{- $node := printf "%d %s" (int .domain) (trimPrefix "/" .agentNamespace) -}}
 {{- if and .console.enabled .console.ingress.enabled -}}
 {{- $host := .console.ingress.host -}}
 {{- if not $host -}}
@@ -173,7 +173,7 @@ edgevox/domain: {{ .domain | int | quote }}
 {{- end -}}
 {{- $_ := set $hosts $host .name -}}
 {{- end -}}
-{{- $node := printf "%d %s" (int .domain) (trimPrefix "/" .namespace) -}}
+{{- $node := printf "%d %s" (int .domain) (trimPrefix "/" .agentNamespace) -}}
 {{- if hasKey $nodes $node -}}
 {{- fail (printf "%s.agentNamespace: got %q, expected another one than %s has, which is on domain %d too" $where .agentNamespace (get $nodes $node) (int .domain)) -}}
 {{- end -}}
