@@ -127,7 +127,7 @@ def test_only_the_inside_of_a_source_is_left_to_the_cluster() -> None:
 
 
 def test_an_entry_of_robots_is_held_to_the_same_words_as_all_robots() -> None:
-    own = {"name", "domain", "namespace"}
+    own = {"name", "domain", "agentNamespace", "namespace"}
     properties = DEFINITIONS["robot"]["properties"]
 
     assert all(
@@ -141,4 +141,5 @@ def test_every_value_that_has_a_default_is_in_the_schema_and_the_other_way() -> 
     values = yaml.safe_load((chart.CHART / "values.yaml").read_text())
     schema = json.loads(chart.SCHEMA.read_text())["properties"]
 
-    assert values.keys() == schema.keys() - {"global"}
+    old = {"externalNamespace"}
+    assert values.keys() == schema.keys() - {"global"} - old
