@@ -11,16 +11,8 @@ from numpy.typing import NDArray
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Command
 from edgevox.core.controls import Controls
+from edgevox.core.software_stop import StopState as StopState  # noqa: PLC0414 - for the console
 from edgevox.core.ways import Way
-
-
-@dataclass(frozen=True, slots=True)
-class StopState:
-    """Whether the software stop is engaged, by whom, and since when, in Unix seconds."""
-
-    engaged: bool = False
-    by: str = ""
-    since: float | None = None
 
 
 class SoftwareStop(Protocol):
