@@ -78,9 +78,12 @@ class Drive(PageMessage):
 
 
 class Stop(PageMessage):
-    """The software stop."""
+    """The software stop: taken however it is said, as long as it is one."""
 
+    model_config = ConfigDict(extra="ignore")
     needs: ClassVar[Needs] = "session"
+
+    id: Any = None
     type: Literal["stop"]
 
 

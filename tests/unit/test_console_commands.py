@@ -163,3 +163,14 @@ def test_the_conversation_and_the_state_are_told_to_those_who_look(rig: Rig) -> 
             assert (await page.until("pong"))["t"] == 1.5
 
     asyncio.run(look())
+
+
+@pytest.mark.parametrize("text", ['{"type":"stop"}', '{"type":"stop","id":-1,"why":"hurry"}'])
+def test_a_stop_is_taken_however_it_is_said(rig: Rig, text: str) -> None:
+    async def press() -> None:
+        async with rig.page(Role.VIEWER) as page:
+            await page.socket.send_str(text)
+            await page.until("ok")
+
+    asyncio.run(press())
+    assert rig.stop.state.engaged
