@@ -7,7 +7,7 @@ import asyncio
 import json
 import math
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, Self
@@ -163,6 +163,9 @@ class Robot:
         self.answers: dict[str, Message] = {}
         """By type of command: the error that answers it instead of `ok`."""
         self.silent = False
+        self.pictures: Iterator[bytes] = iter(())
+        """What each asking for a picture is answered with, as long as there are any."""
+        self.asked_pictures = 0
         self._clients: dict[str, web.WebSocketResponse] = {}
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, name="stand-in")
@@ -205,6 +208,7 @@ class Robot:
                 web.get("/api/me", self._me),
                 web.post("/api/pair", self._pair),
                 web.get("/ws", self._socket),
+                web.get("/ws/view", self._view),
             ]
         )
         app.on_response_prepare.append(_secure)
@@ -249,6 +253,15 @@ class Robot:
         self._clients.pop(client, None)
         if self._lease == client:
             await self._give(None)
+        return socket
+
+    async def _view(self, request: web.Request) -> web.WebSocketResponse:
+        socket = web.WebSocketResponse()
+        await socket.prepare(request)
+        async for _ in socket:
+            self.asked_pictures += 1
+            if picture := next(self.pictures, None):
+                await socket.send_bytes(picture)
         return socket
 
     async def _take(self, client: str, socket: web.WebSocketResponse, message: Message) -> None:

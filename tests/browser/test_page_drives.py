@@ -33,9 +33,22 @@ def test_ahead_beats_and_letting_go_is_exactly_one_zero(opens: Opens, robot: Rob
     after = len(robot.commands("ping"))
     until(page, lambda: len(robot.commands("ping")) > after + 2)
     drives = robot.commands("drive")
-    assert (drives[-1]["linear"], drives[-1]["angular"]) == (0, 0)
-    assert len([d for d in drives[1:] if not d["linear"] and not d["angular"]]) == 1
+    assert still(robot) == drives[-1:]
     assert max(abs(d["linear"]) for d in drives) <= 0.5
+
+
+def test_back_in_its_middle_the_stick_is_let_go_once(opens: Opens, robot: Robot) -> None:
+    page = opens()
+    hold(page)
+    until(page, lambda: len(robot.commands("drive")) >= 3)
+    hold(page, y=0.5)
+    until(page, lambda: bool(still(robot)))
+    before = len(robot.commands("ping"))
+    until(page, lambda: len(robot.commands("ping")) > before + 2)
+    page.mouse.up()
+    before = len(robot.commands("ping"))
+    until(page, lambda: len(robot.commands("ping")) > before + 2)
+    assert still(robot) == robot.commands("drive")[-1:]
 
 
 def test_lost_focus_halts(opens: Opens, robot: Robot) -> None:

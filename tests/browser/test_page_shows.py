@@ -1,12 +1,14 @@
 """The conversation, the map, the forms, the settings, and all of it for keyboard and reader."""
 
 import gzip
+import io
 import json
 import re
 
 import pytest
-from conftest import AXE, DESK, PHONE, Opens
-from playwright.sync_api import Page, expect
+from conftest import AXE, DESK, PATIENCE_MS, PHONE, Opens
+from PIL import Image
+from playwright.sync_api import Browser, Page, expect
 from stand_in import HELLO, PAGE, Robot
 from test_page_drives import until
 
@@ -127,6 +129,42 @@ def test_without_a_part_for_sound_the_page_says_so_and_works(opens: Opens, robot
     page.locator(".write input").fill("go")
     page.locator(".write input").press("Enter")
     until(page, lambda: bool(robot.commands("text")))
+
+
+def jpeg(shade: int) -> bytes:
+    made = io.BytesIO()
+    Image.new("RGB", (64, 48), (shade, shade, shade)).save(made, "JPEG")
+    return made.getvalue()
+
+
+def test_the_next_picture_is_asked_for_when_one_is_shown_even_a_broken_one(
+    opens: Opens, robot: Robot
+) -> None:
+    robot.pictures = iter([jpeg(50), b"no picture", jpeg(200)])
+    robot.hello = {**HELLO, "capabilities": {"picture": True, "map": False}}
+    page = opens()
+    expect(page.locator(".picture")).to_be_visible(timeout=PATIENCE_MS)
+    until(page, lambda: robot.asked_pictures == 4)  # one more than there are: it waits
+
+
+def test_two_browsers_have_one_turn(opens: Opens, robot: Robot) -> None:
+    first, second = opens(), opens(command=False)
+    expect(second.locator(".lease")).to_contain_text("client-1 is in command")
+    expect(second.locator(".skill button").first).to_be_disabled()
+    first.locator(".lease button.on").click()
+    second.locator(".lease button.primary").click()
+    expect(second.locator(".skill button").first).to_be_enabled()
+    expect(first.locator(".lease")).to_contain_text("client-2 is in command")
+
+
+def test_how_to_trust_the_certificate_is_told_before_anybody_is_let_in(
+    browser: Browser, robot: Robot
+) -> None:
+    page = browser.new_page(locale="fr-FR")
+    page.goto(f"{robot.url}/static/ca.html")
+    expect(page.locator("h1")).to_have_text("Faire confiance à ce robot")
+    assert problems(page) == []
+    page.close()
 
 
 def test_a_robot_that_only_talks_has_no_map_and_no_stick(opens: Opens, robot: Robot) -> None:

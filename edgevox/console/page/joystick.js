@@ -7,6 +7,8 @@ import { tellRefusal } from "./notices.js";
 import { say } from "./words.js";
 
 const BEAT_MS = 100;
+/** So near its middle the stick is let go. */
+const DEAD = 0.08;
 const MOST_UNANSWERED = 3;
 const DEFAULT = { linear: 0.3, angular: 1 };
 const KEYS = { w: [0, 1], s: [0, -1], a: [-1, 0], d: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1], ArrowLeft: [-1, 0], ArrowRight: [1, 0] };
@@ -26,6 +28,7 @@ export class Driver {
 
   /** @param {number} right @param {number} ahead */
   push(right, ahead) {
+    if (Math.hypot(right, ahead) < DEAD) return this.release();
     this.stick = [right, ahead];
     if (this.beat !== undefined || !this.store.commands) return;
     this.send();

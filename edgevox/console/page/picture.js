@@ -7,7 +7,7 @@ const AGAIN_MS = 2000;
 
 /** @param {import("./store.js").Store} store */
 export function pictureCard(store) {
-  const image = h("img", { class: "picture", alt: say("camera") });
+  const image = h("img", { class: "picture", alt: say("camera"), hidden: true });
   const card = h("div", { class: "picture-card", hidden: true }, image);
   /** @type {WebSocket | null} */
   let socket = null;
@@ -21,7 +21,12 @@ export function pictureCard(store) {
       URL.revokeObjectURL(url);
       image.src = url = URL.createObjectURL(event.data);
     };
-    image.onload = () => made.readyState === WebSocket.OPEN && made.send("ack");
+    const next = () => made.readyState === WebSocket.OPEN && made.send("ack");
+    image.onload = () => {
+      image.hidden = false;
+      next();
+    };
+    image.onerror = next;
     made.onclose = () => made === socket && (socket = null);
   };
   const look = () => {
