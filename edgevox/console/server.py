@@ -17,6 +17,7 @@ from edgevox.console.pairing import Code, Pairing
 from edgevox.console.sampling import sample
 from edgevox.console.sessions import Role, Sessions
 from edgevox.console.site import Site
+from edgevox.console.url import console_url
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
 from edgevox.core.log import get_logger
@@ -77,9 +78,7 @@ class ConsoleServer:
     @property
     def url(self) -> str:
         """Where its page is, for a browser on this machine or one that knows the host by name."""
-        host = socket.gethostname() if self._host in ("0.0.0.0", "::", "") else self._host  # noqa: S104
-        shown = f"[{host}]" if ":" in host else host
-        return f"{'https' if self._tls else 'http'}://{shown}:{self.port}"
+        return console_url(self._host, self.port, self._tls is not None)
 
     def offer_code(self, role: Role = Role.OPERATOR) -> tuple[Code, str]:
         """A new pairing code, and the address that pairs with it. Raises `OSError`."""
