@@ -62,6 +62,11 @@ test: ## Run all tests, or those that ARGS names; ARGS goes to pytest.
 unit: $(DONE)/dev ## Run what needs no model, no container, no node, and starts nothing large: in a minute.
 	@$(BIN)/python -m pytest -n 3 --dist loadfile tests/unit $(ARGS)  # a third of it waits
 
+.PHONY: cluster
+cluster: $(DONE)/dev ## Hold the chart against Kubernetes' own control plane; HYPERKUBE=... names it.
+	@tests/cluster/get_tools build/cluster $(HYPERKUBE)
+	@CLUSTER_TOOLS=$(CURDIR)/build/cluster $(BIN)/python -m pytest tests/cluster/chart_on_kubernetes.py $(ARGS)
+
 .PHONY: steady
 steady: ## Run tests again and again, on a machine that is kept busy; hours.
 	@PYTHON=$(PYTHON) scripts/check_machine unit programs robots models ros2
