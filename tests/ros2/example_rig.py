@@ -36,6 +36,8 @@ class Example:
         assert self.talk.answer("go to the kitchen").startswith(refusal)
         for sentence in ("where are you", "remember this place as den", "go to x 1 y 2"):
             assert self.talk.answer(sentence).startswith("I did not understand that, but I can ")
+        for sentence in ("come back", "go back there"):
+            assert self.talk.answer(sentence) == "I cannot do that: I cannot drive to a point."
         topics = {name for name, _ in self.peer.node.get_topic_names_and_types()}
         assert "/edgevox/response" in topics
         assert not topics & {"/odom", "/scan", "/cmd_vel", "/goal_pose", "/edgevox/pose", "/tf"}

@@ -81,6 +81,13 @@ def test_a_setting_with_which_no_agent_starts_is_an_error(settings, expected):
     assert found.startswith(expected)
 
 
+def test_where_skills_are_not_there_a_broken_plug_in_that_may_have_them_is_told_too(folder):
+    (folder / "lift-1.0-py3-none-any.whl").write_text("no archive")
+    missing, torn = told(plugins=folder, skills="lift")
+    assert missing == (ERROR, "skills: got 'lift', expected one of all, none")
+    assert torn[1].startswith("plug-in lift-1.0-py3-none-any.whl: ")
+
+
 def test_a_package_that_ends_the_process_is_a_finding_and_the_others_are_told(folder):
     package(folder / "van", "a_van", "raise SystemExit(3)", ("robots", "robot-van", "ROBOT"))
     package(folder / "lift", "a_lift", SKILLS, ("skills", "lift", "make"))

@@ -1,17 +1,20 @@
 """Packages that bring robots and skills, plug-ins among them: what there is, and does it load?"""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from importlib.metadata import EntryPoint
+from typing import TypeVar
 
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
 from edgevox.apps.doctor.runner import probe_apart
-from edgevox.apps.plugins import bring_plugins
+from edgevox.apps.plugins import Plugins, bring_plugins
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import check_settings
 from edgevox.robots.plugin import fault_of_robot, foreign_robot_points
 from edgevox.robots.skill_packages import chosen_skills, fault_of, installed_skills, left_out
+
+T = TypeVar("T")
 
 PROBE = "edgevox.apps.doctor.packages:look_for_packages"
 _NEEDED = {"plugins", "skills"}
@@ -27,14 +30,12 @@ def probe_packages(situation: Situation) -> Facts:
 def look_for_packages(settings: str) -> Facts:
     """Load what is there for these settings, as JSON. Into this process, which should end then."""
     asked = check_settings(json.loads(settings))
-    try:
-        plugins = bring_plugins(asked.plugins)
-        chosen = chosen_skills(asked.skills, installed_skills())
-    except InvalidValue as wrong:
-        return {"wrong": str(wrong)}
+    found, wrong_folder = _tried(lambda: bring_plugins(asked.plugins))
+    named, wrong_name = _tried(lambda: chosen_skills(asked.skills, installed_skills()))
+    plugins, chosen = found or Plugins(), named or ()
     used = {point.name for point in chosen}
     return {
-        "wrong": "",
+        "wrong": [*wrong_folder, *wrong_name],
         "plugins": [asdict(one) for one in plugins.loaded],
         "broken": dict(plugins.broken),
         "robots": [_about(one, fault_of_robot(one)) for one in foreign_robot_points()],
@@ -46,6 +47,14 @@ def look_for_packages(settings: str) -> Facts:
     }
 
 
+def _tried(look: Callable[[], T]) -> tuple[T | None, list[str]]:
+    """What is found, or why nothing is."""
+    try:
+        return look(), []
+    except InvalidValue as wrong:
+        return None, [str(wrong)]
+
+
 def _about(point: EntryPoint, fault: str) -> dict[str, object]:
     package = point.dist.name if point.dist else point.value
     return {"name": point.name, "package": package, "fault": fault}
@@ -53,9 +62,8 @@ def _about(point: EntryPoint, fault: str) -> dict[str, object]:
 
 def judge_packages(facts: Facts, _: Situation) -> list[CheckVerdict]:
     """What was asked for and does not load is an error."""
-    if facts["wrong"]:
-        return [error(facts["wrong"], _CORRECT)]
     said = [
+        *(error(one, _CORRECT) for one in facts["wrong"]),
         *(ok(f"plug-in {one['file']}: {one['name']} {one['version']}") for one in facts["plugins"]),
         *(error(f"plug-in {file}: {why}", _WITHOUT) for file, why in facts["broken"].items()),
         *(_judge_robot(one) for one in facts["robots"]),
