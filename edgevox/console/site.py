@@ -158,11 +158,15 @@ class Site:
         return socket
 
     async def _view(self, request: web.Request) -> web.StreamResponse:
-        self.own_session(request)
+        session = self.own_session(request)
         if self._pictures is None:
             raise web.HTTPNotFound
         socket = await _socket(request, 64)
-        await show(self._pictures, socket)
+
+        def wanted() -> bool:
+            return request.transport is not None and self.hub.sessions.is_there(session)
+
+        await show(self._pictures, socket, wanted)
         return socket
 
 
