@@ -218,3 +218,14 @@ def test_whoever_is_revoked_sees_no_more_pictures(rig: Rig) -> None:
             return told.type is aiohttp.WSMsgType.BINARY, view.close_code
 
     assert asyncio.run(look()) == (False, 4401)
+
+
+def test_of_two_at_once_with_one_code_one_is_let_in(rig: Rig) -> None:
+    code, _ = rig.server.offer_code()
+
+    async def pair() -> list[int]:
+        async with aiohttp.ClientSession() as client:
+            return await asyncio.gather(*(_pair(client, rig, code.code) for _ in range(4)))
+
+    assert sorted(asyncio.run(pair())) == [200, 403, 403, 403]
+    assert len(rig.server.sessions.all()) == 1
