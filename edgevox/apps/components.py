@@ -33,6 +33,7 @@ def list_components(parts: AgentParts, gauges: Gauges) -> None:
         Off(ComponentName.EXECUTOR, "no ROS 2"),
         Off(ComponentName.PRESENCE, "no ROS 2"),
         InterlockComponent(parts.interlock),
+        Off(ComponentName.CONSOLE, "not asked for"),
         PolicyComponent(parts.guard, lambda: known_names(parts.skills)),
         DiskComponent(lambda: written_folders(parts.settings)),
         ProcessComponent(parts.health, __version__, lambda: parts.conversation.refusals),

@@ -13,6 +13,7 @@ from edgevox.agent.reasons import because
 from edgevox.apps.agent_parts import AgentParts, Startable
 from edgevox.apps.command_router import CommandRouter
 from edgevox.apps.components import list_components
+from edgevox.apps.console.serve_console import serve_console
 from edgevox.apps.decision import open_decider, open_phonemes
 from edgevox.apps.free_text import free_text
 from edgevox.apps.metrics import read_bridge, read_parts, serve_metrics
@@ -157,6 +158,8 @@ def start_parts(stack: ExitStack, parts: AgentParts, ros_args: Sequence[str] = (
         read_bridge(parts, bridge)
         start(stack, bridge)
         print(f"ROS 2: {bridge.where}", flush=True)
+    if parts.settings.console:
+        serve_console(stack, parts)
     prefill = _prefill(stack, parts)
     start(stack, parts.conversation)  # after the bridge, so that its first state is heard there
     if parts.voice and parts.listener:

@@ -34,6 +34,7 @@ class ComponentName(StrEnum):
     EXECUTOR = "executor"
     PRESENCE = "presence"
     INTERLOCK = "interlock"
+    CONSOLE = "console"
     POLICY = "policy"
     DISK = "disk"
     PROCESS = "process"

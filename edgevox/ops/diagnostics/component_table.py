@@ -76,6 +76,13 @@ COMPONENTS: tuple[ComponentRow, ...] = (
         " else is there",
     ),
     ComponentRow(
+        ComponentName.CONSOLE,
+        "the page for browsers: where it is, how many are open, who commands",
+        "",
+        "",
+        "health says `console` where its thread has ended; nothing else depends on it",
+    ),
+    ComponentRow(
         ComponentName.POLICY,
         "what the policy file permits; its values say how much was refused, and what last",
         "the file cannot be used and the policy before it is in force, or it names a skill or a"
