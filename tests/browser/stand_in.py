@@ -162,6 +162,7 @@ class Robot:
         self.live: Message | None = LIVE
         self.answers: dict[str, Message] = {}
         """By type of command: the error that answers it instead of `ok`."""
+        self.scene: Message = SCENE
         self.silent = False
         self.pictures: Iterator[bytes] = iter(())
         """What each asking for a picture is answered with, as long as there are any."""
@@ -245,7 +246,7 @@ class Robot:
         client = f"client-{self._count}"
         self._clients[client] = socket
         await socket.send_json({**self.hello, "client": client, "lease": self._leased(client)})
-        await socket.send_json({"type": "scene", **SCENE})
+        await socket.send_json({"type": "scene", **self.scene})
         await socket.send_json(STATUS)
         async for message in socket:
             if message.type is WSMsgType.TEXT:

@@ -167,6 +167,22 @@ def test_how_to_trust_the_certificate_is_told_before_anybody_is_let_in(
     page.close()
 
 
+def test_an_arm_has_no_map_but_joints_a_hand_and_things(opens: Opens, robot: Robot) -> None:
+    robot.scene = {"version": 1}
+    robot.hello = {**HELLO, "capabilities": {"picture": False, "drive": False}}
+    robot.live = {
+        "velocity": None,
+        "goal": None,
+        "joints": [{"name": "joint1", "value": 0.5, "lower": -2.9, "upper": 2.9}],
+        "hand": {"open": 0.1, "holding": "red cube"},
+        "things": [{"name": "red cube", "x": 0.5, "y": 0.1, "z": 0.2, "held": True}],
+    }
+    page = opens()
+    expect(page.locator(".joint")).to_contain_text("0.50", timeout=PATIENCE_MS)
+    expect(page.locator(".facts")).to_contain_text("red cube")
+    expect(page.locator(".map-card")).to_be_hidden()
+
+
 def test_a_robot_that_only_talks_has_no_map_and_no_stick(opens: Opens, robot: Robot) -> None:
     robot.live = None
     robot.hello = {**HELLO, "capabilities": {"map": False, "picture": False, "drive": False}}

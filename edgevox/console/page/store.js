@@ -55,7 +55,7 @@ export class Store {
   take(message) {
     const { type, ...rest } = message;
     if (type === "hello") this.welcome(rest);
-    else if (type === "scene") this.scene = /** @type {any} */ (rest);
+    else if (type === "scene") this.scene = rest.bounds ? /** @type {any} */ (rest) : null; // an arm has no map
     else if (type === "live") this.live = rest;
     else if (type === "status") this.status = rest;
     else if (type === "lease") this.lease = rest;
