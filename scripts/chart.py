@@ -34,6 +34,8 @@ VARIABLES: Mapping[str, str] = {
     "agent": "EDGEVOX_AGENT",
     "audioIn": "EDGEVOX_AUDIO_IN",
     "audioOut": "EDGEVOX_AUDIO_OUT",
+    "console.enabled": "EDGEVOX_CONSOLE",
+    "console.port": "EDGEVOX_CONSOLE_PORT",
     "discovery.range": "ROS_AUTOMATIC_DISCOVERY_RANGE",
     "discovery.server": "ROS_DISCOVERY_SERVER",
     "discovery.staticPeers": "ROS_STATIC_PEERS",
@@ -61,6 +63,10 @@ VARIABLES: Mapping[str, str] = {
 }
 """A robot's values that are a variable of the container; all others go through `settings`."""
 FIXED = (
+    "EDGEVOX_CONSOLE_CERTIFICATE",
+    "EDGEVOX_CONSOLE_FOLDER",
+    "EDGEVOX_CONSOLE_KEY",
+    "EDGEVOX_CONSOLE_NAMES",
     "EDGEVOX_EXTERNAL_NAMESPACE",
     "EDGEVOX_MODELS_DIR",
     "EDGEVOX_NAMESPACE",
@@ -73,7 +79,13 @@ FIXED = (
 )
 """Variables that the chart or the image sets, and no release, and the old names of others."""
 OF_THE_TABLE = ("agent", "discovery.range", "domain", "language", "health.port", "logLevel")
-OF_THE_TABLE += ("llm.context", "llm.endpointGrammar", "llm.endpointTimeoutSeconds", "llm.threads")
+OF_THE_TABLE += (
+    "console.port",
+    "llm.context",
+    "llm.endpointGrammar",
+    "llm.endpointTimeoutSeconds",
+    "llm.threads",
+)
 """Values whose words or bounds the schema takes from the table."""
 
 

@@ -112,6 +112,7 @@ def test_each_value_reaches_the_variable_that_it_is_said_to_reach() -> None:
         "agent": "robot-irsim",
         "audioIn": "ros2",
         "audioOut": "ros2",
+        "console": {"enabled": True, "port": 9443},
         "discovery": {"range": "LOCALHOST", "server": "dds:11811", "staticPeers": ["peer"]},
         "externalNamespace": "/base",
         "framePrefix": "x/",
