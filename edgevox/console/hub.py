@@ -7,6 +7,7 @@ import asyncio
 import json
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from typing import Any, Protocol
 
 from edgevox.console.context import ConsoleContext, StopState
@@ -207,8 +208,9 @@ class Hub:
         self.tell({"type": "stop", **self.stop_of()}, "stop")
 
     def _soon(self, act: Callable[[], None]) -> None:
-        if self._loop and not self._loop.is_closed():
-            self._loop.call_soon_threadsafe(act)
+        if self._loop:
+            with suppress(RuntimeError):  # it was closed just now
+                self._loop.call_soon_threadsafe(act)
 
 
 def stop_json(state: StopState) -> dict[str, Any]:
