@@ -36,6 +36,8 @@ VARIABLES: Mapping[str, str] = {
     "audioIn": "EDGEVOX_AUDIO_IN",
     "audioOut": "EDGEVOX_AUDIO_OUT",
     "discovery.peersWaitSeconds": "EDGEVOX_PEERS_WAIT_S",
+    "console.enabled": "EDGEVOX_CONSOLE",
+    "console.port": "EDGEVOX_CONSOLE_PORT",
     "discovery.range": "ROS_AUTOMATIC_DISCOVERY_RANGE",
     "discovery.server": "ROS_DISCOVERY_SERVER",
     "discovery.staticPeers": "ROS_STATIC_PEERS",
@@ -62,6 +64,10 @@ VARIABLES: Mapping[str, str] = {
 }
 """A robot's values that are a variable of the container; all others go through `settings`."""
 FIXED = (
+    "EDGEVOX_CONSOLE_CERTIFICATE",
+    "EDGEVOX_CONSOLE_FOLDER",
+    "EDGEVOX_CONSOLE_KEY",
+    "EDGEVOX_CONSOLE_NAMES",
     "EDGEVOX_EXTERNAL_NAMESPACE",
     "EDGEVOX_MODELS_DIR",
     "EDGEVOX_NAMESPACE",
@@ -77,6 +83,9 @@ OF_THE_TABLE = ("agent", "discovery.peersWaitSeconds", "discovery.range", "domai
 OF_THE_TABLE += (
     "health.port",
     "logLevel",
+OF_THE_TABLE = ("agent", "discovery.range", "domain", "language", "health.port", "logLevel")
+OF_THE_TABLE += (
+    "console.port",
     "llm.context",
     "llm.endpointGrammar",
     "llm.endpointTimeoutSeconds",

@@ -4,6 +4,8 @@ import http.client
 import json
 import re
 import socket
+import subprocess
+import sys
 import threading
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,6 +14,7 @@ import pytest
 from clocks import HeldClock
 from guards import HUNG_S
 
+from edgevox.apps.console_command import main
 from edgevox.apps.fleet.robots_file import FleetRobot, load_fleet
 from edgevox.apps.fleet.serve import fleet_server
 from edgevox.apps.fleet.watch import FleetWatch, ask_health
@@ -180,3 +183,27 @@ def test_the_page_writes_text_and_never_html():
     script = (ROOT / "edgevox" / "apps" / "fleet" / "page" / "fleet.js").read_text()
     assert not re.search(r"innerHTML|outerHTML|insertAdjacent|document\.write|\beval\b", script)
     assert not re.search(r"<script>|\son\w+=|style=", script)
+
+
+def test_the_command_serves_the_robots_of_a_file(tmp_path):
+    file = tmp_path / "robots.yaml"
+    file.write_text("robots: {a: {health: 'http://127.0.0.1:1'}}")
+    asked = [
+        sys.executable,
+        "-c",
+        f"import sys; from {main.__module__} import main; sys.exit(main())",
+    ]
+    asked += ["--robots", str(file), "--robots-port", "0"]
+    with subprocess.Popen(asked, stdout=subprocess.PIPE, text=True) as served:
+        try:
+            said = served.stdout.readline()
+            port = int(re.fullmatch(r"1 robots on http://localhost:(\d+)\n", said)[1])
+            assert [one["name"] for one in json.loads(get(port, "/robots")[1])["robots"]] == ["a"]
+        finally:
+            served.terminate()
+        assert served.wait(HUNG_S) == 0
+
+
+def test_the_command_says_what_is_wrong_with_a_file(tmp_path, capsys):
+    assert main(["--robots", str(tmp_path / "gone.yaml")]) == 2
+    assert "robots" in capsys.readouterr().err

@@ -1,6 +1,7 @@
 """All checks, once: the doctor asks them, docs/diagnostics.md lists them."""
 
 from edgevox.apps.doctor import (
+    console,
     graphics,
     machine,
     model_files,
@@ -143,6 +144,12 @@ CHECKS: tuple[Check, ...] = (
         "`/dev/shm` is large enough, and not full of what dead nodes left",
         network.probe_shared_memory,
         network.judge_shared_memory,
+    ),
+    Check(
+        "console",
+        "where the console listens, whom that lets in, and how long its certificate is good",
+        console.probe_console,
+        console.judge_console,
     ),
     Check("buffers", "of UDP, for pictures", network.probe_buffers, network.judge_buffers),
     Check(
