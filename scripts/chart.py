@@ -35,9 +35,9 @@ VARIABLES: Mapping[str, str] = {
     "agentNamespace": "EDGEVOX_AGENT_NAMESPACE",
     "audioIn": "EDGEVOX_AUDIO_IN",
     "audioOut": "EDGEVOX_AUDIO_OUT",
-    "discovery.peersWaitSeconds": "EDGEVOX_PEERS_WAIT_S",
     "console.enabled": "EDGEVOX_CONSOLE",
     "console.port": "EDGEVOX_CONSOLE_PORT",
+    "discovery.peersWaitSeconds": "EDGEVOX_PEERS_WAIT_S",
     "discovery.range": "ROS_AUTOMATIC_DISCOVERY_RANGE",
     "discovery.server": "ROS_DISCOVERY_SERVER",
     "discovery.staticPeers": "ROS_STATIC_PEERS",
@@ -81,11 +81,9 @@ FIXED = (
 """Variables that the chart or the image sets, and no release, and the old names of others."""
 OF_THE_TABLE = ("agent", "discovery.peersWaitSeconds", "discovery.range", "domain", "language")
 OF_THE_TABLE += (
+    "console.port",
     "health.port",
     "logLevel",
-OF_THE_TABLE = ("agent", "discovery.range", "domain", "language", "health.port", "logLevel")
-OF_THE_TABLE += (
-    "console.port",
     "llm.context",
     "llm.endpointGrammar",
     "llm.endpointTimeoutSeconds",

@@ -126,12 +126,14 @@ def test_only_the_inside_of_a_source_is_left_to_the_cluster() -> None:
     assert {path for path in free if not path.startswith(inside)} == {"/properties/global"}
 
 
+OWN = {"name", "domain", "agentNamespace", "namespace"}
+
+
 def test_an_entry_of_robots_is_held_to_the_same_words_as_all_robots() -> None:
-    own = {"name", "domain", "agentNamespace", "namespace"}
     everywhere = json.loads(chart.SCHEMA.read_text())["properties"]
     properties = DEFINITIONS["robot"]["properties"]
 
-    assert properties.keys() - everywhere.keys() == {"name", "domain", "namespace"}
+    assert properties.keys() - everywhere.keys() == OWN
     for name in properties.keys() & everywhere.keys():
         assert properties[name] in ({"$ref": f"#/properties/{name}"}, everywhere[name])
 
