@@ -15,7 +15,7 @@ from edgevox.core.software_stop import StopState as StopState  # noqa: PLC0414 -
 from edgevox.core.ways import Way
 
 
-class SoftwareStop(Protocol):
+class LatchingStop(Protocol):
     """A stop that latches until somebody resumes. Every method may be called from any thread."""
 
     def stop(self, who: str) -> None:
@@ -98,7 +98,7 @@ class ConsoleContext:
     bus: Bus
     submit: Callable[[Command], None]
     controls: Controls
-    safety: SoftwareStop
+    safety: LatchingStop
     describe: Callable[[str], Mapping[str, Any]]
     status: Callable[[], Mapping[str, Any]]
     robot: ConsoleRobot | None = None

@@ -8,14 +8,14 @@ from pathlib import Path
 from aiohttp import web
 
 from edgevox.console.door import Door
-from edgevox.console.hub import Hub
-from edgevox.console.messages import MOST_BYTES
+from edgevox.console.page_hub import PageHub
+from edgevox.console.page_messages import MOST_BYTES
 from edgevox.console.pairing import Pairing
-from edgevox.console.rate_limit import RateLimit
+from edgevox.console.rate_limit import PageRateLimit
 from edgevox.console.security_headers import add_headers, is_own_origin
 from edgevox.console.sessions import LAST_S, Session
-from edgevox.console.sockets.control import ControlPage, Limits
-from edgevox.console.sockets.view import Pictures, show
+from edgevox.console.sockets.control import ControlPage, SocketLimits
+from edgevox.console.sockets.pictures import PictureSocket, show
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
 
@@ -31,7 +31,7 @@ PAIR_TRIES = 5
 class Site:
     """The routes, and what they need. `door` is set as soon as there is one."""
 
-    hub: Hub
+    hub: PageHub
     pairing: Pairing
     clock: Clock
     secure: bool
@@ -39,12 +39,12 @@ class Site:
     door: Door | None = None
 
     def __post_init__(self) -> None:
-        self._tries = RateLimit(self.clock, PAIR_TRIES / 60, PAIR_TRIES)
-        self._limits = Limits.usual(self.clock)
+        self._tries = PageRateLimit(self.clock, PAIR_TRIES / 60, PAIR_TRIES)
+        self._limits = SocketLimits.usual(self.clock)
         self._pairs = asyncio.Lock()
         self.cookie = "__Host-edgevox" if self.secure else "edgevox"
         robot = self.hub.context.robot
-        self._pictures = Pictures(self.hub, robot) if robot else None
+        self._pictures = PictureSocket(self.hub, robot) if robot else None
 
     def application(self) -> web.Application:
         """All of it."""

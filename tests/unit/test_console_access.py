@@ -9,7 +9,7 @@ import pytest
 
 from edgevox.console.lease import GONE_S, IDLE_S, Lease
 from edgevox.console.pairing import LAST_S, MOST_WRONG, Pairing
-from edgevox.console.rate_limit import RateLimit
+from edgevox.console.rate_limit import PageRateLimit
 from edgevox.console.sessions import LAST_S as SESSION_S
 from edgevox.console.sessions import Role, Sessions
 from tests.console_rig import Rig, console
@@ -181,7 +181,7 @@ def test_the_lease_is_taken_back_from_who_is_away_or_idle() -> None:
 
 def test_a_limit_lets_a_burst_through_and_then_so_many_a_second() -> None:
     clock = HeldClock()
-    limit = RateLimit(clock, 2, 3)
+    limit = PageRateLimit(clock, 2, 3)
     assert [limit.allows("a") for _ in range(4)] == [True, True, True, False]
     assert limit.allows("b")
     clock.at += 0.5

@@ -7,7 +7,7 @@ import pytest
 from edgevox.apps.console_command import main
 from edgevox.apps.folders import console_folder
 from edgevox.console.context import ConsoleContext
-from edgevox.console.open import is_loopback, open_console, tls_of
+from edgevox.console.open_console import is_loopback, open_console, tls_of
 from edgevox.console.pairing import Pairing
 from edgevox.console.sessions import Role, Sessions
 from edgevox.core.bus import Bus

@@ -21,7 +21,7 @@ State = Literal["unknown", "ready", "unwell", "gone"]
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class LastSeen:
     """What a robot said of itself. `problems` are texts by check; `at_s` is the watch's clock."""
 
     state: State = "unknown"
@@ -60,7 +60,7 @@ class FleetWatch:
     ) -> None:
         self._robots, self._ask = dict(robots), ask
         self._clock = clock or SystemClock()
-        self._seen = dict.fromkeys(robots, Seen())
+        self._seen = dict.fromkeys(robots, LastSeen())
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._run, name="edgevox-fleet")
 
@@ -100,4 +100,4 @@ class FleetWatch:
     def _look_at(self, name: str) -> None:
         if not self._closing.is_set():
             state, problems = self._ask(self._robots[name])
-            self._seen[name] = Seen(state, problems, self._clock.now())
+            self._seen[name] = LastSeen(state, problems, self._clock.now())

@@ -12,7 +12,7 @@ from aiohttp import web
 
 from edgevox.console.context import ConsoleContext
 from edgevox.console.door import Door
-from edgevox.console.hub import Hub
+from edgevox.console.page_hub import PageHub
 from edgevox.console.pairing import Code, Pairing
 from edgevox.console.sampling import sample
 from edgevox.console.sessions import Role, Sessions
@@ -62,7 +62,7 @@ class ConsoleServer:
         self.sessions = Sessions(folder)
         self.pairing = Pairing(folder)
         clock = clock or SystemClock()
-        self._hub = Hub(context, self.sessions, clock)
+        self._hub = PageHub(context, self.sessions, clock)
         authority = tls.authority.read_bytes() if tls and tls.authority else None
         self._site = Site(self._hub, self.pairing, clock, tls is not None, authority)
         self._loop = asyncio.new_event_loop()

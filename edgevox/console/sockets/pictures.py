@@ -6,18 +6,18 @@ from collections.abc import Callable
 from aiohttp import WSMsgType, web
 
 from edgevox.console.context import ConsoleRobot
-from edgevox.console.hub import GONE, Hub
 from edgevox.console.outbox import SEND_S
+from edgevox.console.page_hub import GONE, PageHub
 
 PERIOD_S = 0.2
 """A picture is made at most so often, however many look."""
 ACK = "ack"
 
 
-class Pictures:
+class PictureSocket:
     """Makes pictures for all who look; one at a time."""
 
-    def __init__(self, hub: Hub, robot: ConsoleRobot) -> None:
+    def __init__(self, hub: PageHub, robot: ConsoleRobot) -> None:
         self._hub = hub
         self._robot = robot
         self._lock = asyncio.Lock()
@@ -41,7 +41,7 @@ class Pictures:
 
 
 async def show(
-    pictures: Pictures, socket: web.WebSocketResponse, wanted: Callable[[], bool]
+    pictures: PictureSocket, socket: web.WebSocketResponse, wanted: Callable[[], bool]
 ) -> None:
     """Send pictures to a page until it is gone, or no longer let in."""
     number = 0
