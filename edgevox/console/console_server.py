@@ -112,9 +112,14 @@ class ConsoleServer:
         return (HealthCheck(NAME, lives(self._thread.is_alive), vital=False),)
 
     def status(self) -> Status:
-        """How many pages there are, and where."""
-        pages, commander = len(self._hub.pages), self._hub.commander
-        return Status.judged(NAME, url=self.url, pages=pages, commander=commander)
+        """How many pages and connections there are, and where."""
+        return Status.judged(
+            NAME,
+            url=self.url,
+            pages=len(self._hub.pages),
+            connections=len(self._site.door or ()),
+            commander=self._hub.commander,
+        )
 
     # On its own thread
 
