@@ -54,7 +54,8 @@ def _pair(arguments: argparse.Namespace, settings: Settings, folder: Path) -> bo
 
     role = Role.VIEWER if arguments.viewer else Role.OPERATOR
     code = Pairing(folder).offer(role)
-    url = console_url(settings.console_host, settings.console_port, settings.console_tls != "off")
+    host, port, names = settings.console_host, settings.console_port, settings.console_names
+    url = console_url(host, port, settings.console_tls != "off", names)
     print(shown_code(url, code.code, code.shown, str(role)))
     return True
 

@@ -41,7 +41,8 @@ class Tls:
 class ConsoleServer:
     """Listens from its making on. Raises `InvalidValue` where it cannot.
 
-    `folder` keeps who was let in. Without `tls` it speaks plain HTTP; whoever makes it has decided
+    `folder` keeps who was let in; the first of `names`, with commas between, is in its address
+    where it listens everywhere. Without `tls` it speaks plain HTTP; whoever makes it has decided
     that this may be.
     """
 
@@ -53,10 +54,12 @@ class ConsoleServer:
         port: int = 0,
         *,
         tls: Tls | None = None,
+        names: str = "",
         clock: Clock | None = None,
     ) -> None:
         self._tls = tls
         self._host = host
+        self._names = names
         self._context = _tls_context(tls) if tls else None
         self._socket = _listen(host, port)
         self.sessions = Sessions(folder)
@@ -78,7 +81,7 @@ class ConsoleServer:
     @property
     def url(self) -> str:
         """Where its page is, for a browser on this machine or one that knows the host by name."""
-        return console_url(self._host, self.port, self._tls is not None)
+        return console_url(self._host, self.port, self._tls is not None, self._names)
 
     def offer_code(self, role: Role = Role.OPERATOR) -> tuple[Code, str]:
         """A new pairing code, and the address that pairs with it. Raises `OSError`."""

@@ -16,7 +16,8 @@ def open_console(context: ConsoleContext, settings: Settings, folder: Path) -> C
     `folder` is the robot's own: who was let in, and its keys.
     """
     tls = tls_of(settings, folder)
-    return ConsoleServer(context, folder, settings.console_host, settings.console_port, tls=tls)
+    host, port, names = settings.console_host, settings.console_port, settings.console_names
+    return ConsoleServer(context, folder, host, port, tls=tls, names=names)
 
 
 def tls_of(settings: Settings, folder: Path) -> Tls | None:
