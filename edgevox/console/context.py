@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Command
 from edgevox.core.controls import Controls
-from edgevox.core.software_stop import StopState as StopState  # noqa: PLC0414 - for the console
+from edgevox.core.software_stop import SoftwareStop
 from edgevox.core.ways import Way
 
 
