@@ -15,22 +15,6 @@ from edgevox.core.software_stop import SoftwareStop
 from edgevox.core.ways import Way
 
 
-class LatchingStop(Protocol):
-    """A stop that latches until somebody resumes. Every method may be called from any thread."""
-
-    def stop(self, who: str) -> None:
-        """Halt everything that moves and forbid motion, before this returns. Never waits."""
-
-    def resume(self, who: str) -> None:
-        """Allow motion again; nothing moves by itself."""
-
-    @property
-    def state(self) -> StopState: ...
-
-    def listen(self, listener: Callable[[StopState], None]) -> Callable[[], None]:
-        """Call it whenever the state is another, on any thread; returns a way to forget it."""
-
-
 class ConsoleRobot(Protocol):
     """A body as the page sees and steers it."""
 
@@ -98,7 +82,7 @@ class ConsoleContext:
     bus: Bus
     submit: Callable[[Command], None]
     controls: Controls
-    safety: LatchingStop
+    safety: SoftwareStop
     describe: Callable[[str], Mapping[str, Any]]
     status: Callable[[], Mapping[str, Any]]
     robot: ConsoleRobot | None = None
