@@ -16,8 +16,8 @@ log = get_logger(__name__)
 
 MOST = 64
 """Connections in all."""
-MOST_UNKNOWN = 8
-"""Connections of one address, of those that have shown no session."""
+MOST_UNKNOWN = 24
+"""Connections of one address, of those that have shown no session: some browsers' at once."""
 UNKNOWN_S = 30.0
 """A connection that has shown no session by then is ended."""
 HANDSHAKE_S = 5.0
@@ -133,13 +133,12 @@ class Door:
         self._forget()
         unknown = [one for one, guest in self._guests.items() if not guest.known]
         same = [one for one in unknown if self._guests[one].address == address]
-        if len(same) >= MOST_UNKNOWN:
-            return False
-        if len(self._guests) < MOST:
+        crowded = len(same) >= MOST_UNKNOWN
+        if not crowded and len(self._guests) < MOST:
             return True
         if not unknown:
             return False
-        self._guests.pop(unknown[0]).leave()
+        self._guests.pop(same[0] if crowded else unknown[0]).leave()
         return True
 
     def _forget(self) -> None:

@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -48,7 +49,7 @@ class Site:
 
     def application(self) -> web.Application:
         """All of it."""
-        app = web.Application(client_max_size=MOST_BODY)
+        app = web.Application(client_max_size=MOST_BODY, middlewares=[self._recognise])
         app.on_response_prepare.append(add_headers)
         app.router.add_get("/", self._index)
         app.router.add_get("/ca.crt", self._certificate)
@@ -68,8 +69,6 @@ class Site:
         session = self.hub.sessions.of_cookie(request.cookies.get(self.cookie, ""))
         if session is None:
             raise web.HTTPUnauthorized(text="pair first")
-        if self.door:
-            self.door.knows(request.protocol)
         return session
 
     def own_session(self, request: web.Request) -> Session:
@@ -77,6 +76,16 @@ class Site:
         if not is_own_origin(request):
             raise web.HTTPForbidden(text="another page asks")
         return self.session(request)
+
+    @web.middleware
+    async def _recognise(
+        self, request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
+    ) -> web.StreamResponse:
+        """Who shows a session is known at the door, also by what asks for a part of the page."""
+        cookie = request.cookies.get(self.cookie, "")
+        if self.door and cookie and self.hub.sessions.of_cookie(cookie):
+            self.door.knows(request.protocol)
+        return await handler(request)
 
     # The page
 

@@ -4,6 +4,7 @@ import asyncio
 import json
 import socket
 from collections.abc import Iterator
+from contextlib import AsyncExitStack
 from pathlib import Path
 
 import aiohttp
@@ -14,6 +15,9 @@ from edgevox.console.outbox import MOST_WAITING, Outbox
 from edgevox.console.sessions import Role
 from edgevox.core.events import TokenGenerated
 from tests.console_rig import WAIT_S, Rig, console
+
+CONNECTIONS = 6
+"""So many a browser opens to one host at once."""
 
 
 @pytest.fixture
@@ -114,6 +118,20 @@ def test_a_thousand_connections_leave_those_who_are_in_and_let_others_in(rig: Ri
 
     assert asyncio.run(crowd()) <= MOST
     assert MOST_UNKNOWN < MOST
+
+
+def test_browsers_behind_one_address_do_not_shut_each_other_out(rig: Rig) -> None:
+    async def load(browsers: int) -> set[int]:
+        async with AsyncExitStack() as stack:
+            answers = []
+            for number in range(browsers):
+                cookie = rig.cookie(Role.VIEWER) if number % 2 else {}
+                client = await stack.enter_async_context(aiohttp.ClientSession(cookies=cookie))
+                parts = [client.get(rig.server.url + "/") for _ in range(CONNECTIONS)]
+                answers += await asyncio.gather(*parts)  # each keeps its connection
+            return {answer.status for answer in answers}
+
+    assert asyncio.run(load(2 * (MOST_UNKNOWN // CONNECTIONS))) == {200}
 
 
 def test_a_slow_reader_is_hung_up_on_and_delays_nobody(rig: Rig) -> None:
