@@ -20,6 +20,10 @@ SHARING = {
 }
 """Files that run in the worker of another one, which has already prepared what costs them most."""
 
+ONE_NETWORK = ("tests/compose/", "tests/browser/")
+"""Parts that run in one worker: whenever a container comes or goes the machine's network is another
+one, and a browser then drops what it loads."""
+
 Item = TypeVar("Item")
 
 
@@ -41,7 +45,7 @@ def in_turns(items: Iterable[tuple[Path, Item]]) -> list[Item]:
 def together(test: str) -> str:
     """Tests for which this is the same run in one worker: those of a file, and of who shares."""
     file = test.split("::", 1)[0]
-    return SHARING.get(file, file)
+    return ONE_NETWORK[0] if file.startswith(ONE_NETWORK) else SHARING.get(file, file)
 
 
 class Scheduling(LoadFileScheduling):

@@ -164,6 +164,9 @@ class Robot:
         """By type of command: the error that answers it instead of `ok`."""
         self.scene: Message = SCENE
         self.silent = False
+        self.breaks: list[str] = []
+        """What of the page does not come, once each."""
+        self.loads = 0
         self.pictures: Iterator[bytes] = iter(())
         """What each asking for a picture is answered with, as long as there are any."""
         self.asked_pictures = 0
@@ -201,7 +204,7 @@ class Robot:
         return asyncio.run_coroutine_threadsafe(what, self._loop).result(20)
 
     async def _start(self) -> str:
-        app = web.Application()
+        app = web.Application(middlewares=[self._break_off])
         app.add_routes(
             [
                 web.get("/", self._page),
@@ -223,6 +226,14 @@ class Robot:
     async def _end(self) -> None:
         self._beat.cancel()
         await self._runner.cleanup()
+
+    @web.middleware
+    async def _break_off(self, request: web.Request, handler: Any) -> web.StreamResponse:
+        self.loads += request.path == "/"
+        if request.path in self.breaks:
+            self.breaks.remove(request.path)
+            raise web.HTTPServiceUnavailable
+        return await handler(request)
 
     async def _page(self, _: web.Request) -> web.FileResponse:
         return web.FileResponse(PAGE / "index.html")

@@ -246,3 +246,21 @@ def test_axe_finds_nothing(opens: Opens, robot: Robot, device: dict, colours: st
 def test_all_of_the_page_is_small() -> None:
     files = [p for p in PAGE.rglob("*") if p.is_file()]
     assert sum(len(gzip.compress(p.read_bytes())) for p in files) < 200_000
+
+
+def test_a_long_name_leaves_the_page_as_wide_as_the_phone(opens: Opens, robot: Robot) -> None:
+    robot.hello["robot"] = "robot-apartment-of-the-second-floor"
+    page = opens(**PHONE)
+    page.locator(".chip.battery").wait_for()
+    assert page.evaluate("document.documentElement.scrollWidth") == 390
+    assert page.locator(".lease button").bounding_box()["x"] < 390
+
+
+@pytest.mark.parametrize("part", ["store.js", "style/parts.css", "languages/en.json"])
+def test_a_page_whose_parts_did_not_all_come_is_loaded_again(
+    opens: Opens, robot: Robot, part: str
+) -> None:
+    robot.breaks = [f"/static/{part}"]
+    page = opens(command=False)
+    until(page, lambda: robot.loads == 2)
+    page.locator("html[data-link=ready]").wait_for()

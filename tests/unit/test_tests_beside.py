@@ -3,7 +3,7 @@
 import threading
 from pathlib import Path
 
-from beside import SHARING, Room, in_turns, together
+from beside import ONE_NETWORK, SHARING, Room, in_turns, together
 from guards import HUNG_S
 
 ROOT = Path(__file__).parents[2]
@@ -43,6 +43,11 @@ def test_files_that_share_something_costly_run_in_one_worker_and_others_by_thems
         assert (ROOT / other).is_file()
         assert together(f"{one}::test_a[x::y]") == together(f"{other}::test_b") == other
     assert together("tests/unit/u.py::test_a") == "tests/unit/u.py"
+
+
+def test_no_container_comes_or_goes_while_a_browser_loads_a_page():
+    assert together("tests/compose/c.py::test_a") == together("tests/browser/b.py::test_b")
+    assert all((ROOT / part).is_dir() for part in ONE_NETWORK)
 
 
 def test_many_share_a_room(tmp_path):

@@ -103,4 +103,4 @@ async function start() {
   link.open();
 }
 
-start();
+await start();

@@ -25,6 +25,7 @@ function wanted() {
 export async function loadWords() {
   code = wanted();
   const answer = await fetch(`/static/languages/${code}.json`);
+  if (!answer.ok) throw new TypeError(answer.statusText);
   words = await answer.json();
   document.documentElement.lang = code;
   document.documentElement.dir = code === "ar" ? "rtl" : "ltr";
