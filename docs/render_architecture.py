@@ -36,6 +36,7 @@ COLOURS = {
     "models": "#c2185b",
     "ops": "#6d4c41",
     "scenario": "#558b2f",
+    "console": "#00838f",
     "agent": "#d84315",
     "core": "#546e7a",
 }

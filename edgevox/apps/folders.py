@@ -21,10 +21,21 @@ def written_folders(
     return (default_root(environment), ros_logs(environment), temporary, places, *sound, *kept)
 
 
+def console_folder(settings: Settings, environment: Mapping[str, str] = os.environ) -> Path:
+    """The folder of the console: the settings', else one of its own among the user's state."""
+    if settings.console_folder:
+        return settings.console_folder.expanduser()
+    return _state(environment) / "console"
+
+
 def places_folder(settings: Settings, environment: Mapping[str, str] = os.environ) -> Path:
     """The folder of remembered places: the settings', else EdgeVox's among the user's state."""
     if settings.places:
         return settings.places.expanduser()
+    return _state(environment)
+
+
+def _state(environment: Mapping[str, str]) -> Path:
     home = Path(environment.get("HOME") or "~").expanduser()
     return Path(environment.get("XDG_STATE_HOME") or home / ".local" / "state") / "edgevox"
 

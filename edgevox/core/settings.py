@@ -33,6 +33,7 @@ Echo = Literal["cancel", "gate", "none"]
 NO_LLM = "none"
 """As `llm`: no language model on board."""
 WakeEngine = Literal["micro", "openwakeword"]
+ConsoleTls = Literal["own", "files", "off"]
 LlmBackend = Literal["auto", "xllamacpp", "llama-cpp-python"]
 GrammarDialect = Literal["auto", "llama-server", "vllm", "vllm-guided", "none"]
 _NAMESPACE = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+|/")
@@ -227,6 +228,40 @@ class Settings(BaseSettings):
     )
     metrics_host: str = Field(
         "127.0.0.1", min_length=1, description="address on which metrics are served"
+    )
+    console: bool = Field(
+        False, description="serve a page for browsers: to talk to the robot, see it and stop it"
+    )
+    console_host: str = Field(
+        "127.0.0.1", min_length=1, description="address on which the console is served"
+    )
+    console_port: int = Field(
+        8443, ge=1, le=65535, description="port on which the console is served"
+    )
+    console_tls: ConsoleTls = Field(
+        "own",
+        description="the console's encryption: by an own authority, by the files of"
+        " console_certificate and console_key, or off, on loopback only",
+    )
+    console_plain: bool = Field(
+        False,
+        description="let console_tls be off on any address: where something in front encrypts",
+    )
+    console_certificate: Path | None = Field(
+        None, description="the console's certificate with its chain, a PEM file"
+    )
+    console_key: Path | None = Field(
+        None, description="the private key of console_certificate, a PEM file"
+    )
+    console_names: str = Field(
+        "",
+        description="more host names and addresses for the console's own certificate, with commas"
+        " between",
+    )
+    console_folder: Path | None = Field(
+        None,
+        description="folder of the console's keys and of who was let in; without one"
+        " edgevox/console in $XDG_STATE_HOME, ~/.local/state by default",
     )
     log_level: Literal["debug", "info", "warning", "error"] = Field(
         "warning", description="least severe log lines to show"

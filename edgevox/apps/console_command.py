@@ -1,0 +1,128 @@
+"""`edgevox-console`: lets browsers in to a robot's console, lists them, and shows them out.
+
+It works on the console's folder, whether the robot runs or not: a robot that runs notices.
+"""
+
+import argparse
+import sys
+from collections.abc import Callable, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+
+from edgevox import __version__
+from edgevox.apps.flags import add_flags, given_flags
+from edgevox.apps.folders import console_folder
+from edgevox.apps.run_program import run_program
+from edgevox.apps.streams import with_streams
+from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.extras import install_extra
+from edgevox.core.settings import Settings, load_settings
+
+SETTINGS = ("console_host", "console_port", "console_tls", "console_names", "console_folder")
+
+
+@with_streams("edgevox-console")
+def main(argv: Sequence[str] | None = None) -> int:
+    """Do what is asked; the process's exit code."""
+    return run_program("edgevox-console", lambda: _prepare(sys.argv[1:] if argv is None else argv))
+
+
+def _prepare(argv: Sequence[str]) -> Callable[[], bool]:
+    arguments = _parser().parse_args(argv)
+    settings = load_settings(given_flags(arguments), arguments.config)
+    folder = console_folder(settings)
+
+    def run() -> bool:
+        try:
+            return bool(arguments.run(arguments, settings, folder))
+        except OSError as error:
+            raise EdgeVoxError(f"console_folder: {folder}: {error.strerror or error}") from None
+
+    return run
+
+
+def _pair(arguments: argparse.Namespace, settings: Settings, folder: Path) -> bool:
+    from edgevox.console.pairing import Pairing
+    from edgevox.console.sessions import Role
+    from edgevox.console.url import console_url
+
+    role = Role.VIEWER if arguments.viewer else Role.OPERATOR
+    code = Pairing(folder).offer(role)
+    url = console_url(settings.console_host, settings.console_port, settings.console_tls != "off")
+    print(shown_code(url, code.code, code.shown, str(role)))
+    return True
+
+
+def shown_code(url: str, code: str, shown: str, role: str) -> str:
+    """A pairing code as a terminal shows it, with a QR code for a phone's camera."""
+    import io
+
+    address = f"{url}/#pair={code}"
+    text = io.StringIO()
+    try:
+        import segno
+    except ModuleNotFoundError:
+        raise EdgeVoxError(f"segno: not here, expected {install_extra('console')}") from None
+    segno.make(address, micro=False).terminal(text, compact=True)
+    return f"{text.getvalue()}\n{address}\ncode {shown}, once, as {role}, for ten minutes"
+
+
+def _list(_arguments: argparse.Namespace, _settings: Settings, folder: Path) -> bool:
+    from edgevox.console.sessions import Sessions
+
+    for one in Sessions(folder).all():
+        began = datetime.fromtimestamp(one.began_s, UTC)
+        print(f"{one.id}  {one.role:8}  {began:%Y-%m-%d %H:%M}Z  {one.address:15}  {one.name}")
+    return True
+
+
+def _revoke(arguments: argparse.Namespace, _settings: Settings, folder: Path) -> bool:
+    from edgevox.console.sessions import Sessions
+
+    sessions = Sessions(folder)
+    if arguments.all:
+        for one in sessions.all():
+            sessions.revoke(one.id)
+        return True
+    for name in arguments.id:
+        if not sessions.revoke(name):
+            raise InvalidValue("id", name, "one of edgevox-console list")
+    return True
+
+
+def _ca(arguments: argparse.Namespace, settings: Settings, folder: Path) -> bool:
+    from edgevox.console.certificates import own_tls
+    from edgevox.console.open import names_of
+
+    if arguments.new:
+        for name in ("ca.crt", "ca.key", "console.crt", "console.key"):
+            (folder / name).unlink(missing_ok=True)
+    authority = own_tls(folder, names_of(settings)).authority
+    if authority:
+        print(authority.read_text("utf-8"), end="")
+    return True
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="edgevox-console",
+        description="Let browsers in to a robot's console, or show them out.",
+    )
+    parser.add_argument("--version", action="version", version=__version__)
+    add_flags(parser, SETTINGS)
+    verbs = parser.add_subparsers(metavar="COMMAND", required=True)
+    pair = verbs.add_parser("pair", help="make a code that lets one browser in")
+    pair.add_argument("--viewer", action="store_true", help="to look and to stop only")
+    pair.set_defaults(run=_pair)
+    verbs.add_parser("list", help="list the browsers that are let in").set_defaults(run=_list)
+    revoke = verbs.add_parser("revoke", help="let a browser in no more")
+    which = revoke.add_mutually_exclusive_group(required=True)
+    which.add_argument("id", nargs="*", default=[], metavar="ID", help="as list shows it")
+    which.add_argument("--all", action="store_true", help="all of them")
+    revoke.set_defaults(run=_revoke)
+    ca = verbs.add_parser("ca", help="print the certificate that browsers are to trust")
+    ca.add_argument(
+        "--new", action="store_true", help="make another one; each browser must take it"
+    )
+    ca.set_defaults(run=_ca)
+    return parser

@@ -1,0 +1,93 @@
+"""What the console is given: the robot as it may be seen, steered, heard and stopped."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from edgevox.core.bus import Bus
+from edgevox.core.commands import Command
+from edgevox.core.controls import Controls
+from edgevox.core.software_stop import SoftwareStop
+from edgevox.core.ways import Way
+
+
+class ConsoleRobot(Protocol):
+    """A body as the page sees and steers it."""
+
+    def scene(self) -> Mapping[str, Any]:
+        """What does not move, JSON-ready; another ``version`` whenever it is another."""
+
+    def live(self) -> Mapping[str, Any]:
+        """What moves, JSON-ready. On a worker thread, ten times a second while somebody looks."""
+
+    def picture(self) -> bytes | None:
+        """A JPEG of camera or view, None if there is none now. May take long: a worker thread."""
+
+    def drive(self, linear_m_s: float, angular_rad_s: float) -> None:
+        """Steer it, by policy, as an operator. Raises `EdgeVoxError`. Never waits."""
+
+    def halt(self) -> None:
+        """End what `drive` began, with one zero. Never waits, never is forbidden."""
+
+
+class ConsoleSound(Protocol):
+    """The ears and the mouth of the robot; samples are 16 bit, 16 kHz, mono."""
+
+    def open(self, client: str) -> bool:
+        """Take it that a client speaks from now on; False while another does."""
+
+    def close(self, client: str) -> None:
+        """Take it that a client speaks no more."""
+
+    def push(self, client: str, samples: NDArray[np.int16]) -> None:
+        """One frame of 20 ms from the client who speaks."""
+
+    def listen(
+        self, callback: Callable[[int, bytes], None], on_flush: Callable[[], None]
+    ) -> Callable[[], None]:
+        """Hear what the robot says: turn and samples. `on_flush` when it is cut short.
+
+        Both are called on any thread. Returns a way to forget them.
+        """
+
+
+class ConsoleRecorder(Protocol):
+    """Recordings that somebody starts, ends and takes home."""
+
+    def start(self) -> None:
+        """Begin a recording. Raises `EdgeVoxError`."""
+
+    def stop(self) -> None:
+        """End it. Raises `EdgeVoxError`."""
+
+    def files(self) -> Sequence[Path]:
+        """What may be downloaded."""
+
+
+@dataclass(frozen=True)
+class ConsoleContext:
+    """The robot, as much of it as the console needs.
+
+    `submit` raises `InvalidValue`. `answer` gives a yes or a no to what was asked. `go_to` and
+    `name_place` make the command for a point of the map frame, in metres; None where the robot
+    cannot. `describe` gives by language what a page is told once, `status` what it is told once a
+    second while somebody looks.
+    """
+
+    name: str
+    bus: Bus
+    submit: Callable[[Command], None]
+    controls: Controls
+    safety: SoftwareStop
+    describe: Callable[[str], Mapping[str, Any]]
+    status: Callable[[], Mapping[str, Any]]
+    robot: ConsoleRobot | None = None
+    sound: ConsoleSound | None = None
+    recorder: ConsoleRecorder | None = None
+    answer: Callable[[bool, Way], None] | None = None
+    go_to: Callable[[float, float], Command] | None = None
+    name_place: Callable[[str, float, float], Command] | None = None

@@ -1,0 +1,146 @@
+"""The door: how many connections there may be, before a handshake or a request is waited for.
+
+Whoever holds many, or none of whose requests shows a session, makes room for the others.
+"""
+
+import asyncio
+import socket
+import ssl
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, field
+
+from edgevox.core.log import get_logger
+
+log = get_logger(__name__)
+
+MOST = 64
+"""Connections in all."""
+MOST_UNKNOWN = 8
+"""Connections of one address, of those that have shown no session."""
+UNKNOWN_S = 30.0
+"""A connection that has shown no session by then is ended."""
+HANDSHAKE_S = 5.0
+FULL_S = 0.5
+"""After the process had no more files to open, somebody is let in again."""
+SEND_BYTES = 64 * 1024
+"""What the system holds of what is sent: more would only be late."""
+
+
+@dataclass(eq=False)
+class _Guest:
+    address: str
+    known: bool = False
+    transport: asyncio.BaseTransport | None = None
+    task: "asyncio.Task[None] | None" = field(default=None, repr=False)
+
+    def leave(self) -> None:
+        if self.task and not self.task.done():
+            self.task.cancel()
+        if isinstance(self.transport, asyncio.WriteTransport):
+            self.transport.abort()
+
+    def leave_if_unknown(self) -> None:
+        if not self.known:
+            self.leave()
+
+    @property
+    def is_there(self) -> bool:
+        if self.transport is None:
+            return self.task is not None and not self.task.done()
+        return not self.transport.is_closing()
+
+
+class Door:
+    """Lets connections of one listening socket in, on its loop, until it is cancelled."""
+
+    def __init__(
+        self,
+        listening: socket.socket,
+        protocol: Callable[[], asyncio.Protocol],
+        *,
+        tls: ssl.SSLContext | None,
+    ) -> None:
+        self._listening = listening
+        self._protocol = protocol
+        self._tls = tls
+        self._guests: dict[asyncio.Protocol, _Guest] = {}
+
+    def __len__(self) -> int:
+        self._forget()
+        return len(self._guests)
+
+    def knows(self, protocol: asyncio.BaseProtocol | None) -> None:
+        """A request on this connection has shown a session."""
+        for one, guest in self._guests.items():
+            if one is protocol:
+                guest.known = True
+
+    async def serve(self) -> None:
+        """Let connections in."""
+        loop = asyncio.get_running_loop()
+        while True:
+            try:
+                connection, peer = await loop.sock_accept(self._listening)
+            except OSError as error:
+                log.warning("console_door_full", error=str(error))
+                await asyncio.sleep(FULL_S)
+                continue
+            self._admit(loop, connection, str(peer[0]))
+
+    def close(self) -> None:
+        """End all that are there."""
+        for guest in self._guests.values():
+            guest.leave()
+        self._guests.clear()
+
+    def _admit(
+        self, loop: asyncio.AbstractEventLoop, connection: socket.socket, address: str
+    ) -> None:
+        if not self._make_room(address):
+            connection.close()
+            return
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BYTES)
+        with suppress(OSError):
+            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        protocol, guest = self._protocol(), _Guest(address)
+        guest.task = loop.create_task(self._connect(loop, connection, protocol, guest))
+        self._guests[protocol] = guest
+        loop.call_later(UNKNOWN_S, guest.leave_if_unknown)
+
+    async def _connect(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        connection: socket.socket,
+        protocol: asyncio.Protocol,
+        guest: _Guest,
+    ) -> None:
+        try:
+            guest.transport, _ = await loop.connect_accepted_socket(
+                lambda: protocol,
+                connection,
+                ssl=self._tls,
+                ssl_handshake_timeout=HANDSHAKE_S if self._tls else None,
+            )
+        except OSError:  # of TLS, too: who does not speak it is not let in
+            connection.close()
+        except asyncio.CancelledError:
+            connection.close()
+            raise
+
+    def _make_room(self, address: str) -> bool:
+        """Whether one more of this address fits; an older unknown one is ended for it."""
+        self._forget()
+        unknown = [one for one, guest in self._guests.items() if not guest.known]
+        same = [one for one in unknown if self._guests[one].address == address]
+        if len(same) >= MOST_UNKNOWN:
+            return False
+        if len(self._guests) < MOST:
+            return True
+        if not unknown:
+            return False
+        self._guests.pop(unknown[0]).leave()
+        return True
+
+    def _forget(self) -> None:
+        self._guests = {one: guest for one, guest in self._guests.items() if guest.is_there}

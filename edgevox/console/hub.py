@@ -1,0 +1,226 @@
+"""What all pages share: who is there, who commands, who drives, and what everybody is told.
+
+Belongs to the loop's thread, but for `tell_soon` and what hears the bus.
+"""
+
+import asyncio
+import json
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, Protocol
+
+from edgevox.console.context import ConsoleContext
+from edgevox.console.driving import Driving
+from edgevox.console.lease import Lease, LeaseState
+from edgevox.console.outbox import Outbox
+from edgevox.console.sessions import Session, Sessions
+from edgevox.console.talk import Shown, messages_of
+from edgevox.core.clock import Clock
+from edgevox.core.events import ControlChanged, Event
+from edgevox.core.log import get_logger
+from edgevox.core.software_stop import StopState
+
+log = get_logger(__name__)
+
+GONE = 4401
+"""Close code: this session is no longer let in."""
+SLOW = 4408
+"""Close code: this page does not take what it must not miss."""
+FLOOD = 4429
+"""Close code: this page says far too much."""
+
+
+class Page(Protocol):
+    """One open page, as the hub sees it."""
+
+    session: Session
+    outbox: Outbox
+    looks: frozenset[str]
+
+    def hang_up(self, code: int) -> None:
+        """Close its socket."""
+
+
+class Hub:
+    """Made and used on the loop's thread, from `open` to `close`."""
+
+    def __init__(self, context: ConsoleContext, sessions: Sessions, clock: Clock) -> None:
+        self.context = context
+        self.sessions = sessions
+        self.lease = Lease(clock)
+        self.pages: list[Page] = []
+        self.workers = ThreadPoolExecutor(6, thread_name_prefix="console-worker")
+        self.driving: Driving | None = None
+        self.stops = object()
+        """Another one whenever somebody stops: what was asked for before is no longer done."""
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._forget: list[Callable[[], object]] = []
+        self._told_lease = LeaseState()
+
+    def open(self, loop: asyncio.AbstractEventLoop) -> None:
+        """Hear the bus and the stop from now on."""
+        self._loop = loop
+        if self.context.robot:
+            self.driving = Driving(self.context.robot, loop.call_later)
+        self._forget = [
+            self.context.bus.subscribe(Shown, self._heard),
+            self.context.bus.subscribe(ControlChanged, self._changed),
+            self.context.safety.listen(self._stop_changed),
+        ]
+
+    def close(self) -> None:
+        """Hear nothing any more; what is driven is halted."""
+        for forget in self._forget:
+            forget()
+        if self.driving:
+            self.driving.halt()
+
+    async def work(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """Call what may take long, on a thread of its own."""
+        return await asyncio.get_running_loop().run_in_executor(self.workers, function, *arguments)
+
+    # Who is there
+
+    def enter(self, page: Page) -> None:
+        """A page is there."""
+        self.pages.append(page)
+        self.lease.came(page.session.id)
+
+    def leave(self, page: Page) -> None:
+        """A page is gone; what it drove is halted."""
+        if self.driving:
+            self.driving.release(page)
+        self.pages.remove(page)
+        if all(one.session.id != page.session.id for one in self.pages):
+            self.lease.gone(page.session.id)
+        self.tell_lease()
+
+    def tick(self) -> None:
+        """Once a second: who was revoked is hung up on, who is away loses the lease."""
+        for page in list(self.pages):
+            if not self.sessions.is_there(page.session):
+                self.dismiss(page)
+        self.lease.tick()
+        self.tell_lease()
+
+    def dismiss(self, page: Page) -> None:
+        """A page's session is over."""
+        self.lease.revoke(page.session.id)
+        self.tell_lease()
+        page.hang_up(GONE)
+
+    # What everybody is told
+
+    def stop(self, who: str) -> None:
+        """The software stop: done before this returns. Raises what cannot be done."""
+        self.stops = object()
+        try:
+            self.context.safety.stop(who)
+        except Exception:
+            if self.context.robot:
+                self.context.robot.halt()
+            raise
+        finally:
+            if self.driving:
+                self.driving.forget()
+
+    def tell(self, message: Mapping[str, Any], newest: str = "", looks: str = "") -> None:
+        """Send this to all, or to those who look; with `newest`, in place of the last of it."""
+        pages = [page for page in self.pages if not looks or looks in page.looks]
+        text = encode(message) if pages else None
+        if text is None:
+            return
+        for page in pages:
+            if newest:
+                page.outbox.put_newest(newest, text)
+            else:
+                page.outbox.put(text)
+
+    def tell_soon(self, message: Mapping[str, Any], newest: str = "") -> None:
+        """The same, from any thread."""
+        self._soon(lambda: self.tell(message, newest))
+
+    def tell_lease(self) -> None:
+        """Say who commands where that is another now; what the one before drove is halted."""
+        state = self.lease.state
+        if state == self._told_lease:
+            return
+        if state.holder != self._told_lease.holder and self.driving:
+            self.driving.halt()
+        self._told_lease = state
+        for page in self.pages:
+            text = encode({"type": "lease", **self.lease_of(page.session)})
+            if text:
+                page.outbox.put_newest("lease", text)
+
+    def lease_of(self, session: Session) -> dict[str, Any]:
+        """The lease as a page of this session is told it."""
+        state = self.lease.state
+        return {
+            "holder": state.holder,
+            "name": self._name(state.holder),
+            "mine": state.holder == session.id,
+            "waiting": [{"client": one, "name": self._name(one)} for one in state.waiting],
+        }
+
+    @property
+    def commander(self) -> str:
+        """The name of who commands; empty if nobody does."""
+        return self._name(self.lease.state.holder)
+
+    def stop_of(self) -> dict[str, Any]:
+        """The stop as pages are told it."""
+        return stop_json(self.context.safety.state)
+
+    def controls_of(self) -> dict[str, Any]:
+        """The settings that can change."""
+        controls = self.context.controls
+        return {
+            "language": controls.language,
+            "voice": controls.voice,
+            "muted": controls.muted,
+            "confirm": controls.confirm,
+            "voices": list(controls.voices),
+        }
+
+    def _name(self, client: str | None) -> str:
+        names = {page.session.id: page.session.name for page in self.pages}
+        return names.get(client or "", "")
+
+    # What other threads say
+
+    def _heard(self, event: Event) -> None:
+        if self.pages:
+            for message in messages_of(event):
+                self.tell_soon(message)
+
+    def _changed(self, _event: ControlChanged) -> None:
+        self._soon(lambda: self.tell({"type": "controls", **self.controls_of()}, "controls"))
+
+    def _stop_changed(self, state: StopState) -> None:
+        if state.engaged:
+            self.stops = object()
+        self._soon(self._tell_stop)
+
+    def _tell_stop(self) -> None:
+        if self.driving and self.context.safety.state.engaged:
+            self.driving.halt()
+        self.tell({"type": "stop", **self.stop_of()}, "stop")
+
+    def _soon(self, act: Callable[[], None]) -> None:
+        if self._loop and not self._loop.is_closed():
+            self._loop.call_soon_threadsafe(act)
+
+
+def stop_json(state: StopState) -> dict[str, Any]:
+    """The stop, as pages are told it."""
+    return {"engaged": state.engaged, "by": state.by, "since": state.since}
+
+
+def encode(message: Mapping[str, Any]) -> str | None:
+    """As JSON that a browser reads; None, and a line in the log, for what cannot be."""
+    try:
+        return json.dumps(message, allow_nan=False, separators=(",", ":"))
+    except (TypeError, ValueError) as error:
+        log.warning("console_not_json", kind=message.get("type"), error=repr(error))
+        return None

@@ -1,0 +1,85 @@
+"""The lease: one operator commands at a time. The robot gives it, hands it over, takes it back."""
+
+from dataclasses import dataclass, field
+
+from edgevox.core.clock import Clock
+
+IDLE_S = 60.0
+"""Whoever commands nothing for so long loses it to whoever waits."""
+GONE_S = 10.0
+"""Whoever is away for so long loses it: a page that is loaded again is not away."""
+
+
+@dataclass(frozen=True, slots=True)
+class LeaseState:
+    """Who holds it, and who asked for it, the first first; clients' ids."""
+
+    holder: str | None = None
+    waiting: tuple[str, ...] = ()
+
+
+@dataclass
+class Lease:
+    """Belongs to one thread. Clients are operators; whoever calls has made sure of that."""
+
+    clock: Clock
+    state: LeaseState = field(default_factory=LeaseState)
+    _used_s: float = 0.0
+    _left_s: float | None = None
+
+    def take(self, client: str) -> bool:
+        """Take it where nobody holds it; whether it is this client's now."""
+        if self.state.holder is None:
+            self._hand_to(client)
+        return self.state.holder == client
+
+    def request(self, client: str) -> None:
+        """Take it, or stand in line."""
+        if not self.take(client) and client not in self.state.waiting:
+            self.state = LeaseState(self.state.holder, (*self.state.waiting, client))
+
+    def give(self, client: str, to: str | None = None) -> bool:
+        """The holder gives it to one who waits, else to the first; whether it could."""
+        if self.state.holder != client or (to is not None and to not in self.state.waiting):
+            return False
+        self._hand_to(to or self._first())
+        return True
+
+    def used(self, client: str) -> None:
+        """A client has commanded something."""
+        if self.state.holder == client:
+            self._used_s = self.clock.now()
+
+    def gone(self, client: str) -> None:
+        """None of this client's pages is there; it no longer waits."""
+        waiting = tuple(one for one in self.state.waiting if one != client)
+        self.state = LeaseState(self.state.holder, waiting)
+        if self.state.holder == client:
+            self._left_s = self.clock.now()
+
+    def came(self, client: str) -> None:
+        """A page of this client is there."""
+        if self.state.holder == client:
+            self._left_s = None
+
+    def revoke(self, client: str) -> None:
+        """A client is no longer let in."""
+        self.gone(client)
+        if self.state.holder == client:
+            self._hand_to(self._first())
+
+    def tick(self) -> None:
+        """Take it back from who is away, or who holds it idly while another waits."""
+        now, waiting = self.clock.now(), self.state.waiting
+        away = self._left_s is not None and now - self._left_s >= GONE_S
+        idle = bool(waiting) and now - self._used_s >= IDLE_S
+        if self.state.holder is not None and (away or idle):
+            self._hand_to(self._first())
+
+    def _first(self) -> str | None:
+        return self.state.waiting[0] if self.state.waiting else None
+
+    def _hand_to(self, client: str | None) -> None:
+        waiting = tuple(one for one in self.state.waiting if one != client)
+        self.state = LeaseState(client, waiting)
+        self._used_s, self._left_s = self.clock.now(), None

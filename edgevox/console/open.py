@@ -1,0 +1,53 @@
+"""The console as the settings want it: where it listens, and how it is encrypted."""
+
+from ipaddress import ip_address
+from pathlib import Path
+
+from edgevox.console.certificates import local_names, own_tls
+from edgevox.console.context import ConsoleContext
+from edgevox.console.server import ConsoleServer, Tls
+from edgevox.core.errors import InvalidValue
+from edgevox.core.settings import Settings
+
+
+def open_console(context: ConsoleContext, settings: Settings, folder: Path) -> ConsoleServer:
+    """A console that listens; who made it starts and closes it. Raises `InvalidValue`, `OSError`.
+
+    `folder` is the robot's own: who was let in, and its keys.
+    """
+    tls = tls_of(settings, folder)
+    return ConsoleServer(context, folder, settings.console_host, settings.console_port, tls=tls)
+
+
+def tls_of(settings: Settings, folder: Path) -> Tls | None:
+    """How it is encrypted; None for plain HTTP. Raises `InvalidValue`, and `OSError`."""
+    if settings.console_tls == "own":
+        return own_tls(folder, names_of(settings))
+    if settings.console_tls == "files":
+        if not settings.console_certificate or not settings.console_key:
+            raise InvalidValue(
+                "console_tls", "files", "console_certificate and console_key beside it"
+            )
+        return Tls(settings.console_certificate.expanduser(), settings.console_key.expanduser())
+    if not settings.console_plain and not is_loopback(settings.console_host):
+        raise InvalidValue(
+            "console_tls",
+            "off",
+            "own or files where other machines can reach it, or console_plain where something "
+            "else encrypts",
+        )
+    return None
+
+
+def names_of(settings: Settings) -> tuple[str, ...]:
+    """What the own certificate says the console is called."""
+    more = [one.strip().lower() for one in settings.console_names.split(",")]
+    return local_names([one for one in more if one])
+
+
+def is_loopback(host: str) -> bool:
+    """Whether only this machine reaches it there."""
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"

@@ -1,0 +1,80 @@
+"""Pairing: a code that is shown on the robot lets one browser in, once, for some minutes.
+
+The code lies in a private file, so that a command beside the running robot can make another one.
+"""
+
+import hmac
+import json
+import secrets
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from edgevox.console.sessions import Role
+from edgevox.core.atomic_file import write_atomically
+
+LAST_S = 600.0
+MOST_WRONG = 10
+"""After so many wrong ones a code is worth nothing."""
+_ALPHABET = "23456789ABCDEFGHJKMNPQRSTVWXYZ"
+"""Without letters and digits that are taken for each other."""
+_LENGTH = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Code:
+    """One code and whom it makes of a browser; until then, in Unix seconds."""
+
+    code: str
+    role: Role
+    until_s: float
+
+    @property
+    def shown(self) -> str:
+        """As a person reads it."""
+        return f"{self.code[:4]}-{self.code[4:]}"
+
+
+class Pairing:
+    """The one code there is, if there is one."""
+
+    def __init__(self, folder: Path, now: Callable[[], float] = time.time) -> None:
+        self._file = folder / "pairing.json"
+        self._now = now
+        self._wrong: tuple[str, int] = ("", 0)
+
+    def offer(self, role: Role = Role.OPERATOR) -> Code:
+        """Make a code in place of the one there was. Raises `OSError`."""
+        self._file.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        code = Code(
+            "".join(secrets.choice(_ALPHABET) for _ in range(_LENGTH)), role, self._now() + LAST_S
+        )
+        write_atomically(self._file, json.dumps(asdict(code)))
+        return code
+
+    def redeem(self, told: str) -> Role | None:
+        """The role that this code gives, which it does once; None if it is not the code."""
+        code = self._read()
+        if not code:
+            return None
+        plain = told.upper().replace("-", "").replace(" ", "")
+        if not hmac.compare_digest(code.code.encode(), plain.encode()):
+            self._count_wrong(code)
+            return None
+        self._file.unlink(missing_ok=True)
+        return code.role
+
+    def _count_wrong(self, code: Code) -> None:
+        known, count = self._wrong
+        self._wrong = (code.code, count + 1 if known == code.code else 1)
+        if self._wrong[1] >= MOST_WRONG:
+            self._file.unlink(missing_ok=True)
+
+    def _read(self) -> Code | None:
+        try:
+            told = json.loads(self._file.read_text("utf-8"))
+            code = Code(str(told["code"]), Role(told["role"]), float(told["until_s"]))
+        except (OSError, ValueError, TypeError, KeyError):
+            return None
+        return code if self._now() < code.until_s else None

@@ -1,0 +1,179 @@
+"""The server of the console: a thread with a loop of its own, from `start` to `close`."""
+
+import asyncio
+import socket
+import ssl
+import threading
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from aiohttp import web
+
+from edgevox.console.context import ConsoleContext
+from edgevox.console.door import Door
+from edgevox.console.hub import Hub
+from edgevox.console.pairing import Code, Pairing
+from edgevox.console.sampling import sample
+from edgevox.console.sessions import Role, Sessions
+from edgevox.console.site import Site
+from edgevox.console.url import console_url
+from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.errors import InvalidValue
+from edgevox.core.log import get_logger
+from edgevox.core.status import HealthCheck, Status, lives
+
+log = get_logger(__name__)
+
+NAME = "console"
+MOST_KNOCKING = 128
+
+
+@dataclass(frozen=True, slots=True)
+class Tls:
+    """How it is encrypted: certificate and key, and the authority that pages may download."""
+
+    certificate: Path
+    key: Path
+    authority: Path | None = None
+
+
+class ConsoleServer:
+    """Listens from its making on. Raises `InvalidValue` where it cannot.
+
+    `folder` keeps who was let in. Without `tls` it speaks plain HTTP; whoever makes it has decided
+    that this may be.
+    """
+
+    def __init__(
+        self,
+        context: ConsoleContext,
+        folder: Path,
+        host: str = "127.0.0.1",
+        port: int = 0,
+        *,
+        tls: Tls | None = None,
+        clock: Clock | None = None,
+    ) -> None:
+        self._tls = tls
+        self._host = host
+        self._context = _tls_context(tls) if tls else None
+        self._socket = _listen(host, port)
+        self.sessions = Sessions(folder)
+        self.pairing = Pairing(folder)
+        clock = clock or SystemClock()
+        self._hub = Hub(context, self.sessions, clock)
+        authority = tls.authority.read_bytes() if tls and tls.authority else None
+        self._site = Site(self._hub, self.pairing, clock, tls is not None, authority)
+        self._loop = asyncio.new_event_loop()
+        self._closed = asyncio.Event()
+        self._started = threading.Event()
+        self._thread = threading.Thread(target=self._serve, name="console")
+
+    @property
+    def port(self) -> int:
+        """Where it listens: the machine's choice if it was made with 0."""
+        return int(self._socket.getsockname()[1])
+
+    @property
+    def url(self) -> str:
+        """Where its page is, for a browser on this machine or one that knows the host by name."""
+        return console_url(self._host, self.port, self._tls is not None)
+
+    def offer_code(self, role: Role = Role.OPERATOR) -> tuple[Code, str]:
+        """A new pairing code, and the address that pairs with it. Raises `OSError`."""
+        code = self.pairing.offer(role)
+        return code, f"{self.url}/#pair={code.code}"
+
+    def start(self) -> None:
+        """Answer, from when this returns."""
+        self._thread.start()
+        self._started.wait()
+
+    def close(self) -> None:
+        """Answer no more; what is driven from a page is halted."""
+        if self._thread.is_alive():
+            self._loop.call_soon_threadsafe(self._closed.set)
+            self._thread.join()
+        self._hub.workers.shutdown(cancel_futures=True)
+        self._loop.close()
+        self._socket.close()
+
+    # As a component
+
+    @property
+    def name(self) -> str:
+        """As a component is called."""
+        return NAME
+
+    @property
+    def checks(self) -> tuple[HealthCheck, ...]:
+        """Without its thread nobody is answered, which is no reason to start the robot again."""
+        return (HealthCheck(NAME, lives(self._thread.is_alive), vital=False),)
+
+    def status(self) -> Status:
+        """How many pages there are, and where."""
+        pages, commander = len(self._hub.pages), self._hub.commander
+        return Status.judged(NAME, url=self.url, pages=pages, commander=commander)
+
+    # On its own thread
+
+    def _serve(self) -> None:
+        asyncio.set_event_loop(self._loop)
+        try:
+            self._loop.run_until_complete(self._answer_until_closed())
+        finally:
+            self._started.set()
+
+    async def _answer_until_closed(self) -> None:
+        runner = web.AppRunner(
+            self._site.application(),
+            handle_signals=False,
+            access_log=None,
+            keepalive_timeout=15.0,
+            shutdown_timeout=1.0,
+            max_line_size=4096,
+            max_field_size=8192,
+        )
+        await runner.setup()
+        assert runner.server is not None  # noqa: S101 - setup has made it
+        door = self._site.door = Door(self._socket, runner.server, tls=self._context)
+        self._hub.open(self._loop)
+        tasks = [asyncio.create_task(door.serve()), asyncio.create_task(sample(self._hub))]
+        self._started.set()
+        try:
+            await self._closed.wait()
+        finally:
+            self._hub.close()
+            door.close()
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+            with suppress(TimeoutError):
+                await asyncio.wait_for(runner.cleanup(), 3.0)
+
+
+def _tls_context(tls: Tls) -> ssl.SSLContext:
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.minimum_version = ssl.TLSVersion.TLSv1_2
+    try:
+        context.load_cert_chain(tls.certificate, tls.key)
+    except (OSError, ssl.SSLError) as error:
+        expected = f"a certificate with its key, both in PEM ({error})"
+        raise InvalidValue("console_certificate", str(tls.certificate), expected) from None
+    return context
+
+
+def _listen(host: str, port: int) -> socket.socket:
+    try:
+        family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
+        listening = socket.create_server((host, port), family=family, backlog=MOST_KNOCKING)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InvalidValue(
+            "console_port",
+            f"{host}:{port}",
+            f"an address and a free port of this machine ({reason})",
+        ) from None
+    listening.setblocking(False)
+    return listening

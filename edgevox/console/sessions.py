@@ -1,0 +1,123 @@
+"""Who was let in: a file for each session, so that another process can list and revoke them.
+
+The cookie is ``id.secret``; the file holds the secret's hash only. A session is revoked by removing
+its file, and is over after `LAST_S`.
+"""
+
+import hashlib
+import hmac
+import json
+import re
+import secrets
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from enum import StrEnum
+from pathlib import Path
+
+from edgevox.core.atomic_file import write_atomically
+from edgevox.core.log import get_logger
+from edgevox.core.ways import Way
+
+log = get_logger(__name__)
+
+LAST_S = 90 * 86400.0
+MOST = 200
+"""Of more sessions than this, nobody is let in until some are revoked."""
+_ID = re.compile(r"[0-9a-f]{16}")
+
+
+class Role(StrEnum):
+    """What somebody may do: look, hear and stop; or command as well."""
+
+    VIEWER = "viewer"
+    OPERATOR = "operator"
+
+    @property
+    def way(self) -> Way:
+        """What the policy knows it as."""
+        return Way.CONSOLE_OPERATOR if self is Role.OPERATOR else Way.CONSOLE_VIEWER
+
+
+@dataclass(frozen=True, slots=True)
+class Session:
+    """One browser that was let in; times are Unix seconds."""
+
+    id: str
+    name: str
+    role: Role
+    hash: str
+    began_s: float
+    address: str = ""
+
+
+class Sessions:
+    """The sessions of a folder. Cheap to ask: whether one is still there is asked all the time."""
+
+    def __init__(self, folder: Path, now: Callable[[], float] = time.time) -> None:
+        self._folder = folder / "sessions"
+        self._now = now
+
+    def begin(self, role: Role, name: str, address: str) -> tuple[Session, str]:
+        """Let somebody in: the session, and the cookie that proves it. Raises `OSError`."""
+        self._folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+        secret = secrets.token_urlsafe(32)
+        session = Session(secrets.token_hex(8), name, role, _hash(secret), self._now(), address)
+        write_atomically(self._file(session.id), json.dumps(asdict(session)))
+        return session, f"{session.id}.{secret}"
+
+    def of_cookie(self, cookie: str) -> Session | None:
+        """Whose cookie it is; None for one that was never given, is revoked, or too old."""
+        name, _, secret = cookie.partition(".")
+        session = self.find(name)
+        if session and hmac.compare_digest(session.hash, _hash(secret)):
+            return session
+        return None
+
+    def find(self, name: str) -> Session | None:
+        """The session of this id, if it is not revoked or too old."""
+        if not _ID.fullmatch(name):
+            return None
+        session = self._read(self._file(name))
+        return session if session and session.id == name else None
+
+    def is_there(self, session: Session) -> bool:
+        """Whether it still is: neither revoked nor too old."""
+        return self._is_young(session) and self._file(session.id).exists()
+
+    def all(self) -> list[Session]:
+        """Those that are, the oldest first."""
+        files = self._folder.glob("*.json") if self._folder.is_dir() else ()
+        found = [session for file in files if (session := self._read(file))]
+        return sorted(found, key=lambda one: one.began_s)
+
+    def revoke(self, name: str) -> bool:
+        """End it; whether there was one."""
+        if not _ID.fullmatch(name):
+            return False
+        try:
+            self._file(name).unlink()
+        except FileNotFoundError:
+            return False
+        return True
+
+    def _file(self, name: str) -> Path:
+        return self._folder / f"{name}.json"
+
+    def _is_young(self, session: Session) -> bool:
+        return self._now() - session.began_s < LAST_S
+
+    def _read(self, file: Path) -> Session | None:
+        try:
+            told = json.loads(file.read_text("utf-8"))
+            session = Session(**{**told, "role": Role(told["role"])})
+            return session if self._is_young(session) else None
+        except FileNotFoundError:
+            return None
+        except (OSError, ValueError, TypeError, KeyError) as error:
+            log.warning("console_session_unreadable", file=file.name, error=repr(error))
+            return None
+
+
+def _hash(secret: str) -> str:
+    return hashlib.sha256(secret.encode()).hexdigest()

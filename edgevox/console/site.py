@@ -1,0 +1,195 @@
+"""What the console answers over HTTP: the page, letting in, and the sockets."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+from aiohttp import web
+
+from edgevox.console.door import Door
+from edgevox.console.hub import Hub
+from edgevox.console.messages import MOST_BYTES
+from edgevox.console.pairing import Pairing
+from edgevox.console.rate_limit import RateLimit
+from edgevox.console.security_headers import add_headers, is_own_origin
+from edgevox.console.sessions import LAST_S, Session
+from edgevox.console.sockets.control import ControlPage, Limits
+from edgevox.console.sockets.view import Pictures, show
+from edgevox.core.clock import Clock
+from edgevox.core.log import get_logger
+
+log = get_logger(__name__)
+
+PAGE = Path(__file__).parent / "page"
+MOST_BODY = 4096
+PAIR_TRIES = 5
+"""In a minute, of one address."""
+
+
+@dataclass
+class Site:
+    """The routes, and what they need. `door` is set as soon as there is one."""
+
+    hub: Hub
+    pairing: Pairing
+    clock: Clock
+    secure: bool
+    authority: bytes | None = None
+    door: Door | None = None
+
+    def __post_init__(self) -> None:
+        self._tries = RateLimit(self.clock, PAIR_TRIES / 60, PAIR_TRIES)
+        self._limits = Limits.usual(self.clock)
+        self.cookie = "__Host-edgevox" if self.secure else "edgevox"
+        robot = self.hub.context.robot
+        self._pictures = Pictures(self.hub, robot) if robot else None
+
+    def application(self) -> web.Application:
+        """All of it."""
+        app = web.Application(client_max_size=MOST_BODY)
+        app.on_response_prepare.append(add_headers)
+        app.router.add_get("/", self._index)
+        app.router.add_get("/ca.crt", self._certificate)
+        app.router.add_get("/ca", self._instructions)
+        app.router.add_post("/api/pair", self._pair)
+        app.router.add_get("/api/me", self._me)
+        app.router.add_post("/api/logout", self._logout)
+        app.router.add_get("/api/recording/{name}", self._recording)
+        app.router.add_get("/ws", self._control)
+        app.router.add_get("/ws/view", self._view)
+        if PAGE.is_dir():
+            app.router.add_static("/static/", PAGE)
+        return app
+
+    def session(self, request: web.Request) -> Session:
+        """Whose request it is. Raises 401 where nobody's."""
+        session = self.hub.sessions.of_cookie(request.cookies.get(self.cookie, ""))
+        if session is None:
+            raise web.HTTPUnauthorized(text="pair first")
+        if self.door:
+            self.door.knows(request.protocol)
+        return session
+
+    def own_session(self, request: web.Request) -> Session:
+        """The same, of a request that this server's own page makes. Raises 403 for another's."""
+        if not is_own_origin(request):
+            raise web.HTTPForbidden(text="another page asks")
+        return self.session(request)
+
+    # The page
+
+    async def _index(self, _request: web.Request) -> web.StreamResponse:
+        return web.FileResponse(PAGE / "index.html")
+
+    async def _certificate(self, _request: web.Request) -> web.Response:
+        if self.authority is None:
+            raise web.HTTPNotFound
+        return web.Response(body=self.authority, content_type="application/x-x509-ca-cert")
+
+    async def _instructions(self, _request: web.Request) -> web.StreamResponse:
+        file = PAGE / "ca.html"
+        if not file.exists():
+            raise web.HTTPFound("/ca.crt")
+        return web.FileResponse(file)
+
+    # Letting in
+
+    async def _pair(self, request: web.Request) -> web.Response:
+        if not is_own_origin(request):
+            raise web.HTTPForbidden(text="another page asks")
+        address = request.remote or ""
+        if not self._tries.allows(address):
+            raise web.HTTPTooManyRequests(text="wait a minute")
+        role = self.pairing.redeem(await _code(request))
+        if role is None:
+            log.warning("console_pairing_refused", address=address)
+            raise web.HTTPForbidden(text="not the code")
+        name = _browser(request)
+        session, cookie = self.hub.sessions.begin(role, name, address)
+        log.info("console_paired", session=session.id, role=str(role), address=address)
+        answer = web.json_response(_me(session))
+        answer.set_cookie(
+            self.cookie,
+            cookie,
+            max_age=round(LAST_S),
+            path="/",
+            secure=self.secure,
+            httponly=True,
+            samesite="Strict",
+        )
+        return answer
+
+    async def _me(self, request: web.Request) -> web.Response:
+        return web.json_response(_me(self.session(request)), headers={"Cache-Control": "no-store"})
+
+    async def _logout(self, request: web.Request) -> web.Response:
+        session = self.own_session(request)
+        self.hub.sessions.revoke(session.id)
+        self.hub.tick()
+        answer = web.json_response({})
+        answer.del_cookie(
+            self.cookie, path="/", secure=self.secure, httponly=True, samesite="Strict"
+        )
+        return answer
+
+    async def _recording(self, request: web.Request) -> web.StreamResponse:
+        self.session(request)
+        recorder = self.hub.context.recorder
+        files = await self.hub.work(recorder.files) if recorder else ()
+        for file in files:
+            if file.name == request.match_info["name"]:
+                return web.FileResponse(file, headers={"Content-Disposition": "attachment"})
+        raise web.HTTPNotFound
+
+    # The sockets
+
+    async def _control(self, request: web.Request) -> web.StreamResponse:
+        session = self.own_session(request)
+        socket = await _socket(request, MOST_BYTES)
+        transport = request.transport
+        page = ControlPage(
+            self.hub,
+            session,
+            socket,
+            self._limits,
+            lambda: transport.abort() if transport else None,
+        )
+        await page.run(request.query.get("language", self.hub.context.controls.language))
+        return socket
+
+    async def _view(self, request: web.Request) -> web.StreamResponse:
+        self.own_session(request)
+        if self._pictures is None:
+            raise web.HTTPNotFound
+        socket = await _socket(request, 64)
+        await show(self._pictures, socket)
+        return socket
+
+
+async def _socket(request: web.Request, most_bytes: int) -> web.WebSocketResponse:
+    socket = web.WebSocketResponse(
+        max_msg_size=most_bytes, compress=False, heartbeat=20.0, writer_limit=MOST_BYTES
+    )
+    await socket.prepare(request)
+    return socket
+
+
+async def _code(request: web.Request) -> str:
+    try:
+        return str(json.loads(await request.text())["code"])[:64]
+    except (ValueError, TypeError, KeyError, RecursionError):
+        raise web.HTTPBadRequest(text="expected a code") from None
+
+
+def _browser(request: web.Request) -> str:
+    """What a person knows this browser by: its system and its name."""
+    agent = request.headers.get("User-Agent", "")
+    systems = ("Android", "iPhone", "iPad", "Windows", "Mac", "Linux")
+    names = ("Edg", "OPR", "Firefox", "Chrome", "Safari")
+    system = next((one for one in systems if one in agent), "")
+    name = next((one for one in names if one in agent), "")
+    return f"{name} {system}".strip() or "browser"
+
+
+def _me(session: Session) -> dict[str, str]:
+    return {"role": str(session.role), "name": session.name, "client": session.id}

@@ -1,0 +1,1 @@
+"""The WebSockets of the console: what passes on each, and what happens to a slow reader of it."""

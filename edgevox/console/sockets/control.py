@@ -1,0 +1,283 @@
+"""The socket `/ws`: what a page asks for and what it is told, as JSON.
+
+The stop is done as soon as it is read, on the loop's thread: nothing is before it. So are the
+stick and what resumes. Everything else waits its turn on a worker, and is no longer done once
+somebody has pressed stop.
+"""
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from aiohttp import WSMsgType, web
+
+from edgevox.console import messages
+from edgevox.console.hub import FLOOD, SLOW, Hub, encode
+from edgevox.console.messages import Message
+from edgevox.console.outbox import Outbox
+from edgevox.console.rate_limit import RateLimit
+from edgevox.console.sessions import Role, Session
+from edgevox.console.sockets.commands import act
+from edgevox.core.clock import Clock
+from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.log import get_logger
+
+log = get_logger(__name__)
+
+PER_S, BURST = 20.0, 40
+FLOOD_PER_S, FLOOD_BURST = 100.0, 400
+"""Whoever says more than this, whatever it is, is hung up on."""
+MOST_WAITING = 40
+
+
+class Refused(Exception):
+    """What was asked for is not done; `code` says why to a page."""
+
+    def __init__(self, code: str, message: str) -> None:
+        self.code = code
+        super().__init__(message)
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How much pages may say, by client."""
+
+    commands: RateLimit
+    flood: RateLimit
+
+    @classmethod
+    def usual(cls, clock: Clock) -> "Limits":
+        """As much as a person with a stick needs."""
+        return cls(RateLimit(clock, PER_S, BURST), RateLimit(clock, FLOOD_PER_S, FLOOD_BURST))
+
+
+class ControlPage:
+    """One page on `/ws`, from `run` until it is gone."""
+
+    def __init__(
+        self,
+        hub: Hub,
+        session: Session,
+        socket: web.WebSocketResponse,
+        limits: Limits,
+        abort: Callable[[], None],
+    ) -> None:
+        self.session = session
+        self.looks: frozenset[str] = frozenset()
+        self._hub = hub
+        self._socket = socket
+        self._limits = limits
+        self._abort = abort
+        self._closing: asyncio.Task[Any] | None = None
+        self._waiting: asyncio.Queue[tuple[Message, object]] = asyncio.Queue(MOST_WAITING)
+        self.outbox = Outbox(lambda: self.hang_up(SLOW))
+
+    def hang_up(self, code: int) -> None:
+        """Close its socket, and its connection where it does not take that."""
+        if self._closing is None:
+            self._closing = asyncio.create_task(self._close(code))
+
+    async def run(self, language: str) -> None:
+        """Answer it until it is gone."""
+        hub = self._hub
+        hub.enter(self)
+        tasks = [
+            asyncio.create_task(self._send(language)),
+            asyncio.create_task(self._work()),
+        ]
+        try:
+            async for told in self._socket:
+                if told.type is not WSMsgType.TEXT:
+                    break
+                self.take(told.data)
+                if self._closing:
+                    break
+        finally:
+            hub.leave(self)
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+            if self._closing:
+                await self._closing
+
+    async def _send(self, language: str) -> None:
+        """Greet it, then send what there is; meanwhile it may say stop."""
+        try:
+            hello, scene = await self._hello(language), await self._scene()
+            self.outbox.put_first(hello)
+            if scene:
+                self.outbox.put_newest("scene", scene)
+            await self.outbox.send_all(self._socket)
+        except (OSError, RuntimeError, TimeoutError):
+            self.hang_up(SLOW)
+        except Exception:
+            log.exception("console_greeting_failed")
+            self.hang_up(SLOW)
+
+    def take(self, text: str) -> None:
+        """Do, or put in line, what it says. Never waits."""
+        try:
+            message = messages.read(text)
+        except InvalidValue as error:
+            if self._is_within(self._limits.flood):
+                self._refuse(None, "invalid", str(error), error)
+            return
+        if isinstance(message, messages.Stop):
+            self._stop(message)
+        if not self._is_within(self._limits.flood) or isinstance(message, messages.Stop):
+            return
+        self._answer(message, lambda: self._take(message))
+
+    def _take(self, message: Message) -> bool:
+        """Whether it is done; what is not waits in line."""
+        releases = isinstance(message, messages.Drive) and message.releases
+        if releases and self._hub.driving:
+            self._hub.driving.release(self)
+            return True
+        if not self._limits.commands.allows(self.session.id):
+            raise Refused("rate", f"at most {PER_S:g} commands a second")
+        self._authorise(message)
+        match message:
+            case messages.Ping(t=t):
+                self._say({"type": "pong", "t": t})
+            case messages.Look(what=what):
+                self.looks = frozenset(what)
+            case messages.Lease():
+                self._lease(message)
+            case messages.Drive(linear=linear, angular=angular):
+                self._drive(linear, angular)
+            case messages.Resume():  # not in line: it must not undo a stop that came after it
+                self._hub.context.safety.resume(self.session.name)
+            case _:
+                self._wait(message)
+                return False
+        return True
+
+    def _stop(self, message: messages.Stop) -> None:
+        try:
+            self._hub.stop(self.session.name)
+        except Exception as error:
+            log.exception("console_stop_failed")
+            self._refuse(message.id, "failed", str(error))
+        else:
+            self._say({"type": "ok", "reply_to": message.id})
+
+    def _authorise(self, message: Message) -> None:
+        """Raises `Refused` unless this page may, now."""
+        if message.needs == "session":
+            return
+        if not self._hub.sessions.is_there(self.session):
+            self._hub.dismiss(self)
+            raise Refused("viewer", "this browser is no longer let in")
+        if self.session.role is not Role.OPERATOR:
+            raise Refused("viewer", "only an operator may do this")
+        if message.needs == "lease":
+            if self._hub.lease.state.holder != self.session.id:
+                raise Refused("no_lease", "somebody else commands, or nobody: take the turn first")
+            self._hub.lease.used(self.session.id)
+
+    def _lease(self, message: messages.Lease) -> None:
+        lease, client = self._hub.lease, self.session.id
+        done = True
+        if message.action == "take":
+            done = lease.take(client)
+        elif message.action == "request":
+            lease.request(client)
+        else:
+            done = lease.give(client, message.to)
+        self._hub.tell_lease()
+        if not done:
+            raise Refused("no_lease", "it is not yours to take or to give")
+
+    def _drive(self, linear_m_s: float, angular_rad_s: float) -> None:
+        if self._hub.driving is None:
+            raise Refused("invalid", "this robot is not driven")
+        if self._hub.context.safety.state.engaged:
+            raise Refused("stopped", "the software stop is engaged")
+        self._hub.driving.steer(self, linear_m_s, angular_rad_s)
+
+    def _wait(self, message: Message) -> None:
+        try:
+            self._waiting.put_nowait((message, self._hub.stops))
+        except asyncio.QueueFull:
+            raise Refused("rate", "too much waits to be done") from None
+
+    async def _work(self) -> None:
+        """Do what waits, one after another; who may do it is asked again when it is done."""
+        while True:
+            message, stops = await self._waiting.get()
+            try:
+                if stops is not self._hub.stops:
+                    raise Refused("stopped", "the software stop came first")
+                self._authorise(message)
+                await self._hub.work(act, self._hub.context, self.session, message)
+                self._say({"type": "ok", "reply_to": message.id})
+            except (Refused, EdgeVoxError, OSError) as error:
+                self._tell_refusal(message.id, error)
+            except Exception as error:
+                log.exception("console_command_failed", kind=message.type)
+                self._refuse(message.id, "failed", repr(error))
+
+    def _answer(self, message: Message, done: Callable[[], bool]) -> None:
+        try:
+            if done() and not isinstance(message, messages.Ping):
+                self._say({"type": "ok", "reply_to": message.id})
+        except (Refused, EdgeVoxError) as error:
+            self._tell_refusal(message.id, error)
+        except Exception as error:
+            log.exception("console_command_failed", kind=message.type)
+            self._refuse(message.id, "failed", repr(error))
+
+    def _is_within(self, flood: RateLimit) -> bool:
+        if flood.allows(self.session.id):
+            return True
+        self.hang_up(FLOOD)
+        return False
+
+    def _tell_refusal(self, reply_to: int, error: Exception) -> None:
+        code = error.code if isinstance(error, Refused) else "invalid"
+        self._refuse(reply_to, code, str(error), error)
+
+    def _refuse(
+        self, reply_to: int | None, code: str, message: str, error: Exception | None = None
+    ) -> None:
+        told = {"type": "error", "reply_to": reply_to, "reason": code, "message": message}
+        if isinstance(error, InvalidValue):
+            told |= {"field": error.field, "expected": error.expected}
+        self._say(told)
+
+    def _say(self, message: dict[str, Any]) -> None:
+        if text := encode(message):
+            self.outbox.put(text)
+
+    async def _hello(self, language: str) -> str:
+        hub = self._hub
+        told = await hub.work(hub.context.describe, language)
+        hello = {
+            **told,
+            "type": "hello",
+            "protocol": messages.PROTOCOL,
+            "robot": hub.context.name,
+            "role": str(self.session.role),
+            "client": self.session.id,
+            "lease": hub.lease_of(self.session),
+            "stop": hub.stop_of(),
+            "controls": {**told.get("controls", {}), **hub.controls_of()},
+        }
+        return encode(hello) or "{}"
+
+    async def _scene(self) -> str | None:
+        robot = self._hub.context.robot
+        if robot is None:
+            return None
+        return encode({**await self._hub.work(robot.scene), "type": "scene"})
+
+    async def _close(self, code: int) -> None:
+        try:
+            async with asyncio.timeout(1):
+                await self._socket.close(code=code)
+        except (TimeoutError, OSError, RuntimeError):
+            pass
+        finally:
+            self._abort()

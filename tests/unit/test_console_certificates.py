@@ -1,0 +1,84 @@
+"""The robot's own authority: browsers that took it believe the console, and nothing else of it."""
+
+import asyncio
+import ssl
+from datetime import timedelta
+from pathlib import Path
+
+import aiohttp
+import pytest
+
+from edgevox.console.certificates import RENEW_DAYS, local_names, own_tls, utc_now
+from edgevox.core.errors import InvalidValue
+from tests.console_rig import console
+
+NAMES = ("localhost", "robot.local", "127.0.0.1")
+
+
+def test_a_browser_that_took_the_authority_believes_the_console(tmp_path: Path) -> None:
+    tls = own_tls(tmp_path, NAMES)
+    with console(tmp_path, tls) as rig:
+
+        async def ask() -> bytes:
+            assert tls.authority
+            trusts = ssl.create_default_context(cafile=tls.authority)
+            async with (
+                aiohttp.ClientSession() as client,
+                client.get(rig.server.url + "/ca.crt", ssl=trusts) as told,
+            ):
+                return await told.read()
+
+        told = asyncio.run(ask())
+    assert tls.authority
+    assert told == tls.authority.read_bytes()
+    assert b"PRIVATE" not in told
+
+
+def test_it_is_believed_by_nobody_else(tmp_path: Path) -> None:
+    with console(tmp_path, own_tls(tmp_path, NAMES)) as rig:
+
+        async def ask() -> None:
+            async with aiohttp.ClientSession() as client, client.get(rig.server.url):
+                pass
+
+        with pytest.raises(aiohttp.ClientConnectorCertificateError):
+            asyncio.run(ask())
+
+
+def test_the_keys_are_the_robots_alone_and_stay(tmp_path: Path) -> None:
+    first = own_tls(tmp_path, NAMES)
+    kept = [(tmp_path / name).read_bytes() for name in ("ca.key", "console.key", "console.crt")]
+    assert own_tls(tmp_path, NAMES) == first
+    assert kept == [
+        (tmp_path / name).read_bytes() for name in ("ca.key", "console.key", "console.crt")
+    ]
+    assert {(tmp_path / name).stat().st_mode & 0o777 for name in ("ca.key", "console.key")} == {
+        0o600
+    }
+
+
+@pytest.mark.parametrize("days", [0, 390 - RENEW_DAYS + 1])
+def test_a_certificate_is_made_anew_for_other_names_and_before_it_ends(
+    tmp_path: Path, days: int
+) -> None:
+    tls = own_tls(tmp_path, NAMES)
+    old, authority = tls.certificate.read_bytes(), (tmp_path / "ca.crt").read_bytes()
+    names = NAMES if days else (*NAMES, "192.168.1.7")
+    own_tls(tmp_path, names, lambda: utc_now() + timedelta(days=days))
+    assert tls.certificate.read_bytes() != old
+    assert (tmp_path / "ca.crt").read_bytes() == authority
+
+
+@pytest.mark.parametrize("name", ["bank.example.com", "8.8.8.8"])
+def test_the_authority_vouches_for_no_name_that_it_was_not_made_for(
+    tmp_path: Path, name: str
+) -> None:
+    own_tls(tmp_path, NAMES)
+    with pytest.raises(InvalidValue, match="console_names"):
+        own_tls(tmp_path, (*NAMES, name))
+
+
+def test_this_machine_has_names_that_a_certificate_can_bear(tmp_path: Path) -> None:
+    names = local_names(("robot.local",))
+    assert {"localhost", "127.0.0.1", "robot.local"} <= set(names)
+    assert own_tls(tmp_path, names).certificate.exists()
