@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 from edgevox.core.agent_events import (
     AgentEvent,
     Confirmation,
+    DrainChanged,
     GoalCancelled,
     GoalChanged,
     GoalStatus,
@@ -131,6 +132,8 @@ class BusLog:
                 )
             case SoftwareStopChanged(engaged=engaged, by=by):
                 log.warning("software_stop", engaged=engaged, by=by)
+            case DrainChanged(status=status, by=by, within_s=within_s):
+                log.warning("drain", status=str(status), by=by, within_s=within_s)
             case _:  # how far a goal is; and whoever rejects a goal says so itself
                 pass
 
