@@ -38,6 +38,7 @@ VARIABLES: Mapping[str, str] = {
     "discovery.server": "ROS_DISCOVERY_SERVER",
     "discovery.staticPeers": "ROS_STATIC_PEERS",
     "domain": "ROS_DOMAIN_ID",
+    "drainSeconds": "EDGEVOX_DRAIN_S",
     "externalNamespace": "EDGEVOX_ROBOT_NAMESPACE",
     "framePrefix": "EDGEVOX_FRAME_PREFIX",
     "health.host": "EDGEVOX_HEALTH_HOST",
@@ -72,8 +73,9 @@ FIXED = (
     "FASTDDS_BUILTIN_TRANSPORTS",
 )
 """Variables that the chart or the image sets, and no release, and the old names of others."""
-OF_THE_TABLE = ("agent", "discovery.range", "domain", "language", "health.port", "logLevel")
+OF_THE_TABLE = ("agent", "discovery.range", "domain", "drainSeconds", "language", "health.port")
 OF_THE_TABLE += ("llm.context", "llm.endpointGrammar", "llm.endpointTimeoutSeconds", "llm.threads")
+OF_THE_TABLE += ("logLevel",)
 """Values whose words or bounds the schema takes from the table."""
 
 

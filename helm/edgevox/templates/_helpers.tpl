@@ -35,7 +35,7 @@ edgevox/domain: {{ .domain | int | quote }}
 
 {{/* All robots, each with what counts for all of them filled in: a list under "robots", as JSON. */}}
 {{- define "edgevox.robots" -}}
-{{- $common := pick .Values "affinity" "agent" "audioIn" "audioOut" "discovery" "env" "externalNamespace" "extraVolumeMounts" "extraVolumes" "files" "framePrefix" "health" "hostNetwork" "language" "llm" "logLevel" "models" "muted" "nodeSelector" "places" "plugins" "podAnnotations" "podLabels" "policy" "priorityClassName" "recorder" "resources" "runtimeClassName" "settings" "tolerations" "topologySpreadConstraints" "voice" "wakeword" -}}
+{{- $common := pick .Values "affinity" "agent" "audioIn" "audioOut" "discovery" "drainSeconds" "env" "externalNamespace" "extraVolumeMounts" "extraVolumes" "files" "framePrefix" "health" "hostNetwork" "language" "llm" "logLevel" "models" "muted" "nodeSelector" "places" "plugins" "podAnnotations" "podLabels" "policy" "priorityClassName" "recorder" "resources" "runtimeClassName" "settings" "tolerations" "topologySpreadConstraints" "voice" "wakeword" -}}
 {{- $robots := list -}}
 {{- range .Values.robots -}}
 {{- $namespace := printf "/%s" (replace "-" "_" .name) -}}
