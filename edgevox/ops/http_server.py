@@ -141,7 +141,7 @@ class HttpServer:
 
     def _page(self, method: str, path: str, peer: str) -> Page:
         if method == "PUT" and path in self._orders:
-            return self._orders[path]() if _is_here(peer) else _FROM_HERE_ONLY
+            return self._orders[path]() if is_here(peer) else _FROM_HERE_ONLY
         if method not in ("GET", "HEAD"):
             return json_page({"error": "only GET and HEAD"}, HTTPStatus.METHOD_NOT_ALLOWED)
         if path not in self._pages:
@@ -152,7 +152,8 @@ class HttpServer:
 _FROM_HERE_ONLY = json_page({"error": "only from this machine"}, HTTPStatus.FORBIDDEN)
 
 
-def _is_here(peer: str) -> bool:
+def is_here(peer: str) -> bool:
+    """Whether an address is this machine's loopback, also as IPv6 writes one of IPv4."""
     try:
         address = ipaddress.ip_address(peer.partition("%")[0])
     except ValueError:

@@ -113,6 +113,7 @@ def test_each_value_reaches_the_variable_that_it_is_said_to_reach() -> None:
         "audioIn": "ros2",
         "audioOut": "ros2",
         "discovery": {"range": "LOCALHOST", "server": "dds:11811", "staticPeers": ["peer"]},
+        "drainSeconds": 2.5,
         "externalNamespace": "/base",
         "framePrefix": "x/",
         "health": {"port": 9000, "host": "::"},
