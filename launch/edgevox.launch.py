@@ -11,7 +11,7 @@ from launch_ros.actions import Node
 
 ARGUMENTS = {
     "robot": "the body, as edgevox-agent calls it",
-    "namespace": "namespace of the ROS 2 node",
+    "agent_namespace": "namespace of the ROS 2 node",
     "language": "language to hear and speak, ISO 639-1 code",
     "state_hz": "how often robot_state is published, in hertz",
     "world": "world file of a 2D robot, in IR-SIM's YAML format",
@@ -19,7 +19,7 @@ ARGUMENTS = {
     "mjcf": "robot-humanoid: a robot of your own, as an MJCF file",
     "seed": "what is random in a simulated world comes from this",
     "render": "show the robot in a window where there is a display",
-    "external_namespace": "robot-external: namespace of the robot's topics, such as /robot1",
+    "robot_namespace": "robot-external: namespace of the robot's topics, such as /robot1",
     "locations": "robot-external: YAML file of the places that it knows by name",
     "policy": "YAML file that says who may ask for what, and within which limits",
     "audio_in": "microphone: a device's name, a WAV file or folder, ros2, or none",
@@ -34,7 +34,10 @@ ARGUMENTS = {
     "log_level": "least severe log lines to show",
     "config": "TOML file with settings",
     "params_file": "YAML file with ROS 2 parameters",
+    "namespace": "old name of agent_namespace",
+    "external_namespace": "old name of robot_namespace",
 }
+OLD_NAMES = {"agent_namespace": "namespace", "robot_namespace": "external_namespace"}
 # An empty argument is not handed on, so that EDGEVOX_* variables and `config` hold.
 DEFAULTS = {"robot": "robot-apartment"}
 FLAGS = {
@@ -44,7 +47,7 @@ FLAGS = {
     "model_source": "--model-source",
     "mjcf": "--mjcf",
     "seed": "--seed",
-    "external_namespace": "--robot-namespace",
+    "robot_namespace": "--robot-namespace",
     "locations": "--locations",
     "policy": "--policy",
     "audio_in": "--audio-in",
@@ -74,7 +77,7 @@ def generate_launch_description() -> LaunchDescription:
 
 def _agent(context: LaunchContext) -> list[Node]:
     def value(name: str) -> str:
-        return str(LaunchConfiguration(name).perform(context))
+        return _given(context, name)
 
     flags = [(flag, value(name)) for name, flag in FLAGS.items()]
     switches = [_switch(name, flag, value(name)) for name, flag in SWITCHES.items() if value(name)]
@@ -88,11 +91,21 @@ def _agent(context: LaunchContext) -> list[Node]:
                 *switches,
                 *(f"{flag}={given}" for flag, given in flags if given),
             ],
-            namespace=value("namespace") or None,
+            namespace=value("agent_namespace") or None,
             parameters=[value("params_file")] if value("params_file") else None,
             output="screen",
         )
     ]
+
+
+def _given(context: LaunchContext, name: str) -> str:
+    """What an argument was given, by its name or by the one that it had before."""
+    old = OLD_NAMES.get(name, name)
+    new_value, old_value = (str(LaunchConfiguration(one).perform(context)) for one in (name, old))
+    if new_value and old_value and new_value != old_value:
+        expected = f"{new_value!r}, as {name} says, or only one"
+        raise RuntimeError(f"{old}: got {old_value!r}, expected {expected}")
+    return new_value or old_value
 
 
 def _switch(name: str, flag: str, given: str) -> str:

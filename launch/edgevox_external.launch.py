@@ -1,4 +1,4 @@
-"""Drive any ROS 2 robot, whose topics are in `external_namespace`."""
+"""Drive any ROS 2 robot, whose topics are in `robot_namespace`."""
 
 from pathlib import Path
 

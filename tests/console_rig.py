@@ -10,8 +10,8 @@ from typing import Any
 
 import aiohttp
 
+from edgevox.console.console_server import ConsoleServer, Tls
 from edgevox.console.context import ConsoleContext
-from edgevox.console.server import ConsoleServer, Tls
 from edgevox.console.sessions import Role
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Command

@@ -8,12 +8,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from edgevox.agent.dialogue import Dialogue, DialogueExchange
+from edgevox.agent.going import TO_POINT, no_further, no_way_back
 from edgevox.agent.programs.program import After, Do, Program, When, kernel, parts_of
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import Call, OneOf, Skill, SkillFailed
 
-TO_POINT = "navigate_xy"
-"""The skill that drives to where a body was."""
 _CENTIMETRES = 2
 
 
@@ -58,13 +57,13 @@ class References:
         """The same motion once more, where it is one by so much and not to somewhere."""
         calls = [call for call in self.again() if self._skills[call.skill].drives]
         if not calls or not self._skills[calls[-1].skill].relative:
-            raise SkillFailed(because("not_relative"))
+            raise SkillFailed(no_further(self._skills.values()))
         return calls[-1:]
 
     def back(self) -> Sequence[Call]:
         """To where the body was when its last motion began."""
         if TO_POINT not in self._skills:
-            raise SkillFailed(because("cannot_go_back"))
+            raise SkillFailed(no_way_back(self._skills.values()))
         moved = self._dialogue.moved()
         if moved is None or moved.start is None:
             raise SkillFailed(because("no_way_back"))

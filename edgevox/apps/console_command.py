@@ -11,6 +11,7 @@ from pathlib import Path
 
 from edgevox import __version__
 from edgevox.apps.flags import add_flags, given_flags
+from edgevox.apps.fleet import FLEET_PORT, serve_fleet
 from edgevox.apps.folders import console_folder
 from edgevox.apps.run_program import run_program
 from edgevox.apps.streams import with_streams
@@ -28,8 +29,13 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _prepare(argv: Sequence[str]) -> Callable[[], bool]:
-    arguments = _parser().parse_args(argv)
+    parser = _parser()
+    arguments = parser.parse_args(argv)
     settings = load_settings(given_flags(arguments), arguments.config)
+    if arguments.robots:
+        return lambda: serve_fleet(arguments.robots, arguments.robots_port, settings)
+    if not arguments.run:
+        parser.error("a COMMAND, or --robots FILE")
     folder = console_folder(settings)
 
     def run() -> bool:
@@ -48,7 +54,8 @@ def _pair(arguments: argparse.Namespace, settings: Settings, folder: Path) -> bo
 
     role = Role.VIEWER if arguments.viewer else Role.OPERATOR
     code = Pairing(folder).offer(role)
-    url = console_url(settings.console_host, settings.console_port, settings.console_tls != "off")
+    host, port, names = settings.console_host, settings.console_port, settings.console_names
+    url = console_url(host, port, settings.console_tls != "off", names)
     print(shown_code(url, code.code, code.shown, str(role)))
     return True
 
@@ -92,7 +99,7 @@ def _revoke(arguments: argparse.Namespace, _settings: Settings, folder: Path) ->
 
 def _ca(arguments: argparse.Namespace, settings: Settings, folder: Path) -> bool:
     from edgevox.console.certificates import own_tls
-    from edgevox.console.open import names_of
+    from edgevox.console.open_console import names_of
 
     if arguments.new:
         for name in ("ca.crt", "ca.key", "console.crt", "console.key"):
@@ -110,7 +117,17 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=__version__)
     add_flags(parser, SETTINGS)
-    verbs = parser.add_subparsers(metavar="COMMAND", required=True)
+    parser.add_argument(
+        "--robots",
+        type=Path,
+        metavar="FILE",
+        help="no COMMAND: serve a page, for this machine only, of how these robots are",
+    )
+    parser.add_argument(
+        "--robots-port", type=int, default=FLEET_PORT, metavar="PORT", help="of that page"
+    )
+    parser.set_defaults(run=None)
+    verbs = parser.add_subparsers(metavar="COMMAND")
     pair = verbs.add_parser("pair", help="make a code that lets one browser in")
     pair.add_argument("--viewer", action="store_true", help="to look and to stop only")
     pair.set_defaults(run=_pair)

@@ -39,6 +39,10 @@ class Driving:
         except EdgeVoxError:
             self.halt()
             raise
+        except Exception:
+            self._page = page  # it may have begun
+            self.halt()
+            raise
         self._page = page
         self._cancel()
         self._timer = self._later(HEARTBEAT_S, self._silent)

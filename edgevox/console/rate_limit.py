@@ -8,7 +8,7 @@ MOST_KEYS = 1024
 """So many are remembered, those seen last."""
 
 
-class RateLimit:
+class PageRateLimit:
     """Up to `burst` at once and `per_s` a second for each key, such as a client or an address."""
 
     def __init__(self, clock: Clock, per_s: float, burst: int) -> None:

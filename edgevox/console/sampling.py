@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Awaitable, Callable
 
 from edgevox.console.context import ConsoleRobot
-from edgevox.console.hub import Hub
+from edgevox.console.page_hub import PageHub
 from edgevox.core.log import get_logger, worth_a_line
 
 log = get_logger(__name__)
@@ -14,7 +14,7 @@ STATUS_S = 1.0
 TICK_S = 1.0
 
 
-async def sample(hub: Hub) -> None:
+async def sample(hub: PageHub) -> None:
     """Tell pages how the robot is, until it is cancelled."""
     loops = [_again(TICK_S, lambda: _tick(hub)), _again(STATUS_S, lambda: _status(hub))]
     if hub.context.robot:
@@ -26,7 +26,7 @@ async def sample(hub: Hub) -> None:
 class Scene:
     """Tells what does not move once it is another."""
 
-    def __init__(self, hub: Hub, robot: ConsoleRobot) -> None:
+    def __init__(self, hub: PageHub, robot: ConsoleRobot) -> None:
         self._hub = hub
         self._robot = robot
         self._told: object = None
@@ -41,16 +41,16 @@ class Scene:
             self._hub.tell({**scene, "type": "scene"}, "scene")
 
 
-async def _tick(hub: Hub) -> None:
+async def _tick(hub: PageHub) -> None:
     hub.tick()
 
 
-async def _live(hub: Hub, robot: ConsoleRobot) -> None:
+async def _live(hub: PageHub, robot: ConsoleRobot) -> None:
     if any("live" in page.looks for page in hub.pages):
         hub.tell({**await hub.work(robot.live), "type": "live"}, "live", "live")
 
 
-async def _status(hub: Hub) -> None:
+async def _status(hub: PageHub) -> None:
     if any("status" in page.looks for page in hub.pages):
         hub.tell({**await hub.work(hub.context.status), "type": "status"}, "status", "status")
 

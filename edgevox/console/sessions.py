@@ -22,8 +22,6 @@ from edgevox.core.ways import Way
 log = get_logger(__name__)
 
 LAST_S = 90 * 86400.0
-MOST = 200
-"""Of more sessions than this, nobody is let in until some are revoked."""
 _ID = re.compile(r"[0-9a-f]{16}")
 
 

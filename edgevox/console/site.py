@@ -1,5 +1,6 @@
 """What the console answers over HTTP: the page, letting in, and the sockets."""
 
+import asyncio
 import json
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,14 +8,14 @@ from pathlib import Path
 from aiohttp import web
 
 from edgevox.console.door import Door
-from edgevox.console.hub import Hub
-from edgevox.console.messages import MOST_BYTES
+from edgevox.console.page_hub import PageHub
+from edgevox.console.page_messages import MOST_BYTES
 from edgevox.console.pairing import Pairing
-from edgevox.console.rate_limit import RateLimit
+from edgevox.console.rate_limit import PageRateLimit
 from edgevox.console.security_headers import add_headers, is_own_origin
 from edgevox.console.sessions import LAST_S, Session
-from edgevox.console.sockets.control import ControlPage, Limits
-from edgevox.console.sockets.view import Pictures, show
+from edgevox.console.sockets.control import ControlPage, SocketLimits
+from edgevox.console.sockets.pictures import PictureSocket, show
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
 
@@ -30,7 +31,7 @@ PAIR_TRIES = 5
 class Site:
     """The routes, and what they need. `door` is set as soon as there is one."""
 
-    hub: Hub
+    hub: PageHub
     pairing: Pairing
     clock: Clock
     secure: bool
@@ -38,11 +39,12 @@ class Site:
     door: Door | None = None
 
     def __post_init__(self) -> None:
-        self._tries = RateLimit(self.clock, PAIR_TRIES / 60, PAIR_TRIES)
-        self._limits = Limits.usual(self.clock)
+        self._tries = PageRateLimit(self.clock, PAIR_TRIES / 60, PAIR_TRIES)
+        self._limits = SocketLimits.usual(self.clock)
+        self._pairs = asyncio.Lock()
         self.cookie = "__Host-edgevox" if self.secure else "edgevox"
         robot = self.hub.context.robot
-        self._pictures = Pictures(self.hub, robot) if robot else None
+        self._pictures = PictureSocket(self.hub, robot) if robot else None
 
     def application(self) -> web.Application:
         """All of it."""
@@ -100,12 +102,13 @@ class Site:
         address = request.remote or ""
         if not self._tries.allows(address):
             raise web.HTTPTooManyRequests(text="wait a minute")
-        role = self.pairing.redeem(await _code(request))
+        told, work = await _code(request), self.hub.work  # disks are slow: a stop must not wait
+        async with self._pairs:  # of two at once with the same code one is let in
+            role = await work(self.pairing.redeem, told)
         if role is None:
             log.warning("console_pairing_refused", address=address)
             raise web.HTTPForbidden(text="not the code")
-        name = _browser(request)
-        session, cookie = self.hub.sessions.begin(role, name, address)
+        session, cookie = await work(self.hub.sessions.begin, role, _browser(request), address)
         log.info("console_paired", session=session.id, role=str(role), address=address)
         answer = web.json_response(_me(session))
         answer.set_cookie(
@@ -158,11 +161,15 @@ class Site:
         return socket
 
     async def _view(self, request: web.Request) -> web.StreamResponse:
-        self.own_session(request)
+        session = self.own_session(request)
         if self._pictures is None:
             raise web.HTTPNotFound
         socket = await _socket(request, 64)
-        await show(self._pictures, socket)
+
+        def wanted() -> bool:
+            return request.transport is not None and self.hub.sessions.is_there(session)
+
+        await show(self._pictures, socket, wanted)
         return socket
 
 

@@ -5,13 +5,12 @@ variables, command line flags, and, on a running node, ROS 2 parameters.
 """
 
 import os
-import re
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, get_args
+from typing import Any, ClassVar, Literal, get_args
 
-from pydantic import AfterValidator, Field, ValidationError
+from pydantic import Field, ValidationError
 from pydantic_settings import (
     BaseSettings,
     InitSettingsSource,
@@ -20,9 +19,9 @@ from pydantic_settings import (
 )
 
 from edgevox.core.errors import EdgeVoxError, InvalidValue
-from edgevox.core.frame_names import PREFIX_EXPECTED, OdomFrame, is_prefix
-from edgevox.core.languages import LANGUAGES
+from edgevox.core.frame_names import OdomFrame
 from edgevox.core.old_names import ENV_PREFIX, by_new_keys, by_old_variables
+from edgevox.core.setting_types import Endpoint, FramePrefix, LanguageCode, RosNamespace
 from edgevox.core.user_file import read_text
 from edgevox.core.validation import dotted, explain
 
@@ -36,38 +35,6 @@ WakeEngine = Literal["micro", "openwakeword"]
 ConsoleTls = Literal["own", "files", "off"]
 LlmBackend = Literal["auto", "xllamacpp", "llama-cpp-python"]
 GrammarDialect = Literal["auto", "llama-server", "vllm", "vllm-guided", "none"]
-_NAMESPACE = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+|/")
-_ENDPOINT = re.compile(r"https?://(\[[0-9A-Fa-f:.]+\]|[A-Za-z0-9._-]+)(:[0-9]{1,5})?(/[\w./~-]*)?")
-
-
-def _known_language(code: str) -> str:
-    if code not in LANGUAGES:
-        raise ValueError("one of " + ", ".join(LANGUAGES))
-    return code
-
-
-def _valid_namespace(namespace: str) -> str:
-    absolute = namespace if namespace.startswith("/") else f"/{namespace}"
-    if not _NAMESPACE.fullmatch(absolute) or "__" in absolute:
-        raise ValueError(
-            "a ROS 2 namespace such as /robot1: letters, digits and single underscores"
-        )
-    return absolute
-
-
-def _valid_prefix(prefix: str) -> str:
-    if not is_prefix(prefix):
-        raise ValueError(PREFIX_EXPECTED)
-    return prefix
-
-
-def _valid_endpoint(url: str) -> str:
-    if url and not _ENDPOINT.fullmatch(url):
-        raise ValueError(
-            "the address of a server such as http://llm.example:8080; its key stands in "
-            "llm_endpoint_key_file"
-        )
-    return url
 
 
 class Settings(BaseSettings):
@@ -79,9 +46,7 @@ class Settings(BaseSettings):
     written: ClassVar[Mapping[str, Any]] = {}
     """What stands in the TOML file."""
 
-    language: Annotated[str, AfterValidator(_known_language)] = Field(
-        "en", description="language to hear and speak, ISO 639-1 code"
-    )
+    language: LanguageCode = Field("en", description="language to hear and speak, ISO 639-1 code")
     voice: str = Field("", description="text-to-speech voice; empty chooses by the language")
     muted: bool = Field(False, description="mute the microphone")
     confirm: Confirm = Field(
@@ -93,7 +58,7 @@ class Settings(BaseSettings):
     simple_ui: bool = Field(False, description="plain lines instead of a full-screen interface")
     render: bool = Field(True, description="show the robot in a window where there is a display")
     ros2: bool = Field(False, description="be a ROS 2 node")
-    agent_namespace: Annotated[str, AfterValidator(_valid_namespace)] = Field(
+    agent_namespace: RosNamespace = Field(
         "/edgevox",
         description="namespace of the ROS 2 node",
         json_schema_extra={"old_name": "ros2_namespace"},
@@ -104,7 +69,7 @@ class Settings(BaseSettings):
     odom_frame: OdomFrame = Field(
         "", description="empty: map -> base_link on /tf; odom: map -> odom -> base_link, for Nav2"
     )
-    frame_prefix: Annotated[str, AfterValidator(_valid_prefix)] = Field(
+    frame_prefix: FramePrefix = Field(
         "", description="put before the robot's frames on /tf, so that robots can share a domain"
     )
     publish_clock: bool = Field(
@@ -122,7 +87,7 @@ class Settings(BaseSettings):
     seed: int = Field(
         0, ge=0, lt=1 << 32, description="what is random in a simulated world comes from this"
     )
-    robot_namespace: Annotated[str, AfterValidator(_valid_namespace)] = Field(
+    robot_namespace: RosNamespace = Field(
         "/",
         description="robot-external: namespace of the robot's topics, such as /robot1",
         json_schema_extra={"old_name": "external_namespace", "old_flag": "namespace"},
@@ -200,7 +165,7 @@ class Settings(BaseSettings):
     llm_context: int = Field(
         4096, ge=1024, le=131072, description="context window of the language model, in tokens"
     )
-    llm_endpoint: Annotated[str, AfterValidator(_valid_endpoint)] = Field(
+    llm_endpoint: Endpoint = Field(
         "",
         description="OpenAI-compatible server to ask before the embedded language model, such as "
         "http://llm:8080; empty: none",

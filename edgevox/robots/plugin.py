@@ -42,6 +42,8 @@ None as fast as it can, with 0 only as far as `advance` asks. Raises `EdgeVoxErr
 where it cannot."""
 
 _OURS = "edgevox-robot"
+_BROKEN = (Exception, SystemExit)
+"""A package of somebody else raises what it likes, and may want to end the program."""
 _PROJECT = Path(__file__).parents[2] / "pyproject.toml"
 
 
@@ -110,6 +112,20 @@ def robot_points() -> tuple[EntryPoint, ...]:
     return tuple(entry_points(group=GROUP))
 
 
+def foreign_robot_points() -> tuple[EntryPoint, ...]:
+    """Those of them that are not ours."""
+    return tuple(one for one in robot_points() if one.dist is None or one.dist.name != _OURS)
+
+
+def fault_of_robot(point: EntryPoint) -> str:
+    """Why a robot cannot even be loaded; empty if it can."""
+    try:
+        robot = point.load()
+    except _BROKEN as error:
+        return f"{type(error).__name__}: {error}"
+    return "" if isinstance(robot, Robot) else f"{point.value} is no Robot"
+
+
 def _installed() -> tuple[EntryPoint, ...]:
     try:
         return tuple(distribution(_OURS).entry_points.select(group=GROUP))
@@ -125,11 +141,10 @@ def _declared(project: Path) -> Iterator[EntryPoint]:
 
 
 def _load(point: EntryPoint) -> Robot:
-    try:
-        robot = point.load()
-    except Exception as error:  # noqa: BLE001 - a package of somebody else raises what it likes
-        return _broken(f"{type(error).__name__}: {error}")
-    return robot if isinstance(robot, Robot) else _broken(f"{point.value} is no Robot")
+    if fault := fault_of_robot(point):
+        return _broken(fault)
+    robot: Robot = point.load()
+    return robot
 
 
 def _broken(reason: str) -> Robot:

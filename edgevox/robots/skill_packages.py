@@ -85,13 +85,19 @@ def chosen_skills(chosen: str, installed: Mapping[str, EntryPoint]) -> Sequence[
     return [installed[name] for name in dict.fromkeys(names)]
 
 
-def warn_of_namesakes(used: Iterable[EntryPoint]) -> None:
-    """Say which packages are left out because one that is used has their entry point's name."""
+def left_out(used: Iterable[EntryPoint]) -> Iterator[tuple[str, str, str]]:
+    """The entry points' names that one package more has than the one that is used, with both."""
     taken = {point.name: _package(point) for point in used}
     for point in entry_points(group=SKILL_GROUP):
-        used_one, left_out = taken.get(point.name), _package(point)
-        if used_one not in (None, left_out):
-            log.warning("skill_package_twice", package=point.name, used=used_one, left_out=left_out)
+        used_one, other = taken.get(point.name), _package(point)
+        if used_one is not None and used_one != other:
+            yield point.name, used_one, other
+
+
+def warn_of_namesakes(used: Iterable[EntryPoint]) -> None:
+    """Say which packages are left out because one that is used has their entry point's name."""
+    for name, used_one, other in left_out(used):
+        log.warning("skill_package_twice", package=name, used=used_one, left_out=other)
 
 
 def fault_of(point: EntryPoint) -> str:

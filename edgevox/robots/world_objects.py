@@ -94,9 +94,7 @@ class Member:
         if part.kinematics.name != "diff":
             field, expected = ("kinematics", "name"), "'diff', a robot with two driven wheels"
             raise self.file.wrong((*self.place, *field), part.kinematics.name or "none", expected)
-        if self.data.get("names"):
-            expected = "nothing: no sentence mentions the robot that is driven"
-            raise self.file.wrong((*self.place, "names"), self.data["names"], expected)
+        self._refuse_names("nothing: no sentence mentions the robot that is driven")
         linear, angular = part.vel_max
         linear_acceleration, angular_acceleration = part.acce
         return RobotSpec(
@@ -116,6 +114,7 @@ class Member:
         What would move by itself in IR-SIM stands still here, and can be pushed.
         """
         if self.data.get("unobstructed") is True:
+            self._refuse_names("nothing: no sentence mentions what is in nobody's way")
             return None
         part = self.file.read(_ThingEntry, self.data, self.place)
         parts = self._parts(part.shape, dice)
@@ -133,6 +132,10 @@ class Member:
             color=part.color if isinstance(part.color, str) else None,
             names=part.names,
         )
+
+    def _refuse_names(self, expected: str) -> None:
+        if self.data.get("names"):
+            raise self.file.wrong((*self.place, "names"), self.data["names"], expected)
 
     def _parts(self, shape: ShapePart | None, dice: random.Random) -> tuple[Shape, ...]:
         if shape is None:

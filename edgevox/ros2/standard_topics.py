@@ -100,7 +100,12 @@ EXTERNAL: tuple[StandardTopic, ...] = (
         "optional",
     ),
     StandardTopic(
-        "camera/image_raw", "sensor_msgs/msg/Image", "in", lossy(1), "whether it sees", "optional"
+        "camera/image_raw",
+        "sensor_msgs/msg/Image",
+        "in",
+        lossy(1),
+        "whether pictures come; none is looked at",
+        "optional",
     ),
     StandardTopic(
         "cmd_vel",

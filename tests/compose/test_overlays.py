@@ -79,7 +79,7 @@ def _sorted(value: object) -> object:
 
 def test_what_does_not_go_together_is_a_choice_and_no_habit():
     assert len(PAIRS) > 4 * len(NAMES)
-    assert {name for name in NAMES if len(NOT_WITH[name]) > 3} == {"fleet"}
+    assert {name for name in NAMES if len(NOT_WITH[name]) > 4} == {"fleet"}
 
 
 def test_many_overlays_go_together():
@@ -97,6 +97,26 @@ def test_the_policy_is_a_file_in_a_folder_that_is_mounted():
     (mount,) = (one for one in robot["volumes"] if "policy" in one["target"])
     assert (mount["type"], mount["read_only"]) == ("bind", True)
     assert robot["environment"]["EDGEVOX_POLICY"] == f"{mount['target']}/policy.yaml"
+
+
+def test_the_console_is_published_on_this_machine_only_unless_it_is_said(monkeypatch):
+    def published():
+        robot = _config("console")["services"]["edgevox-ros2"]
+        (port,) = robot["ports"]
+        assert str(port["target"]) == robot["environment"]["EDGEVOX_CONSOLE_PORT"]
+        return port["host_ip"], port["published"]
+
+    assert published() == ("127.0.0.1", "8443")
+    monkeypatch.setenv("CONSOLE_ADDRESS", "192.168.1.20")
+    monkeypatch.setenv("CONSOLE_PORT", "443")
+    assert published() == ("192.168.1.20", "443")
+
+
+def test_who_is_paired_with_the_console_is_kept_on_a_volume():
+    robot = _config("console")["services"]["edgevox-ros2"]
+    (mount,) = (one for one in robot["volumes"] if one["source"] == "console")
+    assert robot["environment"]["EDGEVOX_CONSOLE_FOLDER"] == mount["target"]
+    assert f" {mount['target']} " in (ROOT / "docker" / "add_user").read_text()
 
 
 @pytest.mark.parametrize("user", ["recorder", "smoke"])

@@ -21,7 +21,7 @@ from edgevox.core.settings import load_settings
 from edgevox.core.ways import Way
 from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.capabilities import Twist2D
-from edgevox.robots.steering import Steering
+from edgevox.robots.velocity_steering import Steering
 
 STOPPED = because("software_stop")
 REFUSED = f"I cannot do that: {STOPPED}"

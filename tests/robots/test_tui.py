@@ -50,7 +50,7 @@ class Screen:
 
 
 @asynccontextmanager
-async def screen(size=(80, 24)):
+async def screen(size=(80, 24), **queries):
     settings = load_settings({"text_mode": True, "llm": "none"})
     with ExitStack() as stack:
         parts = build_parts(stack, settings, build_body("robot-apartment", settings, 1.0))
@@ -58,7 +58,8 @@ async def screen(size=(80, 24)):
         updates = UpdateBuffer(parts.bus, parts.controls)
         stack.callback(updates.close)
         context = SlashContext(parts.conversation, parts.body, skills=parts.skills)
-        face = Face(updates, context, parts.queries, parts.command_router.submit, SystemClock())
+        asked = {**parts.queries, **queries}
+        face = Face(updates, context, asked, parts.command_router.submit, SystemClock())
         async with face.run_test(size=size) as pilot:
             yield Screen(face, pilot, parts, updates)
         updates.changed = lambda: None
@@ -98,6 +99,18 @@ def test_an_answer_is_seen_while_it_is_generated():
         await shown.until(lambda: "Once upon a" in shown.panel("status"))
 
     drive(play)
+
+
+def test_what_is_loaded_late_stands_in_the_side_panel_after_a_turn():
+    loaded = {"stt": {}, "llm": {}, "tts": {}}
+
+    async def play(shown):
+        await shown.until(lambda: "tts none" in shown.panel("machine"))
+        loaded["tts"] = {"backend": "piper"}
+        shown.parts.bus.publish(TurnMeasured(0.41, 0.72, 0.13, 1.25, 3.5))
+        await shown.until(lambda: "tts piper" in shown.panel("machine"))
+
+    drive(play, model_info=lambda: dict(loaded))
 
 
 def test_level_latencies_models_and_machine_stand_in_the_side_panel():

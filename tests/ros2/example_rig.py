@@ -12,7 +12,8 @@ from peer import RELIABLE, Peer
 from robot_file_rig import Asked, Talk
 from waiting import Heard
 
-EXAMPLES = Path(__file__).parents[2] / "examples" / "robot_file"
+HERE = Path(__file__).parent
+EXAMPLES = HERE.parents[1] / "examples" / "robot_file"
 
 
 class Example:
@@ -35,6 +36,8 @@ class Example:
         assert self.talk.answer("go to the kitchen").startswith(refusal)
         for sentence in ("where are you", "remember this place as den", "go to x 1 y 2"):
             assert self.talk.answer(sentence).startswith("I did not understand that, but I can ")
+        for sentence in ("come back", "go back there"):
+            assert self.talk.answer(sentence) == "I cannot do that: I cannot drive to a point."
         topics = {name for name, _ in self.peer.node.get_topic_names_and_types()}
         assert "/edgevox/response" in topics
         assert not topics & {"/odom", "/scan", "/cmd_vel", "/goal_pose", "/edgevox/pose", "/tf"}
@@ -59,15 +62,18 @@ class Example:
 
 
 @contextlib.contextmanager
-def example(name: str, *packages: str, domain: int, cache: Path):
-    """The example of this name, which is talked to in English; it needs these packages."""
+def example(name: str, *packages: str, domain: int, cache: Path, file: Path | None = None):
+    """The example of this name, which is talked to in English; it needs these packages.
+
+    `file` is the robot file where it is no example of ours.
+    """
     prefixes = build_overlay(packages, cache)
     with pytest.MonkeyPatch.context() as patch, contextlib.ExitStack() as running:
         for variable, value in overlaid(prefixes).items():
             patch.setenv(variable, value)
-        file = EXAMPLES / f"{name}.yaml"
+        described = file or EXAMPLES / f"{name}.yaml"
         agent = Agent(
-            "robot-external", "--text-mode", "--ros2", "--llm=none", f"--robot-file={file}",
+            "robot-external", "--text-mode", "--ros2", "--llm=none", f"--robot-file={described}",
             domain=domain,
         )  # fmt: skip
         running.callback(agent.terminate)

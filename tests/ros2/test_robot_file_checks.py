@@ -104,6 +104,16 @@ def build(tmp_path, skill, head=""):
             "a field that is one of x, y, z",
         ),
         (GO + "\nmoves: false", "skills.act.moves", "a stop can end"),
+        (
+            GO.replace("}", ", progress: feedback_json}"),
+            "skills.act.action.progress",
+            "a number, which says how much is done",
+        ),
+        (
+            GO.replace("}", ", progress: {field: part, times: 0.01}}"),
+            "skills.act.action.progress",
+            "one of feedback_json",
+        ),
         (HONK + "\n" + GO, "skills.act", "exactly one of publish, call, action, read, wait"),
         ("says: Hello.", "skills.act", "exactly one of"),
         (HONK + '\nsentences: ["honk {loud}"]', "skills.act.sentences.0", "an argument"),

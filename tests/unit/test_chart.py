@@ -26,7 +26,9 @@ EVERYTHING = {
     "nodeSelector": {"a": "b"},
     "affinity": {"podAntiAffinity": {}},
     "topologySpreadConstraints": [
+        {"maxSkew": 1, "topologyKey": "zone", "whenUnsatisfiable": "ScheduleAnyway"},
         {"maxSkew": 1, "topologyKey": "zone", "whenUnsatisfiable": "ScheduleAnyway"}
+        | {"labelSelector": {"matchLabels": {"edgevox/domain": "0"}}},
     ],
     "priorityClassName": "robots",
     "runtimeClassName": "nvidia",
@@ -318,8 +320,44 @@ def test_a_digest_overrules_the_tag() -> None:
 def test_where_pods_run_is_kubernetes_own_words_untouched() -> None:
     (pod, _) = pods(EVERYTHING).values()
 
-    for name in ("nodeSelector", "tolerations", "affinity", "topologySpreadConstraints"):
+    for name in ("nodeSelector", "affinity", "priorityClassName", "runtimeClassName"):
         assert pod[name] == EVERYTHING[name]
+    assert pod["tolerations"][0] == EVERYTHING["tolerations"][0]
+    assert pod["topologySpreadConstraints"][1] == EVERYTHING["topologySpreadConstraints"][1]
+
+
+def test_a_spread_that_selects_nobody_selects_the_robots_of_the_release() -> None:
+    (workload, _) = objects(EVERYTHING, "StatefulSet")
+    template = workload["spec"]["template"]
+    (spread, _) = template["spec"]["topologySpreadConstraints"]
+    selected = spread.pop("labelSelector")["matchLabels"]
+
+    assert spread == EVERYTHING["topologySpreadConstraints"][0]
+    assert selected.items() <= template["metadata"]["labels"].items()
+    assert selected["app.kubernetes.io/instance"] == "fleet"
+    assert "edgevox/robot" not in selected
+
+
+def test_a_robot_out_of_the_radios_reach_is_not_evicted_unless_somebody_says_when() -> None:
+    keys = ["node.kubernetes.io/unreachable", "node.kubernetes.io/not-ready"]
+    forever = [{"key": key, "operator": "Exists", "effect": "NoExecute"} for key in keys]
+    own = {"key": keys[0], "operator": "Exists", "effect": "NoExecute", "tolerationSeconds": 60}
+
+    assert solo()["tolerations"] == forever
+    assert solo(tolerations=[own])["tolerations"] == [own, forever[1]]
+
+
+def test_a_pod_that_never_became_ready_does_not_hold_up_the_upgrade_that_mends_it() -> None:
+    (workload,) = objects(ONE, "StatefulSet")
+
+    assert workload["spec"]["podManagementPolicy"] == "Parallel"
+
+
+def test_a_slow_machine_may_take_longer_until_it_first_answers() -> None:
+    for seconds, times in {120: 60, 301: 151}.items():
+        (container,) = solo(health={"startSeconds": seconds})["containers"]
+        probe = container["startupProbe"]
+        assert (probe["failureThreshold"], probe["periodSeconds"]) == (times, 2)
 
 
 def test_the_longest_names_fit() -> None:

@@ -32,10 +32,10 @@ def robot(**fields: Any) -> dict[str, Any]:
         ({"robots": [{"name": "a"}]}, "domain"),
         (robot(name="Robot_1"), "/robots/0/name"),
         (robot(name="r" * 26), "/robots/0/name"),
-        (robot(namespace="/my robot"), "/robots/0/namespace"),
-        (robot(namespace="/a__b"), "/robots/0/namespace"),
+        (robot(agentNamespace="/my robot"), "/robots/0/agentNamespace"),
+        (robot(agentNamespace="/a__b"), "/robots/0/agentNamespace"),
         (robot(namespace="/1"), "/robots/0/namespace"),
-        (robot(namespace=""), "/robots/0/namespace"),
+        (robot(agentNamespace=""), "/robots/0/agentNamespace"),
         (robot(framePrefix="1/"), "/robots/0/framePrefix"),
         (robot(agent="robot-vacuum"), "/robots/0/agent"),
         (robot(policy={"rules": {"voice": "maybe"}}), "/robots/0/policy"),
@@ -72,8 +72,11 @@ def test_a_bad_value_is_refused_by_name(values: dict[str, Any], named: str) -> N
     ("second", "reason"),
     [
         ({"name": "a", "domain": 2}, r'robots\[1\]\.name: got "a"'),
-        ({"name": "b", "domain": 1, "namespace": "/a"}, r'robots\[1\]\.namespace: got "/a"'),
-        ({"name": "b", "domain": 1, "namespace": "a"}, r'robots\[1\]\.namespace: got "a"'),
+        (
+            {"name": "b", "domain": 1, "agentNamespace": "/a"},
+            r'robots\[1\]\.agentNamespace: got "/a"',
+        ),
+        ({"name": "b", "domain": 1, "namespace": "a"}, r'robots\[1\]\.agentNamespace: got "a"'),
         ({"name": "b", "domain": 1}, r'robots\[1\]\.framePrefix: got ""'),
     ],
 )
@@ -110,11 +113,13 @@ def test_every_variable_of_the_container_has_a_value_of_the_chart() -> None:
 def test_each_value_reaches_the_variable_that_it_is_said_to_reach() -> None:
     values = {
         "agent": "robot-irsim",
+        "agentNamespace": "/n",
         "audioIn": "ros2",
         "audioOut": "ros2",
-        "discovery": {"range": "LOCALHOST", "server": "dds:11811", "staticPeers": ["peer"]},
+        "discovery": {"range": "LOCALHOST", "server": "dds:11811", "staticPeers": ["peer"]}
+        | {"peersWaitSeconds": 3},
+        "console": {"enabled": True, "port": 9443},
         "drainSeconds": 2.5,
-        "externalNamespace": "/base",
         "framePrefix": "x/",
         "health": {"port": 9000, "host": "::"},
         "language": "fr",
@@ -131,8 +136,8 @@ def test_each_value_reaches_the_variable_that_it_is_said_to_reach() -> None:
         "logLevel": "debug",
         "models": {"offline": False},
         "muted": True,
-        "namespace": "/n",
         "policy": {"rules": {"voice": "deny"}},
+        "robotNamespace": "/base",
         "voice": "v",
         "wakeword": "alexa",
     }
@@ -150,6 +155,44 @@ def test_each_value_reaches_the_variable_that_it_is_said_to_reach() -> None:
         text = str(wanted).lower() if isinstance(wanted, bool) else str(wanted)
         assert changed[variable] == text, path
         assert variable == "ROS_DOMAIN_ID" or plain.get(variable) != text, path
+
+
+OLD_NAMES = {"namespace": "EDGEVOX_AGENT_NAMESPACE", "externalNamespace": "EDGEVOX_ROBOT_NAMESPACE"}
+
+
+@pytest.mark.parametrize(("old", "variable"), OLD_NAMES.items())
+def test_a_value_by_its_old_name_goes_on_working_and_is_told_of(old: str, variable: str) -> None:
+    values = robot(**{old: "/base"})
+
+    assert environment(pods(values)["solo"])[variable] == "/base"
+    assert f"Note: {old} is called " in _notes(values)
+    assert "Note:" not in _notes(robot())
+
+
+def test_the_old_name_of_a_value_for_all_robots_is_less_than_a_robots_own() -> None:
+    common = {"externalNamespace": "/common"}
+
+    assert environment(pods(robot() | common)["solo"])["EDGEVOX_ROBOT_NAMESPACE"] == "/common"
+    own = robot(robotNamespace="/own") | common
+    assert environment(pods(own)["solo"])["EDGEVOX_ROBOT_NAMESPACE"] == "/own"
+
+
+@pytest.mark.parametrize(
+    ("values", "where"),
+    [
+        (robot(externalNamespace="/a", robotNamespace="/b"), r"robots\[0\]\.externalNamespace"),
+        (robot(namespace="/a", agentNamespace="/b"), r"robots\[0\]\.namespace"),
+        (robot() | {"externalNamespace": "/a", "robotNamespace": "/b"}, "externalNamespace"),
+    ],
+)
+def test_one_value_by_two_names_must_be_the_same(values: dict[str, Any], where: str) -> None:
+    with pytest.raises(helm.HelmError, match=where + ': got "/a", expected "/b", as '):
+        chart.render(values)
+
+
+def _notes(values: dict[str, Any]) -> str:
+    rendered = chart.render(values)
+    return next(text for name, text in rendered.items() if name.endswith("NOTES.txt"))
 
 
 def test_numbers_of_settings_are_written_as_they_were_meant() -> None:
@@ -173,7 +216,7 @@ def test_variables_of_ones_own_come_last_with_secrets_by_reference() -> None:
 @settings(max_examples=60, deadline=None)
 @given(st.text("/_aB1- ", min_size=1, max_size=8))
 def test_chart_and_program_agree_on_namespaces(name: str) -> None:
-    assert _refused(robot(namespace=name)) == _refuses({"agent_namespace": name})
+    assert _refused(robot(agentNamespace=name)) == _refuses({"agent_namespace": name})
 
 
 @settings(max_examples=40, deadline=None)

@@ -9,7 +9,7 @@ import pytest
 
 from edgevox.console.lease import GONE_S, IDLE_S, Lease
 from edgevox.console.pairing import LAST_S, MOST_WRONG, Pairing
-from edgevox.console.rate_limit import RateLimit
+from edgevox.console.rate_limit import PageRateLimit
 from edgevox.console.sessions import LAST_S as SESSION_S
 from edgevox.console.sessions import Role, Sessions
 from tests.console_rig import Rig, console
@@ -181,7 +181,7 @@ def test_the_lease_is_taken_back_from_who_is_away_or_idle() -> None:
 
 def test_a_limit_lets_a_burst_through_and_then_so_many_a_second() -> None:
     clock = HeldClock()
-    limit = RateLimit(clock, 2, 3)
+    limit = PageRateLimit(clock, 2, 3)
     assert [limit.allows("a") for _ in range(4)] == [True, True, True, False]
     assert limit.allows("b")
     clock.at += 0.5
@@ -200,3 +200,32 @@ def test_every_answer_tells_the_browser_what_to_forbid(rig: Rig) -> None:
     for policy in asyncio.run(ask()):
         assert policy.startswith("default-src 'none'; script-src 'self'")
         assert "unsafe" not in policy
+
+
+def test_whoever_is_revoked_sees_no_more_pictures(rig: Rig) -> None:
+    cookie = rig.cookie()
+
+    async def look() -> tuple[bool, int | None]:
+        async with (
+            aiohttp.ClientSession(cookies=cookie) as client,
+            client.ws_connect(rig.server.url + "/ws/view", origin=rig.server.url) as view,
+        ):
+            await view.send_str("ack")
+            await view.receive_bytes(timeout=30)
+            rig.server.sessions.revoke(cookie["edgevox"].partition(".")[0])
+            await view.send_str("ack")
+            told = await view.receive(timeout=30)
+            return told.type is aiohttp.WSMsgType.BINARY, view.close_code
+
+    assert asyncio.run(look()) == (False, 4401)
+
+
+def test_of_two_at_once_with_one_code_one_is_let_in(rig: Rig) -> None:
+    code, _ = rig.server.offer_code()
+
+    async def pair() -> list[int]:
+        async with aiohttp.ClientSession() as client:
+            return await asyncio.gather(*(_pair(client, rig, code.code) for _ in range(4)))
+
+    assert sorted(asyncio.run(pair())) == [200, 403, 403, 403]
+    assert len(rig.server.sessions.all()) == 1

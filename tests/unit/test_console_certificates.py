@@ -82,3 +82,32 @@ def test_this_machine_has_names_that_a_certificate_can_bear(tmp_path: Path) -> N
     names = local_names(("robot.local",))
     assert {"localhost", "127.0.0.1", "robot.local"} <= set(names)
     assert own_tls(tmp_path, names).certificate.exists()
+
+
+def test_over_tls_the_cookie_is_for_this_host_alone_and_a_stop_gets_through(
+    tmp_path: Path,
+) -> None:
+    tls = own_tls(tmp_path, NAMES)
+    with console(tmp_path, tls) as rig:
+
+        async def press() -> str:
+            assert tls.authority
+            trusts = ssl.create_default_context(cafile=tls.authority)
+            url, headers = rig.server.url, {"Origin": rig.server.url}
+            code, _ = rig.server.offer_code()
+            jar = aiohttp.CookieJar(unsafe=True)
+            async with aiohttp.ClientSession(cookie_jar=jar) as client:
+                async with client.post(
+                    url + "/api/pair", json={"code": code.code}, headers=headers, ssl=trusts
+                ) as told:
+                    cookie = told.headers["Set-Cookie"]
+                async with client.ws_connect(url + "/ws", headers=headers, ssl=trusts) as socket:
+                    await socket.send_str('{"id": 1, "type": "stop"}')
+                    assert await asyncio.to_thread(rig.stop.engaged.wait, 30)
+            return cookie
+
+        cookie = asyncio.run(press())
+    assert cookie.startswith("__Host-edgevox=")
+    assert "Secure" in cookie
+    assert "Path=/" in cookie
+    assert "Domain" not in cookie

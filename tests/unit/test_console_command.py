@@ -7,9 +7,10 @@ import pytest
 from edgevox.apps.console_command import main
 from edgevox.apps.folders import console_folder
 from edgevox.console.context import ConsoleContext
-from edgevox.console.open import is_loopback, open_console, tls_of
+from edgevox.console.open_console import is_loopback, open_console, tls_of
 from edgevox.console.pairing import Pairing
 from edgevox.console.sessions import Role, Sessions
+from edgevox.console.url import console_url
 from edgevox.core.bus import Bus
 from edgevox.core.controls import Controls
 from edgevox.core.errors import InvalidValue
@@ -109,3 +110,17 @@ def test_loopback_is_known() -> None:
     assert [is_loopback(one) for one in ("127.0.0.2", "::1", "localhost", "::")] == [
         True, True, True, False,
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("host", "names", "shown"),
+    [
+        ("127.0.0.1", "robot.local", "127.0.0.1"),
+        ("0.0.0.0", "robot.local, 10.0.0.7", "robot.local"),  # noqa: S104
+        ("::", "fd00::7", "[fd00::7]"),
+    ],
+)
+def test_the_address_has_the_first_name_where_it_listens_everywhere(
+    host: str, names: str, shown: str
+) -> None:
+    assert console_url(host, 8443, True, names) == f"https://{shown}:8443"

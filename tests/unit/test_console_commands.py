@@ -5,6 +5,7 @@ import threading
 from collections.abc import Iterator
 from pathlib import Path
 
+import aiohttp
 import pytest
 
 from edgevox.console.sessions import Role
@@ -174,3 +175,59 @@ def test_a_stop_is_taken_however_it_is_said(rig: Rig, text: str) -> None:
 
     asyncio.run(press())
     assert rig.stop.state.engaged
+
+
+def test_a_drive_that_breaks_is_halted(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(_linear_m_s: float, _angular_rad_s: float) -> None:
+        raise RuntimeError("half begun")
+
+    monkeypatch.setattr(rig.robot, "drive", broken)
+
+    async def drive() -> dict[str, object]:
+        async with rig.page() as page:
+            await page.ask(type="lease", action="take")
+            return await page.ask(type="drive", linear=0.2, angular=0)
+
+    assert asyncio.run(drive())["reason"] == "failed"
+    assert rig.robot.steered == ["halt"]
+
+
+def test_a_stop_that_breaks_halts_the_robot_all_the_same(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(_who: str) -> None:
+        raise RuntimeError("no interlock")
+
+    monkeypatch.setattr(rig.stop, "stop", broken)
+
+    async def press() -> dict[str, object]:
+        async with rig.page(Role.VIEWER) as page:
+            return await page.ask(type="stop")
+
+    assert asyncio.run(press())["reason"] == "failed"
+    assert rig.robot.steered == ["halt"]
+
+
+def test_a_page_may_stop_before_it_was_greeted(tmp_path: Path) -> None:
+    knows = threading.Event()
+
+    def describe(_language: str) -> dict[str, object]:
+        assert knows.wait(WAIT_S)
+        return {}
+
+    with console(tmp_path, describe=describe) as rig:
+
+        async def press() -> None:
+            url = rig.server.url
+            async with (
+                aiohttp.ClientSession(cookies=rig.cookie(Role.VIEWER)) as client,
+                client.ws_connect(url + "/ws", origin=url) as socket,
+            ):
+                await socket.send_str('{"id": 1, "type": "stop"}')
+                assert await asyncio.to_thread(rig.stop.engaged.wait, WAIT_S)
+                knows.set()
+                hello = await socket.receive_json(timeout=WAIT_S)
+                assert hello["type"] == "hello"
+                assert hello["stop"]["engaged"]
+
+        asyncio.run(press())

@@ -165,6 +165,30 @@ def test_a_body_that_cannot_drive_to_a_point_says_so():
         )
 
 
+@pytest.fixture
+def arm():
+    """It takes things and puts them down, and goes nowhere."""
+    body = Walker()
+    goes = {"navigate_to", "navigate_xy", "walk_forward"}
+    body.skills = type(body.skills)(one for name, one in body.skills.items() if name not in goes)
+    rig = Rig(body)
+    with closing(rig.talk):
+        rig.say("take the red cube")
+        yield rig
+
+
+@pytest.mark.parametrize(
+    ("said", "answer"),
+    [
+        ("go back", "I cannot do that: I cannot drive to a point."),
+        ("take the green cube and come back", "I cannot do that: I cannot drive to a point."),
+        ("further", "I cannot do that: what I did last has no further. Say all of it, please."),
+    ],
+)
+def test_a_body_that_goes_nowhere_does_not_ask_where_to_or_how_far(arm, said, answer):
+    assert arm.say(said) == answer
+
+
 @pytest.mark.parametrize("said", ["further", "a bit more", "a little further please"])
 def test_further_repeats_a_motion_by_so_much(rig, said):
     rig.say("walk 2 metres")

@@ -18,9 +18,10 @@ CONTRACT = {
     "edgevox_humanoid.launch.py": {"namespace", "model_source", "mjcf"},
     "edgevox_external.launch.py": {"namespace", "external_namespace", "locations"},
 }
+OLD = {"namespace": "agent_namespace", "external_namespace": "robot_namespace"}
 SWITCHES = {name for name, field in Settings.model_fields.items() if field.annotation is bool}
-NO_FLAGS = {"robot", "namespace", "params_file", "config"}
-"""Arguments that are no setting."""
+NO_FLAGS = {"robot", "agent_namespace", "params_file", "config", *OLD}
+"""Arguments that are no setting, and old names of those that are."""
 
 
 @pytest.fixture(params=FILES, ids=lambda file: file.name)
@@ -122,7 +123,7 @@ def test_a_launch_file_starts_a_robot_that_there_is(
 def test_namespace_and_parameters_are_handed_on_as_ros_2_does(
     description: LaunchDescription,
 ) -> None:
-    given = {"namespace": "/robot1", "params_file": "/etc/robot1.yaml"}
+    given = {"agent_namespace": "/robot1", "params_file": "/etc/robot1.yaml"}
     command = " ".join(started(description, **given).command)
     assert "--ros-args -r __ns:=/robot1" in command
     assert "--params-file /etc/robot1.yaml" in command
@@ -153,7 +154,20 @@ def test_the_namespace_and_the_file_of_settings_are_described_in_the_same_words(
     add_flags(parser)
     assert f"{description.arguments['config'].description}\n" in parser.format_help()
     about = Settings.model_fields["agent_namespace"].description
-    assert description.arguments["namespace"].description == about
+    assert description.arguments["agent_namespace"].description == about
+
+
+@pytest.mark.parametrize(("old", "new"), OLD.items())
+def test_an_old_name_goes_on_working_and_is_told_to_be_one(
+    description: LaunchDescription, old: str, new: str
+) -> None:
+    assert description.arguments[old].description == f"old name of {new}"
+    assert (
+        started(description, **{old: "/a"}).command == started(description, **{new: "/a"}).command
+    )
+    assert started(description, **{old: "/a", new: "/a"}).command
+    with pytest.raises(RuntimeError, match=f"{old}: got '/b', expected '/a', as {new} says"):
+        started(description, **{old: "/b", new: "/a"})
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)

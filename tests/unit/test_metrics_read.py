@@ -16,6 +16,7 @@ from edgevox.apps.components import list_components
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import CancelToken
 from edgevox.core.gauges import Gauges
+from edgevox.core.interlock import Interlock
 from edgevox.core.settings import check_settings
 from edgevox.core.status import Components
 from edgevox.core.ways import Way
@@ -73,6 +74,7 @@ def parts(tmp_path):
         health=Health(components),
         absent="",
         guard=Guard(),
+        interlock=Interlock(),
         skills=(),
     )
 

@@ -310,3 +310,9 @@ def test_a_wrong_name_of_a_thing_is_told_by_file_line_and_field(names, field, ex
 def test_the_robot_that_is_driven_has_no_names():
     with pytest.raises(InvalidValue, match=r"robot\.names.*no sentence mentions the robot"):
         parse_world(ROBOT.replace("state:", "names: {de: Kurt}, state:"), "home.yaml")
+
+
+def test_what_is_in_nobodys_way_has_no_names():
+    carpet = THINGS.replace("NAMES", "names: {de: der Teppich}, unobstructed: true")
+    with pytest.raises(InvalidValue, match=r"home.yaml:4: obstacle.0.names: .* in nobody's way"):
+        parse_world(carpet, "home.yaml")

@@ -16,7 +16,7 @@ from edgevox.core.software_stop import SoftwareStop, StopState
 from edgevox.core.status import Level
 from edgevox.core.ways import Way
 from edgevox.robots.capabilities import Twist2D
-from edgevox.robots.steering import Steering
+from edgevox.robots.velocity_steering import Steering
 
 STOPPED, OTHER = because("software_stop"), because("other_agent")
 NOON_S = 1_800_000_000.0

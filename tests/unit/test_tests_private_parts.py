@@ -18,7 +18,8 @@ def private(name: str) -> bool:
 
 def defined(tree: ast.AST) -> set[str]:
     """What the classes of a file call private themselves."""
-    functions = {one.name for one in ast.walk(tree) if isinstance(one, ast.FunctionDef)}
+    kinds = ast.FunctionDef | ast.AsyncFunctionDef
+    functions = {one.name for one in ast.walk(tree) if isinstance(one, kinds)}
     stored = {
         one.attr if isinstance(one, ast.Attribute) else one.id
         for one in ast.walk(tree)

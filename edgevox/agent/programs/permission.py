@@ -62,7 +62,7 @@ class Permission:
         Raises `NeedsConfirmation` if the policy wants a yes and nobody has `confirmed` it.
         """
         try:
-            check_bounds(program, self._senses)
+            check_bounds(program, self._senses, self._skills.values())
         except SkillFailed as error:
             turn.say(self._phrases().refusal(error.reason), Outcome.REFUSED)
             return False
@@ -72,7 +72,7 @@ class Permission:
 
     def check(self, kept: Kept) -> None:
         """Raise for one that may not be now."""
-        check_bounds(kept.program, self._senses)
+        check_bounds(kept.program, self._senses, self._skills.values())
         for call in calls_of(kept.program):
             self._hands.check(call, self._skills, kept.way, kept.turn, confirmed=kept.confirmed)
 

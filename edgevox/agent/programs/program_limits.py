@@ -1,5 +1,8 @@
 """How much a program may be: what is more is refused, with a reason."""
 
+from collections.abc import Collection
+
+from edgevox.agent.going import no_way_back
 from edgevox.agent.programs.program import (
     After,
     Again,
@@ -14,7 +17,7 @@ from edgevox.agent.programs.program import (
 from edgevox.agent.programs.senses import Senses
 from edgevox.agent.reasons import because
 from edgevox.agent.skill_executor import MAX_CALLS
-from edgevox.agent.skills import SkillFailed
+from edgevox.agent.skills import Skill, SkillFailed
 
 MAX_PROGRAMS = 8
 """How many programs may wait and run at a time."""
@@ -26,18 +29,21 @@ LONGEST_RUN_S = 8 * 3600.0
 """How long a program may run."""
 
 
-def check_bounds(program: Program, senses: Senses) -> None:
-    """Raise `SkillFailed` with the reason for a program that is too much, or cannot be."""
+def check_bounds(program: Program, senses: Senses, skills: Collection[Skill]) -> None:
+    """Raise `SkillFailed` with the reason for a program that is too much, or cannot be.
+
+    `skills` are all that the robot has.
+    """
     if len(calls_of(program)) > MAX_CALLS:
         raise SkillFailed(because("program_long", count=str(MAX_CALLS)))
     delays_s = [one.delay_s for one in parts_of(program) if isinstance(one, After)]
     if sum(delays_s) > LONGEST_WAIT_S:
         raise SkillFailed(because("program_late", hours=f"{LONGEST_WAIT_S / 3600:g}"))
     for one in parts_of(program):
-        _check_part(one, senses)
+        _check_part(one, senses, skills)
 
 
-def _check_part(part: Program, senses: Senses) -> None:
+def _check_part(part: Program, senses: Senses, skills: Collection[Skill]) -> None:
     match part:
         case Repeat(count=float() | int() as count) if not (
             count == int(count) and 1 <= count <= MAX_TIMES
@@ -48,6 +54,6 @@ def _check_part(part: Program, senses: Senses) -> None:
         case When(condition=BatteryBelow(percent=percent)) if not 0 < percent < 100:
             raise SkillFailed(because("program_percent", said=f"{percent:g}"))
         case Return() if senses.way_back() is None:
-            raise SkillFailed(because("cannot_go_back"))
+            raise SkillFailed(no_way_back(skills))
         case Again():
             raise SkillFailed(because("nothing_before"))

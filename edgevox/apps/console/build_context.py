@@ -22,10 +22,10 @@ GO_TO = "navigate_xy"
 
 def build_context(parts: AgentParts, sound: ConsoleSound | None = None) -> ConsoleContext:
     """All of it, for an agent that was put together. It listens to the bus from now on."""
-    return _Shown(parts).context(sound)
+    return _OfAgent(parts).context(sound)
 
 
-class _Shown:
+class _OfAgent:
     def __init__(self, parts: AgentParts) -> None:
         self._parts = parts
         self._robot = (

@@ -20,7 +20,7 @@ from edgevox.robots.capabilities import (
     RemembersPlaces,
     TakesVelocity,
 )
-from edgevox.robots.steering import Steering
+from edgevox.robots.velocity_steering import Steering
 
 AROUND_M = 5.0
 """Of a robot without a map so much is shown around where it is and the places that it knows."""

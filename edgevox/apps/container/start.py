@@ -5,6 +5,7 @@ import sys
 from collections.abc import Mapping, Sequence
 
 from edgevox.apps.container.checked_environment import prepared
+from edgevox.apps.container.static_peers import with_addresses
 from edgevox.apps.container.variables import NO_ROBOT
 from edgevox.apps.streams import with_streams
 from edgevox.core.cgroup import usable_cpus
@@ -21,7 +22,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Never returns where all is well; else the exit code, its reason on stderr."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        environment = prepared(os.environ, _say)
+        environment = with_addresses(prepared(os.environ, _say), _say)
     except InvalidValue as error:
         _say(str(error))
         return USAGE

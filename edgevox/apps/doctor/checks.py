@@ -1,10 +1,12 @@
 """All checks, once: the doctor asks them, docs/diagnostics.md lists them."""
 
 from edgevox.apps.doctor import (
+    console,
     graphics,
     machine,
     model_files,
     network,
+    packages,
     permitted,
     process_environment,
     robot_interfaces,
@@ -42,6 +44,12 @@ CHECKS: tuple[Check, ...] = (
         "who may ask for what, a line for each way in and each limit of the policy file",
         permitted.probe_policy,
         permitted.judge_policy,
+    ),
+    Check(
+        "packages",
+        "the plug-ins and the packages that bring robots and skills, and whether each loads",
+        packages.probe_packages,
+        packages.judge_packages,
     ),
     Check(
         "folders",
@@ -136,6 +144,12 @@ CHECKS: tuple[Check, ...] = (
         "`/dev/shm` is large enough, and not full of what dead nodes left",
         network.probe_shared_memory,
         network.judge_shared_memory,
+    ),
+    Check(
+        "console",
+        "where the console listens, whom that lets in, and how long its certificate is good",
+        console.probe_console,
+        console.judge_console,
     ),
     Check("buffers", "of UDP, for pictures", network.probe_buffers, network.judge_buffers),
     Check(

@@ -11,6 +11,7 @@ from edgevox.apps.doctor.check import Check, Situation
 from edgevox.apps.doctor.checks import CHECKS
 from edgevox.apps.doctor.report import as_json, print_table, worst
 from edgevox.apps.doctor.runner import ask
+from edgevox.apps.flags import add_flags, given_flags
 from edgevox.apps.robots import ROBOTS
 from edgevox.apps.streams import with_streams
 from edgevox.core.errors import EdgeVoxError, InvalidValue
@@ -27,8 +28,7 @@ PROGRAM = "edgevox-doctor"
 def main(argv: Sequence[str] | None = None, program: str = PROGRAM) -> int:
     """Look at the machine; 0 if EdgeVox can run on it, 1 if not, 2 for a wrong command line."""
     arguments = _parser(program).parse_args(argv)
-    flags = {"robot_file": arguments.robot_file} if arguments.robot_file else {}
-    settings, refused = _settings(flags, arguments.config)
+    settings, refused = _settings(given_flags(arguments), arguments.config)
     agent = arguments.robot or os.environ.get(AGENT, "")
     situation = Situation(settings, dict(os.environ), agent, arguments.quick, refused)
     answers = ask(_chosen(arguments.only), situation)
@@ -64,13 +64,14 @@ def _parser(program: str) -> argparse.ArgumentParser:
         description="Check whether this machine can run EdgeVox, and say what to do.",
         epilog="It ends with 0 unless there is an error; then, and for a warning if --strict, 1.",
     )
-    parser.add_argument("--config", type=Path, metavar="FILE", help="TOML file with settings")
+    add_flags(parser, ["plugins", "skills"])
     parser.add_argument(
         "--robot", choices=ROBOTS, metavar="ROBOT", help=f"check its models, too [{AGENT}]"
     )
     parser.add_argument(
         "--robot-file",
         type=Path,
+        default=argparse.SUPPRESS,
         metavar="FILE",
         help=f"look on the graph for what this robot file names [{ENV_PREFIX}ROBOT_FILE]",
     )

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from edgevox.apps.container.static_peers import PEERS, addresses
 from edgevox.apps.container.variables import ENVIRONMENT
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
 from edgevox.core.extras import install_extra
@@ -63,8 +64,11 @@ def judge_domain(facts: Facts, _: Situation) -> CheckVerdict:
 
 def probe_discovery(situation: Situation) -> Facts:
     """The variables that decide how others are found."""
-    names = (RANGE, "ROS_STATIC_PEERS", "ROS_LOCALHOST_ONLY", "ROS_DISCOVERY_SERVER")
-    return {name: situation.environment.get(name, "") for name in names}
+    names = (RANGE, PEERS, "ROS_LOCALHOST_ONLY", "ROS_DISCOVERY_SERVER")
+    facts = {name: situation.environment.get(name, "") for name in names}
+    peers = [name for name in facts[PEERS].split(";") if name]
+    known = addresses(peers, 0) if peers else {}
+    return {**facts, "unknown": [name for name in peers if name not in known]}
 
 
 def judge_discovery(facts: Facts, _: Situation) -> list[CheckVerdict]:
@@ -73,13 +77,16 @@ def judge_discovery(facts: Facts, _: Situation) -> list[CheckVerdict]:
     known = ENVIRONMENT[RANGE].choices
     if how not in known:
         said.append(error(f"{RANGE}={how}", f"one of {', '.join(known)}"))
-    if how == "OFF" and not facts["ROS_STATIC_PEERS"]:
-        said.append(warning(f"{RANGE}=OFF without ROS_STATIC_PEERS: nobody is found", "set either"))
+    if how == "OFF" and not facts[PEERS]:
+        said.append(warning(f"{RANGE}=OFF without {PEERS}: nobody is found", "set either"))
+    if facts["unknown"]:
+        found = f"{PEERS}: no address of {', '.join(facts['unknown'])}; no node starts like that"
+        said.append(error(found, "take them out; the container's entrypoint does so by itself"))
     if facts["ROS_LOCALHOST_ONLY"]:
         advice = f"use {RANGE}=LOCALHOST instead; the old variable overrules the new ones"
         said.append(warning(f"ROS_LOCALHOST_ONLY={facts['ROS_LOCALHOST_ONLY']}", advice))
     server = facts["ROS_DISCOVERY_SERVER"]
-    peers = facts["ROS_STATIC_PEERS"]
+    peers = facts[PEERS]
     more = f", server {server}" if server else f", also {peers}" if peers else ""
     only = ": this machine only" if how == "LOCALHOST" else ""
     return said or [ok(f"{how}{only}{more}")]

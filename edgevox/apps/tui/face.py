@@ -70,7 +70,7 @@ class Face(App[None]):
         self._updates, self._slash_context, self._queries = updates, context, queries
         self._submit = submit
         self._ctrl_c = DoubleInterrupt(clock)
-        self._shown: tuple[str, str] = ("", "")
+        self._asked_after: tuple[object, ...] = ()
         self._muted = False
         self._unread: deque[str] = deque(maxlen=panels.MOST_UNREAD)
         self._running_loop: asyncio.AbstractEventLoop | None = None
@@ -187,8 +187,10 @@ class Face(App[None]):
     def _show_voice(self, news: ScreenUpdate) -> None:
         self._muted = news.muted
         self._static("voice", f"language {news.language}\nvoice {news.voice or 'best'}")
-        if self._shown != (news.language, news.voice):
-            self._shown = (news.language, news.voice)
+        # What is loaded may be loaded, or replaced, while it runs: a turn shows what it needed.
+        now = (news.language, news.voice, news.turns)
+        if self._asked_after != now:
+            self._asked_after = now
             self._ask_machine()
 
     def _ask_machine(self) -> Worker[None]:

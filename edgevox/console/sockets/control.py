@@ -12,13 +12,13 @@ from typing import Any
 
 from aiohttp import WSMsgType, web
 
-from edgevox.console import messages
-from edgevox.console.hub import FLOOD, SLOW, Hub, encode
-from edgevox.console.messages import Message
+from edgevox.console import page_messages
 from edgevox.console.outbox import Outbox
-from edgevox.console.rate_limit import RateLimit
+from edgevox.console.page_hub import FLOOD, SLOW, PageHub, encode
+from edgevox.console.page_messages import Message
+from edgevox.console.rate_limit import PageRateLimit
 from edgevox.console.sessions import Role, Session
-from edgevox.console.sockets.commands import act
+from edgevox.console.sockets.page_commands import act
 from edgevox.core.clock import Clock
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.log import get_logger
@@ -31,7 +31,7 @@ FLOOD_PER_S, FLOOD_BURST = 100.0, 400
 MOST_WAITING = 40
 
 
-class Refused(Exception):
+class NotPermitted(Exception):
     """What was asked for is not done; `code` says why to a page."""
 
     def __init__(self, code: str, message: str) -> None:
@@ -40,16 +40,18 @@ class Refused(Exception):
 
 
 @dataclass(frozen=True)
-class Limits:
+class SocketLimits:
     """How much pages may say, by client."""
 
-    commands: RateLimit
-    flood: RateLimit
+    commands: PageRateLimit
+    flood: PageRateLimit
 
     @classmethod
-    def usual(cls, clock: Clock) -> "Limits":
+    def usual(cls, clock: Clock) -> "SocketLimits":
         """As much as a person with a stick needs."""
-        return cls(RateLimit(clock, PER_S, BURST), RateLimit(clock, FLOOD_PER_S, FLOOD_BURST))
+        return cls(
+            PageRateLimit(clock, PER_S, BURST), PageRateLimit(clock, FLOOD_PER_S, FLOOD_BURST)
+        )
 
 
 class ControlPage:
@@ -57,10 +59,10 @@ class ControlPage:
 
     def __init__(
         self,
-        hub: Hub,
+        hub: PageHub,
         session: Session,
         socket: web.WebSocketResponse,
-        limits: Limits,
+        limits: SocketLimits,
         abort: Callable[[], None],
     ) -> None:
         self.session = session
@@ -118,43 +120,43 @@ class ControlPage:
     def take(self, text: str) -> None:
         """Do, or put in line, what it says. Never waits."""
         try:
-            message = messages.read(text)
+            message = page_messages.read(text)
         except InvalidValue as error:
             if self._is_within(self._limits.flood):
                 self._refuse(None, "invalid", str(error), error)
             return
-        if isinstance(message, messages.Stop):
+        if isinstance(message, page_messages.Stop):
             self._stop(message)
-        if not self._is_within(self._limits.flood) or isinstance(message, messages.Stop):
+        if not self._is_within(self._limits.flood) or isinstance(message, page_messages.Stop):
             return
         self._answer(message, lambda: self._take(message))
 
     def _take(self, message: Message) -> bool:
         """Whether it is done; what is not waits in line."""
-        releases = isinstance(message, messages.Drive) and message.releases
+        releases = isinstance(message, page_messages.Drive) and message.releases
         if releases and self._hub.driving:
             self._hub.driving.release(self)
             return True
         if not self._limits.commands.allows(self.session.id):
-            raise Refused("rate", f"at most {PER_S:g} commands a second")
+            raise NotPermitted("rate", f"at most {PER_S:g} commands a second")
         self._authorise(message)
         match message:
-            case messages.Ping(t=t):
+            case page_messages.Ping(t=t):
                 self._say({"type": "pong", "t": t})
-            case messages.Look(what=what):
+            case page_messages.Look(what=what):
                 self.looks = frozenset(what)
-            case messages.Lease():
+            case page_messages.ChangeLease():
                 self._lease(message)
-            case messages.Drive(linear=linear, angular=angular):
+            case page_messages.Drive(linear=linear, angular=angular):
                 self._drive(linear, angular)
-            case messages.Resume():  # not in line: it must not undo a stop that came after it
+            case page_messages.Resume():  # not in line: it must not undo a stop that came after it
                 self._hub.context.safety.resume(self.session.name)
             case _:
                 self._wait(message)
                 return False
         return True
 
-    def _stop(self, message: messages.Stop) -> None:
+    def _stop(self, message: page_messages.Stop) -> None:
         try:
             self._hub.stop(self.session.name)
         except Exception as error:
@@ -164,20 +166,20 @@ class ControlPage:
             self._say({"type": "ok", "reply_to": message.id})
 
     def _authorise(self, message: Message) -> None:
-        """Raises `Refused` unless this page may, now."""
+        """Raises `NotPermitted` unless this page may, now."""
         if message.needs == "session":
             return
         if not self._hub.sessions.is_there(self.session):
             self._hub.dismiss(self)
-            raise Refused("viewer", "this browser is no longer let in")
+            raise NotPermitted("viewer", "this browser is no longer let in")
         if self.session.role is not Role.OPERATOR:
-            raise Refused("viewer", "only an operator may do this")
+            raise NotPermitted("viewer", "only an operator may do this")
         if message.needs == "lease":
             if self._hub.lease.state.holder != self.session.id:
-                raise Refused("no_lease", "somebody else commands, or nobody: take the turn first")
+                raise NotPermitted("no_lease", "another commands, or nobody: take the turn")
             self._hub.lease.used(self.session.id)
 
-    def _lease(self, message: messages.Lease) -> None:
+    def _lease(self, message: page_messages.ChangeLease) -> None:
         lease, client = self._hub.lease, self.session.id
         done = True
         if message.action == "take":
@@ -188,20 +190,20 @@ class ControlPage:
             done = lease.give(client, message.to)
         self._hub.tell_lease()
         if not done:
-            raise Refused("no_lease", "it is not yours to take or to give")
+            raise NotPermitted("no_lease", "it is not yours to take or to give")
 
     def _drive(self, linear_m_s: float, angular_rad_s: float) -> None:
         if self._hub.driving is None:
-            raise Refused("invalid", "this robot is not driven")
+            raise NotPermitted("invalid", "this robot is not driven")
         if self._hub.context.safety.state.engaged:
-            raise Refused("stopped", "the software stop is engaged")
+            raise NotPermitted("stopped", "the software stop is engaged")
         self._hub.driving.steer(self, linear_m_s, angular_rad_s)
 
     def _wait(self, message: Message) -> None:
         try:
             self._waiting.put_nowait((message, self._hub.stops))
         except asyncio.QueueFull:
-            raise Refused("rate", "too much waits to be done") from None
+            raise NotPermitted("rate", "too much waits to be done") from None
 
     async def _work(self) -> None:
         """Do what waits, one after another; who may do it is asked again when it is done."""
@@ -209,11 +211,11 @@ class ControlPage:
             message, stops = await self._waiting.get()
             try:
                 if stops is not self._hub.stops:
-                    raise Refused("stopped", "the software stop came first")
+                    raise NotPermitted("stopped", "the software stop came first")
                 self._authorise(message)
                 await self._hub.work(act, self._hub.context, self.session, message)
                 self._say({"type": "ok", "reply_to": message.id})
-            except (Refused, EdgeVoxError, OSError) as error:
+            except (NotPermitted, EdgeVoxError, OSError) as error:
                 self._tell_refusal(message.id, error)
             except Exception as error:
                 log.exception("console_command_failed", kind=message.type)
@@ -221,22 +223,22 @@ class ControlPage:
 
     def _answer(self, message: Message, done: Callable[[], bool]) -> None:
         try:
-            if done() and not isinstance(message, messages.Ping):
+            if done() and not isinstance(message, page_messages.Ping):
                 self._say({"type": "ok", "reply_to": message.id})
-        except (Refused, EdgeVoxError) as error:
+        except (NotPermitted, EdgeVoxError) as error:
             self._tell_refusal(message.id, error)
         except Exception as error:
             log.exception("console_command_failed", kind=message.type)
             self._refuse(message.id, "failed", repr(error))
 
-    def _is_within(self, flood: RateLimit) -> bool:
+    def _is_within(self, flood: PageRateLimit) -> bool:
         if flood.allows(self.session.id):
             return True
         self.hang_up(FLOOD)
         return False
 
     def _tell_refusal(self, reply_to: int, error: Exception) -> None:
-        code = error.code if isinstance(error, Refused) else "invalid"
+        code = error.code if isinstance(error, NotPermitted) else "invalid"
         self._refuse(reply_to, code, str(error), error)
 
     def _refuse(
@@ -257,7 +259,7 @@ class ControlPage:
         hello = {
             **told,
             "type": "hello",
-            "protocol": messages.PROTOCOL,
+            "protocol": page_messages.PROTOCOL,
             "robot": hub.context.name,
             "role": str(self.session.role),
             "client": self.session.id,

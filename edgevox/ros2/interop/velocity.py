@@ -18,7 +18,7 @@ from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.interlock import Interlock
 from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
-from edgevox.robots.steering import Steerable, Steering
+from edgevox.robots.velocity_steering import Steerable, Steering
 from edgevox.ros2.qos import profile
 from edgevox.ros2.standard_topics import STANDARD
 

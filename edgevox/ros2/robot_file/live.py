@@ -12,9 +12,8 @@ from edgevox.ros2.clients.action_runner import ActionRunner
 from edgevox.ros2.clients.service_caller import ServiceCaller
 from edgevox.ros2.clients.topic_listener import READ_S, TopicListener
 from edgevox.ros2.clients.topic_sender import TopicSender
-from edgevox.ros2.robot_file.field_paths import read_path
 from edgevox.ros2.robot_file.filling import Filling
-from edgevox.ros2.robot_file.outcome import holds, values_of
+from edgevox.ros2.robot_file.outcome import holds, value_of, values_of
 from edgevox.ros2.robot_file.plan import PlannedStep
 from edgevox.ros2.robot_file.step_format import ActionInterface, Publication, Topic, Wait
 
@@ -111,7 +110,7 @@ class Acts(_Base):
     def __init__(self, planned: PlannedStep, node: Node, clock: Clock) -> None:
         super().__init__(planned, node, clock)
         how: ActionInterface = getattr(self._step, planned.way)
-        self._progress = how.progress
+        self._progress = how.part_done
         self._action = ActionRunner(node, planned.type, planned.interface_name, clock)
 
     def run(self, run: StepRun) -> dict[str, Any]:
@@ -127,7 +126,7 @@ class Acts(_Base):
     def _hear(self, feedback: Any, run: StepRun) -> None:
         if self._progress is None or run.token.cancelled:
             return
-        part = read_path(feedback, self._progress)
+        part = value_of(feedback, self._progress)
         if isinstance(part, int | float) and 0.0 <= part <= 1.0:
             run.report(progress=round(float(part), 3))
 

@@ -40,12 +40,12 @@ def values_of(planned: PlannedStep, message: Any, arguments: Mapping[str, Any]) 
     if said_no or not holds(message, planned.step.expect, arguments):
         log.warning("interface_refused", interface=what, answer=str(message)[:LONGEST_WORDS])
         raise SkillFailed(interface_reason("refused", what=what))
-    return {
-        name: _said(read_path(message, one.field), one) for name, one in planned.step.values.items()
-    }
+    return {name: value_of(message, one) for name, one in planned.step.values.items()}
 
 
-def _said(value: Any, how: ResultValue) -> Any:
+def value_of(message: Any, how: ResultValue) -> Any:
+    """A value of what came, as JSON has it; None where a list is shorter."""
+    value = read_path(message, how.field)
     if how.times is not None and isinstance(value, int | float):
         value = value * how.times
     if isinstance(value, float):

@@ -71,8 +71,8 @@ class Planner:
         if step.publish and step.publish.at_end:
             self._check_request(planned.request, step.publish.at_end, (*at, "publish", "at_end"))
         self._check_answer(planned, at)
-        if step.action and step.action.progress:
-            self._type_at(kind.Feedback, step.action.progress, (*at, "action", "progress"))
+        if step.action and (part := step.action.part_done):
+            self._check_progress(kind.Feedback, part.field, (*at, "action", "progress"))
         return planned
 
     def plan_watch(self, watch: Wait, at: Place) -> PlannedStep:
@@ -120,6 +120,10 @@ class Planner:
             self._check_condition(planned.answer, one, (*at, "expect", number))
         for number, one in enumerate(step.wait.until if step.wait else ()):
             self._check_condition(planned.answer, one, (*at, "wait", "until", number))
+
+    def _check_progress(self, feedback: Any, path: str, at: Place) -> None:
+        if not _is_number(self._type_at(feedback, path, at)):
+            raise self._file.wrong(at, path, "a number, which says how much is done")
 
     def _check_condition(self, answer: Any, condition: FieldCondition, at: Place) -> None:
         type_name = self._type_at(answer, condition.field, (*at, "field"))

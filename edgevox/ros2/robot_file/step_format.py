@@ -72,18 +72,26 @@ class Publication(Topic):
     )
 
 
-class ActionInterface(Interface):
-    """An action; `progress` is the path of a feedback's field that goes from 0 to 1."""
-
-    progress: Word | None = None
-
-
 class ResultValue(Part):
     """A value of what comes back: a field by its path, a number in it `times` so much, rounded."""
 
     field: Word
     times: Number | None = None
     decimals: int = Field(3, ge=0, le=6)
+
+
+class ActionInterface(Interface):
+    """An action; `progress` is the path of a feedback's number that goes from 0 to 1.
+
+    One that goes to another number is told with `times`: ``{field: percent, times: 0.01}``.
+    """
+
+    progress: Word | ResultValue | None = None
+
+    @property
+    def part_done(self) -> ResultValue | None:
+        """Which value of the feedback says how much is done, from 0 to 1."""
+        return ResultValue(field=self.progress) if isinstance(self.progress, str) else self.progress
 
 
 class FieldCondition(Part):

@@ -3,7 +3,7 @@
 {{- $robot := .robot -}}
 {{- $env := dict
   "ROS_DOMAIN_ID" ($robot.domain | int)
-  "EDGEVOX_AGENT_NAMESPACE" $robot.namespace
+  "EDGEVOX_AGENT_NAMESPACE" $robot.agentNamespace
   "EDGEVOX_AGENT" $robot.agent
   "EDGEVOX_LANGUAGE" $robot.language
   "EDGEVOX_VOICE" $robot.voice
@@ -13,7 +13,7 @@
   "EDGEVOX_AUDIO_OUT" $robot.audioOut
   "EDGEVOX_LOG_LEVEL" $robot.logLevel
   "EDGEVOX_DRAIN_S" $robot.drainSeconds
-  "EDGEVOX_ROBOT_NAMESPACE" $robot.externalNamespace
+  "EDGEVOX_ROBOT_NAMESPACE" $robot.robotNamespace
   "EDGEVOX_FRAME_PREFIX" $robot.framePrefix
   "EDGEVOX_OFFLINE" $robot.models.offline
   "EDGEVOX_LLM" $robot.llm.model
@@ -23,6 +23,7 @@
   "EDGEVOX_HEALTH_HOST" (ternary "127.0.0.1" $robot.health.host $robot.hostNetwork)
   "ROS_AUTOMATIC_DISCOVERY_RANGE" $robot.discovery.range
   "ROS_DISCOVERY_SERVER" $robot.discovery.server
+  "EDGEVOX_PEERS_WAIT_S" ($robot.discovery.peersWaitSeconds | int)
   "ROS_STATIC_PEERS" (include "edgevox.peers" .)
 -}}
 {{- /* Off, rather than as the image has it, where nobody reads them. */ -}}
@@ -33,6 +34,18 @@
 {{- end -}}
 {{- if $robot.hostNetwork -}}
 {{- $_ := set $env "FASTDDS_BUILTIN_TRANSPORTS" "UDPv4" -}}
+{{- end -}}
+{{- if $robot.console.enabled -}}
+{{- $_ := set $env "EDGEVOX_CONSOLE" true -}}
+{{- $_ := set $env "EDGEVOX_CONSOLE_PORT" (int $robot.console.port) -}}
+{{- $_ := set $env "EDGEVOX_CONSOLE_HOST" (ternary "127.0.0.1" $robot.health.host $robot.hostNetwork) -}}
+{{- $_ := set $env "EDGEVOX_CONSOLE_FOLDER" "/console" -}}
+{{- $_ := set $env "EDGEVOX_CONSOLE_NAMES" (include "edgevox.consoleNames" .) -}}
+{{- if $robot.console.tlsSecret -}}
+{{- $_ := set $env "EDGEVOX_CONSOLE_TLS" "files" -}}
+{{- $_ := set $env "EDGEVOX_CONSOLE_CERTIFICATE" "/run/secrets/edgevox-console/tls.crt" -}}
+{{- $_ := set $env "EDGEVOX_CONSOLE_KEY" "/run/secrets/edgevox-console/tls.key" -}}
+{{- end -}}
 {{- end -}}
 {{- if $robot.policy -}}
 {{- $_ := set $env "EDGEVOX_POLICY" "/etc/edgevox/policy/policy.yaml" -}}

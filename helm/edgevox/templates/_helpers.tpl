@@ -33,14 +33,43 @@ edgevox/domain: {{ .domain | int | quote }}
 {{- end -}}
 {{- end -}}
 
+{{/* What values were called before. */}}
+{{- define "edgevox.oldNames" -}}
+{"namespace": "agentNamespace", "externalNamespace": "robotNamespace"}
+{{- end -}}
+
+{{/* Values by the names of now, as JSON, also those that came by an old one. Takes values and where they stand. */}}
+{{- define "edgevox.renamed" -}}
+{{- $values := deepCopy .values -}}
+{{- $where := .where -}}
+{{- range $old, $new := include "edgevox.oldNames" . | fromJson -}}
+{{- if hasKey $values $old -}}
+{{- $value := get $values $old -}}
+{{- $other := get $values $new | default $value -}}
+{{- if ne $value $other -}}
+{{- fail (printf "%s%s: got %q, expected %q, as %s says, or only one" $where $old $value $other $new) -}}
+{{- end -}}
+{{- $_ := set $values $new $value -}}
+{{- $_ := unset $values $old -}}
+{{- end -}}
+{{- end -}}
+{{- toJson $values -}}
+{{- end -}}
+
 {{/* All robots, each with what counts for all of them filled in: a list under "robots", as JSON. */}}
 {{- define "edgevox.robots" -}}
-{{- $common := pick .Values "affinity" "agent" "audioIn" "audioOut" "discovery" "drainSeconds" "env" "externalNamespace" "extraVolumeMounts" "extraVolumes" "files" "framePrefix" "health" "hostNetwork" "language" "llm" "logLevel" "models" "muted" "nodeSelector" "places" "plugins" "podAnnotations" "podLabels" "policy" "priorityClassName" "recorder" "resources" "runtimeClassName" "settings" "tolerations" "topologySpreadConstraints" "voice" "wakeword" -}}
+{{- $common := pick .Values "affinity" "agent" "audioIn" "audioOut" "console" "discovery" "drainSeconds" "env" "externalNamespace" "extraVolumeMounts" "extraVolumes" "files" "framePrefix" "health" "hostNetwork" "language" "llm" "logLevel" "models" "muted" "nodeSelector" "places" "plugins" "podAnnotations" "podLabels" "policy" "priorityClassName" "recorder" "resources" "robotNamespace" "runtimeClassName" "settings" "tolerations" "topologySpreadConstraints" "voice" "wakeword" -}}
+{{- /* The default of the new name says nothing against a value by the old one. */ -}}
+{{- if and (hasKey $common "externalNamespace") (eq $common.robotNamespace "/") -}}
+{{- $_ := unset $common "robotNamespace" -}}
+{{- end -}}
+{{- $common = include "edgevox.renamed" (dict "values" $common "where" "") | fromJson -}}
 {{- $robots := list -}}
-{{- range .Values.robots -}}
+{{- range $index, $given := .Values.robots -}}
+{{- $where := printf "robots[%d]." $index -}}
+{{- $own := include "edgevox.renamed" (dict "values" $given "where" $where) | fromJson -}}
 {{- $namespace := printf "/%s" (replace "-" "_" .name) -}}
-{{- $own := dict "namespace" $namespace -}}
-{{- $robot := mergeOverwrite (deepCopy $common) $own (deepCopy .) -}}
+{{- $robot := mergeOverwrite (deepCopy $common) (dict "agentNamespace" $namespace) $own -}}
 {{- /* A volume has one source: a robot's own takes the place of the common one. */ -}}
 {{- if hasKey (.models | default dict) "volume" -}}
 {{- $_ := set $robot.models "volume" .models.volume -}}
@@ -48,6 +77,9 @@ edgevox/domain: {{ .domain | int | quote }}
 {{- /* A policy is one text: a robot's own takes the place of the common one. */ -}}
 {{- if hasKey . "policy" -}}
 {{- $_ := set $robot "policy" .policy -}}
+{{- end -}}
+{{- if hasKey (.console | default dict) "volume" -}}
+{{- $_ := set $robot.console "volume" .console.volume -}}
 {{- end -}}
 {{- if hasKey (.places | default dict) "volume" -}}
 {{- $_ := set $robot.places "volume" .places.volume -}}
@@ -74,11 +106,32 @@ edgevox/domain: {{ .domain | int | quote }}
 {{ $name }}-{{ .robot.name }}-0.{{ $name }}.{{ .root.Release.Namespace }}.svc
 {{- end -}}
 
+{{/* The Service of a robot's console. Takes root and robot. */}}
+{{- define "edgevox.consoleService" -}}
+{{ include "edgevox.fullname" .root }}-{{ .robot.name }}-console
+{{- end -}}
+
+{{/* By which names a robot's console is opened, with commas between. Takes root and robot. */}}
+{{- define "edgevox.consoleNames" -}}
+{{- $names := .robot.console.names -}}
+{{- if not .robot.hostNetwork -}}
+{{- $service := include "edgevox.consoleService" . -}}
+{{- $names = append $names (printf "%s.%s.svc" $service .root.Release.Namespace) -}}
+{{- with .robot.console.ingress -}}
+{{- if .enabled -}}
+{{- $names = append $names .host -}}
+{{- end -}}
+{{- end -}}
+{{- end -}}
+{{- join "," (uniq $names) -}}
+{{- end -}}
+
 {{/* What one schema cannot say: that robots do not get into each other's way. */}}
 {{- define "edgevox.validate" -}}
 {{- $names := dict -}}
 {{- $nodes := dict -}}
 {{- $frames := dict -}}
+{{- $hosts := dict -}}
 {{- range $index, $robot := . -}}
 {{- $where := printf "robots[%d]" $index -}}
 {{- if hasKey $names .name -}}
@@ -88,9 +141,22 @@ edgevox/domain: {{ .domain | int | quote }}
 {{- if and .files.data .files.configMap -}}
 {{- fail (printf "%s.files.configMap: got %q, expected none beside files.data" $where .files.configMap) -}}
 {{- end -}}
-{{- $node := printf "%d %s" (int .domain) (trimPrefix "/" .namespace) -}}
+{{- if and .console.enabled .console.ingress.enabled -}}
+{{- $host := .console.ingress.host -}}
+{{- if not $host -}}
+{{- fail (printf "%s.console.ingress.host: got %q, expected a host name" $where $host) -}}
+{{- end -}}
+{{- if hasKey $hosts $host -}}
+{{- fail (printf "%s.console.ingress.host: got %q, expected another one than %s has" $where $host (get $hosts $host)) -}}
+{{- end -}}
+{{- if .hostNetwork -}}
+{{- fail (printf "%s.console.ingress.enabled: got true, expected false on the host's network, where the console is on loopback" $where) -}}
+{{- end -}}
+{{- $_ := set $hosts $host .name -}}
+{{- end -}}
+{{- $node := printf "%d %s" (int .domain) (trimPrefix "/" .agentNamespace) -}}
 {{- if hasKey $nodes $node -}}
-{{- fail (printf "%s.namespace: got %q, expected another one than %s has, which is on domain %d too" $where .namespace (get $nodes $node) (int .domain)) -}}
+{{- fail (printf "%s.agentNamespace: got %q, expected another one than %s has, which is on domain %d too" $where .agentNamespace (get $nodes $node) (int .domain)) -}}
 {{- end -}}
 {{- $_ := set $nodes $node .name -}}
 {{- $frame := printf "%d %s" (int .domain) .framePrefix -}}

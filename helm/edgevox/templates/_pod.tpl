@@ -18,12 +18,41 @@ dnsPolicy: ClusterFirstWithHostNet
 {{ $field }}: {{ . }}
 {{- end }}
 {{- end }}
-{{- range $field := list "nodeSelector" "tolerations" "affinity" "topologySpreadConstraints" }}
+{{- range $field := list "nodeSelector" "affinity" }}
 {{- with index $.robot $field }}
 {{ $field }}:
   {{- toYaml . | nindent 2 }}
 {{- end }}
 {{- end }}
+tolerations:
+  {{- with .robot.tolerations }}
+  {{- toYaml . | nindent 2 }}
+  {{- end }}
+  {{- include "edgevox.outOfReach" .robot | nindent 2 }}
+{{- with .robot.topologySpreadConstraints }}
+topologySpreadConstraints:
+  {{- range . }}
+  - {{ include "edgevox.spread" (dict "root" $.root "constraint" .) | nindent 4 | trim }}
+  {{- end }}
+{{- end }}
+{{- end -}}
+
+{{/* A robot out of the radio's reach goes on: evicted after five minutes, as Kubernetes would have it,
+     it would run nowhere else, and be stopped on its way as soon as it is heard of again. */}}
+{{- define "edgevox.outOfReach" -}}
+{{- $named := list -}}
+{{- range .tolerations }}{{ $named = append $named .key }}{{ end -}}
+{{- range list "node.kubernetes.io/unreachable" "node.kubernetes.io/not-ready" }}
+{{- if not (has . $named) }}
+- {key: {{ . }}, operator: Exists, effect: NoExecute}
+{{- end }}
+{{- end }}
+{{- end -}}
+
+{{/* A constraint, of all robots of the release if it does not say of which pods. */}}
+{{- define "edgevox.spread" -}}
+{{- $robots := dict "matchLabels" (include "edgevox.selector" .root | fromYaml) -}}
+{{- toYaml (merge (deepCopy .constraint) (ternary (dict) (dict "labelSelector" $robots) (hasKey .constraint "labelSelector"))) -}}
 {{- end -}}
 
 {{/* How health is asked: from outside the pod, or within it where outside is the whole LAN. */}}

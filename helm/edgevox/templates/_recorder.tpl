@@ -1,7 +1,7 @@
 {{/* The recorder beside a robot, with its rights and its network. Takes root, robot and robots. */}}
 {{- define "edgevox.recorder" -}}
 {{- /* What it hears by is the robot's; what the robot is made of is not for it. */ -}}
-{{- $own := dict "files" (dict "data" (dict) "configMap" "") "plugins" (dict "volume" (dict)) "policy" (dict) "env" (list) -}}
+{{- $own := dict "files" (dict "data" (dict) "configMap" "") "plugins" (dict "volume" (dict)) "policy" (dict) "env" (list) "console" (dict "enabled" false) -}}
 {{- $none := dict "endpoint" "" "model" "none" -}}
 {{- $robot := mergeOverwrite (deepCopy .robot) (dict "llm" $none "settings" (dict)) -}}
 {{- range $name, $value := $own }}{{ $_ := set $robot $name $value }}{{ end -}}

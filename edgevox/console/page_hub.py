@@ -7,6 +7,7 @@ import asyncio
 import json
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from typing import Any, Protocol
 
 from edgevox.console.context import ConsoleContext
@@ -30,7 +31,7 @@ FLOOD = 4429
 """Close code: this page says far too much."""
 
 
-class Page(Protocol):
+class OpenPage(Protocol):
     """One open page, as the hub sees it."""
 
     session: Session
@@ -41,14 +42,14 @@ class Page(Protocol):
         """Close its socket."""
 
 
-class Hub:
+class PageHub:
     """Made and used on the loop's thread, from `open` to `close`."""
 
     def __init__(self, context: ConsoleContext, sessions: Sessions, clock: Clock) -> None:
         self.context = context
         self.sessions = sessions
         self.lease = Lease(clock)
-        self.pages: list[Page] = []
+        self.pages: list[OpenPage] = []
         self.workers = ThreadPoolExecutor(6, thread_name_prefix="console-worker")
         self.driving: Driving | None = None
         self.stops = object()
@@ -81,12 +82,12 @@ class Hub:
 
     # Who is there
 
-    def enter(self, page: Page) -> None:
+    def enter(self, page: OpenPage) -> None:
         """A page is there."""
         self.pages.append(page)
         self.lease.came(page.session.id)
 
-    def leave(self, page: Page) -> None:
+    def leave(self, page: OpenPage) -> None:
         """A page is gone; what it drove is halted."""
         if self.driving:
             self.driving.release(page)
@@ -103,7 +104,7 @@ class Hub:
         self.lease.tick()
         self.tell_lease()
 
-    def dismiss(self, page: Page) -> None:
+    def dismiss(self, page: OpenPage) -> None:
         """A page's session is over."""
         self.lease.revoke(page.session.id)
         self.tell_lease()
@@ -208,8 +209,9 @@ class Hub:
         self.tell({"type": "stop", **self.stop_of()}, "stop")
 
     def _soon(self, act: Callable[[], None]) -> None:
-        if self._loop and not self._loop.is_closed():
-            self._loop.call_soon_threadsafe(act)
+        if self._loop:
+            with suppress(RuntimeError):  # it was closed just now
+                self._loop.call_soon_threadsafe(act)
 
 
 def stop_json(state: StopState) -> dict[str, Any]:

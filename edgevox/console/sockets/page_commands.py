@@ -1,8 +1,8 @@
 """What a page asks for, as commands of the robot. On a worker thread: they may wait."""
 
-from edgevox.console import messages
+from edgevox.console import page_messages
 from edgevox.console.context import ConsoleContext
-from edgevox.console.messages import Message
+from edgevox.console.page_messages import Message
 from edgevox.console.sessions import Session
 from edgevox.core.commands import RunSkill, TextInput
 from edgevox.core.errors import EdgeVoxError
@@ -17,23 +17,23 @@ def act(context: ConsoleContext, session: Session, message: Message) -> None:
     """Do it. Raises `EdgeVoxError` for what cannot be done."""
     way = session.role.way
     match message:
-        case messages.Text(text=text):
+        case page_messages.Text(text=text):
             context.submit(TextInput(text, way))
-        case messages.Skill(name=name, arguments=arguments):
+        case page_messages.CallSkill(name=name, arguments=arguments):
             context.submit(RunSkill(name, arguments, way))
-        case messages.Answer(yes=yes):
+        case page_messages.YesOrNo(yes=yes):
             _answer(context, yes, way)
-        case messages.GoTo(x=x, y=y):
+        case page_messages.GoTo(x=x, y=y):
             if not context.go_to:
                 raise NotHere("goto: this robot goes nowhere")
             context.submit(context.go_to(x, y))
-        case messages.NamePlace(name=name, x=x, y=y):
+        case page_messages.NamePlace(name=name, x=x, y=y):
             if not context.name_place:
                 raise NotHere("name_place: this robot keeps no places")
             context.submit(context.name_place(name, x, y))
-        case messages.SetControl(name=name, value=value):
+        case page_messages.SetControl(name=name, value=value):
             context.controls.change({name: value})
-        case messages.Record(action=action):
+        case page_messages.Record(action=action):
             _record(context, action)
 
 

@@ -4,8 +4,8 @@ from ipaddress import ip_address
 from pathlib import Path
 
 from edgevox.console.certificates import local_names, own_tls
+from edgevox.console.console_server import ConsoleServer, Tls
 from edgevox.console.context import ConsoleContext
-from edgevox.console.server import ConsoleServer, Tls
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import Settings
 
@@ -16,7 +16,8 @@ def open_console(context: ConsoleContext, settings: Settings, folder: Path) -> C
     `folder` is the robot's own: who was let in, and its keys.
     """
     tls = tls_of(settings, folder)
-    return ConsoleServer(context, folder, settings.console_host, settings.console_port, tls=tls)
+    host, port, names = settings.console_host, settings.console_port, settings.console_names
+    return ConsoleServer(context, folder, host, port, tls=tls, names=names)
 
 
 def tls_of(settings: Settings, folder: Path) -> Tls | None:

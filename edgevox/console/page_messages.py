@@ -32,14 +32,14 @@ class Text(PageMessage):
     text: str = Field(min_length=1, max_length=4000)
 
 
-class Answer(PageMessage):
+class YesOrNo(PageMessage):
     """Yes or no to what it asked."""
 
     type: Literal["answer"]
     yes: bool
 
 
-class Skill(PageMessage):
+class CallSkill(PageMessage):
     """One skill, with its arguments by name."""
 
     type: Literal["skill"]
@@ -93,7 +93,7 @@ class Resume(PageMessage):
     type: Literal["resume"]
 
 
-class Lease(PageMessage):
+class ChangeLease(PageMessage):
     """Who commands: take it where it is free, give it away, ask for it."""
 
     needs: ClassVar[Needs] = "operator"
@@ -135,14 +135,14 @@ class Record(PageMessage):
 
 Message = (
     Text
-    | Answer
-    | Skill
+    | YesOrNo
+    | CallSkill
     | GoTo
     | NamePlace
     | Drive
     | Stop
     | Resume
-    | Lease
+    | ChangeLease
     | SetControl
     | Ping
     | Look

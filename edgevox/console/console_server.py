@@ -12,7 +12,7 @@ from aiohttp import web
 
 from edgevox.console.context import ConsoleContext
 from edgevox.console.door import Door
-from edgevox.console.hub import Hub
+from edgevox.console.page_hub import PageHub
 from edgevox.console.pairing import Code, Pairing
 from edgevox.console.sampling import sample
 from edgevox.console.sessions import Role, Sessions
@@ -41,7 +41,8 @@ class Tls:
 class ConsoleServer:
     """Listens from its making on. Raises `InvalidValue` where it cannot.
 
-    `folder` keeps who was let in. Without `tls` it speaks plain HTTP; whoever makes it has decided
+    `folder` keeps who was let in; the first of `names`, with commas between, is in its address
+    where it listens everywhere. Without `tls` it speaks plain HTTP; whoever makes it has decided
     that this may be.
     """
 
@@ -53,16 +54,18 @@ class ConsoleServer:
         port: int = 0,
         *,
         tls: Tls | None = None,
+        names: str = "",
         clock: Clock | None = None,
     ) -> None:
         self._tls = tls
         self._host = host
+        self._names = names
         self._context = _tls_context(tls) if tls else None
         self._socket = _listen(host, port)
         self.sessions = Sessions(folder)
         self.pairing = Pairing(folder)
         clock = clock or SystemClock()
-        self._hub = Hub(context, self.sessions, clock)
+        self._hub = PageHub(context, self.sessions, clock)
         authority = tls.authority.read_bytes() if tls and tls.authority else None
         self._site = Site(self._hub, self.pairing, clock, tls is not None, authority)
         self._loop = asyncio.new_event_loop()
@@ -78,7 +81,7 @@ class ConsoleServer:
     @property
     def url(self) -> str:
         """Where its page is, for a browser on this machine or one that knows the host by name."""
-        return console_url(self._host, self.port, self._tls is not None)
+        return console_url(self._host, self.port, self._tls is not None, self._names)
 
     def offer_code(self, role: Role = Role.OPERATOR) -> tuple[Code, str]:
         """A new pairing code, and the address that pairs with it. Raises `OSError`."""
@@ -112,9 +115,14 @@ class ConsoleServer:
         return (HealthCheck(NAME, lives(self._thread.is_alive), vital=False),)
 
     def status(self) -> Status:
-        """How many pages there are, and where."""
-        pages, commander = len(self._hub.pages), self._hub.commander
-        return Status.judged(NAME, url=self.url, pages=pages, commander=commander)
+        """How many pages and connections there are, and where."""
+        return Status.judged(
+            NAME,
+            url=self.url,
+            pages=len(self._hub.pages),
+            connections=len(self._site.door or ()),
+            commander=self._hub.commander,
+        )
 
     # On its own thread
 

@@ -1,0 +1,8 @@
+"""Many robots on one page: how each is, by its health, and where its console is. Read only.
+
+It holds no session of any robot, so that it cannot command one. It may import what `apps` may.
+"""
+
+from edgevox.apps.fleet.serve import FLEET_PORT, serve_fleet
+
+__all__ = ["FLEET_PORT", "serve_fleet"]

@@ -1,0 +1,32 @@
+"""A node starts, and finds who is there, when one of its peers has no address."""
+
+import os
+import subprocess
+import sys
+
+from guards import HUNG_S
+
+MAKE_A_NODE = "import rclpy; rclpy.init(); print(rclpy.create_node('here').get_name())"
+PEERS = "nobody.invalid;127.0.0.1"
+
+
+def _made(domain: int, *command: str) -> subprocess.CompletedProcess[str]:
+    peers = {"ROS_STATIC_PEERS": PEERS, "EDGEVOX_PEERS_WAIT_S": "0", "ROS_DOMAIN_ID": str(domain)}
+    return subprocess.run(
+        [*command, sys.executable, "-c", MAKE_A_NODE],
+        env=os.environ | peers,
+        capture_output=True,
+        text=True,
+        timeout=HUNG_S,
+    )
+
+
+def test_the_entrypoint_leaves_out_what_would_keep_a_node_from_starting(domain) -> None:
+    started = _made(domain, sys.executable, "-m", "edgevox.apps.container.start")
+
+    assert (started.stdout, started.returncode) == ("here\n", 0)
+    assert "no address of nobody.invalid" in started.stderr
+
+
+def test_without_it_the_middleware_makes_no_node_at_all(domain) -> None:
+    assert "Unable to resolve peer nobody.invalid" in _made(domain).stderr
