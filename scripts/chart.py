@@ -42,6 +42,7 @@ VARIABLES: Mapping[str, str] = {
     "discovery.server": "ROS_DISCOVERY_SERVER",
     "discovery.staticPeers": "ROS_STATIC_PEERS",
     "domain": "ROS_DOMAIN_ID",
+    "drainSeconds": "EDGEVOX_DRAIN_S",
     "framePrefix": "EDGEVOX_FRAME_PREFIX",
     "health.host": "EDGEVOX_HEALTH_HOST",
     "health.port": "EDGEVOX_HEALTH_PORT",
@@ -82,6 +83,7 @@ FIXED = (
 OF_THE_TABLE = ("agent", "discovery.peersWaitSeconds", "discovery.range", "domain", "language")
 OF_THE_TABLE += (
     "console.port",
+    "drainSeconds",
     "health.port",
     "logLevel",
     "llm.context",

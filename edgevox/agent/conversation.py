@@ -148,6 +148,11 @@ class Conversation:
         return self._inbox.closed or self._thread.ident is None or self._thread.is_alive()
 
     @property
+    def busy(self) -> bool:
+        """Whether any goal runs or waits to."""
+        return self._executor.busy
+
+    @property
     def refusals(self) -> Mapping[str, int]:
         """How much was not taken, by `Refusal`."""
         return self._inbox.refusals

@@ -14,6 +14,7 @@ from edgevox.apps.skill_setup import RobotSkills
 from edgevox.apps.voice import VoiceChain
 from edgevox.core.bus import Bus
 from edgevox.core.controls import Controls
+from edgevox.core.drain import Drain
 from edgevox.core.interlock import Interlock
 from edgevox.core.settings import Settings
 from edgevox.core.software_stop import SoftwareStop
@@ -61,6 +62,7 @@ class AgentParts:
     guard: Guard = field(default_factory=Guard)
     robot_skills: RobotSkills = field(default_factory=RobotSkills)
     software_stop: SoftwareStop = field(kw_only=True)
+    drain: Drain = field(kw_only=True)
 
     @property
     def skills(self) -> tuple[Skill, ...]:

@@ -15,6 +15,7 @@ from edgevox.apps.command_router import CommandRouter
 from edgevox.apps.components import list_components
 from edgevox.apps.console.serve_console import serve_console
 from edgevox.apps.decision import open_decider, open_phonemes
+from edgevox.apps.drain_setup import build_drain
 from edgevox.apps.free_text import free_text
 from edgevox.apps.metrics import read_bridge, read_parts, serve_metrics
 from edgevox.apps.model_choice import find_weights, open_model, open_without
@@ -92,6 +93,8 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
     )
     bus.subscribe(ControlChanged, lambda change: _follow(conversation, change))
     software_stop = SoftwareStop(interlock, bus, halt, because("software_stop"))
+    drain = build_drain(settings, interlock, bus, body, conversation)
+    health.offer(drain)
     queries = build_queries(
         controls,
         model_path,
@@ -133,6 +136,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
         guard,
         robot_skills,
         software_stop=software_stop,
+        drain=drain,
     )
 
 

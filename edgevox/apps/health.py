@@ -1,6 +1,8 @@
 """`edgevox-health`: asks a node that runs on this machine whether it is well; 0 if it is, else 1.
 
-Run every few seconds by container engines, it imports nothing that is slow to import.
+With `--drain` it has an agent let what moves come to its end and begin nothing new, and waits until
+its robot stands. Run every few seconds by container engines, it imports nothing that is slow to
+import.
 """
 
 import argparse
@@ -9,6 +11,7 @@ import ipaddress
 import json
 import os
 import sys
+import time
 from collections.abc import Sequence
 
 from edgevox.apps.streams import with_streams
@@ -17,6 +20,11 @@ WELL, UNWELL, USAGE_ERROR = 0, 1, 2
 PORT, HOST = "EDGEVOX_HEALTH_PORT", "EDGEVOX_HEALTH_HOST"
 LOOPBACK = {4: "127.0.0.1", 6: "::1"}
 TIMEOUT_S = 3.0
+DRAIN = "/drain"
+LOOK_S = 0.2
+"""How often a drain is looked at."""
+MARGIN_S = 2.0
+"""So much longer than it says is a drain waited for."""
 
 
 @with_streams("edgevox-health")
@@ -26,8 +34,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     if not 0 < arguments.port < 1 << 16:
         print(f"edgevox-health: {PORT} or --port: a port from 1 to 65535", file=sys.stderr)
         return USAGE_ERROR
+    look = _drain if arguments.path == DRAIN else _ask
     try:
-        status, text = _ask(reachable(arguments.host), arguments.port, arguments.path)
+        status, text = look(reachable(arguments.host), arguments.port, arguments.path)
     except (OSError, http.client.HTTPException) as error:
         print(f"edgevox-health: {arguments.host}:{arguments.port}: {error}", file=sys.stderr)
         return UNWELL
@@ -52,6 +61,7 @@ def _parser() -> argparse.ArgumentParser:
     for name, about in (
         ("live", "whether it can do its work, or should be started again"),
         ("ready", "whether everything is loaded and started (the default)"),
+        ("drain", "have it begin nothing new, and wait until its robot stands; it stays so"),
     ):
         what.add_argument(
             f"--{name}",
@@ -75,10 +85,27 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _ask(host: str, port: int, path: str) -> tuple[int, str]:
+def _drain(host: str, port: int, path: str) -> tuple[int, str]:
+    """Begin it, and ask until it is over or later than it said. Raises where the agent has gone."""
+    status, text = _ask(host, port, path, "PUT")
+    until_s = time.monotonic() + _within_s(text) + MARGIN_S
+    while status == http.client.ACCEPTED and time.monotonic() < until_s:
+        time.sleep(LOOK_S)
+        status, text = _ask(host, port, path)
+    return status, text
+
+
+def _within_s(text: str) -> float:
+    try:
+        return float(json.loads(text)["within_s"])
+    except (ValueError, KeyError, TypeError):
+        return 0.0
+
+
+def _ask(host: str, port: int, path: str, method: str = "GET") -> tuple[int, str]:
     connection = http.client.HTTPConnection(host, port, timeout=TIMEOUT_S)
     try:
-        connection.request("GET", path)
+        connection.request(method, path)
         answer = connection.getresponse()
         return answer.status, answer.read(1 << 16).decode("utf-8", "replace")
     finally:
@@ -89,6 +116,7 @@ def _readable(text: str) -> str:
     """One line: the status, and what each check found."""
     try:
         report = json.loads(text)
-        return f"{report['status']}: " + ", ".join(f"{k} {v}" for k, v in report["checks"].items())
+        checks = ", ".join(f"{k} {v}" for k, v in report.get("checks", {}).items())
+        return f"{report['status']}: {checks}" if checks else str(report["status"])
     except (ValueError, KeyError, TypeError, AttributeError):
         return text.strip()[:500]

@@ -20,7 +20,7 @@ def serve(settings: Settings, body: Body | None, ros_args: Sequence[str]) -> boo
     began_s = time.monotonic()
     with ExitStack() as stack:
         parts = build_parts(stack, settings, body)
-        with ShutdownSignals(settings.leave_s) as shutdown:
+        with ShutdownSignals(settings.leave_s, parts.drain) as shutdown:
             start_parts(stack, parts, ros_args)
             if settings.render and has_display() and isinstance(body, HasPicture):
                 start(stack, Viewer(body.picture, f"EdgeVox: {body.name}"))
@@ -30,4 +30,5 @@ def serve(settings: Settings, body: Body | None, ros_args: Sequence[str]) -> boo
                 run_terminal(parts, shutdown)
             finally:
                 log.info("shutting_down", agent=parts.name, reason=shutdown.signal or "left")
+                parts.drain.stand()  # before anything is closed, since that may hang
     return True

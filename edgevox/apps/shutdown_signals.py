@@ -1,4 +1,4 @@
-"""Turns SIGTERM and SIGHUP into an orderly end of the main thread."""
+"""Turns SIGTERM and SIGHUP into an orderly end of the main thread, once the robot stands."""
 
 import logging
 import os
@@ -8,6 +8,7 @@ import threading
 from collections.abc import Callable
 from types import FrameType, TracebackType
 
+from edgevox.core.drain import Drain
 from edgevox.core.log import get_logger
 
 log = get_logger(__name__)
@@ -15,6 +16,8 @@ log = get_logger(__name__)
 _SIGNALS = (signal.SIGTERM, signal.SIGHUP)
 STUCK = 70
 """EX_SOFTWARE of sysexits.h: asked to end, and something would not let go."""
+LAST_HALT_S = 0.5
+"""How long the body has to take its last halt, where all else hangs."""
 
 
 class Terminated(BaseException):
@@ -24,13 +27,18 @@ class Terminated(BaseException):
 class ShutdownSignals:
     """While entered, the first of these signals ends what the main thread does; more are ignored.
 
+    With a `drain`, SIGTERM begins that and ends the program when it is over; a second signal
+    ends it at once. SIGHUP and Ctrl-C do not wait: whoever was there has gone, or is.
+
     `gently`, if set, is asked to end it and says whether it will; else `Terminated` is raised,
     which an event loop would not let through. Whatever hangs then, the process is gone after
-    `leave_s` (the setting), with the exit code `STUCK`.
+    `leave_s` (the setting), with the exit code `STUCK`, and the body was halted before.
     """
 
-    def __init__(self, leave_s: float) -> None:
+    def __init__(self, leave_s: float, drain: Drain | None = None) -> None:
         self._leave_s = leave_s
+        self._drain = drain
+        self._draining = False
         self.gently: Callable[[], bool] | None = None
         self.signal = ""
         """The signal that arrived, such as SIGTERM; empty if none did."""
@@ -48,33 +56,55 @@ class ShutdownSignals:
     ) -> None:
         self._ignore()
         if isinstance(error, KeyboardInterrupt):
-            _leave_within(self._leave_s)
+            self._leave_within(self._leave_s)
 
     def _arrived(self, number: int, _frame: FrameType | None) -> None:
+        self.signal = self.signal or signal.Signals(number).name
+        if self._drain and number == signal.SIGTERM and not self._draining:
+            self._draining = True
+            self._begin(self._drain)
+            return
         self._ignore()
-        _leave_within(self._leave_s)
-        self.signal = signal.Signals(number).name
+        self._leave_within(self._leave_s)
         if self.gently is None or not self.gently():
             raise Terminated
+
+    def _begin(self, drain: Drain) -> None:
+        """Drain on another thread: this one may hold any lock, in the middle of anything."""
+        threading.Thread(
+            target=self._drain_then_end, args=(drain,), name="edgevox-leaving", daemon=True
+        ).start()
+
+    def _drain_then_end(self, drain: Drain) -> None:
+        drain.until_over(self.signal)
+        self._leave_within(self._leave_s)  # also where the main thread takes no signal any more
+        if main := threading.main_thread().ident:
+            signal.pthread_kill(main, signal.SIGTERM)  # to that thread, so that it wakes
 
     def _ignore(self) -> None:
         for one in (*_SIGNALS, signal.SIGINT):  # `ros2 launch` and people repeat their Ctrl-C
             signal.signal(one, signal.SIG_IGN)
 
+    def _leave_within(self, leave_s: float) -> None:
+        """End the process if it does not end by itself; a daemon, so it keeps nobody."""
+        late = threading.Timer(leave_s, self._give_up, (leave_s,))
+        late.daemon = True
+        late.start()
 
-def _leave_within(leave_s: float) -> None:
-    """End the process if it does not end by itself; a daemon, so it keeps nobody."""
-    late = threading.Timer(leave_s, _give_up, (leave_s,))
-    late.daemon = True
-    late.start()
+    def _give_up(self, waited_s: float) -> None:
+        self._halt()
+        held = sorted(one.name for one in threading.enumerate() if not one.daemon)
+        if logging.getLogger().handlers:
+            log.critical("leaving_late", waited_s=waited_s, threads=held)
+        else:  # the program itself is over, and its log with it
+            print(f"leaving without what does not end: {', '.join(held)}", file=sys.stderr)
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(STUCK)
 
-
-def _give_up(waited_s: float) -> None:
-    held = sorted(one.name for one in threading.enumerate() if not one.daemon)
-    if logging.getLogger().handlers:
-        log.critical("leaving_late", waited_s=waited_s, threads=held)
-    else:  # the program itself is over, and its log with it
-        print(f"leaving without what does not end: {', '.join(held)}", file=sys.stderr)
-    sys.stdout.flush()
-    sys.stderr.flush()
-    os._exit(STUCK)
+    def _halt(self) -> None:
+        """Nothing is left that would end what moves. The body may hang, too."""
+        if self._drain:
+            last = threading.Thread(target=self._drain.halt, name="edgevox-last-halt", daemon=True)
+            last.start()
+            last.join(LAST_HALT_S)

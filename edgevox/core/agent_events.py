@@ -23,6 +23,7 @@ class AgentEventKind(StrEnum):
     CONFIRMATION = "confirmation"
     PROGRAM = "program"
     SOFTWARE_STOP = "software_stop"
+    DRAIN = "drain"
 
 
 class GoalStatus(StrEnum):
@@ -144,6 +145,27 @@ class SoftwareStopChanged:
     by: str
 
 
+class DrainStatus(StrEnum):
+    """How far a drain is; it has no way back."""
+
+    DRAINING = "draining"
+    DRAINED = "drained"
+    NOT_STANDING = "not_standing"
+
+
+@dataclass(frozen=True, slots=True)
+class DrainChanged:
+    """The agent is to end: what moves may come to its end within so many seconds, nothing new
+    begins. Then the robot stands (`drained`), or was halted and is not seen to stand. `by` says
+    who asked, for people.
+    """
+
+    kind: ClassVar = AgentEventKind.DRAIN
+    status: DrainStatus
+    by: str
+    within_s: float
+
+
 class ConfirmationStatus(StrEnum):
     """Where a question is in its life: it is asked once, and ends once, as one of the others."""
 
@@ -216,6 +238,7 @@ AgentEvent = (
     | Confirmation
     | ProgramChanged
     | SoftwareStopChanged
+    | DrainChanged
 )
 """Whoever subscribes to this on the bus hears all of them."""
 

@@ -16,11 +16,13 @@ class Holder(StrEnum):
 
     PRESENCE = "presence"
     SOFTWARE_STOP = "software_stop"
+    DRAIN = "drain"
 
 
 class Interlock:
     """Whoever would move the body asks `reason` first; whoever forbids it calls `engage`.
 
+    Who calls `refuse` forbids only what is new: what moves may go on to its end.
     It may have several holders, and motion is allowed again when the last has released it. To stop
     is never forbidden. Every method may be called from any thread.
     """
@@ -28,17 +30,23 @@ class Interlock:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._held: Mapping[Holder, Reason] = {}
+        self._refused: Mapping[Holder, Reason] = {}
         self._listeners: tuple[Callable[[Reason], Tell | None], ...] = ()
 
     @property
     def reason(self) -> Reason:
-        """Why the body may not be moved, by who has forbidden it longest; none if it may."""
-        return next(iter(self._held.values()), NO_REASON)
+        """Why nothing may begin to move, by who has forbidden it longest; none if it may."""
+        return next(iter(self.holders.values()), NO_REASON)
 
     @property
     def holders(self) -> Mapping[Holder, Reason]:
         """Who forbids motion, and why; who has done so longest comes first."""
-        return self._held
+        return {**self._held, **self._refused}
+
+    def refuse(self, holder: Holder, reason: Reason) -> None:
+        """Let nothing new begin to move until this holder releases it; what moves goes on."""
+        with self._lock:
+            self._refused = {**self._refused, holder: reason}
 
     def engage(self, holder: Holder, reason: Reason) -> None:
         """Forbid motion until this holder releases it, and have what moves already ended."""
@@ -56,7 +64,8 @@ class Interlock:
         Nothing moves by itself then.
         """
         with self._lock:
-            self._held = {who: why for who, why in self._held.items() if who is not holder}
+            self._held = _without(holder, self._held)
+            self._refused = _without(holder, self._refused)
 
     def on_engage(self, listener: Callable[[Reason], Tell | None]) -> None:
         """Call it with the reason whenever motion was allowed and is no more.
@@ -65,6 +74,10 @@ class Interlock:
         """
         with self._lock:
             self._listeners = (*self._listeners, listener)
+
+
+def _without(holder: Holder, held: Mapping[Holder, Reason]) -> Mapping[Holder, Reason]:
+    return {who: why for who, why in held.items() if who is not holder}
 
 
 class InterlockComponent:

@@ -246,6 +246,13 @@ class Settings(BaseSettings):
         description="what does not let go so many seconds after SIGTERM is left behind; less than "
         "what its supervisor waits before it kills",
     )
+    drain_s: float = Field(
+        0.0,
+        ge=0.0,
+        le=3600.0,
+        description="how many seconds a goal may go on after SIGTERM or `edgevox-health --drain`"
+        " before it is cancelled; 0: none. Its supervisor waits longer than drain_s + leave_s",
+    )
 
     @classmethod
     def settings_customise_sources(

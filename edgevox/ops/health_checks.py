@@ -7,6 +7,7 @@ means alive, everything loaded and started, and nothing missing that it was aske
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from edgevox.core.drain import Drain
 from edgevox.core.status import Components, HealthCheck
 
 
@@ -37,9 +38,15 @@ class Health:
 
     def __init__(self, components: Components) -> None:
         self._components = components
+        self.drain: Drain | None = None
         self._own: tuple[HealthCheck, ...] = (
             HealthCheck("start", lambda: "starting", vital=False),
         )
+
+    def offer(self, drain: Drain) -> None:
+        """Let whoever may ask for this drain; from its beginning on it is not ready."""
+        self.drain = drain
+        self.add(HealthCheck("drain", lambda: str(drain.status or ""), vital=False))
 
     def add(self, check: HealthCheck) -> None:
         """Ask this, too."""

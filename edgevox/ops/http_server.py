@@ -6,6 +6,7 @@ for one, and a web framework would be much for a handful of pages.
 """
 
 import asyncio
+import ipaddress
 import json
 import socket
 import threading
@@ -47,8 +48,9 @@ class HttpServer:
 
     `pages` gives by path what makes a page, on that thread: quickly. Who is slow to ask or to hear
     is hung up on, at once where others come: whoever asks is answered, however many connections
-    somebody holds. Raises `InvalidValue`, naming the setting that gave the port, where it cannot
-    listen.
+    somebody holds. `orders` are the same for PUT, from this machine only: a page in a browser may
+    not send PUT elsewhere unasked. Raises `InvalidValue`, naming the setting that gave the port,
+    where it cannot listen.
     """
 
     def __init__(
@@ -59,8 +61,10 @@ class HttpServer:
         *,
         setting: str,
         name: str,
+        orders: Mapping[str, Callable[[], Page]] | None = None,
     ) -> None:
         self._pages = dict(pages)
+        self._orders = dict(orders or {})
         self._socket = _listen(host, port, setting)
         self._loop = asyncio.new_event_loop()
         self._closed = asyncio.Event()
@@ -124,7 +128,8 @@ class HttpServer:
     async def _answer(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         head = await reader.readuntil(b"\r\n\r\n")
         method, _, rest = head.split(b"\r\n", 1)[0].decode("latin-1").partition(" ")
-        page = self._page(method, rest.partition(" ")[0].partition("?")[0])
+        peer = str((writer.get_extra_info("peername") or ("",))[0])
+        page = self._page(method, rest.partition(" ")[0].partition("?")[0], peer)
         allow = "Allow: GET, HEAD\r\n" if page.status is HTTPStatus.METHOD_NOT_ALLOWED else ""
         writer.write(
             f"HTTP/1.1 {page.status.value} {page.status.phrase}\r\n"
@@ -134,12 +139,27 @@ class HttpServer:
         writer.write(b"" if method == "HEAD" else page.body)
         await writer.drain()
 
-    def _page(self, method: str, path: str) -> Page:
+    def _page(self, method: str, path: str, peer: str) -> Page:
+        if method == "PUT" and path in self._orders:
+            return self._orders[path]() if is_here(peer) else _FROM_HERE_ONLY
         if method not in ("GET", "HEAD"):
             return json_page({"error": "only GET and HEAD"}, HTTPStatus.METHOD_NOT_ALLOWED)
         if path not in self._pages:
             return json_page({"error": "only " + " and ".join(self._pages)}, HTTPStatus.NOT_FOUND)
         return self._pages[path]()
+
+
+_FROM_HERE_ONLY = json_page({"error": "only from this machine"}, HTTPStatus.FORBIDDEN)
+
+
+def is_here(peer: str) -> bool:
+    """Whether an address is this machine's loopback, also as IPv6 writes one of IPv4."""
+    try:
+        address = ipaddress.ip_address(peer.partition("%")[0])
+    except ValueError:
+        return False
+    mapped = address.ipv4_mapped if isinstance(address, ipaddress.IPv6Address) else None
+    return (mapped or address).is_loopback
 
 
 def _listen(host: str, port: int, setting: str) -> socket.socket:

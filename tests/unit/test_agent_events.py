@@ -12,6 +12,8 @@ from edgevox.core.agent_events import (
     AskedCall,
     Confirmation,
     ConfirmationStatus,
+    DrainChanged,
+    DrainStatus,
     GoalCancelled,
     GoalChanged,
     GoalRejected,
@@ -98,6 +100,10 @@ EVENTS = (
     (
         SoftwareStopChanged(engaged=True, by="a phone"),
         '{"kind": "software_stop", "engaged": true, "by": "a phone"}',
+    ),
+    (
+        DrainChanged(DrainStatus.DRAINING, "SIGTERM", 20.0),
+        '{"kind": "drain", "status": "draining", "by": "SIGTERM", "within_s": 20.0}',
     ),
     (
         Confirmation(

@@ -368,3 +368,13 @@ def test_the_longest_names_fit() -> None:
 
     assert max(map(len, names)) <= 52
     assert not [name for name in names if name.endswith("-")]
+
+
+@pytest.mark.parametrize(("drain_s", "grace_s"), [(20, 30), (0, 10), (2.5, 13)])
+def test_a_pod_drains_first_and_is_killed_later_than_that_takes(drain_s, grace_s) -> None:
+    pod = pods(FLEET | {"drainSeconds": drain_s})["robot1"]
+    hook = pod["containers"][0]["lifecycle"]["preStop"]
+
+    assert hook == {"exec": {"command": ["edgevox-health", "--drain"]}}
+    assert float(environment(pod)["EDGEVOX_DRAIN_S"]) == drain_s
+    assert pod["terminationGracePeriodSeconds"] == grace_s

@@ -6,11 +6,13 @@ import json
 import math
 import socket
 import threading
+from types import SimpleNamespace
 
 import pytest
 from clocks import HeldClock
 
 from edgevox.apps import health as command
+from edgevox.core.agent_events import DrainStatus
 from edgevox.core.errors import InvalidValue
 from edgevox.core.heartbeat import Heartbeat
 from edgevox.core.old_names import ENV_PREFIX
@@ -18,7 +20,7 @@ from edgevox.core.settings import Settings
 from edgevox.core.status import STALL_S, Components, HealthCheck, lives, moves
 from edgevox.ops.health_checks import Health
 from edgevox.ops.health_server import HealthServer
-from edgevox.ops.http_server import MOST_AT_ONCE
+from edgevox.ops.http_server import MOST_AT_ONCE, is_here
 from edgevox.robots.sim_loop import SimLoop
 
 
@@ -62,6 +64,78 @@ def test_what_is_missing_makes_it_not_ready_and_what_is_dead_not_alive(health, s
     fault.update(rclpy="", body="has not moved for 7.0 s")
     assert (ask(server)[0], ask(server, "/ready")[0]) == (503, 503)
     assert ask(server)[1]["checks"] == {"body": "has not moved for 7.0 s"}
+
+
+class Drains:
+    """As a drain, whose end a test brings about."""
+
+    limit_s = 0.5
+
+    def __init__(self):
+        self.status, self.asked = None, []
+
+    def begin(self, by):
+        self.asked.append(by)
+        self.status = self.status or DrainStatus.DRAINING
+
+
+def test_who_drains_is_alive_and_not_ready(health, server):
+    health.started()
+    drain = Drains()
+    health.offer(drain)
+    assert ask(server, "/ready")[0] == 200
+    drain.begin("SIGTERM")
+    status, told = ask(server, "/ready")
+    assert (status, told["checks"]["drain"]) == (503, "draining")
+    assert ask(server)[0] == 200
+
+
+def test_a_drain_is_begun_by_put_and_told_until_it_is_over(health, server):
+    assert ask(server, "/drain", "PUT")[0] == 503
+    drain = Drains()
+    health.offer(drain)
+    assert ask(server, "/drain")[0] == 404
+    assert ask(server, "/drain", "POST")[0] == 405
+    assert drain.asked == [], "nothing but PUT begins it"
+    assert ask(server, "/drain", "PUT") == (202, {"status": "draining", "within_s": 0.5})
+    assert drain.asked == ["edgevox-health"]
+    for status, code in ((DrainStatus.DRAINED, 200), (DrainStatus.NOT_STANDING, 500)):
+        drain.status = status
+        assert ask(server, "/drain") == (code, {"status": str(status), "within_s": 0.5})
+
+
+@pytest.mark.parametrize(
+    ("peer", "here"),
+    [
+        ("127.0.0.1", True),
+        ("::1", True),
+        ("::ffff:127.0.0.1", True),
+        ("fe80::1%eth0", False),
+        ("10.1.2.3", False),
+        ("::ffff:10.1.2.3", False),
+        ("", False),
+    ],
+)
+def test_only_this_machine_may_begin_one(peer, here):
+    assert is_here(peer) is here
+
+
+@pytest.mark.parametrize(
+    ("ends", "code"), [(DrainStatus.DRAINED, 0), (DrainStatus.NOT_STANDING, 1), (None, 1)]
+)
+def test_the_command_waits_for_a_drain_and_tells_how_it_ended(
+    health, server, monkeypatch, capsys, ends, code
+):
+    drain, now_s = Drains(), [0.0]
+    health.offer(drain)
+
+    def sleep(seconds):
+        now_s[0] += seconds
+        drain.status = ends or drain.status
+
+    monkeypatch.setattr(command, "time", SimpleNamespace(sleep=sleep, monotonic=lambda: now_s[0]))
+    assert command.main(["--drain", "--port", str(server.port)]) == code
+    assert capsys.readouterr().out.strip() == str(ends or DrainStatus.DRAINING)
 
 
 def test_a_check_that_breaks_is_a_finding(health, server):

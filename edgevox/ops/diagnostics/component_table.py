@@ -70,7 +70,8 @@ COMPONENTS: tuple[ComponentRow, ...] = (
     ComponentRow(
         ComponentName.INTERLOCK,
         "who forbids all motion at the moment, if anybody does",
-        "motion is forbidden: the software stop is pressed, or another agent is in charge",
+        "motion is forbidden: the software stop is pressed, another agent is in charge, or a drain"
+        " has begun",
         "",
         "look that nobody is in the way, then resume where it was stopped; `presence` says who"
         " else is there",

@@ -8,6 +8,8 @@ from typing import Any, TypeVar
 from edgevox.core.agent_events import (
     AgentEvent,
     Confirmation,
+    DrainChanged,
+    DrainStatus,
     GoalCancelled,
     GoalChanged,
     GoalStatus,
@@ -131,6 +133,10 @@ class BusLog:
                 )
             case SoftwareStopChanged(engaged=engaged, by=by):
                 log.warning("software_stop", engaged=engaged, by=by)
+            case DrainChanged(status=DrainStatus.NOT_STANDING, by=by):
+                log.error("drain_not_standing", by=by)
+            case DrainChanged(status=status, by=by, within_s=within_s):
+                log.info("drain", status=str(status), by=by, within_s=within_s)
             case _:  # how far a goal is; and whoever rejects a goal says so itself
                 pass
 

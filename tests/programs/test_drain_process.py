@@ -1,0 +1,89 @@
+"""A process that is asked to end halts its robot first, whatever hangs in it."""
+
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from guards import HUNG_S
+
+from edgevox.apps.shutdown_signals import STUCK
+
+PROGRAM = """
+import sys, threading, time
+from contextlib import ExitStack
+from edgevox.agent.reasons import because
+from edgevox.apps.shutdown_signals import ShutdownSignals, Terminated
+from edgevox.core.bus import Bus
+from edgevox.core.drain import Drain
+from edgevox.core.interlock import Interlock
+
+def say(word): print(word, flush=True)
+def hang(*_): threading.Event().wait()
+what = sys.argv[1]
+interlock = Interlock()
+if what == "interlock":
+    interlock.on_engage(hang)
+drain = Drain(
+    interlock, Bus(), halt=lambda _: say("halt"), stands=lambda: True, busy=lambda: what == "goal",
+    reason=because("draining"), bound_s=0.2 if what != "goal" else 600.0, stand_s=0.2,
+)
+with ShutdownSignals(0.5, drain) as signals:
+    say("ready")
+    try:
+        while True:
+            time.sleep(1.0)
+    except Terminated:
+        pass
+    finally:
+        say("unwinding")
+        drain.stand()
+        if what == "closing":
+            hang()
+say("closed")
+"""
+
+
+def run(what, *signals):
+    """What it says until it ends, and its exit code."""
+    program = subprocess.Popen(
+        [sys.executable, "-c", PROGRAM, what],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    )
+    assert program.stdout.readline() == "ready\n"
+    for number in signals:
+        program.send_signal(number)
+        time.sleep(0.1)  # two of one kind at the same time are one
+    said, _ = program.communicate(timeout=HUNG_S)
+    return said.split(), program.returncode
+
+
+def test_it_halts_before_it_unwinds():
+    said, code = run("nothing", signal.SIGTERM)
+    assert said[0] == "halt"
+    assert (said[-1], code) == ("closed", 0)
+
+
+def test_what_hangs_while_it_closes_finds_the_robot_halted_and_is_left_behind():
+    said, code = run("closing", signal.SIGTERM)
+    assert said.index("halt") < said.index("unwinding")
+    assert (said[-1], code) == ("halt", STUCK), "once more, last of all"
+
+
+def test_where_even_the_interlock_hangs_the_body_is_halted_before_the_end():
+    said, code = run("interlock", signal.SIGTERM)
+    assert (said, code) == (["unwinding", "halt", "closed"], 0)
+
+
+@pytest.mark.parametrize("second", [signal.SIGTERM, signal.SIGHUP])
+def test_a_second_signal_ends_it_while_a_goal_still_runs(second):
+    said, code = run("goal", signal.SIGTERM, second)
+    assert (said, code) == (["unwinding", "halt", "closed"], 0)
+
+
+def test_who_hangs_up_does_not_wait_for_a_goal():
+    said, code = run("goal", signal.SIGHUP)
+    assert (said, code) == (["unwinding", "halt", "closed"], 0)
