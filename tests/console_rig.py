@@ -10,12 +10,13 @@ from typing import Any
 
 import aiohttp
 
-from edgevox.console.context import ConsoleContext, StopState
+from edgevox.console.context import ConsoleContext
 from edgevox.console.server import ConsoleServer, Tls
 from edgevox.console.sessions import Role
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Command
 from edgevox.core.controls import Controls
+from edgevox.core.software_stop import StopState
 
 WAIT_S = 30.0
 

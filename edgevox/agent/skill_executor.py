@@ -19,7 +19,7 @@ from edgevox.core.agent_events import GoalStatus, ToolCalled
 from edgevox.core.bus import Bus
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import Outcome
-from edgevox.core.interlock import Interlock
+from edgevox.core.interlock import Interlock, Tell
 from edgevox.core.reason import NO_REASON, Reason
 from edgevox.core.ways import Way
 
@@ -36,8 +36,11 @@ class Follower(Protocol):
     def stop_called(self) -> None:
         """The skill that stops is about to begin."""
 
-    def motion_forbidden(self, reason: Reason) -> None:
-        """Nothing may move from now on; what moves is about to be ended."""
+    def motion_forbidden(self, reason: Reason) -> Tell:
+        """Nothing may move from now on: let nothing begin to. What moves is about to be ended.
+
+        What this returns tells of it, and is called once all that moved was ended.
+        """
 
 
 class SkillExecutor:
@@ -258,16 +261,20 @@ class SkillExecutor:
         """Why these may not run; none if they may."""
         return self._interlock.reason if any(skill.drives for skill in skills) else NO_REASON
 
-    def _stand(self, reason: Reason) -> None:
-        """End what moves, and say why. Motion that begins after this is refused."""
-        moved = self.moving
-        for follower in self._followers:
-            follower.motion_forbidden(reason)
+    def _stand(self, reason: Reason) -> Tell:
+        """End what moves; what this returns says why. Motion that begins after this is refused."""
+        tell_those = [follower.motion_forbidden(reason) for follower in self._followers]
         with self._gate:
             ended = self._runner.cancel_motion(reason)
-        if ended or (moved and moved.token.cancelled):  # a program ended its own by itself
-            phrases = self._phrases()
-            self._announce(phrases.failure(reason), detail(phrases, reason))
+
+        def tell() -> None:
+            for tell_one in tell_those:
+                tell_one()
+            if ended:
+                phrases = self._phrases()
+                self._announce(phrases.failure(reason), detail(phrases, reason))
+
+        return tell
 
     def _stopping(self, goals: Sequence[Goal]) -> None:
         if any(goal.skill.name == STOP for goal in goals):

@@ -16,6 +16,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.controls import Controls
 from edgevox.core.interlock import Interlock
 from edgevox.core.settings import Settings
+from edgevox.core.software_stop import SoftwareStop
 from edgevox.core.status import Components
 from edgevox.ops.health_checks import Health
 from edgevox.robots.capabilities import Body
@@ -59,6 +60,7 @@ class AgentParts:
     interlock: Interlock = field(default_factory=Interlock)
     guard: Guard = field(default_factory=Guard)
     robot_skills: RobotSkills = field(default_factory=RobotSkills)
+    software_stop: SoftwareStop = field(kw_only=True)
 
     @property
     def skills(self) -> tuple[Skill, ...]:

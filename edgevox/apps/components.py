@@ -11,6 +11,7 @@ from edgevox.apps.agent_parts import AgentParts
 from edgevox.apps.folders import written_folders
 from edgevox.apps.policy_setup import known_names
 from edgevox.core.gauges import Gauges
+from edgevox.core.interlock import InterlockComponent
 from edgevox.core.status import Component, ComponentName, Off
 from edgevox.ops.diagnostics.disk import DiskComponent
 from edgevox.ops.diagnostics.process import ProcessComponent
@@ -31,6 +32,8 @@ def list_components(parts: AgentParts, gauges: Gauges) -> None:
         SimComponent(parts.body) if parts.body else Off(ComponentName.SIM, "no robot"),
         Off(ComponentName.EXECUTOR, "no ROS 2"),
         Off(ComponentName.PRESENCE, "no ROS 2"),
+        InterlockComponent(parts.interlock),
+        Off(ComponentName.CONSOLE, "not asked for"),
         PolicyComponent(parts.guard, lambda: known_names(parts.skills)),
         DiskComponent(lambda: written_folders(parts.settings)),
         ProcessComponent(parts.health, __version__, lambda: parts.conversation.refusals),

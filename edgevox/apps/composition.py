@@ -9,9 +9,11 @@ from edgevox.agent.llm.language_model import LanguageModel, ModelFailed
 from edgevox.agent.llm.prefill import PromptPrefill
 from edgevox.agent.nlu.endings import Endings
 from edgevox.agent.programs.senses import NO_SENSES
+from edgevox.agent.reasons import because
 from edgevox.apps.agent_parts import AgentParts, Startable
 from edgevox.apps.command_router import CommandRouter
 from edgevox.apps.components import list_components
+from edgevox.apps.console.serve_console import serve_console
 from edgevox.apps.decision import open_decider, open_phonemes
 from edgevox.apps.free_text import free_text
 from edgevox.apps.metrics import read_bridge, read_parts, serve_metrics
@@ -29,6 +31,7 @@ from edgevox.core.gauges import Gauges
 from edgevox.core.interlock import Interlock
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
+from edgevox.core.software_stop import SoftwareStop
 from edgevox.core.status import Components, HealthCheck, lives
 from edgevox.models import ModelMissing
 from edgevox.ops.health_checks import Health
@@ -71,10 +74,11 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
     if model:
         stack.callback(model.close)
     interlock = Interlock()
+    halt = body.halt if body else lambda _: False
     conversation = Conversation(
         agents,
         bus,
-        halt=body.halt if body else lambda _: False,
+        halt=halt,
         model=model,
         speech_output=voice.speech_output if voice else None,
         language=settings.language,
@@ -87,6 +91,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
         senses=senses_of(body) if body else NO_SENSES,
     )
     bus.subscribe(ControlChanged, lambda change: _follow(conversation, change))
+    software_stop = SoftwareStop(interlock, bus, halt, because("software_stop"))
     queries = build_queries(
         controls,
         model_path,
@@ -127,6 +132,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
         interlock,
         guard,
         robot_skills,
+        software_stop=software_stop,
     )
 
 
@@ -152,6 +158,8 @@ def start_parts(stack: ExitStack, parts: AgentParts, ros_args: Sequence[str] = (
         read_bridge(parts, bridge)
         start(stack, bridge)
         print(f"ROS 2: {bridge.where}", flush=True)
+    if parts.settings.console:
+        serve_console(stack, parts)
     prefill = _prefill(stack, parts)
     start(stack, parts.conversation)  # after the bridge, so that its first state is heard there
     if parts.voice and parts.listener:

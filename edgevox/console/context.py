@@ -11,32 +11,8 @@ from numpy.typing import NDArray
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Command
 from edgevox.core.controls import Controls
+from edgevox.core.software_stop import SoftwareStop
 from edgevox.core.ways import Way
-
-
-@dataclass(frozen=True, slots=True)
-class StopState:
-    """Whether the software stop is engaged, by whom, and since when, in Unix seconds."""
-
-    engaged: bool = False
-    by: str = ""
-    since: float | None = None
-
-
-class SoftwareStop(Protocol):
-    """A stop that latches until somebody resumes. Every method may be called from any thread."""
-
-    def stop(self, who: str) -> None:
-        """Halt everything that moves and forbid motion, before this returns. Never waits."""
-
-    def resume(self, who: str) -> None:
-        """Allow motion again; nothing moves by itself."""
-
-    @property
-    def state(self) -> StopState: ...
-
-    def listen(self, listener: Callable[[StopState], None]) -> Callable[[], None]:
-        """Call it whenever the state is another, on any thread; returns a way to forget it."""
 
 
 class ConsoleRobot(Protocol):

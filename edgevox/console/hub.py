@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from typing import Any, Protocol
 
-from edgevox.console.context import ConsoleContext, StopState
+from edgevox.console.context import ConsoleContext
 from edgevox.console.driving import Driving
 from edgevox.console.lease import Lease, LeaseState
 from edgevox.console.outbox import Outbox
@@ -19,6 +19,7 @@ from edgevox.console.talk import Shown, messages_of
 from edgevox.core.clock import Clock
 from edgevox.core.events import ControlChanged, Event
 from edgevox.core.log import get_logger
+from edgevox.core.software_stop import StopState
 
 log = get_logger(__name__)
 

@@ -22,6 +22,7 @@ class AgentEventKind(StrEnum):
     SAFETY_PREEMPT = "safety_preempt"
     CONFIRMATION = "confirmation"
     PROGRAM = "program"
+    SOFTWARE_STOP = "software_stop"
 
 
 class GoalStatus(StrEnum):
@@ -134,6 +135,15 @@ class SafetyPreempted:
     heard_by: HeardBy = HeardBy.WORDS
 
 
+@dataclass(frozen=True, slots=True)
+class SoftwareStopChanged:
+    """Somebody stopped the robot until somebody resumes, or resumed; `by` says who, for people."""
+
+    kind: ClassVar = AgentEventKind.SOFTWARE_STOP
+    engaged: bool
+    by: str
+
+
 class ConfirmationStatus(StrEnum):
     """Where a question is in its life: it is asked once, and ends once, as one of the others."""
 
@@ -205,6 +215,7 @@ AgentEvent = (
     | SafetyPreempted
     | Confirmation
     | ProgramChanged
+    | SoftwareStopChanged
 )
 """Whoever subscribes to this on the bus hears all of them."""
 

@@ -33,6 +33,8 @@ class ComponentName(StrEnum):
     SIM = "sim"
     EXECUTOR = "executor"
     PRESENCE = "presence"
+    INTERLOCK = "interlock"
+    CONSOLE = "console"
     POLICY = "policy"
     DISK = "disk"
     PROCESS = "process"

@@ -205,6 +205,12 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
             "collisions": collisions,
         }
 
+    def way(self) -> tuple[Point, ...]:
+        """The path that is still to be driven; empty where it drives nowhere by itself."""
+        with self._lock:
+            drive = self._mux.motion
+            return drive.way() if drive else ()
+
     def draw_map(self, columns: int) -> str:
         with self._lock:
             pose, movable = self._run.motion.pose, self._engine.movable_poses()

@@ -12,7 +12,7 @@ from peer import RELIABLE, Peer
 from waiting import wait_until
 
 COMPONENTS = ["audio", "stt", "llm", "tts", "sim"]
-COMPONENTS += ["executor", "presence", "policy", "disk", "process"]
+COMPONENTS += ["executor", "presence", "interlock", "console", "policy", "disk", "process"]
 EDGEVOX = str(Path(AGENT).with_name("edgevox"))
 
 

@@ -20,6 +20,7 @@ from edgevox.core.agent_events import (
     ProgramChanged,
     ProgramStatus,
     SafetyPreempted,
+    SoftwareStopChanged,
     ToolCalled,
     as_json,
 )
@@ -93,6 +94,10 @@ EVENTS = (
     (
         SafetyPreempted("halt", stopped=False),
         '{"kind": "safety_preempt", "word": "halt", "stopped": false, "heard_by": "words"}',
+    ),
+    (
+        SoftwareStopChanged(engaged=True, by="a phone"),
+        '{"kind": "software_stop", "engaged": true, "by": "a phone"}',
     ),
     (
         Confirmation(

@@ -12,7 +12,7 @@ from edgevox.core.agent_events import GoalStatus
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Interrupt, RunSkill, TextInput
 from edgevox.core.events import Responded
-from edgevox.core.interlock import Interlock
+from edgevox.core.interlock import Holder, Interlock
 from edgevox.core.languages import LANGUAGES
 from edgevox.ros2.presence.sharing import NOT_IN_CHARGE
 
@@ -68,7 +68,7 @@ def rig():
 
 
 def test_a_sentence_that_moves_is_refused_with_the_reason_and_the_others_are_answered(rig):
-    rig.interlock.engage(NOT_IN_CHARGE)
+    rig.interlock.engage(Holder.PRESENCE, NOT_IN_CHARGE)
     assert rig.say("drive") == REFUSED
     assert rig.say("where are you") == "Here."
     assert rig.say("hold your position") == "Stopping."
@@ -76,7 +76,7 @@ def test_a_sentence_that_moves_is_refused_with_the_reason_and_the_others_are_ans
 
 
 def test_a_program_and_a_command_are_refused_too(rig):
-    rig.interlock.engage(NOT_IN_CHARGE)
+    rig.interlock.engage(Holder.PRESENCE, NOT_IN_CHARGE)
     for ask in (rig.talk.check_goal, rig.talk.start_goal):
         with pytest.raises(SkillFailed, match="Another agent is in charge"):
             ask("drive", {})
@@ -90,8 +90,8 @@ def test_a_program_and_a_command_are_refused_too(rig):
 def test_what_moves_when_it_is_engaged_ends_and_that_is_said_once(rig):
     goal = rig.talk.start_goal("drive", {})
     assert rig.driving.wait(WAIT_S)
-    rig.interlock.engage(NOT_IN_CHARGE)
-    rig.interlock.engage(NOT_IN_CHARGE)
+    rig.interlock.engage(Holder.PRESENCE, NOT_IN_CHARGE)
+    rig.interlock.engage(Holder.PRESENCE, NOT_IN_CHARGE)
     assert goal.wait(WAIT_S)
     assert (goal.status, goal.error) == (GoalStatus.CANCELLED, str(NOT_IN_CHARGE))
     assert rig.talk.wait_idle(WAIT_S)
@@ -99,16 +99,16 @@ def test_what_moves_when_it_is_engaged_ends_and_that_is_said_once(rig):
 
 
 def test_a_stop_word_and_an_interrupt_halt_the_body_all_the_same(rig):
-    rig.interlock.engage(NOT_IN_CHARGE)
+    rig.interlock.engage(Holder.PRESENCE, NOT_IN_CHARGE)
     assert rig.say("stop") == "I am standing still."
     rig.talk.submit(Interrupt())
     assert len(rig.halts) == 2
 
 
 def test_released_it_moves_when_it_is_asked_to_and_not_by_itself(rig):
-    rig.interlock.engage(NOT_IN_CHARGE)
+    rig.interlock.engage(Holder.PRESENCE, NOT_IN_CHARGE)
     rig.say("drive")
-    rig.interlock.release()
+    rig.interlock.release(Holder.PRESENCE)
     assert not rig.driving.is_set()
     rig.talk.submit(TextInput("drive"))
     assert rig.driving.wait(WAIT_S)

@@ -10,6 +10,7 @@ from edgevox.agent.programs.program_limits import LONGEST_RUN_S, LONGEST_WAIT_S,
 from edgevox.agent.programs.waits import LOOK_EVERY_S
 from edgevox.core.commands import CancelProgram, Interrupt, Reset
 from edgevox.core.errors import InvalidValue
+from edgevox.core.interlock import Holder
 from edgevox.core.reason import Reason
 
 PATROL = "patrol between the kitchen and the office until I say stop"
@@ -239,9 +240,9 @@ def test_motion_that_is_forbidden_ends_what_waits_and_nothing_moves_when_it_is_a
 ):
     talk.say(LATER)
     talk.time.advance(waited_s)
-    talk.interlock.engage(Reason("another agent is in charge"))
+    talk.interlock.engage(Holder.PRESENCE, Reason("another agent is in charge"))
     talk.until(lambda: any("I have dropped this" in one for one in talk.said))
-    talk.interlock.release()
+    talk.interlock.release(Holder.PRESENCE)
     talk.time.advance(3600)
     assert not talk.body.sent
     assert talk.statuses()[-1] == "cancelled"
@@ -250,16 +251,16 @@ def test_motion_that_is_forbidden_ends_what_waits_and_nothing_moves_when_it_is_a
 def test_motion_that_is_forbidden_ends_a_patrol(talk):
     talk.say(PATROL)
     talk.body.starts_until(1)
-    talk.interlock.engage(Reason("another agent is in charge"))
+    talk.interlock.engage(Holder.PRESENCE, Reason("another agent is in charge"))
     talk.until_said("I could not do that: another agent is in charge.")
-    talk.interlock.release()
+    talk.interlock.release(Holder.PRESENCE)
     talk.ended()
     assert talk.body.sent == ["kitchen"]
     assert "With that, the order before is off." not in talk.said
 
 
 def test_while_motion_is_forbidden_no_order_for_later_is_kept(talk):
-    talk.interlock.engage(Reason("another agent is in charge"))
+    talk.interlock.engage(Holder.PRESENCE, Reason("another agent is in charge"))
     assert talk.say(LATER) == "I cannot do that: another agent is in charge."
     assert not talk.conversation.programs.kept
 

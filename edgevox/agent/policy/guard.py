@@ -137,7 +137,9 @@ class Guard:
             self.refuse(unsure, turn)
             raise
 
-    def velocity(self, linear_m_s: float, angular_rad_s: float) -> tuple[float, float]:
+    def velocity(
+        self, linear_m_s: float, angular_rad_s: float, way: Way = Way.CMD_VEL
+    ) -> tuple[float, float]:
         """What of a velocity may be followed. Raises `Denied`; a stand is never refused.
 
         Takes microseconds: it does not look at the file.
@@ -145,8 +147,8 @@ class Guard:
         if not (linear_m_s or angular_rad_s):
             return linear_m_s, angular_rad_s
         policy = self.policy
-        if reason := policy.steered(self._now() if policy.file.limits.hours else None):
-            denied = Denied(reason, Way.CMD_VEL, VELOCITY)
+        if reason := policy.steered(self._now() if policy.file.limits.hours else None, way):
+            denied = Denied(reason, way, VELOCITY)
             self.refuse(denied)
             raise denied
         permitted = policy.slowed(linear_m_s, angular_rad_s)
@@ -156,7 +158,7 @@ class Guard:
     def refuse(self, denied: Denied, turn: int = 0) -> None:
         """Count a refusal, and tell of it on the bus and in the log."""
         self._count(denied)
-        if denied.way is Way.CMD_VEL and not self._due():
+        if denied.skill == VELOCITY and not self._due():
             return
         code = denied.reason.code
         log.info("policy_refused", way=str(denied.way), skill=denied.skill, code=code)

@@ -68,9 +68,12 @@ class Policy:
             return Verdict(Rule.DENY, because("needs_a_person", way=way, skill=skill))
         return Verdict(Rule.CONFIRM, because("needs_confirmation", way=way, skill=skill))
 
-    def steered(self, now: datetime | None = None) -> Reason:
-        """Why it may not be steered by velocities now; none if it may. Takes microseconds."""
-        return self._steering or (
+    def steered(self, now: datetime | None = None, way: Way = Way.CMD_VEL) -> Reason:
+        """Why it may not be steered by velocities now; none if it may. Takes microseconds.
+
+        Nobody can be asked while somebody steers, so what needs a yes is refused by every way.
+        """
+        return self._steering[way] or (
             self.file.limits.closed(now or local_time()) if self.file.limits.hours else NO_REASON
         )
 
@@ -80,14 +83,18 @@ class Policy:
         return speed.within(linear_m_s, angular_rad_s) if speed else (linear_m_s, angular_rad_s)
 
     @cached_property
-    def _steering(self) -> Reason:
-        """Why the rules let nobody steer by velocities; none if they do."""
-        match self.file.rule(Way.CMD_VEL, VELOCITY):
-            case Rule.DENY:
-                return because("policy_denied", way=Way.CMD_VEL, skill=VELOCITY)
-            case Rule.CONFIRM:
-                return because("needs_a_person", way=Way.CMD_VEL, skill=VELOCITY)
-        return NO_REASON
+    def _steering(self) -> Mapping[Way, Reason]:
+        """Why the rules let nobody steer by velocities, by way; none where they do."""
+        return {way: _steering_by(way, self.file.rule(way, VELOCITY)) for way in Way}
+
+
+def _steering_by(way: Way, rule: Rule) -> Reason:
+    match rule:
+        case Rule.DENY:
+            return because("policy_denied", way=way, skill=VELOCITY)
+        case Rule.CONFIRM:
+            return because("needs_a_person", way=way, skill=VELOCITY)
+    return NO_REASON
 
 
 def load_policy(file: Path) -> Policy:

@@ -34,6 +34,7 @@ from edgevox.core.clock import Clock
 from edgevox.core.deadlines import Deadlines
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.events import Outcome
+from edgevox.core.interlock import Tell
 from edgevox.core.reason import NO_REASON, Reason
 
 LEAD_S = 2.0
@@ -130,13 +131,12 @@ class Programs:
         """End all of them: to stop is to stop all that was ordered for later, too."""
         self.stopped(self.stop(), because("called_off"))
 
-    def motion_forbidden(self, reason: Reason) -> None:
-        """End all of them: none begins to move by itself when motion is allowed again."""
-        ended = self.stop()
-        waiting = [self.told(one) for one in ended if one.goal is None]
-        self.stopped(ended, reason)
-        if waiting:
-            self._announce(self._phrases().say("program_forgotten", orders=" ".join(waiting)))
+    def motion_forbidden(self, reason: Reason) -> Tell:
+        """Take all of them: none begins to move by itself when motion is allowed again.
+
+        What this returns ends and tells of them.
+        """
+        return partial(self._forbidden, self.stop(), reason)
 
     def forget_by_id(self, program_id: str, reason: Reason) -> None:
         """End one, or all where the id is empty. Raises `InvalidValue` if there is no such one."""
@@ -159,6 +159,12 @@ class Programs:
     def goal_ended(self, goal: Goal) -> None:
         """A goal that moved has ended, and its end was said."""
         self._waits.goal_ended(goal)
+
+    def _forbidden(self, ended: Sequence[Kept], reason: Reason) -> None:
+        waiting = [self.told(one) for one in ended if one.goal is None]
+        self.stopped(ended, reason)
+        if waiting:
+            self._announce(self._phrases().say("program_forgotten", orders=" ".join(waiting)))
 
     def _begin(self, kept: Kept) -> None:
         """Let its time come, or what it waits for; else run it."""

@@ -68,6 +68,21 @@ COMPONENTS: tuple[ComponentRow, ...] = (
         "end one of them, or publish the id of the one that is to move on `take_over`",
     ),
     ComponentRow(
+        ComponentName.INTERLOCK,
+        "who forbids all motion at the moment, if anybody does",
+        "motion is forbidden: the software stop is pressed, or another agent is in charge",
+        "",
+        "look that nobody is in the way, then resume where it was stopped; `presence` says who"
+        " else is there",
+    ),
+    ComponentRow(
+        ComponentName.CONSOLE,
+        "the page for browsers: where it is, how many are open, who commands",
+        "",
+        "",
+        "health says `console` where its thread has ended; nothing else depends on it",
+    ),
+    ComponentRow(
         ComponentName.POLICY,
         "what the policy file permits; its values say how much was refused, and what last",
         "the file cannot be used and the policy before it is in force, or it names a skill or a"

@@ -14,6 +14,7 @@ from edgevox.core.agent_events import (
     HandedOver,
     ProgramChanged,
     SafetyPreempted,
+    SoftwareStopChanged,
     ToolCalled,
 )
 from edgevox.core.bus import Bus
@@ -128,6 +129,8 @@ class BusLog:
                 log.info(
                     "program", program=program, text=Said(event.text), **how, **_of(event.turn)
                 )
+            case SoftwareStopChanged(engaged=engaged, by=by):
+                log.warning("software_stop", engaged=engaged, by=by)
             case _:  # how far a goal is; and whoever rejects a goal says so itself
                 pass
 

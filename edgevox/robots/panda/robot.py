@@ -112,6 +112,16 @@ class PandaRobot(SimulatedBody):
     def picture(self) -> NDArray[np.uint8]:
         return self._renderer.render(SHOW.name, self._engine.snapshot(), fine=True)
 
+    def joints(self) -> Mapping[str, tuple[float, float, float]]:
+        """The angle of each joint and its two limits, radians."""
+        with self._engine.lock:
+            angles = self._cell.arm.joints
+        limits = self._engine.model.jnt_range[: len(angles)]
+        return {
+            f"joint{number}": (float(angle), float(low), float(high))
+            for number, (angle, (low, high)) in enumerate(zip(angles, limits, strict=True), 1)
+        }
+
     def state(self) -> Mapping[str, Any]:
         with self._engine.lock:
             time_s, hand = self.time_s, self.end_effector()

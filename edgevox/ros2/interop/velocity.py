@@ -12,12 +12,13 @@ from collections import Counter
 from geometry_msgs.msg import Twist
 from rclpy.node import Node
 
-from edgevox.agent.policy import Denied, Guard
+from edgevox.agent.policy import Guard
+from edgevox.agent.skills import SkillFailed
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.interlock import Interlock
 from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
-from edgevox.robots.capabilities import TakesVelocity, Twist2D
+from edgevox.robots.steering import Steerable, Steering
 from edgevox.ros2.qos import profile
 from edgevox.ros2.standard_topics import STANDARD
 
@@ -36,13 +37,11 @@ class VelocityInput:
     def __init__(
         self,
         node: Node,
-        body: TakesVelocity,
+        body: Steerable,
         interlock: Interlock | None = None,
         guard: Guard | None = None,
     ) -> None:
-        self._body = body
-        self._interlock = interlock or Interlock()
-        self._guard = guard or Guard()
+        self._steering = Steering(body, interlock or Interlock(), (guard or Guard()).velocity)
         self.refusals: Counter[Refusal] = Counter(
             dict.fromkeys((Refusal.INVALID, Refusal.NOT_FINITE, Refusal.FORBIDDEN), 0)
         )
@@ -61,13 +60,10 @@ class VelocityInput:
             wrong = InvalidValue("cmd_vel", _brief(message), "finite numbers")
             self._refuse(wrong, Refusal.NOT_FINITE)
             return
-        if (one.x or two.z) and (held := self._interlock.reason):
-            self._refuse(EdgeVoxError(str(held)), Refusal.FORBIDDEN)
-            return
         try:
-            self._body.set_velocity(Twist2D(*self._guard.velocity(one.x, two.z)))
-        except Denied as denied:
-            self._refuse(denied, Refusal.FORBIDDEN)
+            self._steering.steer(one.x, two.z)
+        except SkillFailed as error:  # of the policy's `Denied`, too
+            self._refuse(error, Refusal.FORBIDDEN)
         except InvalidValue as error:
             self._refuse(error, error.reason)
 

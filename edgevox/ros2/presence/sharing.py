@@ -8,7 +8,7 @@ from std_msgs.msg import String
 
 from edgevox.agent.reasons import because
 from edgevox.core.errors import InvalidValue
-from edgevox.core.interlock import Interlock
+from edgevox.core.interlock import Holder, Interlock
 from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
 from edgevox.core.status import ComponentName, HealthCheck, Status
@@ -123,9 +123,9 @@ class Presence:
 
     def _obey(self) -> None:
         if self._told.claim.robot and not self._told.in_charge:
-            self._interlock.engage(NOT_IN_CHARGE)
+            self._interlock.engage(Holder.PRESENCE, NOT_IN_CHARGE)
         else:
-            self._interlock.release()
+            self._interlock.release(Holder.PRESENCE)
 
     def _tell_of(self, other: Claim) -> None:
         log.warning(

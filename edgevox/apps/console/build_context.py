@@ -1,0 +1,103 @@
+"""What the console is given of an agent."""
+
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+from edgevox.agent.phrase_file import phrasebook
+from edgevox.apps.agent_parts import AgentParts
+from edgevox.apps.console.offered_skills import offered
+from edgevox.apps.console.shown_robot import ShownRobot
+from edgevox.console.context import ConsoleContext, ConsoleSound
+from edgevox.core.commands import Command, RunSkill, TextInput
+from edgevox.core.events import TurnMeasured
+from edgevox.core.languages import LANGUAGES
+from edgevox.core.settings import CONFIRM
+from edgevox.core.ways import Way
+
+MOST_LATENCIES = 50
+GO_TO = "navigate_xy"
+
+
+def build_context(parts: AgentParts, sound: ConsoleSound | None = None) -> ConsoleContext:
+    """All of it, for an agent that was put together. It listens to the bus from now on."""
+    return _Shown(parts).context(sound)
+
+
+class _Shown:
+    def __init__(self, parts: AgentParts) -> None:
+        self._parts = parts
+        self._robot = (
+            ShownRobot(parts.body, parts.interlock, parts.guard, self._label)
+            if parts.body
+            else None
+        )
+        self._latencies: deque[Mapping[str, Any]] = deque(maxlen=MOST_LATENCIES)
+        parts.bus.subscribe(TurnMeasured, lambda event: self._latencies.append(asdict(event)))
+
+    def context(self, sound: ConsoleSound | None) -> ConsoleContext:
+        parts = self._parts
+        goes = any(one.name == GO_TO for one in parts.skills)
+        return ConsoleContext(
+            name=parts.name,
+            bus=parts.bus,
+            submit=parts.command_router.submit,
+            controls=parts.controls,
+            safety=parts.software_stop,
+            describe=self._describe,
+            status=self._status,
+            robot=self._robot,
+            sound=sound,
+            answer=self._answer,
+            go_to=_go_to if goes else None,
+        )
+
+    def _describe(self, language: str) -> Mapping[str, Any]:
+        """What a page is told once, in its own language where the robot has that."""
+        controls = self._parts.controls
+        phrases = phrasebook(language if language in LANGUAGES else controls.language)
+        here = self._robot.capabilities if self._robot else {}
+        return {
+            "languages": list(LANGUAGES),
+            "controls": {
+                "languages": list(LANGUAGES),
+                "voices": list(controls.voices),
+                "confirms": list(CONFIRM),
+            },
+            "skills": offered(self._parts.skills, self._parts.guard, phrases, Way.CONSOLE_OPERATOR),
+            "capabilities": {**here, "sound": self._parts.voice is not None, "record": False},
+        }
+
+    def _status(self) -> Mapping[str, Any]:
+        """How all parts are."""
+        health = self._parts.health
+        live, ready = health.live(), health.ready()
+        problems = [f"{name}: {said}" for name, said in ready.checks.items() if said]
+        return {
+            "health": {"live": live.well, "ready": ready.well, "problems": problems},
+            "diagnostics": [
+                {
+                    "name": one.name,
+                    "level": int(one.level),
+                    "message": one.message,
+                    "values": dict(one.values),
+                }
+                for one in self._parts.components.statuses()
+            ],
+            "latencies": list(self._latencies),
+        }
+
+    def _answer(self, yes: bool, way: Way) -> None:
+        """Say yes or no in the language that is spoken: it counts as if it had been typed."""
+        words = phrasebook(self._parts.controls.language).answers
+        said = (words.yes if yes else words.no)[0]
+        self._parts.command_router.submit(TextInput(said, way))
+
+    def _label(self, name: str) -> str:
+        said = str(phrasebook(self._parts.controls.language).word(name))
+        return said or name.replace("_", " ")
+
+
+def _go_to(x_m: float, y_m: float) -> Command:
+    return RunSkill(GO_TO, {"x": x_m, "y": y_m}, Way.CONSOLE_OPERATOR)

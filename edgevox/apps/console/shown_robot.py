@@ -1,0 +1,121 @@
+"""A body as the console's page sees and steers it, whatever body it is."""
+
+import io
+import zlib
+from collections.abc import Mapping
+from functools import partial
+from typing import Any
+
+from edgevox.agent.policy import Guard
+from edgevox.apps.console.live_view import live
+from edgevox.apps.console.map_scene import InWorld, Label, scene_of
+from edgevox.core.errors import InvalidValue
+from edgevox.core.interlock import Interlock
+from edgevox.core.ways import Way
+from edgevox.robots.capabilities import (
+    Body,
+    HasCamera,
+    HasPicture,
+    HasPlaces,
+    RemembersPlaces,
+    TakesVelocity,
+)
+from edgevox.robots.steering import Steering
+
+AROUND_M = 5.0
+"""Of a robot without a map so much is shown around where it is and the places that it knows."""
+JPEG_QUALITY = 80
+
+
+class ShownRobot:
+    """Offers exactly what the body has. `label` is what a name is called in the language now."""
+
+    def __init__(self, body: Body, interlock: Interlock, guard: Guard, label: Label) -> None:
+        self._body = body
+        self._label = label
+        permit = partial(guard.velocity, way=Way.CONSOLE_OPERATOR)
+        self._steering = (
+            Steering(body, interlock, permit) if isinstance(body, TakesVelocity) else None
+        )
+
+    def scene(self) -> Mapping[str, Any]:
+        """What does not move; another ``version`` whenever it is another."""
+        body = self._body
+        found: dict[str, Any] = (
+            scene_of(body.world, self._label)
+            if isinstance(body, InWorld)
+            else {"bounds": self._around()}
+        )
+        found["places"] = [
+            {"name": name, "label": self._label(name), "x": x_m, "y": y_m}
+            for name, (x_m, y_m) in self._places().items()
+        ]
+        return {**found, "version": zlib.crc32(repr(found).encode())}
+
+    def live(self) -> Mapping[str, Any]:
+        """What moves."""
+        return live(self._body, self._label)
+
+    def picture(self) -> bytes | None:
+        """A JPEG of the camera, or of the scene where there is none; None without either."""
+        body = self._body
+        if isinstance(body, HasCamera):
+            pixels = body.camera().pixels
+        elif isinstance(body, HasPicture) and not isinstance(body, InWorld):
+            pixels = body.picture()
+        else:
+            return None
+        from PIL import Image  # which only pictures need
+
+        file = io.BytesIO()
+        Image.fromarray(pixels).save(file, format="JPEG", quality=JPEG_QUALITY)
+        return file.getvalue()
+
+    def drive(self, linear_m_s: float, angular_rad_s: float) -> None:
+        """Steer it, as interlock and policy permit. Raises `EdgeVoxError`."""
+        if self._steering is None:
+            raise InvalidValue("drive", self._body.name, "a robot that takes velocities")
+        self._steering.steer(linear_m_s, angular_rad_s)
+
+    def halt(self) -> None:
+        """End what `drive` began, with one zero."""
+        if self._steering:
+            self._steering.steer(0.0, 0.0)
+
+    @property
+    def capabilities(self) -> Mapping[str, Any]:
+        """What the page may offer."""
+        body, names = self._body, {skill.name for skill in self._body.skills}
+        drive = isinstance(body, TakesVelocity)
+        pictured = isinstance(body, HasPicture) and not isinstance(body, InWorld)
+        return {
+            "picture": isinstance(body, HasCamera) or pictured,
+            "map": isinstance(body, InWorld | HasPlaces),
+            "goto": "navigate_xy" in names,
+            "drive": {"linear": body.max_linear_m_s, "angular": body.max_angular_rad_s}
+            if drive and isinstance(body, TakesVelocity)
+            else False,
+        }
+
+    def _places(self) -> dict[str, tuple[float, float]]:
+        """Those that it knows by itself, and what it was told to remember; not rooms, which are
+        drawn as such.
+        """
+        body = self._body
+        found = dict(body.places) if isinstance(body, HasPlaces) else {}
+        if isinstance(body, InWorld):
+            found = {}
+        if isinstance(body, RemembersPlaces):
+            memory = body.place_memory
+            found |= {
+                one.name: (one.x, one.y) for name in memory.names() if (one := memory.find(name))
+            }
+        return found
+
+    def _around(self) -> list[float]:
+        points = list(self._places().values()) or [(0.0, 0.0)]
+        pose = live(self._body, self._label).get("pose")
+        if isinstance(pose, Mapping) and "x" in pose:
+            points.append((round(pose["x"]), round(pose["y"])))
+        xs, ys = zip(*points, strict=True)
+        return [min(xs) - AROUND_M, min(ys) - AROUND_M, max(xs) + AROUND_M, max(ys) + AROUND_M]

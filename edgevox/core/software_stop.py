@@ -1,0 +1,86 @@
+"""The software stop: one press stands the robot still until somebody resumes.
+
+It is software: it asks the body to halt as every halt does. It is no emergency stop, which cuts the
+power of the drives whatever a computer does.
+"""
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from edgevox.core.agent_events import SoftwareStopChanged
+from edgevox.core.bus import Bus
+from edgevox.core.interlock import Holder, Interlock
+from edgevox.core.reason import Reason
+
+
+@dataclass(frozen=True, slots=True)
+class StopState:
+    """Whether the robot is stopped, by whom, and since when, in Unix seconds."""
+
+    engaged: bool = False
+    by: str = ""
+    since: float | None = None
+
+
+class SoftwareStop:
+    """Forbids all motion from `stop` to `resume`. Any thread may call both; neither can fail.
+
+    `halt` brakes the body, and is called at each press, also while it is stopped. Every change is
+    published as `SoftwareStopChanged`, before the call returns. `reason` is what whoever asks for
+    motion is told meanwhile.
+    """
+
+    def __init__(
+        self,
+        interlock: Interlock,
+        bus: Bus,
+        halt: Callable[[str], object],
+        reason: Reason,
+        now: Callable[[], float] = time.time,
+    ) -> None:
+        self._interlock = interlock
+        self._bus = bus
+        self._halt = halt
+        self._reason = reason
+        self._now = now
+        self._lock = threading.RLock()
+        self._state = StopState()
+        interlock.on_engage(self._brake)
+
+    @property
+    def state(self) -> StopState:
+        """Whether the robot is stopped now."""
+        return self._state
+
+    def stop(self, by: str) -> None:
+        """Stand still from now on. `by` is who asks, for people."""
+        try:
+            self._interlock.engage(Holder.SOFTWARE_STOP, self._reason)
+        finally:
+            self._halt(str(self._reason))  # a press brakes whatever the interlock's state was
+        with self._lock:
+            self._interlock.engage(Holder.SOFTWARE_STOP, self._reason)  # not resumed in between
+            if not self._state.engaged:
+                self._change(StopState(engaged=True, by=by, since=self._now()))
+
+    def resume(self, by: str) -> None:
+        """Allow motion again; nothing moves by itself."""
+        with self._lock:
+            self._interlock.release(Holder.SOFTWARE_STOP)
+            if self._state.engaged:
+                self._change(StopState(engaged=False, by=by))
+
+    def listen(self, listener: Callable[[StopState], None]) -> Callable[[], None]:
+        """Call it with every new state, on any thread; returns a way to forget it."""
+        return self._bus.subscribe(SoftwareStopChanged, lambda _: listener(self._state))
+
+    def _brake(self, reason: Reason) -> None:
+        """Before anybody is told: whoever steers by velocities runs no goal that would end."""
+        if reason is self._reason:
+            self._halt(str(reason))
+
+    def _change(self, state: StopState) -> None:
+        self._state = state
+        self._bus.publish(SoftwareStopChanged(state.engaged, state.by))

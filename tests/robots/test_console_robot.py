@@ -1,0 +1,232 @@
+"""What the console is shown of the robot of the apartment, and how it is steered from there.
+
+Time passes in its world only as far as the test says.
+"""
+
+import io
+import json
+import threading
+from contextlib import ExitStack
+
+import numpy as np
+import pytest
+from guards import HUNG_S
+from PIL import Image
+
+from edgevox.agent.policy import Denied
+from edgevox.agent.reasons import because
+from edgevox.agent.skills import SkillFailed
+from edgevox.apps.composition import build_parts, start_parts
+from edgevox.apps.console.build_context import build_context
+from edgevox.apps.console.shown_robot import ShownRobot
+from edgevox.core.agent_events import GoalChanged
+from edgevox.core.commands import TextInput
+from edgevox.core.events import Responded
+from edgevox.core.interlock import Interlock
+from edgevox.core.settings import load_settings
+from edgevox.core.status import Level
+from edgevox.core.transforms import Pose2D
+from edgevox.core.ways import Way
+from edgevox.robots.apartment import ApartmentRobot
+
+STEP_S = 0.1
+POLICY = """
+rules: {console_operator: {navigate_xy: deny}}
+limits:
+  places: {never: [bedroom]}
+  speed: {linear_m_s: 0.2}
+"""
+
+
+class Console:
+    """The console's context of a whole agent whose robot's time is held."""
+
+    def __init__(self, stack, **settings):
+        text = {"text_mode": True, "llm": "none", **settings}
+        self.body = ApartmentRobot(speed=0.0)
+        self.parts = build_parts(stack, load_settings(text, None), self.body)
+        self.said, self.moved, self.news = [], threading.Event(), threading.Condition()
+        self.parts.bus.subscribe(Responded, self._hear)
+        self.parts.bus.subscribe(GoalChanged, lambda goal: goal.feedback and self.moved.set())
+        self.context = build_context(self.parts)
+        self.robot = self.context.robot
+        start_parts(stack, self.parts)
+
+    def until_said(self, text):
+        with self.news:
+            assert self.news.wait_for(lambda: any(text in one for one in self.said), HUNG_S)
+
+    def described(self, language="en"):
+        told = self.context.describe(language)
+        return {one["name"]: one for one in told["skills"]}
+
+    def _hear(self, event):
+        with self.news:
+            self.said.append(event.text)
+            self.news.notify_all()
+
+
+@pytest.fixture
+def console():
+    with ExitStack() as stack:
+        yield Console(stack)
+
+
+@pytest.fixture
+def limited(tmp_path):
+    file = tmp_path / "policy.yaml"
+    file.write_text(POLICY)
+    with ExitStack() as stack:
+        yield Console(stack, policy=str(file))
+
+
+def test_all_that_a_page_is_told_is_json(console):
+    for told in (
+        console.robot.scene(),
+        console.robot.live(),
+        console.context.describe("de"),
+        console.context.status(),
+    ):
+        json.dumps(told, allow_nan=False)
+
+
+def test_the_map_has_walls_rooms_and_furniture_and_stays_the_same_while_the_robot_drives(console):
+    scene = console.robot.scene()
+    assert {room["name"] for room in scene["rooms"]} == set(console.body.places)
+    assert scene["walls"]
+    assert scene["radius"] == console.body.world.robot.radius_m
+    x0, y0, x1, y1 = scene["bounds"]
+    assert x0 <= 0.0 < x1
+    assert y0 <= 0.0 < y1
+    console.robot.drive(0.2, 0.0)
+    console.body.advance(STEP_S)
+    assert console.robot.scene() == scene
+
+
+def test_a_place_that_it_was_told_to_remember_is_another_scene(console):
+    before = console.robot.scene()
+    console.body.place_memory.remember("charger", Pose2D(1.0, 2.0, 0.0), "map")
+    after = console.robot.scene()
+    assert after["places"] == [{"name": "charger", "label": "charger", "x": 1.0, "y": 2.0}]
+    assert after["version"] != before["version"]
+
+
+def test_the_lidar_is_shown_where_its_beams_end_on_the_map(console):
+    shown = np.array(console.robot.live()["lidar"]).reshape(-1, 2)
+    scan, pose = console.body.scan(), console.body.pose()
+    far = np.hypot(shown[:, 0] - pose.x_m, shown[:, 1] - pose.y_m)
+    hits = scan.ranges_m[np.isfinite(scan.ranges_m)]
+    assert far == pytest.approx(hits, abs=0.02)
+    x0, y0, x1, y1 = console.robot.scene()["bounds"]
+    assert (shown >= (x0 - 0.02, y0 - 0.02)).all()
+    assert (shown <= (x1 + 0.02, y1 + 0.02)).all()
+
+
+def test_a_point_of_the_map_is_driven_to_and_its_path_and_goal_are_shown(console):
+    console.context.submit(console.context.go_to(3.0, 4.0))
+    assert console.moved.wait(HUNG_S)
+    live = console.robot.live()
+    assert (live["goal"]["x"], live["goal"]["y"]) == (3.0, 4.0)
+    assert live["path"][-1] == pytest.approx([3.0, 4.0], abs=0.1)
+    assert live["battery"]["level"] == 1.0
+
+
+def test_the_stick_steers_and_one_zero_ends_it(console):
+    console.robot.drive(0.3, 0.0)
+    console.body.advance(0.4)
+    assert console.robot.live()["velocity"]["linear"] == pytest.approx(0.3, abs=0.01)
+    console.robot.halt()
+    console.body.advance(0.4)
+    assert console.robot.live()["velocity"]["linear"] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_stopped_robot_is_not_steered_and_says_why(console):
+    console.robot.drive(0.3, 0.0)
+    console.body.advance(0.2)
+    console.context.safety.stop("a phone")
+    with pytest.raises(SkillFailed) as failed:
+        console.robot.drive(0.3, 0.0)
+    assert failed.value.reason == because("software_stop")
+    console.body.advance(0.1)
+    assert console.robot.live()["velocity"]["linear"] == pytest.approx(0.0, abs=1e-6)
+    console.robot.halt()
+    assert console.context.safety.state.by == "a phone"
+
+
+def test_the_stick_heeds_the_speed_that_the_policy_permits(limited):
+    limited.robot.drive(0.8, 0.0)
+    limited.body.advance(0.4)
+    assert limited.robot.live()["velocity"]["linear"] == pytest.approx(0.2, abs=0.01)
+
+
+def test_the_policy_may_forbid_the_stick_to_the_console_only(tmp_path):
+    file = tmp_path / "policy.yaml"
+    file.write_text("rules: {console_operator: {cmd_vel: deny}}\n")
+    with ExitStack() as stack:
+        console = Console(stack, policy=str(file))
+        with pytest.raises(Denied):
+            console.robot.drive(0.3, 0.0)
+        assert console.parts.guard.velocity(0.3, 0.0) == (0.3, 0.0)
+
+
+def test_forms_hold_the_policys_limits_and_say_what_is_forbidden(limited):
+    skills = limited.described()
+    assert "bedroom" not in skills["navigate_to"]["schema"]["properties"]["room"]["enum"]
+    assert not skills["navigate_xy"]["allowed"]
+    assert skills["stop"]["allowed"]
+    assert skills["navigate_to"]["moves"]
+    assert not skills["get_pose"]["moves"]
+
+
+def test_forms_are_told_in_the_language_of_the_page(console):
+    assert console.described("de")["stop"]["label"] != console.described("en")["stop"]["label"]
+
+
+@pytest.mark.parametrize("yes", [True, False])
+def test_a_button_answers_what_it_asked(yes):
+    with ExitStack() as stack:
+        console = Console(stack, confirm="always")
+        console.context.submit(TextInput("go to the kitchen", Way.CONSOLE_OPERATOR))
+        console.until_said("Shall I")
+        known = len(console.said)
+        console.context.answer(yes, Way.CONSOLE_OPERATOR)
+        with console.news:
+            assert console.news.wait_for(lambda: len(console.said) > known, HUNG_S)
+        assert ("Going to the kitchen." in console.said) is yes
+
+
+def test_status_has_health_and_every_component_with_the_stop(console):
+    console.context.safety.stop("a phone")
+    status = console.context.status()
+    found = {one["name"]: one["level"] for one in status["diagnostics"]}
+    assert found["interlock"] == Level.WARN
+    assert status["health"]["live"]
+    assert set(found) == {one.name for one in console.parts.components.statuses()}
+
+
+def test_a_2d_robot_is_shown_as_a_map_and_not_as_a_picture(console):
+    assert console.robot.picture() is None
+    offered = console.context.describe("en")["capabilities"]
+    assert offered["drive"] == {
+        "linear": console.body.max_linear_m_s,
+        "angular": console.body.max_angular_rad_s,
+    }
+    assert (offered["picture"], offered["map"], offered["goto"]) == (False, True, True)
+
+
+def test_a_body_that_only_shows_itself_gives_a_jpeg_and_is_not_steered(console):
+    class Painted:
+        name, skills = "painted", ()
+
+        def picture(self):
+            return np.zeros((12, 16, 3), np.uint8)
+
+        def state(self):
+            return {"time": 0.0}
+
+    shown = ShownRobot(Painted(), Interlock(), console.parts.guard, str)
+    assert Image.open(io.BytesIO(shown.picture())).size == (16, 12)
+    assert shown.live() == {"time": 0.0, "goal": None}
+    assert shown.capabilities["drive"] is False
+    assert len(shown.scene()["bounds"]) == 4
+    shown.halt()

@@ -1,0 +1,81 @@
+"""An agent that is asked for a console serves one, and a browser's stop stands its robot still."""
+
+import asyncio
+import socket
+from contextlib import ExitStack
+
+import aiohttp
+import pytest
+from waiting import wait_until
+
+from edgevox.apps.composition import build_parts, start_parts
+from edgevox.core.errors import EdgeVoxError
+from edgevox.core.settings import load_settings
+from edgevox.robots.apartment import ApartmentRobot
+from edgevox.robots.capabilities import Twist2D
+
+
+@pytest.fixture
+def start(tmp_path):
+    with ExitStack() as stack:
+
+        def begin(**settings):
+            wanted = {"text_mode": True, "llm": "none", "console": True, "console_tls": "off"}
+            wanted |= {"console_folder": str(tmp_path / "console"), **settings}
+            parts = build_parts(stack, load_settings(wanted), ApartmentRobot(speed=0.0))
+            start_parts(stack, parts)
+            return parts
+
+        yield begin
+
+
+def free_port():
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        return one.getsockname()[1]
+
+
+def test_it_prints_the_address_and_a_code_and_is_listed_as_a_component(start, capsys):
+    port = free_port()
+    parts = start(console_port=port)
+    printed = capsys.readouterr().out
+    assert f"Console: http://127.0.0.1:{port}" in printed
+    assert "#pair=" in printed
+    (console,) = parts.components.statuses({"console"})
+    assert console.values["url"] == f"http://127.0.0.1:{port}"
+
+
+def test_a_folder_that_cannot_be_written_is_named(start, tmp_path):
+    file = tmp_path / "file"
+    file.write_text("")
+    with pytest.raises(EdgeVoxError, match="console_folder"):
+        start(console_port=free_port(), console_folder=str(file))
+
+
+async def _press_stop(url, code):
+    async with aiohttp.ClientSession(cookie_jar=aiohttp.CookieJar(unsafe=True)) as browser:
+        headers = {"Origin": url}
+        async with browser.post(f"{url}/api/pair", json={"code": code}, headers=headers) as told:
+            assert told.status == 200, await told.text()
+        async with browser.ws_connect(f"{url}/ws", headers=headers) as line:
+            hello = await line.receive_json()
+            await line.send_json({"type": "stop", "id": 1})
+            stop = await line.receive_json()
+            while stop["type"] != "stop":
+                stop = await line.receive_json()
+            return hello, stop
+
+
+def test_a_browser_is_greeted_and_its_stop_stands_the_robot_still(start, capsys):
+    parts = start(console_port=free_port())
+    printed = capsys.readouterr().out
+    url, _, code = next(line for line in printed.split() if "#pair=" in line).partition("/#pair=")
+    parts.body.set_velocity(Twist2D(0.3, 0.0))
+    parts.body.advance(0.2)
+    hello, stop = asyncio.run(_press_stop(url, code))
+    assert hello["type"] == "hello"
+    assert {one["name"] for one in hello["skills"]} == {one.name for one in parts.skills}
+    assert stop["engaged"]
+    wait_until(lambda: parts.software_stop.state.engaged, "it is stopped")
+    parts.body.advance(0.1)
+    assert parts.body.velocity().linear_m_s == pytest.approx(0.0, abs=1e-6)
