@@ -40,11 +40,12 @@ run: $(DONE)/$(if $(ROS2),msgs,run) ## Start the agent, aloud and on ROS 2; the 
 	@exec $(BIN)/edgevox-agent $(AGENT) $(if $(ROS2),--ros2) $(ARGS)
 
 # The parts of the tests, and what each needs that is fetched or built first. ARGS may name some.
-PARTS := unit programs robots models ros2 docs compose
+PARTS := unit programs robots models ros2 docs browser compose
 NEEDS_robots := test-models
 NEEDS_models := test-models $(DONE)/llama-cpp
 NEEDS_ros2 := test-models $(DONE)/msgs
 NEEDS_docs := test-models $(DONE)/msgs
+NEEDS_browser := $(DONE)/page
 NEEDS_compose := test-image $(DONE)/msgs
 NAMED := $(sort $(foreach one,$(filter tests/%,$(ARGS)),$(word 2,$(subst /, ,$(one)))))
 TESTED := $(if $(filter tests tests/,$(ARGS)),$(PARTS),$(or $(filter $(PARTS),$(NAMED)),$(PARTS)))
@@ -90,6 +91,10 @@ lint: $(DONE)/dev ## Check style, types, layers, locks and compose files.
 	@$(MAKE) --no-print-directory docs
 	$(COMPOSE) config --quiet
 	for overlay in compose/*.yml; do $(COMPOSE) -f $$overlay --profile '*' config --quiet; done
+
+.PHONY: page
+page: $(DONE)/page ## Check the types of the console's page.
+	$(VENV)/page/node_modules/.bin/tsc --project requirements/page
 
 .PHONY: docs
 docs: $(DONE)/dev ## Build the documentation as a site, into build/site, and check its links.
@@ -174,6 +179,13 @@ $(DONE)/dev: $(DONE)/run requirements/dev.lock
 $(DONE)/build: $(DONE)/run requirements/build.lock
 	@echo "Installing what builds ROS 2 interfaces"
 	@$(INSTALL) --require-hashes -r requirements/build.lock
+	@touch $@
+
+# What checks the console's page; nothing of it is shipped.
+$(DONE)/page: $(DONE)/dev requirements/page/package.json requirements/page/package-lock.json
+	@echo "Installing what checks the console's page"
+	@mkdir -p $(VENV)/page && cp requirements/page/package*.json $(VENV)/page
+	@npm ci --prefix $(VENV)/page --ignore-scripts --no-audit --no-fund --silent
 	@touch $@
 
 $(DONE)/msgs: $(DONE)/build scripts/build_msgs.py $(MSGS)

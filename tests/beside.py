@@ -11,8 +11,8 @@ from xdist.scheduler import LoadFileScheduling
 
 COMPUTING = ("models", "robots", "programs", "docs", "unit")
 """The parts of the tests that mostly compute, the longest first."""
-WAITING = ("compose", "ros2")
-"""Those that mostly wait: for containers, for the other end of a wire, for a robot to arrive."""
+WAITING = ("compose", "ros2", "browser")
+"""Those that mostly wait: for containers, a page, the other end of a wire, a robot to arrive."""
 LAST = "test_chaos.py"
 SHARING = {
     "tests/models/test_llm_endpoint_server.py": "tests/models/test_words.py",

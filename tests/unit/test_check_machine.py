@@ -9,7 +9,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 LIST = ROOT / "requirements" / "debian.list"
-PARTS = {"run", "unit", "programs", "robots", "models", "ros2", "docs", "compose"}
+PARTS = {"run", "unit", "programs", "robots", "models", "ros2", "docs", "browser", "compose"}
 LACKING = """
 # a comment
 python3-tk      robots       false
@@ -113,8 +113,14 @@ def test_ci_and_make_ask_the_same_list():
         ("tests/ros2", "ros2", [".venv/done/msgs", "test-models"]),
         (
             "--durations=20",
-            "unit programs robots models ros2 docs compose",
-            [".venv/done/llama-cpp", ".venv/done/msgs", "test-image", "test-models"],
+            "unit programs robots models ros2 docs browser compose",
+            [
+                ".venv/done/llama-cpp",
+                ".venv/done/msgs",
+                ".venv/done/page",
+                "test-image",
+                "test-models",
+            ],
         ),
     ],
 )

@@ -1,0 +1,46 @@
+/** What the robot can be asked to do: a form for each skill, and what was asked lately. */
+import { h, sign } from "./dom.js";
+import { joystick } from "./joystick.js";
+import { onlyWithTurn } from "./lease.js";
+import { tellRefusal } from "./notices.js";
+import { skillForm } from "./skill_form.js";
+import { say } from "./words.js";
+
+const RECENT = 6;
+
+/** @typedef {{name: string, label: string, arguments: Record<string, any>}} Call */
+
+/**
+ * @param {import("./store.js").Store} store
+ * @param {import("./link.js").Link} link
+ */
+export function doPanel(store, link) {
+  /** @type {Call[]} */
+  let recent = [];
+  const recentBox = h("div", { class: "row recent" });
+  const list = h("div", { class: "stack" });
+  const run = (/** @type {Call} */ call) =>
+    link.send({ type: "skill", name: call.name, arguments: call.arguments }).then(() => {
+      const same = JSON.stringify(call);
+      recent = [call, ...recent.filter((one) => JSON.stringify(one) !== same)].slice(0, RECENT);
+      showRecent();
+    }, tellRefusal);
+  const showRecent = () => recentBox.replaceChildren(...recent.map((call) =>
+    h("button", { class: "small", type: "button", title: say("again"), onclick: () => run(call) }, sign("again"),
+      [call.label, ...Object.values(call.arguments)].join(" "))));
+  let shown = "";
+  store.on("hello", () => {
+    const now = JSON.stringify(store.skills);
+    if (now === shown) return; // a form that somebody fills in survives a lost line
+    shown = now;
+    list.replaceChildren(...store.skills.map((skill) => skillForm(skill, run)));
+    if (!store.skills.length) list.append(h("p", { class: "empty" }, say("no_skills")));
+  });
+  const fields = h("fieldset", { class: "bare stack", "aria-label": say("skills") }, recentBox, list);
+  onlyWithTurn(store, fields);
+  const hint = h("p", { class: "hint" }, say("needs_turn"));
+  const tellHint = () => (hint.hidden = store.commands);
+  for (const type of ["hello", "lease", "link"]) store.on(type, tellHint);
+  return h("section", { class: "card do-card scroll stack", tabindex: "0", "aria-label": say("do") },
+    hint, joystick(store, link), fields);
+}

@@ -1,0 +1,64 @@
+/** Elements made of plain calls: no markup is ever read from a string. */
+
+const SVG = "http://www.w3.org/2000/svg";
+
+/**
+ * An element. What begins with `on` is a listener, a boolean is an attribute that is there or not.
+ * @template {keyof HTMLElementTagNameMap} T
+ * @param {T} tag
+ * @param {Record<string, any>} [attributes]
+ * @param {...(Node | string | null | undefined | false)} children
+ * @returns {HTMLElementTagNameMap[T]}
+ */
+export function h(tag, attributes = {}, ...children) {
+  const made = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name.startsWith("on")) made.addEventListener(name.slice(2), value);
+    else if (value === true) made.setAttribute(name, "");
+    else if (value !== false && value != null) made.setAttribute(name, String(value));
+  }
+  for (const child of children) if (child !== null && child !== undefined && child !== false) made.append(child);
+  return made;
+}
+
+/**
+ * One of the outlined signs of icons/signs.svg; a reader is told nothing of it.
+ * @param {string} name
+ */
+export function sign(name) {
+  const svg = document.createElementNS(SVG, "svg");
+  svg.setAttribute("class", "sign");
+  svg.setAttribute("aria-hidden", "true");
+  const use = document.createElementNS(SVG, "use");
+  use.setAttribute("href", `/static/icons/signs.svg#${name}`);
+  svg.append(use);
+  return svg;
+}
+
+/**
+ * A line through values, for a small plot; `view` is its size without a unit.
+ * @param {number[]} values
+ * @param {number} most
+ */
+export function sparkline(values, most) {
+  const svg = document.createElementNS(SVG, "svg");
+  svg.setAttribute("viewBox", "0 0 100 28");
+  svg.setAttribute("preserveAspectRatio", "none");
+  svg.setAttribute("class", "sparkline");
+  svg.setAttribute("aria-hidden", "true");
+  const line = document.createElementNS(SVG, "polyline");
+  const step = 100 / Math.max(1, values.length - 1);
+  const at = (/** @type {number} */ v, /** @type {number} */ i) =>
+    `${(i * step).toFixed(1)},${(26 - (24 * v) / (most || 1)).toFixed(1)}`;
+  line.setAttribute("points", values.map(at).join(" "));
+  svg.append(line);
+  return svg;
+}
+
+/** @param {EventTarget | null} target whether keys that it gets are words */
+export function takesWords(target) {
+  if (!(target instanceof HTMLElement)) return false;
+  if (target.isContentEditable || target instanceof HTMLTextAreaElement) return true;
+  if (target instanceof HTMLSelectElement) return true;
+  return target instanceof HTMLInputElement && !["checkbox", "radio", "range", "button"].includes(target.type);
+}

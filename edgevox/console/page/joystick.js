@@ -1,0 +1,150 @@
+/**
+ * A joystick for bodies that take velocities: ten times a second while it is held, one zero when it
+ * is let go, nothing while the robot does not answer.
+ */
+import { h } from "./dom.js";
+import { tellRefusal } from "./notices.js";
+import { say } from "./words.js";
+
+const BEAT_MS = 100;
+/** So near its middle the stick is let go. */
+const DEAD = 0.08;
+const MOST_UNANSWERED = 3;
+const DEFAULT = { linear: 0.3, angular: 1 };
+const KEYS = { w: [0, 1], s: [0, -1], a: [-1, 0], d: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1], ArrowLeft: [-1, 0], ArrowRight: [1, 0] };
+
+/** Sends what the stick says, and ends with exactly one zero. */
+export class Driver {
+  /** @param {import("./store.js").Store} store @param {import("./link.js").Link} link */
+  constructor(store, link) {
+    this.store = store;
+    this.link = link;
+    /** @type {[number, number]} right and ahead, -1 to 1 */
+    this.stick = [0, 0];
+    this.unanswered = 0;
+    /** @type {ReturnType<typeof setInterval> | undefined} */
+    this.beat = undefined;
+  }
+
+  /** @param {number} right @param {number} ahead */
+  push(right, ahead) {
+    if (Math.hypot(right, ahead) < DEAD) return this.release();
+    this.stick = [right, ahead];
+    if (this.beat !== undefined || !this.store.commands) return;
+    this.send();
+    this.beat = setInterval(() => this.send(), BEAT_MS);
+  }
+
+  release() {
+    if (this.beat === undefined) return;
+    clearInterval(this.beat);
+    this.beat = undefined;
+    this.stick = [0, 0];
+    this.write(0, 0);
+  }
+
+  send() {
+    if (!this.store.commands || this.store.stop.engaged) return this.release();
+    if (this.unanswered >= MOST_UNANSWERED) return;
+    const limits = typeof this.store.capabilities.drive === "object" ? this.store.capabilities.drive : {};
+    const [right, ahead] = this.stick;
+    const turn = ahead < -0.1 ? right : -right; // backwards it steers as a car does
+    this.write(ahead * (limits.linear ?? DEFAULT.linear), turn * (limits.angular ?? DEFAULT.angular));
+  }
+
+  /** @param {number} linear @param {number} angular */
+  write(linear, angular) {
+    this.unanswered += 1;
+    const done = () => (this.unanswered -= 1);
+    const round = (/** @type {number} */ v) => Math.round(v * 1000) / 1000 + 0;
+    this.link.send({ type: "drive", linear: round(linear), angular: round(angular) }).then(done, (error) => {
+      done();
+      if (this.beat !== undefined) tellRefusal(error);
+      clearInterval(this.beat);
+      this.beat = undefined;
+    });
+  }
+}
+
+/** @param {import("./store.js").Store} store @param {import("./link.js").Link} link */
+export function joystick(store, link) {
+  const driver = new Driver(store, link);
+  const knob = h("div", { class: "knob" });
+  const pad = h("div", { class: "stick", tabindex: "0", role: "application", "aria-label": say("joystick"),
+    "aria-describedby": "stick-hint" }, knob);
+  const box = h("div", { class: "joystick", hidden: true }, pad,
+    h("p", { class: "quiet small-text", id: "stick-hint" }, say("joystick_hint")));
+  const show = (/** @type {number} */ right, /** @type {number} */ ahead) => {
+    knob.style.transform = `translate(${right * 42}px, ${-ahead * 42}px)`;
+  };
+  const push = (/** @type {number} */ right, /** @type {number} */ ahead) => {
+    show(right, ahead);
+    driver.push(right, ahead);
+  };
+  const release = () => {
+    show(0, 0);
+    driver.release();
+  };
+  byPointer(pad, push, release);
+  byKeys(pad, push, release);
+  window.addEventListener("blur", release);
+  window.addEventListener("pagehide", release);
+  document.addEventListener("visibilitychange", () => document.hidden && release());
+  const arrange = () => {
+    box.hidden = !store.capabilities.drive;
+    box.classList.toggle("disabled", !store.commands);
+    pad.setAttribute("aria-disabled", String(!store.commands));
+    if (!store.commands || store.stop.engaged) release();
+  };
+  for (const type of ["hello", "lease", "link", "stop"]) store.on(type, arrange);
+  return box;
+}
+
+/** @typedef {(right: number, ahead: number) => void} Push */
+
+/** @param {HTMLElement} pad @param {Push} push @param {() => void} release */
+function byPointer(pad, push, release) {
+  let held = -1;
+  const at = (/** @type {PointerEvent} */ event) => {
+    const { left, top, width, height } = pad.getBoundingClientRect();
+    const x = (2 * (event.clientX - left)) / width - 1;
+    const y = 1 - (2 * (event.clientY - top)) / height;
+    const far = Math.max(1, Math.hypot(x, y));
+    push(x / far, y / far);
+  };
+  pad.addEventListener("pointerdown", (event) => {
+    if (held !== -1 || event.button !== 0) return;
+    held = event.pointerId;
+    pad.setPointerCapture(held);
+    at(event);
+  });
+  pad.addEventListener("pointermove", (event) => event.pointerId === held && at(event));
+  const end = (/** @type {PointerEvent} */ event) => {
+    if (event.pointerId !== held) return;
+    held = -1;
+    release();
+  };
+  for (const type of /** @type {const} */ (["pointerup", "pointercancel", "lostpointercapture"])) pad.addEventListener(type, end);
+}
+
+/** @param {HTMLElement} pad @param {Push} push @param {() => void} release */
+function byKeys(pad, push, release) {
+  /** @type {Set<string>} */
+  const down = new Set();
+  const steer = () => {
+    const sum = [...down].map((key) => KEYS[/** @type {keyof typeof KEYS} */ (key)]).reduce((a, b) => [a[0] + b[0], a[1] + b[1]], [0, 0]);
+    if (down.size) push(sum[0], sum[1]);
+    else release();
+  };
+  pad.addEventListener("keydown", (event) => {
+    if (!(event.key in KEYS)) return;
+    event.preventDefault();
+    down.add(event.key);
+    if (!event.repeat) steer();
+  });
+  pad.addEventListener("keyup", (event) => down.delete(event.key) && steer());
+  pad.addEventListener("blur", () => {
+    down.clear();
+    release();
+  });
+}

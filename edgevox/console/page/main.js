@@ -1,0 +1,106 @@
+/** Puts the page together. */
+import { doPanel } from "./do.js";
+import { h, sign } from "./dom.js";
+import { knowPanel } from "./know.js";
+import { leaseControl } from "./lease.js";
+import { Link } from "./link.js";
+import { noticeBar, toasts } from "./notices.js";
+import { pairPage } from "./pair.js";
+import { seePanel } from "./see.js";
+import { settingsPanel } from "./settings.js";
+import { stopBar } from "./stop.js";
+import { Store } from "./store.js";
+import { talkPanel } from "./talk.js";
+import { loadWords, number, say } from "./words.js";
+
+/** The panels in the order of the tabs; those from `do` on share a place on a desk. */
+const PANELS = /** @type {const} */ ([["talk", talkPanel], ["see", seePanel], ["do", doPanel], ["know", knowPanel], ["settings", settingsPanel]]);
+const ASIDE = ["do", "know", "settings"];
+
+/** @param {Store} store */
+function topBar(store, /** @type {Link} */ link) {
+  const name = h("h1", {}, "EdgeVox");
+  const state = h("span", { class: "chip state", role: "status" });
+  const battery = h("span", { class: "chip battery", hidden: true });
+  store.on("hello", () => {
+    name.textContent = store.robot || "EdgeVox";
+    document.title = `${store.robot || "EdgeVox"}`;
+  });
+  let does = "listening";
+  const tellState = () => (state.textContent = say(`state_${store.link === "ready" ? does : store.link}`));
+  store.on("talk", (m) => {
+    if (m.kind !== "state") return;
+    does = m.state;
+    tellState();
+  });
+  store.on("hello", () => (does = "listening"));
+  store.on("link", tellState);
+  store.on("live", () => {
+    const level = store.live.battery?.level;
+    battery.hidden = level == null;
+    if (level == null) return;
+    const text = `${number(100 * level, 0)} %`;
+    if (battery.textContent === text) return;
+    battery.textContent = text;
+    battery.setAttribute("aria-label", `${say("battery")} ${text}`);
+    battery.setAttribute("role", "img");
+    battery.classList.toggle("low", level < 0.2);
+  });
+  return h("header", { class: "top" }, name, state, h("span", { class: "grow" }), battery, leaseControl(store, link));
+}
+
+/** @param {(name: string) => void} choose @param {readonly string[]} names @param {string} kind */
+function tabBar(choose, names, kind) {
+  const buttons = names.map((name) => h("button", { class: "tab", type: "button", "data-panel": name, onclick: () => choose(name) },
+    sign(name), h("span", {}, say(name))));
+  return h("nav", { class: kind, "aria-label": say(kind === "tabs" ? "parts" : "side_parts") }, ...buttons);
+}
+
+/** @param {Store} store @param {Link} link */
+function consolePage(store, link) {
+  const panels = PANELS.map(([name, make]) => h("div", { class: `panel ${name}`, "data-panel": name }, make(store, link)));
+  const choose = (/** @type {string} */ name) => {
+    for (const one of document.querySelectorAll("[data-panel]")) {
+      const its = one.getAttribute("data-panel");
+      const aside = ASIDE.includes(its ?? "") && ASIDE.includes(name);
+      one.classList.toggle("chosen", its === name);
+      if (aside) one.classList.toggle("aside-chosen", its === name);
+      if (one.matches(".tabs .tab")) one.toggleAttribute("aria-current", its === name);
+      if (aside && one.matches(".side-switch .tab")) one.toggleAttribute("aria-current", its === name);
+    }
+    look(link);
+  };
+  for (const one of panels) {
+    if (!ASIDE.includes(one.dataset.panel ?? "")) continue;
+    one.classList.add("side-panel");
+    one.prepend(tabBar(choose, ASIDE, "side-switch"));
+  }
+  const page = h("div", { class: "shell" }, topBar(store, link), noticeBar(store), h("main", { class: "panels" }, ...panels),
+    stopBar(store, link), tabBar(choose, PANELS.map(([name]) => name), "tabs"));
+  document.getElementById("page")?.replaceChildren(page, toasts);
+  choose("do");
+  choose(matchMedia("(min-width: 900px)").matches ? "do" : "talk");
+  store.on("link", () => look(link));
+  document.addEventListener("visibilitychange", () => look(link));
+}
+
+/** Ask for what is in sight only. @param {Link} link */
+function look(link) {
+  if (link.store.link !== "ready") return;
+  const what = document.hidden ? [] : ["live", "status", "log"];
+  link.send({ type: "look", what }).catch(() => {});
+}
+
+async function start() {
+  await loadWords();
+  const me = await fetch("/api/me", { cache: "no-store" });
+  const place = document.getElementById("page");
+  if (me.status === 401) return place?.replaceChildren(pairPage(() => location.reload()));
+  const store = new Store();
+  const link = new Link(store);
+  consolePage(store, link);
+  store.on("link", (state) => state === "out" && location.reload());
+  link.open();
+}
+
+start();

@@ -1,0 +1,123 @@
+/** The map: a canvas that is painted when something changed, and what a tap on it offers. */
+import { h, sign } from "./dom.js";
+import { colours, drawLive, drawScene } from "./map_draw.js";
+import { MapView, moveByHand } from "./map_view.js";
+import { tellRefusal, toast } from "./notices.js";
+import { number, say } from "./words.js";
+
+/**
+ * @param {import("./store.js").Store} store
+ * @param {import("./link.js").Link} link
+ */
+export function mapCard(store, link) {
+  const canvas = h("canvas", { class: "map", tabindex: "0", role: "img" });
+  const view = new MapView(canvas);
+  /** @type {HTMLImageElement | null} */
+  let grid = null;
+  let drawn = false;
+  let c = colours();
+  const paint = () => {
+    drawn = false;
+    view.resize();
+    const g = canvas.getContext("2d");
+    if (!g || !view.width) return;
+    g.setTransform(view.dense ?? 1, 0, 0, view.dense ?? 1, 0, 0);
+    g.clearRect(0, 0, view.width, view.height);
+    if (!store.scene) return;
+    drawScene(g, view, store.scene, c, grid);
+    drawLive(g, view, store.live, store.scene, c);
+  };
+  const soon = () => {
+    if (drawn || document.hidden) return;
+    drawn = true;
+    requestAnimationFrame(paint);
+  };
+  const sheet = tapSheet(store, link);
+  moveByHand(canvas, view, soon, (px, py) => store.scene && sheet.offer(...view.toMap(px, py)));
+  new ResizeObserver(soon).observe(canvas);
+  document.addEventListener("visibilitychange", soon);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+    c = colours();
+    soon();
+  });
+  store.on("live", soon);
+  store.on("scene", () => {
+    view.bounds = store.scene?.bounds ?? null;
+    if (view.whole) view.fit();
+    grid = gridImage(store.scene?.grid, soon);
+    soon();
+  });
+  describeForReaders(store, canvas);
+  const button = (/** @type {string} */ name, /** @type {string} */ key, /** @type {() => void} */ action) =>
+    h("button", { class: "round on-map", type: "button", "aria-label": say(key), title: say(key),
+      onclick: () => { action(); soon(); } }, sign(name));
+  const robot = () => {
+    const pose = store.live.pose;
+    if (pose) Object.assign(view, { x: pose.x, y: pose.y, whole: false, scale: Math.max(view.scale, 90) });
+  };
+  return h("div", { class: "map-card" }, canvas, h("div", { class: "map-tools" },
+    button("plus", "zoom_in", () => view.zoom(1.4)), button("minus", "zoom_out", () => view.zoom(0.7)),
+    button("all", "whole_map", () => view.fit()), button("here", "to_robot", robot)), sheet.element);
+}
+
+/** @param {import("./wire.js").Grid | undefined} grid @param {() => void} loaded */
+function gridImage(grid, loaded) {
+  if (!grid) return null;
+  const image = new Image();
+  image.onload = loaded;
+  image.src = `data:image/png;base64,${grid.png}`;
+  return image;
+}
+
+/** Says in words where the robot is, every few seconds and only if it changed. @param {import("./store.js").Store} store @param {HTMLElement} canvas */
+function describeForReaders(store, canvas) {
+  const tell = () => {
+    const { pose, goal } = store.live;
+    const parts = [say("map")];
+    if (pose) parts.push(say("map_robot_at", { x: number(pose.x), y: number(pose.y) }));
+    if (goal) parts.push(say("map_goal_left", { distance: number(goal.distance ?? 0) }));
+    const text = parts.join(". ");
+    if (canvas.getAttribute("aria-label") !== text) canvas.setAttribute("aria-label", text);
+  };
+  tell();
+  setInterval(tell, 3000);
+}
+
+/**
+ * What can be done with a point of the map.
+ * @param {import("./store.js").Store} store
+ * @param {import("./link.js").Link} link
+ */
+function tapSheet(store, link) {
+  let at = { x: 0, y: 0 };
+  const where = h("strong");
+  const name = h("input", { type: "text", maxlength: "60", placeholder: say("place_name"), "aria-label": say("place_name") });
+  const hide = () => (element.hidden = true);
+  const go = h("button", { class: "primary", type: "button", onclick: () =>
+    link.send({ type: "goto", ...at }).then(hide, tellRefusal) }, say("go_there"));
+  const form = h("form", { class: "row tight" }, name, h("button", { type: "submit" }, say("name_place")));
+  form.addEventListener("submit", (event) => {
+    event.preventDefault();
+    const text = name.value.trim();
+    if (!text) return name.focus();
+    link.send({ type: "name_place", name: text, ...at }).then(() => {
+      toast(say("place_kept", { name: text }), "good");
+      hide();
+    }, tellRefusal);
+  });
+  const element = h("div", { class: "tap-sheet", role: "dialog", "aria-label": say("this_point"), hidden: true },
+    h("div", { class: "row tight" }, where, h("span", { class: "fill" }), h("button", { class: "round plain", type: "button",
+      "aria-label": say("close"), onclick: hide }, sign("close"))),
+    h("div", { class: "row" }, go, form));
+  element.addEventListener("keydown", (event) => event.key === "Escape" && hide());
+  const offer = (/** @type {number} */ x, /** @type {number} */ y) => {
+    at = { x: Math.round(x * 100) / 100, y: Math.round(y * 100) / 100 };
+    where.textContent = say("point", { x: number(at.x, 2), y: number(at.y, 2) });
+    name.value = "";
+    for (const one of [go, name]) one.disabled = !store.commands;
+    go.hidden = store.capabilities.goto === false;
+    element.hidden = false;
+    (store.commands ? go : name).focus();
+  };
+  return { element, offer };
+}

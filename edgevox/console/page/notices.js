@@ -1,0 +1,28 @@
+/** What everybody must see: the stop, a robot that is gone, and short words on what was refused. */
+import { h } from "./dom.js";
+import { say, sayOr } from "./words.js";
+
+const SHOWN_MS = 6000;
+
+/** @type {HTMLElement} */
+export const toasts = h("div", { class: "toasts", role: "status", "aria-live": "polite" });
+
+/** @param {string} text @param {string} [kind] */
+export function toast(text, kind = "bad") {
+  const one = h("div", { class: `toast ${kind}` }, text);
+  toasts.append(one);
+  while (toasts.children.length > 3) toasts.firstChild?.remove();
+  setTimeout(() => one.remove(), SHOWN_MS);
+}
+
+/** Say why something was not done. @param {any} error */
+export function tellRefusal(error) {
+  toast(sayOr(`why_${error.code ?? ""}`, error.message || say("why_invalid")));
+}
+
+/** @param {import("./store.js").Store} store */
+export function noticeBar(store) {
+  const gone = h("div", { class: "notice bad", role: "alert", hidden: true }, say("gone"));
+  store.on("link", (state) => (gone.hidden = state !== "gone"));
+  return h("div", { class: "notices" }, gone);
+}

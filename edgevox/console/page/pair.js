@@ -1,0 +1,33 @@
+/** How a browser is let in: with the code that the robot shows in its terminal and its log. */
+import { h, sign } from "./dom.js";
+import { say, sayOr } from "./words.js";
+
+/** @param {() => void} paired */
+export function pairPage(paired) {
+  const offered = new URLSearchParams(location.hash.slice(1)).get("pair") ?? "";
+  const code = h("input", { type: "text", class: "code", required: true, maxlength: "32", value: offered, autocomplete: "one-time-code",
+    autocapitalize: "characters", spellcheck: "false", "aria-label": say("code"), "aria-describedby": "pair-why" });
+  const why = h("p", { class: "notice bad", role: "alert", id: "pair-why", hidden: true });
+  const form = h("form", { class: "card pair stack" }, h("div", { class: "badge" }, sign("talk")), h("h1", {}, say("pair_title")),
+    h("p", { class: "quiet" }, say("pair_how")), code, h("button", { class: "primary big", type: "submit" }, say("pair")), why,
+    h("p", { class: "small-text" }, h("a", { href: "/ca" }, say("certificate"))));
+  const tell = (/** @type {string} */ text) => {
+    why.hidden = !text;
+    why.textContent = text;
+  };
+  form.addEventListener("submit", async (event) => {
+    event.preventDefault();
+    tell("");
+    try {
+      const answer = await fetch("/api/pair", { method: "POST", headers: { "Content-Type": "application/json" },
+        body: JSON.stringify({ code: code.value.trim() }) });
+      if (answer.ok) {
+        history.replaceState(null, "", "/");
+        paired();
+      } else tell(sayOr(`pair_${answer.status}`, say("pair_wrong")));
+    } catch {
+      tell(say("gone"));
+    }
+  });
+  return h("main", { class: "pair-page" }, form);
+}

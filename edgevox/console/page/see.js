@@ -1,0 +1,73 @@
+/** What is seen: map or picture, how far the goal is, battery, joints, hand and things. */
+import { h } from "./dom.js";
+import { mapCard } from "./map.js";
+import { pictureCard } from "./picture.js";
+import { number, say } from "./words.js";
+
+const SLOW_MS = 400;
+
+/**
+ * @param {import("./store.js").Store} store
+ * @param {import("./link.js").Link} link
+ */
+export function seePanel(store, link) {
+  const map = mapCard(store, link);
+  const facts = h("div", { class: "facts" });
+  const progress = h("progress", { max: "1", "aria-label": say("goal") });
+  const goal = h("div", { class: "goal row tight", hidden: true }, progress, h("span", { class: "quiet" }));
+  const joints = h("div", { class: "joints", hidden: true });
+  const panel = h("section", { class: "card see-card" }, map, pictureCard(store), goal, joints, facts);
+  const arrange = () => {
+    map.hidden = store.capabilities.map === false || (!store.scene && !store.capabilities.map);
+    panel.hidden = map.hidden && !store.capabilities.picture && !store.live.joints;
+  };
+  for (const type of ["hello", "scene"]) store.on(type, arrange);
+  let shown = 0;
+  store.on("live", () => {
+    const now = performance.now();
+    if (now - shown < SLOW_MS) return;
+    shown = now;
+    showGoal(goal, progress, store.live.goal);
+    showJoints(joints, store.live.joints);
+    facts.replaceChildren(...factsOf(store.live).map(([name, value]) =>
+      h("div", { class: "fact" }, h("span", { class: "quiet" }, name), h("strong", {}, value))));
+  });
+  return panel;
+}
+
+/** @param {HTMLElement} box @param {HTMLProgressElement} progress @param {import("./wire.js").Live["goal"]} goal */
+function showGoal(box, progress, goal) {
+  box.hidden = !goal;
+  if (!goal) return;
+  progress.value = goal.progress ?? 0;
+  /** @type {HTMLElement} */ (box.lastChild).textContent = say("metres_left", { distance: number(goal.distance ?? 0) });
+}
+
+/** @param {HTMLElement} box @param {import("./wire.js").Joint[] | undefined} joints */
+function showJoints(box, joints) {
+  box.hidden = !joints?.length;
+  if (!joints) return;
+  if (box.children.length !== joints.length)
+    box.replaceChildren(...joints.map((one) => h("div", { class: "joint" }, h("span", { class: "quiet" }, one.name),
+      h("meter", { min: one.lower ?? -Math.PI, max: one.upper ?? Math.PI, "aria-label": one.name }), h("output"))));
+  joints.forEach((one, i) => {
+    const row = box.children[i];
+    /** @type {HTMLMeterElement} */ (row.children[1]).value = one.value;
+    row.children[2].textContent = number(one.value, 2);
+  });
+}
+
+/** @param {import("./wire.js").Live} live @returns {[string, string][]} */
+function factsOf(live) {
+  /** @type {[string, string][]} */
+  const facts = [];
+  if (live.velocity) facts.push([say("speed"), `${number(Math.abs(live.velocity.linear), 2)} m/s`]);
+  if (live.pose) facts.push([say("place"), `${number(live.pose.x)}, ${number(live.pose.y)} m`]);
+  if (live.hand) {
+    const open = typeof live.hand.open === "number" ? live.hand.open > 0.5 : live.hand.open;
+    facts.push([say("hand"), live.hand.holding || say(open ? "hand_open" : "hand_closed")]);
+  }
+  for (const thing of live.things ?? [])
+    facts.push([thing.label ?? thing.name, thing.held ? say("held") : `${number(thing.x, 2)}, ${number(thing.y, 2)} m`]);
+  return facts;
+}

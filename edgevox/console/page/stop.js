@@ -1,0 +1,43 @@
+/** The software stop: a button that is always there, and the space bar. */
+import { h, sign, takesWords } from "./dom.js";
+import { tellRefusal } from "./notices.js";
+import { say } from "./words.js";
+
+/** @param {KeyboardEvent} event whether its space bar would press something else that has the focus */
+function pressesSpace(event) {
+  return event.code === "Space" && !event.repeat && !takesWords(event.target);
+}
+
+/**
+ * @param {import("./store.js").Store} store
+ * @param {import("./link.js").Link} link
+ */
+export function stopBar(store, link) {
+  const press = () => link.send({ type: "stop" }).catch(tellRefusal);
+  const button = h("button", { class: "stop", type: "button", "aria-keyshortcuts": "Space" },
+    sign("hand"), h("span", { class: "stop-word" }, say("stop")), h("kbd", {}, say("space_bar")));
+  button.addEventListener("pointerdown", (event) => event.button === 0 && press());
+  button.addEventListener("click", (event) => event.detail === 0 && press()); // by keyboard, or a reader
+  document.addEventListener("keydown", (event) => {
+    if (!pressesSpace(event)) return;
+    event.preventDefault();
+    event.stopPropagation();
+    press();
+  }, { capture: true });
+  const said = h("p", { class: "stopped-words" });
+  const resume = h("button", { class: "resume", type: "button", onclick: () =>
+    link.send({ type: "resume" }).catch(tellRefusal) }, sign("again"), say("resume"));
+  const stopped = h("div", { class: "stopped", role: "alert", hidden: true }, said, resume);
+  const show = () => {
+    const { engaged, by, since } = store.stop;
+    stopped.hidden = !engaged;
+    const at = since ? new Date(since * 1000).toLocaleTimeString() : "";
+    const text = engaged ? [by ? say("stopped_by", { by }) : say("stopped"), at].filter(Boolean).join(" · ") : "";
+    if (said.textContent !== text) said.textContent = text;
+    resume.disabled = !store.commands;
+    resume.title = store.commands ? "" : say("needs_turn");
+    document.documentElement.classList.toggle("is-stopped", engaged);
+  };
+  for (const type of ["hello", "stop", "lease", "link"]) store.on(type, show);
+  return h("div", { class: "bottom", role: "region", "aria-label": say("software_stop") }, stopped, button);
+}

@@ -1,0 +1,87 @@
+/** What is known now, and who wants to hear of a change. */
+
+/** @typedef {import("./wire.js")} _ */
+/** @typedef {"waiting" | "ready" | "gone" | "out"} LinkState */
+
+/** What every part of the page reads. Only `Link` and `main` write it. */
+export class Store {
+  constructor() {
+    /** @type {LinkState} */
+    this.link = "waiting";
+    this.robot = "";
+    this.role = "viewer";
+    this.client = "";
+    /** @type {import("./wire.js").Capabilities} */
+    this.capabilities = {};
+    /** @type {import("./wire.js").Skill[]} */
+    this.skills = [];
+    /** @type {import("./wire.js").Controls} */
+    this.controls = {};
+    /** @type {import("./wire.js").Lease} */
+    this.lease = {};
+    /** @type {import("./wire.js").Stop} */
+    this.stop = { engaged: false };
+    /** @type {import("./wire.js").Scene | null} */
+    this.scene = null;
+    /** @type {import("./wire.js").Live} */
+    this.live = {};
+    /** @type {import("./wire.js").Status} */
+    this.status = {};
+    /** @type {Map<string, Set<(value: any) => void>>} */
+    this.listeners = new Map();
+  }
+
+  /** Whether this page may command just now. */
+  get commands() {
+    return this.link === "ready" && this.role === "operator" && Boolean(this.lease.mine);
+  }
+
+  /**
+   * Call it with every message of a type from now on.
+   * @param {string} type
+   * @param {(value: any) => void} listener
+   */
+  on(type, listener) {
+    const all = this.listeners.get(type) ?? new Set();
+    this.listeners.set(type, all.add(listener));
+  }
+
+  /** @param {string} type @param {any} [value] */
+  tell(type, value) {
+    for (const listener of this.listeners.get(type) ?? []) listener(value);
+  }
+
+  /** @param {import("./wire.js").Message} message */
+  take(message) {
+    const { type, ...rest } = message;
+    if (type === "hello") this.welcome(rest);
+    else if (type === "scene") this.scene = rest.bounds ? /** @type {any} */ (rest) : null; // an arm has no map
+    else if (type === "live") this.live = rest;
+    else if (type === "status") this.status = rest;
+    else if (type === "lease") this.lease = rest;
+    else if (type === "stop") this.stop = /** @type {any} */ (rest);
+    else if (type === "controls") this.controls = { ...this.controls, ...rest };
+    this.tell(type, message);
+  }
+
+  /** @param {Record<string, any>} hello */
+  welcome(hello) {
+    this.robot = hello.robot ?? "";
+    this.role = hello.role ?? "viewer";
+    this.client = hello.client ?? "";
+    this.capabilities = hello.capabilities ?? {};
+    this.skills = hello.skills ?? [];
+    this.controls = { languages: hello.languages ?? [], ...hello.controls };
+    this.lease = hello.lease ?? {};
+    this.stop = hello.stop ?? { engaged: false };
+    this.live = {};
+  }
+
+  /** @param {LinkState} state */
+  linked(state) {
+    if (state === this.link) return;
+    this.link = state;
+    document.documentElement.dataset.link = state;
+    this.tell("link", state);
+  }
+}

@@ -1,0 +1,94 @@
+/** Hold to talk, the open microphone, and whether this browser speaks. */
+import { h, sign } from "./dom.js";
+import { say, sayOr } from "./words.js";
+
+/** Why this browser has no microphone for us; empty if it may have one. */
+function whyDeaf() {
+  if (!window.isSecureContext) return "insecure";
+  return navigator.mediaDevices && window.AudioWorkletNode ? "" : "unsupported";
+}
+
+/**
+ * The part that makes and plays sound; it is fetched when somebody first wants it.
+ * @param {(state: any) => void} onState
+ */
+async function openSound(onState) {
+  const path = "./sound/sound.js"; // a name that is known only while it runs: the page works without
+  const { Sound } = await import(path);
+  const sound = new Sound(onState);
+  await sound.connect();
+  return sound;
+}
+
+/** @param {import("./store.js").Store} store */
+export function soundButtons(store) {
+  const why = h("p", { class: "quiet small-text", role: "status" });
+  /** @type {Promise<any> | null} */
+  let opened = null;
+  const tell = (/** @type {string} */ code) => (why.textContent = code && sayOr(`sound_${code}`, say("sound_failed")));
+  const onState = (/** @type {any} */ state) => {
+    const code = typeof state === "string" ? state : state?.error ?? state?.state ?? "";
+    tell(["denied", "busy", "lost", "failed", "unsupported"].includes(code) ? code : "");
+  };
+  const sound = () => (opened ??= openSound(onState).catch((error) => {
+    opened = null;
+    tell(error?.name === "NotAllowedError" ? "denied" : error?.name === "NotFoundError" ? "absent" : "failed");
+    throw error;
+  }));
+  const use = (/** @type {(s: any) => any} */ action) => sound().then(action);
+  const talk = holdToTalk(use);
+  const open = toggle("waves", say("open_microphone"), (on) => use((s) => s.open(on)));
+  const hear = toggle("ear", say("hear_here"), (on) => use((s) => s.hear(on)));
+  const box = h("div", { class: "sound" }, h("div", { class: "row tight" }, talk, open, hear), why);
+  const show = () => {
+    const deaf = whyDeaf();
+    const speaks = Boolean(store.capabilities.sound);
+    box.hidden = !speaks;
+    talk.disabled = open.disabled = Boolean(deaf) || !store.commands;
+    hear.disabled = store.link !== "ready";
+    if (deaf) tell(deaf);
+  };
+  for (const type of ["hello", "lease", "link"]) store.on(type, show);
+  store.on("link", (state) => state !== "ready" && (talk.dispatchEvent(new Event("release"))));
+  return box;
+}
+
+/** @param {(action: (sound: any) => any) => Promise<any>} use */
+function holdToTalk(use) {
+  const button = h("button", { class: "hold fill", type: "button", "aria-pressed": "false" },
+    sign("microphone"), h("span", {}, say("hold_to_talk")));
+  let held = false;
+  const hold = (/** @type {boolean} */ on) => {
+    if (on === held) return;
+    held = on;
+    button.classList.toggle("on", on);
+    button.setAttribute("aria-pressed", String(on));
+    use((sound) => sound.hold(held)).catch(() => (held = false) || button.classList.remove("on"));
+  };
+  button.addEventListener("pointerdown", (event) => {
+    if (event.button !== 0) return;
+    button.setPointerCapture(event.pointerId);
+    hold(true);
+  });
+  for (const end of ["pointerup", "pointercancel", "lostpointercapture", "blur", "release"])
+    button.addEventListener(end, () => hold(false));
+  button.addEventListener("keydown", (event) => event.key === "Enter" && !event.repeat && hold(true));
+  button.addEventListener("keyup", (event) => event.key === "Enter" && hold(false));
+  button.addEventListener("contextmenu", (event) => event.preventDefault());
+  window.addEventListener("blur", () => hold(false));
+  return button;
+}
+
+/**
+ * @param {string} name of its sign
+ * @param {string} label
+ * @param {(on: boolean) => Promise<any>} change
+ */
+function toggle(name, label, change) {
+  const button = h("button", { class: "round", type: "button", "aria-pressed": "false", "aria-label": label, title: label }, sign(name));
+  button.addEventListener("click", () => {
+    const on = button.getAttribute("aria-pressed") !== "true";
+    change(on).then(() => button.setAttribute("aria-pressed", String(on)), () => {});
+  });
+  return button;
+}

@@ -1,0 +1,53 @@
+/** What the page says, in the sixteen languages of the robot. */
+
+/** Each language by its own name. */
+export const LANGUAGES = {
+  ar: "العربية", de: "Deutsch", en: "English", es: "Español", fr: "Français", hi: "हिन्दी",
+  id: "Bahasa Indonesia", it: "Italiano", ja: "日本語", nl: "Nederlands", pl: "Polski",
+  pt: "Português", ru: "Русский", tr: "Türkçe", vi: "Tiếng Việt", zh: "中文",
+};
+const KEPT = "edgevox-language";
+
+/** @type {Record<string, string>} */
+let words = {};
+let code = "en";
+
+/** The language of the page, by its code. */
+export const language = () => code;
+
+function wanted() {
+  const kept = localStorage.getItem(KEPT);
+  const asked = [kept, ...navigator.languages.map((one) => one.split("-")[0])];
+  return asked.find((one) => one && one in LANGUAGES) ?? "en";
+}
+
+/** Fetch the words of the language that this browser wants. */
+export async function loadWords() {
+  code = wanted();
+  const answer = await fetch(`/static/languages/${code}.json`);
+  words = await answer.json();
+  document.documentElement.lang = code;
+  document.documentElement.dir = code === "ar" ? "rtl" : "ltr";
+}
+
+/** @param {string} chosen */
+export function chooseLanguage(chosen) {
+  localStorage.setItem(KEPT, chosen);
+  location.reload();
+}
+
+/**
+ * The words for a key, with their {values}.
+ * @param {string} key
+ * @param {Record<string, string | number>} [values]
+ */
+export function say(key, values = {}) {
+  return (words[key] ?? key).replace(/\{(\w+)\}/g, (_, name) => String(values[name] ?? ""));
+}
+
+/** The words for a key, or another text where there are none. @param {string} key @param {string} other */
+export const sayOr = (key, other) => words[key] ?? other;
+
+/** @param {number} value @param {number} [digits] */
+export const number = (value, digits = 1) =>
+  value.toLocaleString(code, { maximumFractionDigits: digits, minimumFractionDigits: digits });

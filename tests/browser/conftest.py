@@ -1,0 +1,64 @@
+"""A real Chromium, and a stand-in for the robot's server."""
+
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
+from stand_in import CODE, Robot
+
+AXE = Path(__file__).parents[2] / ".venv/page/node_modules/axe-core/axe.min.js"
+PATIENCE_MS = 60_000
+PHONE = {"viewport": {"width": 390, "height": 844}, "is_mobile": True, "has_touch": True}
+DESK = {"viewport": {"width": 1440, "height": 900}}
+
+Opens = Callable[..., Page]
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    found = shutil.which("chromium")
+    assert found, "Debian's chromium is needed: apt-get install chromium"
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def robot() -> Iterator[Robot]:
+    with Robot() as robot:
+        yield robot
+
+
+@pytest.fixture
+def opens(browser: Browser, robot: Robot) -> Iterator[Opens]:
+    """Opens a page that is let in, in a browser of its own; what breaks in it fails the test."""
+    contexts: list[BrowserContext] = []
+    broken: list[str] = []
+
+    def open_page(
+        *, locale: str = "en-GB", command: bool = True, stopped_clock: bool = False, **how: object
+    ) -> Page:
+        context = browser.new_context(locale=locale, **(how or DESK))
+        contexts.append(context)
+        context.set_default_timeout(PATIENCE_MS)
+        context.add_cookies([{"name": "edgevox", "value": CODE, "url": robot.url}])
+        page = context.new_page()
+        page.on("pageerror", lambda error: broken.append(str(error)))
+        if stopped_clock:
+            page.clock.install()
+        page.goto(robot.url)
+        page.locator("html[data-link=ready]").wait_for()
+        if command:
+            page.locator(".lease button.primary").click()
+            page.locator(".lease button.on").wait_for()
+        if stopped_clock:
+            page.clock.pause_at(page.evaluate("Date.now() / 1000 + 0.05"))
+        return page
+
+    yield open_page
+    for context in contexts:
+        context.close()
+    assert not broken

@@ -1,0 +1,77 @@
+"""The page and the server that it comes from: what is pressed reaches the robot."""
+
+from collections.abc import Iterator
+
+import pytest
+from console_rig import Rig, console
+from playwright.sync_api import Browser, Page, expect
+from test_page_drives import hold, until
+
+from edgevox.core.commands import TextInput
+from edgevox.core.events import Responded, Transcribed
+from edgevox.core.ways import Way
+
+PATIENCE_MS = 60_000
+
+
+@pytest.fixture
+def rig(tmp_path) -> Iterator[Rig]:
+    with console(tmp_path) as rig:
+        yield rig
+
+
+@pytest.fixture
+def page(browser: Browser, rig: Rig) -> Iterator[Page]:
+    """Paired by the code of a link, as a phone is by the picture in the terminal."""
+    context = browser.new_context(locale="en-GB", viewport={"width": 1440, "height": 900})
+    context.set_default_timeout(PATIENCE_MS)
+    broken: list[str] = []
+    page = context.new_page()
+    page.on("pageerror", lambda error: broken.append(str(error)))
+    page.goto(rig.server.offer_code()[1])
+    page.locator(".pair button.primary").click()
+    page.locator("html[data-link=ready]").wait_for()
+    yield page
+    context.close()
+    assert not broken
+
+
+def take_the_turn(page: Page) -> None:
+    page.locator(".lease button.primary").click()
+    page.locator(".lease button.on").wait_for()
+
+
+def test_stop_needs_no_turn_and_reaches_the_robot(page: Page, rig: Rig) -> None:
+    page.keyboard.press("Space")
+    assert rig.stop.engaged.wait(60)
+    expect(page.locator(".stopped")).to_be_visible(timeout=PATIENCE_MS)
+
+
+def test_words_reach_it_as_an_operators_and_come_back(page: Page, rig: Rig) -> None:
+    take_the_turn(page)
+    page.locator(".write input").fill("go to the kitchen")
+    page.locator(".write input").press("Enter")
+    until(page, lambda: bool(rig.submitted))
+    assert rig.submitted == [TextInput("go to the kitchen", Way.CONSOLE_OPERATOR)]
+    rig.bus.publish(Transcribed("go to the kitchen", 1))
+    rig.bus.publish(Responded("Going to the kitchen.", 1))
+    expect(page.locator(".bubble.robots")).to_have_text("Going to the kitchen.")
+
+
+def test_the_stick_steers_and_letting_go_halts(page: Page, rig: Rig) -> None:
+    take_the_turn(page)
+    hold(page)
+    until(page, lambda: len(rig.robot.steered) >= 3)
+    page.mouse.up()
+    assert rig.robot.halted.wait(60)
+    assert rig.robot.steered[0][0] > 0
+
+
+def test_what_is_looked_at_comes(page: Page, rig: Rig) -> None:
+    expect(page.locator(".facts")).to_contain_text("1.0, 2.0 m", timeout=PATIENCE_MS)
+
+
+def test_a_browser_that_is_thrown_out_is_asked_for_a_code(page: Page, rig: Rig) -> None:
+    (session,) = rig.server.sessions.all()
+    rig.server.sessions.revoke(session.id)
+    page.locator(".code").wait_for()

@@ -1,0 +1,101 @@
+"""The joystick: a beat while it is held, one zero when it is let go, nothing else."""
+
+from collections.abc import Callable
+
+from conftest import Opens
+from playwright.sync_api import Page
+from stand_in import Robot
+
+
+def until(page: Page, true: Callable[[], bool]) -> None:
+    while not true():
+        page.wait_for_timeout(20)
+
+
+def hold(page: Page, *, x: float = 0.5, y: float = 0.1) -> None:
+    box = page.locator(".stick").bounding_box()
+    assert box
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    page.mouse.move(box["x"] + x * box["width"], box["y"] + y * box["height"])
+
+
+def still(robot: Robot) -> list[dict[str, object]]:
+    return [d for d in robot.commands("drive") if not d["linear"] and not d["angular"]]
+
+
+def test_ahead_beats_and_letting_go_is_exactly_one_zero(opens: Opens, robot: Robot) -> None:
+    page = opens()
+    hold(page)
+    until(page, lambda: sum(d["linear"] > 0.3 for d in robot.commands("drive")) >= 4)
+    page.mouse.up()
+    until(page, lambda: bool(robot.commands("drive")) and not robot.commands("drive")[-1]["linear"])
+    after = len(robot.commands("ping"))
+    until(page, lambda: len(robot.commands("ping")) > after + 2)
+    drives = robot.commands("drive")
+    assert still(robot) == drives[-1:]
+    assert max(abs(d["linear"]) for d in drives) <= 0.5
+
+
+def test_back_in_its_middle_the_stick_is_let_go_once(opens: Opens, robot: Robot) -> None:
+    page = opens()
+    hold(page)
+    until(page, lambda: len(robot.commands("drive")) >= 3)
+    hold(page, y=0.5)
+    until(page, lambda: bool(still(robot)))
+    before = len(robot.commands("ping"))
+    until(page, lambda: len(robot.commands("ping")) > before + 2)
+    page.mouse.up()
+    before = len(robot.commands("ping"))
+    until(page, lambda: len(robot.commands("ping")) > before + 2)
+    assert still(robot) == robot.commands("drive")[-1:]
+
+
+def test_lost_focus_halts(opens: Opens, robot: Robot) -> None:
+    page = opens()
+    hold(page)
+    until(page, lambda: len(robot.commands("drive")) >= 3)
+    page.evaluate("window.dispatchEvent(new Event('blur'))")
+    until(page, lambda: bool(still(robot)))
+    assert robot.commands("drive")[-1] == still(robot)[-1]
+
+
+def test_arrow_keys_drive_while_they_are_down(opens: Opens, robot: Robot) -> None:
+    page = opens()
+    page.locator(".stick").focus()
+    page.keyboard.down("ArrowUp")
+    until(page, lambda: len(robot.commands("drive")) >= 3)
+    page.keyboard.up("ArrowUp")
+    until(page, lambda: len(still(robot)) == 1)
+    assert all(d["linear"] == 0.5 and d["angular"] == 0 for d in robot.commands("drive")[:-1])
+
+
+def test_nothing_is_sent_without_the_turn(opens: Opens, robot: Robot) -> None:
+    page = opens(command=False)
+    hold(page)
+    before = len(robot.commands("ping"))
+    until(page, lambda: len(robot.commands("ping")) > before + 2)
+    page.mouse.up()
+    assert not robot.commands("drive")
+
+
+def test_a_stop_lets_go_of_the_stick(opens: Opens, robot: Robot) -> None:
+    page = opens()
+    hold(page)
+    until(page, lambda: len(robot.commands("drive")) >= 3)
+    robot.tell(type="stop", engaged=True, by="Ada")
+    until(page, lambda: bool(still(robot)))
+    count = len(robot.commands("drive"))
+    before = len(robot.commands("ping"))
+    until(page, lambda: len(robot.commands("ping")) > before + 2)
+    assert len(robot.commands("drive")) == count
+
+
+def test_a_robot_that_falls_silent_gets_no_more_than_a_few(opens: Opens, robot: Robot) -> None:
+    page = opens()
+    hold(page)
+    until(page, lambda: len(robot.commands("drive")) >= 3)
+    robot.silent = True
+    sent = len(robot.commands("drive"))
+    page.locator("html[data-link=gone]").wait_for()
+    assert len(robot.commands("drive")) <= sent + 5

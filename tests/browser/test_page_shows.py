@@ -1,0 +1,248 @@
+"""The conversation, the map, the forms, the settings, and all of it for keyboard and reader."""
+
+import gzip
+import io
+import json
+import re
+
+import pytest
+from conftest import AXE, DESK, PATIENCE_MS, PHONE, Opens
+from PIL import Image
+from playwright.sync_api import Browser, Page, expect
+from stand_in import HELLO, PAGE, Robot
+from test_page_drives import until
+
+LANGUAGES = sorted(path.stem for path in (PAGE / "languages").glob("*.json"))
+
+
+def test_an_answer_streams_and_ends_as_it_was_meant(opens: Opens, robot: Robot) -> None:
+    page = opens()
+    robot.tell(type="talk", kind="heard", turn=1, text="Where are you?")
+    for piece in ("I am", " in the", " kit"):
+        robot.tell(type="talk", kind="token", turn=1, text=piece)
+    expect(page.locator(".bubble.robots")).to_have_text("I am in the kit")
+    robot.tell(type="talk", kind="response", turn=1, text="I am in the kitchen.")
+    expect(page.locator(".bubble.robots")).to_have_text("I am in the kitchen.")
+    expect(page.locator(".bubble.mine")).to_have_text("Where are you?")
+
+
+def test_what_was_decided_is_told_by_stage_and_sureness(opens: Opens, robot: Robot) -> None:
+    page = opens()
+    robot.tell(type="talk", kind="heard", turn=1, text="Kitchen!")
+    robot.tell(
+        type="event", kind="tool_call", skill="navigate_to", arguments={"room": "kitchen"},
+        source="template", confidence=0.97, turn=1,
+    )  # fmt: skip
+    expect(page.locator(".notes")).to_contain_text("navigate_to(kitchen) · by a template · 97 %")
+
+
+def test_words_of_others_are_never_markup(opens: Opens, robot: Robot) -> None:
+    page = opens()
+    robot.tell(type="talk", kind="heard", turn=1, text="<img src=x onerror=alert(1)><b>hi")
+    expect(page.locator(".bubble.mine")).to_have_text("<img src=x onerror=alert(1)><b>hi")
+    assert page.locator(".bubble img").count() == 0
+
+
+def test_a_question_has_a_yes_and_a_no(opens: Opens, robot: Robot) -> None:
+    page = opens()
+    robot.tell(type="talk", kind="asked", turn=1, text="Shall I go?", expires_s=10)
+    page.get_by_role("button", name="Yes").click()
+    robot.tell(type="talk", kind="asked", turn=1, text="", open=False)
+    expect(page.locator(".question")).to_be_hidden()
+    assert [one["yes"] for one in robot.commands("answer")] == [True]
+
+
+def test_a_form_sends_typed_arguments_and_can_be_repeated(opens: Opens, robot: Robot) -> None:
+    page = opens()
+    form = page.locator(".skill", has_text="Drive straight")
+    form.locator("input").fill("1.5")
+    form.get_by_role("button").click()
+    page.locator(".recent button").click()
+    until(page, lambda: len(robot.commands("skill")) == 2)
+    wanted = {"distance_m": 1.5, "slowly": False}
+    assert [one["arguments"] for one in robot.commands("skill")] == [wanted, wanted]
+
+
+def test_a_form_holds_to_the_limits_of_the_policy(opens: Opens, robot: Robot) -> None:
+    page = opens()
+    form = page.locator(".skill", has_text="Drive straight")
+    form.locator("input").fill("9")
+    form.get_by_role("button").click()
+    assert form.locator("input").evaluate("e => e.validity.rangeOverflow")
+    assert not robot.commands("skill")
+    forbidden = page.locator(".skill", has_text="Forget a place").get_by_role("button")
+    expect(forbidden).to_be_disabled()
+
+
+def test_a_tap_on_the_map_goes_there_or_names_it(opens: Opens, robot: Robot) -> None:
+    page = opens()
+    canvas = page.locator(".map")
+    size = canvas.evaluate("e => [e.clientWidth, e.clientHeight]")
+    canvas.click(position={"x": size[0] / 2, "y": size[1] / 2})
+    page.get_by_role("button", name="Go there").click()
+    until(page, lambda: bool(robot.commands("goto")))
+    assert robot.commands("goto")[0]["x"] == pytest.approx(5, abs=0.1)
+    assert robot.commands("goto")[0]["y"] == pytest.approx(5, abs=0.1)
+    canvas.focus()
+    page.keyboard.press("Enter")
+    page.get_by_label("Name of this place").fill("door")
+    page.keyboard.press("Enter")
+    until(page, lambda: bool(robot.commands("name_place")))
+    assert robot.commands("name_place")[0]["name"] == "door"
+
+
+def test_the_map_is_painted(opens: Opens, robot: Robot) -> None:
+    page = opens()
+    count = """e => {
+        const data = e.getContext("2d").getImageData(0, 0, e.width, e.height).data;
+        const seen = new Set();
+        for (let i = 0; i < data.length; i += 4)
+            seen.add(data[i] * 65536 + data[i + 1] * 256 + data[i + 2]);
+        return seen.size; }"""
+    until(page, lambda: page.locator(".map").evaluate(count) > 20)
+
+
+def test_a_setting_is_sent_as_what_it_is(opens: Opens, robot: Robot) -> None:
+    page = opens()
+    page.locator(".panel.aside-chosen [data-panel=settings]").click()
+    page.get_by_role("switch").press("Enter")
+    until(page, lambda: bool(robot.commands("set")))
+    assert {k: robot.commands("set")[0][k] for k in ("name", "value")} == {
+        "name": "muted",
+        "value": True,
+    }
+
+
+def test_a_refusal_says_why(opens: Opens, robot: Robot) -> None:
+    robot.answers["text"] = {"message": "no", "reason": "no_lease"}
+    page = opens(command=False)
+    page.locator(".write input").fill("go")
+    page.locator(".write input").press("Enter")
+    expect(page.locator(".toast")).to_contain_text("take the turn first")
+
+
+def test_without_a_part_for_sound_the_page_says_so_and_works(opens: Opens, robot: Robot) -> None:
+    page = opens()
+    page.route("**/sound/sound.js", lambda route: route.abort())
+    page.get_by_role("button", name="Hear the robot here").click()
+    expect(page.locator(".sound .small-text")).to_contain_text("sound does not work")
+    page.locator(".write input").fill("go")
+    page.locator(".write input").press("Enter")
+    until(page, lambda: bool(robot.commands("text")))
+
+
+def jpeg(shade: int) -> bytes:
+    made = io.BytesIO()
+    Image.new("RGB", (64, 48), (shade, shade, shade)).save(made, "JPEG")
+    return made.getvalue()
+
+
+def test_the_next_picture_is_asked_for_when_one_is_shown_even_a_broken_one(
+    opens: Opens, robot: Robot
+) -> None:
+    robot.pictures = iter([jpeg(50), b"no picture", jpeg(200)])
+    robot.hello = {**HELLO, "capabilities": {"picture": True, "map": False}}
+    page = opens()
+    expect(page.locator(".picture")).to_be_visible(timeout=PATIENCE_MS)
+    until(page, lambda: robot.asked_pictures == 4)  # one more than there are: it waits
+
+
+def test_two_browsers_have_one_turn(opens: Opens, robot: Robot) -> None:
+    first, second = opens(), opens(command=False)
+    expect(second.locator(".lease")).to_contain_text("client-1 is in command")
+    expect(second.locator(".skill button").first).to_be_disabled()
+    first.locator(".lease button.on").click()
+    second.locator(".lease button.primary").click()
+    expect(second.locator(".skill button").first).to_be_enabled()
+    expect(first.locator(".lease")).to_contain_text("client-2 is in command")
+
+
+def test_how_to_trust_the_certificate_is_told_before_anybody_is_let_in(
+    browser: Browser, robot: Robot
+) -> None:
+    page = browser.new_page(locale="fr-FR")
+    page.goto(f"{robot.url}/static/ca.html")
+    expect(page.locator("h1")).to_have_text("Faire confiance à ce robot")
+    assert problems(page) == []
+    page.close()
+
+
+def test_an_arm_has_no_map_but_joints_a_hand_and_things(opens: Opens, robot: Robot) -> None:
+    robot.scene = {"version": 1}
+    robot.hello = {**HELLO, "capabilities": {"picture": False, "drive": False}}
+    robot.live = {
+        "velocity": None,
+        "goal": None,
+        "joints": [{"name": "joint1", "value": 0.5, "lower": -2.9, "upper": 2.9}],
+        "hand": {"open": 0.1, "holding": "red cube"},
+        "things": [{"name": "red cube", "x": 0.5, "y": 0.1, "z": 0.2, "held": True}],
+    }
+    page = opens()
+    expect(page.locator(".joint")).to_contain_text("0.50", timeout=PATIENCE_MS)
+    expect(page.locator(".facts")).to_contain_text("red cube")
+    expect(page.locator(".map-card")).to_be_hidden()
+
+
+def test_a_robot_that_only_talks_has_no_map_and_no_stick(opens: Opens, robot: Robot) -> None:
+    robot.live = None
+    robot.hello = {**HELLO, "capabilities": {"map": False, "picture": False, "drive": False}}
+    page = opens()
+    expect(page.locator(".map-card")).to_be_hidden()
+    expect(page.locator(".joystick")).to_be_hidden()
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_each_language_is_whole(language: str) -> None:
+    english, its = (
+        json.loads((PAGE / f"languages/{one}.json").read_text()) for one in ("en", language)
+    )
+    assert its.keys() == english.keys()
+    assert all(text.strip() for text in its.values())
+
+
+def test_every_key_that_the_page_says_has_words() -> None:
+    said = set()
+    for path in PAGE.glob("*.js"):
+        said |= set(re.findall(r"\bsay\(\"(\w+)\"", path.read_text(encoding="utf-8")))
+    assert said
+    assert said <= json.loads((PAGE / "languages/en.json").read_text()).keys()
+
+
+@pytest.mark.parametrize("language", ["ar", "de", "ja"])
+def test_a_phone_in_another_language_needs_no_scrolling_aside(
+    opens: Opens, robot: Robot, language: str
+) -> None:
+    page = opens(locale=language, **PHONE)
+    assert page.locator("html").get_attribute("lang") == language
+    for part in ("talk", "see", "do", "know", "settings"):
+        page.locator(f".tabs [data-panel={part}]").click()
+        wide = page.evaluate("document.documentElement.scrollWidth - innerWidth")
+        assert wide <= 0
+
+
+def problems(page: Page) -> list[str]:
+    page.evaluate(AXE.read_text(encoding="utf-8"))
+    tags = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]
+    found = page.evaluate(
+        "tags => axe.run(document, {runOnly: tags}).then(r => r.violations)", tags
+    )
+    return [f"{one['id']}: {node['html']}" for one in found for node in one["nodes"]]
+
+
+@pytest.mark.parametrize("colours", ["light", "dark"])
+@pytest.mark.parametrize("device", [DESK, PHONE], ids=["desk", "phone"])
+def test_axe_finds_nothing(opens: Opens, robot: Robot, device: dict, colours: str) -> None:
+    page = opens(**device, color_scheme=colours)
+    robot.tell(type="talk", kind="heard", turn=1, text="Kitchen!")
+    robot.tell(type="talk", kind="response", turn=1, text="Going.", detail="A list.")
+    robot.tell(type="talk", kind="asked", turn=1, text="Shall I go?")
+    robot.tell(type="stop", engaged=True, by="Ada")
+    expect(page.locator(".stopped")).to_be_visible()
+    for part in ("do", "know", "settings", "see", "talk"):
+        page.locator(f"[data-panel={part}].tab:visible, .panel.{part}:visible").first.click()
+        assert problems(page) == []
+
+
+def test_all_of_the_page_is_small() -> None:
+    files = [p for p in PAGE.rglob("*") if p.is_file()]
+    assert sum(len(gzip.compress(p.read_bytes())) for p in files) < 200_000
