@@ -14,9 +14,9 @@ from edgevox.console.pairing import Pairing
 from edgevox.console.rate_limit import RateLimit
 from edgevox.console.security_headers import add_headers, is_own_origin
 from edgevox.console.sessions import LAST_S, Session
+from edgevox.console.sockets.browser_sound import MOST_BYTES as MOST_SOUND
+from edgevox.console.sockets.browser_sound import SoundLine, SoundPage
 from edgevox.console.sockets.control import ControlPage, Limits
-from edgevox.console.sockets.sound import MOST_BYTES as MOST_SOUND
-from edgevox.console.sockets.sound import SoundLine, SoundPage
 from edgevox.console.sockets.view import Pictures, show
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger

@@ -39,7 +39,7 @@ class Lateness:
         return max(0.0, late)
 
 
-class Sends(Protocol):
+class SendsSound(Protocol):
     """A WebSocket, as much of it as sends."""
 
     async def send_bytes(self, data: bytes) -> None: ...
@@ -80,7 +80,7 @@ class SoundQueue:
         self._told.append(text)
         self._ready.set()
 
-    async def send_all(self, socket: Sends) -> None:
+    async def send_all(self, socket: SendsSound) -> None:
         """Send until it cannot. Raises what the socket raises, and `TimeoutError`."""
         while True:
             await self._ready.wait()
