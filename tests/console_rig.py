@@ -14,6 +14,7 @@ from edgevox.console.console_server import ConsoleServer, Tls
 from edgevox.console.context import ConsoleContext
 from edgevox.console.sessions import Role
 from edgevox.core.bus import Bus
+from edgevox.core.clock import Clock
 from edgevox.core.commands import Command
 from edgevox.core.controls import Controls
 from edgevox.core.software_stop import StopState
@@ -147,7 +148,9 @@ class Page:
 
 
 @contextmanager
-def console(folder: Path, tls: Tls | None = None, **changes: Any) -> Iterator[Rig]:
+def console(
+    folder: Path, tls: Tls | None = None, clock: Clock | None = None, **changes: Any
+) -> Iterator[Rig]:
     """A console that serves on a port of its own."""
     bus, stop, robot = Bus(), NotedStop(), NotedRobot()
     submitted: list[Command] = []
@@ -171,7 +174,7 @@ def console(folder: Path, tls: Tls | None = None, **changes: Any) -> Iterator[Ri
         "robot": robot,
         **changes,
     }
-    server = ConsoleServer(ConsoleContext(**given), folder, tls=tls)
+    server = ConsoleServer(ConsoleContext(**given), folder, tls=tls, clock=clock)
     server.start()
     try:
         yield Rig(server, stop, robot, bus, submitted, hold, began)

@@ -7,7 +7,6 @@ from pathlib import Path
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.llm.language_model import LanguageModel, ModelFailed
 from edgevox.agent.llm.prefill import PromptPrefill
-from edgevox.agent.nlu.endings import Endings
 from edgevox.agent.programs.senses import NO_SENSES
 from edgevox.agent.reasons import because
 from edgevox.apps.agent_parts import AgentParts, Startable
@@ -23,7 +22,7 @@ from edgevox.apps.policy_setup import build_guard
 from edgevox.apps.queries import available_voices, build_queries, deafness
 from edgevox.apps.robots import build_agents
 from edgevox.apps.skill_setup import gather_skills
-from edgevox.apps.voice import build_listener, build_voice, warm_up_hearing
+from edgevox.apps.voice import build_listener, build_voice, endings, warm_up_hearing
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Speak
 from edgevox.core.controls import Controls
@@ -111,7 +110,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
             controls,
             submit=command_router.submit,
             is_stop=conversation.is_stop,
-            ending=_endings(conversation).of,
+            ending=endings(conversation).of,
         )
         if voice
         else None
@@ -247,13 +246,3 @@ def _follow(conversation: Conversation, change: ControlChanged) -> None:
             conversation.set_language(str(code))
         case ControlChanged(name="confirm", value=("always" | "unsure" | "never") as confirm):
             conversation.set_confirm(confirm)
-
-
-def _endings(conversation: Conversation) -> Endings:
-    """What judges words by the templates that the conversation has now."""
-    interpreter = conversation.interpreter
-    return Endings(
-        interpreter.plain,
-        is_stop=conversation.is_stop,
-        hearing=lambda: interpreter.phrases.hearing,
-    )

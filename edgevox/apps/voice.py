@@ -6,6 +6,8 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
+from edgevox.agent.conversation import Conversation
+from edgevox.agent.nlu.endings import Endings
 from edgevox.agent.nlu.hearing_prompt import HearingPrompts
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import Skill, SkillSet
@@ -21,13 +23,14 @@ from edgevox.core.languages import LANGUAGES, STT_BACKEND
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
 from edgevox.models import locate
-from edgevox.voice.audio import AudioSink, AudioSource
+from edgevox.voice.audio import AudioSource
 from edgevox.voice.kept_audio import MOST_BYTES, MOST_UTTERANCES, KeptAudio
 from edgevox.voice.listener import Listener
 from edgevox.voice.played_sound import PlayedSound
 from edgevox.voice.sentence_synthesiser import SentenceSynthesiser
 from edgevox.voice.sinks.open_sink import open_sink
 from edgevox.voice.sinks.relay import Relay
+from edgevox.voice.sinks.tapped import TappedSink
 from edgevox.voice.sources.files import WavFiles
 from edgevox.voice.sources.open_source import ROS2, open_source
 from edgevox.voice.sources.pushed import Pushed
@@ -52,7 +55,7 @@ class VoiceChain:
     """
 
     source: AudioSource
-    sink: AudioSink
+    sink: TappedSink
     stt: WatchedSpeechToText
     speech_output: SpeechOutput
     wakeword: WakeDetector | None
@@ -91,7 +94,9 @@ def build_voice(
     stack.callback(source.close)
     relay = Relay()
     played = PlayedSound()
-    sink = open_sink(settings.audio_out, relay=relay if settings.ros2 else None, played=played)
+    sink = TappedSink(
+        open_sink(settings.audio_out, relay=relay if settings.ros2 else None, played=played)
+    )
     stack.callback(sink.close)
     wakeword = open_wakeword(settings)
     if wakeword:
@@ -182,6 +187,16 @@ def build_listener(
         echo=settings.echo,
         played=voice.played,
         lossless=isinstance(voice.source, WavFiles),
+    )
+
+
+def endings(conversation: Conversation) -> Endings:
+    """What judges words by the templates that the conversation has now."""
+    interpreter = conversation.interpreter
+    return Endings(
+        interpreter.plain,
+        is_stop=conversation.is_stop,
+        hearing=lambda: interpreter.phrases.hearing,
     )
 
 

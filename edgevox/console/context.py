@@ -37,11 +37,17 @@ class ConsoleRobot(Protocol):
 class ConsoleSound(Protocol):
     """The ears and the mouth of the robot; samples are 16 bit, 16 kHz, mono."""
 
-    def open(self, client: str) -> bool:
-        """Take it that a client speaks from now on; False while another does."""
+    def open(self, client: str, *, held: bool) -> bool:
+        """Take it that a client speaks from now on; False while another does.
+
+        While the button is `held` it is to the robot, and needs no wake word.
+        """
 
     def close(self, client: str) -> None:
-        """Take it that a client speaks no more."""
+        """A client has ended what it says, and speaks no more."""
+
+    def abandon(self, client: str) -> None:
+        """A client is gone: what it was saying does not count."""
 
     def push(self, client: str, samples: NDArray[np.int16]) -> None:
         """One frame of 20 ms from the client who speaks."""

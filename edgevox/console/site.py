@@ -17,6 +17,10 @@ from edgevox.console.security_headers import add_headers, is_own_origin
 from edgevox.console.sessions import LAST_S, Session
 from edgevox.console.sockets.control import ControlPage, SocketLimits
 from edgevox.console.sockets.pictures import PictureSocket, show
+from edgevox.console.sockets.browser_sound import MOST_BYTES as MOST_SOUND
+from edgevox.console.sockets.browser_sound import SoundLine, SoundPage
+from edgevox.console.sockets.control import ControlPage, Limits
+from edgevox.console.sockets.view import Pictures, show
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
 
@@ -46,6 +50,9 @@ class Site:
         self.cookie = "__Host-edgevox" if self.secure else "edgevox"
         robot = self.hub.context.robot
         self._pictures = PictureSocket(self.hub, robot) if robot else None
+        self._pictures = Pictures(self.hub, robot) if robot else None
+        sound = self.hub.context.sound
+        self._sounds = SoundLine(self.hub, sound, self.clock) if sound else None
 
     def application(self) -> web.Application:
         """All of it."""
@@ -60,6 +67,7 @@ class Site:
         app.router.add_get("/api/recording/{name}", self._recording)
         app.router.add_get("/ws", self._control)
         app.router.add_get("/ws/view", self._view)
+        app.router.add_get("/ws/sound", self._sound)
         if PAGE.is_dir():
             app.router.add_static("/static/", PAGE)
         return app
@@ -179,6 +187,14 @@ class Site:
             return request.transport is not None and self.hub.sessions.is_there(session)
 
         await show(self._pictures, socket, wanted)
+        return socket
+
+    async def _sound(self, request: web.Request) -> web.StreamResponse:
+        session = self.own_session(request)
+        if self._sounds is None:
+            raise web.HTTPNotFound
+        socket = await _socket(request, MOST_SOUND)
+        await SoundPage(self._sounds, session, socket).run()
         return socket
 
 

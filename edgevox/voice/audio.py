@@ -22,12 +22,27 @@ class EndOfSound(EdgeVoxError):
     """A source has no more: the file is over."""
 
 
+class UtteranceOver(EdgeVoxError):
+    """Who speaks into a source has let go of it; what comes next does not follow on that.
+
+    If `abandoned` they are gone, and what was being said does not count.
+    """
+
+    def __init__(self, source: str, *, abandoned: bool) -> None:
+        self.abandoned = abandoned
+        super().__init__(f"{source}: {'nobody is there' if abandoned else 'released'}")
+
+
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """`FRAME_SAMPLES` samples at `RATE_HZ`; `end_s` is the clock's time of the last one."""
+    """`FRAME_SAMPLES` samples at `RATE_HZ`; `end_s` is the clock's time of the last one.
+
+    What is `addressed` is said to the robot, by a button that is held, and needs no wake word.
+    """
 
     samples: Samples
     end_s: float
+    addressed: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +62,10 @@ class AudioSource(Protocol):
         """Begin to capture. A device that is not there is said and tried again, not raised."""
 
     def read(self, timeout_s: float) -> Frame | None:
-        """The next frame; None if none came in time. Raises `EndOfSound`."""
+        """The next frame; None if none came in time.
+
+        Raises `EndOfSound`, and `UtteranceOver`, after which there may be more.
+        """
 
     def close(self) -> None: ...
 

@@ -12,7 +12,7 @@ from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Cause, WakeWordHeard
 from edgevox.core.log import get_logger, worth_a_line
 from edgevox.core.settings import Echo
-from edgevox.voice.audio import RATE_HZ, AudioSource, EndOfSound, Frame
+from edgevox.voice.audio import FRAME_S, RATE_HZ, AudioSource, EndOfSound, Frame, UtteranceOver
 from edgevox.voice.echo import Unechoed
 from edgevox.voice.echo_canceller import open_echo
 from edgevox.voice.endpoint import (
@@ -113,6 +113,7 @@ class Listener:
         )
         self._judges = ending is not None and not lossless
         self._last_s: float | None = None
+        self._addressed_s = float("-inf")
         self._closing = threading.Event()
         self._over = threading.Event()
         self._heard_all = False
@@ -162,7 +163,12 @@ class Listener:
             self._over.set()
 
     def _hear_next(self) -> None:
-        frame = self._source.read(READ_S)
+        try:
+            frame = self._source.read(READ_S)
+        except UtteranceOver as over:
+            end = self._forget if over.abandoned else self._finish
+            end()
+            return
         if frame is None:
             if self._last_s is not None and self._clock.now() - self._last_s > STALLED_S:
                 self._finish()
@@ -181,6 +187,8 @@ class Listener:
         if self._last_s is not None and frame.end_s - self._last_s > STALLED_S:
             self._finish()
         self._last_s = frame.end_s
+        if frame.addressed:
+            self._addressed_s = frame.end_s
         self._meter.push(frame.samples)
         sound = self._echo.hear(frame)
         probability = self._vad.probability(sound.voice)
@@ -192,7 +200,7 @@ class Listener:
             case SpeechBegan(began_s=began_s):
                 self._interrupt_if_meant(began_s)
             case SpeechPaused(samples=samples, ended_s=ended_s):
-                if self._wakeword is None:
+                if self._is_addressed(ended_s - samples.size / RATE_HZ):
                     self._guess(TranscriptionJob(samples, ended_s))
             case SpeechWentOn(ended_s=ended_s):
                 self._submit(SpokenOn(ended_s))
@@ -237,12 +245,16 @@ class Listener:
                 self._submit(Interrupt("heard the wake word", motion=False, cause=Cause.WAKE_WORD))
 
     def _interrupt_if_meant(self, began_s: float) -> None:
-        meant = self._wakeword is None or self._wake_gate.has(began_s)
+        meant = self._is_addressed(began_s) or self._wake_gate.has(began_s)
         if meant and self._echo.playing:
             self._submit(Interrupt("spoken over", motion=False, cause=Cause.BARGE_IN))
 
+    def _is_addressed(self, began_s: float) -> bool:
+        """Whether what is said since then needs no wake word."""
+        return self._wakeword is None or self._addressed_s > began_s + FRAME_S / 2
+
     def _take(self, speech: SpeechEnded) -> None:
-        if self._wakeword is None:
+        if self._wakeword is None or self._is_addressed(speech.began_s):
             self._understand(TranscriptionJob(speech.samples, speech.ended_s))
             return
         start_s = self._wake_gate.phrase_from(speech)

@@ -2,6 +2,9 @@
 import { h, sign } from "./dom.js";
 import { say, sayOr } from "./words.js";
 
+/** States in which nobody is heard, each with a sentence of the page. */
+const BROKEN = ["denied", "absent", "busy", "lost", "failed", "unsupported"];
+
 /** Why this browser has no microphone for us; empty if it may have one. */
 function whyDeaf() {
   if (!window.isSecureContext) return "insecure";
@@ -28,7 +31,8 @@ export function soundButtons(store) {
   const tell = (/** @type {string} */ code) => (why.textContent = code && sayOr(`sound_${code}`, say("sound_failed")));
   const onState = (/** @type {any} */ state) => {
     const code = typeof state === "string" ? state : state?.error ?? state?.state ?? "";
-    tell(["denied", "busy", "lost", "failed", "unsupported"].includes(code) ? code : "");
+    tell(BROKEN.includes(code) ? code : "");
+    if (BROKEN.includes(code)) open.setAttribute("aria-pressed", "false"); // it never goes on by itself
   };
   const sound = () => (opened ??= openSound(onState).catch((error) => {
     opened = null;
@@ -45,7 +49,7 @@ export function soundButtons(store) {
     const speaks = Boolean(store.capabilities.sound);
     box.hidden = !speaks;
     talk.disabled = open.disabled = Boolean(deaf) || !store.commands;
-    hear.disabled = store.link !== "ready";
+    hear.disabled = store.link !== "ready" || !window.AudioWorkletNode;
     if (deaf) tell(deaf);
   };
   for (const type of ["hello", "lease", "link"]) store.on(type, show);

@@ -2,10 +2,11 @@
 
 import threading
 from collections import deque
+from dataclasses import replace
 
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.log import get_logger
-from edgevox.voice.audio import Frame, Samples
+from edgevox.voice.audio import Frame, Samples, UtteranceOver
 from edgevox.voice.framing import Framer
 
 log = get_logger(__name__)
@@ -22,20 +23,20 @@ class Pushed:
         self.dropped = 0
         self._clock = clock or SystemClock()
         self._framer = Framer()
-        self._frames: deque[Frame] = deque()
+        self._frames: deque[Frame | UtteranceOver] = deque()
         self._arrived = threading.Condition()
         self._closed = False
 
     def start(self) -> None:
         """Nothing to do: whoever pushes decides when."""
 
-    def push(self, samples: Samples) -> None:
-        """Mono samples at 16 kHz whose last one is being heard now."""
+    def push(self, samples: Samples, *, addressed: bool = False) -> None:
+        """Mono samples at 16 kHz whose last one is being heard now; see `Frame.addressed`."""
         frames = list(self._framer.push(samples, self._clock.now()))
         with self._arrived:
             if self._closed or not frames:
                 return
-            self._frames.extend(frames)
+            self._frames.extend(replace(one, addressed=addressed) for one in frames)
             lost = max(0, len(self._frames) - MAX_FRAMES)
             for _ in range(lost):
                 self._frames.popleft()
@@ -47,11 +48,25 @@ class Pushed:
         """What is pushed next does not follow on what was pushed last."""
         self._framer.reset()
 
+    def end(self) -> None:
+        """Who speaks has ended, after what was pushed last."""
+        self._put(UtteranceOver(self.name, abandoned=False))
+
+    def abandon(self) -> None:
+        """Who spoke is gone: what was not read yet is forgotten."""
+        self._put(UtteranceOver(self.name, abandoned=True))
+
     def read(self, timeout_s: float) -> Frame | None:
-        """The oldest frame; None if there was none in time."""
+        """The oldest frame; None if there was none in time.
+
+        Raises `UtteranceOver` after `end` and `abandon`.
+        """
         with self._arrived:
             self._arrived.wait_for(lambda: self._frames or self._closed, timeout_s)
-            return self._frames.popleft() if self._frames else None
+            first = self._frames.popleft() if self._frames else None
+        if isinstance(first, UtteranceOver):
+            raise first
+        return first
 
     def close(self) -> None:
         """Take nothing more and wake the reader."""
@@ -59,6 +74,16 @@ class Pushed:
             self._closed = True
             self._frames.clear()
             self._arrived.notify_all()
+
+    def _put(self, over: UtteranceOver) -> None:
+        self._framer.reset()
+        with self._arrived:
+            if self._closed:
+                return
+            if over.abandoned:
+                self._frames.clear()
+            self._frames.append(over)
+            self._arrived.notify()
 
     def _count(self, lost: int) -> None:
         before, self.dropped = self.dropped, self.dropped + lost

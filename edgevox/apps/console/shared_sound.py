@@ -1,0 +1,126 @@
+"""The ears and the mouth of an agent, for the pages of its console.
+
+A page is heard by a listener of its own, made as the one of the room is: the room's goes on
+hearing a stop word whoever has a page open, and what is said in the room is not taken for what is
+said into a button that somebody holds. Both share what makes words of sound.
+"""
+
+import threading
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from edgevox.apps.agent_parts import AgentParts
+from edgevox.apps.voice import endings
+from edgevox.apps.wake_choice import open_wakeword
+from edgevox.core.bus import Bus
+from edgevox.core.commands import Command, Heard
+from edgevox.core.events import SentenceReady
+from edgevox.core.ways import Way
+from edgevox.voice.listener import Listener
+from edgevox.voice.sinks.tapped import Tap, TappedSink
+from edgevox.voice.sources.pushed import Pushed
+from edgevox.voice.stop_spotter import open_stop_spotter
+from edgevox.voice.vad import SileroVad
+
+SOURCE = "console"
+
+
+class SharedSound:
+    """A `ConsoleSound`: one client at a time speaks into `microphone`, all may hear `sink`."""
+
+    def __init__(self, microphone: Pushed, sink: TappedSink, bus: Bus) -> None:
+        self._microphone = microphone
+        self._sink = sink
+        self._lock = threading.Lock()
+        self._client = ""
+        self._held = False
+        self._turn = 0
+        self._forget = bus.subscribe(SentenceReady, self._said)
+
+    def open(self, client: str, *, held: bool) -> bool:
+        """See `ConsoleSound.open`."""
+        with self._lock:
+            if self._client not in ("", client):
+                return False
+            released = self._held and not held
+            self._client, self._held = client, held
+            if released:
+                self._microphone.end()
+            return True
+
+    def close(self, client: str) -> None:
+        """See `ConsoleSound.close`."""
+        if self._release(client):
+            self._microphone.end()
+
+    def abandon(self, client: str) -> None:
+        """See `ConsoleSound.abandon`."""
+        if self._release(client):
+            self._microphone.abandon()
+
+    def push(self, client: str, samples: NDArray[np.int16]) -> None:
+        """See `ConsoleSound.push`."""
+        with self._lock:
+            if client == self._client:
+                self._microphone.push(samples, addressed=self._held)
+
+    def listen(
+        self, callback: Callable[[int, bytes], None], on_flush: Callable[[], None]
+    ) -> Callable[[], None]:
+        """See `ConsoleSound.listen`."""
+        hear = Tap(lambda samples: callback(self._turn, samples.astype("<i2").tobytes()), on_flush)
+        return self._sink.tap(hear)
+
+    def shut(self) -> None:
+        """Follow the conversation no longer."""
+        self._forget()
+
+    def _release(self, client: str) -> bool:
+        with self._lock:
+            if client != self._client:
+                return False
+            self._client, self._held = "", False
+            return True
+
+    def _said(self, sentence: SentenceReady) -> None:
+        self._turn = sentence.turn
+
+
+def share_sound(stack: ExitStack, parts: AgentParts) -> SharedSound | None:
+    """Hear pages from now on; what must end is the stack's. None for an agent that only writes."""
+    voice, settings, controls = parts.voice, parts.settings, parts.controls
+    if voice is None:
+        return None
+    wakeword = open_wakeword(settings)
+    if wakeword:
+        stack.callback(wakeword.close)
+    microphone = Pushed(SOURCE)
+    listener = Listener(
+        microphone,
+        SileroVad(),
+        voice.stt,
+        submit=lambda command: parts.command_router.submit(_of_console(command)),
+        bus=parts.bus,
+        language=lambda: controls.language,
+        muted=lambda: controls.muted,
+        audible=voice.sink.audible,
+        wakeword=wakeword,
+        is_stop=parts.conversation.is_stop,
+        stop_detector=open_stop_spotter() if settings.stop_spotter else None,
+        ending=endings(parts.conversation).of,
+        saying=voice.speech_output.saying,
+    )
+    stack.callback(listener.close)
+    listener.start()
+    sound = SharedSound(microphone, voice.sink, parts.bus)
+    stack.callback(sound.shut)
+    return sound
+
+
+def _of_console(command: Command) -> Command:
+    """What an operator says into a page came by the console, for the policy."""
+    return replace(command, way=Way.CONSOLE_OPERATOR) if isinstance(command, Heard) else command

@@ -1,0 +1,236 @@
+/** The line for sound: this browser's microphone to the robot, and what the robot says back. */
+import { socketAddress } from "../link.js";
+
+const AUDIO = 0;
+const HEAD_UP = 8;
+const HEAD_DOWN = 9;
+const FRAME_BYTES = 640;
+/** So much may wait to leave: 0.2 s. What is said when more waits would be heard late. */
+const MOST_WAITING = 10 * (HEAD_UP + FRAME_BYTES);
+/** Who lets go lets go a little early. */
+const LET_GO_MS = 150;
+/** The microphone is kept for so long, so that the next word does not wait for it. */
+const KEPT_MS = 30_000;
+const AGAIN_MS = 1000;
+const CONNECT_MS = 5000;
+
+export class Sound {
+  /** @param {(state: string) => void} onState what the robot says of it, and what went wrong */
+  constructor(onState) {
+    this.onState = onState;
+    /** Called with a turn when its first sample is played. @type {(turn: number) => void} */
+    this.onPlaying = () => {};
+    this.context = new AudioContext({ latencyHint: "interactive" });
+    /** @type {Promise<void> | null} */
+    this.worklets = null;
+    /** @type {Promise<WebSocket> | null} */
+    this.line = null;
+    /** @type {Promise<Microphone> | null} */
+    this.microphone = null;
+    /** @type {AudioWorkletNode | null} */
+    this.player = null;
+    this.held = this.opened = this.hearing = false;
+    this.sequence = 0;
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.letting = undefined;
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.keeping = undefined;
+  }
+
+  /** Opens the line. Raises where there is none. */
+  async connect() {
+    await this.context.resume();
+    this.worklets ??= addWorklets(this.context);
+    await this.worklets;
+    await this.socket();
+  }
+
+  /**
+   * What is said while it is held is meant for the robot.
+   * @param {boolean} on
+   */
+  async hold(on) {
+    clearTimeout(this.letting);
+    if (!on) {
+      if (this.held) this.letting = setTimeout(() => this.letGo(), LET_GO_MS);
+      return;
+    }
+    if (this.held) return;
+    this.held = true;
+    await this.speak({ type: "talk", held: true }, () => this.held);
+  }
+
+  /**
+   * An open microphone: whoever wants something says the wake word, if the robot has one.
+   * @param {boolean} on
+   */
+  async open(on) {
+    this.opened = on;
+    if (on) return this.speak({ type: "open", on }, () => this.opened);
+    this.tell({ type: "open", on });
+    this.keep();
+  }
+
+  /**
+   * Whether what the robot says is played here.
+   * @param {boolean} on
+   */
+  async hear(on) {
+    this.hearing = on;
+    if (on) this.player ??= this.makePlayer();
+    else this.player?.port.postMessage(null);
+    const socket = await this.socket();
+    socket.send(JSON.stringify({ type: "hear", on: this.hearing }));
+  }
+
+  letGo() {
+    this.held = false;
+    this.tell({ type: "talk", held: false });
+    this.keep();
+  }
+
+  /**
+   * Ask the robot to listen, once there is something to listen to.
+   * @param {object} asked
+   * @param {() => boolean} wanted whether it still is
+   */
+  async speak(asked, wanted) {
+    clearTimeout(this.keeping);
+    try {
+      this.microphone ??= openMicrophone(this.context, (frame) => this.send(frame));
+      const [socket] = await Promise.all([this.socket(), this.microphone]);
+      if (wanted()) socket.send(JSON.stringify(asked));
+    } catch (error) {
+      this.microphone = null;
+      this.held = this.opened = false;
+      this.onState(reason(error));
+      throw error;
+    } finally {
+      this.keep();
+    }
+  }
+
+  /** Give the microphone back a while after it was last of use. */
+  keep() {
+    clearTimeout(this.keeping);
+    if (this.held || this.opened) return;
+    this.keeping = setTimeout(() => {
+      this.microphone?.then((one) => one.close(), () => {});
+      this.microphone = null;
+    }, KEPT_MS);
+  }
+
+  /** @param {ArrayBuffer} frame */
+  async send(frame) {
+    if (!this.held && !this.opened) return;
+    const socket = await this.line;
+    if (socket?.readyState !== WebSocket.OPEN || socket.bufferedAmount > MOST_WAITING) return;
+    const message = new Uint8Array(HEAD_UP + FRAME_BYTES);
+    const head = new DataView(message.buffer);
+    head.setUint32(0, this.sequence++ >>> 0, true);
+    head.setUint32(4, Math.round(performance.now()) >>> 0, true);
+    message.set(new Uint8Array(frame), HEAD_UP);
+    socket.send(message);
+  }
+
+  /** Where there is a line; where there is none there is nothing to end. @param {object} message */
+  tell(message) {
+    this.line?.then((socket) => socket.readyState === WebSocket.OPEN && socket.send(JSON.stringify(message)), () => {});
+  }
+
+  socket() {
+    this.line ??= openLine().then(
+      (socket) => this.use(socket),
+      (error) => {
+        this.line = null;
+        throw error;
+      },
+    );
+    return this.line;
+  }
+
+  /** @param {WebSocket} socket */
+  use(socket) {
+    socket.onmessage = ({ data }) => (typeof data === "string" ? this.onState(JSON.parse(data).state) : this.take(data));
+    socket.onclose = () => this.lost();
+    return socket;
+  }
+
+  /** Nothing that was going on goes on by itself, but for what is heard here. */
+  lost() {
+    clearTimeout(this.letting);
+    this.line = null;
+    this.held = this.opened = false;
+    this.player?.port.postMessage(null);
+    this.keep();
+    this.onState("lost");
+    if (this.hearing) this.again();
+  }
+
+  again() {
+    setTimeout(() => this.hearing && this.hear(true).then(() => this.onState("closed"), () => this.again()), AGAIN_MS);
+  }
+
+  /** @param {ArrayBuffer} message */
+  take(message) {
+    const head = new DataView(message);
+    if (!this.player || !this.hearing) return;
+    if (head.getUint8(0) !== AUDIO) return this.player.port.postMessage(null);
+    const samples = message.slice(HEAD_DOWN);
+    this.player.port.postMessage({ turn: head.getUint32(1, true), samples }, [samples]);
+  }
+
+  makePlayer() {
+    const player = new AudioWorkletNode(this.context, "edgevox-playback", { numberOfInputs: 0, outputChannelCount: [1] });
+    player.port.onmessage = ({ data }) => this.onPlaying(data);
+    player.connect(this.context.destination);
+    return player;
+  }
+}
+
+/** @typedef {{close: () => void}} Microphone */
+
+/**
+ * @param {AudioContext} context
+ * @param {(frame: ArrayBuffer) => void} onFrame
+ * @returns {Promise<Microphone>}
+ */
+async function openMicrophone(context, onFrame) {
+  const audio = { channelCount: 1, echoCancellation: true, noiseSuppression: true, autoGainControl: true };
+  const stream = await navigator.mediaDevices.getUserMedia({ audio });
+  const source = context.createMediaStreamSource(stream);
+  const capture = new AudioWorkletNode(context, "edgevox-capture", { numberOfOutputs: 0 });
+  capture.port.onmessage = ({ data }) => onFrame(data);
+  source.connect(capture);
+  return {
+    close() {
+      source.disconnect();
+      for (const track of stream.getTracks()) track.stop();
+    },
+  };
+}
+
+/** @returns {Promise<WebSocket>} */
+function openLine() {
+  return new Promise((resolve, reject) => {
+    const socket = new WebSocket(socketAddress("/ws/sound"));
+    socket.binaryType = "arraybuffer";
+    const late = setTimeout(() => socket.close(), CONNECT_MS);
+    socket.onopen = () => (clearTimeout(late), resolve(socket));
+    socket.onclose = () => (clearTimeout(late), reject(new Error("lost")));
+  });
+}
+
+/** @param {AudioContext} context */
+async function addWorklets(context) {
+  if (!context.audioWorklet) throw new Error("unsupported");
+  for (const name of ["capture_worklet.js", "playback_worklet.js"])
+    await context.audioWorklet.addModule(new URL(name, import.meta.url));
+}
+
+/** @param {any} error */
+function reason(error) {
+  if (error?.name === "NotAllowedError") return "denied";
+  if (error?.name === "NotFoundError") return "absent";
+  return error?.message === "lost" ? "lost" : "failed";
+}

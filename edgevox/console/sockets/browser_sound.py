@@ -1,0 +1,216 @@
+"""The socket `/ws/sound`: a page's microphone to the robot's ears, and the robot's speech back.
+
+Only the operator who holds the lease is heard. What is old is dropped, both ways: nothing that was
+said before a hole in the line is acted on after it.
+"""
+
+import asyncio
+import itertools
+import json
+import struct
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Literal
+
+import numpy as np
+from aiohttp import WSMsgType, web
+from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
+
+from edgevox.console.context import ConsoleSound
+from edgevox.console.hub import FLOOD, GONE, SLOW, Hub
+from edgevox.console.rate_limit import RateLimit
+from edgevox.console.sessions import Role, Session
+from edgevox.console.sockets.sound_queue import Lateness, SoundQueue
+from edgevox.core.clock import Clock
+
+MOST_BYTES = 1024
+"""Of one message from a page."""
+OLD_S = 0.2
+"""Sound that is later than this is not taken, and not sent."""
+HEAD = struct.Struct("<II")
+"""Before the samples of a page: sequence, and the page's milliseconds; both start over at 2**32."""
+FRAME_BYTES = 640
+"""20 ms of samples, 16 bit little-endian, 16 kHz, mono."""
+PER_S, BURST = 75.0, 250
+"""Messages of one page: half as many again as it sends, and what a hole in the line held back."""
+LOOK_S = 0.5
+"""So often it is asked again whether a page may go on."""
+
+
+class Talk(BaseModel):
+    """The button is held, or let go: what is said meanwhile is meant for the robot."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+    type: Literal["talk"]
+    held: bool
+
+
+class Open(BaseModel):
+    """The microphone is open: whoever wants something says the wake word, if there is one."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+    type: Literal["open"]
+    on: bool
+
+
+class Hear(BaseModel):
+    """The page plays what the robot says."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+    type: Literal["hear"]
+    on: bool
+
+
+_ASKED: TypeAdapter[Talk | Open | Hear] = TypeAdapter(Talk | Open | Hear)
+
+
+class SoundLine:
+    """The one microphone that pages share. Belongs to the loop's thread."""
+
+    def __init__(self, hub: Hub, sound: ConsoleSound, clock: Clock) -> None:
+        self.hub = hub
+        self.sound = sound
+        self.clock = clock
+        self.limit = RateLimit(clock, PER_S, BURST)
+        self._numbers = itertools.count(1)
+
+    def may_speak(self, session: Session) -> bool:
+        """Whether it is an operator's who holds the lease."""
+        return session.role is Role.OPERATOR and self.hub.lease.state.holder == session.id
+
+    def client(self, session: Session) -> str:
+        """A name for one more page of this session."""
+        return f"{session.id}.{next(self._numbers)}"
+
+
+class SoundPage:
+    """One page on `/ws/sound`, from `run` until it is gone."""
+
+    def __init__(self, line: SoundLine, session: Session, socket: web.WebSocketResponse) -> None:
+        self._line = line
+        self._session = session
+        self._socket = socket
+        self._client = line.client(session)
+        self._held = self._on = self._speaks = False
+        self._lateness = Lateness()
+        self._queue = SoundQueue(line.clock, OLD_S)
+        self._forget: Callable[[], None] | None = None
+
+    async def run(self) -> None:
+        """Hear it, and let it hear, until it is gone."""
+        tasks = [
+            asyncio.create_task(self._send()),
+            asyncio.create_task(self._watch()),
+        ]
+        try:
+            async for told in self._socket:
+                if not self._line.limit.allows(self._client):
+                    await self._socket.close(code=FLOOD)
+                elif told.type is WSMsgType.BINARY:
+                    self._take(told.data)
+                elif told.type is WSMsgType.TEXT:
+                    self._heed(told.data)
+                else:
+                    break
+        finally:
+            self._fall_silent()
+            self._hear(on=False)
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+
+    async def _send(self) -> None:
+        try:
+            await self._queue.send_all(self._socket)
+        except (OSError, RuntimeError, TimeoutError):
+            self._fall_silent()
+            self._hear(on=False)
+            await self._socket.close(code=SLOW)
+
+    async def _watch(self) -> None:
+        """Who may no longer speak is heard no longer, who is no longer let in hears nothing."""
+        while self._line.hub.sessions.is_there(self._session):
+            self._may_go_on()
+            await asyncio.sleep(LOOK_S)
+        self._fall_silent()
+        self._hear(on=False)
+        await self._socket.close(code=GONE)
+
+    def _heed(self, text: str) -> None:
+        try:
+            asked = _ASKED.validate_json(text)
+        except ValidationError:
+            self._tell("failed")
+            return
+        match asked:
+            case Hear(on=on):
+                self._hear(on=on)
+            case Talk(held=held):
+                self._held = held
+                self._speak(ended=not held)
+            case Open(on=on):
+                self._on = on
+                self._speak(ended=False)
+
+    def _speak(self, *, ended: bool) -> None:
+        """Begin, go on otherwise, or cease; what was being said counts if it was `ended`."""
+        sound = self._line.sound
+        if not (self._held or self._on):
+            if self._speaks:
+                (sound.close if ended else sound.abandon)(self._client)
+            self._speaks = False
+            self._tell("closed")
+            return
+        self._lateness = Lateness()
+        if not self._line.may_speak(self._session) or not sound.open(self._client, held=self._held):
+            self._fall_silent()
+            self._tell("busy")
+            return
+        self._speaks = True
+        self._tell("held" if self._held else "open")
+
+    def _take(self, data: bytes) -> None:
+        if len(data) != HEAD.size + FRAME_BYTES or not self._speaks or not self._may_go_on():
+            return
+        _, sent_ms = HEAD.unpack_from(data)
+        now_ms = round(self._line.clock.now() * 1000)
+        if self._lateness.of(now_ms, sent_ms) > OLD_S * 1000:
+            return
+        if self._held:
+            self._line.hub.lease.used(self._session.id)
+        samples = np.frombuffer(data, "<i2", offset=HEAD.size).astype(np.int16)
+        self._line.sound.push(self._client, samples)
+
+    def _may_go_on(self) -> bool:
+        if self._speaks and not self._line.may_speak(self._session):
+            self._fall_silent()
+            self._tell("busy")
+        return self._speaks
+
+    def _fall_silent(self) -> None:
+        """What was being said does not count."""
+        self._held = self._on = False
+        if self._speaks:
+            self._speaks = False
+            self._line.sound.abandon(self._client)
+
+    def _hear(self, *, on: bool) -> None:
+        if on and self._forget is None:
+            loop = asyncio.get_running_loop()
+            self._forget = self._line.sound.listen(
+                lambda turn, pcm: _soon(loop, lambda: self._queue.put(turn, pcm)),
+                lambda: _soon(loop, self._queue.flush),
+            )
+        elif not on and self._forget:
+            self._forget()
+            self._forget = None
+            self._queue.flush()
+
+    def _tell(self, state: str) -> None:
+        self._queue.tell(json.dumps({"type": "state", "state": state}))
+
+
+def _soon(loop: asyncio.AbstractEventLoop, act: Callable[[], object]) -> None:
+    """On the loop's thread, from any other; nothing if it was closed just now."""
+    with suppress(RuntimeError):
+        loop.call_soon_threadsafe(act)

@@ -1,0 +1,86 @@
+"""A sink that lets others hear, too, what is played on the one that was chosen."""
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from edgevox.core.cancel import CancelToken
+from edgevox.core.fault import fault_of
+from edgevox.voice.audio import RATE_HZ, AudioSink, Chunk, Samples
+from edgevox.voice.sinks.pacing import RateChanger
+
+
+@dataclass(frozen=True, slots=True)
+class Tap:
+    """Who hears along: samples at 16 kHz, up to 0.2 s before they are due, and that it was cut.
+
+    Both are called on the thread that speaks and must not block.
+    """
+
+    hear: Callable[[Samples], None]
+    cut: Callable[[], None]
+
+
+class TappedSink:
+    """Plays on `sink`, as if it were alone. While nobody hears along, that costs nothing."""
+
+    def __init__(self, sink: AudioSink) -> None:
+        self.name = sink.name
+        self._sink = sink
+        self._rate = RateChanger(RATE_HZ)
+        self._lock = threading.Lock()
+        self._taps: tuple[Tap, ...] = ()
+
+    @property
+    def fault(self) -> str:
+        """Why what is played on the chosen sink goes nowhere; empty otherwise."""
+        return fault_of(self._sink)
+
+    def tap(self, tap: Tap) -> Callable[[], None]:
+        """Let it hear from now on; returns a way to forget it."""
+        with self._lock:
+            self._taps = (*self._taps, tap)
+        return lambda: self._forget(tap)
+
+    def play(self, chunk: Chunk, token: CancelToken) -> float:
+        if not token.cancelled:
+            self._tell(chunk)
+        return self._sink.play(chunk, token)
+
+    def drain(self, token: CancelToken) -> None:
+        self._tell(None)
+        self._sink.drain(token)
+
+    def stop(self) -> float:
+        left_s = self._sink.stop()
+        with self._lock:
+            taps = self._taps
+            self._rate.flush()
+        for tap in taps:
+            tap.cut()
+        return left_s
+
+    def audible(self) -> float:
+        return self._sink.audible()
+
+    def close(self) -> None:
+        self._sink.close()
+
+    def _tell(self, chunk: Chunk | None) -> None:
+        """Give the taps this chunk; the end of what is said without one."""
+        with self._lock:
+            taps = self._taps
+            if not taps:
+                self._rate.flush()
+                return
+            samples = self._rate.push(chunk) if chunk else self._rate.flush()
+        if samples.size:
+            samples = np.ascontiguousarray(samples)
+            for tap in taps:
+                tap.hear(samples)
+
+    def _forget(self, tap: Tap) -> None:
+        with self._lock:
+            self._taps = tuple(one for one in self._taps if one is not tap)

@@ -1,0 +1,154 @@
+"""Sound between a real browser and the server: what is said into the page, and what it plays."""
+
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from console_rig import Rig, console
+from playwright.sync_api import Page, Playwright, expect
+from sound_rig import PATIENCE_MS, microphone, paired, tone, write
+from test_page_drives import until
+
+HERTZ = 1000.0
+WAIT_S = 60.0
+
+
+class NotedSound:
+    """Ears that keep what they hear, and a mouth that says what a test wants."""
+
+    def __init__(self) -> None:
+        self.frames: list[np.ndarray] = []
+        self.asked: list[str] = []
+        self.hears: list[tuple[Callable[[int, bytes], None], Callable[[], None]]] = []
+        self.changed = threading.Condition()
+
+    def open(self, client: str, *, held: bool) -> bool:
+        return self._note("held" if held else "open")
+
+    def close(self, client: str) -> None:
+        self._note("closed")
+
+    def abandon(self, client: str) -> None:
+        self._note("abandoned")
+
+    def push(self, client: str, samples: np.ndarray) -> None:
+        with self.changed:
+            self.frames.append(samples)
+            self.changed.notify_all()
+
+    def listen(
+        self, callback: Callable[[int, bytes], None], on_flush: Callable[[], None]
+    ) -> Callable[[], None]:
+        one = (callback, on_flush)
+        with self.changed:
+            self.hears.append(one)
+            self.changed.notify_all()
+        return lambda: self.hears.remove(one)
+
+    def wait(self, true: Callable[[], object]) -> None:
+        with self.changed:
+            assert self.changed.wait_for(true, WAIT_S), (self.asked, len(self.frames))
+
+    def _note(self, asked: str) -> bool:
+        with self.changed:
+            self.asked.append(asked)
+            self.changed.notify_all()
+        return True
+
+
+@pytest.fixture
+def sound() -> NotedSound:
+    return NotedSound()
+
+
+@pytest.fixture
+def rig(tmp_path: Path, sound: NotedSound) -> Iterator[Rig]:
+    capabilities = {"capabilities": {"sound": True}, "languages": ["en"]}
+    with console(tmp_path, sound=sound, describe=lambda _: capabilities) as rig:
+        yield rig
+
+
+@pytest.fixture
+def page(playwright: Playwright, rig: Rig, tmp_path: Path) -> Iterator[Page]:
+    file = write(tmp_path / "tone.wav", tone(HERTZ, 2.0))
+    with (
+        microphone(playwright, file) as browser,
+        paired(browser, rig.server.offer_code()[1]) as page,
+    ):
+        yield page
+
+
+def hold(page: Page) -> None:
+    page.locator(".hold").hover()
+    page.mouse.down()
+
+
+def test_the_robot_hears_what_the_microphone_does_while_the_button_is_held(
+    page: Page, sound: NotedSound
+) -> None:
+    hold(page)
+    sound.wait(lambda: len(sound.frames) >= 100)
+    page.mouse.up()
+    sound.wait(lambda: "closed" in sound.asked)
+    assert sound.asked == ["held", "closed"]
+    heard = np.concatenate(sound.frames[50:100]).astype(float)
+    spectrum = np.abs(np.fft.rfft(heard * np.hanning(heard.size)))
+    loudest = np.argmax(spectrum) * 16_000 / heard.size
+    assert loudest == pytest.approx(HERTZ, abs=5.0)
+
+
+def test_the_open_microphone_is_open_until_it_is_shut(page: Page, sound: NotedSound) -> None:
+    button = page.get_by_role("button", name="Open microphone")
+    button.click()
+    sound.wait(lambda: len(sound.frames) >= 5)
+    expect(button).to_have_attribute("aria-pressed", "true")
+    button.click()
+    sound.wait(lambda: "abandoned" in sound.asked)
+    assert sound.asked == ["open", "abandoned"]
+
+
+def test_a_page_that_hears_plays_what_is_said_and_falls_silent_with_the_robot(
+    page: Page, sound: NotedSound
+) -> None:
+    page.evaluate(
+        """async () => {
+          const { Sound } = await import('/static/sound/sound.js');
+          window.played = [];
+          window.sound = new Sound(() => {});
+          window.sound.onPlaying = (turn) => window.played.push(turn);
+          await window.sound.connect();
+          await window.sound.hear(true);
+          const context = window.sound.context;
+          window.meter = new AnalyserNode(context, { fftSize: 2048 });
+          window.sound.player.connect(window.meter);
+          window.loud = () => {
+            const samples = new Float32Array(2048);
+            window.meter.getFloatTimeDomainData(samples);
+            return Math.max(...samples);
+          };
+        }"""
+    )
+    sound.wait(lambda: sound.hears)
+    callback, flush = sound.hears[0]
+    wave = (8000 * np.sin(np.arange(1600) * 0.4)).astype("<i2").tobytes()
+    for turn in range(1, 1000):
+        callback(turn, wave)
+        if page.evaluate("window.played.length && window.loud() > 0.1"):
+            break
+        page.wait_for_timeout(50)
+    assert page.evaluate("window.played[0]") >= 1
+    flush()
+    until(page, lambda: page.evaluate("window.loud()") == 0)
+
+
+def test_a_microphone_that_is_refused_is_explained(page: Page, sound: NotedSound) -> None:
+    page.evaluate(
+        """() => { navigator.mediaDevices.getUserMedia = () =>
+          Promise.reject(new DOMException('no', 'NotAllowedError')); }"""
+    )
+    hold(page)
+    expect(page.locator(".sound")).to_contain_text("not allowed", timeout=PATIENCE_MS)
+    page.mouse.up()
+    assert sound.frames == []
