@@ -15,12 +15,10 @@ from edgevox.console.pairing import Pairing
 from edgevox.console.rate_limit import PageRateLimit
 from edgevox.console.security_headers import add_headers, is_own_origin
 from edgevox.console.sessions import LAST_S, Session
-from edgevox.console.sockets.control import ControlPage, SocketLimits
-from edgevox.console.sockets.pictures import PictureSocket, show
 from edgevox.console.sockets.browser_sound import MOST_BYTES as MOST_SOUND
 from edgevox.console.sockets.browser_sound import SoundLine, SoundPage
-from edgevox.console.sockets.control import ControlPage, Limits
-from edgevox.console.sockets.view import Pictures, show
+from edgevox.console.sockets.control import ControlPage, SocketLimits
+from edgevox.console.sockets.pictures import PictureSocket, show
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
 
@@ -50,7 +48,7 @@ class Site:
         self.cookie = "__Host-edgevox" if self.secure else "edgevox"
         robot = self.hub.context.robot
         self._pictures = PictureSocket(self.hub, robot) if robot else None
-        self._pictures = Pictures(self.hub, robot) if robot else None
+        self._pictures = PictureSocket(self.hub, robot) if robot else None
         sound = self.hub.context.sound
         self._sounds = SoundLine(self.hub, sound, self.clock) if sound else None
 

@@ -18,7 +18,7 @@ from edgevox.core.settings import load_settings
 from edgevox.core.status import ComponentName, Level
 from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.capabilities import Twist2D
-from edgevox.robots.steering import Steering
+from edgevox.robots.velocity_steering import Steering
 
 DRAINING = because("draining")
 LONG_S = 600.0

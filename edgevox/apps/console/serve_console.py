@@ -16,9 +16,8 @@ def serve_console(stack: ExitStack, parts: AgentParts) -> None:
     """
     try:
         from edgevox.apps.console.build_context import build_context
-        from edgevox.console.open_console import open_console
         from edgevox.apps.console.shared_sound import share_sound
-        from edgevox.console.open import open_console
+        from edgevox.console.open_console import open_console
     except ModuleNotFoundError as error:
         raise EdgeVoxError(f"{error.name}: not here, expected {install_extra('console')}") from None
     folder = console_folder(parts.settings)

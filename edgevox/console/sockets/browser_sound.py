@@ -17,8 +17,8 @@ from aiohttp import WSMsgType, web
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 
 from edgevox.console.context import ConsoleSound
-from edgevox.console.hub import FLOOD, GONE, SLOW, Hub
-from edgevox.console.rate_limit import RateLimit
+from edgevox.console.page_hub import FLOOD, GONE, SLOW, PageHub
+from edgevox.console.rate_limit import PageRateLimit
 from edgevox.console.sessions import Role, Session
 from edgevox.console.sockets.sound_queue import Lateness, SoundQueue
 from edgevox.core.clock import Clock
@@ -67,11 +67,11 @@ _ASKED: TypeAdapter[Talk | Open | Hear] = TypeAdapter(Talk | Open | Hear)
 class SoundLine:
     """The one microphone that pages share. Belongs to the loop's thread."""
 
-    def __init__(self, hub: Hub, sound: ConsoleSound, clock: Clock) -> None:
+    def __init__(self, hub: PageHub, sound: ConsoleSound, clock: Clock) -> None:
         self.hub = hub
         self.sound = sound
         self.clock = clock
-        self.limit = RateLimit(clock, PER_S, BURST)
+        self.limit = PageRateLimit(clock, PER_S, BURST)
         self._numbers = itertools.count(1)
 
     def may_speak(self, session: Session) -> bool:
