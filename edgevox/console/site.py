@@ -48,7 +48,6 @@ class Site:
         self.cookie = "__Host-edgevox" if self.secure else "edgevox"
         robot = self.hub.context.robot
         self._pictures = PictureSocket(self.hub, robot) if robot else None
-        self._pictures = PictureSocket(self.hub, robot) if robot else None
         sound = self.hub.context.sound
         self._sounds = SoundLine(self.hub, sound, self.clock) if sound else None
 
