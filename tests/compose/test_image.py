@@ -20,7 +20,9 @@ LOCKED_DOWN = (
 LIMITS = {"edgevox": 2.0e9, "slim": 0.7e9}
 """Bytes that a target may have on the stand-in base."""
 COMPILERS = ("cc", "c++", "gcc", "g++", "clang", "cpp", "make", "cmake", "ninja", "rustc", "go")
-SECRETS = r"BEGIN [A-Z ]*PRIVATE KEY|\b(AKIA[0-9A-Z]{16}|gh[pousr]_\w{36}|hf_\w{34})\b"
+SECRETS = (
+    r"^[[:space:]-]*BEGIN [A-Z ]*PRIVATE KEY|\b(AKIA[0-9A-Z]{16}|gh[pousr]_\w{36}|hf_\w{34})\b"
+)
 SPEAK = """
 from edgevox.voice.tts.kokoro_phonemes import Phonemes
 import kokoro_onnx, faster_whisper, piper, xllamacpp, numpy

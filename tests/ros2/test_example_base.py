@@ -75,10 +75,12 @@ def test_it_speaks_german(talk, base):
 
 def test_a_stop_cancels_docking_and_driving(talk, base):
     base.asked.do("hang")
-    talk.say("dock", "Going to my dock.")
+    with base.asked.within("dock"):
+        talk.say("dock", "Going to my dock.")
     with base.asked.within("cancelled", "dock"):
         talk.say("stop", "Stopped.")
-    talk.say("go to the front door", "Going to the front door.")
+    with base.asked.within("navigate_to_pose"):
+        talk.say("go to the front door", "Going to the front door.")
     with base.asked.within("cancelled", "navigate_to_pose"):
         talk.say("stop", "Stopped.")
 

@@ -12,9 +12,10 @@ PEERS = "nobody.invalid;127.0.0.1"
 
 def _made(domain: int, *command: str) -> subprocess.CompletedProcess[str]:
     peers = {"ROS_STATIC_PEERS": PEERS, "EDGEVOX_PEERS_WAIT_S": "0", "ROS_DOMAIN_ID": str(domain)}
+    others = {name: value for name, value in os.environ.items() if not name.startswith("EDGEVOX_")}
     return subprocess.run(
         [*command, sys.executable, "-c", MAKE_A_NODE],
-        env=os.environ | peers,
+        env=others | peers,
         capture_output=True,
         text=True,
         timeout=HUNG_S,
