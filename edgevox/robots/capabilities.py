@@ -233,6 +233,17 @@ class HasCamera(Protocol):
 
 
 @runtime_checkable
+class ReceivesPictures(Protocol):
+    """Hears what a camera publishes that others run."""
+
+    def newest_picture(self) -> NDArray[np.uint8] | None:
+        """Shape (height, width, 3), RGB; None if none came in the last second.
+
+        Raises `InvalidValue` for one that cannot be shown.
+        """
+
+
+@runtime_checkable
 class HasPicture(Protocol):
     """Can show itself in its surroundings, for people."""
 

@@ -11,7 +11,7 @@ from guards import HUNG_S
 from edgevox.apps.shutdown_signals import STUCK
 
 PROGRAM = """
-import sys, threading, time
+import os, sys, threading, time
 from contextlib import ExitStack
 from edgevox.agent.reasons import because
 from edgevox.apps.shutdown_signals import ShutdownSignals, Terminated
@@ -19,7 +19,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.drain import Drain
 from edgevox.core.interlock import Interlock
 
-def say(word): print(word, flush=True)
+def say(word): os.write(1, (word + "\\n").encode())  # at once: threads say it, too
 def hang(*_): threading.Event().wait()
 what = sys.argv[1]
 interlock = Interlock()
@@ -30,8 +30,8 @@ drain = Drain(
     reason=because("draining"), bound_s=0.2 if what != "goal" else 600.0, stand_s=0.2,
 )
 with ShutdownSignals(0.5, drain) as signals:
-    say("ready")
     try:
+        say("ready")  # a signal may come as soon as somebody has read this
         while True:
             time.sleep(1.0)
     except Terminated:

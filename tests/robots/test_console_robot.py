@@ -21,6 +21,7 @@ from edgevox.apps.console.build_context import build_context
 from edgevox.apps.console.shown_robot import ShownRobot
 from edgevox.core.agent_events import GoalChanged
 from edgevox.core.commands import TextInput
+from edgevox.core.errors import InvalidValue
 from edgevox.core.events import Responded
 from edgevox.core.interlock import Interlock
 from edgevox.core.settings import load_settings
@@ -212,6 +213,25 @@ def test_a_2d_robot_is_shown_as_a_map_and_not_as_a_picture(console):
         "angular": console.body.max_angular_rad_s,
     }
     assert (offered["picture"], offered["map"], offered["goto"]) == (False, True, True)
+
+
+def test_a_camera_that_others_run_is_shown_while_its_pictures_come_and_can_be(console):
+    class Seen:
+        name, skills, picture_now = "seen", (), None
+
+        def newest_picture(self):
+            if isinstance(self.picture_now, Exception):
+                raise self.picture_now
+            return self.picture_now
+
+    body = Seen()
+    shown = ShownRobot(body, Interlock(), console.parts.guard, str)
+    assert shown.capabilities["picture"]
+    assert shown.picture() is None
+    body.picture_now = InvalidValue("encoding", "16UC1", "rgb8")
+    assert shown.picture() is None
+    body.picture_now = np.zeros((1080, 1920, 3), np.uint8)
+    assert Image.open(io.BytesIO(shown.picture())).size == (960, 540)
 
 
 def test_a_body_that_only_shows_itself_gives_a_jpeg_and_is_not_steered(console):

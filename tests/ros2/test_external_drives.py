@@ -220,12 +220,23 @@ def test_something_in_the_way_is_waited_for_and_then_given_up(rig, peer):
     drive(robot, 0.5, 0.0).result()
 
 
-def test_whether_a_camera_is_heard_is_in_its_state(rig, peer):
+def test_a_camera_is_heard_and_its_pictures_are_for_whoever_looks(rig, peer):
     robot = rig()
     assert robot.state()["camera"] is False
-    tell(peer(), Image, "/robot1/camera/image_raw", SENSOR)(Image())
-    wait_until(lambda: robot.state()["camera"], "a picture")
+    assert robot.newest_picture() is None
+    red = Image(encoding="bgr8", height=1, width=1, step=3, data=b"\x01\x02\xff")
+    seen = []
+
+    def look():
+        say(red)
+        seen.append(robot.newest_picture())
+        return robot.state()["camera"] and seen[-1] is not None
+
+    say = tell(peer(), Image, "/robot1/camera/image_raw", SENSOR)
+    wait_until(look, "a picture")
+    assert seen[-1].tolist() == [[[255, 2, 1]]]
     wait_until(lambda: not robot.state()["camera"], "a second without one")
+    assert robot.newest_picture() is None
 
 
 def test_goals_are_compared_in_the_map_where_transforms_join_it_to_odometry(rig):

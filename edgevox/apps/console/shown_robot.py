@@ -6,25 +6,34 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from edgevox.agent.policy import Guard
 from edgevox.apps.console.live_view import live
 from edgevox.apps.console.map_scene import InWorld, Label, scene_of
 from edgevox.core.errors import InvalidValue
 from edgevox.core.interlock import Interlock
+from edgevox.core.log import get_logger
 from edgevox.core.ways import Way
 from edgevox.robots.capabilities import (
     Body,
     HasCamera,
     HasPicture,
     HasPlaces,
+    ReceivesPictures,
     RemembersPlaces,
     TakesVelocity,
 )
 from edgevox.robots.velocity_steering import Steering
 
+log = get_logger(__name__)
+
 AROUND_M = 5.0
 """Of a robot without a map so much is shown around where it is and the places that it knows."""
 JPEG_QUALITY = 80
+WIDEST_PX = 960
+"""Of a wider picture every second pixel is shown, or every third."""
 
 
 class ShownRobot:
@@ -61,6 +70,11 @@ class ShownRobot:
         body = self._body
         if isinstance(body, HasCamera):
             pixels = body.camera().pixels
+        elif isinstance(body, ReceivesPictures):
+            newest = _received(body)
+            if newest is None:
+                return None
+            pixels = newest
         elif isinstance(body, HasPicture) and not isinstance(body, InWorld):
             pixels = body.picture()
         else:
@@ -68,7 +82,10 @@ class ShownRobot:
         from PIL import Image  # which only pictures need
 
         file = io.BytesIO()
-        Image.fromarray(pixels).save(file, format="JPEG", quality=JPEG_QUALITY)
+        every = -(-pixels.shape[1] // WIDEST_PX)
+        Image.fromarray(np.ascontiguousarray(pixels[::every, ::every])).save(
+            file, format="JPEG", quality=JPEG_QUALITY
+        )
         return file.getvalue()
 
     def drive(self, linear_m_s: float, angular_rad_s: float) -> None:
@@ -89,7 +106,7 @@ class ShownRobot:
         drive = isinstance(body, TakesVelocity)
         pictured = isinstance(body, HasPicture) and not isinstance(body, InWorld)
         return {
-            "picture": isinstance(body, HasCamera) or pictured,
+            "picture": isinstance(body, HasCamera | ReceivesPictures) or pictured,
             "map": isinstance(body, InWorld | HasPlaces),
             "goto": "navigate_xy" in names,
             "drive": {"linear": body.max_linear_m_s, "angular": body.max_angular_rad_s}
@@ -119,3 +136,11 @@ class ShownRobot:
             points.append((round(pose["x"]), round(pose["y"])))
         xs, ys = zip(*points, strict=True)
         return [min(xs) - AROUND_M, min(ys) - AROUND_M, max(xs) + AROUND_M, max(ys) + AROUND_M]
+
+
+def _received(body: ReceivesPictures) -> NDArray[np.uint8] | None:
+    try:
+        return body.newest_picture()
+    except InvalidValue as error:
+        log.warning("picture_refused", reason=str(error))
+        return None

@@ -8,6 +8,9 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from edgevox.agent.policy import Policy
 from edgevox.agent.reasons import because, called_off
 from edgevox.agent.skills import STOP, GoalHandle, OneOf, Result, Skill, SkillFailed
@@ -217,8 +220,13 @@ class ExternalRobot:
             if robot_node and seen
             else None,
             "lidar": bool(robot_node and robot_node.senses.scan()),
-            "camera": bool(robot_node and robot_node.senses.sees),
+            "camera": bool(robot_node and robot_node.senses.camera.sees),
         }
+
+    def newest_picture(self) -> NDArray[np.uint8] | None:
+        """Of its camera. See `ReceivesPictures`."""
+        robot_node = self._robot_node
+        return robot_node.senses.camera.pixels() if robot_node else None
 
     def check_goal(self, x_m: float, y_m: float) -> None:
         """Raise `SkillFailed` for a point further from the map's origin than any robot drives."""

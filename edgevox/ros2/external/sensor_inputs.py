@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
-from sensor_msgs.msg import Image, LaserScan
+from sensor_msgs.msg import LaserScan
 
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
@@ -17,6 +17,7 @@ from edgevox.core.refusals import Refusal
 from edgevox.core.transforms import ORIGIN, Pose2D, compose, lift, project, rigid
 from edgevox.robots.capabilities import LidarScan, Twist2D
 from edgevox.ros2.contract_rows import latched, lossy
+from edgevox.ros2.external.camera_input import CameraInput
 from edgevox.ros2.external.motion_bounds import Speeds, on_the_map, sweeps
 from edgevox.ros2.external.odometry_history import SILENT_S, OdometryHistory, OdometrySample
 from edgevox.ros2.external.target import PoseEstimate
@@ -47,14 +48,11 @@ class SensorInputs:
         self._scan: tuple[float, LaserScan] | None = None
         self._scan_refused_s = -math.inf
         self._refused_scans = self._refused_transforms = 0
-        self._picture_s = -math.inf
         self._said: set[tuple[str, ...]] = set()
         quality = {topic: profile(row.qos) for topic, row in DRIVEN.items()}
         node.create_subscription(Odometry, "odom", self._hear_odometry, quality["odom"])
         node.create_subscription(LaserScan, "scan", self._hear_scan, quality["scan"])
-        # Of pictures it matters that they come: decoding each would cost a core.
-        camera = "camera/image_raw"
-        node.create_subscription(Image, camera, self._hear_picture, quality[camera], raw=True)
+        self.camera = CameraInput(node, clock)
         for name in {node.resolve_topic_name(one) for one in ("/tf", "tf")}:
             node.create_subscription(
                 TFMessage, name, self._hear_transforms, profile(lossy(_ANY_TF))
@@ -129,11 +127,6 @@ class SensorInputs:
             raise incredible(self.scan_topic)
         return self.scan()
 
-    @property
-    def sees(self) -> bool:
-        """Whether a picture of its camera came within the last second."""
-        return self._clock.now() - self._picture_s <= SILENT_S
-
     def _mount(self, frame: str) -> Pose2D:
         """Where the lidar sits on the body; at its middle, looking ahead, if no transform says."""
         seen = self.odometry_history.newest()
@@ -175,9 +168,6 @@ class SensorInputs:
         self._refused_scans += 1
         if self._is_news("scan"):
             log.warning("scan_impossible", topic=self.scan_topic)
-
-    def _hear_picture(self, _: bytes) -> None:
-        self._picture_s = self._clock.now()
 
     def _hear_transforms(self, message: TFMessage) -> None:
         for one in message.transforms:
