@@ -1,19 +1,12 @@
 """A real Chromium, and a stand-in for the robot's server."""
 
-from collections.abc import Callable, Iterator
-from pathlib import Path
+from collections.abc import Iterator
 
 import pytest
+from page_views import DESK, PATIENCE_MS, Opens
 from playwright.sync_api import Browser, BrowserContext, Page, Playwright, sync_playwright
 from sound_rig import launch
 from stand_in import CODE, Robot
-
-AXE = Path(__file__).parents[2] / ".venv/page/node_modules/axe-core/axe.min.js"
-PATIENCE_MS = 60_000
-PHONE = {"viewport": {"width": 390, "height": 844}, "is_mobile": True, "has_touch": True}
-DESK = {"viewport": {"width": 1440, "height": 900}}
-
-Opens = Callable[..., Page]
 
 
 @pytest.fixture(scope="session")

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from conftest import Opens
+from page_views import Opens
 from playwright.sync_api import Page
 from stand_in import Robot
 

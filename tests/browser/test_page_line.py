@@ -1,6 +1,6 @@
 """Honest when the robot is gone: grey within a second, nothing sent later, back by itself."""
 
-from conftest import Opens
+from page_views import Opens
 from playwright.sync_api import Browser, expect
 from stand_in import CODE, Robot
 

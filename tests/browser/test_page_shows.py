@@ -6,7 +6,7 @@ import json
 import re
 
 import pytest
-from conftest import AXE, DESK, PATIENCE_MS, PHONE, Opens
+from page_views import AXE, DESK, PATIENCE_MS, PHONE, Opens
 from PIL import Image
 from playwright.sync_api import Browser, Page, expect
 from stand_in import HELLO, PAGE, Robot

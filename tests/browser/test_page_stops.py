@@ -1,7 +1,7 @@
 """Stop works for anybody, from anywhere on the page, and stays until somebody resumes."""
 
 import pytest
-from conftest import PHONE, Opens
+from page_views import PHONE, Opens
 from playwright.sync_api import Page, expect
 from stand_in import HELLO, Robot
 
