@@ -37,6 +37,7 @@ BENCHMARKS = {
     "noise": "plain commands in quiet and in noise, and what is heard out of noise alone",
     "robots": "every body beside its simulator alone",
     "overhead": "what logs, metrics and diagnostics cost",
+    "console": "a browser's stop, map and sound, and what ten of them cost",
     "voice": "hearing, answering aloud, barging in, an hour of listening",
     "corpus": "what becomes of what strangers say, and whether anything moves that should not",
     "image": "size and start of the container's image",

@@ -58,12 +58,13 @@ async def _status(hub: PageHub) -> None:
 async def _again(period_s: float, look: Callable[[], Awaitable[None]]) -> None:
     """Look so often; what is late is left out, and what breaks is looked at again."""
     loop, broke = asyncio.get_running_loop(), 0
+    due = loop.time()
     while True:
-        began = loop.time()
         try:
             await look()
         except Exception as error:
             broke += 1
             if worth_a_line(broke):
                 log.exception("console_look_failed", error=repr(error), count=broke)
-        await asyncio.sleep(max(0.0, period_s - (loop.time() - began)))
+        due = max(due + period_s, loop.time())
+        await asyncio.sleep(due - loop.time())

@@ -14,7 +14,8 @@ from waiting import Heard
 
 from edgevox.apps.agent_parts import AgentParts
 from edgevox.apps.composition import build_parts, start_parts
-from edgevox.core.agent_events import GoalChanged, GoalStatus
+from edgevox.core.agent_events import GoalCancelled, GoalChanged, GoalStatus, SafetyPreempted
+from edgevox.core.commands import TextInput
 from edgevox.core.events import Transcribed
 from edgevox.core.settings import load_settings
 from edgevox.robots.apartment import ApartmentRobot
@@ -33,7 +34,7 @@ def start(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Iterator[Starts
     """An agent that hears nothing but its console, and the link that lets in."""
     with ExitStack() as stack:
 
-        def begin(**settings: object) -> tuple[AgentParts, str]:
+        def begin(*, speed: float = 4.0, **settings: object) -> tuple[AgentParts, str]:
             wanted: dict[str, object] = {
                 "audio_in": "none",
                 "audio_out": "none",
@@ -43,7 +44,9 @@ def start(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Iterator[Starts
                 "console_port": free_port(),
                 "console_folder": str(tmp_path / "console"),
             }
-            parts = build_parts(stack, load_settings(wanted | settings), ApartmentRobot(speed=4.0))
+            parts = build_parts(
+                stack, load_settings(wanted | settings), ApartmentRobot(speed=speed)
+            )
             start_parts(stack, parts)
             printed = capsys.readouterr().out
             return parts, next(one for one in printed.split() if "#pair=" in one)
@@ -76,3 +79,21 @@ def test_it_goes_where_it_is_told_while_the_button_is_held_and_is_seen_to_arrive
         expect(page.locator(".facts")).to_contain_text(where, timeout=PATIENCE_MS)
         expect(page.locator(".talk-card")).to_contain_text("kitchen")
     assert parts.body.place_at(pose.x_m, pose.y_m) == "kitchen"
+
+
+def test_a_stop_word_into_the_open_microphone_needs_no_wake_word_and_stands_it_still(
+    start: Starts, playwright: Playwright, tmp_path: Path
+) -> None:
+    parts, link = start(wakeword="hey jarvis", speed=0.3)
+    stopped, ends = Heard[SafetyPreempted](), Heard[GoalCancelled]()
+    parts.bus.subscribe(SafetyPreempted, stopped.add)
+    parts.bus.subscribe(GoalCancelled, ends.add)
+    file = write(tmp_path / "stop.wav", silence(2.0), spoken("Stop!"), silence(20.0))
+    with microphone(playwright, file) as browser, paired(browser, link) as page:
+        parts.command_router.submit(TextInput("go to the kitchen"))
+        until(page, lambda: parts.body.velocity().linear_m_s > 0.05)
+        page.get_by_role("button", name="Open microphone").click()
+        until(page, lambda: stopped.messages and ends.messages)
+        until(page, lambda: abs(parts.body.velocity().linear_m_s) < 0.01)
+    pose = parts.body.pose()
+    assert parts.body.place_at(pose.x_m, pose.y_m) != "kitchen"
