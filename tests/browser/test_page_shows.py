@@ -83,6 +83,7 @@ def test_a_tap_on_the_map_goes_there_or_names_it(opens: Opens, robot: Robot) -> 
     until(page, lambda: bool(robot.commands("goto")))
     assert robot.commands("goto")[0]["x"] == pytest.approx(5, abs=0.1)
     assert robot.commands("goto")[0]["y"] == pytest.approx(5, abs=0.1)
+    page.locator(".tap-sheet").wait_for(state="hidden")
     canvas.focus()
     page.keyboard.press("Enter")
     page.get_by_label("Name of this place").fill("door")

@@ -93,16 +93,22 @@ function tapSheet(store, link) {
   const where = h("strong");
   const name = h("input", { type: "text", maxlength: "60", placeholder: say("place_name"), "aria-label": say("place_name") });
   const hide = () => (element.hidden = true);
+  /** Hides it once the robot has answered, unless another point was tapped meanwhile. */
+  const hideAfter = () => {
+    const asked = at;
+    return () => asked === at && hide();
+  };
   const go = h("button", { class: "primary", type: "button", onclick: () =>
-    link.send({ type: "goto", ...at }).then(hide, tellRefusal) }, say("go_there"));
+    link.send({ type: "goto", ...at }).then(hideAfter(), tellRefusal) }, say("go_there"));
   const form = h("form", { class: "row tight" }, name, h("button", { type: "submit" }, say("name_place")));
   form.addEventListener("submit", (event) => {
     event.preventDefault();
     const text = name.value.trim();
     if (!text) return name.focus();
+    const done = hideAfter();
     link.send({ type: "name_place", name: text, ...at }).then(() => {
       toast(say("place_kept", { name: text }), "good");
-      hide();
+      done();
     }, tellRefusal);
   });
   const element = h("div", { class: "tap-sheet", role: "dialog", "aria-label": say("this_point"), hidden: true },
