@@ -64,7 +64,7 @@ class Door:
         self._listening = listening
         self._protocol = protocol
         self._tls = tls
-        self._guests: dict[asyncio.Protocol, _Guest] = {}
+        self._guests: dict[asyncio.BaseProtocol | None, _Guest] = {}
 
     def __len__(self) -> int:
         self._forget()
@@ -72,9 +72,9 @@ class Door:
 
     def knows(self, protocol: asyncio.BaseProtocol | None) -> None:
         """A request on this connection has shown a session."""
-        for one, guest in self._guests.items():
-            if one is protocol:
-                guest.known = True
+        guest = self._guests.get(protocol)
+        if guest:
+            guest.known = True
 
     async def serve(self) -> None:
         """Let connections in."""

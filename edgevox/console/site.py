@@ -26,6 +26,8 @@ log = get_logger(__name__)
 
 PAGE = Path(__file__).parent / "page"
 MOST_BODY = 4096
+_SESSION = "session"
+"""By this name a request has the `Session` that it shows, or None."""
 PAIR_TRIES = 5
 """In a minute, of one address."""
 
@@ -71,7 +73,7 @@ class Site:
 
     def session(self, request: web.Request) -> Session:
         """Whose request it is. Raises 401 where nobody's."""
-        session = self.hub.sessions.of_cookie(request.cookies.get(self.cookie, ""))
+        session: Session | None = request.get(_SESSION)
         if session is None:
             raise web.HTTPUnauthorized(text="pair first")
         return session
@@ -87,8 +89,9 @@ class Site:
         self, request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
     ) -> web.StreamResponse:
         """Who shows a session is known at the door, also by what asks for a part of the page."""
-        cookie = request.cookies.get(self.cookie, "")
-        if self.door and cookie and self.hub.sessions.of_cookie(cookie):
+        session = self.hub.sessions.of_cookie(request.cookies.get(self.cookie, ""))
+        request[_SESSION] = session
+        if session and self.door:
             self.door.knows(request.protocol)
         return await handler(request)
 

@@ -104,7 +104,7 @@ EXTERNAL: tuple[StandardTopic, ...] = (
         "sensor_msgs/msg/Image",
         "in",
         lossy(1),
-        "whether pictures come; none is looked at",
+        "whether pictures come; the console shows them",
         "optional",
     ),
     StandardTopic(

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
+from edgevox.agent.going import TO_POINT
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.apps.agent_parts import AgentParts
 from edgevox.apps.console.offered_skills import offered
@@ -17,7 +18,6 @@ from edgevox.core.settings import CONFIRM
 from edgevox.core.ways import Way
 
 MOST_LATENCIES = 50
-GO_TO = "navigate_xy"
 
 
 def build_context(parts: AgentParts, sound: ConsoleSound | None = None) -> ConsoleContext:
@@ -38,7 +38,7 @@ class _OfAgent:
 
     def context(self, sound: ConsoleSound | None) -> ConsoleContext:
         parts = self._parts
-        goes = any(one.name == GO_TO for one in parts.skills)
+        goes = any(one.name == TO_POINT for one in parts.skills)
         return ConsoleContext(
             name=parts.name,
             bus=parts.bus,
@@ -100,4 +100,4 @@ class _OfAgent:
 
 
 def _go_to(x_m: float, y_m: float) -> Command:
-    return RunSkill(GO_TO, {"x": x_m, "y": y_m}, Way.CONSOLE_OPERATOR)
+    return RunSkill(TO_POINT, {"x": x_m, "y": y_m}, Way.CONSOLE_OPERATOR)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from edgevox.agent.going import TO_POINT
 from edgevox.agent.policy import Guard
 from edgevox.apps.console.live_view import live
 from edgevox.apps.console.map_scene import InWorld, Label, scene_of
@@ -108,7 +109,7 @@ class ShownRobot:
         return {
             "picture": isinstance(body, HasCamera | ReceivesPictures) or pictured,
             "map": isinstance(body, InWorld | HasPlaces),
-            "goto": "navigate_xy" in names,
+            "goto": TO_POINT in names,
             "drive": {"linear": body.max_linear_m_s, "angular": body.max_angular_rad_s}
             if drive and isinstance(body, TakesVelocity)
             else False,

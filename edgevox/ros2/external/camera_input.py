@@ -15,18 +15,16 @@ from edgevox.ros2.qos import profile
 from edgevox.ros2.standard_topics import DRIVEN
 
 TOPIC = "camera/image_raw"
-CHANNELS = {
-    "rgb8": (0, 1, 2),
-    "bgr8": (2, 1, 0),
-    "rgba8": (0, 1, 2),
-    "bgra8": (2, 1, 0),
-    "8UC3": (2, 1, 0),
-    "mono8": (0, 0, 0),
-    "8UC1": (0, 0, 0),
+ENCODINGS = {
+    "rgb8": (3, (0, 1, 2)),
+    "bgr8": (3, (2, 1, 0)),
+    "rgba8": (4, (0, 1, 2)),
+    "bgra8": (4, (2, 1, 0)),
+    "8UC3": (3, (2, 1, 0)),
+    "mono8": (1, (0, 0, 0)),
+    "8UC1": (1, (0, 0, 0)),
 }
-"""Where red, green and blue stand in a pixel, by encoding; of those with one or four bytes, too."""
-WIDTHS = {"rgba8": 4, "bgra8": 4, "mono8": 1, "8UC1": 1}
-"""Bytes of a pixel where they are not three."""
+"""How many bytes a pixel has, and where red, green and blue stand in it."""
 
 
 class CameraInput:
@@ -59,15 +57,15 @@ class CameraInput:
 
 def pixels_of(message: Image) -> NDArray[np.uint8]:
     """Its pixels, shape (height, width, 3), RGB. Raises `InvalidValue` naming the field."""
-    order = CHANNELS.get(message.encoding)
-    if order is None:
-        raise InvalidValue(f"{TOPIC}: encoding", message.encoding, " or ".join(CHANNELS))
+    if message.encoding not in ENCODINGS:
+        raise InvalidValue(f"{TOPIC}: encoding", message.encoding, " or ".join(ENCODINGS))
+    size, order = ENCODINGS[message.encoding]
     height, width, step = message.height, message.width, message.step
-    row = width * WIDTHS.get(message.encoding, 3)
+    row = width * size
     if not height or not width or step < row:
         shape = f"{height} rows of {width} in {step} bytes"
         raise InvalidValue(f"{TOPIC}: step", shape, "rows that hold their pixels")
     if len(message.data) != height * step:
         raise InvalidValue(f"{TOPIC}: data", f"{len(message.data)} bytes", f"{height * step}")
     rows = np.frombuffer(message.data, np.uint8).reshape(height, step)[:, :row]
-    return np.ascontiguousarray(rows.reshape(height, width, -1)[:, :, order])
+    return np.ascontiguousarray(rows.reshape(height, width, size)[:, :, order])
