@@ -22,9 +22,10 @@ from pathlib import Path
 from typing import Any
 
 import shared_with_tests  # noqa: F401 - finds the tests' modules
-from console_browser import free_port, monotonic_s, opened
+from console_browser import monotonic_s, opened
 from console_speech import speech
 from figures import Figure, Measured
+from ports import free_port
 from robot_states import moving
 from stop_rig import stands_for_good
 from stopwatch import percent_of

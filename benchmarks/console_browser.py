@@ -1,7 +1,6 @@
 """A real browser for the benchmark of the console, which notes by its own clock what happens."""
 
 import shutil
-import socket
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -47,19 +46,13 @@ def monotonic_s(since_1970_ms: float) -> float:
     return since_1970_ms / 1000 - time.time() + time.monotonic()
 
 
-def free_port() -> int:
-    """A port of loopback that nobody has."""
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return int(one.getsockname()[1])
-
-
 @contextmanager
 def opened(link: str, sound: Path | None = None) -> Iterator[Any]:
     """A page that is let in by the link and commands; its microphone plays the file. A `Page`."""
     found = shutil.which("chromium")
     if not found:
         raise NotHere("there is no chromium: apt-get install chromium")
+    from browser_rig import let_in, take_the_turn
     from playwright.sync_api import sync_playwright
 
     flags = ["--no-sandbox", "--autoplay-policy=no-user-gesture-required"]
@@ -71,10 +64,7 @@ def opened(link: str, sound: Path | None = None) -> Iterator[Any]:
         page = browser.new_page(locale="en-GB")
         page.set_default_timeout(PATIENCE_MS)
         page.add_init_script(NOTES.replace("LOUD", str(LOUD)))
-        page.goto(link)
-        page.locator(".pair button.primary").click()
-        page.locator("html[data-link=ready]").wait_for()
-        page.locator(".lease button.primary").click()
-        page.locator(".lease button.on").wait_for()
+        let_in(page, link)
+        take_the_turn(page)
         yield page
         browser.close()

@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from console_browser import LOUD, free_port, monotonic_s, opened
+from console_browser import LOUD, monotonic_s, opened
 from figures import Figure
 from listener_rig import loud
 from listening import quiet_room
+from ports import free_port
 from voice_rig import says
 
 from edgevox.apps import composition

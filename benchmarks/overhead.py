@@ -8,7 +8,6 @@ are answered by a server that takes the time of the small model and no work, sin
 model on the same processor is larger than what is sought.
 """
 
-import socket
 import statistics
 import sys
 import threading
@@ -18,8 +17,10 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
+import shared_with_tests  # noqa: F401 - finds the tests' modules
 from figures import Figure, Measured
 from paced_model import paced_model
+from ports import free_port
 from ros2_listener import listener
 from stopwatch import cpu_s
 from talker import PLAIN, QUESTIONS, Talker
@@ -66,7 +67,7 @@ def measure(quick: bool = False) -> Measured:
 
 def _talkers(stack: ExitStack, url: str) -> Talkers:
     """Both agents, the one with all of it under the eyes of those who look at it."""
-    port = _free_port()
+    port = free_port()
     common = ("--llm=none", f"--llm-endpoint={url}", "--llm-endpoint-grammar=none")
     told = ("--log-level=info", "--log-format=json", f"--metrics-port={port}")
     on = stack.enter_context(Talker(*common, *told))
@@ -162,9 +163,3 @@ def _scraper(port: int) -> Iterator[None]:
     finally:
         over.set()
         thread.join()
-
-
-def _free_port() -> int:
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return int(one.getsockname()[1])

@@ -5,4 +5,4 @@ from pathlib import Path
 
 _TESTS = Path(__file__).resolve().parents[1] / "tests"
 
-sys.path[:0] = [str(_TESTS / folder) for folder in ("", "models", "ros2", "compose")]
+sys.path[:0] = [str(_TESTS / folder) for folder in ("", "models", "ros2", "compose", "browser")]

@@ -11,3 +11,15 @@ PHONE = {"viewport": {"width": 390, "height": 844}, "is_mobile": True, "has_touc
 DESK = {"viewport": {"width": 1440, "height": 900}}
 
 Opens = Callable[..., Page]
+
+
+def let_in(page: Page, link: str) -> None:
+    """Pair by the link, as a phone does by the picture in the terminal."""
+    page.goto(link)
+    page.locator(".pair button.primary").click()
+    page.locator("html[data-link=ready]").wait_for()
+
+
+def take_the_turn(page: Page) -> None:
+    page.locator(".lease button.primary").click()
+    page.locator(".lease button.on").wait_for()

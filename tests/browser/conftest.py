@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 import pytest
-from browser_rig import DESK, PATIENCE_MS, Opens
+from browser_rig import DESK, PATIENCE_MS, Opens, take_the_turn
 from playwright.sync_api import Browser, BrowserContext, Page, Playwright, sync_playwright
 from sound_rig import launch
 from stand_in import CODE, Robot
@@ -49,8 +49,7 @@ def opens(browser: Browser, robot: Robot) -> Iterator[Opens]:
         page.goto(robot.url)
         page.locator("html[data-link=ready]").wait_for()
         if command:
-            page.locator(".lease button.primary").click()
-            page.locator(".lease button.on").wait_for()
+            take_the_turn(page)
         if stopped_clock:
             page.clock.pause_at(page.evaluate("Date.now() / 1000 + 0.05"))
         return page

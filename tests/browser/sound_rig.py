@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
+from browser_rig import let_in, take_the_turn
 from playwright.sync_api import Browser, Page, Playwright
 
 from edgevox.core.cancel import CancelToken
@@ -76,11 +77,8 @@ def paired(browser: Browser, link: str) -> Iterator[Page]:
     broken: list[str] = []
     page = context.new_page()
     page.on("pageerror", lambda error: broken.append(str(error)))
-    page.goto(link)
-    page.locator(".pair button.primary").click()
-    page.locator("html[data-link=ready]").wait_for()
-    page.locator(".lease button.primary").click()
-    page.locator(".lease button.on").wait_for()
+    let_in(page, link)
+    take_the_turn(page)
     yield page
     context.close()
     assert not broken, broken

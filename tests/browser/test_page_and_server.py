@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 import pytest
+from browser_rig import let_in, take_the_turn
 from console_rig import Rig, console
 from playwright.sync_api import Browser, Page, expect
 from test_page_drives import hold, until
@@ -28,17 +29,10 @@ def page(browser: Browser, rig: Rig) -> Iterator[Page]:
     broken: list[str] = []
     page = context.new_page()
     page.on("pageerror", lambda error: broken.append(str(error)))
-    page.goto(rig.server.offer_code()[1])
-    page.locator(".pair button.primary").click()
-    page.locator("html[data-link=ready]").wait_for()
+    let_in(page, rig.server.offer_code()[1])
     yield page
     context.close()
     assert not broken
-
-
-def take_the_turn(page: Page) -> None:
-    page.locator(".lease button.primary").click()
-    page.locator(".lease button.on").wait_for()
 
 
 def test_stop_needs_no_turn_and_reaches_the_robot(page: Page, rig: Rig) -> None:

@@ -1,6 +1,5 @@
 """Words said into the page, by the real ears: the robot in the apartment goes where it is told."""
 
-import socket
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -8,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from playwright.sync_api import Playwright, expect
+from ports import free_port
 from sound_rig import PATIENCE_MS, microphone, paired, silence, spoken, write
 from test_page_drives import until
 from waiting import Heard
@@ -21,12 +21,6 @@ from edgevox.core.settings import load_settings
 from edgevox.robots.apartment import ApartmentRobot
 
 Starts = Callable[..., tuple[AgentParts, str]]
-
-
-def free_port() -> int:
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return int(one.getsockname()[1])
 
 
 @pytest.fixture

@@ -3,7 +3,6 @@
 import signal
 import subprocess
 import sys
-import time
 
 import pytest
 from guards import HUNG_S
@@ -15,6 +14,7 @@ import os, sys, threading, time
 from contextlib import ExitStack
 from edgevox.agent.reasons import because
 from edgevox.apps.shutdown_signals import ShutdownSignals, Terminated
+from edgevox.core.agent_events import DrainChanged
 from edgevox.core.bus import Bus
 from edgevox.core.drain import Drain
 from edgevox.core.interlock import Interlock
@@ -25,8 +25,10 @@ what = sys.argv[1]
 interlock = Interlock()
 if what == "interlock":
     interlock.on_engage(hang)
+bus = Bus()
+bus.subscribe(DrainChanged, lambda _: os.write(2, b"drains\\n"))
 drain = Drain(
-    interlock, Bus(), halt=lambda _: say("halt"), stands=lambda: True, busy=lambda: what == "goal",
+    interlock, bus, halt=lambda _: say("halt"), stands=lambda: True, busy=lambda: what == "goal",
     reason=because("draining"), bound_s=0.2 if what != "goal" else 600.0, stand_s=0.2,
 )
 with ShutdownSignals(0.5, drain) as signals:
@@ -50,13 +52,13 @@ def run(what, *signals):
     program = subprocess.Popen(
         [sys.executable, "-c", PROGRAM, what],
         stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
         text=True,
     )
     assert program.stdout.readline() == "ready\n"
-    for number in signals:
+    for number, after in zip(signals, [*signals[1:], None], strict=True):
         program.send_signal(number)
-        time.sleep(0.1)  # two of one kind at the same time are one
+        assert not after or "drains\n" in program.stderr  # two at the same time are one
     said, _ = program.communicate(timeout=HUNG_S)
     return said.split(), program.returncode
 

@@ -1,11 +1,11 @@
 """An agent that is asked for a console serves one, and a browser's stop stands its robot still."""
 
 import asyncio
-import socket
 from contextlib import ExitStack
 
 import aiohttp
 import pytest
+from ports import free_port
 from waiting import wait_until
 
 from edgevox.apps.composition import build_parts, start_parts
@@ -27,12 +27,6 @@ def start(tmp_path):
             return parts
 
         yield begin
-
-
-def free_port():
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
 
 
 def test_it_prints_the_address_and_a_code_and_is_listed_as_a_component(start, capsys):

@@ -1,6 +1,5 @@
 """Metrics as Prometheus would scrape them from an agent that runs."""
 
-import socket
 import urllib.request
 from collections.abc import Callable
 from contextlib import suppress
@@ -10,11 +9,6 @@ from prometheus_client.parser import text_string_to_metric_families
 from waiting import wait_until
 
 Scrape = dict[tuple[str, ...], float]
-
-
-def free_port() -> int:
-    with socket.create_server(("127.0.0.1", 0)) as one:
-        return int(one.getsockname()[1])
 
 
 def scrape(port: int) -> Scrape:

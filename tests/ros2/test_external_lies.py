@@ -13,6 +13,7 @@ from geometry_msgs.msg import PoseStamped
 from guards import HUNG_S
 from interop_rig import hear
 from peer import STATE
+from ports import free_port
 from waiting import wait_until
 
 from edgevox.agent.skills import SkillFailed
@@ -197,7 +198,7 @@ def test_a_robot_that_only_turns_is_given_up_and_stands(rig):
 
 def test_an_agent_says_so_to_people_and_to_operators(agent, peer, domain):
     with wheels(domain=domain, namespace="/robot1"):
-        port = scraper.free_port()
+        port = free_port()
         agent(
             "--namespace=/robot1", "--language=de", f"--metrics-port={port}",
             robot="robot-external",

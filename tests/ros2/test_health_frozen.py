@@ -14,7 +14,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from guards import HUNG_S
 from interop_rig import hear
-from scraper import free_port
+from ports import free_port
 from waiting import wait_until
 
 from edgevox.apps.composition import build_parts, start_parts

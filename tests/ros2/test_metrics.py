@@ -11,7 +11,8 @@ import pytest
 from agent_process import AGENT, Agent
 from geometry_msgs.msg import Twist
 from guards import HUNG_S
-from scraper import Scrape, free_port, scrape_until
+from ports import free_port
+from scraper import Scrape, scrape_until
 from waiting import wait_until
 
 from edgevox import __version__

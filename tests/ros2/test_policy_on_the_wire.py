@@ -14,8 +14,8 @@ from geometry_msgs.msg import PoseStamped, Twist
 from interop_rig import Stream, hear, tell, twist
 from nav_msgs.msg import Odometry
 from peer import SENSOR, Peer, wait_until
+from ports import free_port
 from rclpy.qos import qos_profile_sensor_data
-from scraper import free_port
 from scraper import scrape_until as wait_for_metrics
 
 DENIED = "I cannot do that: I am not permitted to do that."
