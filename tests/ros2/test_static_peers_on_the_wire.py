@@ -12,7 +12,9 @@ PEERS = "nobody.invalid;127.0.0.1"
 
 def _made(domain: int, *command: str) -> subprocess.CompletedProcess[str]:
     peers = {"ROS_STATIC_PEERS": PEERS, "EDGEVOX_PEERS_WAIT_S": "0", "ROS_DOMAIN_ID": str(domain)}
-    others = {name: value for name, value in os.environ.items() if not name.startswith("EDGEVOX_")}
+    # A container's index of packages names the middlewares; here there is none before rclpy is.
+    ours = ("EDGEVOX_", "RMW_")
+    others = {name: value for name, value in os.environ.items() if not name.startswith(ours)}
     return subprocess.run(
         [*command, sys.executable, "-c", MAKE_A_NODE],
         env=others | peers,

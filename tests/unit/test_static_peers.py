@@ -85,8 +85,11 @@ def test_the_entrypoint_starts_its_program_with_those_that_are_there():
     asked = "import os; print(os.environ['ROS_STATIC_PEERS'])"
     ran = subprocess.run(
         [sys.executable, "-m", "edgevox.apps.container.start", sys.executable, "-c", asked],
-        env=os.environ
-        | {"ROS_STATIC_PEERS": f"{NOT_THERE};127.0.0.1", "EDGEVOX_PEERS_WAIT_S": "0"},
+        env={
+            "PATH": os.environ["PATH"],
+            "ROS_STATIC_PEERS": f"{NOT_THERE};127.0.0.1",
+            "EDGEVOX_PEERS_WAIT_S": "0",
+        },
         capture_output=True,
         text=True,
         check=True,
