@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 from guards import HUNG_S
+from listener_rig import silence
 from voice_engines import speak, voice
 from waiting import Heard
 
@@ -45,6 +46,9 @@ SEEN = (
     TurnEnded,
     TurnMeasured,
 )
+
+QUIET_S = 2.0
+"""More silence than any utterance is waited for to go on."""
 
 
 def whole_wav(path):
@@ -138,7 +142,13 @@ class VoiceRig:
         return self._told.messages
 
     def forget(self):
-        """Stop everything, and note down anew."""
+        """Stop everything, and note down anew.
+
+        What was said in the room is understood first: its answer would else be spoken over what
+        the next test says, which the listener then takes for the robot's own voice.
+        """
+        self.room.play(silence(QUIET_S))
+        assert self.parts.listener.transcriber.wait_idle(HUNG_S)
         self.parts.conversation.submit(Reset())
         assert self.parts.conversation.wait_idle(HUNG_S)
         self.answer()

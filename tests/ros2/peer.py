@@ -4,6 +4,7 @@ import contextlib
 import threading
 from typing import Any
 
+from rcl_interfaces.srv import ListParameters
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
@@ -16,6 +17,8 @@ RELIABLE = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
 STATE = QoSProfile(
     depth=100, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
 )
+NAMELESS = "_NODE_NAME_UNKNOWN_"
+"""What the graph says of an endpoint until its node's name has come, too."""
 SENSOR = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
@@ -55,7 +58,25 @@ class Peer:
             String, self.name(topic), lambda message: heard.add(message.data), qos
         )
         wait_until(lambda: subscription.get_publisher_count() >= publishers, topic)
+        if qos.durability is not DurabilityPolicy.TRANSIENT_LOCAL:
+            self._wait_until_known(self.name(topic))
         return heard
+
+    def _wait_until_known(self, topic: str) -> None:
+        """Wait until the publishers know the last subscription, too: what they sent before is lost.
+
+        This side's match says nothing of theirs. But a participant's endpoints are made known in
+        their order, and a service answers only who is known to it: so one is asked now.
+        """
+        publishers = self.node.get_publishers_info_by_topic
+        wait_until(
+            lambda: all(one.node_name != NAMELESS for one in publishers(topic)), "nodes' names"
+        )
+        for publisher in publishers(topic):
+            name = f"{publisher.node_namespace.rstrip('/')}/{publisher.node_name}/list_parameters"
+            services = dict(self.node.get_service_names_and_types())
+            if name in services:
+                self.call(ListParameters, name, ListParameters.Request())
 
     def send(self, topic: str, data: str | bytes, *, subscribers: int = 1) -> None:
         """Publish a string, or the bytes of a serialized message, once so many are matched.
@@ -78,6 +99,7 @@ class Peer:
         wait_until(client.service_is_ready, service)
         future = client.call_async(request)
         wait_until(future.done, f"an answer of {service}")
+        self.node.destroy_client(client)
         return future.result()
 
     def _spin(self) -> None:
