@@ -9,6 +9,7 @@ PYTHON ?= python3
 AGENT ?= robot-apartment
 ARGS ?=
 WORKERS ?= 2
+SECURE_DDS ?= $(wildcard ../shared/secure-dds)
 TEST_MODELS ?= small quality smoke world robots openwakeword
 
 VENV := .venv
@@ -66,6 +67,11 @@ unit: $(DONE)/dev ## Run what needs no model, no container, no node, and starts 
 cluster: $(DONE)/dev ## Hold the chart against Kubernetes' own control plane; HYPERKUBE=... names it.
 	@tests/cluster/get_tools build/cluster $(HYPERKUBE)
 	@CLUSTER_TOOLS=$(CURDIR)/build/cluster $(BIN)/python -m pytest tests/cluster/chart_on_kubernetes.py $(ARGS)
+
+.PHONY: secured
+secured: $(DONE)/dev $(DONE)/msgs ## Hold DDS security against the wire; SECURE_DDS=... names a Fast DDS that has it.
+	@tests/ros2/with_secure_dds build/secure-dds "$(SECURE_DDS)" \
+	  $(BIN)/python -m pytest tests/ros2/secured_contract.py tests/ros2/secured_perimeter.py $(ARGS)
 
 .PHONY: steady
 steady: ## Run tests again and again, on a machine that is kept busy; hours.

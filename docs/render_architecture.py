@@ -25,11 +25,17 @@ BLOCK = re.compile(r"(<!-- generated: packages -->\n).*?(<!-- end -->)", re.DOTA
 WIDTH, MARGIN, GAP = 1080, 20, 84
 ROW, CHANNEL = 94, 62
 LINES = 3
-NARROW = {"ros2": (0.3, 0.24), "agent": (0.08, 0.3), "models": (0.56, 0.22)}
+NARROW = {
+    "security": (0.72, 0.26),
+    "ros2": (0.3, 0.24),
+    "agent": (0.08, 0.3),
+    "models": (0.56, 0.22),
+}
 """Where a package of a layer with few stands, and how wide, so that arrows get past it."""
 SLOT, APART, CLEAR = 4, 22, 12
 COLOURS = {
     "apps": "#7e57c2",
+    "security": "#37474f",
     "ros2": "#1e88e5",
     "robots": "#00897b",
     "voice": "#e67700",

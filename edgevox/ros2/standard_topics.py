@@ -126,6 +126,8 @@ EXTERNAL: tuple[StandardTopic, ...] = (
 )
 """The topics of a robot that `robot-external` drives, in that robot's namespace."""
 DRIVEN: Mapping[str, StandardTopic] = {row.topic: row for row in EXTERNAL}
+NAV2_ACTION = "navigate_to_pose"
+"""By which it drives where there is Nav2, in the same namespace."""
 
 AUDIO: tuple[StandardTopic, ...] = (
     StandardTopic(

@@ -23,13 +23,15 @@ SENSOR = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
 class Peer:
-    """A node on a domain, spinning on a thread of its own."""
+    """A node on a domain, spinning on a thread of its own. `args` are ROS 2's."""
 
-    def __init__(self, domain: int, namespace: str = "/edgevox") -> None:
+    def __init__(
+        self, domain: int, namespace: str = "/edgevox", *, name: str = "peer", args: Any = None
+    ) -> None:
         self._namespace = namespace
         self._context = Context()
-        self._context.init(domain_id=domain)
-        self.node = Node("peer", context=self._context)
+        self._context.init(args=args, domain_id=domain)
+        self.node = Node(name, context=self._context)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._publishers: dict[str, object] = {}

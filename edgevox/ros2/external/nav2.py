@@ -22,10 +22,10 @@ from edgevox.core.log import get_logger
 from edgevox.ros2.external.external_settings import Patience
 from edgevox.ros2.external.motion_backends import goal_message
 from edgevox.ros2.external.target import PoseEstimate, Target
+from edgevox.ros2.standard_topics import NAV2_ACTION as ACTION
 
 log = get_logger(__name__)
 
-ACTION = "navigate_to_pose"
 ANSWER_S = 5.0
 """So long the server may take to accept a goal."""
 LONGEST_WAY_M = 1e6

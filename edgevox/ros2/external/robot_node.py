@@ -11,6 +11,7 @@ from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
 from edgevox.ros2.clients.agent_node_handle import AgentNodeHandle
+from edgevox.ros2.contract import EXTERNAL_NODE
 from edgevox.ros2.external.control_loop import ControlLoop
 from edgevox.ros2.external.external_settings import ExternalSettings, SteeringLimits
 from edgevox.ros2.external.motion_backends import GoalTopicBackend, MotionBackend, VelocityPublisher
@@ -24,7 +25,6 @@ from edgevox.ros2.robot_file.described_skill import DescribedSkill
 
 log = get_logger(__name__)
 
-NODE_NAME = "edgevox_external"
 TICK_S = 0.05
 _LOOK_AGAIN_S = 0.05
 
@@ -47,7 +47,7 @@ class RobotNode:
     ) -> None:
         self._settings, self._clock, self._lock = settings, clock, lock
         ros_args = [*sys.argv, *settings.remappings] if settings.remappings else ()
-        self._ros = RosNode(namespace, ros_args, name=NODE_NAME)
+        self._ros = RosNode(namespace, ros_args, name=EXTERNAL_NODE)
         node = self._ros.node
         self.senses = SensorInputs(node, clock, _speeds(settings.steering))
         wheels = VelocityPublisher(node)

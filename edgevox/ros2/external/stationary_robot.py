@@ -8,7 +8,7 @@ from edgevox.agent.policy import Policy
 from edgevox.agent.skills import GoalHandle, Result, Skill, skill
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.ros2.clients.agent_node_handle import AgentNodeHandle
-from edgevox.ros2.external.robot_node import NODE_NAME
+from edgevox.ros2.contract import EXTERNAL_NODE
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.robot_file.described_skill import DescribedSkill
 from edgevox.ros2.stamps import NS_PER_S
@@ -54,7 +54,7 @@ class StationaryRobot:
 
     def start(self) -> None:
         """Join the graph. Raises `RosBridgeFailed` where that cannot be done."""
-        self._node = RosNode(self._namespace, name=NODE_NAME)
+        self._node = RosNode(self._namespace, name=EXTERNAL_NODE)
         for one in self._described:
             one.open(self._node.node, self._clock)
         self.ros.open(self._node.node)

@@ -1,0 +1,35 @@
+"""What an enclave was made for, kept beside it: what `renew` makes its permissions of again."""
+
+import json
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+from edgevox.security.roles import Graph, Role
+
+
+@dataclass(frozen=True, slots=True)
+class Purpose:
+    """A role with a robot, on one domain, for so many days each time."""
+
+    role: Role
+    graph: Graph
+    domain: int
+    days: int
+
+    def lasting(self, days: int) -> "Purpose":
+        """The same for so many days."""
+        return replace(self, days=days)
+
+    def written(self) -> str:
+        """As JSON."""
+        return json.dumps(asdict(self), default=str, indent=2) + "\n"
+
+    @classmethod
+    def read(cls, text: str) -> "Purpose":
+        """From what was `written`."""
+        said = json.loads(text)
+        graph = said.pop("graph")
+        file = graph.pop("robot_file")
+        return cls(
+            Role(said.pop("role")), Graph(**graph, robot_file=Path(file) if file else None), **said
+        )
