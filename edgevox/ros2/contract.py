@@ -54,6 +54,9 @@ Queries = Mapping[str, Callable[[], Mapping[str, Any]]]
 """What answers each query, by its name."""
 
 NODE_NAME = "edgevox"
+RECORDER_NODE = "edgevox_recorder"
+EXTERNAL_NODE = "edgevox_external"
+"""Beside a robot that `robot-external` drives, in that robot's namespace."""
 
 
 def _text(event: Transcribed | TokenGenerated | SentenceReady) -> str:

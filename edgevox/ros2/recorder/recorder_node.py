@@ -7,6 +7,7 @@ from typing import Any
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.log import get_logger
 from edgevox.core.status import Finding, HealthCheck, Level, Status, lives, moves
+from edgevox.ros2.contract import RECORDER_NODE
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.recorder.definitions import definition
 from edgevox.ros2.recorder.mcap_file import RecordedMessage
@@ -15,8 +16,6 @@ from edgevox.ros2.recorder.write_queue import WriteQueue
 from edgevox.ros2.recorder.writing import Disk, Writing
 
 log = get_logger(__name__)
-
-NODE_NAME = "edgevox_recorder"
 
 
 class Recorder:
@@ -40,7 +39,7 @@ class Recorder:
             self._writing = Writing(self._inbox, disk)
         except OSError as error:
             raise EdgeVoxError(f"output: {disk.folder}: {error.strerror or error}") from None
-        self.ros = RosNode(namespace, ros_args, name=NODE_NAME)
+        self.ros = RosNode(namespace, ros_args, name=RECORDER_NODE)
         self.topics = tuple(topic for topic in topics if self._listen(topic))
 
     def start(self) -> None:
