@@ -29,11 +29,14 @@ class EnclaveState:
 
 
 def enclaves_of(keystore: Path) -> list[str]:
-    """The enclaves that a keystore holds, such as ``/robot1/edgevox``."""
-    root = keystore / "enclaves"
-    found = (one.parent.relative_to(root) for one in root.rglob(CERTIFICATES[0]))
-    # Kubernetes keeps a Secret's files twice, once in a folder whose name begins with dots.
-    return sorted(f"/{one}" for one in found if not any(p.startswith(".") for p in one.parts))
+    """The enclaves that a keystore holds and this user may see, such as ``/robot1/edgevox``."""
+    root, found = keystore / "enclaves", list[str]()
+    for folder, below, files in os.walk(root):
+        # Kubernetes keeps a Secret's files twice, once in a folder whose name begins with dots.
+        below[:] = [name for name in below if not name.startswith(".")]
+        if CERTIFICATES[0] in files:
+            found.append(f"/{Path(folder).relative_to(root)}")
+    return sorted(found)
 
 
 def read_enclave(folder: Path, now: datetime) -> EnclaveState:
@@ -72,9 +75,10 @@ def certificate_period(pem: str) -> tuple[datetime, datetime]:
 
 
 def _unreadable(file: Path) -> str:
-    if not file.is_file():
-        return f"{file.name} is missing"
-    return "" if os.access(file, os.R_OK) else f"{file.name} cannot be read by user {os.getuid()}"
+    if os.access(file, os.R_OK):
+        return ""
+    refused = os.path.lexists(file) or not os.access(file.parent, os.X_OK)
+    return f"{file.name} {f'cannot be read by user {os.getuid()}' if refused else 'is missing'}"
 
 
 def _text(file: Path) -> str:

@@ -1,5 +1,6 @@
 """What is read of an enclave's files: nothing but what a participant needs, and when it ends."""
 
+import os
 from datetime import UTC, datetime
 
 import pytest
@@ -88,3 +89,9 @@ def test_the_enclaves_of_a_secret_in_a_pod_are_not_counted_twice(tmp_path):
     assert enclaves_of(tmp_path) == ["/robot1/edgevox", "/robot1/tools"]
     assert read_enclave(folder, NOW).wrong == ()
     assert enclaves_of(tmp_path / "nowhere") == []
+
+
+def test_what_this_user_may_not_read_is_told_as_that(tmp_path, monkeypatch):
+    folder = make_enclave(tmp_path)
+    monkeypatch.setattr(os, "access", lambda file, _: "key" not in str(file))
+    assert read_enclave(folder, NOW).wrong == (f"key.pem cannot be read by user {os.getuid()}",)
