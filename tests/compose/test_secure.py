@@ -73,7 +73,7 @@ def test_a_folder_that_the_containers_user_may_not_read_is_told(site):
     assert "to be read by user 4711" in ran.stderr
 
 
-def test_a_shell_by_exec_passes_the_entrypoint_and_is_secured_or_ends(tmp_path):
+def test_a_shell_by_exec_has_what_the_entrypoint_says_or_ends(tmp_path):
     over = tmp_path / "robot"
     make_enclave(over, "/edgevox/edgevox", ends=NOW)
     _readable(tmp_path)
