@@ -79,7 +79,7 @@ def secured(
         state = read_enclave(asked.folder, datetime.now(UTC))
         if state.wrong:
             raise InvalidValue(ENCLAVE, asked.enclave, f"a good one: {'; '.join(state.wrong)}")
-        for line in (*_of_authority(asked.keystore), *state.warnings):
+        for line in (*keystore_warnings(asked.keystore), *state.warnings):
             warn(f"security: {asked.enclave}: {line}")
     rest = {name: one for name, one in environment.items() if name not in (KEYSTORE, ENCLAVE)}
     return rest | (asked.variables if asked else {})
@@ -90,7 +90,7 @@ def secure_process(program: str, namespace: str, warn: Callable[[str], None]) ->
     os.environ.update(secured({**os.environ, NAMESPACE: namespace}, program, warn))
 
 
-def _of_authority(keystore: Path) -> list[str]:
+def keystore_warnings(keystore: Path) -> list[str]:
     """Whoever has the authority's key makes enclaves of its own."""
     there = os.path.lexists(keystore / "private")
     said = f"{keystore} has the authority's private folder: give it what edgevox-security exports"

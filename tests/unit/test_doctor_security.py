@@ -31,8 +31,10 @@ def test_it_says_which_build_this_is_and_that_nobody_asked(judged):
 
 def test_it_says_until_when_an_enclave_is_good(judged, tmp_path):
     make_enclave(tmp_path, "/edgevox/edgevox", ends=NOW + 5 * DAY)
+    (tmp_path / "private").mkdir()
     _, *said = judged(EDGEVOX_SECURITY_KEYSTORE=str(tmp_path))
-    assert levels(said) == [WARNING, WARNING, OK]
+    assert levels(said) == [WARNING, WARNING, WARNING, OK]
+    assert "the authority's private folder" in said[0].found
     assert said[-1].found == f"enforced as /edgevox/edgevox, until {NOW + 5 * DAY:%Y-%m-%d}"
 
 

@@ -4,7 +4,15 @@ from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import Any
 
-from edgevox.apps.dds_security import ENABLE, KEYSTORE, NO_SECURITY, PROBE, Asked, asked_security
+from edgevox.apps.dds_security import (
+    ENABLE,
+    KEYSTORE,
+    NO_SECURITY,
+    PROBE,
+    Asked,
+    asked_security,
+    keystore_warnings,
+)
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, warning
 from edgevox.apps.doctor.runner import probe_apart
 from edgevox.apps.enclave_files import read_enclave
@@ -40,7 +48,7 @@ def _state(asked: Asked) -> dict[str, Any]:
     return {
         "enclave": asked.enclave,
         "wrong": list(state.wrong),
-        "warnings": list(state.warnings),
+        "warnings": [*keystore_warnings(asked.keystore), *state.warnings],
         "ends": f"{state.ends:%Y-%m-%d}" if state.ends else "",
     }
 
