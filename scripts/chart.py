@@ -77,6 +77,8 @@ FIXED = (
     "EDGEVOX_ROBOT_FOLDER",
     "EDGEVOX_ROS2",
     "EDGEVOX_ROS2_NAMESPACE",
+    "EDGEVOX_SECURITY_ENCLAVE",
+    "EDGEVOX_SECURITY_KEYSTORE",
     "FASTDDS_BUILTIN_TRANSPORTS",
 )
 """Variables that the chart or the image sets, and no release, and the old names of others."""

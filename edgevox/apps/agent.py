@@ -10,7 +10,7 @@ from edgevox.apps.play import play, read_script
 from edgevox.apps.plugins import Plugins, bring_plugins, plugins_folder
 from edgevox.apps.policy_setup import build_guard
 from edgevox.apps.robots import build_body, learn_robots, open_places
-from edgevox.apps.run_program import run_program, set_up_logs
+from edgevox.apps.run_program import run_program, secure_ros2, set_up_logs
 from edgevox.apps.serving import serve
 from edgevox.apps.shutdown_signals import ShutdownSignals, Terminated
 from edgevox.apps.snapshot import take_snapshot
@@ -38,6 +38,7 @@ def _prepare(argv: Sequence[str]) -> Callable[[], bool]:
         return _prepare_scenario(asked, asked.scenario, plugins)
     settings = load_settings(asked.flags, asked.config)
     set_up_logs("edgevox-agent", settings)
+    secure_ros2("edgevox-agent", settings)
     plugins.log()
     if snapshot := asked.snapshot:
         drawn = build_body(asked.robot, settings, IN_THE_HAND)
@@ -55,6 +56,7 @@ def _prepare_scenario(asked: AgentArguments, file: Path, plugins: Plugins) -> Ca
     script = read_script(file, asked.robot)
     settings = load_settings(script.flags(asked.flags), asked.config)
     set_up_logs("edgevox-agent", settings)
+    secure_ros2("edgevox-agent", settings)
     plugins.log()
     body = build_body(asked.robot, settings, IN_THE_HAND)
     if settings.places:  # a run of a scenario remembers nothing of the last one, unless it says so

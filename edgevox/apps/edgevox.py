@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from edgevox import __version__
 from edgevox.apps.flags import add_flags, given_flags
-from edgevox.apps.run_program import run_program, set_up_logs
+from edgevox.apps.run_program import run_program, secure_ros2, set_up_logs
 from edgevox.apps.streams import with_streams
 from edgevox.core.settings import Settings, load_settings
 from edgevox.robots.plugin import FOR_BODIES
@@ -52,6 +52,7 @@ def _run(given: Sequence[str]) -> int:
 
         settings = load_settings(given_flags(arguments), arguments.config)
         set_up_logs("edgevox", settings)
+        secure_ros2("edgevox", settings)
         return lambda: serve(settings, None, ros)
 
     return run_program("edgevox", prepare)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from edgevox.apps.metrics import serve_recorders_metrics
 from edgevox.apps.recorder_arguments import RecorderArguments, parse_arguments
-from edgevox.apps.run_program import run_program, set_up_logs
+from edgevox.apps.run_program import run_program, secure_ros2, set_up_logs
 from edgevox.apps.shutdown_signals import ShutdownSignals, Terminated
 from edgevox.apps.streams import with_streams
 from edgevox.core.errors import EdgeVoxError
@@ -50,6 +50,7 @@ def _prepare(argv: Sequence[str], lost: list[str]) -> Callable[[], bool]:
     for module, what in (("rclpy", "ROS 2 Jazzy"), ("mcap", install_extra("recorder"))):
         if find_spec(module) is None:
             raise EdgeVoxError(f"{module}: got no module, expected {what}")
+    secure_ros2("edgevox-recorder", asked.settings)
     scenario = load_scenario(asked.scenario) if asked.scenario else None
     from edgevox.ros2.recorder import choose_topics
 

@@ -4,6 +4,7 @@ import sys
 from collections.abc import Callable
 
 from edgevox import __version__
+from edgevox.apps.dds_security import secure_process
 from edgevox.apps.shutdown_signals import Terminated
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.log import get_logger
@@ -31,6 +32,15 @@ def set_up_logs(name: str, settings: Settings) -> None:
     set_up(settings)
     given = settings.model_dump(mode="json", exclude_defaults=True)
     log.info("program_started", program=name, version=__version__, settings=given)
+
+
+def secure_ros2(name: str, settings: Settings) -> None:
+    """DDS security for nodes of this process, if it is asked for. Raises `InvalidValue`."""
+    secure_process(
+        name,
+        settings.agent_namespace,
+        lambda found: log.warning("security_warning", found=found),
+    )
 
 
 def _run(name: str, prepare: Callable[[], Callable[[], bool]]) -> int:

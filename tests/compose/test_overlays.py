@@ -99,6 +99,16 @@ def test_the_policy_is_a_file_in_a_folder_that_is_mounted():
     assert robot["environment"]["EDGEVOX_POLICY"] == f"{mount['target']}/policy.yaml"
 
 
+def test_each_service_has_its_own_enclave_read_only_where_the_entrypoint_looks():
+    services = _config("secure", "recorder")["services"]
+    for service, folder in {"edgevox-ros2": "robot", "recorder": "recorder"}.items():
+        (mount,) = (m for m in services[service]["volumes"] if m["source"].endswith(f"/{folder}"))
+        assert (mount["type"], mount["read_only"]) == ("bind", True)
+        assert mount["source"] == str(ROOT / "security" / folder)
+        given = services[service]["environment"]
+        assert given["EDGEVOX_SECURITY_KEYSTORE"] == mount["target"]
+
+
 def test_the_console_is_published_on_this_machine_only_unless_it_is_said(monkeypatch):
     def published():
         robot = _config("console")["services"]["edgevox-ros2"]

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from edgevox.apps.container.checked_environment import prepared
 from edgevox.apps.container.static_peers import with_addresses
 from edgevox.apps.container.variables import NO_ROBOT
+from edgevox.apps.dds_security import secured
 from edgevox.apps.streams import with_streams
 from edgevox.core.cgroup import usable_cpus
 from edgevox.core.errors import InvalidValue
@@ -23,12 +24,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = list(sys.argv[1:] if arguments is None else arguments)
     try:
         environment = with_addresses(prepared(os.environ, _say), _say)
+        command = command_of(given, environment)
+        environment = secured(environment, command[0], _say)
     except InvalidValue as error:
         _say(str(error))
         return USAGE
     # NumPy's library would else start a thread for each core of the machine, allowed or not.
     environment.setdefault("OMP_NUM_THREADS", str(usable_cpus()))
-    command = command_of(given, environment)
     try:
         os.execvpe(command[0], command, environment)  # noqa: S606 - a list, not a shell's line
     except FileNotFoundError:

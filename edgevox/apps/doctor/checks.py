@@ -11,6 +11,7 @@ from edgevox.apps.doctor import (
     process_environment,
     robot_interfaces,
     ros,
+    security,
     sound,
 )
 from edgevox.apps.doctor.check import Check
@@ -101,6 +102,13 @@ CHECKS: tuple[Check, ...] = (
         if_lost="unset RMW_IMPLEMENTATION, or install the middleware that it names",
     ),
     Check(
+        "security",
+        "which build of ROS 2 this is, whether DDS security is asked for and holds, and until when",
+        security.probe_security,
+        security.judge_security,
+        needs=("ros2",),
+    ),
+    Check(
         "interfaces",
         "`edgevox_msgs` and `tf2_msgs` are built",
         f"{_ROS}:interfaces",
@@ -122,7 +130,7 @@ CHECKS: tuple[Check, ...] = (
     Check(
         "round trip",
         "a message goes to a node of another process, and back",
-        f"{_ROS}:round_trip",
+        ros.probe_round_trip,
         ros.judge_round_trip,
         needs=("ros2", "domain"),
     ),

@@ -12,6 +12,7 @@ from edgevox.apps.doctor.check import (
     warning,
 )
 from edgevox.apps.doctor.runner import probe_apart
+from edgevox.apps.doctor.security import NOT_WITH_SECURITY, is_secured
 from edgevox.core.settings import Settings
 
 PROBE = "edgevox.ros2.robot_file.graph_check:look_for_robot"
@@ -23,6 +24,8 @@ def probe_robot_file(situation: Situation) -> Facts:
     settings = situation.settings
     if settings.robot_file is None:
         return {"given": False}
+    if is_secured(situation.environment):
+        return {"given": True, "secured": True}
     return {"given": True, **probe_apart(PROBE, _as_json(settings))}
 
 
@@ -35,6 +38,8 @@ def judge_robot_file(facts: Facts, situation: Situation) -> list[CheckVerdict]:
     """What has another type is an error; what is not there may only be switched off."""
     if not facts["given"]:
         return [skipped("no robot file", "--robot-file FILE looks for what it names")]
+    if facts.get("secured"):
+        return [skipped(NOT_WITH_SECURITY)]
     if facts["wrong"]:
         return [error(facts["wrong"], "correct it: with it no agent starts")]
     off = {name: warning(f"{name} is off: {why}") for name, why in facts["off"]}

@@ -5,9 +5,12 @@ from pathlib import Path
 from edgevox.apps.container.static_peers import PEERS, addresses
 from edgevox.apps.container.variables import ENVIRONMENT
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
+from edgevox.apps.doctor.runner import probe_apart
+from edgevox.apps.doctor.security import NOT_WITH_SECURITY, is_secured
 from edgevox.core.extras import install_extra
 
 DOMAIN, RANGE = "ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE"
+ROUND_TRIP = "edgevox.ros2.probe:round_trip"
 _FIRST_PORT, _PORTS = 7400, 250  # of a domain, by RTPS
 _DEFAULT_RANGE = (32768, 60999)
 _MOST_MS = 100.0
@@ -92,8 +95,17 @@ def judge_discovery(facts: Facts, _: Situation) -> list[CheckVerdict]:
     return said or [ok(f"{how}{only}{more}")]
 
 
+def probe_round_trip(situation: Situation) -> Facts:
+    """What a message to another process takes; not asked where no enclave may have its topic."""
+    if is_secured(situation.environment):
+        return {"secured": True}
+    return probe_apart(ROUND_TRIP)
+
+
 def judge_round_trip(facts: Facts, situation: Situation) -> CheckVerdict:
     """The one test that counts: everything before it may be right, and this not."""
+    if facts.get("secured"):
+        return skipped(NOT_WITH_SECURITY)
     if facts["trip_ms"] is None:
         advice = (
             "try FASTDDS_BUILTIN_TRANSPORTS=UDPv4; in containers of one host, ipc: host or a"

@@ -35,6 +35,10 @@
 {{- if $robot.hostNetwork -}}
 {{- $_ := set $env "FASTDDS_BUILTIN_TRANSPORTS" "UDPv4" -}}
 {{- end -}}
+{{- if $robot.security.enabled -}}
+{{- $_ := set $env "EDGEVOX_SECURITY_KEYSTORE" "/etc/edgevox/security" -}}
+{{- $_ := set $env "EDGEVOX_SECURITY_ENCLAVE" $robot.security.enclave -}}
+{{- end -}}
 {{- if $robot.console.enabled -}}
 {{- $_ := set $env "EDGEVOX_CONSOLE" true -}}
 {{- $_ := set $env "EDGEVOX_CONSOLE_PORT" (int $robot.console.port) -}}

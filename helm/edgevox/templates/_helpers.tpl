@@ -58,7 +58,7 @@ edgevox/domain: {{ .domain | int | quote }}
 
 {{/* All robots, each with what counts for all of them filled in: a list under "robots", as JSON. */}}
 {{- define "edgevox.robots" -}}
-{{- $common := pick .Values "affinity" "agent" "audioIn" "audioOut" "console" "discovery" "drainSeconds" "env" "externalNamespace" "extraVolumeMounts" "extraVolumes" "files" "framePrefix" "health" "hostNetwork" "language" "llm" "logLevel" "models" "muted" "nodeSelector" "places" "plugins" "podAnnotations" "podLabels" "policy" "priorityClassName" "recorder" "resources" "robotNamespace" "runtimeClassName" "settings" "tolerations" "topologySpreadConstraints" "voice" "wakeword" -}}
+{{- $common := pick .Values "affinity" "agent" "audioIn" "audioOut" "console" "discovery" "drainSeconds" "env" "externalNamespace" "extraVolumeMounts" "extraVolumes" "files" "framePrefix" "health" "hostNetwork" "language" "llm" "logLevel" "models" "muted" "nodeSelector" "places" "plugins" "podAnnotations" "podLabels" "policy" "priorityClassName" "recorder" "resources" "robotNamespace" "runtimeClassName" "security" "settings" "tolerations" "topologySpreadConstraints" "voice" "wakeword" -}}
 {{- /* The default of the new name says nothing against a value by the old one. */ -}}
 {{- if and (hasKey $common "externalNamespace") (eq $common.robotNamespace "/") -}}
 {{- $_ := unset $common "robotNamespace" -}}
@@ -100,6 +100,30 @@ edgevox/domain: {{ .domain | int | quote }}
 {{- dict "robots" $robots | toJson -}}
 {{- end -}}
 
+{{/* Who a robot is to DDS security. */}}
+{{- define "edgevox.enclave" -}}
+{{- .security.enclave | default (printf "%s/edgevox" (trimSuffix "/" .agentNamespace)) -}}
+{{- end -}}
+
+{{/* Who its recorder is. */}}
+{{- define "edgevox.recorderEnclave" -}}
+{{- printf "%s/edgevox_recorder" (trimSuffix "/" .agentNamespace) -}}
+{{- end -}}
+
+{{/* The Secret of an enclave, as edgevox-security names it. Takes name and enclave. */}}
+{{- define "edgevox.secret" -}}
+{{- .name | default (printf "edgevox-security%s" (.enclave | replace "/" "-" | replace "_" "-" | lower)) -}}
+{{- end -}}
+
+{{/* The volume with an enclave's files. Takes volume, name and enclave. */}}
+{{- define "edgevox.securityVolume" -}}
+- name: {{ .volume }}
+  secret:
+    secretName: {{ include "edgevox.secret" . }}
+    # The group is the pod's fsGroup; nobody else reads the key.
+    defaultMode: 0440
+{{- end -}}
+
 {{/* The host name of a robot's pod, which stays the same when it is made anew. */}}
 {{- define "edgevox.host" -}}
 {{- $name := include "edgevox.fullname" .root -}}
@@ -132,6 +156,7 @@ edgevox/domain: {{ .domain | int | quote }}
 {{- $nodes := dict -}}
 {{- $frames := dict -}}
 {{- $hosts := dict -}}
+{{- $secrets := dict -}}
 {{- range $index, $robot := . -}}
 {{- $where := printf "robots[%d]" $index -}}
 {{- if hasKey $names .name -}}
@@ -140,6 +165,21 @@ edgevox/domain: {{ .domain | int | quote }}
 {{- $_ := set $names .name true -}}
 {{- if and .files.data .files.configMap -}}
 {{- fail (printf "%s.files.configMap: got %q, expected none beside files.data" $where .files.configMap) -}}
+{{- end -}}
+{{- if .security.enabled -}}
+{{- $enclave := include "edgevox.enclave" . -}}
+{{- if hasKey $secrets $enclave -}}
+{{- fail (printf "%s.security.enclave: got %q, expected another one than %s has" $where $enclave (get $secrets $enclave)) -}}
+{{- end -}}
+{{- $_ := set $secrets $enclave .name -}}
+{{- $secret := include "edgevox.secret" (dict "name" .security.secretName "enclave" $enclave) -}}
+{{- if hasKey $secrets $secret -}}
+{{- fail (printf "%s.security.secretName: got %q, expected another one than %s has" $where $secret (get $secrets $secret)) -}}
+{{- end -}}
+{{- $_ := set $secrets $secret .name -}}
+{{- if .discovery.server -}}
+{{- fail (printf "%s.discovery.server: got %q, expected none with security, since a server has no enclave" $where .discovery.server) -}}
+{{- end -}}
 {{- end -}}
 {{- if and .console.enabled .console.ingress.enabled -}}
 {{- $host := .console.ingress.host -}}

@@ -5,6 +5,7 @@
 {{- $none := dict "endpoint" "" "model" "none" -}}
 {{- $robot := mergeOverwrite (deepCopy .robot) (dict "llm" $none "settings" (dict)) -}}
 {{- range $name, $value := $own }}{{ $_ := set $robot $name $value }}{{ end -}}
+{{- $_ := set $robot "security" (dict "enabled" .robot.security.enabled "enclave" "") -}}
 {{- $_ := set $robot "settings" (dict "EDGEVOX_HEALTH_PORT" 8010 "EDGEVOX_METRICS_PORT" 0) -}}
 - name: recorder
   image: {{ include "edgevox.image" .root | quote }}
@@ -27,4 +28,9 @@
       mountPath: /dev/shm
     - name: recordings
       mountPath: /recordings
+    {{- if .robot.security.enabled }}
+    - name: recorder-security
+      mountPath: /etc/edgevox/security/enclaves{{ include "edgevox.recorderEnclave" .robot }}
+      readOnly: true
+    {{- end }}
 {{- end -}}

@@ -1,0 +1,136 @@
+"""DDS security (SROS 2) for a program of ours, if it is asked for: enforced, or nothing starts."""
+
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from edgevox.apps.doctor.runner import ProbeFailed, probe_apart
+from edgevox.apps.enclave_files import enclaves_of, read_enclave
+from edgevox.core.errors import InvalidValue
+from edgevox.core.settings import Settings
+from edgevox.ros2.contract import NODE_NAME, RECORDER_NODE
+
+KEYSTORE, ENCLAVE = "EDGEVOX_SECURITY_KEYSTORE", "EDGEVOX_SECURITY_ENCLAVE"
+ENABLE, STRATEGY = "ROS_SECURITY_ENABLE", "ROS_SECURITY_STRATEGY"
+ROS_KEYSTORE, OVERRIDE = "ROS_SECURITY_KEYSTORE", "ROS_SECURITY_ENCLAVE_OVERRIDE"
+NAMESPACE = "EDGEVOX_AGENT_NAMESPACE"
+ENFORCE = "Enforce"
+PROBE, PROBE_S = "edgevox.ros2.middleware_build:middleware_build", 60.0
+NAMES = {"edgevox": NODE_NAME, "edgevox-agent": NODE_NAME, "edgevox-recorder": RECORDER_NODE}
+"""How the enclave of a program is called, within the robot's namespace."""
+TOOLS = "tools"
+"""That of all others: `ros2`, and what people try."""
+NO_SECURITY = "a middleware with DDS security, as in the official image ros:jazzy-ros-base"
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What somebody asked for: a keystore, and who to be in it."""
+
+    keystore: Path
+    enclave: str
+
+    @property
+    def folder(self) -> Path:
+        """Where the enclave's files are."""
+        return self.keystore / "enclaves" / self.enclave.lstrip("/")
+
+    @property
+    def variables(self) -> dict[str, str]:
+        """What ROS 2 reads."""
+        given = {ENABLE: "true", STRATEGY: ENFORCE, ROS_KEYSTORE: str(self.keystore)}
+        return {**given, OVERRIDE: self.enclave}
+
+
+def asked_security(environment: Mapping[str, str], program: str) -> Asked | None:
+    """What is asked for, for a program by its name; nothing if nobody asks for security.
+
+    Raises `InvalidValue` for what would be less than enforced, or asked for by halves.
+    """
+    strategy = environment.get(STRATEGY, "")
+    if strategy not in ("", ENFORCE):
+        raise InvalidValue(STRATEGY, strategy, ENFORCE)
+    if keystore := environment.get(KEYSTORE, ""):
+        return _asked(Path(keystore), environment, program)
+    if environment.get(ENCLAVE):
+        raise InvalidValue(ENCLAVE, environment[ENCLAVE], f"none without {KEYSTORE}")
+    if environment.get(ENABLE) != "true":
+        return None
+    if not strategy:
+        raise InvalidValue(STRATEGY, "", f"{ENFORCE}, since {ENABLE} is true")
+    if not environment.get(OVERRIDE):
+        return None  # by --ros-args --enclave: ROS 2 looks at it itself
+    return Asked(Path(environment.get(ROS_KEYSTORE, "")), environment[OVERRIDE])
+
+
+def secured(
+    environment: Mapping[str, str], program: str, warn: Callable[[str], None]
+) -> dict[str, str]:
+    """The environment with what ROS 2 reads, in place of what people say.
+
+    Raises `InvalidValue` where security is asked for and cannot be had; what will be wrong soon
+    goes to `warn`.
+    """
+    asked = asked_security(environment, program)
+    if asked and environment.get(KEYSTORE):
+        _require_middleware(environment)
+        state = read_enclave(asked.folder, datetime.now(UTC))
+        if state.wrong:
+            raise InvalidValue(ENCLAVE, asked.enclave, f"a good one: {'; '.join(state.wrong)}")
+        for line in (*keystore_warnings(asked.keystore), *state.warnings):
+            warn(f"security: {asked.enclave}: {line}")
+    rest = {name: one for name, one in environment.items() if name not in (KEYSTORE, ENCLAVE)}
+    return rest | (asked.variables if asked else {})
+
+
+def secure_process(program: str, namespace: str, warn: Callable[[str], None]) -> None:
+    """The same for this process, before its first node. Raises `InvalidValue`."""
+    os.environ.update(secured({**os.environ, NAMESPACE: namespace}, program, warn))
+
+
+def keystore_warnings(keystore: Path) -> list[str]:
+    """Whoever has the authority's key makes enclaves of its own."""
+    there = os.path.lexists(keystore / "private")
+    said = f"{keystore} has the authority's private folder: give it what edgevox-security exports"
+    return [said] if there else []
+
+
+def _asked(keystore: Path, environment: Mapping[str, str], program: str) -> Asked:
+    known = enclaves_of(keystore)
+    if not known:
+        raise InvalidValue(
+            KEYSTORE,
+            str(keystore),
+            f"one that edgevox-security exported, to be read by user {os.getuid()}",
+        )
+    asked = Asked(keystore, environment.get(ENCLAVE) or _own(known, environment, program))
+    if asked.enclave not in known:
+        raise InvalidValue(ENCLAVE, asked.enclave, f"one of the keystore: {', '.join(known)}")
+    for name, value in asked.variables.items():
+        if environment.get(name, "") not in ("", value):
+            raise InvalidValue(name, environment[name], f"{value}, as {KEYSTORE} has it")
+    return asked
+
+
+def _own(known: list[str], environment: Mapping[str, str], program: str) -> str:
+    """The program's own, or the only one that this robot's namespace has."""
+    default = Settings.model_fields["agent_namespace"].default
+    namespace = (environment.get(NAMESPACE) or default).rstrip("/")
+    own = f"{namespace}/{NAMES.get(Path(program).name, TOOLS)}"
+    of_robot = [one for one in known if one.startswith(f"{namespace}/")]
+    return of_robot[0] if len(of_robot) == 1 else own
+
+
+def _require_middleware(environment: Mapping[str, str]) -> None:
+    given = environment.get("RMW_IMPLEMENTATION", "")
+    try:
+        facts = probe_apart(PROBE, given, timeout_s=PROBE_S)
+    except ProbeFailed as failed:
+        raise InvalidValue(KEYSTORE, environment[KEYSTORE], f"{NO_SECURITY}: {failed}") from None
+    if not facts["security"]:
+        name = facts["middleware"] or "no ROS 2"
+        raise InvalidValue(
+            KEYSTORE, environment[KEYSTORE], f"{NO_SECURITY}; here is {name} without it"
+        )

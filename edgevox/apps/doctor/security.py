@@ -1,0 +1,84 @@
+"""DDS security: which build of ROS 2 this is, what is asked for, and how long it holds."""
+
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from typing import Any
+
+from edgevox.apps.dds_security import (
+    ENABLE,
+    KEYSTORE,
+    NO_SECURITY,
+    PROBE,
+    Asked,
+    asked_security,
+    keystore_warnings,
+)
+from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, warning
+from edgevox.apps.doctor.runner import probe_apart
+from edgevox.apps.enclave_files import read_enclave
+from edgevox.core.errors import InvalidValue
+
+NAMESPACE = "EDGEVOX_AGENT_NAMESPACE"
+AGENT = "edgevox-agent"
+NOT_WITH_SECURITY = "not tried: the doctor has no enclave of its own"
+
+
+def is_secured(environment: Mapping[str, str]) -> bool:
+    """Whether nodes of this environment let in only whom they should, or are to."""
+    return bool(environment.get(KEYSTORE)) or environment.get(ENABLE) == "true"
+
+
+def probe_security(situation: Situation) -> Facts:
+    """How the middleware was built, and the enclave that the agent would have."""
+    return {"build": probe_apart(PROBE), **_enclave(situation)}
+
+
+def _enclave(situation: Situation) -> dict[str, Any]:
+    facts: dict[str, Any] = {"refused": "", "enclave": "", "wrong": [], "warnings": [], "ends": ""}
+    environment = {**situation.environment, NAMESPACE: situation.settings.agent_namespace}
+    try:
+        asked = asked_security(environment, AGENT)
+    except InvalidValue as failed:
+        return facts | {"refused": str(failed)}
+    return facts | (_state(asked) if asked else {})
+
+
+def _state(asked: Asked) -> dict[str, Any]:
+    state = read_enclave(asked.folder, datetime.now(UTC))
+    return {
+        "enclave": asked.enclave,
+        "wrong": list(state.wrong),
+        "warnings": [*keystore_warnings(asked.keystore), *state.warnings],
+        "ends": f"{state.ends:%Y-%m-%d}" if state.ends else "",
+    }
+
+
+def judge_security(facts: Facts, situation: Situation) -> list[CheckVerdict]:
+    """What is asked for must hold; what is not asked for is said, and no fault."""
+    return [_judge_build(facts["build"]), *_judge_asked(facts, situation)]
+
+
+def _judge_build(build: Facts) -> CheckVerdict:
+    if openssl := build["bundled_openssl"]:
+        found = f"ROS 2 of the Python index's wheels, with OpenSSL {openssl} inside"
+        return ok(found, "for development and tests; robots get the official image")
+    has = "with" if build["security"] else "without"
+    return ok(f"{build['middleware']} {has} DDS security, on the system's OpenSSL")
+
+
+def _judge_asked(facts: Facts, situation: Situation) -> list[CheckVerdict]:
+    if facts["refused"]:
+        return [error(facts["refused"], "docs/security.md; nothing starts like that")]
+    if not is_secured(situation.environment):
+        return [ok("not asked for: whoever reaches the domain hears and commands the robot")]
+    if not facts["build"]["security"]:
+        found = f"asked for, and {facts['build']['middleware']} has none: nothing starts"
+        return [error(found, f"take {NO_SECURITY}")]
+    name = facts["enclave"]
+    if facts["wrong"]:
+        advice = "edgevox-security renew, export, and start again"
+        return [error(f"{name}: {one}", advice) for one in facts["wrong"]]
+    soon = [warning(f"{name}: {one}", "docs/security.md") for one in facts["warnings"]]
+    if not name:
+        return [ok("enforced; its enclave is named by --ros-args, and was not looked at")]
+    return [*soon, ok(f"enforced as {name}, until {facts['ends']}")]

@@ -1,0 +1,137 @@
+"""An enclave's files: whether all are there, whose key it is, and when its certificates end."""
+
+import os
+import re
+import ssl
+import stat
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+CERTIFICATES = ("cert.pem", "identity_ca.cert.pem", "permissions_ca.cert.pem")
+KEY, PERMISSIONS = "key.pem", "permissions.p7s"
+NEEDED = (*CERTIFICATES, KEY, PERMISSIONS, "governance.p7s")
+"""What a participant reads, by the names that sros2 gave them."""
+SOON = timedelta(days=30)
+_UTC_TIME, _GENERALIZED_TIME, _VERSION = 0x17, 0x18, 0xA0
+_GRANTED = re.compile(r"<not_(?:before|after)>\s*(\S+?)\s*</not_(before|after)>")
+
+
+@dataclass(frozen=True, slots=True)
+class EnclaveState:
+    """What is wrong, what will be, and when the first of its files ends, if that can be read."""
+
+    wrong: tuple[str, ...]
+    warnings: tuple[str, ...]
+    ends: datetime | None = None
+
+
+def enclaves_of(keystore: Path) -> list[str]:
+    """The enclaves that a keystore holds and this user may see, such as ``/robot1/edgevox``."""
+    root, found = keystore / "enclaves", list[str]()
+    for folder, below, files in os.walk(root):
+        # Kubernetes keeps a Secret's files twice, once in a folder whose name begins with dots.
+        below[:] = [name for name in below if not name.startswith(".")]
+        if CERTIFICATES[0] in files:
+            found.append(f"/{Path(folder).relative_to(root)}")
+    return sorted(found)
+
+
+def read_enclave(folder: Path, now: datetime) -> EnclaveState:
+    """How the files in an enclave's folder are; what is missing or over is wrong."""
+    wrong = [said for name in NEEDED if (said := _unreadable(folder / name))]
+    if wrong:
+        return EnclaveState(tuple(wrong), ())
+    try:
+        periods = {name: _period_of(folder / name) for name in CERTIFICATES}
+    except ValueError as error:
+        return EnclaveState((str(error),), ())
+    if granted := _granted_period(_text(folder / PERMISSIONS)):
+        periods[PERMISSIONS] = granted
+    wrong = [said for name, period in periods.items() if (said := _out_of_date(name, period, now))]
+    if not _are_a_pair(folder / CERTIFICATES[0], folder / KEY):
+        wrong.append(f"{KEY} is no key of {CERTIFICATES[0]}")
+    warnings = [
+        f"{name} ends {at:%Y-%m-%d}" for name, (_, at) in periods.items() if at < now + SOON
+    ]
+    if (folder / KEY).stat().st_mode & stat.S_IROTH:
+        warnings.append(f"{KEY} can be read by everybody on its machine: chmod o= {KEY}")
+    first = min(at for _, at in periods.values())
+    return EnclaveState(tuple(wrong), () if wrong else tuple(warnings), first)
+
+
+def certificate_period(pem: str) -> tuple[datetime, datetime]:
+    """From when and until when a certificate (X.509, PEM) is good. Raises `ValueError`."""
+    try:
+        (_, certificate), *_ = _elements(ssl.PEM_cert_to_DER_cert(pem.strip()))
+        (_, signed), *_ = _elements(certificate)
+        tags = [one for one in _elements(signed) if one[0] != _VERSION]
+        begins, ends = (_time(*one) for one in _elements(tags[3][1]))
+    except (IndexError, ValueError) as error:
+        raise ValueError("no certificate in PEM") from error
+    return begins, ends
+
+
+def _unreadable(file: Path) -> str:
+    if os.access(file, os.R_OK):
+        return ""
+    refused = os.path.lexists(file) or not os.access(file.parent, os.X_OK)
+    return f"{file.name} {f'cannot be read by user {os.getuid()}' if refused else 'is missing'}"
+
+
+def _text(file: Path) -> str:
+    return file.read_text(encoding="ascii", errors="replace")
+
+
+def _period_of(file: Path) -> tuple[datetime, datetime]:
+    try:
+        return certificate_period(_text(file))
+    except ValueError as error:
+        raise ValueError(f"{file.name}: {error}") from None
+
+
+def _granted_period(text: str) -> tuple[datetime, datetime] | None:
+    """When all grants of a permissions file hold, if its XML stands there in the clear."""
+    at = {"before": list[datetime](), "after": list[datetime]()}
+    for written, which in _GRANTED.findall(text):
+        with suppress(ValueError):
+            moment = datetime.fromisoformat(written)
+            at[which].append(moment if moment.tzinfo else moment.replace(tzinfo=UTC))
+    return (max(at["before"]), min(at["after"])) if at["before"] and at["after"] else None
+
+
+def _out_of_date(name: str, period: tuple[datetime, datetime], now: datetime) -> str:
+    begins, ends = period
+    if now >= ends:
+        return f"{name} ended {ends:%Y-%m-%d %H:%M} UTC"
+    if now < begins:
+        return f"{name} begins {begins:%Y-%m-%d %H:%M} UTC: is the clock right?"
+    return ""
+
+
+def _are_a_pair(certificate: Path, key: Path) -> bool:
+    try:
+        # An empty password: nobody is there to be asked for one.
+        ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER).load_cert_chain(certificate, key, password="")
+    except (ssl.SSLError, ValueError):
+        return False
+    return True
+
+
+def _elements(der: bytes) -> Iterator[tuple[int, bytes]]:
+    """Each element's tag and content, of DER with tags of one byte."""
+    at = 0
+    while at < len(der):
+        tag, length, at = der[at], der[at + 1], at + 2
+        if length & 0x80:
+            size = length & 0x7F
+            length, at = int.from_bytes(der[at : at + size]), at + size
+        yield tag, der[at : at + length]
+        at += length
+
+
+def _time(tag: int, content: bytes) -> datetime:
+    form = {_UTC_TIME: "%y%m%d%H%M%SZ", _GENERALIZED_TIME: "%Y%m%d%H%M%SZ"}[tag]
+    return datetime.strptime(content.decode("ascii"), form).replace(tzinfo=UTC)

@@ -1,0 +1,97 @@
+"""What is read of an enclave's files: nothing but what a participant needs, and when it ends."""
+
+import os
+from datetime import UTC, datetime
+
+import pytest
+from enclaves_rig import DAY, NOW, YEAR, certificate, make_enclave
+
+from edgevox.apps.enclave_files import NEEDED, certificate_period, enclaves_of, read_enclave
+
+LONG_AGO = datetime(2001, 2, 3, 4, 5, 6, tzinfo=UTC)
+
+
+@pytest.mark.parametrize("ends", [NOW, datetime(2049, 12, 31, 23, 59, 59, tzinfo=UTC)])
+@pytest.mark.parametrize("later", [0, 20, 5000])
+def test_a_certificates_period_is_read_in_each_form_of_time(ends, later):
+    """Until 2049 with a year of two digits, from 2050 on of four."""
+    ends = ends.replace(year=ends.year + later)
+    assert certificate_period(certificate(LONG_AGO, ends)[0]) == (LONG_AGO, ends)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "hello", "-----BEGIN CERTIFICATE-----\nAAAA\n-----END CERTIFICATE-----\n",
+     "-----BEGIN CERTIFICATE-----\n!\n-----END CERTIFICATE-----\n",
+     "-----BEGIN CERTIFICATE-----\nMIIB\n-----END CERTIFICATE-----\n"],
+)  # fmt: skip
+def test_what_is_no_certificate_is_a_value_error(text):
+    with pytest.raises(ValueError, match="no certificate in PEM"):
+        certificate_period(text)
+
+
+def test_a_good_enclave_says_when_the_first_of_its_files_ends(tmp_path):
+    state = read_enclave(make_enclave(tmp_path), NOW)
+    assert (state.wrong, state.warnings, state.ends) == ((), (), NOW + YEAR)
+
+
+@pytest.mark.parametrize("name", NEEDED)
+def test_a_file_that_is_missing_is_named(tmp_path, name):
+    folder = make_enclave(tmp_path)
+    (folder / name).unlink()
+    assert read_enclave(folder, NOW).wrong == (f"{name} is missing",)
+
+
+def test_what_is_over_is_wrong_and_what_ends_soon_is_told(tmp_path):
+    over = read_enclave(make_enclave(tmp_path / "1", ends=NOW), NOW)
+    at = f"ended {NOW:%Y-%m-%d %H:%M} UTC"
+    assert over.wrong == (f"cert.pem {at}", f"permissions.p7s {at}")
+    soon = NOW + 29 * DAY
+    state = read_enclave(make_enclave(tmp_path / "2", authority_ends=soon), NOW)
+    said = [f"{name} ends {soon:%Y-%m-%d}" for name in NEEDED if "_ca" in name]
+    assert (state.wrong, list(state.warnings), state.ends) == ((), said, soon)
+
+
+def test_what_is_not_good_yet_blames_the_clock(tmp_path):
+    state = read_enclave(make_enclave(tmp_path, begins=NOW + DAY), NOW)
+    assert all(line.endswith("is the clock right?") for line in state.wrong)
+    assert len(state.wrong) == 4
+
+
+def test_a_key_of_another_certificate_or_that_all_may_read_is_told(tmp_path):
+    folder = make_enclave(tmp_path)
+    (folder / "key.pem").chmod(0o644)
+    (warning,) = read_enclave(folder, NOW).warnings
+    assert warning.startswith("key.pem can be read by everybody")
+    (folder / "key.pem").write_text(certificate(NOW, NOW + DAY)[1])
+    assert read_enclave(folder, NOW).wrong == ("key.pem is no key of cert.pem",)
+    (folder / "key.pem").write_text("")
+    assert read_enclave(folder, NOW).wrong == ("key.pem is no key of cert.pem",)
+    (folder / "cert.pem").write_text("")
+    assert read_enclave(folder, NOW).wrong == ("cert.pem: no certificate in PEM",)
+
+
+def test_permissions_that_cannot_be_read_in_the_clear_are_the_middlewares_to_judge(tmp_path):
+    folder = make_enclave(tmp_path)
+    (folder / "permissions.p7s").write_text("MIIC" * 100)
+    assert read_enclave(folder, NOW).wrong == ()
+
+
+def test_the_enclaves_of_a_secret_in_a_pod_are_not_counted_twice(tmp_path):
+    """Kubernetes mounts a Secret as links into a folder that it swaps."""
+    folder = make_enclave(tmp_path)
+    (folder / "..2026").mkdir()
+    for file in [one for one in folder.iterdir() if one.is_file()]:
+        file.rename(folder / "..2026" / file.name)
+        file.symlink_to(f"..data/{file.name}")
+    (folder / "..data").symlink_to("..2026")
+    make_enclave(tmp_path, "/robot1/tools")
+    assert enclaves_of(tmp_path) == ["/robot1/edgevox", "/robot1/tools"]
+    assert read_enclave(folder, NOW).wrong == ()
+    assert enclaves_of(tmp_path / "nowhere") == []
+
+
+def test_what_this_user_may_not_read_is_told_as_that(tmp_path, monkeypatch):
+    folder = make_enclave(tmp_path)
+    monkeypatch.setattr(os, "access", lambda file, _: "key" not in str(file))
+    assert read_enclave(folder, NOW).wrong == (f"key.pem cannot be read by user {os.getuid()}",)
