@@ -5,11 +5,11 @@ Whoever holds many, or none of whose requests shows a session, makes room for th
 
 import asyncio
 import socket
-import ssl
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 
+from edgevox.console.tls import CurrentTls
 from edgevox.core.log import get_logger
 
 log = get_logger(__name__)
@@ -59,7 +59,7 @@ class Door:
         listening: socket.socket,
         protocol: Callable[[], asyncio.Protocol],
         *,
-        tls: ssl.SSLContext | None,
+        tls: CurrentTls | None,
     ) -> None:
         self._listening = listening
         self._protocol = protocol
@@ -119,7 +119,7 @@ class Door:
             guest.transport, _ = await loop.connect_accepted_socket(
                 lambda: protocol,
                 connection,
-                ssl=self._tls,
+                ssl=self._tls.context if self._tls else None,
                 ssl_handshake_timeout=HANDSHAKE_S if self._tls else None,
             )
         except OSError:  # of TLS, too: who does not speak it is not let in
