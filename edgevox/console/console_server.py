@@ -10,6 +10,7 @@ from aiohttp import web
 
 from edgevox.console.context import ConsoleContext
 from edgevox.console.door import Door
+from edgevox.console.liveness import Liveness
 from edgevox.console.page_hub import PageHub
 from edgevox.console.pairing import Code, Pairing
 from edgevox.console.sampling import sample
@@ -20,7 +21,7 @@ from edgevox.console.url import console_url
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
 from edgevox.core.log import get_logger, worth_a_line
-from edgevox.core.status import HealthCheck, Status, lives
+from edgevox.core.status import Finding, HealthCheck, Level, Status
 
 log = get_logger(__name__)
 
@@ -65,6 +66,7 @@ class ConsoleServer:
         self._closed = asyncio.Event()
         self._started = threading.Event()
         self._thread = threading.Thread(target=self._serve, name="console")
+        self._liveness = Liveness(clock, self._thread.is_alive)
 
     @property
     def port(self) -> int:
@@ -104,13 +106,15 @@ class ConsoleServer:
 
     @property
     def checks(self) -> tuple[HealthCheck, ...]:
-        """Without its thread nobody is answered, which is no reason to start the robot again."""
-        return (HealthCheck(NAME, lives(self._thread.is_alive), vital=False),)
+        """Where nobody is answered any more; that is no reason to start the robot again."""
+        return (HealthCheck(NAME, self._liveness.why_not, vital=False),)
 
     def status(self) -> Status:
         """How many pages and connections there are, and where."""
+        dead = self._liveness.why_not()
         return Status.judged(
             NAME,
+            [Finding(Level.ERROR, dead)] if dead else (),
             url=self.url,
             pages=len(self._hub.pages),
             connections=len(self._site.door or ()),
@@ -140,10 +144,11 @@ class ConsoleServer:
         assert runner.server is not None  # noqa: S101 - setup has made it
         door = self._site.door = Door(self._socket, runner.server, tls=self._current_tls)
         self._hub.open(self._loop)
-        work = [door.serve(), sample(self._hub)]
+        work = [door.serve(), sample(self._hub), self._liveness.beat()]
         if self._current_tls:
             work.append(_renew(self._hub, self._current_tls))
         tasks = [asyncio.create_task(one) for one in work]
+        self._liveness.watch(door, tasks[0])
         self._started.set()
         try:
             await self._closed.wait()

@@ -65,6 +65,8 @@ class Door:
         self._protocol = protocol
         self._tls = tls
         self._guests: dict[asyncio.BaseProtocol | None, _Guest] = {}
+        self.shut = ""
+        """Why nobody could be let in just now; empty while they can."""
 
     def __len__(self) -> int:
         self._forget()
@@ -83,9 +85,11 @@ class Door:
             try:
                 connection, peer = await loop.sock_accept(self._listening)
             except OSError as error:
-                log.warning("console_door_full", error=str(error))
+                self.shut = str(error)
+                log.warning("console_door_full", error=self.shut)
                 await asyncio.sleep(FULL_S)
                 continue
+            self.shut = ""
             self._admit(loop, connection, str(peer[0]))
 
     def close(self) -> None:
