@@ -35,10 +35,14 @@ help: ## List what can be made.
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' Makefile
 	@echo "Variables: PYTHON=python3.12 (before the first run), AGENT=..., ARGS='...'"
 
+# Its console is there, unless somebody said by hand whether it shall be; a taken port then ends nothing.
+PLAYED := --scenario% --snapshot% --check
+CONSOLE := $(if $(or $(EDGEVOX_CONSOLE),$(filter --console --no-console $(PLAYED),$(ARGS))),,--console --console-optional)
+
 .PHONY: run
-run: $(DONE)/$(if $(ROS2),msgs,run) ## Start the agent, aloud and on ROS 2; the first time, install all it needs.
+run: $(DONE)/$(if $(ROS2),msgs,run) ## Start the agent, aloud, on ROS 2 and with its console; the first time, install all it needs.
 	@$(BIN)/edgevox-models fetch small $(filter robot-panda robot-humanoid,$(AGENT))
-	@exec $(BIN)/edgevox-agent $(AGENT) $(if $(ROS2),--ros2) $(ARGS)
+	@exec $(BIN)/edgevox-agent $(AGENT) $(if $(ROS2),--ros2) $(CONSOLE) $(ARGS)
 
 # The parts of the tests, and what each needs that is fetched or built first. ARGS may name some.
 PARTS := unit programs robots models ros2 docs browser compose

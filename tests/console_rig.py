@@ -10,9 +10,10 @@ from typing import Any
 
 import aiohttp
 
-from edgevox.console.console_server import ConsoleServer, Tls
+from edgevox.console.console_server import ConsoleServer
 from edgevox.console.context import ConsoleContext
 from edgevox.console.sessions import Role
+from edgevox.console.tls import Tls
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
 from edgevox.core.commands import Command

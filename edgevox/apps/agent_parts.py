@@ -40,7 +40,8 @@ class AgentParts:
     """An agent: what it is made of, none of it started.
 
     Without a `body` it only talks, without a `voice` it only writes. `absent` says why there is no
-    language model on board though one was asked for.
+    language model on board though one was asked for. `notes` are lines that a full screen would
+    hide and shows again.
     """
 
     settings: Settings
@@ -63,6 +64,7 @@ class AgentParts:
     robot_skills: RobotSkills = field(default_factory=RobotSkills)
     software_stop: SoftwareStop = field(kw_only=True)
     drain: Drain = field(kw_only=True)
+    notes: list[str] = field(default_factory=list)
 
     @property
     def skills(self) -> tuple[Skill, ...]:

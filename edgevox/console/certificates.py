@@ -16,7 +16,7 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
-from edgevox.console.console_server import Tls
+from edgevox.console.tls import Tls
 from edgevox.core.atomic_file import PRIVATE, PUBLIC, write_atomically
 from edgevox.core.errors import InvalidValue
 
@@ -24,7 +24,7 @@ AUTHORITY_DAYS = 3650
 DAYS = 390
 """Browsers take no certificate that lasts longer than 398."""
 RENEW_DAYS = 30
-"""One that ends this soon is made anew when the console starts."""
+"""One that ends this soon is made anew, at the start and while the console runs."""
 _BACK = timedelta(days=1)
 """Clocks of phones are behind that of a robot without a battery, or ahead."""
 _LOCAL = ("local", "localhost", "lan", "internal", "home.arpa")
@@ -47,6 +47,7 @@ def utc_now() -> datetime:
 def own_tls(folder: Path, names: Sequence[str], now: Now = utc_now) -> Tls:
     """Authority and certificate for these names and addresses, made where they are not there yet.
 
+    Its `renew` does the same again, for a certificate that ends soon by then.
     Raises `InvalidValue` for a name that the authority may not vouch for, and `OSError`.
     """
     folder.mkdir(parents=True, exist_ok=True, mode=0o700)
@@ -58,7 +59,7 @@ def own_tls(folder: Path, names: Sequence[str], now: Now = utc_now) -> Tls:
     _check(authority, names)
     if not _fits(certificate, key, authority, names, now()):
         _make_leaf(files, certificate, key, names, now())
-    return Tls(certificate, key, files[0])
+    return Tls(certificate, key, files[0], lambda: own_tls(folder, names, now))
 
 
 def local_names(more: Sequence[str] = ()) -> tuple[str, ...]:

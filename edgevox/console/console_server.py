@@ -2,40 +2,34 @@
 
 import asyncio
 import socket
-import ssl
 import threading
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 
 from aiohttp import web
 
 from edgevox.console.context import ConsoleContext
 from edgevox.console.door import Door
+from edgevox.console.liveness import Liveness
 from edgevox.console.page_hub import PageHub
 from edgevox.console.pairing import Code, Pairing
 from edgevox.console.sampling import sample
 from edgevox.console.sessions import Role, Sessions
 from edgevox.console.site import Site
+from edgevox.console.tls import CurrentTls, Tls
 from edgevox.console.url import console_url
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
-from edgevox.core.log import get_logger
-from edgevox.core.status import HealthCheck, Status, lives
+from edgevox.core.log import get_logger, worth_a_line
+from edgevox.core.status import Finding, HealthCheck, Level, Status
 
 log = get_logger(__name__)
 
 NAME = "console"
 MOST_KNOCKING = 128
-
-
-@dataclass(frozen=True, slots=True)
-class Tls:
-    """How it is encrypted: certificate and key, and the authority that pages may download."""
-
-    certificate: Path
-    key: Path
-    authority: Path | None = None
+RENEW_LOOK_S = 60.0
+"""So often it looks whether its certificate ends soon, or is another. A robot without a battery
+wakes up in another year."""
 
 
 class ConsoleServer:
@@ -60,7 +54,7 @@ class ConsoleServer:
         self._tls = tls
         self._host = host
         self._names = names
-        self._context = _tls_context(tls) if tls else None
+        self._current_tls = CurrentTls(tls) if tls else None
         self._socket = _listen(host, port)
         self.sessions = Sessions(folder)
         self.pairing = Pairing(folder)
@@ -72,6 +66,7 @@ class ConsoleServer:
         self._closed = asyncio.Event()
         self._started = threading.Event()
         self._thread = threading.Thread(target=self._serve, name="console")
+        self._liveness = Liveness(clock, self._thread.is_alive)
 
     @property
     def port(self) -> int:
@@ -111,13 +106,15 @@ class ConsoleServer:
 
     @property
     def checks(self) -> tuple[HealthCheck, ...]:
-        """Without its thread nobody is answered, which is no reason to start the robot again."""
-        return (HealthCheck(NAME, lives(self._thread.is_alive), vital=False),)
+        """Where nobody is answered any more; that is no reason to start the robot again."""
+        return (HealthCheck(NAME, self._liveness.why_not, vital=False),)
 
     def status(self) -> Status:
         """How many pages and connections there are, and where."""
+        dead = self._liveness.why_not()
         return Status.judged(
             NAME,
+            [Finding(Level.ERROR, dead)] if dead else (),
             url=self.url,
             pages=len(self._hub.pages),
             connections=len(self._site.door or ()),
@@ -145,9 +142,13 @@ class ConsoleServer:
         )
         await runner.setup()
         assert runner.server is not None  # noqa: S101 - setup has made it
-        door = self._site.door = Door(self._socket, runner.server, tls=self._context)
+        door = self._site.door = Door(self._socket, runner.server, tls=self._current_tls)
         self._hub.open(self._loop)
-        tasks = [asyncio.create_task(door.serve()), asyncio.create_task(sample(self._hub))]
+        work = [door.serve(), sample(self._hub), self._liveness.beat()]
+        if self._current_tls:
+            work.append(_renew(self._hub, self._current_tls))
+        tasks = [asyncio.create_task(one) for one in work]
+        self._liveness.watch(door, tasks[0])
         self._started.set()
         try:
             await self._closed.wait()
@@ -161,15 +162,19 @@ class ConsoleServer:
                 await asyncio.wait_for(runner.cleanup(), 3.0)
 
 
-def _tls_context(tls: Tls) -> ssl.SSLContext:
-    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
-    context.minimum_version = ssl.TLSVersion.TLSv1_2
-    try:
-        context.load_cert_chain(tls.certificate, tls.key)
-    except (OSError, ssl.SSLError) as error:
-        expected = f"a certificate with its key, both in PEM ({error})"
-        raise InvalidValue("console_certificate", str(tls.certificate), expected) from None
-    return context
+async def _renew(hub: PageHub, tls: CurrentTls) -> None:
+    """Have the certificate be one that is good, until it is cancelled."""
+    failed = 0
+    while True:
+        await asyncio.sleep(RENEW_LOOK_S)
+        try:
+            if await hub.work(tls.look):
+                log.info("console_certificate_taken")
+            failed = 0
+        except (InvalidValue, OSError) as error:
+            failed += 1
+            if worth_a_line(failed):
+                log.warning("console_certificate_kept", reason=str(error), count=failed)
 
 
 def _listen(host: str, port: int) -> socket.socket:

@@ -5,11 +5,11 @@ Whoever holds many, or none of whose requests shows a session, makes room for th
 
 import asyncio
 import socket
-import ssl
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 
+from edgevox.console.tls import CurrentTls
 from edgevox.core.log import get_logger
 
 log = get_logger(__name__)
@@ -59,12 +59,14 @@ class Door:
         listening: socket.socket,
         protocol: Callable[[], asyncio.Protocol],
         *,
-        tls: ssl.SSLContext | None,
+        tls: CurrentTls | None,
     ) -> None:
         self._listening = listening
         self._protocol = protocol
         self._tls = tls
         self._guests: dict[asyncio.BaseProtocol | None, _Guest] = {}
+        self.shut = ""
+        """Why nobody could be let in just now; empty while they can."""
 
     def __len__(self) -> int:
         self._forget()
@@ -83,9 +85,11 @@ class Door:
             try:
                 connection, peer = await loop.sock_accept(self._listening)
             except OSError as error:
-                log.warning("console_door_full", error=str(error))
+                self.shut = str(error)
+                log.warning("console_door_full", error=self.shut)
                 await asyncio.sleep(FULL_S)
                 continue
+            self.shut = ""
             self._admit(loop, connection, str(peer[0]))
 
     def close(self) -> None:
@@ -119,7 +123,7 @@ class Door:
             guest.transport, _ = await loop.connect_accepted_socket(
                 lambda: protocol,
                 connection,
-                ssl=self._tls,
+                ssl=self._tls.context if self._tls else None,
                 ssl_handshake_timeout=HANDSHAKE_S if self._tls else None,
             )
         except OSError:  # of TLS, too: who does not speak it is not let in

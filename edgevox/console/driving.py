@@ -32,6 +32,10 @@ class Driving:
         """Whether something drives."""
         return self._page is not None
 
+    def is_free_for(self, page: object) -> bool:
+        """Whether no other page drives now."""
+        return self._page in (None, page)
+
     def steer(self, page: object, linear_m_s: float, angular_rad_s: float) -> None:
         """Go on, or begin. Raises `EdgeVoxError`, and then it is halted if it drove."""
         try:

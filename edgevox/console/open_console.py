@@ -4,8 +4,9 @@ from ipaddress import ip_address
 from pathlib import Path
 
 from edgevox.console.certificates import local_names, own_tls
-from edgevox.console.console_server import ConsoleServer, Tls
+from edgevox.console.console_server import ConsoleServer
 from edgevox.console.context import ConsoleContext
+from edgevox.console.tls import Tls
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import Settings
 

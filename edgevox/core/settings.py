@@ -197,6 +197,11 @@ class Settings(BaseSettings):
     console: bool = Field(
         False, description="serve a page for browsers: to talk to the robot, see it and stop it"
     )
+    console_optional: bool = Field(
+        False,
+        description="go on without the console where it cannot be served, its port being taken"
+        " for one; a line says why",
+    )
     console_host: str = Field(
         "127.0.0.1", min_length=1, description="address on which the console is served"
     )

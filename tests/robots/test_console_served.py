@@ -1,6 +1,7 @@
 """An agent that is asked for a console serves one, and a browser's stop stands its robot still."""
 
 import asyncio
+import socket
 from contextlib import ExitStack
 
 import aiohttp
@@ -44,6 +45,31 @@ def test_a_folder_that_cannot_be_written_is_named(start, tmp_path):
     file.write_text("")
     with pytest.raises(EdgeVoxError, match="console_folder"):
         start(console_port=free_port(), console_folder=str(file))
+
+
+def test_a_taken_port_ends_the_agent_of_who_asked_for_the_console(start):
+    with socket.create_server(("127.0.0.1", 0)) as taken, pytest.raises(EdgeVoxError, match="port"):
+        start(console_port=taken.getsockname()[1])
+
+
+def test_where_it_may_be_missing_a_taken_port_is_one_line_and_the_agent_goes_on(start, capsys):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        parts = start(console_port=port, console_optional=True)
+    (said,) = [line for line in capsys.readouterr().out.splitlines() if "onsole" in line]
+    assert said.startswith(f"No console: console_port: got '127.0.0.1:{port}'")
+    assert parts.notes == [said]
+    assert parts.conversation.alive
+    assert parts.health.ready().well
+    (console,) = parts.components.statuses({"console"})
+    assert console.message.startswith("off: console_port")
+
+
+def test_what_a_full_screen_hides_is_kept_for_it(start, capsys):
+    port = free_port()
+    address, invited = start(console_port=port).notes
+    assert address == f"Console: http://127.0.0.1:{port}"
+    assert invited.split()[0] in capsys.readouterr().out
 
 
 async def _press_stop(url, code):

@@ -139,3 +139,29 @@ def test_make_test_fetches_and_builds_what_the_named_tests_need_and_no_more(
     assert shown[0] == f"PYTHON=python3 scripts/check_machine {parts}"
     (needs,) = (line.split() for line in shown if line.startswith("makes") and " -j2 " in line)
     assert needs[needs.index("-j2") + 1 :] == [".venv/done/dev", *built]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "environment", "served"),
+    [
+        ("", {}, True),
+        ("--text-mode", {}, True),
+        ("--console", {}, False),  # by hand: there a taken port is an error
+        ("--no-console", {}, False),
+        ("--scenario scenarios/errand.yaml", {}, False),
+        ("", {"EDGEVOX_CONSOLE": "false"}, False),
+    ],
+)
+def test_make_run_serves_the_console_unless_told_otherwise(arguments, environment, served):
+    kept = {name: value for name, value in os.environ.items() if not name.startswith("MAKE")}
+    shown = subprocess.run(
+        ["make", "--dry-run", "--silent", "run", f"ARGS={arguments}"],
+        cwd=ROOT,
+        env=kept | environment,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    ).stdout.splitlines()
+
+    assert ("--console --console-optional" in shown[-1]) is served
+    assert shown[-1].endswith(arguments or shown[-1])

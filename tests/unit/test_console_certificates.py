@@ -8,7 +8,9 @@ from pathlib import Path
 import aiohttp
 import pytest
 
-from edgevox.console.certificates import RENEW_DAYS, local_names, own_tls, utc_now
+from edgevox.console import console_server
+from edgevox.console.certificates import DAYS, RENEW_DAYS, local_names, own_tls, utc_now
+from edgevox.console.tls import CurrentTls, Tls
 from edgevox.core.errors import InvalidValue
 from tests.console_rig import console
 
@@ -111,3 +113,54 @@ def test_over_tls_the_cookie_is_for_this_host_alone_and_a_stop_gets_through(
     assert "Secure" in cookie
     assert "Path=/" in cookie
     assert "Domain" not in cookie
+
+
+async def _shown(port: int, tls: Tls) -> bytes:
+    """The certificate that whoever comes now is shown."""
+    trusts = ssl.create_default_context(cafile=tls.authority)
+    _, writer = await asyncio.open_connection("127.0.0.1", port, ssl=trusts)
+    shown: bytes = writer.get_extra_info("ssl_object").getpeercert(binary_form=True)
+    writer.transport.abort()
+    return shown
+
+
+def test_it_is_renewed_while_it_runs_and_who_is_there_stays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(console_server, "RENEW_LOOK_S", 0.01)
+    held = [utc_now() - timedelta(days=DAYS - RENEW_DAYS + 1)]
+    tls = own_tls(tmp_path, NAMES, lambda: held[0])
+    with console(tmp_path, tls) as rig:
+
+        async def stay() -> None:
+            url = rig.server.url
+            headers = {"Origin": url, "Cookie": f"__Host-edgevox={rig.cookie()['edgevox']}"}
+            trusts = ssl.create_default_context(cafile=tls.authority)
+            async with (
+                aiohttp.ClientSession(headers=headers) as client,
+                client.ws_connect(url + "/ws", ssl=trusts) as socket,
+            ):
+                old = await _shown(rig.server.port, tls)
+                held[0] = utc_now()
+                async with asyncio.timeout(30):
+                    while await _shown(rig.server.port, tls) == old:
+                        await asyncio.sleep(0.01)
+                await socket.send_str('{"id": 1, "type": "stop"}')
+                assert await asyncio.to_thread(rig.stop.engaged.wait, 30)
+
+        asyncio.run(stay())
+
+
+def test_files_that_do_not_fit_each_other_are_not_taken(tmp_path: Path) -> None:
+    tls = own_tls(tmp_path / "one", NAMES)
+    other = own_tls(tmp_path / "two", NAMES)
+    current = CurrentTls(Tls(tls.certificate, tls.key))
+    before = current.context
+    tls.certificate.write_bytes(other.certificate.read_bytes())
+    with pytest.raises(InvalidValue, match="console_certificate"):
+        current.look()
+    assert current.context is before
+    tls.key.write_bytes(other.key.read_bytes())
+    assert current.look()
+    assert not current.look()
+    assert current.context is not before

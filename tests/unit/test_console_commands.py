@@ -8,6 +8,7 @@ from pathlib import Path
 import aiohttp
 import pytest
 
+from edgevox.console import driving
 from edgevox.console.sessions import Role
 from edgevox.core.commands import TextInput
 from edgevox.core.events import TokenGenerated
@@ -125,6 +126,30 @@ def test_what_is_driven_is_halted_when_its_page(rig: Rig, how: str) -> None:
 
     asyncio.run(drive())
     assert rig.robot.steered == [(0.2, 0.1), "halt"]
+
+
+def test_of_two_tabs_of_a_browser_one_drives_until_it_lets_go(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(driving, "HEARTBEAT_S", 600.0)
+
+    async def drive() -> list[str]:
+        cookie = rig.cookie()
+        async with rig.page(cookie=cookie) as one, rig.page(cookie=cookie) as two:
+            await one.ask(type="lease", action="take")
+            told = [
+                await one.ask(type="drive", linear=0.2, angular=0),
+                await two.ask(type="drive", linear=-0.2, angular=0),
+                await two.ask(type="drive", linear=0, angular=0),  # lets go of nothing
+                await one.ask(type="drive", linear=0.2, angular=0),
+                await one.ask(type="drive", linear=0, angular=0),
+                await two.ask(type="drive", linear=-0.2, angular=0),
+            ]
+            await two.ask(type="drive", linear=0, angular=0)
+            return [one.get("reason", "") for one in told]
+
+    assert asyncio.run(drive()) == ["", "busy", "", "", "", ""]
+    assert rig.robot.steered == [(0.2, 0.0), (0.2, 0.0), "halt", (-0.2, 0.0), "halt"]
 
 
 def test_nothing_is_driven_while_stopped(rig: Rig) -> None:

@@ -4,14 +4,16 @@ import socket
 from datetime import UTC, datetime, timedelta
 
 import pytest
+from console_rig import console
 from cryptography import x509
 from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from doctor_rig import ERROR, OK, SKIPPED, WARNING, levels, situation
 
 from edgevox.apps.doctor.console import judge_console, probe_console
+from edgevox.console.certificates import own_tls
 
-FREE = {"on": True, "missing": [], "listens": "", "tls": "own", "certificate": {}}
+FREE = {"on": True, "missing": [], "listens": "", "answers": False, "tls": "own", "certificate": {}}
 HERE = FREE | {"address": "127.0.0.1:8443", "loopback": True}
 ALL = FREE | {"address": "0.0.0.0:8443", "loopback": False}
 
@@ -26,6 +28,7 @@ ALL = FREE | {"address": "0.0.0.0:8443", "loopback": False}
         (HERE | {"tls": "off"}, [OK]),
         (HERE | {"missing": ["aiohttp"]}, [ERROR]),
         (HERE | {"listens": "Address already in use"}, [WARNING]),
+        (HERE | {"listens": "Address already in use", "answers": True}, [OK]),
         (HERE | {"listens": "Cannot assign requested address"}, [ERROR]),
         (ALL | {"certificate": {"wrong": "no such file"}}, [OK, ERROR]),
         (ALL | {"certificate": {"names": ["a"], "days": 90}}, [OK, OK]),
@@ -41,11 +44,23 @@ def test_one_that_is_off_is_not_looked_at():
     assert probe_console(situation()) == {"on": False}
 
 
-def test_a_port_that_another_has_is_found():
+def test_a_port_that_another_has_is_found(monkeypatch):
+    monkeypatch.setattr("edgevox.apps.doctor.console.ANSWER_S", 0.1)
     with socket.create_server(("127.0.0.1", 0)) as other:
         facts = probe_console(situation(console=True, console_port=other.getsockname()[1]))
     assert facts["listens"] == "Address already in use"
+    assert facts["answers"] is False
     assert facts["loopback"] is True
+
+
+@pytest.mark.parametrize("tls", ["own", "off"])
+def test_a_console_that_runs_is_told_from_another_that_has_its_port(tmp_path, tls):
+    encrypted = own_tls(tmp_path, ("localhost",)) if tls == "own" else None
+    with console(tmp_path, encrypted) as rig:
+        port = rig.server.port
+        facts = probe_console(situation(console=True, console_port=port, console_tls=tls))
+    assert facts["listens"]
+    assert facts["answers"] is True
 
 
 @pytest.fixture

@@ -1,19 +1,38 @@
 """Serves the console of an agent, if the settings ask for it."""
 
 from contextlib import ExitStack
+from typing import TYPE_CHECKING
 
 from edgevox.apps.agent_parts import AgentParts
 from edgevox.apps.console_command import shown_code
 from edgevox.apps.folders import console_folder
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.extras import install_extra
+from edgevox.core.status import ComponentName, Off
+
+if TYPE_CHECKING:
+    from edgevox.console.console_server import ConsoleServer
 
 
 def serve_console(stack: ExitStack, parts: AgentParts) -> None:
     """Answer browsers from now on, and print how one is let in; what must end is the stack's.
 
-    Raises `EdgeVoxError` with the reason where it cannot.
+    Raises `EdgeVoxError` with the reason where it cannot; with `console_optional` one line says so.
     """
+    try:
+        with ExitStack() as own:
+            server = _open(own, parts)
+            stack.enter_context(own.pop_all())
+    except EdgeVoxError as error:
+        if not parts.settings.console_optional:
+            raise
+        parts.components.add(Off(ComponentName.CONSOLE, str(error)))
+        _tell(parts, f"No console: {error}")
+        return
+    parts.components.add(server)
+
+
+def _open(own: ExitStack, parts: AgentParts) -> "ConsoleServer":
     try:
         from edgevox.apps.console.build_context import build_context
         from edgevox.apps.console.shared_sound import share_sound
@@ -22,13 +41,19 @@ def serve_console(stack: ExitStack, parts: AgentParts) -> None:
         raise EdgeVoxError(f"{error.name}: not here, expected {install_extra('console')}") from None
     folder = console_folder(parts.settings)
     try:
-        sound = share_sound(stack, parts)
+        sound = share_sound(own, parts)
         server = open_console(build_context(parts, sound), parts.settings, folder)
-        stack.callback(server.close)
-        code, _ = server.offer_code()
+        own.callback(server.close)
+        code, address = server.offer_code()
     except OSError as error:
         raise EdgeVoxError(f"console_folder: {folder}: {error.strerror or error}") from None
     server.start()
-    parts.components.add(server)
-    print(f"Console: {server.url}", flush=True)
+    _tell(parts, f"Console: {server.url}")
     print(shown_code(server.url, code.code, code.shown, str(code.role)), flush=True)
+    parts.notes.append(f"{address}  (once, for ten minutes; edgevox-console pair makes another)")
+    return server
+
+
+def _tell(parts: AgentParts, line: str) -> None:
+    parts.notes.append(line)
+    print(line, flush=True)

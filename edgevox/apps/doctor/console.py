@@ -1,17 +1,21 @@
 """The console: whether it can listen, whom its address lets in, and how its certificate is."""
 
 import errno
+import http.client
 import os
 import socket
+import ssl
 from datetime import UTC, datetime
 from importlib.util import find_spec
 
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
+from edgevox.apps.health import reachable
 from edgevox.core.extras import install_extra
 from edgevox.core.settings import Settings
 
 MODULES = ("aiohttp", "cryptography")
 SOON_DAYS = 14
+ANSWER_S = 3.0
 
 
 def probe_console(situation: Situation) -> Facts:
@@ -29,6 +33,7 @@ def probe_console(situation: Situation) -> Facts:
         "missing": [],
         "address": f"{settings.console_host}:{settings.console_port}",
         "listens": _why_not(settings.console_host, settings.console_port),
+        "answers": _answers(settings),
         "loopback": is_loopback(settings.console_host),
         "tls": settings.console_tls,
         "certificate": _certificate(settings),
@@ -47,7 +52,12 @@ def judge_console(facts: Facts, _: Situation) -> CheckVerdict | list[CheckVerdic
 def _judge_address(facts: Facts) -> CheckVerdict:
     address, why = facts["address"], facts["listens"]
     if why == os.strerror(errno.EADDRINUSE):
-        return warning(f"{address} is taken", "by a robot that runs, or set EDGEVOX_CONSOLE_PORT")
+        if facts["answers"]:
+            return ok(f"{address}: a console that runs answers there")
+        return warning(
+            f"{address} is taken, and no console answers there",
+            "end what has it, or set EDGEVOX_CONSOLE_PORT",
+        )
     if why:
         return error(f"{address}: {why}", "set EDGEVOX_CONSOLE_HOST and EDGEVOX_CONSOLE_PORT")
     if facts["loopback"]:
@@ -79,6 +89,24 @@ def _why_not(host: str, port: int) -> str:
         known = failed.errno in errno.errorcode
         return os.strerror(failed.errno) if known and failed.errno else str(failed)
     return ""
+
+
+def _answers(settings: Settings) -> bool:
+    """Whether a console answers there; whom its certificate is for does not matter here."""
+    place = reachable(settings.console_host), settings.console_port
+    if settings.console_tls == "off":
+        asking = http.client.HTTPConnection(*place, timeout=ANSWER_S)
+    else:
+        context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+        context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
+        asking = http.client.HTTPSConnection(*place, timeout=ANSWER_S, context=context)
+    try:
+        asking.request("GET", "/api/me")
+        return asking.getresponse().status == http.client.UNAUTHORIZED
+    except (OSError, http.client.HTTPException):
+        return False
+    finally:
+        asking.close()
 
 
 def _certificate(settings: Settings) -> Facts:

@@ -20,6 +20,8 @@ def run_tui(parts: AgentParts, shutdown: ShutdownSignals, typed: Sequence[str] =
     What was `typed` before it was drawn is done first.
     """
     updates = UpdateBuffer(parts.bus, parts.controls)
+    for note in parts.notes:
+        updates.write(note)
     context = SlashContext(parts.conversation, parts.body, columns=COLUMNS, skills=parts.skills)
     face = Face(
         updates, context, parts.queries, parts.command_router.submit, SystemClock(), typed=typed

@@ -49,7 +49,7 @@ export function soundButtons(store) {
     const speaks = Boolean(store.capabilities.sound);
     box.hidden = !speaks;
     talk.disabled = open.disabled = Boolean(deaf) || !store.commands;
-    hear.disabled = store.link !== "ready" || !window.AudioWorkletNode;
+    hear.disabled = store.link !== "ready" || !window.isSecureContext || !window.AudioWorkletNode;
     if (deaf) tell(deaf);
   };
   for (const type of ["hello", "lease", "link"]) store.on(type, show);

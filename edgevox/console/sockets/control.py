@@ -197,6 +197,8 @@ class ControlPage:
             raise NotPermitted("invalid", "this robot is not driven")
         if self._hub.context.safety.state.engaged:
             raise NotPermitted("stopped", "the software stop is engaged")
+        if not self._hub.driving.is_free_for(self):  # a browser's tabs share its turn
+            raise NotPermitted("busy", "another page of this browser drives")
         self._hub.driving.steer(self, linear_m_s, angular_rad_s)
 
     def _wait(self, message: Message) -> None:

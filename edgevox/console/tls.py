@@ -1,0 +1,69 @@
+"""How the console is encrypted, and how another certificate takes the place of one that ends."""
+
+import hashlib
+import ssl
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from edgevox.core.errors import InvalidValue
+
+
+@dataclass(frozen=True, slots=True)
+class Tls:
+    """Certificate and key, and the authority that pages may download.
+
+    `renew` makes the files anew where they end soon; it raises `InvalidValue` and `OSError`.
+    """
+
+    certificate: Path
+    key: Path
+    authority: Path | None = None
+    renew: Callable[[], object] = field(default=lambda: None, compare=False)
+
+
+class CurrentTls:
+    """What new connections are encrypted by. Raises `InvalidValue` for files that do not fit.
+
+    One that there is keeps what it began with.
+    """
+
+    def __init__(self, tls: Tls) -> None:
+        self._tls = tls
+        self._read = self._digest()
+        self.context = _context(tls)
+
+    def look(self) -> bool:
+        """Renew what ends soon, and take files that are others; whether there are.
+
+        Raises `InvalidValue` and `OSError`, and then all stays as it was.
+        """
+        self._tls.renew()
+        read = self._digest()
+        if read == self._read:
+            return False
+        self.context = _context(self._tls)  # a whole one, never the one in use half changed
+        self._read = read
+        return True
+
+    def _digest(self) -> bytes:
+        try:
+            files = self._tls.certificate.read_bytes(), self._tls.key.read_bytes()
+        except OSError as error:
+            raise _unfit(self._tls, error) from None
+        return hashlib.sha256(b"\0".join(files)).digest()
+
+
+def _context(tls: Tls) -> ssl.SSLContext:
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.minimum_version = ssl.TLSVersion.TLSv1_2
+    try:
+        context.load_cert_chain(tls.certificate, tls.key)
+    except (OSError, ssl.SSLError) as error:
+        raise _unfit(tls, error) from None
+    return context
+
+
+def _unfit(tls: Tls, error: Exception) -> InvalidValue:
+    expected = f"a certificate with its key, both in PEM ({error})"
+    return InvalidValue("console_certificate", str(tls.certificate), expected)
