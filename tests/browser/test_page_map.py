@@ -3,7 +3,6 @@
 import base64
 import io
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -11,6 +10,7 @@ from browser_rig import Opens
 from PIL import Image
 from playwright.sync_api import Page
 from stand_in import HELLO, Robot
+from test_page_drives import until
 
 from edgevox.apps.console.map_grid import MapGrid
 from edgevox.core.transforms import Pose2D, to_map
@@ -78,11 +78,6 @@ def seen(page: Page, cell: tuple[int, int]) -> int:
         {"x": x, "y": y, "names": list(COLOURS)},
     )
     return COLOURS.get(shown, -1)
-
-
-def until(page: Page, condition: Callable[[], bool]) -> None:
-    while not condition():
-        page.wait_for_timeout(20)
 
 
 @pytest.mark.parametrize("colours", ["light", "dark"])
