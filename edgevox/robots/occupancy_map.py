@@ -30,8 +30,9 @@ class OccupancyMap:
         if not len(rows):
             return replace(self, cells=self.cells[:0, :0])
         cells = self.cells[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
-        corner = columns[0] * self.resolution_m, rows[0] * self.resolution_m
-        return replace(self, cells=cells, origin=self._at(*corner))
+        corner = int(columns[0]) * self.resolution_m, int(rows[0]) * self.resolution_m
+        origin = Pose2D(*to_map(corner, self.origin), self.origin.yaw_rad)
+        return replace(self, cells=cells, origin=origin)
 
     def reduced(self, most_cells: int) -> "OccupancyMap":
         """With at most so many cells along each side: as many as needed become one."""
@@ -49,6 +50,3 @@ class OccupancyMap:
         high, wide = (cells * self.resolution_m for cells in self.cells.shape)
         ends = ((0.0, 0.0), (wide, 0.0), (wide, high), (0.0, high))
         return [to_map(end, self.origin) for end in ends]
-
-    def _at(self, x_m: float, y_m: float) -> Pose2D:
-        return Pose2D(*to_map((x_m, y_m), self.origin), self.origin.yaw_rad)
