@@ -54,6 +54,11 @@ class Outbox:
         self._newest[kind] = text
         self._ready.set()
 
+    def put_unless_newer(self, kind: str, text: str) -> None:
+        """Send this where nothing of its kind waits: what took long to make may be old by now."""
+        if kind not in self._newest:
+            self.put_newest(kind, text)
+
     async def send_all(self, socket: Sends) -> None:
         """Send until it cannot. Raises what the socket raises, and `TimeoutError`."""
         while True:

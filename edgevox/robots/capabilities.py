@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from edgevox.agent.skills import Skill
 from edgevox.core.cancel import CancelToken
 from edgevox.core.transforms import IDENTITY, ORIGIN, Pose2D, Pose3D
+from edgevox.robots.occupancy_map import OccupancyMap
 from edgevox.robots.places.place_memory import PlaceMemory
 
 
@@ -240,6 +241,17 @@ class ReceivesPictures(Protocol):
         """Shape (height, width, 3), RGB; None if none came in the last second.
 
         Raises `InvalidValue` for one that cannot be shown.
+        """
+
+
+@runtime_checkable
+class ReceivesMap(Protocol):
+    """Hears the map that others make of where it is."""
+
+    def newest_map(self) -> OccupancyMap | None:
+        """In the frame of its pose; None while there is none. May take long where it is another.
+
+        Until then its `cells` are the same array.
         """
 
 

@@ -108,6 +108,14 @@ EXTERNAL: tuple[StandardTopic, ...] = (
         "optional",
     ),
     StandardTopic(
+        "map",
+        "nav_msgs/msg/OccupancyGrid",
+        "in",
+        latched(1),
+        "what the console draws under the robot",
+        "optional",
+    ),
+    StandardTopic(
         "cmd_vel",
         "geometry_msgs/msg/Twist",
         "out",

@@ -288,7 +288,7 @@ HEAD_FAULTS = [
     ("footprint: {width: 0.4, length: -1}\n", "footprint.length", "greater than 0"),
     ("limits: {max_acceleration: 0}\n", "limits.max_acceleration", "greater than 0"),
     ("frames: {map: map}\n", "robot.yaml:1: frames", "no such key"),
-    ("topics: {map: chart}\n", "robot.yaml:1: topics.map", "'odom'"),
+    ("topics: {costmap: chart}\n", "robot.yaml:1: topics.costmap", "'odom'"),
     ("name: 3\n", "robot.yaml:1: name", "a text"),
     ("drives: sometimes\n", "robot.yaml:1: drives", "true or false"),
     *(

@@ -161,6 +161,7 @@ def test_of_states_only_the_newest_waits() -> None:
             outbox.put_newest("live", f"live {number}")
         outbox.put("talk")
         outbox.put_newest("stop", "stop")
+        outbox.put_unless_newer("live", "live of long ago")
         outbox.put_first("hello")
         task = asyncio.create_task(outbox.send_all(Takes()))
         while len(sent) < 4:

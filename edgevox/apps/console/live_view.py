@@ -10,7 +10,7 @@ import numpy as np
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.apps.console.map_scene import InWorld, Label, path, pushed
-from edgevox.core.transforms import Pose2D
+from edgevox.core.transforms import Pose2D, to_map
 from edgevox.robots.capabilities import Body, HasBattery, HasLidar, HasPose, LidarScan
 
 MOST_POINTS = 360
@@ -90,8 +90,4 @@ def _ends(scan: LidarScan, pose: Pose2D) -> list[float]:
     hits = np.isfinite(ranges)
     ends = scan.ends(np.where(hits, ranges, 0.0))[hits]
     ends = ends[:: max(1, -(-len(ends) // MOST_POINTS))]
-    cos, sin = np.cos(pose.yaw_rad), np.sin(pose.yaw_rad)
-    x_m = pose.x_m + cos * ends[:, 0] - sin * ends[:, 1]
-    y_m = pose.y_m + sin * ends[:, 0] + cos * ends[:, 1]
-    flat: list[float] = np.round(np.stack([x_m, y_m], axis=1), 2).ravel().tolist()
-    return flat
+    return [round(one, 2) for x_m, y_m in ends.tolist() for one in to_map((x_m, y_m), pose)]

@@ -2,7 +2,7 @@
 
 import io
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from edgevox.agent.going import TO_POINT
 from edgevox.agent.policy import Guard
 from edgevox.apps.console.live_view import live
+from edgevox.apps.console.map_grid import MapGrid
 from edgevox.apps.console.map_scene import InWorld, Label, scene_of
 from edgevox.core.errors import InvalidValue
 from edgevox.core.interlock import Interlock
@@ -22,10 +23,13 @@ from edgevox.robots.capabilities import (
     HasCamera,
     HasPicture,
     HasPlaces,
+    ReceivesMap,
     ReceivesPictures,
     RemembersPlaces,
     TakesVelocity,
 )
+from edgevox.robots.occupancy_map import OccupancyMap
+from edgevox.robots.shapes import Point
 from edgevox.robots.velocity_steering import Steering
 
 log = get_logger(__name__)
@@ -43,6 +47,7 @@ class ShownRobot:
     def __init__(self, body: Body, interlock: Interlock, guard: Guard, label: Label) -> None:
         self._body = body
         self._label = label
+        self._grid = MapGrid()
         permit = partial(guard.velocity, way=Way.CONSOLE_OPERATOR)
         self._steering = (
             Steering(body, interlock, permit) if isinstance(body, TakesVelocity) else None
@@ -51,11 +56,14 @@ class ShownRobot:
     def scene(self) -> Mapping[str, Any]:
         """What does not move; another ``version`` whenever it is another."""
         body = self._body
+        grid = _received_map(body)
         found: dict[str, Any] = (
             scene_of(body.world, self._label)
             if isinstance(body, InWorld)
-            else {"bounds": self._around()}
+            else {"bounds": self._around(grid)}
         )
+        if grid:
+            found["grid"] = self._grid.as_json(grid)
         found["places"] = [
             {"name": name, "label": self._label(name), "x": x_m, "y": y_m}
             for name, (x_m, y_m) in self._places().items()
@@ -108,7 +116,7 @@ class ShownRobot:
         pictured = isinstance(body, HasPicture) and not isinstance(body, InWorld)
         return {
             "picture": isinstance(body, HasCamera | ReceivesPictures) or pictured,
-            "map": isinstance(body, InWorld | HasPlaces),
+            "map": isinstance(body, InWorld | HasPlaces | ReceivesMap),
             "goto": TO_POINT in names,
             "drive": {"linear": body.max_linear_m_s, "angular": body.max_angular_rad_s}
             if drive and isinstance(body, TakesVelocity)
@@ -130,13 +138,26 @@ class ShownRobot:
             }
         return found
 
-    def _around(self) -> list[float]:
-        points = list(self._places().values()) or [(0.0, 0.0)]
+    def _around(self, grid: OccupancyMap | None) -> list[float]:
+        points = list(self._places().values())
+        if grid:
+            return _box([*points, *grid.corners()], around_m=0.0)
         pose = live(self._body, self._label).get("pose")
         if isinstance(pose, Mapping) and "x" in pose:
             points.append((round(pose["x"]), round(pose["y"])))
-        xs, ys = zip(*points, strict=True)
-        return [min(xs) - AROUND_M, min(ys) - AROUND_M, max(xs) + AROUND_M, max(ys) + AROUND_M]
+        return _box(points or [(0.0, 0.0)], AROUND_M)
+
+
+def _box(points: Sequence[Point], around_m: float) -> list[float]:
+    """Left, lower, right and upper edge of what holds them all, with so much around it."""
+    xs, ys = zip(*points, strict=True)
+    edges = min(xs) - around_m, min(ys) - around_m, max(xs) + around_m, max(ys) + around_m
+    return [round(edge, 3) for edge in edges]
+
+
+def _received_map(body: Body) -> OccupancyMap | None:
+    newest = body.newest_map() if isinstance(body, ReceivesMap) else None
+    return newest if newest and newest.cells.size else None
 
 
 def _received(body: ReceivesPictures) -> NDArray[np.uint8] | None:

@@ -1,6 +1,7 @@
 /** The map: a canvas that is painted when something changed, and what a tap on it offers. */
 import { h, sign } from "./dom.js";
 import { colours, drawLive, drawScene } from "./map_draw.js";
+import { MapGrid } from "./map_grid.js";
 import { MapView, moveByHand } from "./map_view.js";
 import { tellRefusal, toast } from "./notices.js";
 import { number, say } from "./words.js";
@@ -12,8 +13,6 @@ import { number, say } from "./words.js";
 export function mapCard(store, link) {
   const canvas = h("canvas", { class: "map", tabindex: "0", role: "img" });
   const view = new MapView(canvas);
-  /** @type {HTMLImageElement | null} */
-  let grid = null;
   let drawn = false;
   let c = colours();
   const paint = () => {
@@ -32,6 +31,7 @@ export function mapCard(store, link) {
     drawn = true;
     requestAnimationFrame(paint);
   };
+  const grid = new MapGrid(soon);
   const sheet = tapSheet(store, link);
   moveByHand(canvas, view, soon, (px, py) => store.scene && sheet.offer(...view.toMap(px, py)));
   new ResizeObserver(soon).observe(canvas);
@@ -44,7 +44,7 @@ export function mapCard(store, link) {
   store.on("scene", () => {
     view.bounds = store.scene?.bounds ?? null;
     if (view.whole) view.fit();
-    grid = gridImage(store.scene?.grid, soon);
+    grid.show(store.scene?.grid);
     soon();
   });
   describeForReaders(store, canvas);
@@ -58,15 +58,6 @@ export function mapCard(store, link) {
   return h("div", { class: "map-card" }, canvas, h("div", { class: "map-tools" },
     button("plus", "zoom_in", () => view.zoom(1.4)), button("minus", "zoom_out", () => view.zoom(0.7)),
     button("all", "whole_map", () => view.fit()), button("here", "to_robot", robot)), sheet.element);
-}
-
-/** @param {import("./wire.js").Grid | undefined} grid @param {() => void} loaded */
-function gridImage(grid, loaded) {
-  if (!grid) return null;
-  const image = new Image();
-  image.onload = loaded;
-  image.src = `data:image/png;base64,${grid.png}`;
-  return image;
 }
 
 /** Says in words where the robot is, every few seconds and only if it changed. @param {import("./store.js").Store} store @param {HTMLElement} canvas */

@@ -45,23 +45,15 @@ function label(g, text, x, y, colour, halo) {
  * @param {MapView} view
  * @param {import("./wire.js").Scene} scene
  * @param {Record<string, string>} c
- * @param {HTMLImageElement | null} grid
+ * @param {import("./map_grid.js").MapGrid} grid
  */
 export function drawScene(g, view, scene, c, grid) {
   const [x0, y0, x1, y1] = scene.bounds;
   fillAll(g, view, [{ points: [[x0, y0], [x1, y0], [x1, y1], [x0, y1]] }], c.floor);
-  if (grid && scene.grid) drawGrid(g, view, scene.grid, grid);
+  grid.draw(g, view, c);
   fillAll(g, view, scene.rooms?.map((room) => ({ points: room.outline })), c.room, c.line);
   fillAll(g, view, scene.furniture, c.furniture, c["furniture-line"]);
   fillAll(g, view, scene.walls, c.wall, c.wall);
-}
-
-/** @param {CanvasRenderingContext2D} g @param {MapView} view @param {import("./wire.js").Grid} at @param {HTMLImageElement} image */
-function drawGrid(g, view, at, image) {
-  const high = image.naturalHeight * at.resolution;
-  const [x, y] = view.toScreen(at.x, at.y + high);
-  g.imageSmoothingEnabled = false;
-  g.drawImage(image, x, y, image.naturalWidth * at.resolution * view.scale, high * view.scale);
 }
 
 /**

@@ -1,5 +1,6 @@
 /** Where the map stands on its canvas: metres to pixels and back, moved by fingers, mouse and keys. */
 
+const FURTHEST = 0.01;
 const CLOSEST = 400;
 
 export class MapView {
@@ -36,7 +37,8 @@ export class MapView {
     this.whole = true;
     if (!this.bounds || !this.width) return;
     const [x0, y0, x1, y1] = this.bounds;
-    this.scale = Math.max(1, Math.min((this.width - 24) / (x1 - x0), (this.height - 24) / (y1 - y0)));
+    const fits = Math.min((this.width - 24) / (x1 - x0), (this.height - 24) / (y1 - y0));
+    this.scale = Math.min(CLOSEST, Math.max(FURTHEST, fits));
     this.x = (x0 + x1) / 2;
     this.y = (y0 + y1) / 2;
   }
@@ -62,7 +64,7 @@ export class MapView {
   zoom(factor, px = this.width / 2, py = this.height / 2) {
     const [x, y] = this.toMap(px, py);
     this.whole = false;
-    this.scale = Math.min(CLOSEST, Math.max(2, this.scale * factor));
+    this.scale = Math.min(CLOSEST, Math.max(FURTHEST, this.scale * factor));
     const [nx, ny] = this.toMap(px, py);
     this.x += x - nx;
     this.y += y - ny;

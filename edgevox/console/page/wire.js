@@ -4,7 +4,8 @@
  * @typedef {{name?: string, label?: string, points?: Point[], circle?: [number, number, number]}} Shape
  * @typedef {{name: string, label?: string, outline?: Point[], goal?: Point}} Room
  * @typedef {{name: string, label?: string, x: number, y: number}} Place
- * @typedef {{png: string, x: number, y: number, resolution: number}} Grid  x and y: lower left corner
+ * @typedef {{png: string, x: number, y: number, yaw: number, resolution: number}} Grid  its lower left
+ *   corner, metres and radians; a pixel is a cell of so many metres, black, grey or white
  * @typedef {{version: number, bounds: [number, number, number, number], walls?: Shape[],
  *   furniture?: Shape[], rooms?: Room[], places?: Place[], grid?: Grid, radius?: number}} Scene
  * @typedef {{name: string, value: number, lower?: number, upper?: number}} Joint  radians

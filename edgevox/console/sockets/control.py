@@ -109,7 +109,7 @@ class ControlPage:
             hello, scene = await self._hello(language), await self._scene()
             self.outbox.put_first(hello)
             if scene:
-                self.outbox.put_newest("scene", scene)
+                self.outbox.put_unless_newer("scene", scene)
             await self.outbox.send_all(self._socket)
         except (OSError, RuntimeError, TimeoutError):
             self.hang_up(SLOW)

@@ -23,6 +23,7 @@ from edgevox.core.transforms import Pose2D
 from edgevox.robots.bounds import Bounds
 from edgevox.robots.capabilities import Report, SpeedLimit, Twist2D
 from edgevox.robots.navigation import LOCATION, navigation_skills
+from edgevox.robots.occupancy_map import OccupancyMap
 from edgevox.robots.places.place_memory import PlaceMemory
 from edgevox.ros2.clients.agent_node_handle import AgentNodeHandle
 from edgevox.ros2.external.control_loop import ZeroVelocity
@@ -227,6 +228,11 @@ class ExternalRobot:
         """Of its camera. See `ReceivesPictures`."""
         robot_node = self._robot_node
         return robot_node.senses.camera.pixels() if robot_node else None
+
+    def newest_map(self) -> OccupancyMap | None:
+        """Of its surroundings. See `ReceivesMap`."""
+        robot_node = self._robot_node
+        return robot_node.senses.newest_map() if robot_node else None
 
     def check_goal(self, x_m: float, y_m: float) -> None:
         """Raise `SkillFailed` for a point further from the map's origin than any robot drives."""

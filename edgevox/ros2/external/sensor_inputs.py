@@ -1,7 +1,8 @@
-"""What is heard from the robot: odometry, scans and transforms, the newest of each."""
+"""What is heard from the robot: odometry, scans, transforms and its map, the newest of each."""
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from nav_msgs.msg import Odometry
@@ -16,8 +17,10 @@ from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
 from edgevox.core.transforms import ORIGIN, Pose2D, compose, lift, project, rigid
 from edgevox.robots.capabilities import LidarScan, Twist2D
+from edgevox.robots.occupancy_map import OccupancyMap
 from edgevox.ros2.contract_rows import latched, lossy
 from edgevox.ros2.external.camera_input import CameraInput
+from edgevox.ros2.external.map_input import MapInput
 from edgevox.ros2.external.motion_bounds import Speeds, on_the_map, sweeps
 from edgevox.ros2.external.odometry_history import SILENT_S, OdometryHistory, OdometrySample
 from edgevox.ros2.external.target import PoseEstimate
@@ -37,7 +40,7 @@ class SensorInputs:
     """Subscribes on a node in the robot's namespace. Callbacks only store; all is thread-safe.
 
     Everything is heard best effort and volatile, which publishers of any quality can serve; only
-    /tf_static is asked for what was said before.
+    /tf_static and the map are asked for what was said before.
     """
 
     def __init__(self, node: Node, clock: Clock, speeds: Speeds) -> None:
@@ -53,6 +56,7 @@ class SensorInputs:
         node.create_subscription(Odometry, "odom", self._hear_odometry, quality["odom"])
         node.create_subscription(LaserScan, "scan", self._hear_scan, quality["scan"])
         self.camera = CameraInput(node, clock)
+        self._map = MapInput(node)
         for name in {node.resolve_topic_name(one) for one in ("/tf", "tf")}:
             node.create_subscription(
                 TFMessage, name, self._hear_transforms, profile(lossy(_ANY_TF))
@@ -71,6 +75,7 @@ class SensorInputs:
             (self.odom_topic, Refusal.IMPLAUSIBLE): self.odometry_history.refused,
             (self.scan_topic, Refusal.IMPLAUSIBLE): self._refused_scans,
             (self.tf_topic, Refusal.IMPLAUSIBLE): self._refused_transforms,
+            (self._map.topic, Refusal.IMPLAUSIBLE): self._map.refused,
         }
 
     def estimate(self) -> PoseEstimate | None:
@@ -120,6 +125,25 @@ class SensorInputs:
             ranges_m=np.asarray(message.ranges, dtype=np.float32),
             mount=self._mount(message.header.frame_id),
         )
+
+    def newest_map(self) -> OccupancyMap | None:
+        """The robot's map, in the frame of `estimate`; None before there is one. May take long.
+
+        None, too, where no transform joins the two: a tap on it would send the robot elsewhere.
+        """
+        newest = self._map.newest()
+        estimate = self.estimate()
+        if newest is None or estimate is None:
+            return newest[0] if newest else None
+        shown, named = newest
+        frame = plain(estimate.frame)
+        there = frame if frame == f"{self._prefix}/{plain(named)}" else self._named(named)
+        joined = self._tf.lookup(frame, there)
+        if joined is None:
+            if self._is_news("map", named, frame):
+                log.warning("map_elsewhere", frame=named, robot_frame=frame)
+            return None
+        return replace(shown, origin=project(compose(joined, lift(shown.origin))))
 
     def trusted_scan(self) -> LidarScan | None:
         """As `scan`. Raises `SkillFailed` while what the lidar says cannot be true."""

@@ -249,7 +249,7 @@ class RobotFile(Part):
         True, description="false for an arm, a lift and whatever else stays where it is"
     )
     topics: Mapping[
-        Literal["odom", "cmd_vel", "goal_pose", "scan", "camera/image_raw"], GraphName
+        Literal["odom", "cmd_vel", "goal_pose", "scan", "camera/image_raw", "map"], GraphName
     ] = Field(default_factory=dict)
     limits: Limits = Limits()
     footprint: Footprint | None = None
