@@ -147,7 +147,8 @@ def test_without_security_in_the_middleware_nothing_starts(keystore, monkeypatch
 
     monkeypatch.setattr(dds_security, "probe_apart", probe)
     said = _refused({**ROBOT, "EDGEVOX_SECURITY_KEYSTORE": str(keystore)})
-    assert said.startswith(f"EDGEVOX_SECURITY_KEYSTORE: got '{keystore}', expected a middleware")
+    assert said.startswith("EDGEVOX_SECURITY_KEYSTORE: got ")
+    assert "expected a middleware" in said
     assert why in said
 
 
