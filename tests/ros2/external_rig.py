@@ -42,7 +42,10 @@ def robot_process(script: str, *arguments: str, domain: int, namespace: str):
         yield process
     finally:
         process.terminate()
-        process.wait(HUNG_S)
+        try:
+            process.wait(HUNG_S)
+        finally:
+            process.kill()  # or else it haunts the tests that follow
 
 
 class Velocities:

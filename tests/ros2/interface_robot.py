@@ -116,9 +116,11 @@ def main() -> None:
     robot = InterfaceRobot(options.namespace, changed=options.changed)
     executor = MultiThreadedExecutor(4)
     executor.add_node(robot)
-    with contextlib.suppress(ExternalShutdownException, KeyboardInterrupt):
-        executor.spin()
-    robot.over.set()
+    try:
+        with contextlib.suppress(ExternalShutdownException, KeyboardInterrupt):
+            executor.spin()
+    finally:  # whatever a shutdown in the middle raises: who hangs is waited for at the exit
+        robot.over.set()
 
 
 if __name__ == "__main__":

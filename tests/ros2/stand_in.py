@@ -120,6 +120,8 @@ def main(robot: Callable[[str], StandIn], about: str | None) -> None:
     node = robot(options.namespace)
     executor = MultiThreadedExecutor(THREADS)
     executor.add_node(node)
-    with contextlib.suppress(ExternalShutdownException, KeyboardInterrupt):
-        executor.spin()
-    node.over.set()
+    try:
+        with contextlib.suppress(ExternalShutdownException, KeyboardInterrupt):
+            executor.spin()
+    finally:  # whatever a shutdown in the middle raises: who hangs is waited for at the exit
+        node.over.set()
