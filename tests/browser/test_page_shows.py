@@ -12,6 +12,8 @@ from playwright.sync_api import Browser, Page, expect
 from stand_in import HELLO, PAGE, Robot
 from test_page_drives import until
 
+from edgevox.core.events import Outcome
+
 LANGUAGES = sorted(path.stem for path in (PAGE / "languages").glob("*.json"))
 
 
@@ -28,12 +30,28 @@ def test_an_answer_streams_and_ends_as_it_was_meant(opens: Opens, robot: Robot) 
 
 def test_what_was_decided_is_told_by_stage_and_sureness(opens: Opens, robot: Robot) -> None:
     page = opens()
-    robot.tell(type="talk", kind="heard", turn=1, text="Kitchen!")
-    robot.tell(
-        type="event", kind="tool_call", skill="navigate_to", arguments={"room": "kitchen"},
-        source="template", confidence=0.97, turn=1,
-    )  # fmt: skip
-    expect(page.locator(".notes")).to_contain_text("navigate_to(kitchen) · by a template · 97 %")
+    robot.tell(type="talk", kind="heard", turn=1, text="Kitchen!", confidence=0.83)
+    goes = {"skill": "navigate_to", "arguments": {"room": "kitchen"}}
+    robot.tell(type="talk", kind="decided", turn=1, calls=[goes], stage="reading", confidence=0.97)
+    robot.tell(type="event", kind="tool_call", **goes, source="reading", turn=1)
+    robot.tell(type="talk", kind="turn_ended", turn=1, outcome="asked", stage=None)
+    robot.tell(type="talk", kind="heard", turn=2, text="Yes", confidence=None)
+    robot.tell(type="event", kind="tool_call", **goes, source="reading", turn=2)
+    done = "navigate_to(kitchen) · by reading the sentence"
+    asked = f"heard with 83 % certainty · {done} · 97 % sure · Asked back"
+    expect(page.locator(".notes")).to_have_text([asked, done])
+
+
+def test_an_answer_says_whether_the_model_gave_it(opens: Opens, robot: Robot) -> None:
+    page = opens(locale="de")
+    robot.tell(type="talk", kind="heard", turn=1, text="Who are you?")
+    robot.tell(type="talk", kind="response", turn=1, text="A robot.")
+    robot.tell(type="talk", kind="turn_ended", turn=1, outcome="answered", stage="model")
+    robot.tell(type="talk", kind="heard", turn=2, text="Fly")
+    robot.tell(type="talk", kind="turn_ended", turn=2, outcome="not_understood", stage=None)
+    expect(page.locator(".notes")).to_have_text(
+        ["Beantwortet · durch das Modell", "Nicht verstanden"]
+    )
 
 
 def test_words_of_others_are_never_markup(opens: Opens, robot: Robot) -> None:
@@ -206,6 +224,8 @@ def test_every_key_that_the_page_says_has_words() -> None:
     for path in PAGE.glob("*.js"):
         said |= set(re.findall(r"\bsay\(\"(\w+)\"", path.read_text(encoding="utf-8")))
     assert said
+    said |= {f"outcome_{one}" for one in Outcome if one is not Outcome.ACTED}
+    said |= {f"stage_{one}" for one in ("template", "reading", "model", "command", "program")}
     assert said <= json.loads((PAGE / "languages/en.json").read_text()).keys()
 
 
