@@ -108,6 +108,35 @@ def test_a_tap_on_the_map_goes_there_or_names_it(opens: Opens, robot: Robot) -> 
     page.keyboard.press("Enter")
     until(page, lambda: bool(robot.commands("name_place")))
     assert robot.commands("name_place")[0]["name"] == "door"
+    sheet, named = page.locator(".tap-sheet"), {"kind": "skill_goal", "skill": "remember_place"}
+    robot.tell(
+        type="event", **named, status="rejected", error="it is known",
+        arguments_json='{"name": "door", "x": 5.0, "y": 5.0}',
+    )  # fmt: skip
+    expect(page.locator(".toast")).to_contain_text("Refused: it is known")
+    expect(sheet).to_be_visible()  # for another name
+    page.get_by_label("Name of this place").fill("gate")
+    page.keyboard.press("Enter")
+    until(page, lambda: len(robot.commands("name_place")) == 2)
+    robot.tell(type="event", **named, status="succeeded", arguments={"name": "gate"})
+    expect(page.locator(".toast.good")).to_have_text("This place is called gate now.")
+    expect(sheet).to_be_hidden()
+    expect(canvas).to_be_focused()
+
+
+@pytest.mark.parametrize("can", ["goto", "name_place"])
+def test_a_tap_offers_what_the_robot_can(opens: Opens, robot: Robot, can: str) -> None:
+    robot.hello["capabilities"] |= {"goto": can == "goto", "name_place": can == "name_place"}
+    page = opens()
+    page.locator(".map").focus()
+    page.keyboard.press("Enter")
+    sheet = page.get_by_role("dialog", name="This point of the map")
+    expect(sheet).to_be_visible()
+    go, name = sheet.get_by_role("button", name="Go there"), sheet.get_by_role("textbox")
+    expect(go if can == "goto" else name).to_be_focused()
+    expect(name if can == "goto" else go).to_be_hidden()
+    page.keyboard.press("Escape")
+    expect(sheet).to_be_hidden()
 
 
 def test_the_map_is_painted(opens: Opens, robot: Robot) -> None:

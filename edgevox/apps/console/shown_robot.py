@@ -26,6 +26,7 @@ from edgevox.robots.capabilities import (
     RemembersPlaces,
     TakesVelocity,
 )
+from edgevox.robots.places.skills import REMEMBER
 from edgevox.robots.velocity_steering import Steering
 
 log = get_logger(__name__)
@@ -110,6 +111,7 @@ class ShownRobot:
             "picture": isinstance(body, HasCamera | ReceivesPictures) or pictured,
             "map": isinstance(body, InWorld | HasPlaces),
             "goto": TO_POINT in names,
+            "name_place": REMEMBER in names,
             "drive": {"linear": body.max_linear_m_s, "angular": body.max_angular_rad_s}
             if drive and isinstance(body, TakesVelocity)
             else False,
