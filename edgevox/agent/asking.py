@@ -73,6 +73,7 @@ class Asking:
             meaning = self._dialogue_skills.meant(self._interpreter.understand(rest, turn), turn)
         if meaning is None or turn.token.cancelled:
             return meaning
+        turn.decided(meaning.every_call, meaning.source, meaning.measured)
         meaning = meaning.heard(turn.hearing)
         return meaning if self.act(meaning, turn) else None
 

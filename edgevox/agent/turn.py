@@ -1,14 +1,22 @@
 """One exchange: what it is cancelled by, how long its stages took, and what is answered in it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from sentence_stream import SentenceBoundaryDetector
 
+from edgevox.agent.skills import Call
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
-from edgevox.core.events import Outcome, Responded, SentenceReady, TokenGenerated, TurnMeasured
+from edgevox.core.events import (
+    Decided,
+    Outcome,
+    Responded,
+    SentenceReady,
+    TokenGenerated,
+    TurnMeasured,
+)
 from edgevox.core.speech import Spoken, TextToSpeech, Utterance
 from edgevox.core.ways import Way
 
@@ -130,6 +138,11 @@ class Turn:
     def acted(self) -> None:
         """Skills were called."""
         self._outcome = Outcome.ACTED
+
+    def decided(self, calls: Sequence[Call], stage: str, confidence: float | None) -> None:
+        """Tell what its words were understood as, by which stage and how sure."""
+        told = tuple((call.skill, call.arguments) for call in calls)
+        self._bus.publish(Decided(told, stage, confidence, self.number))
 
     def thought(self, seconds: float) -> None:
         """Count time that a model worked for this turn."""

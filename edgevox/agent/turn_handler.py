@@ -49,9 +49,10 @@ class TurnHandler:
     def _do(self, item: inbox.Item, turn: Turn, put_s: float) -> None:
         match item:
             case TextInput():
-                self._converse(item.text, turn, put_s)
-            case Heard():
-                self._converse(item.text, turn, item.ended_s)
+                self._converse(Transcribed(clean(item.text), turn.number), turn, put_s)
+            case Heard(text=said, confidence=sure):
+                words = Transcribed(clean(said), turn.number, sure)
+                self._converse(words, turn, item.ended_s)
             case Speak(text=text):
                 turn.say(clean(text))
             case inbox.TooLong(length=length):
@@ -75,9 +76,9 @@ class TurnHandler:
             case _:
                 assert_never(item)
 
-    def _converse(self, raw: str, turn: Turn, said_s: float) -> None:
-        text = clean(raw)
-        self._bus.publish(Transcribed(text, turn.number))
+    def _converse(self, words: Transcribed, turn: Turn, said_s: float) -> None:
+        text = words.text
+        self._bus.publish(words)
         if not text:
             turn.say(self._interpreter.phrases.say("not_heard"), Outcome.NOT_UNDERSTOOD)
         else:

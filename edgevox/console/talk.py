@@ -4,6 +4,7 @@ from typing import Any
 
 from edgevox.core.agent_events import AgentEvent, Confirmation, ConfirmationStatus, as_json
 from edgevox.core.events import (
+    Decided,
     Event,
     Responded,
     SentenceReady,
@@ -13,7 +14,7 @@ from edgevox.core.events import (
     TurnEnded,
 )
 
-Told = Transcribed | TokenGenerated | SentenceReady | Responded | StateChanged | TurnEnded
+Told = Transcribed | Decided | TokenGenerated | SentenceReady | Responded | StateChanged | TurnEnded
 """What is said of a conversation."""
 Shown = Told | AgentEvent
 """What a page is told of the bus."""
@@ -22,8 +23,11 @@ Shown = Told | AgentEvent
 def messages_of(event: Event) -> list[dict[str, Any]]:
     """What a page is told of this event."""
     match event:
-        case Transcribed(text, turn):
-            return [_talk("heard", turn, text=text)]
+        case Transcribed(text, turn, confidence):
+            return [_talk("heard", turn, text=text, confidence=confidence)]
+        case Decided(calls, stage, confidence, turn):
+            understood = [{"skill": name, "arguments": dict(given)} for name, given in calls]
+            return [_talk("decided", turn, calls=understood, stage=stage, confidence=confidence)]
         case TokenGenerated(text, turn):
             return [_talk("token", turn, text=text)]
         case SentenceReady(text, turn):
@@ -34,8 +38,9 @@ def messages_of(event: Event) -> list[dict[str, Any]]:
             ]
         case StateChanged(state, turn):
             return [_talk("state", turn, state=str(state))]
-        case TurnEnded(turn, outcome):
-            return [_talk("turn_ended", turn, outcome=str(outcome) if outcome else None)]
+        case TurnEnded(turn, outcome, tokens):
+            ended = str(outcome) if outcome else None
+            return [_talk("turn_ended", turn, outcome=ended, stage="model" if tokens else None)]
         case Confirmation():
             return [_asked(event), {**as_json(event), "type": "event"}]
         case _ if isinstance(event, AgentEvent):

@@ -45,10 +45,29 @@ class Cause(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Transcribed:
-    """What the person said or typed, as text. `turn` is 0 for words that start no turn."""
+    """What the person said or typed, as text. `turn` is 0 for words that start no turn.
+
+    `confidence` is that these are the words, from 0 to 1; None for what nobody heard.
+    """
 
     text: str
     turn: int = 0
+    confidence: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Decided:
+    """What the words of a turn were understood as, before it is done, asked about or refused.
+
+    `calls` are skills with their arguments, `stage` is who found that out: ``template``,
+    ``reading`` or ``model``. `confidence` is that it is meant, from 0 to 1; None where nothing
+    measured that.
+    """
+
+    calls: tuple[tuple[str, Mapping[str, Any]], ...]
+    stage: str
+    confidence: float | None
+    turn: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,6 +186,7 @@ class Interrupted:
 
 Event = (
     Transcribed
+    | Decided
     | TokenGenerated
     | SentenceReady
     | Responded

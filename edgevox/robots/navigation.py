@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Annotated, Protocol, runtime_checkable
 
 from pydantic import Field
@@ -86,7 +87,7 @@ def navigation_skills(
     if isinstance(body, HasBattery):
         skills.append(_battery(body))
     if memory:
-        skills += place_skills(body, memory, known, word.noun)
+        skills += place_skills(body, memory, known, word.noun, partial(check_goal, body))
     return tuple(skills)
 
 
@@ -136,7 +137,7 @@ def _go_back(body: NavigableBody, goal: GoalHandle, there: Place | None, name: s
     frame = located(body)[1]
     if frame != there.frame:
         raise SkillFailed(because("place_elsewhere", place=name, was=there.frame, frame=frame))
-    if isinstance(body, DrivesToPoses):
+    if isinstance(body, DrivesToPoses) and there.yaw is not None:
         pose = Pose2D(there.x, there.y, there.yaw)
         body.drive_to_pose(pose, token=goal.token, report=goal.report)
     else:

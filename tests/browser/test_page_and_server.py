@@ -9,7 +9,7 @@ from playwright.sync_api import Browser, Page, expect
 from test_page_drives import hold, until
 
 from edgevox.core.commands import TextInput
-from edgevox.core.events import Responded, Transcribed
+from edgevox.core.events import Decided, Responded, Transcribed
 from edgevox.core.ways import Way
 
 PATIENCE_MS = 60_000
@@ -48,8 +48,10 @@ def test_words_reach_it_as_an_operators_and_come_back(page: Page, rig: Rig) -> N
     until(page, lambda: bool(rig.submitted))
     assert rig.submitted == [TextInput("go to the kitchen", Way.CONSOLE_OPERATOR)]
     rig.bus.publish(Transcribed("go to the kitchen", 1))
+    rig.bus.publish(Decided((("navigate_to", {"room": "kitchen"}),), "template", 1.0, 1))
     rig.bus.publish(Responded("Going to the kitchen.", 1))
     expect(page.locator(".bubble.robots")).to_have_text("Going to the kitchen.")
+    expect(page.locator(".notes")).to_have_text("navigate_to(kitchen) · by a template · 100 % sure")
 
 
 def test_the_stick_steers_and_letting_go_halts(page: Page, rig: Rig) -> None:

@@ -12,6 +12,8 @@ from playwright.sync_api import Browser, Page, expect
 from stand_in import HELLO, PAGE, Robot
 from test_page_drives import until
 
+from edgevox.core.events import Outcome
+
 LANGUAGES = sorted(path.stem for path in (PAGE / "languages").glob("*.json"))
 
 
@@ -28,12 +30,28 @@ def test_an_answer_streams_and_ends_as_it_was_meant(opens: Opens, robot: Robot) 
 
 def test_what_was_decided_is_told_by_stage_and_sureness(opens: Opens, robot: Robot) -> None:
     page = opens()
-    robot.tell(type="talk", kind="heard", turn=1, text="Kitchen!")
-    robot.tell(
-        type="event", kind="tool_call", skill="navigate_to", arguments={"room": "kitchen"},
-        source="template", confidence=0.97, turn=1,
-    )  # fmt: skip
-    expect(page.locator(".notes")).to_contain_text("navigate_to(kitchen) · by a template · 97 %")
+    robot.tell(type="talk", kind="heard", turn=1, text="Kitchen!", confidence=0.83)
+    goes = {"skill": "navigate_to", "arguments": {"room": "kitchen"}}
+    robot.tell(type="talk", kind="decided", turn=1, calls=[goes], stage="reading", confidence=0.97)
+    robot.tell(type="event", kind="tool_call", **goes, source="reading", turn=1)
+    robot.tell(type="talk", kind="turn_ended", turn=1, outcome="asked", stage=None)
+    robot.tell(type="talk", kind="heard", turn=2, text="Yes", confidence=None)
+    robot.tell(type="event", kind="tool_call", **goes, source="reading", turn=2)
+    done = "navigate_to(kitchen) · by reading the sentence"
+    asked = f"heard with 83 % certainty · {done} · 97 % sure · Asked back"
+    expect(page.locator(".notes")).to_have_text([asked, done])
+
+
+def test_an_answer_says_whether_the_model_gave_it(opens: Opens, robot: Robot) -> None:
+    page = opens(locale="de")
+    robot.tell(type="talk", kind="heard", turn=1, text="Who are you?")
+    robot.tell(type="talk", kind="response", turn=1, text="A robot.")
+    robot.tell(type="talk", kind="turn_ended", turn=1, outcome="answered", stage="model")
+    robot.tell(type="talk", kind="heard", turn=2, text="Fly")
+    robot.tell(type="talk", kind="turn_ended", turn=2, outcome="not_understood", stage=None)
+    expect(page.locator(".notes")).to_have_text(
+        ["Beantwortet · durch das Modell", "Nicht verstanden"]
+    )
 
 
 def test_words_of_others_are_never_markup(opens: Opens, robot: Robot) -> None:
@@ -90,6 +108,35 @@ def test_a_tap_on_the_map_goes_there_or_names_it(opens: Opens, robot: Robot) -> 
     page.keyboard.press("Enter")
     until(page, lambda: bool(robot.commands("name_place")))
     assert robot.commands("name_place")[0]["name"] == "door"
+    sheet, named = page.locator(".tap-sheet"), {"kind": "skill_goal", "skill": "remember_place"}
+    robot.tell(
+        type="event", **named, status="rejected", error="it is known",
+        arguments_json='{"name": "door", "x": 5.0, "y": 5.0}',
+    )  # fmt: skip
+    expect(page.locator(".toast")).to_contain_text("Refused: it is known")
+    expect(sheet).to_be_visible()  # for another name
+    page.get_by_label("Name of this place").fill("gate")
+    page.keyboard.press("Enter")
+    until(page, lambda: len(robot.commands("name_place")) == 2)
+    robot.tell(type="event", **named, status="succeeded", arguments={"name": "gate"})
+    expect(page.locator(".toast.good")).to_have_text("This place is called gate now.")
+    expect(sheet).to_be_hidden()
+    expect(canvas).to_be_focused()
+
+
+@pytest.mark.parametrize("can", ["goto", "name_place"])
+def test_a_tap_offers_what_the_robot_can(opens: Opens, robot: Robot, can: str) -> None:
+    robot.hello["capabilities"] |= {"goto": can == "goto", "name_place": can == "name_place"}
+    page = opens()
+    page.locator(".map").focus()
+    page.keyboard.press("Enter")
+    sheet = page.get_by_role("dialog", name="This point of the map")
+    expect(sheet).to_be_visible()
+    go, name = sheet.get_by_role("button", name="Go there"), sheet.get_by_role("textbox")
+    expect(go if can == "goto" else name).to_be_focused()
+    expect(name if can == "goto" else go).to_be_hidden()
+    page.keyboard.press("Escape")
+    expect(sheet).to_be_hidden()
 
 
 def test_the_map_is_painted(opens: Opens, robot: Robot) -> None:
@@ -206,6 +253,8 @@ def test_every_key_that_the_page_says_has_words() -> None:
     for path in PAGE.glob("*.js"):
         said |= set(re.findall(r"\bsay\(\"(\w+)\"", path.read_text(encoding="utf-8")))
     assert said
+    said |= {f"outcome_{one}" for one in Outcome if one is not Outcome.ACTED}
+    said |= {f"stage_{one}" for one in ("template", "reading", "model", "command", "program")}
     assert said <= json.loads((PAGE / "languages/en.json").read_text()).keys()
 
 

@@ -19,7 +19,7 @@ from edgevox.agent.skills import SkillFailed
 from edgevox.apps.composition import build_parts, start_parts
 from edgevox.apps.console.build_context import build_context
 from edgevox.apps.console.shown_robot import ShownRobot
-from edgevox.core.agent_events import GoalChanged
+from edgevox.core.agent_events import GoalChanged, GoalRejected
 from edgevox.core.commands import TextInput
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import Responded
@@ -32,7 +32,7 @@ from edgevox.robots.apartment import ApartmentRobot
 
 STEP_S = 0.1
 POLICY = """
-rules: {console_operator: {navigate_xy: deny}}
+rules: {console_operator: {navigate_xy: deny, remember_place: deny}}
 limits:
   places: {never: [bedroom]}
   speed: {linear_m_s: 0.2}
@@ -130,6 +130,25 @@ def test_a_point_of_the_map_is_driven_to_and_its_path_and_goal_are_shown(console
     assert (live["goal"]["x"], live["goal"]["y"]) == (3.0, 4.0)
     assert live["path"][-1] == pytest.approx([3.0, 4.0], abs=0.1)
     assert live["battery"]["level"] == 1.0
+
+
+def test_a_point_of_the_map_is_named_and_the_name_is_understood_and_shown(console):
+    console.context.submit(console.context.name_place("charger", 3.0, 4.0))
+    console.until_said("I will remember this place as charger.")
+    (place,) = console.robot.scene()["places"]
+    assert (place["name"], place["x"], place["y"]) == ("charger", 3.0, 4.0)
+    console.context.submit(TextInput("go to the charger", Way.CONSOLE_OPERATOR))
+    assert console.moved.wait(HUNG_S)
+    live = console.robot.live()
+    assert (live["goal"]["x"], live["goal"]["y"]) == (3.0, 4.0)
+
+
+def test_the_policy_forbids_to_name_a_point(limited):
+    rejected = threading.Event()
+    limited.parts.bus.subscribe(GoalRejected, lambda one: rejected.set())
+    limited.context.submit(limited.context.name_place("charger", 3.0, 4.0))
+    assert rejected.wait(HUNG_S)
+    assert limited.robot.scene()["places"] == []
 
 
 def test_the_stick_steers_and_one_zero_ends_it(console):

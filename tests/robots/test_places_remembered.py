@@ -17,6 +17,7 @@ from edgevox.apps.robots import build_body, open_places
 from edgevox.core.agent_events import ToolCalled
 from edgevox.core.bus import Bus
 from edgevox.core.commands import RunSkill, TextInput
+from edgevox.core.errors import InvalidValue
 from edgevox.core.events import Responded
 from edgevox.core.settings import check_settings
 from edgevox.robots.diff_drive import DiffDriveRobot
@@ -176,3 +177,55 @@ def test_it_remembers_no_place_while_it_moves(held_robot: DiffDriveRobot) -> Non
     while abs(held_robot.velocity().linear_m_s) > 0.01:
         held_robot.advance(0.1)
     assert remember.function(goal, name="charger")["frame"] == "map"
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_it_goes_to_a_point_that_was_given_a_name_from_afar(talk, robot) -> None:
+    with talk(robot) as one:
+        before = one.distance_m(*CHARGER)
+        named = one.command("remember_place", name="charger", x=CHARGER[0], y=CHARGER[1])
+        assert named == "I will remember this place as charger."
+        assert one.distance_m(*CHARGER) == before > 2.0
+        assert one.body.place_memory.find("charger").yaw is None
+
+        assert one.say("go to the charger") == "I am at the charger."
+
+        assert one.distance_m(*CHARGER) < 0.3
+    with talk(robot) as one:
+        assert one.body.place_memory.find("charger").x == CHARGER[0]
+
+
+def test_a_point_may_be_named_while_it_drives(held_robot: DiffDriveRobot) -> None:
+    remember = SkillSet(held_robot.skills)["remember_place"]
+    drive = HeldSkill(held_robot, held_robot.drive_to, *CHARGER)
+    drive.until(lambda: held_robot.velocity().linear_m_s > 0.2)
+
+    told = remember.function(Goal(remember, {}, turn=0, bus=Bus()), name="shelf", x=2.0, y=3.0)
+
+    drive.end()
+    assert told == {"name": "shelf", "x": 2.0, "y": 3.0, "yaw": None, "frame": "map"}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code"),
+    [
+        ({"name": "shelf", "x": 200.0, "y": 3.0}, "outside"),
+        ({"name": "kitchen", "x": 2.0, "y": 3.0}, "place_of_the_map"),
+        ({"name": "stop", "x": 2.0, "y": 3.0}, "place_name_reserved"),
+        ({"name": "4", "x": 2.0, "y": 3.0}, "place_name_wrong"),
+    ],
+)
+def test_a_point_or_a_name_that_cannot_be_is_refused(
+    held_robot: DiffDriveRobot, arguments: dict[str, Any], code: str
+) -> None:
+    remember = SkillSet(held_robot.skills)["remember_place"]
+    with pytest.raises(SkillFailed) as refused:
+        remember.validate(arguments)
+    assert refused.value.reason.code == code
+
+
+@pytest.mark.parametrize("half", [{"x": 2.0}, {"y": 2.0}])
+def test_half_a_point_is_none(held_robot: DiffDriveRobot, half: dict[str, float]) -> None:
+    remember = SkillSet(held_robot.skills)["remember_place"]
+    with pytest.raises(InvalidValue, match="remember_place"):
+        remember.validate({"name": "shelf", **half})

@@ -28,6 +28,11 @@ class Meaning:
         """Whether to do it without asking."""
         return self.confidence >= SURE_FROM
 
+    @property
+    def measured(self) -> float | None:
+        """How sure it is, where something measured that: nobody knows how sure a model is."""
+        return None if self.source == "model" else self.confidence
+
     def heard(self, confidence: float) -> "Meaning":
         """The same of words that are so sure to have been said: asked about if they are not."""
         if confidence >= HEARD_FROM:

@@ -16,6 +16,7 @@ from edgevox.core.events import TurnMeasured
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.settings import CONFIRM
 from edgevox.core.ways import Way
+from edgevox.robots.places.skills import REMEMBER
 
 MOST_LATENCIES = 50
 
@@ -39,6 +40,7 @@ class _OfAgent:
     def context(self, sound: ConsoleSound | None) -> ConsoleContext:
         parts = self._parts
         goes = any(one.name == TO_POINT for one in parts.skills)
+        names = any(one.name == REMEMBER for one in parts.skills)
         return ConsoleContext(
             name=parts.name,
             bus=parts.bus,
@@ -51,6 +53,7 @@ class _OfAgent:
             sound=sound,
             answer=self._answer,
             go_to=_go_to if goes else None,
+            name_place=_name_place if names else None,
         )
 
     def _describe(self, language: str) -> Mapping[str, Any]:
@@ -97,6 +100,10 @@ class _OfAgent:
     def _label(self, name: str) -> str:
         said = str(phrasebook(self._parts.controls.language).word(name))
         return said or name.replace("_", " ")
+
+
+def _name_place(name: str, x_m: float, y_m: float) -> Command:
+    return RunSkill(REMEMBER, {"name": name, "x": x_m, "y": y_m}, Way.CONSOLE_OPERATOR)
 
 
 def _go_to(x_m: float, y_m: float) -> Command:

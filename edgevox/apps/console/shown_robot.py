@@ -29,6 +29,7 @@ from edgevox.robots.capabilities import (
     TakesVelocity,
 )
 from edgevox.robots.occupancy_map import OccupancyMap
+from edgevox.robots.places.skills import REMEMBER
 from edgevox.robots.shapes import Point
 from edgevox.robots.velocity_steering import Steering
 
@@ -118,6 +119,7 @@ class ShownRobot:
             "picture": isinstance(body, HasCamera | ReceivesPictures) or pictured,
             "map": isinstance(body, InWorld | HasPlaces | ReceivesMap),
             "goto": TO_POINT in names,
+            "name_place": REMEMBER in names,
             "drive": {"linear": body.max_linear_m_s, "angular": body.max_angular_rad_s}
             if drive and isinstance(body, TakesVelocity)
             else False,

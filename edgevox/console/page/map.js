@@ -32,7 +32,7 @@ export function mapCard(store, link) {
     requestAnimationFrame(paint);
   };
   const grid = new MapGrid(soon);
-  const sheet = tapSheet(store, link);
+  const sheet = tapSheet(store, link, canvas);
   moveByHand(canvas, view, soon, (px, py) => store.scene && sheet.offer(...view.toMap(px, py)));
   new ResizeObserver(soon).observe(canvas);
   document.addEventListener("visibilitychange", soon);
@@ -78,12 +78,19 @@ function describeForReaders(store, canvas) {
  * What can be done with a point of the map.
  * @param {import("./store.js").Store} store
  * @param {import("./link.js").Link} link
+ * @param {HTMLElement} canvas
  */
-function tapSheet(store, link) {
+function tapSheet(store, link, canvas) {
   let at = { x: 0, y: 0 };
   const where = h("strong");
   const name = h("input", { type: "text", maxlength: "60", placeholder: say("place_name"), "aria-label": say("place_name") });
+  /** The name that was sent and is not answered for yet. */
+  let naming = "";
   const hide = () => (element.hidden = true);
+  const leave = () => {
+    hide();
+    canvas.focus();
+  };
   /** Hides it once the robot has answered, unless another point was tapped meanwhile. */
   const hideAfter = () => {
     const asked = at;
@@ -96,25 +103,45 @@ function tapSheet(store, link) {
     event.preventDefault();
     const text = name.value.trim();
     if (!text) return name.focus();
-    const done = hideAfter();
-    link.send({ type: "name_place", name: text, ...at }).then(() => {
-      toast(say("place_kept", { name: text }), "good");
-      done();
-    }, tellRefusal);
+    naming = text;
+    link.send({ type: "name_place", name: text, ...at }).catch((error) => {
+      naming = "";
+      tellRefusal(error);
+    });
+  });
+  store.on("event", (event) => {
+    if (!naming || event.skill !== "remember_place" || namedBy(event) !== naming) return;
+    if (event.status === "succeeded") {
+      toast(say("place_kept", { name: naming }), "good");
+      leave();
+    } else if (["rejected", "failed"].includes(event.status)) toast(say("refused", { why: event.error ?? "" }));
+    else return;
+    naming = "";
   });
   const element = h("div", { class: "tap-sheet", role: "dialog", "aria-label": say("this_point"), hidden: true },
     h("div", { class: "row tight" }, where, h("span", { class: "fill" }), h("button", { class: "round plain", type: "button",
-      "aria-label": say("close"), onclick: hide }, sign("close"))),
+      "aria-label": say("close"), onclick: leave }, sign("close"))),
     h("div", { class: "row" }, go, form));
-  element.addEventListener("keydown", (event) => event.key === "Escape" && hide());
+  element.addEventListener("keydown", (event) => event.key === "Escape" && leave());
   const offer = (/** @type {number} */ x, /** @type {number} */ y) => {
     at = { x: Math.round(x * 100) / 100, y: Math.round(y * 100) / 100 };
     where.textContent = say("point", { x: number(at.x, 2), y: number(at.y, 2) });
     name.value = "";
     for (const one of [go, name]) one.disabled = !store.commands;
     go.hidden = store.capabilities.goto === false;
-    element.hidden = false;
-    (store.commands ? go : name).focus();
+    form.hidden = store.capabilities.name_place === false;
+    naming = "";
+    element.hidden = go.hidden && form.hidden;
+    (store.commands && !go.hidden ? go : name).focus();
   };
   return { element, offer };
+}
+
+/** The name that this event of the skill is about; a rejected one tells its arguments as they came. @param {any} event */
+function namedBy(event) {
+  try {
+    return (event.arguments ?? JSON.parse(event.arguments_json)).name;
+  } catch {
+    return undefined;
+  }
 }

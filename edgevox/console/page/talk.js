@@ -5,6 +5,7 @@ import { soundButtons } from "./talk_sound.js";
 import { say, sayOr, number } from "./words.js";
 
 const KEPT_TURNS = 60;
+const TOLD_OUTCOMES = ["answered", "asked", "refused", "interrupted", "failed", "not_understood"];
 
 /** One exchange as it stands on the page. */
 class Turn {
@@ -15,6 +16,8 @@ class Turn {
     this.detail = h("p", { class: "detail", hidden: true });
     this.element = h("div", { class: "turn" }, this.heard, this.notes, this.answer, this.detail);
     this.whole = "";
+    /** Whether it was told what its words were understood as. */
+    this.decided = false;
   }
 
   /** @param {HTMLElement} part @param {string} text */
@@ -79,31 +82,49 @@ function forgetOldest(turns) {
 function tellTurn(turnOf, message) {
   const { kind, text } = message;
   if (!["heard", "token", "response", "refused", "decided", "turn_ended"].includes(kind)) return;
-  if (kind === "turn_ended" && !["interrupted", "failed", "not_understood"].includes(message.outcome)) return;
+  if (kind === "turn_ended" && !TOLD_OUTCOMES.includes(message.outcome)) return;
   const turn = turnOf(message);
-  if (kind === "heard") turn.fill(turn.heard, text);
+  if (kind === "heard") {
+    turn.fill(turn.heard, text);
+    if (typeof message.confidence === "number") turn.note(say("heard_sure", { percent: percent(message.confidence) }));
+  }
   else if (kind === "token") turn.fill(turn.answer, (turn.whole += text));
   else if (kind === "response") {
     turn.fill(turn.answer, text);
     turn.fill(turn.detail, message.detail ?? "");
     turn.element.classList.toggle("cut", Boolean(message.cut));
   } else if (kind === "refused") turn.note(say("refused", { why: text }));
-  else if (kind === "turn_ended") turn.note(say(`outcome_${message.outcome}`));
-  else turn.note(decision(message.stage, message.confidence, text));
+  else if (kind === "turn_ended") tellOutcome(turn, message);
+  else {
+    turn.decided = true;
+    turn.note(decision(message.stage, message.confidence, message.calls.map(called).join(", ")));
+  }
 }
+
+/** What became of it; that it was answered only where nothing else was decided. @param {Turn} turn @param {any} message */
+function tellOutcome(turn, { outcome, stage }) {
+  if (outcome !== "answered") turn.note(say(`outcome_${outcome}`));
+  else if (!turn.decided) turn.note([say("outcome_answered"), stage && sayOr(`stage_${stage}`, stage)].filter(Boolean).join(" · "));
+}
+
+/** @param {{skill: string, arguments?: Record<string, any>}} call */
+const called = (call) => `${call.skill}(${Object.values(call.arguments ?? {}).join(", ")})`;
+
+/** @param {number} part */
+const percent = (part) => number(100 * part, 0);
 
 /** @param {string} stage @param {number | undefined} sure @param {string} [text] */
 function decision(stage, sure, text = "") {
   const parts = [text, sayOr(`stage_${stage}`, stage)];
-  if (typeof sure === "number") parts.push(say("sure", { percent: number(100 * sure, 0) }));
+  if (typeof sure === "number") parts.push(say("sure", { percent: percent(sure) }));
   return parts.filter(Boolean).join(" · ");
 }
 
-/** @param {Turn} turn @param {any} event */
+/** What is done though no words of its turn were understood as it, such as after a yes. @param {Turn} turn @param {any} event */
 function noteEvent(turn, event) {
-  if (event.kind !== "tool_call") return;
-  const values = Object.values(event.arguments ?? {}).join(", ");
-  turn.note(decision(event.source, event.confidence, `${event.skill}(${values})`));
+  if (event.kind !== "tool_call" || turn.decided) return;
+  turn.decided = true;
+  turn.note(decision(event.source, undefined, called(event)));
 }
 
 /**

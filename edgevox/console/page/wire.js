@@ -24,7 +24,7 @@
  *   allowed?: boolean, why?: string}} Skill
  * @typedef {{linear?: number, angular?: number}} DriveLimits  m/s, rad/s
  * @typedef {{picture?: boolean, drive?: boolean | DriveLimits, sound?: boolean, map?: boolean,
- *   goto?: boolean, record?: boolean}} Capabilities
+ *   goto?: boolean, name_place?: boolean, record?: boolean}} Capabilities
  * @typedef {{holder?: string | null, name?: string, mine?: boolean,
  *   waiting?: {client: string, name?: string}[]}} Lease
  * @typedef {{engaged: boolean, by?: string, since?: number}} Stop

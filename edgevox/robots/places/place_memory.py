@@ -63,8 +63,11 @@ class PlaceMemory:
         if len(self._places) >= MOST_PLACES:
             raise SkillFailed(because("places_full", count=str(MOST_PLACES)))
 
-    def remember(self, name: str, pose: Pose2D, frame: str) -> Place:
-        """Keep it. Raises `SkillFailed` with the reason if it cannot be; then nothing changed."""
+    def remember(self, name: str, pose: Pose2D, frame: str, *, facing: bool = True) -> Place:
+        """Keep it, with which way it looks if it is `facing` anywhere.
+
+        Raises `SkillFailed` with the reason if it cannot be kept; then nothing changed.
+        """
         with self._changing:
             self.check(name)
             place = Place(
@@ -73,7 +76,7 @@ class PlaceMemory:
                 name=name,
                 x=round(pose.x_m, 3),
                 y=round(pose.y_m, 3),
-                yaw=round(pose.yaw_rad, 4),
+                yaw=round(pose.yaw_rad, 4) if facing else None,
                 frame=frame,
             )
             self._change(name, place)

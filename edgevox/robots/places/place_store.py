@@ -33,9 +33,9 @@ _Text = Annotated[str, Field(min_length=1, max_length=200)]
 
 
 class Place(BaseModel):
-    """Where a robot stood in a world when it was told what the place is called.
+    """A point of a world that was given a name: where a robot stood, or one that was told.
 
-    Metres and radians (counter-clockwise from x) in `frame`.
+    Metres and radians (counter-clockwise from x) in `frame`; `yaw` is None where nobody stood.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
@@ -45,7 +45,7 @@ class Place(BaseModel):
     name: _Text
     x: _Number
     y: _Number
-    yaw: _Number
+    yaw: _Number | None
     frame: _Text = "map"
 
 

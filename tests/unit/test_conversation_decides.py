@@ -1,0 +1,72 @@
+"""What words were understood as is told before it is done: the calls, by which stage, how sure."""
+
+from collections.abc import Iterator
+
+import pytest
+from misheard_rig import Spoken
+
+from edgevox.agent.agents import Agent
+from edgevox.agent.nlu.confidence import ASK_FROM
+from edgevox.agent.nlu.meaning import Meaning
+from edgevox.agent.skills import NO_SKILLS, Call
+from edgevox.core.agent_events import Confirmation, ToolCalled
+from edgevox.core.commands import TextInput
+from edgevox.core.events import Decided, Transcribed
+
+
+@pytest.fixture
+def rig() -> Iterator[Spoken]:
+    spoken = Spoken()
+    yield spoken
+    spoken.talk.close()
+
+
+def told(rig: Spoken, *kinds: type) -> list[object]:
+    """What of these kinds is told from now on, in its order."""
+    noted: list[object] = []
+    for kind in kinds:
+        rig.bus.subscribe(kind, noted.append)
+    return noted
+
+
+def test_a_plain_command_is_by_a_template_and_told_before_it_is_called(rig: Spoken) -> None:
+    noted = told(rig, Decided, ToolCalled)
+    rig.hears("go to the kitchen")
+    decided, called = noted
+    assert isinstance(decided, Decided)
+    assert decided.calls == (("navigate_to", {"room": "kitchen"}),)
+    assert (decided.stage, decided.confidence) == ("template", 1.0)
+    assert isinstance(called, ToolCalled)
+    assert called.turn == decided.turn
+
+
+def test_what_is_asked_about_was_decided_by_a_reading_that_is_not_sure(rig: Spoken) -> None:
+    noted = told(rig, Decided, Confirmation)
+    rig.hears("kitchen pleas")
+    decided = noted[0]
+    assert isinstance(decided, Decided)
+    assert decided.calls == (("navigate_to", {"room": "kitchen"}),)
+    assert (decided.stage, decided.confidence) == ("reading", ASK_FROM)
+    assert isinstance(noted[1], Confirmation)
+
+
+def test_how_sure_the_words_are_is_told_of_what_was_heard_and_of_nothing_typed(rig: Spoken) -> None:
+    noted = told(rig, Transcribed, Decided)
+    rig.hears("where are you", confidence=0.62)
+    rig.talk.submit(TextInput("where are you"))
+    assert rig.talk.wait_idle(60)
+    heard = [one.confidence for one in noted if isinstance(one, Transcribed)]
+    assert heard == [0.62, None]
+    decided = [one.confidence for one in noted if isinstance(one, Decided)]
+    assert decided == [1.0, 1.0]  # that is another question than whether the words are right
+
+
+def test_words_that_mean_nothing_are_decided_by_nobody(rig: Spoken) -> None:
+    noted = told(rig, Decided)
+    rig.hears("purple elephants sing")
+    assert not noted
+
+
+def test_nothing_measures_how_sure_a_model_is() -> None:
+    agent = Agent("robot", "Be brief.", NO_SKILLS)
+    assert Meaning(agent, (Call("note", {"text": "milk"}),), "model", ASK_FROM).measured is None
