@@ -81,7 +81,8 @@ class ConsoleContext:
     `submit` raises `InvalidValue`. `answer` gives a yes or a no to what was asked. `go_to` and
     `name_place` make the command for a point of the map frame, in metres; None where the robot
     cannot. `describe` gives by language what a page is told once, `status` what it is told once a
-    second while somebody looks.
+    second while somebody looks. `follow_log` calls with each line of the log that belongs to a turn
+    and may be told, on any thread, and returns what ends that.
     """
 
     name: str
@@ -97,3 +98,4 @@ class ConsoleContext:
     answer: Callable[[bool, Way], None] | None = None
     go_to: Callable[[float, float], Command] | None = None
     name_place: Callable[[str, float, float], Command] | None = None
+    follow_log: Callable[[Callable[[Mapping[str, Any]], None]], Callable[[], object]] | None = None

@@ -43,6 +43,11 @@ class Outbox:
         self._all.append(text)
         self._ready.set()
 
+    def put_if_room(self, text: str) -> None:
+        """Send this after all before it, or not at all where much waits."""
+        if len(self._all) < MOST_WAITING // 2:
+            self.put(text)
+
     def put_first(self, text: str) -> None:
         """Send this before all that waits."""
         self._first = text

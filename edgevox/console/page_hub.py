@@ -68,6 +68,8 @@ class PageHub:
             self.context.bus.subscribe(ControlChanged, self._changed),
             self.context.safety.listen(self._stop_changed),
         ]
+        if self.context.follow_log:
+            self._forget.append(self.context.follow_log(self._logged))
 
     def close(self) -> None:
         """Hear nothing any more; what is driven is halted."""
@@ -194,6 +196,17 @@ class PageHub:
         if self.pages:
             for message in messages_of(event):
                 self.tell_soon(message)
+
+    def _logged(self, line: Mapping[str, Any]) -> None:
+        if any("log" in page.looks for page in self.pages):
+            self._soon(lambda: self._tell_line(line))
+
+    def _tell_line(self, line: Mapping[str, Any]) -> None:
+        """To those who look; a slow page does without, as it must not be hung up on for a log."""
+        if text := encode({"type": "log", **line}):
+            for page in self.pages:
+                if "log" in page.looks:
+                    page.outbox.put_if_room(text)
 
     def _changed(self, _event: ControlChanged) -> None:
         self._soon(lambda: self.tell({"type": "controls", **self.controls_of()}, "controls"))

@@ -1,6 +1,6 @@
 """The page and the server that it comes from: what is pressed reaches the robot."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import pytest
 from browser_rig import let_in, take_the_turn
@@ -10,15 +10,24 @@ from test_page_drives import hold, until
 
 from edgevox.core.commands import TextInput
 from edgevox.core.events import Decided, Responded, Transcribed
+from edgevox.core.log import Said, get_logger
 from edgevox.core.ways import Way
+from edgevox.ops.logs import TurnLines
 
 PATIENCE_MS = 60_000
+log = get_logger("edgevox.tested_page")
 
 
 @pytest.fixture
 def rig(tmp_path) -> Iterator[Rig]:
-    with console(tmp_path) as rig:
+    with console(tmp_path, follow_log=follow_log) as rig:
         yield rig
+
+
+def follow_log(tell) -> Callable[[], None]:
+    lines = TurnLines(tell)
+    lines.open()
+    return lines.close
 
 
 @pytest.fixture
@@ -71,3 +80,16 @@ def test_a_browser_that_is_thrown_out_is_asked_for_a_code(page: Page, rig: Rig) 
     (session,) = rig.server.sessions.all()
     rig.server.sessions.revoke(session.id)
     page.locator(".code").wait_for()
+
+
+def test_the_log_of_this_turn_is_shown_and_no_words_of_people(page: Page, rig: Rig) -> None:
+    expect(page.locator(".facts")).to_contain_text("1.0, 2.0 m", timeout=PATIENCE_MS)  # it looks
+    log.warning("goal_failed", turn=1, skill="dance")
+    log.warning("turn_slow", turn=2, text=Said("my secret"))
+    log.warning("pairing", code="424242")
+    log.warning("goal_failed", goal="7", skill="walk")
+    page.locator(".panel.aside-chosen [data-panel=know]").click()
+    lines = page.get_by_role("heading", name="Log").locator("..").locator(".lines li")
+    expect(lines).to_have_count(2)
+    expect(lines.nth(0)).to_contain_text("goal_failed  skill=walk")
+    expect(lines.nth(1)).to_contain_text("turn_slow  text=<9 characters>")

@@ -143,6 +143,24 @@ def test_a_point_of_the_map_is_named_and_the_name_is_understood_and_shown(consol
     assert (live["goal"]["x"], live["goal"]["y"]) == (3.0, 4.0)
 
 
+def test_the_log_of_a_turn_is_told_without_what_was_said(console, caplog):
+    caplog.set_level("INFO", logger="edgevox")
+    lines, ended = [], threading.Event()
+
+    def note(line):
+        lines.append(line)
+        if line["event"] == "turn_ended":
+            ended.set()
+
+    forget = console.context.follow_log(note)
+    console.context.submit(TextInput("where are you", Way.CONSOLE_OPERATOR))
+    assert ended.wait(HUNG_S)
+    forget()
+    told = {one["event"]: one["text"] for one in lines}
+    assert told["turn_began"] == "text=<13 characters>"
+    assert told["skill_called"] == "path=template skill=get_pose arguments={}"
+
+
 def test_the_policy_forbids_to_name_a_point(limited):
     rejected = threading.Event()
     limited.parts.bus.subscribe(GoalRejected, lambda one: rejected.set())

@@ -2,13 +2,15 @@
 
 import asyncio
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import aiohttp
 import pytest
 
 from edgevox.console import driving
+from edgevox.console.outbox import MOST_WAITING, Outbox
 from edgevox.console.sessions import Role
 from edgevox.core.commands import TextInput
 from edgevox.core.events import TokenGenerated
@@ -256,3 +258,44 @@ def test_a_page_may_stop_before_it_was_greeted(tmp_path: Path) -> None:
                 assert hello["stop"]["engaged"]
 
         asyncio.run(press())
+
+
+def test_a_line_of_the_log_comes_to_who_looks_and_to_nobody_else(tmp_path: Path) -> None:
+    tells: list[Callable[[Mapping[str, Any]], None]] = []
+    ended = threading.Event()
+
+    def follow(tell: Callable[[Mapping[str, Any]], None]) -> Callable[[], None]:
+        tells.append(tell)
+        return ended.set
+
+    async def look(rig: Rig) -> tuple[dict[str, Any], dict[str, Any]]:
+        async with rig.page(Role.VIEWER) as looks, rig.page() as other:
+            await looks.ask(type="look", what=["log"])
+            tells[0]({"level": "info", "event": "answered", "turn": 3, "text": "cut=False"})
+            line = await looks.until("log")
+            rig.bus.publish(TokenGenerated("after it", 3))
+            return line, await other.until("log", "talk")
+
+    with console(tmp_path, follow_log=follow) as rig:
+        line, of_the_other = asyncio.run(look(rig))
+    assert line == {
+        "type": "log",
+        "level": "info",
+        "event": "answered",
+        "turn": 3,
+        "text": "cut=False",
+    }
+    assert of_the_other["type"] == "talk"
+    assert ended.is_set()
+
+
+def test_a_slow_page_does_without_lines_of_the_log_and_is_not_hung_up_on() -> None:
+    async def flood() -> int:
+        hung_up: list[bool] = []
+        outbox = Outbox(lambda: hung_up.append(True))
+        for _ in range(10 * MOST_WAITING):
+            outbox.put_if_room("a line")
+        outbox.put("what must not be left out")
+        return len(hung_up)
+
+    assert asyncio.run(flood()) == 0

@@ -1,7 +1,7 @@
 """What the console is given of an agent."""
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -16,6 +16,7 @@ from edgevox.core.events import TurnMeasured
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.settings import CONFIRM
 from edgevox.core.ways import Way
+from edgevox.ops.logs import TurnLines
 from edgevox.robots.places.skills import REMEMBER
 
 MOST_LATENCIES = 50
@@ -54,6 +55,7 @@ class _OfAgent:
             answer=self._answer,
             go_to=_go_to if goes else None,
             name_place=_name_place if names else None,
+            follow_log=_follow_log,
         )
 
     def _describe(self, language: str) -> Mapping[str, Any]:
@@ -100,6 +102,12 @@ class _OfAgent:
     def _label(self, name: str) -> str:
         said = str(phrasebook(self._parts.controls.language).word(name))
         return said or name.replace("_", " ")
+
+
+def _follow_log(tell: Callable[[Mapping[str, Any]], None]) -> Callable[[], object]:
+    lines = TurnLines(tell)
+    lines.open()
+    return lines.close
 
 
 def _name_place(name: str, x_m: float, y_m: float) -> Command:

@@ -100,8 +100,14 @@ function refusalList(store) {
 /** @param {import("./store.js").Store} store */
 function logList(store) {
   const list = linesBox();
-  store.on("log", (m) => addLine(list, [m.event, m.text].filter(Boolean).join("  "),
-    m.level === "error" ? "bad" : m.level === "warning" ? "warn" : ""));
+  let turn = 0;
+  store.on("log", (m) => {
+    if (m.turn > turn) list.replaceChildren(); // the log of this turn, and of what it set going
+    turn = Math.max(turn, m.turn ?? 0);
+    addLine(list, [m.event, m.text].filter(Boolean).join("  "),
+      m.level === "error" ? "bad" : m.level === "warning" ? "warn" : "");
+  });
+  store.on("hello", () => (turn = 0)); // another start of the robot counts anew
   return list;
 }
 

@@ -7,11 +7,13 @@ from edgevox.ops.logs.levels import LEVELS, level_of, set_level
 from edgevox.ops.logs.limit import RateLimit
 from edgevox.ops.logs.observer import BusLog
 from edgevox.ops.logs.setup import is_set_up, set_up, tear_down, writes_json
+from edgevox.ops.logs.turn_lines import TurnLines
 
 __all__ = [
     "LEVELS",
     "BusLog",
     "RateLimit",
+    "TurnLines",
     "is_set_up",
     "level_of",
     "set_level",
