@@ -108,7 +108,7 @@ lint: $(DONE)/dev ## Check style, types, layers, locks and compose files.
 	for overlay in compose/*.yml; do $(COMPOSE) -f $$overlay --profile '*' config --quiet; done
 
 .PHONY: page
-page: $(DONE)/page ## Check the types of the console's page.
+page: $(DONE)/page ## Check the types of the pages, the console's and the fleet's.
 	$(VENV)/page/node_modules/.bin/tsc --project requirements/page
 
 .PHONY: docs

@@ -5,7 +5,9 @@ from pathlib import Path
 
 from playwright.sync_api import Page
 
-AXE = Path(__file__).parents[2] / ".venv/page/node_modules/axe-core/axe.min.js"
+MODULES = Path(__file__).parents[2] / ".venv/page/node_modules"
+AXE = MODULES / "axe-core/axe.min.js"
+RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]
 PATIENCE_MS = 60_000
 PHONE = {"viewport": {"width": 390, "height": 844}, "is_mobile": True, "has_touch": True}
 DESK = {"viewport": {"width": 1440, "height": 900}}
@@ -23,3 +25,12 @@ def let_in(page: Page, link: str) -> None:
 def take_the_turn(page: Page) -> None:
     page.locator(".lease button.primary").click()
     page.locator(".lease button.on").wait_for()
+
+
+def problems(page: Page) -> list[str]:
+    """What axe finds in what is shown now."""
+    page.evaluate(AXE.read_text(encoding="utf-8"))
+    found = page.evaluate(
+        "tags => axe.run(document, {runOnly: tags}).then(r => r.violations)", RULES
+    )
+    return [f"{one['id']}: {node['html']}" for one in found for node in one["nodes"]]

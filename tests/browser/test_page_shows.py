@@ -6,9 +6,9 @@ import json
 import re
 
 import pytest
-from browser_rig import AXE, DESK, PATIENCE_MS, PHONE, Opens
+from browser_rig import DESK, PATIENCE_MS, PHONE, Opens, problems
 from PIL import Image
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, expect
 from stand_in import HELLO, PAGE, Robot
 from test_page_drives import until
 
@@ -268,15 +268,6 @@ def test_a_phone_in_another_language_needs_no_scrolling_aside(
         page.locator(f".tabs [data-panel={part}]").click()
         wide = page.evaluate("document.documentElement.scrollWidth - innerWidth")
         assert wide <= 0
-
-
-def problems(page: Page) -> list[str]:
-    page.evaluate(AXE.read_text(encoding="utf-8"))
-    tags = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]
-    found = page.evaluate(
-        "tags => axe.run(document, {runOnly: tags}).then(r => r.violations)", tags
-    )
-    return [f"{one['id']}: {node['html']}" for one in found for node in one["nodes"]]
 
 
 @pytest.mark.parametrize("colours", ["light", "dark"])

@@ -12,6 +12,7 @@ import aiohttp
 import numpy as np
 import pytest
 
+from edgevox.console.page_hub import SLOW
 from edgevox.console.sessions import Role
 from edgevox.console.sockets.sound_queue import Lateness, SoundQueue
 from tests.clocks import HeldClock
@@ -200,12 +201,34 @@ def test_sound_that_comes_late_is_not_taken(rig: Rig, sound: NotedSound) -> None
         async with line(rig) as one:
             await one.ask(type="talk", held=True)
             await one.say(1, at_ms=2**32 - 60_000)
-            await one.say(2, at_ms=2**32 - 120_000)  # said a minute before, and comes after it
+            await one.say(2, at_ms=2**32 - 60_500)  # said half a second before, and comes after it
             await one.say(3, at_ms=2**32 - 60_000)
             await waited(sound, lambda: 3 in sound.pushed)
 
     asyncio.run(talk())
     assert sound.pushed == [1, 3]
+
+
+@pytest.mark.parametrize("pressed", ["before", "in"])
+def test_a_hole_ends_the_line_and_what_was_said_at_it_does_not_count(
+    rig: Rig, sound: NotedSound, pressed: str
+) -> None:
+    async def talk() -> int | None:
+        async with line(rig) as one:
+            await one.ask(type="talk", held=True)
+            await one.say(1, at_ms=60_000)
+            if pressed == "in":
+                await one.ask(type="talk", held=False)
+                await one.ask(type="talk", held=True)
+            for at_ms in (55_000, 55_020):  # held back by the line for five seconds
+                await one.say(2, at_ms=at_ms)
+            await one.socket.send_str('{"type": "talk", "held": false}')
+            await one.socket.receive(timeout=WAIT_S)
+            return one.socket.close_code
+
+    assert asyncio.run(talk()) == SLOW
+    assert sound.pushed == [1]
+    assert sound.asked[-1] == ("abandon",)
 
 
 @pytest.mark.parametrize("data", [b"", bytes(8), bytes(647), bytes(649)])
@@ -273,9 +296,9 @@ def test_who_wants_to_hears_the_robot_and_is_told_when_it_falls_silent(
             return [*first, await one.socket.receive_bytes(timeout=WAIT_S)]
 
     first, second, flush = asyncio.run(hear())
-    assert struct.unpack("<BII", first[:9]) == (0, 7, 1)
+    assert struct.unpack("<BII", first[:9]) == (0, 7, 1_000_000)
     assert first[9:] + second[9:] == bytes(range(256)) * 5
-    assert struct.unpack("<BII", flush) == (1, 7, 3)
+    assert struct.unpack("<BII", flush) == (1, 7, 1_000_000)
     sound.wait(lambda: not sound.hears)
 
 

@@ -27,6 +27,9 @@ MOST_BYTES = 1024
 """Of one message from a page."""
 OLD_S = 0.2
 """Sound that is later than this is not taken, and not sent."""
+HOLE_S = 1.0
+"""Sound that is later than this came after a hole, which ends the line: what was being said does
+not count, and no clock is trusted any further."""
 HEAD = struct.Struct("<II")
 """Before the samples of a page: sequence, and the page's milliseconds; both start over at 2**32."""
 FRAME_BYTES = 640
@@ -91,7 +94,7 @@ class SoundPage:
         self._session = session
         self._socket = socket
         self._client = line.client(session)
-        self._held = self._on = self._speaks = False
+        self._held = self._on = self._speaks = self._hole = False
         self._lateness = Lateness()
         self._queue = SoundQueue(line.clock, OLD_S)
         self._forget: Callable[[], None] | None = None
@@ -108,6 +111,8 @@ class SoundPage:
                     await self._socket.close(code=FLOOD)
                 elif told.type is WSMsgType.BINARY:
                     self._take(told.data)
+                    if self._hole:
+                        await self._socket.close(code=SLOW)
                 elif told.type is WSMsgType.TEXT:
                     self._heed(told.data)
                 else:
@@ -161,7 +166,6 @@ class SoundPage:
             self._speaks = False
             self._tell("closed")
             return
-        self._lateness = Lateness()
         if not self._line.may_speak(self._session) or not sound.open(self._client, held=self._held):
             self._fall_silent()
             self._tell("busy")
@@ -174,7 +178,11 @@ class SoundPage:
             return
         _, sent_ms = HEAD.unpack_from(data)
         now_ms = round(self._line.clock.now() * 1000)
-        if self._lateness.of(now_ms, sent_ms) > OLD_S * 1000:
+        late_s = self._lateness.of(now_ms, sent_ms) / 1000
+        if late_s > HOLE_S:
+            self._hole = True
+            self._fall_silent()
+        if late_s > OLD_S:
             return
         if self._held:
             self._line.hub.lease.used(self._session.id)

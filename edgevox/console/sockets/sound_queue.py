@@ -10,7 +10,7 @@ from edgevox.core.clock import Clock
 
 AUDIO, FLUSH = 0, 1
 HEAD = struct.Struct("<BII")
-"""Kind, turn and sequence, before the samples."""
+"""Kind, turn and the robot's milliseconds, which start over at 2**32, before the samples."""
 PIECE_BYTES = 640
 MOST_PIECES = 64
 MOST_TOLD = 16
@@ -59,7 +59,7 @@ class SoundQueue:
         self._sound: deque[tuple[float, int, bytes]] = deque(maxlen=MOST_PIECES)
         self._told: deque[str] = deque(maxlen=MOST_TOLD)
         self._flush = False
-        self._number = self._turn = 0
+        self._turn = 0
         self._ready = asyncio.Event()
 
     def put(self, turn: int, pcm: bytes) -> None:
@@ -89,14 +89,13 @@ class SoundQueue:
                     await socket.send_str(self._told.popleft())
                 elif self._flush:
                     self._flush = False
-                    await socket.send_bytes(self._head(FLUSH, self._turn))
+                    await socket.send_bytes(self._head(FLUSH, self._turn, self._clock.now()))
                 elif self._sound:
                     at_s, turn, pcm = self._sound.popleft()
                     if self._clock.now() - at_s <= self._old_s:
-                        await socket.send_bytes(self._head(AUDIO, turn) + pcm)
+                        await socket.send_bytes(self._head(AUDIO, turn, at_s) + pcm)
                 else:
                     self._ready.clear()
 
-    def _head(self, kind: int, turn: int) -> bytes:
-        self._number = (self._number + 1) % _WRAP
-        return HEAD.pack(kind, turn % _WRAP, self._number)
+    def _head(self, kind: int, turn: int, at_s: float) -> bytes:
+        return HEAD.pack(kind, turn % _WRAP, round(at_s * 1000) % _WRAP)

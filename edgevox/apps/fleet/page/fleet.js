@@ -3,6 +3,7 @@
 
 /** @typedef {{name: string, console: string, state: string, problems: Record<string, string>, age_s: number | null}} Robot */
 
+/** @type {Record<string, string>} */
 const WORDS = { unknown: "not asked yet", ready: "ready", unwell: "not well", gone: "no answer" };
 const EVERY_MS = 1000;
 const rows = /** @type {HTMLElement} */ (document.getElementById("robots"));

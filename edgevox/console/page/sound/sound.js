@@ -1,5 +1,6 @@
 /** The line for sound: this browser's microphone to the robot, and what the robot says back. */
 import { socketAddress } from "../link.js";
+import { Lateness } from "./lateness.js";
 
 const AUDIO = 0;
 const HEAD_UP = 8;
@@ -12,6 +13,8 @@ const LET_GO_MS = 150;
 /** The microphone is kept for so long, so that the next word does not wait for it. */
 const KEPT_MS = 30_000;
 const AGAIN_MS = 1000;
+/** What the robot said is not played when it is later than this. */
+const OLD_MS = 200;
 const CONNECT_MS = 5000;
 
 export class Sound {
@@ -31,6 +34,7 @@ export class Sound {
     this.player = null;
     this.held = this.opened = this.hearing = false;
     this.sequence = 0;
+    this.lateness = new Lateness();
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     this.letting = undefined;
     /** @type {ReturnType<typeof setTimeout> | undefined} */
@@ -151,6 +155,7 @@ export class Sound {
 
   /** @param {WebSocket} socket */
   use(socket) {
+    this.lateness = new Lateness();
     socket.onmessage = ({ data }) => (typeof data === "string" ? this.onState(JSON.parse(data).state) : this.take(data));
     socket.onclose = () => this.lost();
     return socket;
@@ -176,6 +181,7 @@ export class Sound {
     const head = new DataView(message);
     if (!this.player || !this.hearing) return;
     if (head.getUint8(0) !== AUDIO) return this.player.port.postMessage(null);
+    if (this.lateness.of(performance.now(), head.getUint32(5, true)) > OLD_MS) return;
     const samples = message.slice(HEAD_DOWN);
     this.player.port.postMessage({ turn: head.getUint32(1, true), samples }, [samples]);
   }
