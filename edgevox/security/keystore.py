@@ -12,7 +12,8 @@ from cryptography import x509
 
 from edgevox.core.atomic_file import PRIVATE, PUBLIC, write_atomically
 from edgevox.core.errors import EdgeVoxError, InvalidValue
-from edgevox.security.certificates import (
+from edgevox.security.documents import governance, permissions
+from edgevox.security.enclave_certificates import (
     LONGEST_NAME,
     Identity,
     make_authority,
@@ -22,7 +23,6 @@ from edgevox.security.certificates import (
     revoked_serials,
     signed,
 )
-from edgevox.security.documents import governance, permissions
 from edgevox.security.purpose import Purpose
 from edgevox.security.roles import rights_of
 

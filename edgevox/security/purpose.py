@@ -4,14 +4,14 @@ import json
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-from edgevox.security.roles import Graph, Role
+from edgevox.security.roles import EnclaveRole, Graph
 
 
 @dataclass(frozen=True, slots=True)
 class Purpose:
     """A role with a robot, on one domain, for so many days each time."""
 
-    role: Role
+    role: EnclaveRole
     graph: Graph
     domain: int
     days: int
@@ -31,5 +31,7 @@ class Purpose:
         graph = said.pop("graph")
         file = graph.pop("robot_file")
         return cls(
-            Role(said.pop("role")), Graph(**graph, robot_file=Path(file) if file else None), **said
+            EnclaveRole(said.pop("role")),
+            Graph(**graph, robot_file=Path(file) if file else None),
+            **said,
         )

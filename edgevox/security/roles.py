@@ -21,7 +21,7 @@ from edgevox.ros2.contract import (
 from edgevox.ros2.contract_rows import StandardTopic
 from edgevox.ros2.robot_file.load import load_robot_file
 from edgevox.ros2.robot_file.robot_file_format import RobotFile
-from edgevox.ros2.robot_file.wanted import Role as Interface
+from edgevox.ros2.robot_file.wanted import EnclaveRole as Interface
 from edgevox.ros2.robot_file.wanted import wanted_by
 from edgevox.ros2.standard_topics import AUDIO, EXTERNAL, INTEROP, NAV2_ACTION
 from edgevox.security.rights import (
@@ -45,7 +45,7 @@ ROS2CLI = "/_ros2cli_*"
 EXTERNAL_ROBOT = "robot-external"
 
 
-class Role(StrEnum):
+class EnclaveRole(StrEnum):
     """Whom an enclave is for."""
 
     ROBOT = "robot"
@@ -89,22 +89,22 @@ def absolute(namespace: str, name: str) -> str:
     return name if name.startswith("/") else f"{namespace.rstrip('/')}/{name}"
 
 
-def node_name(role: Role) -> str:
+def node_name(role: EnclaveRole) -> str:
     """How the node of a role is called, by which its enclave is called, too."""
-    names = {Role.ROBOT: NODE_NAME, Role.RECORDER: RECORDER_NODE}
+    names = {EnclaveRole.ROBOT: NODE_NAME, EnclaveRole.RECORDER: RECORDER_NODE}
     return names.get(role, str(role))
 
 
-def rights_of(role: Role, graph: Graph, enclave: str) -> Rights:
+def rights_of(role: EnclaveRole, graph: Graph, enclave: str) -> Rights:
     """All that an enclave of this role may. Raises `InvalidValue` for a robot file's mistakes."""
     match role:
-        case Role.ROBOT:
+        case EnclaveRole.ROBOT:
             return _agent(graph)
-        case Role.RECORDER:
+        case EnclaveRole.RECORDER:
             return is_node(graph.at(RECORDER_NODE)) | hears(graph) | _hears_sound(graph)
-        case Role.LISTENER:
+        case EnclaveRole.LISTENER:
             return _shell(enclave) | hears(graph)
-        case Role.TOOLS:
+        case EnclaveRole.TOOLS:
             return _shell(enclave) | hears(graph) | _hears_sound(graph) | _commands(graph)
 
 

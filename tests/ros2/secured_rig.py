@@ -12,10 +12,10 @@ import pytest
 from agent_process import Agent
 from peer import Peer
 
-from edgevox.apps.security import main
+from edgevox.apps.security_command import main
 from edgevox.security.keystore import Keystore
 from edgevox.security.purpose import Purpose
-from edgevox.security.roles import Graph, Role
+from edgevox.security.roles import EnclaveRole, Graph
 
 AGENT = "/edgevox/edgevox"
 ROBOT = ("robot-apartment", "--text-mode", "--ros2", "--llm=none")
@@ -41,7 +41,7 @@ def new_keystore(folder: Path, domain: int) -> Path:
 def add_at(folder: Path, enclave: str, domain: int, when: datetime, days: int) -> None:
     """One more listener, as of another day."""
     graph = Graph("/edgevox", "robot-apartment")
-    Keystore(folder).add(enclave, Purpose(Role.LISTENER, graph, domain, days), when)
+    Keystore(folder).add(enclave, Purpose(EnclaveRole.LISTENER, graph, domain, days), when)
 
 
 @contextmanager

@@ -11,10 +11,10 @@ import yaml
 from cryptography import x509
 from cryptography.hazmat.primitives.serialization.pkcs7 import load_pem_pkcs7_certificates
 
-from edgevox.apps.security import main
+from edgevox.apps.security_command import main
 from edgevox.security.keystore import OF_AN_ENCLAVE, Keystore
 from edgevox.security.purpose import Purpose
-from edgevox.security.roles import Graph, Role
+from edgevox.security.roles import EnclaveRole, Graph
 
 LISTENER = "/edgevox/listener"
 CAPSYS = pytest.CaptureFixture[str]
@@ -24,7 +24,7 @@ CAPSYS = pytest.CaptureFixture[str]
 def store(tmp_path: Path) -> Path:
     folder = tmp_path / "keystore"
     assert main(["create", str(folder)]) == 0
-    for role in Role:
+    for role in EnclaveRole:
         assert main(["add", str(folder), role, "--domain", "7"]) == 0
     return folder
 
@@ -147,7 +147,7 @@ def test_a_secret_has_the_same_files(store: Path, capsys: CAPSYS) -> None:
 def test_an_enclave_ends_no_later_than_the_authority(tmp_path: Path) -> None:
     now = datetime.now(UTC).replace(microsecond=0)
     made = Keystore.create(tmp_path / "short", now, days=10)
-    made.add("/a", Purpose(Role.ROBOT, Graph("/a", "robot-apartment"), 0, 365), now)
+    made.add("/a", Purpose(EnclaveRole.ROBOT, Graph("/a", "robot-apartment"), 0, 365), now)
     assert made.certificate("/a").not_valid_after_utc <= now + timedelta(days=10)
 
 

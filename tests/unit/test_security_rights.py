@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from edgevox.security.rights import Rights, is_node
-from edgevox.security.roles import Graph, Role, rights_of
+from edgevox.security.roles import EnclaveRole, Graph, rights_of
 
 ROOT = Path(__file__).parents[2]
 CONTRACT = yaml.safe_load((ROOT / "tests/ros2/contract.yaml").read_text("utf-8"))
@@ -18,7 +18,7 @@ AUDIO = {"audio_in", "audio_out"}
 ACTION = "/robot1/execute_skill/_action"
 
 
-def of(role: Role, graph: Graph = GRAPH, enclave: str = "/robot1/laptop") -> Rights:
+def of(role: EnclaveRole, graph: Graph = GRAPH, enclave: str = "/robot1/laptop") -> Rights:
     return rights_of(role, graph, enclave)
 
 
@@ -30,15 +30,15 @@ def own_topics(names: frozenset[str]) -> set[str]:
 
 def test_a_robot_says_what_the_contract_has_it_say_and_no_more() -> None:
     standard = {"pose", "odom", "scan", "image_raw", "camera_info"}
-    assert own_topics(of(Role.ROBOT).publish) == SPOKEN | standard | {"audio_out"}
+    assert own_topics(of(EnclaveRole.ROBOT).publish) == SPOKEN | standard | {"audio_out"}
 
 
 def test_a_robot_hears_what_the_contract_has_it_hear_and_no_more() -> None:
-    assert own_topics(of(Role.ROBOT).subscribe) == UNDERSTOOD | INTO | {"audio_in"}
+    assert own_topics(of(EnclaveRole.ROBOT).subscribe) == UNDERSTOOD | INTO | {"audio_in"}
 
 
 def test_a_robot_answers_its_services_and_does_its_action_but_calls_nobody() -> None:
-    robot = of(Role.ROBOT)
+    robot = of(EnclaveRole.ROBOT)
     for query in CONTRACT["queries"]:
         assert f"rq/robot1/{query}Request" in robot.subscribe
         assert f"rr/robot1/{query}Reply" in robot.publish
@@ -50,14 +50,14 @@ def test_a_robot_answers_its_services_and_does_its_action_but_calls_nobody() -> 
 
 
 def test_a_recorder_hears_all_of_it_and_says_only_what_a_node_must() -> None:
-    robot, recorder = of(Role.ROBOT), of(Role.RECORDER)
+    robot, recorder = of(EnclaveRole.ROBOT), of(EnclaveRole.RECORDER)
     topics = {one for one in robot.publish | robot.subscribe if one.startswith("rt/")}
     assert topics <= recorder.subscribe
     assert recorder.publish == is_node("/robot1/edgevox_recorder").publish
 
 
 def test_a_listener_hears_no_sound_and_says_only_what_nodes_must() -> None:
-    listener = of(Role.LISTENER)
+    listener = of(EnclaveRole.LISTENER)
     assert own_topics(listener.subscribe) >= SPOKEN | UNDERSTOOD | INTO
     assert not own_topics(listener.subscribe) & AUDIO
     own = is_node("/robot1/laptop").publish | is_node("/_ros2cli_*").publish
@@ -65,15 +65,15 @@ def test_a_listener_hears_no_sound_and_says_only_what_nodes_must() -> None:
 
 
 def test_tools_may_command_whatever_a_robot_understands() -> None:
-    tools = of(Role.TOOLS)
+    tools = of(EnclaveRole.TOOLS)
     assert own_topics(tools.publish) == (UNDERSTOOD - {"presence"}) | INTO | {"audio_in"}
     assert f"rq{ACTION}/send_goalRequest" in tools.publish
     assert "rq/robot1/edgevox/set_parametersRequest" in tools.publish
     assert not any(name.startswith("rr/robot1/edgevox/") for name in tools.publish)
 
 
-@pytest.mark.parametrize("role", Role)
-def test_nobody_may_a_thing_of_another_robots_namespace(role: Role) -> None:
+@pytest.mark.parametrize("role", EnclaveRole)
+def test_nobody_may_a_thing_of_another_robots_namespace(role: EnclaveRole) -> None:
     rights = of(role)
     assert not [one for one in rights.publish | rights.subscribe if "/edgevox/list_voices" in one]
     names = {one[2:] for one in rights.publish | rights.subscribe if one[2] == "/"}
@@ -84,7 +84,7 @@ def test_nobody_may_a_thing_of_another_robots_namespace(role: Role) -> None:
 
 def test_only_the_agent_drives_a_robot_of_its_own() -> None:
     graph = Graph("/edgevox", "robot-external", "/robot1")
-    agent, tools = of(Role.ROBOT, graph), of(Role.TOOLS, graph)
+    agent, tools = of(EnclaveRole.ROBOT, graph), of(EnclaveRole.TOOLS, graph)
     external = CONTRACT["external_robot"]
     for topic, row in external.items():
         may = agent.publish if row["dir"] == "out" else agent.subscribe
@@ -106,6 +106,6 @@ def test_the_interfaces_of_a_robot_file_are_the_agents(tmp_path: Path) -> None:
         "    call: {name: beep, type: std_srvs/srv/Trigger}\n",
         "utf-8",
     )
-    agent = of(Role.ROBOT, Graph("/edgevox", "robot-external", robot_file=file))
+    agent = of(EnclaveRole.ROBOT, Graph("/edgevox", "robot-external", robot_file=file))
     assert "rq/cleaner/beepRequest" in agent.publish
     assert "rt/cleaner/wheel/odometry" in agent.subscribe

@@ -52,7 +52,7 @@ def _prepare(argv: Sequence[str]) -> Callable[[], bool]:
 
 def _create(arguments: argparse.Namespace) -> bool:
     """Make a keystore, with an authority of its own."""
-    from edgevox.security.certificates import utc_now
+    from edgevox.security.enclave_certificates import utc_now
     from edgevox.security.keystore import AUTHORITY_DAYS, Keystore
 
     made = Keystore.create(arguments.keystore, utc_now(), arguments.days or AUTHORITY_DAYS)
@@ -63,10 +63,10 @@ def _create(arguments: argparse.Namespace) -> bool:
 
 def _add(arguments: argparse.Namespace) -> bool:
     """Let one more in: a robot, a recorder, a shell with tools, or who only listens."""
-    from edgevox.security.certificates import utc_now
+    from edgevox.security.enclave_certificates import utc_now
     from edgevox.security.keystore import DAYS
     from edgevox.security.purpose import Purpose
-    from edgevox.security.roles import EXTERNAL_ROBOT, Graph, Role, node_name
+    from edgevox.security.roles import EXTERNAL_ROBOT, EnclaveRole, Graph, node_name
 
     store = _open(arguments)
     if arguments.robot_file and arguments.robot != EXTERNAL_ROBOT:
@@ -76,7 +76,7 @@ def _add(arguments: argparse.Namespace) -> bool:
     )
     file = arguments.robot_file and arguments.robot_file.absolute()
     graph = Graph(settings.agent_namespace, _robot(arguments), settings.robot_namespace, file)
-    role = Role(arguments.role)
+    role = EnclaveRole(arguments.role)
     enclave = arguments.enclave or graph.at(node_name(role))
     store.add(enclave, Purpose(role, graph, _domain(arguments), arguments.days or DAYS), utc_now())
     print(_line(store, enclave))
@@ -98,7 +98,7 @@ def _list(arguments: argparse.Namespace) -> bool:
 
 def _renew(arguments: argparse.Namespace) -> bool:
     """Give enclaves new keys, certificates and permissions; each is then exported again."""
-    from edgevox.security.certificates import utc_now
+    from edgevox.security.enclave_certificates import utc_now
 
     store = _open(arguments)
     if bool(arguments.enclave) == arguments.all:
@@ -114,7 +114,7 @@ def _renew(arguments: argparse.Namespace) -> bool:
 
 def _revoke(arguments: argparse.Namespace) -> bool:
     """Let enclaves in no more: export the others again, and start them again."""
-    from edgevox.security.certificates import utc_now
+    from edgevox.security.enclave_certificates import utc_now
 
     store = _open(arguments)
     for enclave in arguments.enclave:
@@ -177,7 +177,7 @@ def _line(store: "Keystore", enclave: str) -> str:
 
 
 def _late(store: "Keystore", within_days: int) -> list[str]:
-    from edgevox.security.certificates import utc_now
+    from edgevox.security.enclave_certificates import utc_now
 
     certificates = {"authority": store.authority}
     certificates |= {enclave: store.certificate(enclave) for enclave in store.names()}
