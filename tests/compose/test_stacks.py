@@ -73,14 +73,6 @@ def test_data_arrives_between_containers_in_every_network_that_is_offered(overla
     with stack(*overlays, EDGEVOX_LLM="none") as one:
         heard = one.probe_from_beside("edgevox-ros2", PATIENCE, f"{STATE}=room")
         assert heard["found"][STATE]
-
-
-def test_one_discovery_server_is_enough_and_without_any_nobody_is_found():
-    with stack("discovery", EDGEVOX_LLM="none") as one:
-        for first in ("discovery", "discovery-2"):
-            one.call("stop", first)
-            heard = one.probe_from_beside("edgevox-ros2", PATIENCE, f"{STATE}=room")
-            assert heard["found"][STATE], f"without {first}"
-            one.call("start", first)
-        one.call("stop", "discovery", "discovery-2")
-        assert not one.probe_from_beside("edgevox-ros2", "5", f"{STATE}=room")["found"][STATE]
+        if "discovery" in overlays:  # by the server, and by nothing else
+            one.call("stop", "discovery")
+            assert not one.probe_from_beside("edgevox-ros2", "5", f"{STATE}=room")["found"][STATE]

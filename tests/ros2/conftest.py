@@ -1,5 +1,6 @@
 """Each test module gets an agent in a process of its own, on a domain of its own."""
 
+import itertools
 import random
 import socket
 from pathlib import Path
@@ -22,11 +23,14 @@ def _localhost():
 
 @pytest.fixture(scope="session")
 def _domains(worker):
-    """Every module its own: a process that was killed haunts its domain for 20 s."""
+    """Every module its own: a process that was killed haunts its domain for 20 s.
+
+    After all of them the first is anybody's again.
+    """
     number, workers = worker
     domains = list(range(1 + number, 100, workers))
     random.shuffle(domains)
-    return filter(_is_free, domains)
+    return filter(_is_free, itertools.cycle(domains))
 
 
 def _is_free(domain):

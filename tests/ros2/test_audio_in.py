@@ -46,10 +46,14 @@ def test_what_a_microphone_node_publishes_is_heard_sample_by_sample(robot, micro
 def test_a_message_that_cannot_be_sound_is_refused_and_said(robot, microphone, size, caplog):
     audio_in, source = robot
 
-    microphone.publish(AudioData(data=bytes(size)))
-    wait_until(lambda: sum(audio_in.refusals.values()) == 1, "refusal")
+    def refused() -> int:
+        """Sound is sent with best effort: one message may be lost."""
+        microphone.publish(AudioData(data=bytes(size)))
+        return sum(audio_in.refusals.values())
+
+    wait_until(refused, "refusal")
 
     assert source.read(0.0) is None
     reason = "too_long" if size > MAX_BYTES else "invalid"
-    assert audio_in.refusals["audio_in", reason] == 1
+    assert audio_in.refusals["audio_in", reason] == sum(audio_in.refusals.values())
     assert f"bytes={size}" in caplog.text
