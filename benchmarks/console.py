@@ -9,6 +9,7 @@ which the robot's loudspeaker is due to play it to the one in which the browser 
 either sound card takes is in neither.
 """
 
+import argparse
 import bisect
 import itertools
 import json
@@ -23,6 +24,7 @@ from typing import Any
 
 import shared_with_tests  # noqa: F401 - finds the tests' modules
 from console_browser import monotonic_s, opened
+from console_sitting import sitting
 from console_speech import speech
 from figures import Figure, Measured
 from ports import free_port
@@ -141,3 +143,10 @@ def _viewers(url: str, code: str, many: int) -> Iterator[None]:
             yield
         finally:
             viewers.terminate()
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description="What a console keeps of pages that come and go.")
+    parser.add_argument("--sitting", type=float, metavar="MINUTES", required=True)
+    for line in sitting(parser.parse_args().sitting):
+        print(line, flush=True)
