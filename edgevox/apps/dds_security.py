@@ -56,7 +56,10 @@ def asked_security(environment: Mapping[str, str], program: str) -> Asked | None
         return _asked(Path(keystore), environment, program)
     if environment.get(ENCLAVE):
         raise InvalidValue(ENCLAVE, environment[ENCLAVE], f"none without {KEYSTORE}")
-    if environment.get(ENABLE) != "true":
+    enable = environment.get(ENABLE, "")
+    if enable not in ("", "false", "true"):  # ROS 2 takes any other word for no
+        raise InvalidValue(ENABLE, enable, "true or false, in these letters")
+    if enable != "true":
         return None
     if not strategy:
         raise InvalidValue(STRATEGY, "", f"{ENFORCE}, since {ENABLE} is true")

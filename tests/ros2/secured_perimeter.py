@@ -13,6 +13,7 @@ from agent_process import READY
 from geometry_msgs.msg import Twist
 from guards import HUNG_S
 from peer import STATE
+from recordings import until_recorded
 from rosbags.highlevel import AnyReader
 from secured_rig import (
     AGENT,
@@ -189,15 +190,10 @@ def test_a_recorder_keeps_what_it_may_hear(domain, keystore, tools, tmp_path):
         program=RECORDER,
     )  # fmt: skip
     recorder.wait_for_line("recording ")
-    topics = {tools.name(one) for one in ("response", "text_input", "odom")}
-    nodes = tools.node.get_node_names
-    wait_until(lambda: "edgevox_recorder" in nodes(), "the recorder")
-    answers = tools.listen("response")
-    count = tools.node.count_subscribers
-    wait_until(lambda: count(tools.name("response")) > 1, "the recorder's subscription")
-    tools.send("text_input", ASKED, subscribers=2)
-    answers.wait_for(lambda _: True)
+    files = partial((tmp_path / "bags").rglob, "*.mcap")
+    until_recorded(tools, files, ["response", "odom"])
     assert recorder.terminate() == 0
     (folder,) = (tmp_path / "bags").iterdir()
     with AnyReader([folder]) as bag:
-        assert topics <= {connection.topic for connection, _, _ in bag.messages()}
+        heard = {connection.topic for connection, _, _ in bag.messages()}
+    assert {tools.name(one) for one in ("response", "odom", "text_input")} <= heard

@@ -9,17 +9,14 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from collections import Counter
 from pathlib import Path
 
 import pytest
 import yaml
 from guards import HUNG_S
-from mcap import records
-from mcap.exceptions import EndOfFile
-from mcap.stream_reader import StreamReader
 from peer import STATE
+from recordings import texts_of, until_recorded
 from rosbags.highlevel import AnyReader
 from waiting import Heard, wait_until
 
@@ -102,39 +99,6 @@ def count_in(folder):
         return found
 
 
-def texts_of(path):
-    """The strings in a file that may have no end, by topic."""
-    channels, found = {}, {}
-    try:
-        with path.open("rb") as stream:
-            for record in StreamReader(stream).records:
-                if isinstance(record, records.Channel):
-                    channels[record.id] = record.topic
-                elif isinstance(record, records.Message):
-                    text = record.data[8:].rstrip(b"\0").decode("utf-8", "replace")
-                    found.setdefault(channels[record.channel_id], []).append(
-                        (record.log_time, text)
-                    )
-    except EndOfFile:
-        pass
-    return found
-
-
-def both_are_heard(robot, recorder, topics):
-    """Ask until what the robot and this peer say is in the file: discovery is not at once."""
-    wanted = {robot.name(topic) for topic in (*topics, "text_input", "robot_state")}
-    asked_s = 0.0
-
-    def recorded():
-        nonlocal asked_s
-        if time.monotonic() - asked_s > 1.0:
-            asked_s = time.monotonic()
-            robot.send("text_input", "where are you")
-        return any(wanted <= set(texts_of(file)) for file in recorder.files())
-
-    wait_until(recorded, f"{wanted} in the file")
-
-
 def arrived(message):
     data = json.loads(message)
     return data.get("skill") == "navigate_to" and data.get("status") == "succeeded"
@@ -145,7 +109,7 @@ def test_a_drive_is_recorded_as_a_peer_saw_it(agent, peer, recorder):
     one = recorder().wait_until_it_records()
     robot = peer()
     topics = ("response", "agent_event", "bot_sentence", "transcription")
-    both_are_heard(robot, one, topics)
+    until_recorded(robot, one.files, topics)
     heard = {topic: robot.listen(topic) for topic in topics}
     state = robot.listen("robot_state", STATE)
     before = len(state.messages)
@@ -176,7 +140,7 @@ def test_when_it_is_killed_all_but_the_last_second_is_in_the_file(agent, peer, r
     one = recorder().wait_until_it_records()
     robot = peer()
     state = robot.listen("robot_state", STATE)
-    both_are_heard(robot, one, ())
+    until_recorded(robot, one.files, ())
     robot.send("text_input", "go to the bedroom")
     state.wait_for(lambda m: json.loads(m)["velocity"]["linear"] > 0.05)
     since = len(state.messages)

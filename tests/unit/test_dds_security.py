@@ -106,6 +106,12 @@ def test_security_by_hand_is_left_alone_if_it_is_enforced():
     assert said.startswith("ROS_SECURITY_STRATEGY: got '', expected Enforce")
 
 
+@pytest.mark.parametrize("word", ["True", "1", "yes", "TRUE", "on", "enforce"])
+def test_a_word_that_ros_2_takes_for_no_is_refused(word):
+    said = _refused({**BY_HAND, "ROS_SECURITY_ENABLE": word})
+    assert said == f"ROS_SECURITY_ENABLE: got {word!r}, expected true or false, in these letters"
+
+
 def test_what_is_asked_for_by_halves_is_refused(keystore, tmp_path):
     assert _refused({"EDGEVOX_SECURITY_ENCLAVE": "/a"}).startswith("EDGEVOX_SECURITY_ENCLAVE: got")
     said = _refused({"EDGEVOX_SECURITY_KEYSTORE": str(tmp_path / "none")})
