@@ -31,6 +31,8 @@ def _as_before(monkeypatch):
     monkeypatch.setattr(sys, "meta_path", list(sys.meta_path))
     monkeypatch.setattr(sys, "path_importer_cache", dict(sys.path_importer_cache))
     SourceFinder.installed().packages.clear()
+    for name, known in vars(ROBOTS).items():
+        monkeypatch.setattr(ROBOTS, name, dict(known))
 
 
 @pytest.fixture
