@@ -11,18 +11,26 @@ from edgevox.apps.enclave_files import enclaves_of, read_enclave
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import Settings
 from edgevox.ros2.contract import NODE_NAME, RECORDER_NODE
+from edgevox.security.documents import LAST_DOMAIN
 
 KEYSTORE, ENCLAVE = "EDGEVOX_SECURITY_KEYSTORE", "EDGEVOX_SECURITY_ENCLAVE"
 ENABLE, STRATEGY = "ROS_SECURITY_ENABLE", "ROS_SECURITY_STRATEGY"
 ROS_KEYSTORE, OVERRIDE = "ROS_SECURITY_KEYSTORE", "ROS_SECURITY_ENCLAVE_OVERRIDE"
-NAMESPACE = "EDGEVOX_AGENT_NAMESPACE"
+NAMESPACE, DOMAIN = "EDGEVOX_AGENT_NAMESPACE", "ROS_DOMAIN_ID"
 ENFORCE = "Enforce"
 PROBE, PROBE_S = "edgevox.ros2.middleware_build:middleware_build", 60.0
+PARTICIPANT_PROBE = "edgevox.ros2.participant_probe:participant_probe"
+UNSEEN = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF", "ROS_DISCOVERY_SERVER": ""}
+"""So that a participant that is made to see whether it can be is noticed by nobody."""
 NAMES = {"edgevox": NODE_NAME, "edgevox-agent": NODE_NAME, "edgevox-recorder": RECORDER_NODE}
 """How the enclave of a program is called, within the robot's namespace."""
 TOOLS = "tools"
 """That of all others: `ros2`, and what people try."""
 NO_SECURITY = "a middleware with DDS security, as in the official image ros:jazzy-ros-base"
+
+NOT_TAKEN = (
+    "the middleware does not take it; are governance.p7s and permissions.p7s as they were signed?"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,25 +87,27 @@ def secured(
     asked = asked_security(environment, program)
     if asked and environment.get(KEYSTORE):
         _require_middleware(environment)
-        state = read_enclave(asked.folder, datetime.now(UTC))
+        state = read_enclave(asked.folder, datetime.now(UTC), domain_of(environment))
         if state.wrong:
             raise InvalidValue(ENCLAVE, asked.enclave, f"a good one: {'; '.join(state.wrong)}")
-        for line in (*keystore_warnings(asked.keystore), *state.warnings):
+        _require_taken(asked, environment)
+        for line in state.warnings:
             warn(f"security: {asked.enclave}: {line}")
     rest = {name: one for name, one in environment.items() if name not in (KEYSTORE, ENCLAVE)}
     return rest | (asked.variables if asked else {})
 
 
+def domain_of(environment: Mapping[str, str]) -> int:
+    """The domain of ROS 2's graph that is asked for. Raises `InvalidValue`."""
+    said = environment.get(DOMAIN) or "0"
+    if not (said.isascii() and said.isdecimal()) or int(said) > LAST_DOMAIN:
+        raise InvalidValue(DOMAIN, said, f"0 to {LAST_DOMAIN}")
+    return int(said)
+
+
 def secure_process(program: str, namespace: str, warn: Callable[[str], None]) -> None:
     """The same for this process, before its first node. Raises `InvalidValue`."""
     os.environ.update(secured({**os.environ, NAMESPACE: namespace}, program, warn))
-
-
-def keystore_warnings(keystore: Path) -> list[str]:
-    """Whoever has the authority's key makes enclaves of its own."""
-    there = os.path.lexists(keystore / "private")
-    said = f"{keystore} has the authority's private folder: give it what edgevox-security exports"
-    return [said] if there else []
 
 
 def _asked(keystore: Path, environment: Mapping[str, str], program: str) -> Asked:
@@ -107,6 +117,12 @@ def _asked(keystore: Path, environment: Mapping[str, str], program: str) -> Aske
             KEYSTORE,
             str(keystore),
             f"one that edgevox-security exported, to be read by user {os.getuid()}",
+        )
+    if os.path.lexists(keystore / "private"):  # whoever has it makes enclaves of its own
+        raise InvalidValue(
+            KEYSTORE,
+            str(keystore),
+            "what edgevox-security exports: this is the authority's own, with its private keys",
         )
     asked = Asked(keystore, environment.get(ENCLAVE) or _own(known, environment, program))
     if asked.enclave not in known:
@@ -137,3 +153,13 @@ def _require_middleware(environment: Mapping[str, str]) -> None:
         raise InvalidValue(
             KEYSTORE, environment[KEYSTORE], f"{NO_SECURITY}; here is {name} without it"
         )
+
+
+def _require_taken(asked: Asked, environment: Mapping[str, str]) -> None:
+    given = {**environment, **asked.variables, **UNSEEN}
+    try:
+        taken = probe_apart(PARTICIPANT_PROBE, environment=given, timeout_s=PROBE_S)["taken"]
+    except ProbeFailed as failed:
+        raise InvalidValue(ENCLAVE, asked.enclave, f"a good one: {failed}") from None
+    if not taken:
+        raise InvalidValue(ENCLAVE, asked.enclave, f"a good one: {NOT_TAKEN}")

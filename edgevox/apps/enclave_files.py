@@ -10,13 +10,26 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
+from edgevox.security.documents import LAST_DOMAIN
+
 CERTIFICATES = ("cert.pem", "identity_ca.cert.pem", "permissions_ca.cert.pem")
-KEY, PERMISSIONS = "key.pem", "permissions.p7s"
-NEEDED = (*CERTIFICATES, KEY, PERMISSIONS, "governance.p7s")
+KEY, PERMISSIONS, GOVERNANCE = "key.pem", "permissions.p7s", "governance.p7s"
+NEEDED = (*CERTIFICATES, KEY, PERMISSIONS, GOVERNANCE)
 """What a participant reads, by the names that sros2 gave them."""
 SOON = timedelta(days=30)
 _UTC_TIME, _GENERALIZED_TIME, _VERSION = 0x17, 0x18, 0xA0
 _GRANTED = re.compile(r"<not_(?:before|after)>\s*(\S+?)\s*</not_(before|after)>")
+_ALLOWED = re.compile(r"<allow_rule>.*?<domains>(.*?)</domains>", re.DOTALL)
+_DOMAINS = re.compile(
+    r"<id>\s*(\d+)\s*</id>"
+    r"|<id_range>\s*(?:<min>\s*(\d+)\s*</min>\s*)?(?:<max>\s*(\d+)\s*</max>\s*)?</id_range>"
+)
+_LETS_IN = re.compile(
+    r"<(allow_unauthenticated_participants)>\s*(?:true|1)\b"
+    r"|<(enable_join_access_control)>\s*(?:false|0)\b",
+    re.IGNORECASE,
+)
+"""What a governance may say that makes Enforce a word: strangers are let in on a domain."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,8 +52,11 @@ def enclaves_of(keystore: Path) -> list[str]:
     return sorted(found)
 
 
-def read_enclave(folder: Path, now: datetime) -> EnclaveState:
-    """How the files in an enclave's folder are; what is missing or over is wrong."""
+def read_enclave(folder: Path, now: datetime, domain: int) -> EnclaveState:
+    """How an enclave's files are; what is missing, over or not for this domain is wrong.
+
+    Who may do nothing on a domain would start there all the same, and be deaf.
+    """
     wrong = [said for name in NEEDED if (said := _unreadable(folder / name))]
     if wrong:
         return EnclaveState(tuple(wrong), ())
@@ -48,11 +64,16 @@ def read_enclave(folder: Path, now: datetime) -> EnclaveState:
         periods = {name: _period_of(folder / name) for name in CERTIFICATES}
     except ValueError as error:
         return EnclaveState((str(error),), ())
-    if granted := _granted_period(_text(folder / PERMISSIONS)):
+    granting = _text(folder / PERMISSIONS)
+    if granted := _granted_period(granting):
         periods[PERMISSIONS] = granted
     wrong = [said for name, period in periods.items() if (said := _out_of_date(name, period, now))]
     if not _are_a_pair(folder / CERTIFICATES[0], folder / KEY):
         wrong.append(f"{KEY} is no key of {CERTIFICATES[0]}")
+    if (told := _domains(granting)) and not any(domain in one for one in told):
+        wrong.append(f"{PERMISSIONS} is for ROS_DOMAIN_ID {_named(told)}, and here it is {domain}")
+    if strangers := _LETS_IN.search(_text(folder / GOVERNANCE)):
+        wrong.append(f"{GOVERNANCE} lets strangers in, by {strangers[1] or strangers[2]}")
     warnings = [
         f"{name} ends {at:%Y-%m-%d}" for name, (_, at) in periods.items() if at < now + SOON
     ]
@@ -100,6 +121,21 @@ def _granted_period(text: str) -> tuple[datetime, datetime] | None:
             moment = datetime.fromisoformat(written)
             at[which].append(moment if moment.tzinfo else moment.replace(tzinfo=UTC))
     return (max(at["before"]), min(at["after"])) if at["before"] and at["after"] else None
+
+
+def _domains(text: str) -> list[range]:
+    """On which something is allowed, if the XML stands there in the clear."""
+    found = [one for rule in _ALLOWED.findall(text) for one in _DOMAINS.findall(rule)]
+    return [
+        range(int(one or least or 0), int(one or most or LAST_DOMAIN) + 1)
+        for one, least, most in found
+    ]
+
+
+def _named(domains: list[range]) -> str:
+    return ", ".join(
+        f"{one.start}" if len(one) == 1 else f"{one.start} to {one.stop - 1}" for one in domains
+    )
 
 
 def _out_of_date(name: str, period: tuple[datetime, datetime], now: datetime) -> str:

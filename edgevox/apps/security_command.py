@@ -11,17 +11,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from edgevox import __version__
+from edgevox.apps.dds_security import domain_of
 from edgevox.apps.run_program import run_program
 from edgevox.apps.streams import with_streams
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.extras import install_extra
 from edgevox.core.settings import check_settings
+from edgevox.security.documents import LAST_DOMAIN
 
 if TYPE_CHECKING:
     from edgevox.security.keystore import Keystore
 
 ROLES = ("robot", "recorder", "tools", "listener")
-LAST_DOMAIN = 232
 MOST_DAYS = 36500
 WARN_DAYS = 30
 
@@ -159,12 +160,7 @@ def _robot(arguments: argparse.Namespace) -> str:
 
 
 def _domain(arguments: argparse.Namespace) -> int:
-    said = os.environ.get("ROS_DOMAIN_ID") or "0"
-    if arguments.domain is not None:
-        return int(arguments.domain)
-    if not said.isdecimal() or int(said) > LAST_DOMAIN:
-        raise InvalidValue("ROS_DOMAIN_ID", said, f"0 to {LAST_DOMAIN}, or --domain N")
-    return int(said)
+    return int(arguments.domain) if arguments.domain is not None else domain_of(os.environ)
 
 
 def _line(store: "Keystore", enclave: str) -> str:

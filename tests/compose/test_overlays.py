@@ -15,6 +15,7 @@ from edgevox.apps.container import ENVIRONMENT, prepared
 OVERLAYS = sorted((ROOT / "compose").glob("*.yml"))
 NAMES = [file.stem for file in OVERLAYS]
 TABLE = "<!-- table: overlays"
+KEYSTORE = "EDGEVOX_SECURITY_KEYSTORE"
 
 
 def _excluded() -> dict[str, set[str]]:
@@ -36,9 +37,11 @@ NOT_WITH = _excluded()
 PAIRS = [pair for pair in itertools.combinations(NAMES, 2) if pair[1] not in NOT_WITH[pair[0]]]
 
 
-def _config(*overlays: str) -> dict:
+def _config(*overlays: str, file: str = "") -> dict:
+    """The services of the base with these overlays, and with a file of one's own."""
     command = ["docker", "compose", "-f", BASE]
     command += itertools.chain.from_iterable(("-f", f"compose/{name}.yml") for name in overlays)
+    command += ["-f", file] if file else []
     command += ["--profile", "*", "config", "--format", "json"]
     ran = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert ran.returncode == 0, ran.stderr
@@ -107,6 +110,34 @@ def test_each_service_has_its_own_enclave_read_only_where_the_entrypoint_looks()
         assert mount["source"] == str(ROOT / "security" / folder)
         given = services[service]["environment"]
         assert given["EDGEVOX_SECURITY_KEYSTORE"] == mount["target"]
+
+
+def test_the_robots_enclave_is_not_given_to_the_recorder(monkeypatch):
+    monkeypatch.setenv("EDGEVOX_SECURITY_ENCLAVE", "/anna/robot")
+    services = _config("secure", "recorder")["services"]
+    given = {name: one["environment"]["EDGEVOX_SECURITY_ENCLAVE"] for name, one in services.items()}
+    assert given == {"edgevox-ros2": "/anna/robot", "recorder": ""}
+    monkeypatch.setenv("SECURITY_RECORDER_ENCLAVE", "/anna/recorder")
+    recorder = _config("secure", "recorder")["services"]["recorder"]
+    assert recorder["environment"]["EDGEVOX_SECURITY_ENCLAVE"] == "/anna/recorder"
+
+
+def test_a_fleet_is_secured_as_the_page_says(tmp_path):
+    page = (
+        (ROOT / "docs" / "security.md").read_text().partition("A fleet of `compose/fleet.yml`")[2]
+    )
+    shown = page.partition("```yaml\n")[2].partition("```")[0]
+    file = tmp_path / "fleet-security.yml"
+    file.write_text(shown)
+    robots = _config("fleet", file=str(file))["services"]
+    secured = {name for name, one in robots.items() if one["environment"].get(KEYSTORE)}
+    assert secured == {"robot1", "robot2", "robot3"}
+    for name in secured:
+        (mount,) = (m for m in robots[name]["volumes"] if m["source"].endswith(f"/{name}"))
+        assert (mount["target"], mount["read_only"]) == (
+            robots[name]["environment"][KEYSTORE],
+            True,
+        )
 
 
 def test_the_console_is_published_on_this_machine_only_unless_it_is_said(monkeypatch):

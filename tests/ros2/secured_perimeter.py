@@ -3,6 +3,7 @@
 That somebody hears nothing is told from others beside him, who hear what they should.
 """
 
+import os
 import sys
 from datetime import timedelta
 from functools import partial
@@ -28,7 +29,9 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 from waiting import Heard, wait_until
 
+from edgevox.apps.dds_security import secured
 from edgevox.apps.security_command import main
+from edgevox.core.errors import InvalidValue
 from edgevox.security.enclave_certificates import utc_now
 
 ASKED = "where are you"
@@ -170,6 +173,22 @@ def test_an_agent_in_the_enclave_of_a_listener_ends(domain, keystore):
     agent.wait_for_line("ROS 2 could not be started")
     assert agent.process.wait(HUNG_S) != 0
     agent.terminate()
+
+
+def test_what_was_changed_after_it_was_signed_starts_nothing(domain, keystore, tmp_path):
+    assert main(["export", str(keystore), AGENT, str(tmp_path / "robot")]) == 0
+    given = {**os.environ, "EDGEVOX_SECURITY_KEYSTORE": str(tmp_path / "robot")}
+    given |= {"ROS_DOMAIN_ID": str(domain)}
+    made = secured(given, "edgevox-agent", pytest.fail)
+    assert made["ROS_SECURITY_ENCLAVE_OVERRIDE"] == AGENT
+    for name in ("permissions.p7s", "governance.p7s"):
+        file = tmp_path / f"robot/enclaves{AGENT}" / name
+        signed = file.read_bytes()
+        file.write_bytes(signed.replace(b"DENY", b"ALLOW").replace(b"ENCRYPT", b"NONE"))
+        with pytest.raises(InvalidValue, match="the middleware does not take it"):
+            secured(given, "edgevox-agent", pytest.fail)
+        file.write_bytes(signed)
+    assert secured(given, "edgevox-agent", pytest.fail) == made
 
 
 def test_who_is_revoked_is_kept_out_by_whoever_has_the_new_list(domain, closing, tmp_path):

@@ -20,6 +20,9 @@ Content-Type: text/plain
 
 <validity><not_before>{begins:%Y-%m-%dT%H:%M:%S}</not_before>
 <not_after>{ends:%Y-%m-%dT%H:%M:%S}</not_after></validity>
+<allow_rule>
+  <domains>{domains}</domains>
+</allow_rule>
 ------1
 """
 
@@ -41,8 +44,9 @@ def make_enclave(
     begins: datetime = NOW - DAY,
     ends: datetime = NOW + YEAR,
     authority_ends: datetime = NOW + 10 * YEAR,
+    domains: str = "<id>0</id>",
 ) -> Path:
-    """The folder of an enclave that is made."""
+    """The folder of an enclave that is made, on these domains."""
     folder = keystore / "enclaves" / enclave.lstrip("/")
     folder.mkdir(parents=True)
     own, key = certificate(begins, ends)
@@ -52,7 +56,7 @@ def make_enclave(
         "key.pem": key,
         "identity_ca.cert.pem": authority,
         "permissions_ca.cert.pem": authority,
-        "permissions.p7s": PERMISSIONS.format(begins=begins, ends=ends),
+        "permissions.p7s": PERMISSIONS.format(begins=begins, ends=ends, domains=domains),
         "governance.p7s": "signed",
     }.items():
         (folder / name).write_text(text)

@@ -13,7 +13,7 @@ from edgevox.apps.doctor.runner import ProbeFailed
 from edgevox.core.errors import InvalidValue
 from edgevox.ros2.middleware_build import judged_by
 
-BUILT = {"middleware": "rmw_fastrtps_cpp", "security": True, "bundled_openssl": ""}
+BUILT = {"middleware": "rmw_fastrtps_cpp", "security": True, "bundled_openssl": "", "taken": True}
 ROBOT = {"EDGEVOX_AGENT_NAMESPACE": "/robot1"}
 BY_HAND = {"ROS_SECURITY_ENABLE": "true", "ROS_SECURITY_STRATEGY": "Enforce"}
 
@@ -130,13 +130,44 @@ def test_an_enclave_that_is_over_stops_it_and_one_that_ends_soon_is_told(keystor
     said = _refused({**ROBOT, "EDGEVOX_SECURITY_KEYSTORE": str(over)})
     assert "cert.pem ended" in said
     told = []
-    (soon / "private").mkdir()
     secured({**ROBOT, "EDGEVOX_SECURITY_KEYSTORE": str(soon)}, "edgevox-agent", told.append)
-    assert "private folder" in told[0]
-    assert [line.partition(" ends ")[0] for line in told[1:]] == [
+    assert [line.partition(" ends ")[0] for line in told] == [
         "security: /robot1/edgevox: cert.pem",
         "security: /robot1/edgevox: permissions.p7s",
     ]
+
+
+def test_the_authoritys_own_keystore_is_refused(keystore):
+    (keystore / "private").mkdir()
+    said = _refused({**ROBOT, "EDGEVOX_SECURITY_KEYSTORE": str(keystore)})
+    assert said.startswith("EDGEVOX_SECURITY_KEYSTORE: got ")
+    assert "what edgevox-security exports" in said
+
+
+@pytest.mark.parametrize("domain", ["x", "-1", "233", "٣"])
+def test_a_domain_that_is_none_is_refused(keystore, domain):
+    given = {"EDGEVOX_SECURITY_KEYSTORE": str(keystore), "ROS_DOMAIN_ID": domain}
+    assert _refused({**ROBOT, **given}).startswith(f"ROS_DOMAIN_ID: got {domain!r}, expected 0 to")
+
+
+def test_an_enclave_of_another_domain_is_refused(keystore):
+    given = {"EDGEVOX_SECURITY_KEYSTORE": str(keystore), "ROS_DOMAIN_ID": "8"}
+    assert "permissions.p7s is for ROS_DOMAIN_ID 0" in _refused({**ROBOT, **given})
+
+
+def test_an_enclave_that_the_middleware_does_not_take_is_refused(keystore, monkeypatch):
+    asked = []
+
+    def probe(address, *_, environment=None, **__):
+        asked.append(environment)
+        return BUILT | {"taken": False}
+
+    monkeypatch.setattr(dds_security, "probe_apart", probe)
+    said = _refused({**ROBOT, "EDGEVOX_SECURITY_KEYSTORE": str(keystore), "ROS_DOMAIN_ID": "0"})
+    assert said.startswith("EDGEVOX_SECURITY_ENCLAVE: got '/robot1/edgevox', expected a good one")
+    assert "as they were signed" in said
+    assert asked[1]["ROS_SECURITY_ENCLAVE_OVERRIDE"] == "/robot1/edgevox"
+    assert asked[1]["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "OFF"
 
 
 @pytest.mark.parametrize(

@@ -31,10 +31,8 @@ def test_it_says_which_build_this_is_and_that_nobody_asked(judged):
 
 def test_it_says_until_when_an_enclave_is_good(judged, tmp_path):
     make_enclave(tmp_path, "/edgevox/edgevox", ends=NOW + 5 * DAY)
-    (tmp_path / "private").mkdir()
     _, *said = judged(EDGEVOX_SECURITY_KEYSTORE=str(tmp_path))
-    assert levels(said) == [WARNING, WARNING, WARNING, OK]
-    assert "the authority's private folder" in said[0].found
+    assert levels(said) == [WARNING, WARNING, OK]
     assert said[-1].found == f"enforced as /edgevox/edgevox, until {NOW + 5 * DAY:%Y-%m-%d}"
 
 
@@ -43,6 +41,9 @@ def test_what_would_keep_it_from_starting_is_an_error(judged, tmp_path):
     given = {"EDGEVOX_SECURITY_KEYSTORE": str(tmp_path)}
     assert levels(judged(BUILT | {"security": False}, **given)) == [OK, ERROR]
     assert levels(judged(ROS_SECURITY_STRATEGY="Permissive")) == [OK, ERROR]
+    here = {**given, "ROS_DOMAIN_ID": "8"}
+    found = [one.found for one in judged(**here)[1:]]
+    assert found == ["/edgevox/edgevox: permissions.p7s is for ROS_DOMAIN_ID 0, and here it is 8"]
     (folder / "key.pem").unlink()
     _, wrong = judged(**given)
     assert (wrong.level, wrong.found) == (ERROR, "/edgevox/edgevox: key.pem is missing")

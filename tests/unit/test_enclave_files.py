@@ -31,7 +31,7 @@ def test_what_is_no_certificate_is_a_value_error(text):
 
 
 def test_a_good_enclave_says_when_the_first_of_its_files_ends(tmp_path):
-    state = read_enclave(make_enclave(tmp_path), NOW)
+    state = read_enclave(make_enclave(tmp_path), NOW, 0)
     assert (state.wrong, state.warnings, state.ends) == ((), (), NOW + YEAR)
 
 
@@ -39,21 +39,21 @@ def test_a_good_enclave_says_when_the_first_of_its_files_ends(tmp_path):
 def test_a_file_that_is_missing_is_named(tmp_path, name):
     folder = make_enclave(tmp_path)
     (folder / name).unlink()
-    assert read_enclave(folder, NOW).wrong == (f"{name} is missing",)
+    assert read_enclave(folder, NOW, 0).wrong == (f"{name} is missing",)
 
 
 def test_what_is_over_is_wrong_and_what_ends_soon_is_told(tmp_path):
-    over = read_enclave(make_enclave(tmp_path / "1", ends=NOW), NOW)
+    over = read_enclave(make_enclave(tmp_path / "1", ends=NOW), NOW, 0)
     at = f"ended {NOW:%Y-%m-%d %H:%M} UTC"
     assert over.wrong == (f"cert.pem {at}", f"permissions.p7s {at}")
     soon = NOW + 29 * DAY
-    state = read_enclave(make_enclave(tmp_path / "2", authority_ends=soon), NOW)
+    state = read_enclave(make_enclave(tmp_path / "2", authority_ends=soon), NOW, 0)
     said = [f"{name} ends {soon:%Y-%m-%d}" for name in NEEDED if "_ca" in name]
     assert (state.wrong, list(state.warnings), state.ends) == ((), said, soon)
 
 
 def test_what_is_not_good_yet_blames_the_clock(tmp_path):
-    state = read_enclave(make_enclave(tmp_path, begins=NOW + DAY), NOW)
+    state = read_enclave(make_enclave(tmp_path, begins=NOW + DAY), NOW, 0)
     assert all(line.endswith("is the clock right?") for line in state.wrong)
     assert len(state.wrong) == 4
 
@@ -61,20 +61,20 @@ def test_what_is_not_good_yet_blames_the_clock(tmp_path):
 def test_a_key_of_another_certificate_or_that_all_may_read_is_told(tmp_path):
     folder = make_enclave(tmp_path)
     (folder / "key.pem").chmod(0o644)
-    (warning,) = read_enclave(folder, NOW).warnings
+    (warning,) = read_enclave(folder, NOW, 0).warnings
     assert warning.startswith("key.pem can be read by everybody")
     (folder / "key.pem").write_text(certificate(NOW, NOW + DAY)[1])
-    assert read_enclave(folder, NOW).wrong == ("key.pem is no key of cert.pem",)
+    assert read_enclave(folder, NOW, 0).wrong == ("key.pem is no key of cert.pem",)
     (folder / "key.pem").write_text("")
-    assert read_enclave(folder, NOW).wrong == ("key.pem is no key of cert.pem",)
+    assert read_enclave(folder, NOW, 0).wrong == ("key.pem is no key of cert.pem",)
     (folder / "cert.pem").write_text("")
-    assert read_enclave(folder, NOW).wrong == ("cert.pem: no certificate in PEM",)
+    assert read_enclave(folder, NOW, 0).wrong == ("cert.pem: no certificate in PEM",)
 
 
 def test_permissions_that_cannot_be_read_in_the_clear_are_the_middlewares_to_judge(tmp_path):
     folder = make_enclave(tmp_path)
     (folder / "permissions.p7s").write_text("MIIC" * 100)
-    assert read_enclave(folder, NOW).wrong == ()
+    assert read_enclave(folder, NOW, 0).wrong == ()
 
 
 def test_the_enclaves_of_a_secret_in_a_pod_are_not_counted_twice(tmp_path):
@@ -87,11 +87,43 @@ def test_the_enclaves_of_a_secret_in_a_pod_are_not_counted_twice(tmp_path):
     (folder / "..data").symlink_to("..2026")
     make_enclave(tmp_path, "/robot1/tools")
     assert enclaves_of(tmp_path) == ["/robot1/edgevox", "/robot1/tools"]
-    assert read_enclave(folder, NOW).wrong == ()
+    assert read_enclave(folder, NOW, 0).wrong == ()
     assert enclaves_of(tmp_path / "nowhere") == []
 
 
 def test_what_this_user_may_not_read_is_told_as_that(tmp_path, monkeypatch):
     folder = make_enclave(tmp_path)
     monkeypatch.setattr(os, "access", lambda file, _: "key" not in str(file))
-    assert read_enclave(folder, NOW).wrong == (f"key.pem cannot be read by user {os.getuid()}",)
+    assert read_enclave(folder, NOW, 0).wrong == (f"key.pem cannot be read by user {os.getuid()}",)
+
+
+@pytest.mark.parametrize(
+    ("domains", "named"),
+    [("<id>7</id>", "7"), (" <id> 7 </id>\n <id>12</id> ", "7, 12"),
+     ("<id_range><min>7</min><max>9</max></id_range>", "7 to 9"),
+     ("<id_range>\n<min>7</min>\n</id_range>", "7 to 232"),
+     ("<id>9</id><id_range><max>7</max></id_range>", "9, 0 to 7")],
+)  # fmt: skip
+def test_permissions_of_another_domain_are_wrong(tmp_path, domains, named):
+    folder = make_enclave(tmp_path, domains=domains)
+    assert read_enclave(folder, NOW, 7).wrong == ()
+    said = f"permissions.p7s is for ROS_DOMAIN_ID {named}, and here it is 233"
+    assert read_enclave(folder, NOW, 233).wrong == (said,)
+
+
+def test_domains_that_are_not_told_in_the_clear_are_left_to_the_middleware(tmp_path):
+    assert read_enclave(make_enclave(tmp_path, domains=""), NOW, 5).wrong == ()
+
+
+@pytest.mark.parametrize(
+    ("said", "by"),
+    [("<allow_unauthenticated_participants>true<", "allow_unauthenticated_participants"),
+     ("<allow_unauthenticated_participants> 1 <", "allow_unauthenticated_participants"),
+     ("<enable_join_access_control>\nFALSE<", "enable_join_access_control"),
+     ("<allow_unauthenticated_participants>false<", ""), ("<enable_join_access_control>1<", "")],
+)  # fmt: skip
+def test_a_governance_that_lets_strangers_in_is_wrong(tmp_path, said, by):
+    folder = make_enclave(tmp_path)
+    (folder / "governance.p7s").write_text(f"signed {said}")
+    wrong = (f"governance.p7s lets strangers in, by {by}",) if by else ()
+    assert read_enclave(folder, NOW, 0).wrong == wrong

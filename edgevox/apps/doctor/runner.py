@@ -4,7 +4,7 @@ import json
 import signal
 import subprocess
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 from edgevox.apps.doctor.check import (
@@ -41,14 +41,23 @@ def ask(checks: Sequence[Check], situation: Situation) -> list[CheckAnswer]:
     ]
 
 
-def probe_apart(address: str, *arguments: str, timeout_s: float = PROBE_S) -> Facts:
-    """What a probe sees in a process of its own. Raises `ProbeFailed`."""
+def probe_apart(
+    address: str,
+    *arguments: str,
+    environment: Mapping[str, str] | None = None,
+    timeout_s: float = PROBE_S,
+) -> Facts:
+    """What a probe sees in a process of its own, in this environment or another.
+
+    Raises `ProbeFailed`.
+    """
     command = [sys.executable, "-P", "-m", "edgevox.apps.doctor.child", address, *arguments]
     try:
         done = subprocess.run(
             command,
             stdin=subprocess.DEVNULL,
             capture_output=True,
+            env=environment,
             timeout=timeout_s,
             check=False,
         )

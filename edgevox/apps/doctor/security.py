@@ -11,7 +11,7 @@ from edgevox.apps.dds_security import (
     PROBE,
     Asked,
     asked_security,
-    keystore_warnings,
+    domain_of,
 )
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, warning
 from edgevox.apps.doctor.runner import probe_apart
@@ -38,17 +38,17 @@ def _enclave(situation: Situation) -> dict[str, Any]:
     environment = {**situation.environment, NAMESPACE: situation.settings.agent_namespace}
     try:
         asked = asked_security(environment, AGENT)
+        return facts | (_state(asked, domain_of(environment)) if asked else {})
     except InvalidValue as failed:
         return facts | {"refused": str(failed)}
-    return facts | (_state(asked) if asked else {})
 
 
-def _state(asked: Asked) -> dict[str, Any]:
-    state = read_enclave(asked.folder, datetime.now(UTC))
+def _state(asked: Asked, domain: int) -> dict[str, Any]:
+    state = read_enclave(asked.folder, datetime.now(UTC), domain)
     return {
         "enclave": asked.enclave,
         "wrong": list(state.wrong),
-        "warnings": [*keystore_warnings(asked.keystore), *state.warnings],
+        "warnings": list(state.warnings),
         "ends": f"{state.ends:%Y-%m-%d}" if state.ends else "",
     }
 
