@@ -62,7 +62,7 @@ class ConsoleSound(Protocol):
 
 
 class ConsoleRecorder(Protocol):
-    """Recordings that somebody starts, ends and takes home."""
+    """Recordings that somebody starts, ends and takes home. On a worker thread: they may wait."""
 
     def start(self) -> None:
         """Begin a recording. Raises `EdgeVoxError`."""
@@ -71,7 +71,10 @@ class ConsoleRecorder(Protocol):
         """End it. Raises `EdgeVoxError`."""
 
     def files(self) -> Sequence[Path]:
-        """What may be downloaded."""
+        """What may be downloaded, each by its file's name."""
+
+    def delete(self, name: str) -> None:
+        """Remove the recording with a file of this name. Raises `EdgeVoxError`."""
 
 
 @dataclass(frozen=True)

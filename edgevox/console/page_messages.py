@@ -133,6 +133,13 @@ class Record(PageMessage):
     action: Literal["start", "stop"]
 
 
+class DeleteRecording(PageMessage):
+    """Remove a recording, by the name of its file."""
+
+    type: Literal["delete_recording"]
+    name: _Name
+
+
 Message = (
     Text
     | YesOrNo
@@ -147,6 +154,7 @@ Message = (
     | Ping
     | Look
     | Record
+    | DeleteRecording
 )
 _ADAPTER: TypeAdapter[Message] = TypeAdapter(Annotated[Message, Field(discriminator="type")])
 

@@ -14,7 +14,7 @@ from edgevox.console.page_messages import MOST_BYTES
 from edgevox.console.pairing import Pairing
 from edgevox.console.rate_limit import PageRateLimit
 from edgevox.console.security_headers import add_headers, is_own_origin
-from edgevox.console.sessions import LAST_S, Session
+from edgevox.console.sessions import LAST_S, Role, Session
 from edgevox.console.sockets.browser_sound import MOST_BYTES as MOST_SOUND
 from edgevox.console.sockets.browser_sound import SoundLine, SoundPage
 from edgevox.console.sockets.control import ControlPage, SocketLimits
@@ -153,7 +153,8 @@ class Site:
         return answer
 
     async def _recording(self, request: web.Request) -> web.StreamResponse:
-        self.session(request)
+        if self.session(request).role is not Role.OPERATOR:  # it has what people said
+            raise web.HTTPForbidden(text="operators only")
         recorder = self.hub.context.recorder
         files = await self.hub.work(recorder.files) if recorder else ()
         for file in files:

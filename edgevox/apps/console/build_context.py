@@ -9,6 +9,7 @@ from edgevox.agent.going import TO_POINT
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.apps.agent_parts import AgentParts
 from edgevox.apps.console.offered_skills import offered
+from edgevox.apps.console.robot_recorder import RobotRecorder
 from edgevox.apps.console.shown_robot import ShownRobot
 from edgevox.console.context import ConsoleContext, ConsoleSound
 from edgevox.core.commands import Command, RunSkill, TextInput
@@ -22,14 +23,16 @@ from edgevox.robots.places.skills import REMEMBER
 MOST_LATENCIES = 50
 
 
-def build_context(parts: AgentParts, sound: ConsoleSound | None = None) -> ConsoleContext:
+def build_context(
+    parts: AgentParts, sound: ConsoleSound | None = None, recorder: RobotRecorder | None = None
+) -> ConsoleContext:
     """All of it, for an agent that was put together. It listens to the bus from now on."""
-    return _OfAgent(parts).context(sound)
+    return _OfAgent(parts, recorder).context(sound)
 
 
 class _OfAgent:
-    def __init__(self, parts: AgentParts) -> None:
-        self._parts = parts
+    def __init__(self, parts: AgentParts, recorder: RobotRecorder | None) -> None:
+        self._parts, self._recorder = parts, recorder
         self._robot = (
             ShownRobot(parts.body, parts.interlock, parts.guard, self._label)
             if parts.body
@@ -52,6 +55,7 @@ class _OfAgent:
             status=self._status,
             robot=self._robot,
             sound=sound,
+            recorder=self._recorder,
             answer=self._answer,
             go_to=_go_to if goes else None,
             name_place=_name_place if names else None,
@@ -71,7 +75,11 @@ class _OfAgent:
                 "confirms": list(CONFIRM),
             },
             "skills": offered(self._parts.skills, self._parts.guard, phrases, Way.CONSOLE_OPERATOR),
-            "capabilities": {**here, "sound": self._parts.voice is not None, "record": False},
+            "capabilities": {
+                **here,
+                "sound": self._parts.voice is not None,
+                "record": self._recorder is not None,
+            },
         }
 
     def _status(self) -> Mapping[str, Any]:
@@ -91,6 +99,7 @@ class _OfAgent:
                 for one in self._parts.components.statuses()
             ],
             "latencies": list(self._latencies),
+            **({"recording": self._recorder.state()} if self._recorder else {}),
         }
 
     def _answer(self, yes: bool, way: Way) -> None:

@@ -35,6 +35,7 @@ def serve_console(stack: ExitStack, parts: AgentParts) -> None:
 def _open(own: ExitStack, parts: AgentParts) -> "ConsoleServer":
     try:
         from edgevox.apps.console.build_context import build_context
+        from edgevox.apps.console.robot_recorder import open_recorder
         from edgevox.apps.console.shared_sound import share_sound
         from edgevox.console.open_console import open_console
     except ModuleNotFoundError as error:
@@ -42,7 +43,10 @@ def _open(own: ExitStack, parts: AgentParts) -> "ConsoleServer":
     folder = console_folder(parts.settings)
     try:
         sound = share_sound(own, parts)
-        server = open_console(build_context(parts, sound), parts.settings, folder)
+        recorder = open_recorder(parts.settings, folder)
+        if recorder:
+            own.callback(recorder.stop)
+        server = open_console(build_context(parts, sound, recorder), parts.settings, folder)
         own.callback(server.close)
         code, address = server.offer_code()
     except OSError as error:

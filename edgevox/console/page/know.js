@@ -1,5 +1,5 @@
 /** How the robot is: health, latencies as small plots, what was refused and why, logs, recordings. */
-import { h, sparkline } from "./dom.js";
+import { h, sign, sparkline } from "./dom.js";
 import { tellRefusal } from "./notices.js";
 import { number, say, sayOr } from "./words.js";
 
@@ -69,19 +69,42 @@ function latencyRows(turns) {
 
 /** @param {import("./store.js").Store} store @param {import("./link.js").Link} link */
 function recordingPart(store, link) {
-  const button = h("button", { type: "button", onclick: () =>
-    link.send({ type: "record", action: store.status.recording?.running ? "stop" : "start" }).catch(tellRefusal) });
+  const button = h("button", { type: "button", onclick: () => {
+    button.disabled = true; // until the next status: one press is one recording
+    link.send({ type: "record", action: store.status.recording?.running ? "stop" : "start" }).catch(tellRefusal);
+  } });
+  const failed = h("p", { class: "notice bad", role: "status", hidden: true });
   const files = h("ul", { class: "files" });
-  const part = section(say("recording"), button, files);
+  const part = section(say("recording"), h("p", { class: "quiet small-text" }, say("record_note")), button, failed, files);
+  let shown = "";
   const show = () => {
-    const { running, seconds = 0, files: kept = [] } = store.status.recording ?? {};
+    const { running, seconds = 0, why = "", files: kept = [] } = store.status.recording ?? {};
     part.hidden = !store.capabilities.record;
     button.textContent = running ? say("record_stop", { seconds: number(seconds, 0) }) : say("record_start");
     button.disabled = !store.commands;
-    files.replaceChildren(...kept.map((one) => h("li", {}, h("a", { href: one.url ?? `/api/recording/${encodeURIComponent(one.name)}`, download: "" }, one.name))));
+    failed.hidden = !why;
+    failed.textContent = why && say("record_failed", { why });
+    const now = JSON.stringify([kept, store.role, store.commands]);
+    if (now === shown) return; // what is drawn anew loses the keyboard
+    shown = now;
+    files.replaceChildren(...(store.role === "operator" ? kept : []).map((one) => recordingRow(one, store, link)));
   };
   for (const type of ["hello", "status", "lease", "link"]) store.on(type, show);
   return part;
+}
+
+/**
+ * @param {{name: string, bytes?: number}} one
+ * @param {import("./store.js").Store} store
+ * @param {import("./link.js").Link} link
+ */
+function recordingRow(one, store, link) {
+  const size = `${number((one.bytes ?? 0) / 1e6, 1)} MB`;
+  return h("li", { class: "row tight" },
+    h("a", { class: "fill", href: `/api/recording/${encodeURIComponent(one.name)}`, download: one.name }, one.name),
+    h("span", { class: "quiet" }, size),
+    h("button", { type: "button", "aria-label": say("record_delete", { name: one.name }), disabled: !store.commands,
+      onclick: () => link.send({ type: "delete_recording", name: one.name }).catch(tellRefusal) }, sign("close")));
 }
 
 /** @param {import("./store.js").Store} store */

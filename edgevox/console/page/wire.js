@@ -33,7 +33,7 @@
  * @typedef {{name: string, level: number, message?: string, values?: Record<string, any>}} Diagnostic
  * @typedef {{turn: number, stt?: number, llm?: number, tts?: number, ttfs?: number, total?: number}}
  *   Latency  seconds
- * @typedef {{running?: boolean, seconds?: number, files?: {name: string, bytes?: number, url?: string}[]}}
+ * @typedef {{running?: boolean, seconds?: number, why?: string, files?: {name: string, bytes?: number}[]}}
  *   Recording
  * @typedef {{health?: {ready?: boolean, live?: boolean, problems?: string[]},
  *   diagnostics?: Diagnostic[], latencies?: Latency[], recording?: Recording}} Status

@@ -1,7 +1,7 @@
 """What a page asks for, as commands of the robot. On a worker thread: they may wait."""
 
 from edgevox.console import page_messages
-from edgevox.console.context import ConsoleContext
+from edgevox.console.context import ConsoleContext, ConsoleRecorder
 from edgevox.console.page_messages import Message
 from edgevox.console.sessions import Session
 from edgevox.core.commands import RunSkill, TextInput
@@ -33,8 +33,12 @@ def act(context: ConsoleContext, session: Session, message: Message) -> None:
             context.submit(context.name_place(name, x, y))
         case page_messages.SetControl(name=name, value=value):
             context.controls.change({name: value})
-        case page_messages.Record(action=action):
-            _record(context, action)
+        case page_messages.Record(action="start"):
+            _recorder(context).start()
+        case page_messages.Record():
+            _recorder(context).stop()
+        case page_messages.DeleteRecording(name=name):
+            _recorder(context).delete(name)
 
 
 def _answer(context: ConsoleContext, yes: bool, way: Way) -> None:
@@ -43,10 +47,7 @@ def _answer(context: ConsoleContext, yes: bool, way: Way) -> None:
     context.answer(yes, way)
 
 
-def _record(context: ConsoleContext, action: str) -> None:
+def _recorder(context: ConsoleContext) -> ConsoleRecorder:
     if not context.recorder:
         raise NotHere("record: this robot records nothing")
-    if action == "start":
-        context.recorder.start()
-    else:
-        context.recorder.stop()
+    return context.recorder

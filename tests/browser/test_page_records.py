@@ -1,0 +1,90 @@
+"""A recording on the page: begun, ended, taken home, removed; a program stands for the recorder."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from browser_rig import DESK, PATIENCE_MS, let_in, problems, take_the_turn
+from console_rig import Rig, console
+from playwright.sync_api import Browser, Page, expect
+from recorder_program import RECORDS
+from waiting import wait_until
+
+from edgevox.apps.console import robot_recorder
+from edgevox.apps.console.robot_recorder import RobotRecorder
+from edgevox.console.sessions import Role
+from edgevox.core.settings import load_settings
+
+
+@pytest.fixture
+def recorder(tmp_path, monkeypatch) -> Iterator[RobotRecorder]:
+    monkeypatch.setattr(robot_recorder, "PROGRAM", RECORDS)
+    made = RobotRecorder(load_settings({}), tmp_path / "recordings", {})
+    yield made
+    made.stop()
+
+
+@pytest.fixture
+def rig(tmp_path: Path, recorder: RobotRecorder) -> Iterator[Rig]:
+    given = {
+        "recorder": recorder,
+        "describe": lambda _: {"capabilities": {"record": True}},
+        "status": lambda: {"recording": recorder.state()},
+    }
+    with console(tmp_path, **given) as rig:
+        yield rig
+
+
+def opened(browser: Browser, rig: Rig, role: Role) -> Page:
+    context = browser.new_context(locale="en-GB", **DESK)
+    context.set_default_timeout(PATIENCE_MS)
+    page = context.new_page()
+    let_in(page, rig.server.offer_code(role)[1])
+    page.locator(".side-switch:visible .tab[data-panel=know]").click()
+    return page
+
+
+def test_it_is_begun_ended_taken_home_and_removed(
+    browser: Browser, rig: Rig, recorder: RobotRecorder, tmp_path: Path
+) -> None:
+    page = opened(browser, rig, Role.OPERATOR)
+    expect(page.get_by_role("button", name="Start a recording")).to_be_disabled()
+    take_the_turn(page)
+    page.get_by_role("button", name="Start a recording").click()
+    page.get_by_role("button", name="Stop the recording").wait_for()
+    wait_until(lambda: list(recorder.folder.glob("*/*.mcap")))
+    page.get_by_role("button", name="Stop the recording").click()
+    with page.expect_download() as begun:
+        page.get_by_role("link", name="edgevox-0000_0.mcap").click()
+    begun.value.save_as(tmp_path / "home.mcap")
+    assert (tmp_path / "home.mcap").read_bytes() == b"whole"
+    assert problems(page) == []
+    page.get_by_role("button", name="Delete edgevox-0000_0.mcap").click()
+    expect(page.get_by_role("link", name="edgevox-0000_0.mcap")).to_have_count(0)
+    assert recorder.files() == []
+    page.context.close()
+
+
+def test_who_only_watches_sees_that_it_records_and_gets_no_files(
+    browser: Browser, rig: Rig, recorder: RobotRecorder
+) -> None:
+    recorder.start()
+    wait_until(lambda: list(recorder.folder.glob("*/*.mcap")))
+    page = opened(browser, rig, Role.VIEWER)
+    expect(page.get_by_role("button", name="Stop the recording")).to_be_disabled()
+    recorder.stop()
+    expect(page.get_by_role("button", name="Start a recording")).to_be_disabled()
+    assert page.locator(".files a").count() == 0
+    page.context.close()
+
+
+def test_one_that_failed_says_why(browser: Browser, tmp_path: Path) -> None:
+    failed = {"running": False, "why": "output: disk full", "files": []}
+    given = {
+        "describe": lambda _: {"capabilities": {"record": True}},
+        "status": lambda: {"recording": failed},
+    }
+    with console(tmp_path, **given) as rig:
+        page = opened(browser, rig, Role.VIEWER)
+        expect(page.get_by_text("The recording failed: output: disk full")).to_be_visible()
+        page.context.close()

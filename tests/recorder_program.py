@@ -1,0 +1,14 @@
+"""A program in the place of `edgevox-recorder`: what it makes is whole once it was ended."""
+
+RECORDS = """
+import signal, sys, threading
+from pathlib import Path
+over = threading.Event()
+signal.signal(signal.SIGTERM, lambda *_: over.set())
+output = Path(sys.argv[sys.argv.index("--output") + 1])
+bag = output / f"edgevox-{len(list(output.iterdir())):04}"
+bag.mkdir()
+(bag / f"{bag.name}_0.mcap").write_bytes(b"begun")
+over.wait()
+(bag / f"{bag.name}_0.mcap").write_bytes(b"whole")
+"""
