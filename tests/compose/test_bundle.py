@@ -15,10 +15,13 @@ import pytest
 from guards import HUNG_S
 from stacks import docker
 
+from edgevox.models import Store
+
 ROOT = Path(__file__).resolve().parents[2]
 BUNDLE = ROOT / "scripts" / "bundle.py"
 INSTALL = ROOT / "scripts" / "install_bundle"
 NO_NETWORK = ["unshare", "--net", *([] if os.geteuid() == 0 else ["--map-root-user"])]
+MODEL = "micro-wake-words"
 Files = dict[str, bytes]
 
 
@@ -50,8 +53,8 @@ def archive(tiny, keys, tmp_path_factory) -> Path:
     return made(tiny, keys / "site", tmp_path_factory.mktemp("made"))
 
 
-def made(image: str, key: Path, out: Path) -> Path:
-    command = [sys.executable, BUNDLE, "--key", key, "--image", image, "--out", out]
+def made(image: str, key: Path, out: Path, *more: str) -> Path:
+    command = [sys.executable, BUNDLE, "--key", key, "--image", image, "--out", out, *more]
     ran = subprocess.run(command, capture_output=True, text=True, timeout=HUNG_S)
     assert ran.returncode == 0, ran.stderr
     assert ran.stdout == f"{next(out.iterdir())}\n", "nothing else may be left there"
@@ -136,6 +139,20 @@ def test_the_same_gives_the_same_bytes(archive, tiny, keys, tmp_path):
     again = made(tiny, keys / "site", tmp_path / "again")
     assert again.name == archive.name
     assert sha256(again.read_bytes()) == sha256(archive.read_bytes())
+
+
+def test_models_apart_are_verified_and_started_from_a_volume_of_their_own(tiny, keys, tmp_path):
+    path = made(tiny, keys / "site", tmp_path / "made", "--models", MODEL)
+    listed = json.loads(contents(path)["sbom/models.json"])
+    assert [one["name"] for one in listed["components"]] == [MODEL]
+    code, said = installed(keys / "site.pub", path, tmp_path / "site")
+    docker("rmi", image_name(path))
+    assert code == 0, said
+    (values,) = re.findall(r"^export MODELS_FROM=./models (.*)$", said, re.MULTILINE)
+    assert re.fullmatch(rf"MODELS_VOLUME=edgevox_models_[0-9a-f]{{12}} MODEL_SET='{MODEL}'", values)
+    assert "docker compose run --rm models &&\ndocker compose up" in said
+    store = Store(tmp_path / "site" / "models")
+    assert not store.verify(store.manifest.models[MODEL])
 
 
 def sha256(data: bytes) -> str:
