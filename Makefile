@@ -138,6 +138,10 @@ bundle: $(DONE)/run ## Make one signed archive for a site without a network; KEY
 	@$(if $(MODELS),$(BIN)/edgevox-models fetch $(MODELS))
 	@$(BIN)/python scripts/bundle.py --key "$(KEY)" --image "$(IMAGE)" $(if $(MODELS),--models $(MODELS))
 
+.PHONY: scan
+scan: $(DONE)/dev ## Ask OSV for known vulnerabilities of the locks and the image; IMAGE=..., or SBOM=... that was kept.
+	@$(BIN)/python scripts/scan.py $(if $(SBOM),--sbom "$(SBOM)",--image "$(IMAGE)") $(ARGS)
+
 .PHONY: up
 up: ## Start a robot in a container and wait until it is ready.
 	@$(COMPOSE) up --detach --wait $(ARGS)
