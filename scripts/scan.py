@@ -1,8 +1,8 @@
 """Ask OSV which known vulnerabilities the image's packages and the locks have: `make scan`.
 
 Python packages come from requirements/*.lock and the image's bill of materials, Debian's and
-Ubuntu's from the latter. Exit code: 0 none is known, 1 some are, 2 called wrongly, 3 it could not
-look at all that it should have looked at.
+Ubuntu's from the latter, npm's from requirements/page. Exit code: 0 none is known, 1 some are, 2
+called wrongly, 3 it could not look at all that it should have looked at.
 """
 
 import argparse
@@ -84,6 +84,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     contents = Contents()
     add_locks(contents)
+    add_page_lock(contents)
     add_sbom(contents, options.sbom, options.image)
     try:
         found = ask(sorted(contents.where), options.service)
@@ -97,7 +98,16 @@ def add_locks(contents: Contents) -> None:
     """All that requirements/*.lock name."""
     for lock in sorted(LOCKS.glob("*.lock")):
         for name, version in LOCKED.findall(lock.read_text(encoding="utf-8")):
-            contents.add(Package("PyPI", name.lower(), version), lock.name)
+            contents.add(python_package(name, version), lock.name)
+
+
+def add_page_lock(contents: Contents) -> None:
+    """What checks the pages; nothing of it is shipped."""
+    lock = LOCKS / "page" / "package-lock.json"
+    packages = json.loads(lock.read_text(encoding="utf-8"))["packages"]
+    for path, about in packages.items():
+        if name := path.rpartition("node_modules/")[2]:
+            contents.add(Package("npm", name, about["version"]), "page/package-lock.json")
 
 
 def add_sbom(contents: Contents, sbom: Path | None, image: str) -> None:
@@ -124,11 +134,16 @@ def package_of(purl: str) -> Package | None:
     path, _, more = purl.partition("?")
     qualifiers = {name: values[0] for name, values in parse_qs(more).items()}
     if found := re.fullmatch(r"pkg:pypi/([^@]+)@(.+)", path):
-        return Package("PyPI", unquote(found[1]), unquote(found[2]))
+        return python_package(unquote(found[1]), unquote(found[2]))
     if path.startswith("pkg:deb/") and (ecosystem := release(qualifiers.get("distro", ""))):
         source, _, version = qualifiers.get("upstream", "").partition("@")
         return Package(ecosystem, source, version) if source and version else None
     return None
+
+
+def python_package(name: str, version: str) -> Package:
+    """A package of the Python index, by the one spelling of its name that OSV knows."""
+    return Package("PyPI", re.sub(r"[-_.]+", "-", name).lower(), version)
 
 
 def release(distro: str) -> str:

@@ -17,7 +17,7 @@ SCAN = ROOT / "scripts" / "scan.py"
 ANSWERS = Path(__file__).with_name("osv_answers.json")
 """What is known of a package by ecosystem, name and version, in the form that OSV documents."""
 OPENSSL = "pkg:deb/debian/libssl3@3.0.9-1?arch=amd64&distro=debian-12&upstream=openssl%403.0.9-1"
-PILLOW = "pkg:pypi/pillow@9.0.0"
+PILLOW = "pkg:pypi/Pillow@9.0.0"
 
 
 class Osv:
@@ -100,6 +100,9 @@ def test_every_package_of_every_lock_is_asked_of(osv: tuple[Osv, str], tmp_path:
 
     assert code == 0, said
     asked = {(one["package"]["name"], one["version"]) for one in service.asked}
+    page = json.loads((ROOT / "requirements" / "page" / "package-lock.json").read_text())
+    named = {path.removeprefix("node_modules/"): one for path, one in page["packages"].items()}
+    assert {(name, one["version"]) for name, one in named.items() if name} <= asked
     for lock in (ROOT / "requirements").glob("*.lock"):
         pinned = (line.split()[0] for line in lock.read_text().splitlines() if "==" in line)
         for name, _, version in (one.lower().partition("==") for one in pinned):
@@ -108,6 +111,17 @@ def test_every_package_of_every_lock_is_asked_of(osv: tuple[Osv, str], tmp_path:
     assert "0 entries of 0 of them\n" in said
     assert not [name for name, _ in asked if name.startswith("ros-")]
     assert "packages of ROS 2 and EdgeVox, nobody lists them" in said
+
+
+def test_a_python_package_is_asked_of_once_however_it_is_spelt(
+    osv: tuple[Osv, str], tmp_path: Path
+) -> None:
+    service, address = osv
+    spelt = ("Some.Name", "some_name", "some-name")
+    scan(address, "--sbom", sbom(tmp_path, *(f"pkg:pypi/{name}@1" for name in spelt)))
+
+    asked = [one for one in service.asked if one["package"]["name"].startswith("some")]
+    assert asked == [{"package": {"ecosystem": "PyPI", "name": "some-name"}, "version": "1"}]
 
 
 def test_an_answer_in_several_pages_is_read_to_its_end(tmp_path: Path) -> None:
@@ -176,7 +190,8 @@ def test_ubuntus_and_debians_releases_are_called_as_osv_calls_them(
     ]
     scan(address, "--sbom", sbom(tmp_path, *purls))
 
-    asked = [one for one in service.asked if one["package"]["ecosystem"] != "PyPI"]
+    ours = ("PyPI", "npm")
+    asked = [one for one in service.asked if one["package"]["ecosystem"] not in ours]
     assert sorted(one["package"]["ecosystem"] for one in asked) == [
         "Debian:13",
         "Ubuntu:24.04:LTS",
