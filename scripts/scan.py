@@ -122,11 +122,16 @@ def add_sbom(contents: Contents, sbom: Path | None, image: str) -> None:
     except (OSError, ValueError, KeyError) as error:
         contents.unknown.append(f"{place}: no bill of materials: {error}")
         return
+    nameless = []
     for component in components:
         if package := package_of(component.get("purl", "")):
             contents.add(package, place)
         elif component.get("type") == "library":
-            contents.unknown.append(f"{component['name']}, whose release {place} does not say")
+            nameless.append(component["name"])
+    if nameless:
+        listed = ", ".join(nameless[:3]) + (", ..." if len(nameless) > 3 else "")
+        why = f"{place} does not say of which release, or OSV does not know it"
+        contents.unknown.append(f"{len(nameless)} packages, {why}: {listed}")
 
 
 def package_of(purl: str) -> Package | None:
