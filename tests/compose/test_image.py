@@ -239,6 +239,8 @@ def test_the_bill_of_materials_names_every_debian_package(sbom, found):
     assert plugin[0] == "libasound2-plugins"
     assert installed < named
     assert len(named) > 50
+    for one in of_kind(sbom, "pkg:deb/"):  # what a scan goes by
+        assert re.search(r"&distro=(debian|ubuntu)-[\d.]+&upstream=[^&]+%40[^&]+$", one["purl"])
 
 
 def test_the_bill_of_materials_names_every_model_with_its_licence(sbom):

@@ -1,12 +1,17 @@
 """What overlays give a robot: a recorder, models on a volume, a language model on a server."""
 
+import os
 import secrets
+from pathlib import Path
+from shutil import copytree
 
 import pytest
 from guards import HUNG_S
 from llm_server import good, serving
 from stacks import PATIENCE, Stack, count_messages, docker, stack
 from waiting import wait_until
+
+from edgevox.models.store import default_root
 
 pytestmark = pytest.mark.usefixtures("image")
 SERVICE = "edgevox-ros2"
@@ -68,6 +73,42 @@ def test_the_slim_image_takes_its_models_from_a_volume(image):
         assert f"{MODEL}: right" in said
         wrote = robot.call("exec", "-T", SERVICE, "touch", "/models/mark")
         assert "Read-only file system" in wrote.stderr
+
+
+def test_models_are_verified_before_the_robot_has_them_and_bad_ones_change_nothing(image, tmp_path):
+    """From a folder, without the network, each onto a volume of its own."""
+    good, bad = tmp_path / "good", tmp_path / "bad"
+    for folder in (good, bad):
+        copytree(default_root() / MODEL, folder / MODEL)
+    damage(bad / MODEL)
+    volume = f"edgevox-test-{secrets.token_hex(4)}"
+    given = {"EDGEVOX_IMAGE": f"{image}-slim", "MODEL_SET": MODEL, "EDGEVOX_LLM": "none"}
+    given |= {"EDGEVOX_OFFLINE": "true", "MODELS_VOLUME": f"{volume}-1", "MODELS_FROM": str(good)}
+    with stack("models", start=False, **given) as robot:
+        up = robot.call("up", "--detach", "--wait", "--no-build", timeout=HUNG_S)
+        assert up.returncode == 0, up.stderr
+        before = robot.inspect(SERVICE)
+        changed = os.environ | {"MODELS_VOLUME": f"{volume}-2", "MODELS_FROM": str(bad)}
+        fill = ("run", "--rm", "--no-deps", "-T", "models")
+        ran = robot.call(*fill, env=changed, timeout=HUNG_S)
+        docker("volume", "rm", f"{volume}-2")
+        assert ran.returncode == 1
+        assert f"folder /given/{MODEL}: " in ran.stderr
+        assert "is missing or damaged" in ran.stderr
+        after = robot.inspect(SERVICE)
+        assert after["Id"] == before["Id"]
+        assert after["State"]["Health"]["Status"] == "healthy"
+        assert f"{MODEL}: right" in robot.execute(SERVICE, "edgevox-models", "verify")
+
+
+def damage(folder: Path) -> None:
+    """One byte of one file is another."""
+    file = max(
+        (one for one in folder.rglob("*") if one.is_file()), key=lambda one: one.stat().st_size
+    )
+    data = bytearray(file.read_bytes())
+    data[-1] ^= 1
+    file.write_bytes(bytes(data))
 
 
 def _fill(robot: Stack, image: str) -> None:

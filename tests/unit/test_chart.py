@@ -20,7 +20,7 @@ EVERYTHING = {
     | {"pullSecrets": ["registry"]},
     "env": [{"name": "A", "valueFrom": {"secretKeyRef": {"name": "s", "key": "k"}}}],
     "llm": {"endpoint": "https://[::1]/v1", "endpointKeySecret": {"name": "llm"}},
-    "models": {"volume": {"hostPath": {"path": "/models", "type": "Directory"}}},
+    "models": {"volume": {"hostPath": {"path": "/models", "type": "Directory"}}, "verify": True},
     "policy": {"rules": {"*": {"*": "confirm"}}, "limits": {"distance_m": 5}},
     "tolerations": [{"operator": "Exists"}],
     "nodeSelector": {"a": "b"},

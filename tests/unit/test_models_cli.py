@@ -99,6 +99,45 @@ def test_verify_finds_a_damaged_file(root: Path, capsys: pytest.CaptureFixture[s
     assert "voice.json is missing or damaged" in capsys.readouterr().out
 
 
+def test_verify_of_nothing_at_all_is_a_failure(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(tmp_path, "verify") == 1
+    assert f"there is no model in {tmp_path}" in capsys.readouterr().err
+
+
+def test_models_come_from_a_folder_without_the_network(root: Path, tmp_path: Path) -> None:
+    place = tmp_path / "robot"
+
+    assert run(place, "fetch", "--offline", "--from", str(root), "voice") == 0
+
+    assert (place / "voice" / "voice.onnx").read_bytes() == VOICE
+    assert run(place, "verify") == 0
+    assert not (place / "voice" / ".partial").exists()
+
+
+@pytest.mark.parametrize("damage", [CONFIG.swapcase(), CONFIG[:-1], None])
+def test_a_folder_with_a_bad_file_gives_nothing_and_what_was_there_stays(
+    root: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], damage: bytes | None
+) -> None:
+    place = tmp_path / "robot"
+    (place / "voice").mkdir(parents=True)
+    (place / "voice" / "voice.onnx").write_bytes(b"the old one")
+    bad = root / "voice" / "voice.json"
+    bad.unlink() if damage is None else bad.write_bytes(damage)
+
+    assert run(place, "fetch", "--offline", "--from", str(root), "voice") == 1
+
+    assert f"folder {root}/voice: voice.json is missing or damaged" in capsys.readouterr().err
+    assert (place / "voice" / "voice.onnx").read_bytes() == b"the old one"
+    assert [path.name for path in (place / "voice").iterdir()] == ["voice.onnx"]
+
+
+def test_a_folder_that_is_not_there_is_told(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(root, "fetch", "--from", "/not/there", "chat") == 1
+    assert "/not/there" in capsys.readouterr().err
+
+
 def test_licences_say_what_they_forbid(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--dir", str(root), "licences"]) == 0
 

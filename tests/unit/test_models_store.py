@@ -92,6 +92,15 @@ def test_verify_finds_damage_that_kept_size_and_time(here: Store) -> None:
         here.locate("voice")
 
 
+def test_verify_names_what_is_damaged_where_no_stamp_can_be_dropped(here: Store) -> None:
+    (here.root / "voice" / ".verified.json").mkdir()
+    (here.root / "voice" / "voice.onnx").write_bytes(VOICE.swapcase())
+
+    wrong = here.verify(here.manifest.models["voice"])
+
+    assert [file.name for file in wrong] == ["voice.onnx"]
+
+
 def test_a_broken_stamp_file_only_costs_a_hash(here: Store) -> None:
     path = here.locate("voice")
     path.with_name(".verified.json").write_text("[not json")

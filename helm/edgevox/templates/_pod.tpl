@@ -1,3 +1,17 @@
+{{/* Whom a pod runs as, and what its volumes belong to. Takes root. */}}
+{{- define "edgevox.user" -}}
+runAsNonRoot: true
+runAsUser: {{ .Values.user.uid | int }}
+runAsGroup: {{ .Values.user.gid | int }}
+fsGroup: {{ .Values.user.gid | int }}
+fsGroupChangePolicy: OnRootMismatch
+{{- with .Values.user.groups }}
+supplementalGroups: {{ toJson . }}
+{{- end }}
+seccompProfile:
+  type: RuntimeDefault
+{{- end -}}
+
 {{/* Where a robot's pod may run, on which network, and with whose name. Takes root and robot. */}}
 {{- define "edgevox.placement" -}}
 {{- with .root.Values.serviceAccountName }}

@@ -1,0 +1,330 @@
+"""A bundle is made of a tiny image, and installed or refused where there is no network at all."""
+
+import hashlib
+import io
+import json
+import os
+import re
+import subprocess
+import sys
+import tarfile
+from collections.abc import Callable, Iterator
+from functools import cache
+from pathlib import Path
+from shutil import which
+
+import pytest
+from guards import HUNG_S
+from stacks import docker
+
+from edgevox.models import Store
+
+ROOT = Path(__file__).resolve().parents[2]
+BUNDLE = ROOT / "scripts" / "bundle.py"
+INSTALL = ROOT / "scripts" / "install_bundle"
+NAMESPACES = (
+    ("unshare", "--net"),
+    ("unshare", "--net", "--map-root-user"),
+    ("sudo", "--non-interactive", "unshare", "--net"),
+)
+"""Ways to a network namespace of one's own: as root, as whoever may, as whoever may become root."""
+MODEL = "micro-wake-words"
+Files = dict[str, bytes]
+
+
+@cache
+def no_network() -> tuple[str, ...]:
+    """The first of those ways that this machine allows; without one there is nothing to test."""
+    for way in NAMESPACES:
+        if which(way[0]) and subprocess.run([*way, "true"], capture_output=True).returncode == 0:
+            return way
+    pytest.fail("nobody here may make a network namespace: be root, or have sudo", pytrace=False)
+
+
+@pytest.fixture(scope="module")
+def tiny(tmp_path_factory, image) -> Iterator[str]:
+    """An image with nothing but a bill of materials; `image` only says that an engine is there."""
+    folder, name = tmp_path_factory.mktemp("tiny"), f"edgevox-test-tiny:{os.getpid()}"
+    (folder / "sbom.json").write_text('{"bomFormat": "CycloneDX", "components": []}')
+    (folder / "Dockerfile").write_text(
+        f"FROM scratch\nCOPY sbom.json /opt/edgevox/sbom.json\nLABEL of={name}\n"
+    )
+    docker("build", "--quiet", "--tag", name, str(folder))
+    yield name
+    docker("rmi", "--force", name)
+
+
+@pytest.fixture(scope="module")
+def keys(tmp_path_factory) -> Path:
+    """A folder with two keys of a site, `site` and `other`, and their public halves."""
+    folder = tmp_path_factory.mktemp("keys")
+    for name in ("site", "other"):
+        make = ["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-C", name, "-f", folder / name]
+        subprocess.run(make, check=True, timeout=HUNG_S)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def archive(tiny, keys, tmp_path_factory) -> Path:
+    return made(tiny, keys / "site", tmp_path_factory.mktemp("made"))
+
+
+def made(image: str, key: Path, out: Path, *more: str) -> Path:
+    command = [sys.executable, BUNDLE, "--key", key, "--image", image, "--out", out, *more]
+    ran = subprocess.run(command, capture_output=True, text=True, timeout=HUNG_S)
+    assert ran.returncode == 0, ran.stderr
+    assert ran.stdout == f"{next(out.iterdir())}\n", "nothing else may be left there"
+    return Path(ran.stdout.rstrip())
+
+
+def installed(key: Path, archive: Path, folder: Path, *flags: str) -> tuple[int, str]:
+    """What the program ended with, and said, in a namespace that has no network."""
+    command = [*no_network(), INSTALL, *flags, key, archive, folder]
+    ran = subprocess.run(
+        command, capture_output=True, text=True, timeout=HUNG_S, stdin=subprocess.DEVNULL
+    )
+    return ran.returncode, ran.stdout + ran.stderr
+
+
+def image_name(archive: Path) -> str:
+    with tarfile.open(archive) as read:
+        return read.extractfile("image.name").read().decode().strip()
+
+
+def contents(archive: Path) -> Files:
+    with tarfile.open(archive) as read:
+        return {one.name: read.extractfile(one).read() for one in read.getmembers()}
+
+
+def written(files: Files, path: Path) -> Path:
+    with tarfile.open(path, "w", format=tarfile.GNU_FORMAT) as archive:
+        for name, data in files.items():
+            add(archive, name, data)
+    return path
+
+
+def add(archive: tarfile.TarFile, name: str, data: bytes) -> None:
+    member = tarfile.TarInfo(name)
+    member.size = len(data)
+    archive.addfile(member, io.BytesIO(data))
+
+
+def loaded(name: str) -> bool:
+    looked = subprocess.run(["docker", "image", "inspect", name], capture_output=True)
+    return looked.returncode == 0
+
+
+def test_there_is_no_network_where_it_is_installed():
+    look = [*no_network(), "cat", "/proc/net/dev"]
+    ran = subprocess.run(look, capture_output=True, text=True, check=True)
+    assert re.findall(r"^ *(\S+):", ran.stdout, re.MULTILINE) == ["lo"]
+
+
+def test_it_is_verified_and_loaded_without_a_network(archive, keys, tmp_path, tiny):
+    name, place = image_name(archive), tmp_path / "site"
+    identity = docker("image", "inspect", "--format={{.Id}}", tiny).strip()
+    docker("rmi", tiny)
+    try:
+        code, said = installed(keys / "site.pub", archive, place)
+        assert code == 0, said
+        assert f"export EDGEVOX_IMAGE={identity}\ndocker compose up" in said
+        assert docker("image", "inspect", "--format={{.Id}}", name).strip() == identity
+    finally:
+        docker("tag", name, tiny)
+        docker("rmi", name)
+    assert (place / "docker-compose.ros2.yml").read_text() == (
+        ROOT / "docker-compose.ros2.yml"
+    ).read_text()
+    assert (place / "install").stat().st_mode & 0o7777 == 0o755
+    assert (place / "image.name").stat().st_mode & 0o7777 == 0o644
+    for needed in (".env", "helm/edgevox/Chart.yaml", "docs/updates.md", "sbom/image.json"):
+        assert (place / needed).is_file(), needed
+
+
+def test_what_was_unpacked_is_a_stack_that_compose_takes(archive, keys, tmp_path):
+    code, said = installed(keys / "site.pub", archive, tmp_path / "site", "--no-load")
+    assert (code, loaded(image_name(archive))) == (0, False), said
+    for overlay in sorted((tmp_path / "site" / "compose").glob("*.yml")):
+        files = ["-f", "docker-compose.ros2.yml", "-f", f"compose/{overlay.name}"]
+        command = ["docker", "compose", *files, "--profile", "*", "config", "--quiet"]
+        ran = subprocess.run(command, cwd=tmp_path / "site", capture_output=True, text=True)
+        assert ran.returncode == 0, ran.stderr
+
+
+def test_the_same_gives_the_same_bytes(archive, tiny, keys, tmp_path):
+    again = made(tiny, keys / "site", tmp_path / "again")
+    assert again.name == archive.name
+    assert sha256(again.read_bytes()) == sha256(archive.read_bytes())
+
+
+def test_models_apart_are_verified_and_started_from_a_volume_of_their_own(tiny, keys, tmp_path):
+    path = made(tiny, keys / "site", tmp_path / "made", "--models", MODEL)
+    listed = json.loads(contents(path)["sbom/models.json"])
+    assert [one["name"] for one in listed["components"]] == [MODEL]
+    code, said = installed(keys / "site.pub", path, tmp_path / "site")
+    docker("rmi", image_name(path))
+    assert code == 0, said
+    (values,) = re.findall(r"^export MODELS_FROM=./models (.*)$", said, re.MULTILINE)
+    assert re.fullmatch(rf"MODELS_VOLUME=edgevox_models_[0-9a-f]{{12}} MODEL_SET='{MODEL}'", values)
+    assert "docker compose run --rm models &&\ndocker compose up" in said
+    store = Store(tmp_path / "site" / "models")
+    assert not store.verify(store.manifest.models[MODEL])
+
+
+def sha256(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
+
+
+def test_it_says_where_it_comes_from(archive, tiny):
+    statement = json.loads(contents(archive)["provenance.json"])
+    identity = docker("image", "inspect", "--format={{.Id}}", tiny).strip()
+    assert statement["subject"][0]["digest"]["sha256"] == identity.removeprefix("sha256:")
+    definition = statement["predicate"]["buildDefinition"]
+    inputs = {one["name"]: one["digest"] for one in definition["resolvedDependencies"]}
+    head = subprocess.run(["git", "rev-parse", "HEAD"], cwd=ROOT, capture_output=True, text=True)
+    assert inputs["source"] == {"gitCommit": head.stdout.strip()}
+    for name in ("Dockerfile.ros2", "requirements/image.lock", "edgevox/models/manifest.toml"):
+        assert inputs[name] == {"sha256": sha256((ROOT / name).read_bytes())}
+    assert definition["internalParameters"]["image_is_of_this_source"] is False, "it has no label"
+
+
+def changed_byte(files: Files) -> None:
+    data = bytearray(files["docker-compose.ros2.yml"])
+    data[len(data) // 2] ^= 1
+    files["docker-compose.ros2.yml"] = bytes(data)
+
+
+def changed_image(files: Files) -> None:
+    (name,) = (one for one in files if one.startswith("image.tar"))
+    files[name] += b"\0"
+
+
+def missing_file(files: Files) -> None:
+    del files["compose/policy.yml"]
+
+
+def extra_file(files: Files) -> None:
+    files["compose/more.yml"] = b"services: {}\n"
+
+
+def file_outside(files: Files) -> None:
+    files["../outside"] = b"x"
+
+
+def other_sums(files: Files) -> None:
+    """A changed file, and the checksum that goes with it."""
+    files["install"] += b"\nid\n"
+    line = re.compile(r"^[0-9a-f]{64}(?=  install$)", re.MULTILINE)
+    sums = line.sub(sha256(files["install"]), files["SHA256SUMS"].decode())
+    assert sums.encode() != files["SHA256SUMS"]
+    files["SHA256SUMS"] = sums.encode()
+
+
+def no_signature(files: Files) -> None:
+    del files["SHA256SUMS.sig"]
+
+
+@pytest.mark.parametrize(
+    ("tamper", "reason"),
+    [
+        (changed_byte, "changed: docker-compose.ros2.yml"),
+        (changed_image, "changed: image.tar"),
+        (missing_file, "other files than signed: compose/policy.yml"),
+        (extra_file, "other files than signed: compose/more.yml"),
+        (file_outside, "other files than signed: ../outside"),
+        (other_sums, "is not signed with"),
+        (no_signature, "has no checksums with a signature"),
+    ],
+)
+def test_one_that_is_not_as_it_was_signed_is_refused(
+    archive, keys, tmp_path, tamper: Callable[[Files], None], reason
+):
+    files = contents(archive)
+    tamper(files)
+    refused(keys / "site.pub", written(files, tmp_path / "bad.tar"), tmp_path / "site", reason)
+
+
+def refused(key: Path, archive: Path, folder: Path, reason: str) -> None:
+    """With this reason, and nothing is left of it: no folder, no image."""
+    code, said = installed(key, archive, folder)
+    assert code == 1, said
+    assert reason in said
+    assert said.count("\n") == 1
+    assert said.endswith("; nothing was installed\n")
+    assert not any(path.suffix == ".part" for path in folder.parent.iterdir())
+    assert not folder.exists()
+    assert not (folder.parent / "outside").exists()
+    assert not loaded(image_name(archive))
+
+
+def test_one_that_another_key_signed_is_refused(archive, keys, tmp_path):
+    refused(keys / "other.pub", archive, tmp_path / "site", "is not signed with")
+
+
+def test_a_signature_of_the_site_for_something_else_is_refused(archive, keys, tmp_path):
+    files = contents(archive)
+    sums = tmp_path / "SHA256SUMS"
+    sums.write_bytes(files["SHA256SUMS"])
+    sign = ["ssh-keygen", "-q", "-Y", "sign", "-n", "file", "-f", keys / "site", sums]
+    subprocess.run(sign, check=True, capture_output=True)
+    files["SHA256SUMS.sig"] = (tmp_path / "SHA256SUMS.sig").read_bytes()
+    refused(keys / "site.pub", written(files, tmp_path / "a.tar"), tmp_path / "b", "not signed")
+
+
+@pytest.mark.parametrize("kind", [tarfile.SYMTYPE, tarfile.LNKTYPE, tarfile.FIFOTYPE])
+def test_what_is_no_file_is_refused(archive, keys, tmp_path, kind):
+    files = contents(archive)
+    del files["LICENSE"]
+    link = tarfile.TarInfo("LICENSE")
+    link.type, link.linkname = kind, "CHANGELOG.md"
+    path = written(files, tmp_path / "bad.tar")
+    with tarfile.open(path, "a") as more:
+        more.addfile(link)
+    refused(keys / "site.pub", path, tmp_path / "site", "something that is not a file")
+
+
+def test_a_file_that_is_there_twice_is_refused(archive, keys, tmp_path):
+    path = written(contents(archive), tmp_path / "bad.tar")
+    with tarfile.open(path, "a") as more:
+        add(more, "install", b"#!/bin/sh\nid\n")
+    refused(keys / "site.pub", path, tmp_path / "site", "other files than signed: install")
+
+
+def test_one_that_ends_too_early_is_refused(archive, keys, tmp_path):
+    data = archive.read_bytes()
+    (tmp_path / "short.tar").write_bytes(data[: len(data) // 2])
+    code, said = installed(keys / "site.pub", tmp_path / "short.tar", tmp_path / "site")
+    assert code == 1, said
+    assert "nothing was installed" in said
+    assert [path.name for path in tmp_path.iterdir()] == ["short.tar"]
+
+
+def test_a_private_key_is_no_public_one(archive, keys, tmp_path):
+    code, said = installed(keys / "site", archive, tmp_path / "site")
+    assert code == 2
+    assert "is no public key" in said
+
+
+def test_what_is_there_already_is_left_alone(archive, keys, tmp_path):
+    (tmp_path / "site").mkdir()
+    (tmp_path / "site" / "mine").write_text("mine")
+    code, said = installed(keys / "site.pub", archive, tmp_path / "site")
+    assert code == 2
+    assert "is there already" in said
+    assert (tmp_path / "site" / "mine").read_text() == "mine"
+
+
+def test_an_image_without_a_bill_of_materials_is_not_bundled(keys, tmp_path, tiny):
+    (tmp_path / "Dockerfile").write_text("FROM scratch\nCOPY Dockerfile /Dockerfile\n")
+    name = f"{tiny}-bare"
+    docker("build", "--quiet", "--tag", name, str(tmp_path))
+    try:
+        command = [sys.executable, BUNDLE, "--key", keys / "site", "--image", name]
+        ran = subprocess.run(
+            [*command, "--out", tmp_path / "out"], capture_output=True, text=True, timeout=HUNG_S
+        )
+    finally:
+        docker("rmi", name)
+    assert ran.returncode == 1
+    assert "/opt/edgevox/sbom.json" in ran.stderr
+    assert not list((tmp_path / "out").iterdir())
