@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 
 import pexpect
@@ -186,19 +187,31 @@ def see(terminal, text, timeout_s=HUNG_S):
         terminal.send("\x1b[10;1R")
 
 
-@pytest.fixture
-def prompt():
+@contextmanager
+def at_terminal(*flags, term="xterm"):
+    """The program at a terminal of its own; however long it takes to end, it is waited for."""
     terminal = pexpect.spawn(
         COMMAND[0],
-        [*COMMAND[1:], "--simple-ui"],
+        [*COMMAND[1:], *flags],
         dimensions=(24, 80),
         encoding="utf-8",
-        env={**os.environ, "TERM": "xterm"},
+        env={**os.environ, "TERM": term},
     )
-    see(terminal, "is ready")
-    see(terminal, ">")
-    yield terminal
-    terminal.close(force=True)
+    try:
+        yield terminal
+    finally:
+        if terminal.isalive():
+            terminal.kill(signal.SIGKILL)
+            terminal.wait()
+        terminal.close()
+
+
+@pytest.fixture
+def prompt():
+    with at_terminal("--simple-ui") as terminal:
+        see(terminal, "is ready")
+        see(terminal, ">")
+        yield terminal
 
 
 def test_the_prompt_shows_answers_and_the_skills_progress(prompt):
@@ -211,21 +224,12 @@ def test_the_prompt_shows_answers_and_the_skills_progress(prompt):
 
 @pytest.mark.parametrize("screen", [["--simple-ui"], []], ids=["prompt", "full screen"])
 def test_a_stop_that_is_typed_before_the_prompt_keeps_what_is_before_it_from_moving(screen):
-    terminal = pexpect.spawn(
-        COMMAND[0],
-        [*COMMAND[1:], *screen],
-        dimensions=(24, 80),
-        encoding="utf-8",
-        env={**os.environ, "TERM": "xterm-256color"},
-    )
-    terminal.logfile_read = shown = io.StringIO()
-    try:
+    with at_terminal(*screen, term="xterm-256color") as terminal:
+        terminal.logfile_read = shown = io.StringIO()
         terminal.send("go to the kitchen\rstop\rwhere are you\r")
         see(terminal, "standing still", timeout_s=HUNG_S)
         see(terminal, "living room")
         assert "Going to the" not in shown.getvalue()
-    finally:
-        terminal.close(force=True)
 
 
 def test_a_stop_at_the_prompt_acts_at_once_whatever_runs(prompt):
@@ -263,16 +267,9 @@ def test_sigterm_at_the_prompt_leaves_the_terminal_as_it_was(prompt):
 
 @pytest.fixture
 def full_screen():
-    terminal = pexpect.spawn(
-        COMMAND[0],
-        COMMAND[1:],
-        dimensions=(24, 80),
-        encoding="utf-8",
-        env={**os.environ, "TERM": "xterm-256color"},
-    )
-    see(terminal, "listening")
-    yield terminal
-    terminal.close(force=True)
+    with at_terminal(term="xterm-256color") as terminal:
+        see(terminal, "listening")
+        yield terminal
 
 
 def test_the_full_screen_shows_answers_and_leaves_the_terminal_as_it_was(full_screen):
