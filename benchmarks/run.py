@@ -32,6 +32,7 @@ BENCHMARKS = {
     "spine": "through how much code a sentence passes before a wheel turns",
     "stop": "how soon a robot stands, by every way to say so",
     "ros2": "messages, round trips, an idle robot, rates, images",
+    "security": "what DDS security costs a message; needs a Fast DDS that has it",
     "language_model": "the language model beside plain llama-cpp-python",
     "hearing": "speech to text beside plain faster-whisper",
     "noise": "plain commands in quiet and in noise, and what is heard out of noise alone",
