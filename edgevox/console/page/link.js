@@ -37,7 +37,7 @@ export class Link {
     this.roundtrip = 0;
     setInterval(() => this.watch(), 150);
     setInterval(() => this.ping(), PING_MS);
-    document.addEventListener("visibilitychange", () => this.ping());
+    document.addEventListener("visibilitychange", () => this.seen());
   }
 
   open() {
@@ -90,8 +90,17 @@ export class Link {
     return one;
   }
 
+  /**
+   * A hidden page judges no silence: its timers, and so its pings, run once a second or more seldom.
+   * What counts is the silence since it is seen again.
+   */
+  seen() {
+    this.heard = performance.now();
+    this.ping();
+  }
+
   watch() {
-    if (!this.socket) return;
+    if (!this.socket || document.hidden) return;
     const silence = performance.now() - this.heard;
     if (silence > SILENCE_MS && this.store.link === "ready") this.store.linked("gone");
     if (silence > GIVE_UP_MS) {
