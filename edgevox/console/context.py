@@ -23,7 +23,7 @@ class ConsoleRobot(Protocol):
         """What does not move, JSON-ready; another ``version`` whenever it is another."""
 
     def live(self) -> Mapping[str, Any]:
-        """What moves, JSON-ready. On a worker thread, ten times a second while somebody looks."""
+        """What moves, JSON-ready. On a worker thread, 15 times a second while somebody looks."""
 
     def picture(self) -> bytes | None:
         """A JPEG of camera or view, None if there is none now. May take long: a worker thread."""
