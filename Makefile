@@ -37,9 +37,9 @@ help: ## List what can be made.
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' Makefile
 	@echo "Variables: PYTHON=python3.12 (before the first run), AGENT=..., ARGS='...'"
 
-# Its console is there, unless somebody said by hand whether it shall be; a taken port then ends nothing.
+# Its console is there, unless somebody said by hand or in a file whether it shall be; a taken port ends nothing.
 PLAYED := --scenario% --snapshot% --check
-CONSOLE := $(if $(or $(EDGEVOX_CONSOLE),$(filter --console --no-console $(PLAYED),$(ARGS))),,--console --console-optional)
+CONSOLE := $(if $(or $(EDGEVOX_CONSOLE),$(filter --console --no-console $(PLAYED),$(ARGS))),,--console-optional)
 
 .PHONY: run
 run: $(DONE)/$(if $(ROS2),msgs,run) ## Start the agent, aloud, on ROS 2 and with its console; the first time, install all it needs.

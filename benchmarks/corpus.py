@@ -61,14 +61,16 @@ class Told:
 
     @property
     def asked(self) -> bool:
-        """Whether somebody is asked before anything is done: what drives, unless it is sure."""
-        return self.confidence < SURE_FROM and any(one.drives for one in self._skills)
+        """Whether somebody is asked before anything is done: what drives or lasts, where it is not
+        sure.
+        """
+        unsure = self.confidence < SURE_FROM
+        return unsure and any(one.drives or one.lasting for one in self._skills)
 
     @property
     def right(self) -> bool:
         """Whether it did what was meant, or rightly nothing."""
-        stays = self.confidence < SURE_FROM and any(one.lasting for one in self._skills)
-        done = () if self.asked or stays else self.calls
+        done = () if self.asked else self.calls
         return is_right(self.sentence, self.sentence.robot, done)
 
     @property

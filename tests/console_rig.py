@@ -96,12 +96,16 @@ class Rig:
 
     @asynccontextmanager
     async def page(
-        self, role: Role = Role.OPERATOR, *, cookie: dict[str, str] | None = None
+        self,
+        role: Role = Role.OPERATOR,
+        *,
+        cookie: dict[str, str] | None = None,
+        language: str = "en",
     ) -> AsyncIterator["Page"]:
-        url = self.server.url
+        url, asked = self.server.url, f"?language={language}"
         async with (
             aiohttp.ClientSession(cookies=cookie or self.cookie(role)) as client,
-            client.ws_connect(url + "/ws", origin=url, max_msg_size=0) as socket,
+            client.ws_connect(f"{url}/ws{asked}", origin=url, max_msg_size=0) as socket,
         ):
             page = Page(socket)
             page.hello = await page.until("hello")

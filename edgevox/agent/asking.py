@@ -23,9 +23,9 @@ from edgevox.core.settings import Confirm
 class Asking:
     """Used from the conversation's thread; `question` is shared with whoever stops.
 
-    `confirm` may be set from any thread. A question asks only of what drives: whatever tells
-    something is done at once, and so is a stop. A program that drives is asked about before it is
-    kept, as its calls would be.
+    `confirm` may be set from any thread. A question asks only of what drives, and of what lasts
+    where that was not plainly said: whatever tells something is done at once, and so is a stop. A
+    program is asked about before it is kept, as its calls would be.
     """
 
     def __init__(
@@ -93,11 +93,11 @@ class Asking:
         unsure = not meaning.sure or (turn.plainly and meaning.source != "template")
         asks = self.confirm == "always" or (unsure and self.confirm == "unsure")
         drives = self._performer.drives(prepared)
-        stays = unsure and self._performer.lasts(prepared)
-        if not (drives or stays) or not (asks or unsure):
+        lasts = unsure and self._performer.lasts(prepared)
+        if not (drives or lasts) or not (asks or unsure):
             self._performer.perform(prepared, turn)
             return True
-        if asks and drives:
+        if asks:
             self._ask(prepared, turn)
         else:
             turn.say(self._interpreter.phrases.say("say_plainly"), Outcome.REFUSED)

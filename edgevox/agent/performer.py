@@ -11,7 +11,7 @@ from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.programs.keeper import Programs
 from edgevox.agent.programs.spoken import ProgramQuestions
 from edgevox.agent.skill_executor import SkillExecutor
-from edgevox.agent.skills import Call
+from edgevox.agent.skills import Call, Skill
 from edgevox.agent.turn import Turn
 
 
@@ -76,14 +76,15 @@ class Performer:
 
     def lasts(self, prepared: Prepared) -> bool:
         """Whether what it changes stays when it is over, as a place that is forgotten does."""
-        return any(goal.skill.lasting for goal in prepared.goals)
+        skills = prepared.meaning.agent.every_skill
+        return any(skills[call.skill].lasting for call in prepared.meaning.every_call)
 
     def question(self, prepared: Prepared) -> str:
         """Asks whether it shall be done."""
         phrases, program = self._interpreter.phrases, prepared.meaning.program
         if program:
             return phrases.say("do_this", told=self._programs.in_words(program))
-        asked = _driving(prepared) or prepared.goals
+        asked = [one for one in prepared.goals if _is_asked_about(one.skill)] or prepared.goals
         return phrases.question([(goal.skill, goal.arguments) for goal in asked])
 
     def perform(self, prepared: Prepared, turn: Turn) -> None:
@@ -112,3 +113,8 @@ class Performer:
 
 def _driving(prepared: Prepared) -> Sequence[Goal]:
     return [goal for goal in prepared.goals if goal.skill.drives]
+
+
+def _is_asked_about(one: Skill) -> bool:
+    """Whether a question names it, beside what only tells something."""
+    return one.drives or one.lasting or one.confirm

@@ -101,7 +101,7 @@ class Skill:
     `moves`: it uses the body, so it runs beside the conversation and pre-empts whatever moves; a
     skill that does not is answered on the spot. `relative`: it moves by so much, not to somewhere,
     so that it can go on further. `lasting`: what it changes stays when it is over, as when a place
-    is forgotten, so that it is not done where it may not have been meant. `confirm`: somebody has
+    is forgotten, so that it is asked about where it was not plainly said. `confirm`: somebody has
     to say yes to it, as if the policy wanted that. `says` acknowledges the call, `done` reports
     success, `action` ends a question that begins "Shall I"; all are formatted with the arguments,
     `done` also with the result's keys. `phrases` are other languages by code, for a skill that no

@@ -161,7 +161,7 @@ def start_parts(stack: ExitStack, parts: AgentParts, ros_args: Sequence[str] = (
         read_bridge(parts, bridge)
         start(stack, bridge)
         print(f"ROS 2: {bridge.where}", flush=True)
-    if parts.settings.console:
+    if parts.settings.serves_console:
         serve_console(stack, parts)
     prefill = _prefill(stack, parts)
     start(stack, parts.conversation)  # after the bridge, so that its first state is heard there

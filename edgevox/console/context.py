@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Command
 from edgevox.core.controls import Controls
+from edgevox.core.reason import Reason
 from edgevox.core.software_stop import SoftwareStop
 from edgevox.core.ways import Way
 
@@ -22,7 +23,7 @@ class ConsoleRobot(Protocol):
         """What does not move, JSON-ready; another ``version`` whenever it is another."""
 
     def live(self) -> Mapping[str, Any]:
-        """What moves, JSON-ready. On a worker thread, ten times a second while somebody looks."""
+        """What moves, JSON-ready. On a worker thread, 15 times a second while somebody looks."""
 
     def picture(self) -> bytes | None:
         """A JPEG of camera or view, None if there is none now. May take long: a worker thread."""
@@ -85,7 +86,8 @@ class ConsoleContext:
     `name_place` make the command for a point of the map frame, in metres; None where the robot
     cannot. `describe` gives by language what a page is told once, `status` what it is told once a
     second while somebody looks. `follow_log` calls with each line of the log that belongs to a turn
-    and may be told, on any thread, and returns what ends that.
+    and may be told, on any thread, and returns what ends that. `explain` says in a language why
+    something was not done, of a `Reason` or of what was raised; empty where it has no sentence.
     """
 
     name: str
@@ -101,4 +103,5 @@ class ConsoleContext:
     answer: Callable[[bool, Way], None] | None = None
     go_to: Callable[[float, float], Command] | None = None
     name_place: Callable[[str, float, float], Command] | None = None
+    explain: Callable[[Reason | Exception, str], str] = lambda _why, _language: ""
     follow_log: Callable[[Callable[[Mapping[str, Any]], None]], Callable[[], object]] | None = None

@@ -8,6 +8,7 @@ import json
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
+from functools import partial
 from typing import Any, Protocol
 
 from edgevox.console.context import ConsoleContext
@@ -19,6 +20,7 @@ from edgevox.console.talk import Shown, messages_of
 from edgevox.core.clock import Clock
 from edgevox.core.events import ControlChanged, Event
 from edgevox.core.log import get_logger
+from edgevox.core.reason import Reason
 from edgevox.core.software_stop import StopState
 
 log = get_logger(__name__)
@@ -37,6 +39,7 @@ class OpenPage(Protocol):
     session: Session
     outbox: Outbox
     looks: frozenset[str]
+    language: str
 
     def hang_up(self, code: int) -> None:
         """Close its socket."""
@@ -194,8 +197,19 @@ class PageHub:
 
     def _heard(self, event: Event) -> None:
         if self.pages:
+            reason = getattr(event, "reason", None)
             for message in messages_of(event):
-                self.tell_soon(message)
+                if isinstance(reason, Reason):
+                    self._soon(partial(self._tell_why, message, reason))
+                else:
+                    self.tell_soon(message)
+
+    def _tell_why(self, message: Mapping[str, Any], reason: Reason) -> None:
+        """Tell each page in its own language why."""
+        for page in self.pages:
+            why = self.context.explain(reason, page.language)
+            if text := encode({**message, "why": why}):
+                page.outbox.put(text)
 
     def _logged(self, line: Mapping[str, Any]) -> None:
         if any("log" in page.looks for page in self.pages):

@@ -9,7 +9,8 @@ from edgevox.core.log import get_logger, worth_a_line
 
 log = get_logger(__name__)
 
-LIVE_S = 0.1
+LIVE_S = 1 / 15
+"""What is shown is as old as this just before the next one comes, and some 20 ms more."""
 STATUS_S = 1.0
 TICK_S = 1.0
 

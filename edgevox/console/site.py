@@ -26,8 +26,8 @@ log = get_logger(__name__)
 
 PAGE = Path(__file__).parent / "page"
 MOST_BODY = 4096
-_SESSION = "session"
-"""By this name a request has the `Session` that it shows, or None."""
+_SESSION = web.RequestKey("session", Session)
+"""By this a request has the session that it shows, if it shows one."""
 PAIR_TRIES = 5
 """In a minute, of one address."""
 
@@ -73,10 +73,9 @@ class Site:
 
     def session(self, request: web.Request) -> Session:
         """Whose request it is. Raises 401 where nobody's."""
-        session: Session | None = request.get(_SESSION)
-        if session is None:
+        if _SESSION not in request:
             raise web.HTTPUnauthorized(text="pair first")
-        return session
+        return request[_SESSION]
 
     def own_session(self, request: web.Request) -> Session:
         """The same, of a request that this server's own page makes. Raises 403 for another's."""
@@ -90,9 +89,10 @@ class Site:
     ) -> web.StreamResponse:
         """Who shows a session is known at the door, also by what asks for a part of the page."""
         session = self.hub.sessions.of_cookie(request.cookies.get(self.cookie, ""))
-        request[_SESSION] = session
-        if session and self.door:
-            self.door.knows(request.protocol)
+        if session:
+            request[_SESSION] = session
+            if self.door:
+                self.door.knows(request.protocol)
         return await handler(request)
 
     # The page

@@ -199,8 +199,8 @@ class Settings(BaseSettings):
     )
     console_optional: bool = Field(
         False,
-        description="go on without the console where it cannot be served, its port being taken"
-        " for one; a line says why",
+        description="serve the console unless `console` says no, and go on without where it"
+        " cannot be served, its port being taken for one; a line says why",
     )
     console_host: str = Field(
         "127.0.0.1", min_length=1, description="address on which the console is served"
@@ -258,6 +258,12 @@ class Settings(BaseSettings):
         description="how many seconds a goal may go on after SIGTERM or `edgevox-health --drain`"
         " before it is cancelled; 0: none. Its supervisor waits longer than drain_s + leave_s",
     )
+
+    @property
+    def serves_console(self) -> bool:
+        """Whether the console is asked for: `console_optional` gives way to any `console`."""
+        said = "console" in self.model_fields_set
+        return self.console if said else self.console_optional
 
     @classmethod
     def settings_customise_sources(

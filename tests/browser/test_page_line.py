@@ -4,6 +4,11 @@ from browser_rig import Opens
 from playwright.sync_api import Browser, expect
 from stand_in import CODE, Robot
 
+HIDE = """hidden => {
+  Object.defineProperty(document, 'hidden', { value: hidden, configurable: true });
+  document.dispatchEvent(new Event('visibilitychange'));
+}"""
+
 
 def test_silence_greys_the_page_and_what_is_typed_then_is_never_sent(
     opens: Opens, robot: Robot
@@ -28,6 +33,23 @@ def test_a_silence_is_seen_within_a_second(opens: Opens, robot: Robot) -> None:
     robot.tell(type="talk", kind="state", state="thinking")
     expect(page.locator(".chip.state")).to_have_text("thinking")  # the last that it hears
     state = page.locator("html")
+    page.clock.run_for(500)
+    expect(state).to_have_attribute("data-link", "ready")
+    page.clock.run_for(500)
+    expect(state).to_have_attribute("data-link", "gone")
+
+
+def test_the_silence_of_a_page_that_is_seen_again_counts_from_then(
+    opens: Opens, robot: Robot
+) -> None:
+    page = opens(stopped_clock=True)
+    state = page.locator("html")
+    robot.live = None
+    robot.silent = True
+    page.evaluate(HIDE, True)
+    page.clock.run_for(60_000)
+    expect(state).to_have_attribute("data-link", "ready")
+    page.evaluate(HIDE, False)
     page.clock.run_for(500)
     expect(state).to_have_attribute("data-link", "ready")
     page.clock.run_for(500)

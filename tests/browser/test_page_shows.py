@@ -110,10 +110,10 @@ def test_a_tap_on_the_map_goes_there_or_names_it(opens: Opens, robot: Robot) -> 
     assert robot.commands("name_place")[0]["name"] == "door"
     sheet, named = page.locator(".tap-sheet"), {"kind": "skill_goal", "skill": "remember_place"}
     robot.tell(
-        type="event", **named, status="rejected", error="it is known",
+        type="event", **named, status="rejected", error="it is known", why="das kenne ich",
         arguments_json='{"name": "door", "x": 5.0, "y": 5.0}',
     )  # fmt: skip
-    expect(page.locator(".toast")).to_contain_text("Refused: it is known")
+    expect(page.locator(".toast")).to_have_text("Refused: das kenne ich")
     expect(sheet).to_be_visible()  # for another name
     page.get_by_label("Name of this place").fill("gate")
     page.keyboard.press("Enter")
@@ -167,6 +167,24 @@ def test_a_refusal_says_why(opens: Opens, robot: Robot) -> None:
     page.locator(".write input").fill("go")
     page.locator(".write input").press("Enter")
     expect(page.locator(".toast")).to_contain_text("take the turn first")
+
+
+@pytest.mark.parametrize(
+    ("answer", "said"),
+    [
+        ({"reason": "invalid", "why": "das ist zu weit"}, "Abgelehnt: das ist zu weit"),
+        ({"reason": "invalid"}, "Der Roboter hat das abgelehnt."),
+        ({"reason": "failed"}, "Der Roboter hat das abgelehnt."),
+    ],
+)
+def test_a_refusal_is_in_the_language_of_the_page(
+    opens: Opens, robot: Robot, answer: dict, said: str
+) -> None:
+    robot.answers["text"] = {"message": "that is too far", **answer}
+    page = opens(locale="de-DE")
+    page.locator(".write input").fill("go")
+    page.locator(".write input").press("Enter")
+    expect(page.locator(".toast")).to_have_text(said)
 
 
 def test_without_a_part_for_sound_the_page_says_so_and_works(opens: Opens, robot: Robot) -> None:

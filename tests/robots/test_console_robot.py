@@ -287,3 +287,14 @@ def test_a_body_that_only_shows_itself_gives_a_jpeg_and_is_not_steered(console):
     assert shown.capabilities["drive"] is False
     assert len(shown.scene()["bounds"]) == 4
     shown.halt()
+
+
+def test_why_something_is_not_done_is_told_in_the_language_of_each_page(console):
+    explain = console.context.explain
+    known = because("place_known", place="Zanzibar", x="1.0", y="2.0")
+    assert explain(known, "en") != explain(known, "de")
+    assert "Zanzibar" in explain(known, "de")
+    assert explain(SkillFailed(known), "de") == explain(known, "de")
+    assert explain(known, "xx") == explain(known, "en")  # the robot's own
+    assert explain(SkillFailed("the door is locked"), "de") == "the door is locked"
+    assert explain(InvalidValue("x", "far", "a number"), "de") == ""

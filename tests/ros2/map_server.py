@@ -2,9 +2,10 @@
 
     python map_server.py --namespace /robot1 --topic map --frame map
 
-Publishes a room of 6 by 4 m once, as Nav2's does: reliable, and kept for whoever comes later. Its
-lower left corner is at (-1, -2). A string on ``do`` publishes another: ``wall`` with a column that
-is occupied, too, or a lie: ``short`` (a cell is missing), ``nowhere`` (its origin is no number).
+Publishes a room of 6 by 4 m once, as Nav2's does: reliable, kept for whoever comes later unless
+it is ``--volatile``. Its lower left corner is at (-1, -2). A string on ``do`` publishes another:
+``wall`` with a column that is occupied, too, or a lie: ``short`` (a cell is missing), ``nowhere``
+(its origin is no number).
 """
 
 import argparse
@@ -27,12 +28,14 @@ class MapServer(Node):
     def __init__(self, options: argparse.Namespace) -> None:
         super().__init__("map_server", namespace=options.namespace)
         self.frame = options.frame
-        latched = QoSProfile(
+        quality = QoSProfile(
             depth=1,
             reliability=ReliabilityPolicy.RELIABLE,
-            durability=DurabilityPolicy.TRANSIENT_LOCAL,
+            durability=(
+                DurabilityPolicy.VOLATILE if options.volatile else DurabilityPolicy.TRANSIENT_LOCAL
+            ),
         )
-        self.map = self.create_publisher(OccupancyGrid, options.topic, latched)
+        self.map = self.create_publisher(OccupancyGrid, options.topic, quality)
         self.create_subscription(String, "do", self.change, 10)
         self.map.publish(self.room())
 
@@ -66,6 +69,7 @@ def main() -> None:
     parser.add_argument("--namespace", default="/")
     parser.add_argument("--topic", default="map")
     parser.add_argument("--frame", default="map")
+    parser.add_argument("--volatile", action="store_true")
     options = parser.parse_args()
     rclpy.init()
     with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):

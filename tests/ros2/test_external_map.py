@@ -11,7 +11,7 @@ from external_rig import heard, robot_process, wheels
 from interop_rig import hear
 from map_server import CELL_M, COLUMNS, ROWS
 from nav_msgs.msg import OccupancyGrid
-from peer import STATE
+from peer import STATE, Peer
 from waiting import wait_until
 
 from edgevox.core.refusals import Refusal
@@ -63,6 +63,17 @@ def walls(grid: OccupancyMap, column: int) -> bool:
     return bool((grid.cells[:, column] == OCCUPIED).all())
 
 
+def heard_by_server(body: ExternalRobot, control: Peer) -> None:
+    """Tell the map server until it has heard, which may not know a peer that has just come."""
+
+    def is_shown() -> bool:
+        control.send("do", "wall 10")
+        newest = body.newest_map()
+        return newest is not None and walls(newest, 10)
+
+    wait_until(is_shown, "a wall")
+
+
 def test_who_comes_later_is_shown_the_room_and_not_what_is_unknown_around_it(rig, peer):
     rig.serve()
     hear(peer(), OccupancyGrid, "/robot1/map", STATE).wait_for_more(1)
@@ -81,6 +92,7 @@ def test_a_newer_map_takes_the_place_of_the_old_one_and_a_lie_does_not(rig, peer
     body, control = rig.body(*JOINED), peer("/robot1")
     first = shown(body)
     assert not walls(first, 20)
+    heard_by_server(body, control)
     control.send("do", "wall 20")
     wait_until(lambda: walls(body.newest_map(), 20), "the wall")
     second = body.newest_map().cells
@@ -93,6 +105,12 @@ def test_a_newer_map_takes_the_place_of_the_old_one_and_a_lie_does_not(rig, peer
     assert "map_impossible" in caplog.text
     control.send("do", "wall 30")
     wait_until(lambda: walls(body.newest_map(), 30), "the next map")
+
+
+def test_a_map_that_is_kept_for_nobody_is_heard_when_it_is_published(rig, peer):
+    rig.serve("--volatile")
+    body, control = rig.body(*JOINED), peer("/robot1")
+    heard_by_server(body, control)
 
 
 def test_a_map_in_another_frame_is_turned_into_that_of_the_robots_pose(rig):

@@ -12,10 +12,13 @@ from edgevox.agent.confirmation import OpenQuestion
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.dialogue_skills import DialogueSkills
 from edgevox.agent.last_drive import LastDrive
+from edgevox.agent.nlu.confidence import ASK_FROM
 from edgevox.agent.nlu.interpreter import Interpreter
+from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.performer import Performer
 from edgevox.agent.programs.keeper import Programs
 from edgevox.agent.skill_executor import SkillExecutor
+from edgevox.agent.skills import SkillSet
 from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import Confirmation, ConfirmationStatus
 from edgevox.core.bus import Bus
@@ -86,11 +89,14 @@ class Talk(Heard):
 
 
 class Doubtful(Interpreter):
-    """Is as sure of what it understands as the test says."""
+    """Is as sure of what it understands as the test says; what a model calls is `filled_in`."""
 
     confidence = 1.0
+    filled_in = ()
 
     def understand(self, text, turn):
+        if self.filled_in:
+            return Meaning(self.active, tuple(self.filled_in), "model", ASK_FROM)
         meaning = super().understand(text, turn)
         return replace(meaning, confidence=self.confidence) if meaning else None
 
@@ -98,14 +104,15 @@ class Doubtful(Interpreter):
 class Doubts(Heard):
     """What decides to act or to ask, alone, with an interpreter that is not sure."""
 
-    def __init__(self, confirm="unsure", confidence=0.6, guard=None):
+    def __init__(self, confirm="unsure", confidence=0.6, guard=None, skills=()):
         self.bus, self.clock, self.turns = Bus(), HeldClock(100.0), 0
         self.body = FakeBody(arrives=True)
         super().__init__(self.bus)
         self.executor = SkillExecutor(
             self.bus, self.body.halt, lambda text, detail: None, guard=guard
         )
-        agent = Agent("robot", "Be brief.", self.body.skills(*SKILLS))
+        known = SkillSet([*self.body.skills(*SKILLS).values(), *skills])
+        agent = Agent("robot", "Be brief.", known)
         dialogue_skills = DialogueSkills(
             [agent], self.bus, self.clock, lambda: self.interpreter.phrases
         )

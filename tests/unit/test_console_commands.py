@@ -12,8 +12,11 @@ import pytest
 from edgevox.console import driving
 from edgevox.console.outbox import MOST_WAITING, Outbox
 from edgevox.console.sessions import Role
+from edgevox.core.agent_events import GoalRejected
 from edgevox.core.commands import TextInput
+from edgevox.core.errors import InvalidValue
 from edgevox.core.events import TokenGenerated
+from edgevox.core.reason import Reason
 from edgevox.core.ways import Way
 from tests.console_rig import WAIT_S, Rig, console
 
@@ -299,3 +302,23 @@ def test_a_slow_page_does_without_lines_of_the_log_and_is_not_hung_up_on() -> No
         return len(hung_up)
 
     assert asyncio.run(flood()) == 0
+
+
+def test_why_something_was_refused_is_told_each_page_in_its_own_language(tmp_path: Path) -> None:
+    def explain(why: object, language: str) -> str:
+        return f"{language}: {why}"
+
+    def cannot(_: object) -> None:
+        raise InvalidValue("skill", "fly", "one that there is")
+
+    async def ask(rig: Rig) -> None:
+        async with rig.page() as english, rig.page(Role.VIEWER, language="de") as german:
+            rig.bus.publish(GoalRejected("fly", "{}", Reason("no wings")))
+            assert (await english.until("event"))["why"] == "en: no wings"
+            assert (await german.until("event"))["why"] == "de: no wings"
+            await english.ask(type="lease", action="take")
+            told = await english.ask(type="skill", name="fly")
+            assert told["why"] == "en: skill: got 'fly', expected one that there is"
+
+    with console(tmp_path, explain=explain, submit=cannot) as rig:
+        asyncio.run(ask(rig))

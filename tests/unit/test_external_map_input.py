@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from geometry_msgs.msg import Point, Pose, Quaternion
 from nav_msgs.msg import MapMetaData, OccupancyGrid
+from rclpy.serialization import serialize_message
 
 from edgevox.core.errors import InvalidValue
 from edgevox.robots.occupancy_map import FREE, OCCUPIED, UNKNOWN
-from edgevox.ros2.external.map_input import MOST_CELLS, MOST_SHOWN, map_of
+from edgevox.ros2.external.map_input import MOST_CELLS, MOST_SHOWN, MapInput, map_of
 
 
 def grid(values: np.ndarray, resolution: float = 0.5, **origin: float) -> OccupancyGrid:
@@ -86,3 +87,56 @@ def test_what_cannot_be_a_map_is_refused_by_field(changed: dict, field: str) -> 
     with pytest.raises(InvalidValue) as refused:
         map_of(message)
     assert refused.value.field == f"map: {field}"
+
+
+class HeardNode:
+    """Stands for a node; what a test publishes is heard by all its subscriptions, one by one."""
+
+    def __init__(self) -> None:
+        self._hear: list = []
+        self._sent_ns = 0
+
+    def resolve_topic_name(self, topic: str) -> str:
+        return f"/{topic}"
+
+    def create_subscription(self, _type, _topic, callback, quality, **_) -> None:
+        self._hear.append((callback, quality))
+
+    @property
+    def durabilities(self) -> set[str]:
+        return {quality.durability.name for _, quality in self._hear}
+
+    def publish(self, data: bytes) -> None:
+        self._sent_ns += 1
+        for callback, _ in self._hear:
+            callback(data, {"source_timestamp": self._sent_ns})
+
+
+@pytest.mark.parametrize(
+    "lie",
+    [
+        serialize_message(grid(np.zeros((2, 4)), math.nan)),
+        b"no map",
+        bytes(MOST_CELLS + 5000),
+    ],
+    ids=["impossible", "no message", "too large"],
+)
+def test_what_is_no_map_takes_none_away_also_before_anybody_looks(lie: bytes) -> None:
+    node = HeardNode()
+    heard = MapInput(node)
+    for columns in (4, 7):
+        node.publish(serialize_message(grid(np.zeros((2, columns)))))
+        node.publish(lie)
+        newest = heard.newest()
+        assert newest is not None
+        assert newest[0].cells.shape == (2, columns)
+    assert heard.refused == 2
+
+
+def test_one_that_is_heard_both_ways_is_made_once() -> None:
+    node = HeardNode()
+    heard = MapInput(node)
+    assert node.durabilities == {"TRANSIENT_LOCAL", "VOLATILE"}
+    node.publish(serialize_message(grid(np.zeros((2, 4)))))
+    first = heard.newest()
+    assert heard.newest() is first

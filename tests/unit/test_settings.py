@@ -35,6 +35,27 @@ def test_each_source_overrules_the_one_before(config, monkeypatch):
 
 
 @pytest.mark.parametrize(
+    ("written", "variable", "flags", "served"),
+    [
+        ("", None, {}, False),
+        ("", None, {"console_optional": "true"}, True),
+        ("console = false", None, {"console_optional": "true"}, False),
+        ("console = true", None, {"console_optional": "true"}, True),
+        ("console = true", None, {}, True),
+        ("", "false", {"console_optional": "true"}, False),
+        ("console = false", None, {"console": "true", "console_optional": "true"}, True),
+        ("console_optional = true", None, {"console": "false"}, False),
+    ],
+)
+def test_an_optional_console_is_served_unless_somebody_says_otherwise(
+    config, monkeypatch, written, variable, flags, served
+):
+    if variable:
+        monkeypatch.setenv("EDGEVOX_CONSOLE", variable)
+    assert load_settings(flags, config(written)).serves_console is served
+
+
+@pytest.mark.parametrize(
     ("flags", "message"),
     [
         ({"ros2_state_hz": "fast"}, "ros2_state_hz: got 'fast', expected a valid number"),

@@ -5,8 +5,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from typing import Any
 
+from edgevox.agent.failures import SkillFailed, reason_of
 from edgevox.agent.going import TO_POINT
 from edgevox.agent.phrase_file import phrasebook
+from edgevox.agent.phrasebook import Phrasebook
+from edgevox.agent.wrong_arguments import WrongArgument
 from edgevox.apps.agent_parts import AgentParts
 from edgevox.apps.console.offered_skills import offered
 from edgevox.apps.console.robot_recorder import RobotRecorder
@@ -15,6 +18,7 @@ from edgevox.console.context import ConsoleContext, ConsoleSound
 from edgevox.core.commands import Command, RunSkill, TextInput
 from edgevox.core.events import TurnMeasured
 from edgevox.core.languages import LANGUAGES
+from edgevox.core.reason import Reason
 from edgevox.core.settings import CONFIRM
 from edgevox.core.ways import Way
 from edgevox.ops.logs import TurnLines
@@ -60,12 +64,13 @@ class _OfAgent:
             go_to=_go_to if goes else None,
             name_place=_name_place if names else None,
             follow_log=_follow_log,
+            explain=self._explain,
         )
 
     def _describe(self, language: str) -> Mapping[str, Any]:
         """What a page is told once, in its own language where the robot has that."""
         controls = self._parts.controls
-        phrases = phrasebook(language if language in LANGUAGES else controls.language)
+        phrases = self._phrases(language)
         here = self._robot.capabilities if self._robot else {}
         return {
             "languages": list(LANGUAGES),
@@ -81,6 +86,15 @@ class _OfAgent:
                 "record": self._recorder is not None,
             },
         }
+
+    def _explain(self, why: Reason | Exception, language: str) -> str:
+        """Why it was not done; empty for what the phrasebooks have no sentence of."""
+        if isinstance(why, SkillFailed | WrongArgument):
+            why = reason_of(why)
+        return self._phrases(language).reason(why) if isinstance(why, Reason) else ""
+
+    def _phrases(self, language: str) -> Phrasebook:
+        return phrasebook(language if language in LANGUAGES else self._parts.controls.language)
 
     def _status(self) -> Mapping[str, Any]:
         """How all parts are."""

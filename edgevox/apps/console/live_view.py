@@ -1,4 +1,4 @@
-"""What of a body moves, as a page draws it ten times a second: exactly what the body has.
+"""What of a body moves, as a page draws it 15 times a second: exactly what the body has.
 
 Metres and radians, map frame. What cannot be known at the moment is None.
 """

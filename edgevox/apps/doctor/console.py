@@ -21,7 +21,7 @@ ANSWER_S = 3.0
 def probe_console(situation: Situation) -> Facts:
     """What there is of it, where it is asked for."""
     settings = situation.settings
-    if not settings.console:
+    if not settings.serves_console:
         return {"on": False}
     missing = [name for name in MODULES if find_spec(name) is None]
     if missing:

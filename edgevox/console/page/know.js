@@ -1,7 +1,7 @@
 /** How the robot is: health, latencies as small plots, what was refused and why, logs, recordings. */
 import { h, sign, sparkline } from "./dom.js";
-import { tellRefusal } from "./notices.js";
-import { number, say, sayOr } from "./words.js";
+import { tellRefusal, whyNot } from "./notices.js";
+import { number, say } from "./words.js";
 
 const STAGES = /** @type {const} */ (["stt", "llm", "tts", "ttfs", "total"]);
 const LEVELS = ["good", "warn", "bad", "stale"];
@@ -112,11 +112,11 @@ function refusalList(store) {
   const list = linesBox();
   store.on("event", (event) => {
     if (!["rejected", "failed"].includes(event.status)) return;
-    const why = event.error ?? event.reason ?? "";
+    const why = event.why || (event.error ?? event.reason ?? "");
     addLine(list, `${event.skill ?? event.text ?? ""}: ${why}`, "warn");
   });
   store.on("talk", (m) => m.kind === "refused" && addLine(list, m.text ?? "", "warn"));
-  store.on("error", (m) => addLine(list, sayOr(`why_${m.reason ?? ""}`, m.message ?? ""), "bad"));
+  store.on("error", (m) => addLine(list, whyNot(m.reason, m.why), "bad"));
   return list;
 }
 

@@ -8,12 +8,13 @@ const SILENCE_MS = 800;
 const GIVE_UP_MS = 3000;
 const AGAIN_MS = [250, 500, 1000, 2000, 4000];
 
-/** A command was not sent, or not done; `code` says why where the robot said so. */
+/** A command was not sent, or not done; `code` says why where the robot said so, and `why` in the page's language. */
 export class Refused extends Error {
-  /** @param {string} message @param {string} [code] */
-  constructor(message, code = "") {
+  /** @param {string} message @param {string} [code] @param {string} [why] */
+  constructor(message, code = "", why = "") {
     super(message);
     this.code = code;
+    this.why = why;
   }
 }
 
@@ -37,7 +38,7 @@ export class Link {
     this.roundtrip = 0;
     setInterval(() => this.watch(), 150);
     setInterval(() => this.ping(), PING_MS);
-    document.addEventListener("visibilitychange", () => this.ping());
+    document.addEventListener("visibilitychange", () => this.seen());
   }
 
   open() {
@@ -78,7 +79,7 @@ export class Link {
     if (message.type === "pong") this.roundtrip = performance.now() - message.t;
     if (message.type === "ok") this.answered(message.reply_to)?.resolve(message);
     if (message.type === "error" && message.reply_to != null)
-      this.answered(message.reply_to)?.reject(new Refused(message.message ?? "", message.reason));
+      this.answered(message.reply_to)?.reject(new Refused(message.message ?? "", message.reason, message.why));
     this.store.take(message);
     if (message.type === "hello" || this.store.link === "gone") this.store.linked("ready");
   }
@@ -90,8 +91,17 @@ export class Link {
     return one;
   }
 
+  /**
+   * A hidden page judges no silence: its timers, and so its pings, run once a second or more seldom.
+   * What counts is the silence since it is seen again.
+   */
+  seen() {
+    this.heard = performance.now();
+    this.ping();
+  }
+
   watch() {
-    if (!this.socket) return;
+    if (!this.socket || document.hidden) return;
     const silence = performance.now() - this.heard;
     if (silence > SILENCE_MS && this.store.link === "ready") this.store.linked("gone");
     if (silence > GIVE_UP_MS) {

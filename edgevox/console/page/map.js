@@ -3,7 +3,7 @@ import { h, sign } from "./dom.js";
 import { colours, drawLive, drawScene } from "./map_draw.js";
 import { MapGrid } from "./map_grid.js";
 import { MapView, moveByHand } from "./map_view.js";
-import { tellRefusal, toast } from "./notices.js";
+import { tellRefusal, toast, whyNot } from "./notices.js";
 import { number, say } from "./words.js";
 
 /**
@@ -114,7 +114,7 @@ function tapSheet(store, link, canvas) {
     if (event.status === "succeeded") {
       toast(say("place_kept", { name: naming }), "good");
       leave();
-    } else if (["rejected", "failed"].includes(event.status)) toast(say("refused", { why: event.error ?? "" }));
+    } else if (["rejected", "failed"].includes(event.status)) toast(whyNot("", event.why));
     else return;
     naming = "";
   });

@@ -15,9 +15,12 @@ export function toast(text, kind = "bad") {
   setTimeout(() => one.remove(), SHOWN_MS);
 }
 
+/** Why something was not done, in the page's language. @param {string | undefined} code @param {string | undefined} why what the robot says */
+export const whyNot = (code, why) => why ? say("refused", { why }) : sayOr(`why_${code}`, say("why_invalid"));
+
 /** Say why something was not done. @param {any} error */
 export function tellRefusal(error) {
-  toast(sayOr(`why_${error.code ?? ""}`, error.message || say("why_invalid")));
+  toast(whyNot(error.code, error.why));
 }
 
 /** @param {import("./store.js").Store} store */

@@ -67,6 +67,7 @@ class ControlPage:
     ) -> None:
         self.session = session
         self.looks: frozenset[str] = frozenset()
+        self.language = ""
         self._hub = hub
         self._socket = socket
         self._limits = limits
@@ -247,6 +248,8 @@ class ControlPage:
         self, reply_to: int | None, code: str, message: str, error: Exception | None = None
     ) -> None:
         told = {"type": "error", "reply_to": reply_to, "reason": code, "message": message}
+        if error:
+            told["why"] = self._hub.context.explain(error, self.language)
         if isinstance(error, InvalidValue):
             told |= {"field": error.field, "expected": error.expected}
         self._say(told)
@@ -258,6 +261,7 @@ class ControlPage:
     async def _hello(self, language: str) -> str:
         hub = self._hub
         told = await hub.work(hub.context.describe, language)
+        self.language = language
         hello = {
             **told,
             "type": "hello",
