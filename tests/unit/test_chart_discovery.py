@@ -46,6 +46,15 @@ def test_a_robot_names_both_in_the_order_of_their_numbers() -> None:
     assert '-i "${HOSTNAME##*-}"' in container["args"][-1]
 
 
+def test_an_upgrade_takes_one_away_when_all_have_registered_with_the_other() -> None:
+    servers = _of_servers("StatefulSet")["fleet-edgevox-discovery5"]
+    (container,) = servers["template"]["spec"]["containers"]
+    probe = container["startupProbe"]
+    assert "sleep 25;" in container["args"][-1]  # longer than the 20 s in which it is missed
+    assert probe["periodSeconds"] * probe["failureThreshold"] > 25
+    assert servers["minReadySeconds"] > 0
+
+
 def test_each_has_an_address_that_stays_and_leads_to_its_pod_only() -> None:
     services = _of_servers("Service")
     assert len(services) == 4
