@@ -1,18 +1,15 @@
 """What Fast DDS makes of its servers' list, and who is found by it."""
 
 import os
-import re
-import shutil
 import socket
 import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from pathlib import Path
 
 import pytest
+from discovery_server import discovery_server
 from guards import HUNG_S
-from waiting import wait_until
 
 ENTRYPOINT = (sys.executable, "-m", "edgevox.apps.container.start")
 TALKS = """
@@ -46,30 +43,6 @@ def _environment(servers: str, domain: int) -> dict[str, str]:
     others = {name: value for name, value in os.environ.items() if not name.startswith(ours)}
     given = {"ROS_DISCOVERY_SERVER": servers, "ROS_DOMAIN_ID": str(domain)}
     return others | given | {"EDGEVOX_PEERS_WAIT_S": "0", "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4"}
-
-
-@contextmanager
-def _server(number: int, port: int) -> Iterator[None]:
-    """A discovery server of this machine; the wheels' own needs to be told where its library is."""
-    prefix = Path(sys.prefix)
-    folders = [*prefix.glob("lib/python3.*/site-packages/ros_*.libs"), prefix / "lib"]
-    here = f"{prefix / 'bin'}{os.pathsep}{os.environ['PATH']}"
-    library = os.pathsep.join([*map(str, folders), os.environ.get("LD_LIBRARY_PATH", "")])
-    program = shutil.which("fast-discovery-server", path=here)
-    assert program, "there is no fast-discovery-server beside ROS 2"
-    command = [program, "-i", str(number), "-l", "127.0.0.1", "-p", str(port)]
-    with subprocess.Popen(
-        command, env=os.environ | {"LD_LIBRARY_PATH": library}, stdout=subprocess.DEVNULL
-    ) as one:
-        try:
-            wait_until(lambda: _is_bound(port))
-            yield
-        finally:
-            one.kill()
-
-
-def _is_bound(port: int) -> bool:
-    return bool(re.search(f":{port:04X} ", Path("/proc/net/udp").read_text("ascii")))
 
 
 def _free_port() -> int:
@@ -106,7 +79,7 @@ def ports() -> Iterator[tuple[int, int]]:
     with ExitStack() as servers:
         both = _free_port(), _free_port()
         for number, port in enumerate(both):
-            servers.enter_context(_server(number, port))
+            servers.enter_context(discovery_server(number, port))
         yield both
 
 
