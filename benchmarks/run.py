@@ -41,6 +41,7 @@ BENCHMARKS = {
     "console": "a browser's stop, map and sound, and what ten of them cost",
     "voice": "hearing, answering aloud, barging in, an hour of listening",
     "corpus": "what becomes of what strangers say, and whether anything moves that should not",
+    "discovery_scale": "how soon many agents find each other, and what it costs",
     "image": "size and start of the container's image",
 }
 """Each is a module here, in the order in which they run."""

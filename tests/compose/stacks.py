@@ -4,7 +4,7 @@ import json
 import secrets
 import subprocess
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import NamedTemporaryFile
@@ -43,9 +43,12 @@ class Stack:
         """What `probe.py` heard from inside a service's container."""
         return _last_line(self.execute(service, "python3", "-", *arguments, stdin=PROBE))
 
-    def probe_from_beside(self, service: str, *arguments: str) -> dict:
-        """The same from a container of its own, made from the service."""
-        run = ("run", "--rm", "--no-deps", "-T", service, "python3", "-")
+    def probe_from_beside(
+        self, service: str, *arguments: str, given: Mapping[str, str] | None = None
+    ) -> dict:
+        """The same from a container of its own, made from the service, with more variables."""
+        more = [f"--env={name}={value}" for name, value in (given or {}).items()]
+        run = ("run", "--rm", "--no-deps", "-T", *more, service, "python3", "-")
         ran = self.call(*run, *arguments, input=PROBE, timeout=HUNG_S)
         assert ran.returncode == 0, ran.stdout + ran.stderr
         return _last_line(ran.stdout)

@@ -68,11 +68,43 @@ def test_only_the_robot_that_is_spoken_to_drives(fleet: Stack):
     assert not any(stayed["found"].values())
 
 
-@pytest.mark.parametrize("overlays", [(), ("host",), ("discovery",)], ids=str)
+@pytest.mark.parametrize("overlays", [(), ("host",)], ids=str)
 def test_data_arrives_between_containers_in_every_network_that_is_offered(overlays):
     with stack(*overlays, EDGEVOX_LLM="none") as one:
-        heard = one.probe_from_beside("edgevox-ros2", PATIENCE, f"{STATE}=room")
-        assert heard["found"][STATE]
-        if "discovery" in overlays:  # by the server, and by nothing else
-            one.call("stop", "discovery")
-            assert not one.probe_from_beside("edgevox-ros2", "5", f"{STATE}=room")["found"][STATE]
+        assert _is_heard_from_beside(one)
+
+
+def test_either_discovery_server_may_fail_and_after_it_is_back_the_other():
+    with stack("discovery", EDGEVOX_LLM="none", EDGEVOX_PEERS_WAIT_S="1") as one:
+        assert _is_heard_from_beside(one)
+        assert one.call("kill", "discovery2").returncode == 0
+        assert _is_heard_from_beside(one)
+        kept = one.probe("edgevox-ros2", PATIENCE, f"{STATE}=room")
+        assert kept["found"][STATE]
+        again = ("up", "--detach", "--no-build", "--no-recreate", "--wait", "discovery2")
+        assert one.call(*again, timeout=HUNG_S).returncode == 0
+        assert one.call("kill", "discovery").returncode == 0
+        assert _is_heard_from_beside(one)
+
+
+@pytest.mark.parametrize("down", ["discovery", "discovery2"])
+def test_a_robot_that_starts_while_a_discovery_server_is_down_is_found_by_the_other(down):
+    with stack("discovery", start=False, EDGEVOX_LLM="none", EDGEVOX_PEERS_WAIT_S="1") as one:
+        up = ("up", "--detach", "--no-build", "--no-deps", "--wait", "edgevox-ros2")
+        (other,) = {"discovery", "discovery2"} - {down}
+        ran = one.call(*up, other, timeout=HUNG_S)
+        assert ran.returncode == 0, ran.stderr
+        assert f"no address of {down};" in one.call("logs", "edgevox-ros2").stdout
+        assert _is_heard_from_beside(one)
+
+
+def test_by_the_discovery_servers_and_by_nothing_else():
+    with stack("discovery", EDGEVOX_LLM="none") as one:
+        by_multicast = {"ROS_DISCOVERY_SERVER": ""}
+        heard = one.probe_from_beside("edgevox-ros2", "5", STATE, given=by_multicast)
+        assert not heard["found"][STATE]
+
+
+def _is_heard_from_beside(one: Stack) -> bool:
+    """Whether a new peer, a container of its own, finds the robot."""
+    return one.probe_from_beside("edgevox-ros2", PATIENCE, f"{STATE}=room")["found"][STATE]

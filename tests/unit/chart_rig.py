@@ -20,6 +20,7 @@ def pods(values: dict[str, Any]) -> dict[str, dict[str, Any]]:
     return {
         one["metadata"]["labels"]["edgevox/robot"]: one["spec"]["template"]["spec"]
         for one in objects(values, "StatefulSet")
+        if "edgevox/robot" in one["metadata"]["labels"]
     }
 
 

@@ -15,7 +15,10 @@ from edgevox.core.status import STALL_S
 FLEET = yaml.safe_load(chart.FLEET.read_text())
 OLDEST, NEWEST = "1.27", "1.37"
 EVERYTHING = {
-    "robots": [{"name": "solo", "domain": 232, "hostNetwork": True}, {"name": "b", "domain": 0}],
+    "robots": [
+        {"name": "solo", "domain": 232, "hostNetwork": True},
+        {"name": "b", "domain": 0, "framePrefix": "b/"},
+    ],
     "image": {"repository": "r.example:5000/a/b", "digest": "sha256:" + 64 * "0"}
     | {"pullSecrets": ["registry"]},
     "env": [{"name": "A", "valueFrom": {"secretKeyRef": {"name": "s", "key": "k"}}}],

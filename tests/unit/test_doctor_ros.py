@@ -55,6 +55,8 @@ def test_a_domain_must_be_a_number_whose_ports_are_free(domain, level):
         ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}, [WARNING]),
         ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF", "ROS_STATIC_PEERS": "10.0.0.2"}, [OK]),
         ({"ROS_STATIC_PEERS": "127.0.0.1;nobody.invalid"}, [ERROR]),
+        ({"ROS_DISCOVERY_SERVER": ";127.0.0.1:11812"}, [OK]),
+        ({"ROS_DISCOVERY_SERVER": "nobody.invalid:11811;127.0.0.1:11812"}, [ERROR]),
         ({"ROS_LOCALHOST_ONLY": "1"}, [WARNING]),
     ],
 )

@@ -5,6 +5,7 @@ import sys
 from collections.abc import Mapping, Sequence
 
 from edgevox.apps.container.checked_environment import prepared
+from edgevox.apps.container.discovery_servers import with_server_addresses
 from edgevox.apps.container.static_peers import with_addresses
 from edgevox.apps.container.variables import NO_ROBOT
 from edgevox.apps.dds_security import secured
@@ -24,6 +25,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = list(sys.argv[1:] if arguments is None else arguments)
     try:
         environment = with_addresses(prepared(os.environ, _say), _say)
+        environment = with_server_addresses(environment, _say)
         command = command_of(given, environment)
         environment = secured(environment, command[0], _say)
     except InvalidValue as error:

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from edgevox.apps.container.discovery_servers import SERVERS, server_names
 from edgevox.apps.container.static_peers import PEERS, addresses
 from edgevox.apps.container.variables import ENVIRONMENT
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
@@ -67,11 +68,17 @@ def judge_domain(facts: Facts, _: Situation) -> CheckVerdict:
 
 def probe_discovery(situation: Situation) -> Facts:
     """The variables that decide how others are found."""
-    names = (RANGE, PEERS, "ROS_LOCALHOST_ONLY", "ROS_DISCOVERY_SERVER")
+    names = (RANGE, PEERS, "ROS_LOCALHOST_ONLY", SERVERS)
     facts = {name: situation.environment.get(name, "") for name in names}
     peers = [name for name in facts[PEERS].split(";") if name]
-    known = addresses(peers, 0) if peers else {}
-    return {**facts, "unknown": [name for name in peers if name not in known]}
+    servers = server_names(facts[SERVERS])
+    return {**facts, "unknown": _unknown(peers), "unknown_servers": _unknown(servers)}
+
+
+def _unknown(names: list[str]) -> list[str]:
+    """Those that have no address now."""
+    known = addresses(names, 0) if names else {}
+    return [name for name in names if name not in known]
 
 
 def judge_discovery(facts: Facts, _: Situation) -> list[CheckVerdict]:
@@ -85,10 +92,13 @@ def judge_discovery(facts: Facts, _: Situation) -> list[CheckVerdict]:
     if facts["unknown"]:
         found = f"{PEERS}: no address of {', '.join(facts['unknown'])}; no node starts like that"
         said.append(error(found, "take them out; the container's entrypoint does so by itself"))
+    if facts["unknown_servers"]:
+        found = f"{SERVERS}: no address of {', '.join(facts['unknown_servers'])}; none of it counts"
+        said.append(error(found, "leave their places empty; the container's entrypoint does so"))
     if facts["ROS_LOCALHOST_ONLY"]:
         advice = f"use {RANGE}=LOCALHOST instead; the old variable overrules the new ones"
         said.append(warning(f"ROS_LOCALHOST_ONLY={facts['ROS_LOCALHOST_ONLY']}", advice))
-    server = facts["ROS_DISCOVERY_SERVER"]
+    server = facts[SERVERS]
     peers = facts[PEERS]
     more = f", server {server}" if server else f", also {peers}" if peers else ""
     only = ": this machine only" if how == "LOCALHOST" else ""

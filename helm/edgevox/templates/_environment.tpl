@@ -22,7 +22,7 @@
   "EDGEVOX_HEALTH_PORT" ($robot.health.port | int)
   "EDGEVOX_HEALTH_HOST" (ternary "127.0.0.1" $robot.health.host $robot.hostNetwork)
   "ROS_AUTOMATIC_DISCOVERY_RANGE" $robot.discovery.range
-  "ROS_DISCOVERY_SERVER" $robot.discovery.server
+  "ROS_DISCOVERY_SERVER" (include "edgevox.discoveryServers" .)
   "EDGEVOX_PEERS_WAIT_S" ($robot.discovery.peersWaitSeconds | int)
   "ROS_STATIC_PEERS" (include "edgevox.peers" .)
 -}}

@@ -130,6 +130,33 @@ edgevox/domain: {{ .domain | int | quote }}
 {{ $name }}-{{ .robot.name }}-0.{{ $name }}.{{ .root.Release.Namespace }}.svc
 {{- end -}}
 
+{{/* What tells the discovery servers of a domain from all else. Takes root and domain. */}}
+{{- define "edgevox.discoverySelector" -}}
+app.kubernetes.io/name: {{ .root.Chart.Name }}-discovery
+app.kubernetes.io/instance: {{ .root.Release.Name }}
+edgevox/domain: {{ .domain | quote }}
+{{- end -}}
+
+{{- define "edgevox.discoveryLabels" -}}
+{{ include "edgevox.discoverySelector" . }}
+app.kubernetes.io/version: {{ .root.Chart.AppVersion | quote }}
+app.kubernetes.io/managed-by: {{ .root.Release.Service }}
+helm.sh/chart: {{ printf "%s-%s" .root.Chart.Name .root.Chart.Version | replace "+" "_" }}
+{{- end -}}
+
+{{/* The value of ROS_DISCOVERY_SERVER. Takes root and robot. */}}
+{{- define "edgevox.discoveryServers" -}}
+{{- if .robot.discovery.servers -}}
+{{- $name := printf "%s-discovery%d" (include "edgevox.fullname" .root) (int .robot.domain) -}}
+{{- $namespace := .root.Release.Namespace -}}
+{{- $places := list -}}
+{{- range $number := until 2 }}{{ $places = append $places (printf "%s-%d.%s.svc:11811" $name $number $namespace) }}{{ end -}}
+{{- join ";" $places -}}
+{{- else -}}
+{{- .robot.discovery.server -}}
+{{- end -}}
+{{- end -}}
+
 {{/* The Service of a robot's console. Takes root and robot. */}}
 {{- define "edgevox.consoleService" -}}
 {{ include "edgevox.fullname" .root }}-{{ .robot.name }}-console
@@ -180,6 +207,12 @@ edgevox/domain: {{ .domain | int | quote }}
 {{- if .discovery.server -}}
 {{- fail (printf "%s.discovery.server: got %q, expected none with security, since a server has no enclave" $where .discovery.server) -}}
 {{- end -}}
+{{- if .discovery.servers -}}
+{{- fail (printf "%s.discovery.servers: got true, expected false with security, since a server has no enclave" $where) -}}
+{{- end -}}
+{{- end -}}
+{{- if and .discovery.server .discovery.servers -}}
+{{- fail (printf "%s.discovery.server: got %q, expected none beside discovery.servers" $where .discovery.server) -}}
 {{- end -}}
 {{- if and .console.enabled .console.ingress.enabled -}}
 {{- $host := .console.ingress.host -}}
@@ -194,14 +227,16 @@ edgevox/domain: {{ .domain | int | quote }}
 {{- end -}}
 {{- $_ := set $hosts $host .name -}}
 {{- end -}}
-{{- $node := printf "%d %s" (int .domain) (trimPrefix "/" .agentNamespace) -}}
+{{- /* A server knows no domains: who asks the same one hears each other. */ -}}
+{{- $heard := .discovery.server | default (printf "domain %d" (int .domain)) -}}
+{{- $node := printf "%s %s" $heard (trimPrefix "/" .agentNamespace) -}}
 {{- if hasKey $nodes $node -}}
-{{- fail (printf "%s.agentNamespace: got %q, expected another one than %s has, which is on domain %d too" $where .agentNamespace (get $nodes $node) (int .domain)) -}}
+{{- fail (printf "%s.agentNamespace: got %q, expected another one than %s has, which is on %s too" $where .agentNamespace (get $nodes $node) $heard) -}}
 {{- end -}}
 {{- $_ := set $nodes $node .name -}}
-{{- $frame := printf "%d %s" (int .domain) .framePrefix -}}
+{{- $frame := printf "%s %s" $heard .framePrefix -}}
 {{- if hasKey $frames $frame -}}
-{{- fail (printf "%s.framePrefix: got %q, expected another one than %s has, since they share domain %d and /tf" $where .framePrefix (get $frames $frame) (int .domain)) -}}
+{{- fail (printf "%s.framePrefix: got %q, expected another one than %s has, since they share %s and /tf" $where .framePrefix (get $frames $frame) $heard) -}}
 {{- end -}}
 {{- $_ := set $frames $frame .name -}}
 {{- end -}}
