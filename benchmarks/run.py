@@ -33,6 +33,7 @@ BENCHMARKS = {
     "stop": "how soon a robot stands, by every way to say so",
     "ros2": "messages, round trips, an idle robot, rates, images",
     "language_model": "the language model beside plain llama-cpp-python",
+    "shared_llm": "one language model for 1 to 50 robots, with and without a bound on its queue",
     "hearing": "speech to text beside plain faster-whisper",
     "noise": "plain commands in quiet and in noise, and what is heard out of noise alone",
     "robots": "every body beside its simulator alone",
