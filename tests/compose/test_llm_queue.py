@@ -11,14 +11,19 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 
 import pytest
+from guards import HUNG_S
 from llm_server import Reply, ask, good, serving
 from ports import free_port
 from stacks import ROOT
 from waiting import wait_until
 
-from edgevox.agent.llm.endpoint import Address, EndpointModel
+from edgevox.agent.agents import Agent
+from edgevox.agent.conversation import Conversation
+from edgevox.agent.llm.endpoint import Address, EndpointModel, FallbackModel
 from edgevox.agent.llm.endpoint.server_errors import Unreachable
 from edgevox.agent.llm.language_model import ModelBusy
+from edgevox.core.bus import Bus
+from edgevox.core.commands import TextInput
 
 CONFIG = ROOT / "compose" / "llm-queue" / "haproxy.cfg"
 FULL = {429, 503}
@@ -183,3 +188,34 @@ def test_a_server_that_is_gone_has_failed_and_is_not_full() -> None:
         with pytest.raises(Unreachable, match="gone"):
             ask(model)
         model.close()
+
+
+def test_a_stop_word_does_not_wait_in_the_queue_and_leaves_its_place_to_others() -> None:
+    held, halted = Held(), threading.Event()
+    with (
+        serving(held) as server,
+        door(server.port, parallel=1, length=9, wait="600s") as port,
+        ThreadPoolExecutor() as robots,
+    ):
+        first = robots.submit(status, port, 1)
+        held.came()
+        shared = EndpointModel(Address(f"http://127.0.0.1:{port}", timeout_s=HUNG_S))
+        model = FallbackModel(shared, None)
+        robot = Conversation(
+            [Agent("edgevox", "Be brief.")],
+            Bus(),
+            halt=lambda _: bool(halted.set()),
+            model=model,
+        )
+        robot.start()
+        try:
+            robot.submit(TextInput("I'd be glad of some company next to the oven"))
+            wait_until(lambda: _waiting(port) == 1)
+            robot.submit(TextInput("stop"))
+            assert halted.is_set()
+            wait_until(lambda: _waiting(port) == 0)
+            assert not first.done()
+        finally:
+            held.go.set()
+            robot.close()
+            model.close()
