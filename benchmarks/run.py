@@ -34,6 +34,7 @@ BENCHMARKS = {
     "ros2": "messages, round trips, an idle robot, rates, images",
     "security": "what DDS security costs a message; needs a Fast DDS that has it",
     "language_model": "the language model beside plain llama-cpp-python",
+    "shared_llm": "one language model for 1 to 50 robots, with and without a bound on its queue",
     "hearing": "speech to text beside plain faster-whisper",
     "noise": "plain commands in quiet and in noise, and what is heard out of noise alone",
     "robots": "every body beside its simulator alone",

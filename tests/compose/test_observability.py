@@ -9,7 +9,7 @@ import pytest
 from stacks import BASE, ROOT
 
 ANYWHERE = "0.0.0.0"  # noqa: S104 - within the network of a project
-BY_DIGEST = r"[a-z]+/[a-z]+:v?[0-9.]+@sha256:[0-9a-f]{64}"
+BY_DIGEST = r"([a-z]+/)?[a-z]+:v?[0-9.]+(-alpine)?@sha256:[0-9a-f]{64}"
 
 
 def services(*overlays: str, **environment: str) -> dict:
@@ -41,6 +41,38 @@ def test_a_fleet_is_reached_if_it_is_told_to_listen():
     for name in ("robot1", "robot2", "robot3"):
         assert told[name]["environment"]["EDGEVOX_METRICS_HOST"] == ANYWHERE
         assert told[name]["networks"].keys() <= told["prometheus"]["networks"].keys()
+
+
+@pytest.mark.parametrize(
+    ("overlay", "name"),
+    [("logs", "loki"), ("logs", "alloy"), ("recordings", "recordings"), ("llm-queue", "llm-queue")],
+)
+def test_what_a_fleet_has_besides_is_the_very_image_and_changes_nothing_of_ours(overlay, name):
+    service = services(overlay)[name]
+
+    assert re.fullmatch(BY_DIGEST, service["image"])
+    for mount in service["volumes"]:
+        if mount["type"] == "bind":
+            assert mount["read_only"]
+
+
+def test_logs_are_collected_from_robots_alone_without_the_engines_socket():
+    told = services("fleet", "observability", "logs")
+    alloy = (ROOT / "compose" / "observability" / "robots.alloy").read_text()
+
+    assert not any("docker.sock" in m["source"] for m in told["alloy"]["volumes"])
+    named = {n for n, one in told.items() if "labels" in one["logging"].get("options", {})}
+    assert named == {"robot1", "robot2", "robot3"}
+    assert f'attrs.\\"{told["robot1"]["logging"]["options"]["labels"]}\\"' in alloy
+    assert told["loki"]["networks"].keys() == told["grafana"]["networks"].keys()
+
+
+def test_recordings_go_with_keys_from_outside_as_the_recorders_own_user():
+    told = services("recorder", "recordings")
+
+    assert told["recordings"]["secrets"][0]["source"] == "recordings_config"
+    assert not [name for name in told["recordings"]["environment"] if "KEY" in name]
+    assert {m["source"] for m in told["recordings"]["volumes"]} == {"recordings"}
 
 
 @pytest.mark.parametrize("name", ["grafana", "prometheus"])

@@ -1,4 +1,6 @@
-"""A llama-server in its own process, as one that a fleet shares: llama_server.py GGUF THREADS.
+"""A llama-server in its own process, as one that a fleet shares.
+
+    llama_server.py GGUF THREADS [PARALLEL]
 
 Prints its address when it serves; ends with its stdin.
 """
@@ -8,14 +10,14 @@ import sys
 from edgevox.agent.llm import tuning
 
 
-def main(path: str, threads: int) -> None:
+def main(path: str, threads: int, parallel: int = 1) -> None:
     tuning.spin_briefly()
     import xllamacpp  # which reads at once what the line above says
 
     wanted = xllamacpp.CommonParams()
     wanted.model.path = path
-    wanted.n_ctx = 4096
-    wanted.n_parallel = 1
+    wanted.n_ctx = 4096 * parallel
+    wanted.n_parallel = parallel
     wanted.n_batch = wanted.n_ubatch = tuning.BATCH_TOKENS
     wanted.cpuparams.n_threads = wanted.cpuparams_batch.n_threads = threads
     wanted.fit_params = False
@@ -30,4 +32,4 @@ def main(path: str, threads: int) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], int(sys.argv[2]))
+    main(sys.argv[1], *map(int, sys.argv[2:]))

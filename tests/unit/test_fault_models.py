@@ -182,6 +182,15 @@ def test_a_server_that_is_gone_is_not_noticed_by_who_is_answered_on_board(asking
     assert "503" in model.fault
 
 
+def test_a_full_server_is_spoken_of_as_busy_and_has_not_failed(asking):
+    one, heard, model, _ = asking(failing(429))
+
+    one.submit(TextInput(WISH))
+
+    heard.wait_for(lambda said: "the language model that we share is busy" in said)
+    assert model.fault == ""
+
+
 def test_an_answer_that_breaks_off_is_ended_with_the_reason(asking):
     one, heard, model, _ = asking(breaks_off, on_board=OnBoard())
 

@@ -6,11 +6,11 @@ import time
 
 import pytest
 from guards import HUNG_S
-from llm_server import CHAT, GOOD, ROOMS, Reply, ask, failing, good, never, serving
+from llm_server import CHAT, GOOD, ROOMS, Chat, Reply, ask, failing, good, never, serving
 
 from edgevox.agent.llm.endpoint import Address, EndpointModel
 from edgevox.agent.llm.endpoint.server_errors import RequestRefused, Unreachable, Unusable
-from edgevox.agent.llm.language_model import ModelFailed
+from edgevox.agent.llm.language_model import ModelBusy, ModelFailed
 from edgevox.core.cancel import CancelToken
 
 
@@ -31,7 +31,7 @@ def test_a_grammar_that_does_not_parse_is_refused() -> None:
         ask(server.model(), grammar='root ::= "go')
 
 
-@pytest.mark.parametrize("code", [408, 429, 500, 502, 503, 504])
+@pytest.mark.parametrize("code", [408, 425, 500, 502, 503, 504])
 def test_what_may_pass_is_tried_again(code: int) -> None:
     with serving(failing(code), GOOD) as server:
         assert ask(server.model()) == "go kitchen!"
@@ -43,6 +43,17 @@ def test_after_three_attempts_it_is_given_up_with_what_the_server_said() -> None
     with serving(failing(503, said)) as server, pytest.raises(Unreachable, match="503: loading"):
         ask(server.model())
     assert len(server.asked) == 3
+
+
+@pytest.mark.parametrize(
+    "chat",
+    [failing(429, "no"), lambda reply: reply.status(503, "no", Retry_After="2")],
+    ids=["too many", "come again"],
+)
+def test_a_server_that_is_full_is_not_tried_again(chat: Chat) -> None:
+    with serving(chat, GOOD) as server, pytest.raises(ModelBusy, match=": no"):
+        ask(server.model())
+    assert len(server.asked) == 1
 
 
 @pytest.mark.parametrize(

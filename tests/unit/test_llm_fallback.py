@@ -10,7 +10,7 @@ from llm_server import Chat, Server, failing, good, never, serving
 
 from edgevox.agent.llm.endpoint import Address, EndpointModel, FallbackModel
 from edgevox.agent.llm.endpoint.breaker import FIRST_REST_S, LONGEST_REST_S, Breaker
-from edgevox.agent.llm.language_model import ChatMessage, ModelFailed
+from edgevox.agent.llm.language_model import ChatMessage, ModelBusy, ModelFailed
 from edgevox.core.cancel import CancelToken
 
 CHAT = [ChatMessage("user", "Who are you?")]
@@ -112,6 +112,26 @@ def test_a_request_that_is_refused_goes_on_board_and_the_next_to_the_server(rig)
     one, _ = rig(failing(400, "too long"), good("shared"), on_board=OnBoard())
 
     assert [one.ask(), one.ask()] == ["on board", "shared"]
+
+
+def test_a_full_server_is_asked_again_by_the_next_question_and_mentioned_once(rig, caplog) -> None:
+    full = failing(429)
+    one, server = rig(full, full, good("shared"), full, on_board=OnBoard())
+
+    assert [one.ask() for _ in range(4)] == ["on board", "on board", "shared", "on board"]
+
+    assert len(server.asked) == 4
+    assert (one.model.turned_away, one.model.fallbacks, one.model.fault) == (3, 3, "")
+    events = [said.partition(" ")[0] for said in warnings(caplog)]
+    assert events == ["model_server_full"] * 2
+
+
+def test_without_a_model_on_board_a_full_server_is_told_apart_from_one_that_failed(rig) -> None:
+    one, _ = rig(failing(429), good("shared"), on_board=None)
+
+    with pytest.raises(ModelBusy):
+        one.ask()
+    assert one.ask() == "shared"
 
 
 def test_an_answer_that_has_begun_is_not_begun_again_by_the_other(rig) -> None:

@@ -17,10 +17,18 @@ ROOT = Path(__file__).parents[2]
 PLACE = ROOT / "compose" / "observability"
 OF_PROMETHEUS = {"job", "instance", "robot"}
 SERIES = {name: metric for metric in METRICS.values() for name in metric.series}
-BOARD = json.loads((PLACE / "grafana" / "edgevox.json").read_text())
+BOARDS = {
+    name: json.loads((PLACE / "grafana" / f"{name}.json").read_text())
+    for name in ("edgevox", "edgevox-fleet")
+}
 COLUMNS = 24
 """Of Grafana's grid."""
-PANELS = {one["title"]: one for one in BOARD["panels"] if one["type"] != "row"}
+PANELS = {
+    f"{name}: {one['title']}": one
+    for name, board in BOARDS.items()
+    for one in board["panels"]
+    if one["type"] != "row"
+}
 ALERTS = {
     rule["alert"]: rule
     for group in yaml.safe_load((PLACE / "alerts.yml").read_text())["groups"]
@@ -147,15 +155,20 @@ def test_names_of_lines_and_alerts_use_labels_that_the_expression_keeps() -> Non
         assert used <= known, text
 
 
-def test_panels_do_not_lie_on_each_other() -> None:
+def test_each_board_is_told_from_the_others_and_is_called_as_its_file() -> None:
+    assert {name: board["uid"] for name, board in BOARDS.items()} == {n: n for n in BOARDS}
+
+
+@pytest.mark.parametrize("board", BOARDS.values(), ids=BOARDS)
+def test_panels_do_not_lie_on_each_other(board) -> None:
     taken: set[tuple[int, int]] = set()
-    for panel in BOARD["panels"]:
+    for panel in board["panels"]:
         at = panel["gridPos"]
         cells = {(at["x"] + x, at["y"] + y) for x in range(at["w"]) for y in range(at["h"])}
         assert not cells & taken
         assert at["x"] + at["w"] <= COLUMNS
         taken |= cells
-    assert len({panel["id"] for panel in BOARD["panels"]}) == len(BOARD["panels"])
+    assert len({panel["id"] for panel in board["panels"]}) == len(board["panels"])
 
 
 def test_what_to_do_about_each_alert_is_written_down() -> None:

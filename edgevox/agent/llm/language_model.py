@@ -15,6 +15,10 @@ class ModelFailed(EdgeVoxError):
     """A language model could not be loaded or could not answer; the message says why."""
 
 
+class ModelBusy(ModelFailed):
+    """It is well, but has no room for this question; a later one may be answered."""
+
+
 @dataclass(frozen=True, slots=True)
 class ChatMessage:
     """One message of a chat."""

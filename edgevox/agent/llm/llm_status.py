@@ -47,7 +47,11 @@ class LlmComponent:
         if self._failing.grew(failed):
             text = f"an answer failed, {failed} by now; the log says why"
             found.append(Finding(Level.ERROR, text))
-        server = {"server_up": not fault, "fallbacks": _fallbacks(self._model)}
+        server = {
+            "server_up": not fault,
+            "fallbacks": _count(self._model, "fallbacks"),
+            "turned_away": _count(self._model, "turned_away"),
+        }
         return Status.judged(
             self.name,
             found,
@@ -62,5 +66,5 @@ class LlmComponent:
         )
 
 
-def _fallbacks(model: LanguageModel) -> int:
-    return int(getattr(model, "fallbacks", 0))
+def _count(model: LanguageModel, name: str) -> int:
+    return int(getattr(model, name, 0))

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from edgevox.agent.abilities import not_understood
 from edgevox.agent.agents import Agent, by_name
 from edgevox.agent.history import History, size_tokens
-from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelFailed
+from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelBusy, ModelFailed
 from edgevox.agent.nlu.confidence import ASK_FROM
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
 from edgevox.agent.nlu.meaning import Meaning
@@ -232,7 +232,8 @@ class Interpreter:
                 turn.stream(parser.feed(piece))
         except ModelFailed as error:
             log.error("model_failed", reason=str(error))  # noqa: TRY400 - its message says it all
-            turn.say(self.phrases.say("model_failed"), Outcome.FAILED)
+            what = "model_busy" if isinstance(error, ModelBusy) else "model_failed"
+            turn.say(self.phrases.say(what), Outcome.FAILED)
             return ()
         finally:
             turn.thought(self._clock.now() - started_s)

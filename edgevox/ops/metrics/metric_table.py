@@ -123,6 +123,13 @@ _READ = (
         read={"": "llm.fallbacks"},
     ),
     Metric(
+        "edgevox_llm_turned_away_total",
+        Kind.COUNTER,
+        "Questions for which the model server had no room",
+        of=SHARED,
+        read={"": "llm.turned_away"},
+    ),
+    Metric(
         "edgevox_llm_server_up",
         Kind.GAUGE,
         "Whether the model server is asked; 0 while it rests after a failure",

@@ -165,7 +165,8 @@ class EndpointModel:
         try:
             status = exchange.status()
             if status not in (0, HTTPStatus.OK):
-                raise by_status(status, url, refusal(b"".join(exchange.chunks())))
+                said = refusal(b"".join(exchange.chunks()))
+                raise by_status(status, url, said, later=exchange.later)
             self._refuse_if_closed(token)
             yield exchange
         finally:

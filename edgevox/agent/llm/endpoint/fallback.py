@@ -4,7 +4,12 @@ from collections.abc import Iterator, Sequence
 
 from edgevox.agent.llm.endpoint.breaker import Breaker
 from edgevox.agent.llm.endpoint.server_errors import RequestRefused
-from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelFailed
+from edgevox.agent.llm.language_model import (
+    ChatMessage,
+    LanguageModel,
+    ModelBusy,
+    ModelFailed,
+)
 from edgevox.core.cancel import CancelToken
 from edgevox.core.log import get_logger
 
@@ -14,7 +19,8 @@ log = get_logger(__name__)
 class FallbackModel:
     """Implements `LanguageModel` by a shared model and, if there is one, the one on board.
 
-    An answer that has begun is not begun again by the other: it fails.
+    An answer that has begun is not begun again by the other: it fails. A server that is full is
+    asked again by the next question: it has not failed.
     """
 
     def __init__(
@@ -31,6 +37,9 @@ class FallbackModel:
         """Why the shared model is left alone; empty once it answers again."""
         self.fallbacks = 0
         """Chats that the one on board had to answer."""
+        self.turned_away = 0
+        """Chats for which the shared model had no room."""
+        self._full = False
 
     def generate(
         self,
@@ -88,12 +97,21 @@ class FallbackModel:
         self.fault = ""
         if self._breaker.succeeded():
             log.warning("model_server_back", server=self.name)
+        self._full = False
 
     def _fails(self, error: ModelFailed) -> None:
+        instead = "the model on board" if self._on_board else "nothing"
+        if isinstance(error, ModelBusy):
+            self.turned_away += 1
+            if not self._full:
+                log.warning(
+                    "model_server_full", server=self.name, reason=str(error), instead=instead
+                )
+            self._full = True
+            return
         if isinstance(error, RequestRefused):
             log.warning("model_server_refused", server=self.name, reason=str(error))
             return
         self.fault = str(error)
         if self._breaker.failed():
-            instead = "the model on board" if self._on_board else "nothing"
             log.warning("model_server_failed", server=self.name, reason=str(error), instead=instead)

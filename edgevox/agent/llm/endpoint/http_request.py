@@ -40,6 +40,8 @@ class HttpRequest:
         deadline_s: float,
     ) -> None:
         self.deadline_s = deadline_s
+        self.later = False
+        """Whether the server said when to come again; known once `status` is."""
         self._client = client
         self._request = client.build_request(
             "GET" if body is None else "POST",
@@ -113,6 +115,7 @@ class HttpRequest:
         response = self._client.send(self._request, stream=True)
         size = 0
         try:
+            self.later = "retry-after" in response.headers
             self._heard.put(response.status_code)
             for chunk in response.iter_raw():
                 size += len(chunk)

@@ -1,6 +1,6 @@
 """The ways in which a server can fail, by what is to be done about each."""
 
-from edgevox.agent.llm.language_model import ModelFailed
+from edgevox.agent.llm.language_model import ModelBusy, ModelFailed
 
 
 class Unreachable(ModelFailed):
@@ -16,12 +16,19 @@ class RequestRefused(ModelFailed):
 
 
 _OF_THE_REQUEST = (400, 413, 422)
-_FOR_NOW = (408, 425, 429)
+_FOR_NOW = (408, 425)
+_FULL, _AWAY = 429, 503
 
 
-def by_status(status: int, route: str, said: str) -> ModelFailed:
-    """The error that an HTTP status other than 200 stands for."""
+def by_status(status: int, route: str, said: str, *, later: bool = False) -> ModelFailed:
+    """The error that an HTTP status other than 200 stands for.
+
+    `later` is whether the server says when to come again, by which a 503 means that it is full and
+    not that it is gone. A full one is not tried again: who waits in its queue would wait twice.
+    """
     message = f"{route} answered {status}: {said}"
+    if status == _FULL or (status == _AWAY and later):
+        return ModelBusy(message)
     if status in _OF_THE_REQUEST:
         return RequestRefused(message)
     return Unreachable(message) if status in _FOR_NOW or status >= 500 else Unusable(message)
