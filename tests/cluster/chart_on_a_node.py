@@ -52,7 +52,7 @@ class Fleet(Release):
 
     def say(self, words: str) -> None:
         """To r1, by a pod of its own, which listens on."""
-        script = f"--from-literal=operator.py={OPERATOR}"
+        script = f"--from-literal=says_and_hears.py={OPERATOR}"
         self.kubectl("create", "configmap", "operator", script)
         file = self.cluster.folder / f"{self.namespace}-operator.json"
         file.write_text(json.dumps(_operator(words)))
@@ -80,7 +80,7 @@ def _operator(words: str) -> dict[str, Any]:
     container = {
         "name": "operator",
         "image": f"{IMAGE}:{TAG}",
-        "args": ["python3", "/script/operator.py"],
+        "args": ["python3", "/script/says_and_hears.py"],
         "env": [{"name": name, "value": value} for name, value in told.items()],
         "volumeMounts": [mount],
         "securityContext": {
@@ -94,6 +94,7 @@ def _operator(words: str) -> dict[str, Any]:
         "metadata": {"name": "operator"},
         "spec": {
             "automountServiceAccountToken": False,
+            "restartPolicy": "Never",
             "terminationGracePeriodSeconds": 1,
             "securityContext": {
                 "runAsNonRoot": True,

@@ -177,6 +177,7 @@ def _api(folder: Path, etcd: int, port: int) -> list[str]:
         f"--service-account-key-file={folder / 'api.key'}",
         f"--service-account-signing-key-file={folder / 'api.key'}",
         "--service-account-issuer=https://localhost",
+        "--kubelet-preferred-address-types=InternalIP",
         f"--kubelet-client-certificate={folder / 'admin.crt'}",
         f"--kubelet-client-key={folder / 'admin.key'}",
     ]
