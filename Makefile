@@ -70,9 +70,11 @@ unit: $(DONE)/dev ## Run what needs no model, no container, no node, and starts 
 	@$(BIN)/python -m pytest -n 3 --dist loadfile tests/unit $(ARGS)  # a third of it waits
 
 .PHONY: cluster
-cluster: $(DONE)/dev ## Hold the chart against Kubernetes' own control plane; HYPERKUBE=... names it.
+cluster: $(DONE)/dev ## Hold the chart against Kubernetes, and run it on a node, as root; HYPERKUBE=... names it.
 	@tests/cluster/get_tools build/cluster $(HYPERKUBE)
-	@CLUSTER_TOOLS=$(CURDIR)/build/cluster $(BIN)/python -m pytest tests/cluster/chart_on_kubernetes.py $(ARGS)
+	@docker/image slim
+	@CLUSTER_TOOLS=$(CURDIR)/build/cluster $(BIN)/python -m pytest tests/cluster/chart_on_kubernetes.py \
+	  tests/cluster/chart_on_a_node.py $(ARGS)
 
 .PHONY: secured
 secured: $(DONE)/dev $(DONE)/msgs ## Hold DDS security against the wire; SECURE_DDS=... names a Fast DDS that has it.

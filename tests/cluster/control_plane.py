@@ -19,30 +19,41 @@ from waiting import wait_until
 
 PROGRAMS = ("etcd", "kube-apiserver", "kube-controller-manager", "kubectl", "helm", "openssl")
 STOP_S = 30.0
+NODE = "n1"
+USERS = {
+    "admin": "/O=system:masters/CN=admin",
+    "controllers": "/CN=system:kube-controller-manager",
+    "scheduler": "/CN=system:kube-scheduler",
+    "node": f"/O=system:nodes/CN=system:node:{NODE}",
+}
 
 
-def tools() -> dict[str, str]:
+def tools(programs: Sequence[str] = PROGRAMS) -> dict[str, str]:
     """Where each program is. Fails by name for those that are nowhere."""
     path = os.pathsep.join([os.environ.get("CLUSTER_TOOLS", ""), os.environ["PATH"]])
-    found = {name: shutil.which(name, path=path) for name in PROGRAMS}
+    found = {name: shutil.which(name, path=path) for name in programs}
     missing = [name for name, where in found.items() if where is None]
     assert not missing, f"not here: {', '.join(missing)}; tests/cluster/get_tools says from where"
     return {name: str(where) for name, where in found.items()}
 
 
 class Cluster:
-    """The cluster as an administrator has it."""
+    """The cluster as an administrator has it. `place` goes before each command."""
 
-    def __init__(self, programs: Mapping[str, str], config: Path) -> None:
+    def __init__(
+        self, programs: Mapping[str, str], config: Path, place: Sequence[str] = ()
+    ) -> None:
         self._programs = programs
         self._config = config
+        self._place = place
+        self.folder = config.parent
 
     def run(
         self, program: str, *arguments: str, check: bool = True
     ) -> subprocess.CompletedProcess[str]:
         """Run kubectl or helm; what they say is in the result, and in the failure."""
         ran = subprocess.run(
-            [self._programs[program], *arguments],
+            [*self._place, self._programs[program], *arguments],
             env=os.environ | {"KUBECONFIG": str(self._config)},
             capture_output=True,
             text=True,
@@ -58,37 +69,39 @@ class Cluster:
 
 
 @contextmanager
-def control_plane(folder: Path) -> Iterator[Cluster]:
+def control_plane(folder: Path, place: Sequence[str] = ()) -> Iterator[Cluster]:
     """Up until the block ends; the logs of its programs stay in the folder."""
     programs = tools()
     etcd, peer, api = _free_ports(3)
     _certificates(programs["openssl"], folder)
-    for user in ("admin", "controllers"):
+    for user in USERS:
         (folder / f"{user}.json").write_text(json.dumps(_config(folder, user, api)))
-    cluster = Cluster(programs, folder / "admin.json")
+    cluster = Cluster(programs, folder / "admin.json", place)
     with ExitStack() as running:
         for name, arguments in (
             ("etcd", _etcd(folder, etcd, peer)),
             ("kube-apiserver", _api(folder, etcd, api)),
         ):
-            running.enter_context(_running(programs[name], arguments, folder / f"{name}.log"))
+            command = [*place, programs[name], *arguments]
+            running.enter_context(runs(command, folder / f"{name}.log"))
         ready = lambda: cluster.run("kubectl", "get", "--raw", "/readyz", check=False)  # noqa: E731
         wait_until(lambda: ready().returncode == 0, "Kubernetes")
         name = "kube-controller-manager"
-        arguments = _controllers(folder)
-        running.enter_context(_running(programs[name], arguments, folder / f"{name}.log"))
+        command = [*place, programs[name], *_controllers(folder)]
+        running.enter_context(runs(command, folder / f"{name}.log"))
         yield cluster
 
 
 @contextmanager
-def _running(program: str, arguments: Sequence[str], log: Path) -> Iterator[None]:
+def runs(command: Sequence[str], log: Path) -> Iterator[None]:
+    """A program until the block ends, and what it says in the log."""
     with (
         log.open("wb") as output,
-        subprocess.Popen([program, *arguments], stdout=output, stderr=output) as process,
+        subprocess.Popen(command, stdout=output, stderr=output) as process,
     ):
         try:
             yield
-            assert process.poll() is None, f"{program} ended: {log.read_text('utf-8')[-2000:]}"
+            assert process.poll() is None, f"{command} ended: {log.read_text('utf-8')[-2000:]}"
         finally:
             process.kill()
             process.wait(STOP_S)
@@ -103,15 +116,14 @@ def _free_ports(count: int) -> list[int]:
 
 
 def _certificates(openssl: str, folder: Path) -> None:
-    """An authority, and what it signed for the API and its two users."""
+    """An authority, and what it signed for the API and its users."""
     new = ["req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2"]
     authority = ["-CA", str(folder / "ca.crt"), "-CAkey", str(folder / "ca.key")]
     names = "subjectAltName=IP:127.0.0.1"
     for name, subject, more in (
         ("ca", "/CN=ca", []),
         ("api", "/CN=kube-apiserver", [*authority, "-addext", names]),
-        ("admin", "/O=system:masters/CN=admin", authority),
-        ("controllers", "/CN=system:kube-controller-manager", authority),
+        *((user, subject, authority) for user, subject in USERS.items()),
     ):
         files = ["-keyout", str(folder / f"{name}.key"), "-out", str(folder / f"{name}.crt")]
         made = [openssl, *new, *files, "-subj", subject, *more]
@@ -165,6 +177,9 @@ def _api(folder: Path, etcd: int, port: int) -> list[str]:
         f"--service-account-key-file={folder / 'api.key'}",
         f"--service-account-signing-key-file={folder / 'api.key'}",
         "--service-account-issuer=https://localhost",
+        "--kubelet-preferred-address-types=InternalIP",
+        f"--kubelet-client-certificate={folder / 'admin.crt'}",
+        f"--kubelet-client-key={folder / 'admin.key'}",
     ]
 
 
