@@ -170,3 +170,71 @@ def test_the_robot_file_of_the_example_is_one(tmp_path) -> None:
     for name, text in values["robots"][0]["files"]["data"].items():
         (tmp_path / name).write_text(text)
     assert load_robot_file(tmp_path / "robot.yaml").robot.skills.keys() == {"brush"}
+
+
+UPLOAD = {"recorder": {"enabled": True, "upload": {"to": "store:robots/", "secretName": "s3"}}}
+
+
+def upload_of(values: dict[str, Any]) -> list[dict[str, Any]]:
+    return [one for one in pods(values)["solo"]["containers"] if one["name"] == "upload"]
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_recordings_go_to_object_storage_by_the_command_that_compose_has(version: str) -> None:
+    for one in chart.documents(chart.render(ONE | UPLOAD)):
+        kubernetes_validate.validate(one, version, strict=True)
+    (made,) = upload_of(ONE | UPLOAD)
+    given = {one["name"]: one["value"] for one in made["env"]}
+    assert given["UPLOAD_TO"] == "store:robots/solo"
+    assert (given["UPLOAD_VERB"], given["UPLOAD_EVERY_S"]) == ("copy", "60")
+    compose = yaml.safe_load((chart.CHART.parents[1] / "compose/recordings.yml").read_text())
+    service = compose["services"]["recordings"]
+    (script,) = service["command"]
+    script = script.replace("$$RECORDINGS_", "$UPLOAD_")
+    assert made["args"] == [
+        script.replace("secrets/recordings_config", "secrets/rclone/rclone.conf")
+    ]
+    assert made["image"] in service["image"]
+    assert made["securityContext"] == {
+        "allowPrivilegeEscalation": False,
+        "readOnlyRootFilesystem": True,
+        "capabilities": {"drop": ["ALL"]},
+    }
+    mounts = {one["name"]: one for one in made["volumeMounts"]}
+    assert mounts["upload-config"]["readOnly"]
+    volumes = {one["name"]: one for one in pods(ONE | UPLOAD)["solo"]["volumes"]}
+    assert volumes["upload-config"]["secret"]["secretName"] == "s3"
+    (recorder,) = [
+        one for one in pods(ONE | UPLOAD)["solo"]["containers"] if one["name"] == "recorder"
+    ]
+    assert all(one["name"] != "upload-config" for one in recorder["volumeMounts"])
+
+
+def test_nothing_is_uploaded_unless_it_is_said_where_and_by_what() -> None:
+    assert upload_of(ONE | {"recorder": {"enabled": True}}) == []
+    off = {"recorder": {**UPLOAD["recorder"], "enabled": False}}
+    assert upload_of(ONE | off) == []
+    with pytest.raises(
+        helm.HelmError, match="recorder.upload.secretName: a Secret with rclone.conf"
+    ):
+        chart.render(ONE | {"recorder": {"enabled": True, "upload": {"to": "store:robots"}}})
+    for to in ("robots", "store:$(id)", "store: x", "-v:"):
+        bad = {"recorder": {"enabled": True, "upload": {"to": to, "secretName": "s3"}}}
+        with pytest.raises(helm.HelmError, match="/recorder/upload/to"):
+            chart.render(ONE | bad)
+
+
+def test_the_store_may_be_reached_and_nobody_else_for_it() -> None:
+    def ports(values: dict[str, Any]) -> list[Any]:
+        (policy,) = objects(values, "NetworkPolicy")
+        return [
+            one
+            for one in policy["spec"]["egress"]
+            if {"protocol": "TCP", "port": 443} in one["ports"]
+        ]
+
+    assert ports(ONE | {"recorder": {"enabled": True}}) == []
+    assert ports(ONE | UPLOAD) == [{"ports": [{"protocol": "TCP", "port": 443}]}]
+    peers = [{"ipBlock": {"cidr": "10.1.2.3/32"}}]
+    (rule,) = ports(ONE | UPLOAD | {"networkPolicy": {"upload": peers}})
+    assert rule["to"] == peers

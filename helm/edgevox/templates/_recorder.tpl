@@ -34,3 +34,39 @@
       readOnly: true
     {{- end }}
 {{- end -}}
+
+{{/* rclone beside a robot's recorder: what is written no more goes to object storage. Takes root and robot. */}}
+{{- define "edgevox.upload" -}}
+{{- $upload := .robot.recorder.upload -}}
+- name: upload
+  image: {{ $upload.image | quote }}
+  imagePullPolicy: IfNotPresent
+  command: [sh, -c]
+  # As in compose/recordings.yml. A file that is still written to is younger than a minute.
+  args:
+    - >-
+      while true; do
+      rclone --config /run/secrets/rclone/rclone.conf "$UPLOAD_VERB" /recordings "$UPLOAD_TO"
+      --min-age 1m --include '*.{mcap,yaml}' --immutable --s3-no-check-bucket --log-level NOTICE;
+      sleep "$UPLOAD_EVERY_S"; done
+  env:
+    - {name: UPLOAD_VERB, value: {{ ternary "move" "copy" $upload.move }}}
+    - {name: UPLOAD_TO, value: {{ printf "%s/%s" (trimSuffix "/" $upload.to) .robot.name | quote }}}
+    - {name: UPLOAD_EVERY_S, value: {{ $upload.everySeconds | quote }}}
+    - {name: XDG_CACHE_HOME, value: /tmp}
+  securityContext:
+    allowPrivilegeEscalation: false
+    readOnlyRootFilesystem: true
+    capabilities:
+      drop: [ALL]
+  resources:
+    {{- toYaml $upload.resources | nindent 4 }}
+  volumeMounts:
+    - name: upload-tmp
+      mountPath: /tmp
+    - name: recordings
+      mountPath: /recordings
+    - name: upload-config
+      mountPath: /run/secrets/rclone
+      readOnly: true
+{{- end -}}
