@@ -1,10 +1,8 @@
 """Print what the robot hears, until Ctrl-C: ``python3 listen_transcriptions.py``."""
 
 import argparse
-import contextlib
 
 import rclpy
-from rclpy.executors import ExternalShutdownException
 from std_msgs.msg import String
 
 
@@ -14,10 +12,15 @@ def main() -> None:
     arguments = parser.parse_args()
 
     rclpy.init()  # Ctrl-C shuts it down; to do so here, too, would race with that
-    with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
+    try:
         node = rclpy.create_node("listen_transcriptions", namespace=arguments.namespace)
         node.create_subscription(String, "transcription", heard, 10)
         rclpy.spin(node)
+    except KeyboardInterrupt:
+        pass
+    except Exception:
+        if rclpy.ok():  # else Ctrl-C came in the midst of something, which may raise what it likes
+            raise
 
 
 def heard(message: String) -> None:

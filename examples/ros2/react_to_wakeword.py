@@ -4,10 +4,8 @@ Here a line is printed; a robot would turn its head or switch on a light.
 """
 
 import argparse
-import contextlib
 
 import rclpy
-from rclpy.executors import ExternalShutdownException
 from std_msgs.msg import String
 
 
@@ -17,10 +15,15 @@ def main() -> None:
     arguments = parser.parse_args()
 
     rclpy.init()  # Ctrl-C shuts it down; to do so here, too, would race with that
-    with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
+    try:
         node = rclpy.create_node("react_to_wakeword", namespace=arguments.namespace)
         node.create_subscription(String, "wakeword", react, 10)
         rclpy.spin(node)
+    except KeyboardInterrupt:
+        pass
+    except Exception:
+        if rclpy.ok():  # else Ctrl-C came in the midst of something, which may raise what it likes
+            raise
 
 
 def react(phrase: String) -> None:

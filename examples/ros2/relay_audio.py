@@ -6,11 +6,9 @@ if what is in it is 16 bit little-endian, mono, at 16000 Hz, without a header.
 """
 
 import argparse
-import contextlib
 from importlib import import_module
 
 import rclpy
-from rclpy.executors import ExternalShutdownException
 from rclpy.qos import qos_profile_sensor_data
 
 SOUND = "edgevox_msgs/msg/AudioData"
@@ -25,7 +23,7 @@ def main() -> None:
     arguments = parser.parse_args()
 
     rclpy.init()  # Ctrl-C shuts it down; to do so here, too, would race with that
-    with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
+    try:
         node = rclpy.create_node("relay_audio", namespace=arguments.namespace)
         theirs, ours = message_type(arguments.type), message_type(SOUND)
         if arguments.microphone:  # best effort: a lost piece of sound is not worth waiting for
@@ -34,6 +32,11 @@ def main() -> None:
         if arguments.speaker:
             relay(node, (ours, "audio_out"), (theirs, arguments.speaker), 10)
         rclpy.spin(node)
+    except KeyboardInterrupt:
+        pass
+    except Exception:
+        if rclpy.ok():  # else Ctrl-C came in the midst of something, which may raise what it likes
+            raise
 
 
 def relay(node, source, target, qos) -> None:

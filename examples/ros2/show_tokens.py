@@ -4,10 +4,8 @@ Tokens come best effort: a display that misses one shows the rest. `response` ha
 """
 
 import argparse
-import contextlib
 
 import rclpy
-from rclpy.executors import ExternalShutdownException
 from rclpy.qos import qos_profile_sensor_data
 from std_msgs.msg import String
 
@@ -18,11 +16,16 @@ def main() -> None:
     arguments = parser.parse_args()
 
     rclpy.init()  # Ctrl-C shuts it down; to do so here, too, would race with that
-    with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
+    try:
         node = rclpy.create_node("show_tokens", namespace=arguments.namespace)
         node.create_subscription(String, "bot_token", show, qos_profile_sensor_data)
         node.create_subscription(String, "response", end_line, 10)
         rclpy.spin(node)
+    except KeyboardInterrupt:
+        pass
+    except Exception:
+        if rclpy.ok():  # else Ctrl-C came in the midst of something, which may raise what it likes
+            raise
 
 
 def show(token: String) -> None:
