@@ -15,7 +15,8 @@ def main() -> None:
     try:
         node = rclpy.create_node("listen_transcriptions", namespace=arguments.namespace)
         node.create_subscription(String, "transcription", heard, 10)
-        rclpy.spin(node)
+        while rclpy.ok():
+            rclpy.spin_once(node, timeout_sec=1.0)  # Ctrl-C may not wake one that waits for ever
     except KeyboardInterrupt:
         pass
     except Exception:

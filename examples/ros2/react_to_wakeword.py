@@ -18,7 +18,8 @@ def main() -> None:
     try:
         node = rclpy.create_node("react_to_wakeword", namespace=arguments.namespace)
         node.create_subscription(String, "wakeword", react, 10)
-        rclpy.spin(node)
+        while rclpy.ok():
+            rclpy.spin_once(node, timeout_sec=1.0)  # Ctrl-C may not wake one that waits for ever
     except KeyboardInterrupt:
         pass
     except Exception:

@@ -31,7 +31,8 @@ def main() -> None:
             relay(node, (theirs, hears), (ours, "audio_in"), best_effort)
         if arguments.speaker:
             relay(node, (ours, "audio_out"), (theirs, arguments.speaker), 10)
-        rclpy.spin(node)
+        while rclpy.ok():
+            rclpy.spin_once(node, timeout_sec=1.0)  # Ctrl-C may not wake one that waits for ever
     except KeyboardInterrupt:
         pass
     except Exception:

@@ -20,7 +20,8 @@ def main() -> None:
         node = rclpy.create_node("show_tokens", namespace=arguments.namespace)
         node.create_subscription(String, "bot_token", show, qos_profile_sensor_data)
         node.create_subscription(String, "response", end_line, 10)
-        rclpy.spin(node)
+        while rclpy.ok():
+            rclpy.spin_once(node, timeout_sec=1.0)  # Ctrl-C may not wake one that waits for ever
     except KeyboardInterrupt:
         pass
     except Exception:

@@ -118,7 +118,8 @@ def main() -> None:
     executor.add_node(robot)
     try:
         with contextlib.suppress(ExternalShutdownException, KeyboardInterrupt):
-            executor.spin()
+            while rclpy.ok():
+                executor.spin_once(timeout_sec=1.0)  # a wake-up may be lost
     finally:  # whatever a shutdown in the middle raises: who hangs is waited for at the exit
         robot.over.set()
 

@@ -73,7 +73,9 @@ def main() -> None:
     options = parser.parse_args()
     rclpy.init()
     with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
-        rclpy.spin(MapServer(options))
+        server = MapServer(options)
+        while rclpy.ok():
+            rclpy.spin_once(server, timeout_sec=1.0)  # a wake-up may be lost
 
 
 if __name__ == "__main__":

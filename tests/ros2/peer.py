@@ -107,4 +107,4 @@ class Peer:
     def _spin(self) -> None:
         with contextlib.suppress(ExternalShutdownException):
             while not self._closing.is_set():
-                self._executor.spin_once()
+                self._executor.spin_once(timeout_sec=1.0)  # a wake-up may be lost

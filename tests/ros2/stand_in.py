@@ -122,6 +122,7 @@ def main(robot: Callable[[str], StandIn], about: str | None) -> None:
     executor.add_node(node)
     try:
         with contextlib.suppress(ExternalShutdownException, KeyboardInterrupt):
-            executor.spin()
+            while rclpy.ok():
+                executor.spin_once(timeout_sec=1.0)  # a wake-up may be lost
     finally:  # whatever a shutdown in the middle raises: who hangs is waited for at the exit
         node.over.set()
