@@ -76,7 +76,7 @@ def heard_by_server(body: ExternalRobot, control: Peer) -> None:
 
 def test_who_comes_later_is_shown_the_room_and_not_what_is_unknown_around_it(rig, peer):
     rig.serve()
-    hear(peer(), OccupancyGrid, "/robot1/map", STATE).wait_for_more(1)
+    hear(peer(), OccupancyGrid, "/robot1/map", STATE).wait_for(lambda _: True)
     grid = shown(rig.body(*JOINED))
     assert grid.cells.shape == (ROWS, COLUMNS)
     assert (grid.cells[1:-1, 1:-1] == FREE).all()
