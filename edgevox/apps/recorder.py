@@ -1,7 +1,6 @@
 """`edgevox-recorder`: records a robot's topics, and judges a scenario on a robot that runs."""
 
 import sys
-import threading
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from datetime import UTC, datetime
@@ -63,7 +62,8 @@ def _record(asked: RecorderArguments, scenario: Scenario | None, lost: list[str]
 
     namespace = asked.settings.agent_namespace
     folder = asked.output / f"edgevox-{datetime.now(UTC):%Y%m%d-%H%M%S}"
-    disk = Disk(folder, round(asked.max_size_mb * MB), round(asked.spare_mb * MB))
+    most = None if asked.most_mb is None else round(asked.most_mb * MB)
+    disk = Disk(folder, round(asked.max_size_mb * MB), round(asked.spare_mb * MB), most)
     topics = choose_topics(namespace, asked.topics)
     try:
         with ExitStack() as stack, ShutdownSignals(asked.settings.leave_s):
@@ -79,7 +79,7 @@ def _record(asked: RecorderArguments, scenario: Scenario | None, lost: list[str]
             print(f"recording {len(recorder.topics)} topics of {namespace} to {folder}", flush=True)
             if play:
                 return play()
-            threading.Event().wait(asked.duration_s)
+            recorder.full.wait(asked.duration_s)
     except (Terminated, KeyboardInterrupt):
         return scenario is None
     return True

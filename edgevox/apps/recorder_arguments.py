@@ -32,6 +32,7 @@ class RecorderArguments:
     topics: tuple[str, ...]
     max_size_mb: float
     spare_mb: float
+    most_mb: float | None
     duration_s: float | None
     scenario: Path | None
     wait_s: float
@@ -48,6 +49,7 @@ def parse_arguments(argv: Sequence[str]) -> RecorderArguments:
         tuple(arguments.topics),
         _at_least("max_size", arguments.max_size, 0.01),
         _at_least("spare", arguments.spare, 0),
+        None if arguments.most is None else _at_least("most", arguments.most, 0.01),
         arguments.duration,
         arguments.scenario,
         arguments.wait,
@@ -95,6 +97,12 @@ def _parser() -> argparse.ArgumentParser:
         default=100,
         metavar="MB",
         help="how much of the disk is left to others [default: 100]",
+    )
+    parser.add_argument(
+        "--most",
+        type=float,
+        metavar="MB",
+        help="end when all its files have this size; a scenario is played to its end",
     )
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--duration", type=float, metavar="S", help="end after this many seconds")

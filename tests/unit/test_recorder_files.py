@@ -196,6 +196,23 @@ def test_a_write_that_fails_loses_one_file_only_up_to_its_last_flush(recording, 
     assert texts(writing.bag.folder) == ["3"]
 
 
+def test_all_files_together_tell_when_they_have_what_they_may(tmp_path):
+    inbox = WriteQueue()
+    disk = Disk(tmp_path / "bag", most_bytes=3_000, spare_bytes=0, total_bytes=8_000)
+    writing = Writing(inbox, disk)
+    writing.start()
+    said_so_far = 0
+    while not writing.full.is_set():
+        inbox.put(said(said_so_far))
+        said_so_far += 1
+        wait_until(lambda so_far=said_so_far: writing.written == so_far)
+    writing.close()
+    files = list(disk.folder.glob("*.mcap"))
+    assert len(files) > 1
+    assert writing.bag.size == sum(one.stat().st_size for one in files) >= 8_000
+    assert texts(disk.folder) == [str(number) for number in range(said_so_far)]
+
+
 def test_a_disk_that_never_took_a_byte_leaves_no_empty_files(recording, monkeypatch):
     inbox, writing, _ = recording
     monkeypatch.setattr("os.write", failing(errno.EIO))

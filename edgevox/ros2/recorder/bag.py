@@ -16,6 +16,7 @@ class Bag:
         self._most_bytes = most_bytes
         self._finished: list[FileInfo] = []
         self._begun = 0
+        self._ended_bytes = 0
         self._told = True
         self._file: McapFile | None = None
         folder.mkdir(parents=True)
@@ -24,6 +25,11 @@ class Bag:
     def files(self) -> int:
         """How many were begun."""
         return self._begun
+
+    @property
+    def size(self) -> int:
+        """How many bytes of all its files are on the disk."""
+        return self._ended_bytes + (self._file.size if self._file else 0)
 
     def open(self) -> None:
         """Begin a file, unless one is open."""
@@ -64,6 +70,7 @@ class Bag:
             return
         file.finish(notes)
         self._file = None
+        self._ended_bytes += file.size
         self._finished.append(file.info)
         self._tell()
 
@@ -72,6 +79,7 @@ class Bag:
         file, self._file = self._file, None
         if file is None:
             return
+        self._ended_bytes += file.size
         with suppress(OSError):
             file.abandon()
             if not file.size:

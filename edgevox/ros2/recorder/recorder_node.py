@@ -1,5 +1,6 @@
 """The node that hears what is to be recorded, without looking into it."""
 
+import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -74,6 +75,11 @@ class Recorder:
     def fault(self) -> str:
         """Why nothing can be written; empty if it can."""
         return self._writing.fault
+
+    @property
+    def full(self) -> threading.Event:
+        """Set once all its files have the bytes that they may have."""
+        return self._writing.full
 
     @property
     def written(self) -> int:

@@ -25,11 +25,15 @@ FULL = frozenset({errno.ENOSPC, errno.EDQUOT})
 
 @dataclass(frozen=True)
 class Disk:
-    """Where to, how large a file may become, how much of the disk is left to others."""
+    """Where to, how large a file may become, how much of the disk is left to others.
+
+    With `total_bytes` the recording is `full` once all its files have so many.
+    """
 
     folder: Path
     most_bytes: int = 256 * MB
     spare_bytes: int = 100 * MB
+    total_bytes: int | None = None
 
 
 class Writing:
@@ -56,6 +60,8 @@ class Writing:
         self._retry_at_s = 0.0
         self.bag = Bag(disk.folder, disk.most_bytes)
         self.fault = ""
+        self.full = threading.Event()
+        """Set once it has all the bytes that it may have; it goes on until it is closed."""
         self.written = 0
         self._held: list[RecordedMessage] = []
         """Those that the bag was given and the disk has not taken yet."""
@@ -105,6 +111,9 @@ class Writing:
     def _wrote(self) -> None:
         self.written += len(self._held)
         self._held = []
+        most = self._disk.total_bytes
+        if most is not None and self.bag.size >= most:
+            self.full.set()
 
     def _lose_file(self) -> None:
         self.bag.lose_file()
