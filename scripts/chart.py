@@ -37,6 +37,7 @@ VARIABLES: Mapping[str, str] = {
     "audioOut": "EDGEVOX_AUDIO_OUT",
     "console.enabled": "EDGEVOX_CONSOLE",
     "console.port": "EDGEVOX_CONSOLE_PORT",
+    "console.recordings.mb": "EDGEVOX_CONSOLE_RECORDINGS_MB",
     "discovery.peersWaitSeconds": "EDGEVOX_PEERS_WAIT_S",
     "discovery.range": "ROS_AUTOMATIC_DISCOVERY_RANGE",
     "discovery.server": "ROS_DISCOVERY_SERVER",
@@ -69,6 +70,7 @@ FIXED = (
     "EDGEVOX_CONSOLE_FOLDER",
     "EDGEVOX_CONSOLE_KEY",
     "EDGEVOX_CONSOLE_NAMES",
+    "EDGEVOX_CONSOLE_RECORDINGS",
     "EDGEVOX_EXTERNAL_NAMESPACE",
     "EDGEVOX_MODELS_DIR",
     "EDGEVOX_NAMESPACE",
@@ -85,6 +87,7 @@ FIXED = (
 OF_THE_TABLE = ("agent", "discovery.peersWaitSeconds", "discovery.range", "domain", "language")
 OF_THE_TABLE += (
     "console.port",
+    "console.recordings.mb",
     "drainSeconds",
     "health.port",
     "logLevel",

@@ -6,7 +6,7 @@ from pathlib import Path
 over = threading.Event()
 signal.signal(signal.SIGTERM, lambda *_: over.set())
 output = Path(sys.argv[sys.argv.index("--output") + 1])
-bag = output / f"edgevox-{len(list(output.iterdir())):04}"
+bag = output / f"edgevox-20261123-1400{len(list(output.iterdir())):02}"
 bag.mkdir()
 (bag / f"{bag.name}_0.mcap").write_bytes(b"begun")
 over.wait()

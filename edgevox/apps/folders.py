@@ -28,6 +28,13 @@ def console_folder(settings: Settings, environment: Mapping[str, str] = os.envir
     return _state(environment) / "console"
 
 
+def recordings_folder(settings: Settings, environment: Mapping[str, str] = os.environ) -> Path:
+    """The folder of the console's recordings: the settings', else one in the console's."""
+    if settings.console_recordings:
+        return settings.console_recordings.expanduser()
+    return console_folder(settings, environment) / "recordings"
+
+
 def places_folder(settings: Settings, environment: Mapping[str, str] = os.environ) -> Path:
     """The folder of remembered places: the settings', else EdgeVox's among the user's state."""
     if settings.places:

@@ -65,6 +65,13 @@ class ConsoleSound(Protocol):
 class ConsoleRecorder(Protocol):
     """Recordings that somebody starts, ends and takes home. On a worker thread: they may wait."""
 
+    @property
+    def running(self) -> bool:
+        """Whether it records now."""
+
+    def listen(self, listener: Callable[[bool], None]) -> Callable[[], object]:
+        """Call it, on any thread, with `running` when that changes. Returns what ends that."""
+
     def start(self) -> None:
         """Begin a recording. Raises `EdgeVoxError`."""
 

@@ -73,6 +73,8 @@ class PageHub:
         ]
         if self.context.follow_log:
             self._forget.append(self.context.follow_log(self._logged))
+        if self.context.recorder:
+            self._forget.append(self.context.recorder.listen(self._records))
 
     def close(self) -> None:
         """Hear nothing any more; what is driven is halted."""
@@ -224,6 +226,10 @@ class PageHub:
 
     def _changed(self, _event: ControlChanged) -> None:
         self._soon(lambda: self.tell({"type": "controls", **self.controls_of()}, "controls"))
+
+    def _records(self, running: bool) -> None:
+        """Everybody is told, whatever they look at: what they say is kept."""
+        self.tell_soon({"type": "recording", "running": running}, "recording")
 
     def _stop_changed(self, state: StopState) -> None:
         if state.engaged:

@@ -5,6 +5,7 @@ import json
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from pathlib import Path
+from urllib.parse import quote
 
 from aiohttp import web
 
@@ -28,6 +29,7 @@ PAGE = Path(__file__).parent / "page"
 MOST_BODY = 4096
 _SESSION = web.RequestKey("session", Session)
 """By this a request has the session that it shows, if it shows one."""
+DOWNLOADS_PER_S, DOWNLOADS = 0.5, 20
 PAIR_TRIES = 5
 """In a minute, of one address."""
 
@@ -45,6 +47,7 @@ class Site:
 
     def __post_init__(self) -> None:
         self._tries = PageRateLimit(self.clock, PAIR_TRIES / 60, PAIR_TRIES)
+        self._downloads = PageRateLimit(self.clock, DOWNLOADS_PER_S, DOWNLOADS)
         self._limits = SocketLimits.usual(self.clock)
         self._pairs = asyncio.Lock()
         self.cookie = "__Host-edgevox" if self.secure else "edgevox"
@@ -153,13 +156,16 @@ class Site:
         return answer
 
     async def _recording(self, request: web.Request) -> web.StreamResponse:
-        if self.session(request).role is not Role.OPERATOR:  # it has what people said
+        session = self.session(request)
+        if session.role is not Role.OPERATOR:  # it has what people said
             raise web.HTTPForbidden(text="operators only")
-        recorder = self.hub.context.recorder
-        files = await self.hub.work(recorder.files) if recorder else ()
-        for file in files:
-            if file.name == request.match_info["name"]:
-                return web.FileResponse(file, headers={"Content-Disposition": "attachment"})
+        if not self._downloads.allows(session.id):
+            raise web.HTTPTooManyRequests(text="wait a moment")
+        recorder, name = self.hub.context.recorder, request.match_info["name"]
+        for file in await self.hub.work(recorder.files) if recorder else ():
+            if file.name == name:
+                log.info("console_recording_asked", session=session.id, action="take", name=name)
+                return web.FileResponse(file, headers=_attachment(name))
         raise web.HTTPNotFound
 
     # The sockets
@@ -205,6 +211,13 @@ async def _socket(request: web.Request, most_bytes: int) -> web.WebSocketRespons
     )
     await socket.prepare(request)
     return socket
+
+
+def _attachment(name: str) -> dict[str, str]:
+    return {
+        "Content-Disposition": f"attachment; filename*=UTF-8''{quote(name, safe='')}",
+        "Cache-Control": "no-store",
+    }
 
 
 async def _code(request: web.Request) -> str:

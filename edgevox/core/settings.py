@@ -233,6 +233,18 @@ class Settings(BaseSettings):
         description="folder of the console's keys and of who was let in; without one"
         " edgevox/console in $XDG_STATE_HOME, ~/.local/state by default",
     )
+    console_recordings: Path | None = Field(
+        None,
+        description="folder of the recordings that are begun on the console, of no other robot;"
+        " without one recordings in console_folder",
+    )
+    console_recordings_mb: int = Field(
+        5000,
+        ge=10,
+        le=10_000_000,
+        description="how many megabytes those recordings have together at most; none is removed"
+        " for another",
+    )
     log_level: Literal["debug", "info", "warning", "error"] = Field(
         "warning", description="least severe log lines to show"
     )

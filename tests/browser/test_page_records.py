@@ -1,17 +1,19 @@
 """A recording on the page: begun, ended, taken home, removed; a program stands for the recorder."""
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from browser_rig import DESK, PATIENCE_MS, let_in, problems, take_the_turn
+from browser_rig import DESK, PATIENCE_MS, PHONE, let_in, problems, take_the_turn
 from console_rig import Rig, console
 from playwright.sync_api import Browser, Page, expect
 from recorder_program import RECORDS
 from waiting import wait_until
 
 from edgevox.apps.console import robot_recorder
-from edgevox.apps.console.robot_recorder import RobotRecorder
+from edgevox.apps.console.kept_recordings import KeptRecordings
+from edgevox.apps.console.robot_recorder import NoRecorder, RobotRecorder
 from edgevox.console.sessions import Role
 from edgevox.core.settings import load_settings
 
@@ -52,16 +54,82 @@ def test_it_is_begun_ended_taken_home_and_removed(
     take_the_turn(page)
     page.get_by_role("button", name="Start a recording").click()
     page.get_by_role("button", name="Stop the recording").wait_for()
-    wait_until(lambda: list(recorder.folder.glob("*/*.mcap")))
+    wait_until(lambda: list(recorder.kept.folder.glob("*/*.mcap")))
     page.get_by_role("button", name="Stop the recording").click()
     with page.expect_download() as begun:
-        page.get_by_role("link", name="edgevox-0000_0.mcap").click()
+        page.get_by_role("link", name="edgevox-20261123-140000_0.mcap").click()
     begun.value.save_as(tmp_path / "home.mcap")
     assert (tmp_path / "home.mcap").read_bytes() == b"whole"
     assert problems(page) == []
-    page.get_by_role("button", name="Delete edgevox-0000_0.mcap").click()
-    expect(page.get_by_role("link", name="edgevox-0000_0.mcap")).to_have_count(0)
+    page.get_by_role("button", name="Delete edgevox-20261123-140000_0.mcap").click()
+    expect(page.get_by_role("link", name="edgevox-20261123-140000_0.mcap")).to_have_count(0)
     assert recorder.files() == []
+    page.context.close()
+
+
+def test_it_tells_when_it_was_begun_how_large_it_is_and_what_room_is_left(
+    browser: Browser, rig: Rig, recorder: RobotRecorder
+) -> None:
+    page = opened(browser, rig, Role.OPERATOR)
+    expect(page.get_by_text(re.compile(r"^Room for [\d,]+ MB\.$"))).to_be_visible()
+    recorder.start()
+    expect(page.get_by_text(re.compile(r"^0\.0 MB so far\. Room for"))).to_be_visible()
+    wait_until(lambda: list(recorder.kept.folder.glob("*/*.mcap")))
+    recorder.stop()
+    expect(page.locator(".files li")).to_contain_text("Nov 23, 2026")
+    expect(page.locator(".files li")).to_contain_text("0.0 MB")
+    page.context.close()
+
+
+def test_whatever_a_page_shows_it_says_that_what_is_said_is_kept(
+    browser: Browser, rig: Rig, recorder: RobotRecorder
+) -> None:
+    context = browser.new_context(locale="en-GB", **PHONE)
+    context.set_default_timeout(PATIENCE_MS)
+    page = context.new_page()
+    let_in(page, rig.server.offer_code(Role.VIEWER)[1])
+    sign = page.get_by_role("img", name="A recording is being made.")
+    expect(sign).to_be_hidden()
+    recorder.start()
+    expect(sign).to_be_visible()
+    expect(page.locator(".toasts")).to_contain_text("A recording is being made.")
+    assert page.evaluate("document.documentElement.scrollWidth") == 390
+    assert problems(page) == []
+    wait_until(lambda: list(recorder.kept.folder.glob("*/*.mcap")))
+    page.reload()
+    expect(sign).to_be_visible()
+    recorder.stop()
+    expect(sign).to_be_hidden()
+    expect(page.locator(".toasts")).to_contain_text("The recording has ended.")
+    page.context.close()
+
+
+@pytest.mark.parametrize(
+    ("missing", "words"),
+    [
+        (NoRecorder.ROS2, "Recordings need ROS 2, and this robot runs without it."),
+        (NoRecorder.EXTRA, "Recordings need the extra recorder"),
+        (NoRecorder.ENCLAVE, "an enclave of its own, edgevox_recorder"),
+    ],
+)
+def test_where_nothing_is_recorded_it_says_why(
+    browser: Browser, tmp_path: Path, missing: NoRecorder, words: str
+) -> None:
+    with console(tmp_path, describe=lambda _: {"capabilities": {"record": missing}}) as rig:
+        page = opened(browser, rig, Role.VIEWER)
+        expect(page.get_by_text(words)).to_be_visible()
+        expect(page.get_by_role("button", name="Start a recording")).to_be_hidden()
+        page.context.close()
+
+
+def test_without_room_none_is_begun_and_it_says_what_to_do(
+    browser: Browser, rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(KeptRecordings, "room", lambda _: 1_000_000)
+    page = opened(browser, rig, Role.OPERATOR)
+    take_the_turn(page)
+    expect(page.get_by_text("No room is left for recordings")).to_be_visible()
+    expect(page.get_by_role("button", name="Start a recording")).to_be_disabled()
     page.context.close()
 
 
@@ -69,7 +137,7 @@ def test_who_only_watches_sees_that_it_records_and_gets_no_files(
     browser: Browser, rig: Rig, recorder: RobotRecorder
 ) -> None:
     recorder.start()
-    wait_until(lambda: list(recorder.folder.glob("*/*.mcap")))
+    wait_until(lambda: list(recorder.kept.folder.glob("*/*.mcap")))
     page = opened(browser, rig, Role.VIEWER)
     expect(page.get_by_role("button", name="Stop the recording")).to_be_disabled()
     recorder.stop()

@@ -8,6 +8,10 @@ from agent_process import READY, Agent
 from peer import Peer
 from ports import free_port
 from recordings import texts_of, until_recorded
+from waiting import wait_until
+
+MCAP_MAGIC = b"\x89MCAP0\r\n"
+"""A file that ends with it was finished."""
 
 
 @pytest.fixture
@@ -58,6 +62,29 @@ def test_what_is_typed_while_it_records_is_in_the_file(agent, peer, tmp_path):
     heard = texts_of(tmp_path / "taken.mcap")
     assert {text for _, text in heard["/edgevox/text_input"]} == {"where are you"}
     assert heard["/edgevox/response"]
+
+
+def test_a_recording_is_whole_after_the_agent_was_killed(agent, peer, tmp_path):
+    agent.wait_for_line(READY)
+    url, _, code = agent.wait_for_line("/#pair=").strip().partition("/#pair=")
+    found = (tmp_path / "console").rglob
+
+    async def begin():
+        jar = aiohttp.CookieJar(unsafe=True)
+        async with aiohttp.ClientSession(cookie_jar=jar, headers={"Origin": url}) as client:
+            await (await client.post(f"{url}/api/pair", json={"code": code})).read()
+            async with client.ws_connect(f"{url}/ws", max_msg_size=0) as socket:
+                await socket.send_json({"id": 1, "type": "lease", "action": "take"})
+                await socket.send_json({"id": 2, "type": "look", "what": ["status"]})
+                await socket.send_json({"id": 3, "type": "record", "action": "start"})
+                await status(socket, lambda one: one["running"])
+                await asyncio.to_thread(until_recorded, peer, lambda: found("*.mcap"), ["response"])
+
+    asyncio.run(begin())
+    agent.process.kill()
+    (file,) = found("*.mcap")
+    wait_until(lambda: file.read_bytes().endswith(MCAP_MAGIC), "the end of the file")
+    assert {text for _, text in texts_of(file)["/edgevox/text_input"]} == {"where are you"}
 
 
 async def status(socket, wanted):

@@ -92,6 +92,28 @@ def test_the_pod_listens_where_the_service_leads_and_keeps_who_is_paired() -> No
     assert "EDGEVOX_CONSOLE_TLS" not in given  # its own certificate
 
 
+def test_recordings_have_a_volume_that_holds_what_the_robot_may_write() -> None:
+    common = {"enabled": True, "recordings": {"mb": 300, "volume": {"hostPath": {"path": "/a"}}}}
+    claim = {"persistentVolumeClaim": {"claimName": "b"}}
+    own = [{"name": "b", "domain": 2, "console": {"recordings": {"volume": claim}}}]
+    for values, mb, source in (
+        (ON, "1000", {"emptyDir": {"sizeLimit": "1100M"}}),
+        ({"robots": ONE["robots"], "console": common}, "300", {"hostPath": {"path": "/a"}}),
+        ({"robots": own, "console": common}, "300", claim),
+    ):
+        (pod,) = pods(values).values()
+        given = environment(pod)
+        (mount,) = [
+            one
+            for one in pod["containers"][0]["volumeMounts"]
+            if one["name"] == "console-recordings"
+        ]
+        (volume,) = [one for one in pod["volumes"] if one["name"] == "console-recordings"]
+        assert given["EDGEVOX_CONSOLE_RECORDINGS"] == mount["mountPath"]
+        assert given["EDGEVOX_CONSOLE_RECORDINGS_MB"] == mb
+        assert volume == {"name": "console-recordings", **source}
+
+
 def test_a_sites_certificate_takes_the_place_of_its_own() -> None:
     pod = pods(SITE)["a"]
     given = environment(pod)

@@ -118,7 +118,7 @@ def test_each_value_reaches_the_variable_that_it_is_said_to_reach() -> None:
         "audioOut": "ros2",
         "discovery": {"range": "LOCALHOST", "server": "dds:11811", "staticPeers": ["peer"]}
         | {"peersWaitSeconds": 3},
-        "console": {"enabled": True, "port": 9443},
+        "console": {"enabled": True, "port": 9443, "recordings": {"mb": 77}},
         "drainSeconds": 2.5,
         "framePrefix": "x/",
         "health": {"port": 9000, "host": "::"},

@@ -12,7 +12,7 @@ from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.wrong_arguments import WrongArgument
 from edgevox.apps.agent_parts import AgentParts
 from edgevox.apps.console.offered_skills import offered
-from edgevox.apps.console.robot_recorder import RobotRecorder
+from edgevox.apps.console.robot_recorder import NoRecorder, RobotRecorder
 from edgevox.apps.console.shown_robot import ShownRobot
 from edgevox.console.context import ConsoleContext, ConsoleSound
 from edgevox.core.commands import Command, RunSkill, TextInput
@@ -28,15 +28,19 @@ MOST_LATENCIES = 50
 
 
 def build_context(
-    parts: AgentParts, sound: ConsoleSound | None = None, recorder: RobotRecorder | None = None
+    parts: AgentParts,
+    sound: ConsoleSound | None = None,
+    recorder: RobotRecorder | NoRecorder = NoRecorder.ROS2,
 ) -> ConsoleContext:
     """All of it, for an agent that was put together. It listens to the bus from now on."""
     return _OfAgent(parts, recorder).context(sound)
 
 
 class _OfAgent:
-    def __init__(self, parts: AgentParts, recorder: RobotRecorder | None) -> None:
-        self._parts, self._recorder = parts, recorder
+    def __init__(self, parts: AgentParts, recorder: RobotRecorder | NoRecorder) -> None:
+        self._parts = parts
+        self._recorder = recorder if isinstance(recorder, RobotRecorder) else None
+        self._record = str(recorder) if isinstance(recorder, NoRecorder) else True
         self._robot = (
             ShownRobot(parts.body, parts.interlock, parts.guard, self._label)
             if parts.body
@@ -83,7 +87,7 @@ class _OfAgent:
             "capabilities": {
                 **here,
                 "sound": self._parts.voice is not None,
-                "record": self._recorder is not None,
+                "record": self._record,
             },
         }
 

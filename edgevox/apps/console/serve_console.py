@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from edgevox.apps.agent_parts import AgentParts
 from edgevox.apps.console_command import shown_code
-from edgevox.apps.folders import console_folder
+from edgevox.apps.folders import console_folder, recordings_folder
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.extras import install_extra
 from edgevox.core.status import ComponentName, Off
@@ -35,7 +35,7 @@ def serve_console(stack: ExitStack, parts: AgentParts) -> None:
 def _open(own: ExitStack, parts: AgentParts) -> "ConsoleServer":
     try:
         from edgevox.apps.console.build_context import build_context
-        from edgevox.apps.console.robot_recorder import open_recorder
+        from edgevox.apps.console.robot_recorder import RobotRecorder, open_recorder
         from edgevox.apps.console.shared_sound import share_sound
         from edgevox.console.open_console import open_console
     except ModuleNotFoundError as error:
@@ -43,8 +43,8 @@ def _open(own: ExitStack, parts: AgentParts) -> "ConsoleServer":
     folder = console_folder(parts.settings)
     try:
         sound = share_sound(own, parts)
-        recorder = open_recorder(parts.settings, folder)
-        if recorder:
+        recorder = open_recorder(parts.settings, recordings_folder(parts.settings))
+        if isinstance(recorder, RobotRecorder):
             own.callback(recorder.stop)
         server = open_console(build_context(parts, sound, recorder), parts.settings, folder)
         own.callback(server.close)

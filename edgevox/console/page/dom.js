@@ -21,6 +21,11 @@ export function h(tag, attributes = {}, ...children) {
   return made;
 }
 
+/** A part of a panel, under its title. @param {string} title @param {...Node} rest */
+export function section(title, ...rest) {
+  return h("section", { class: "part" }, h("h2", {}, title), ...rest);
+}
+
 /**
  * One of the outlined signs of icons/signs.svg; a reader is told nothing of it.
  * @param {string} name

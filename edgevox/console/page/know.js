@@ -1,16 +1,12 @@
 /** How the robot is: health, latencies as small plots, what was refused and why, logs, recordings. */
-import { h, sign, sparkline } from "./dom.js";
-import { tellRefusal, whyNot } from "./notices.js";
+import { h, section, sparkline } from "./dom.js";
+import { whyNot } from "./notices.js";
+import { recordingPart } from "./recordings.js";
 import { number, say } from "./words.js";
 
 const STAGES = /** @type {const} */ (["stt", "llm", "tts", "ttfs", "total"]);
 const LEVELS = ["good", "warn", "bad", "stale"];
 const MOST_LINES = 200;
-
-/** @param {string} title @param {...Node} rest */
-function section(title, ...rest) {
-  return h("section", { class: "part" }, h("h2", {}, title), ...rest);
-}
 
 /**
  * @param {import("./store.js").Store} store
@@ -65,46 +61,6 @@ function latencyRows(turns) {
     return h("div", { class: "latency" }, h("span", { class: "quiet" }, say(`latency_${stage}`)), sparkline(values, most),
       h("strong", {}, `${number(last, 2)} s`));
   });
-}
-
-/** @param {import("./store.js").Store} store @param {import("./link.js").Link} link */
-function recordingPart(store, link) {
-  const button = h("button", { type: "button", onclick: () => {
-    button.disabled = true; // until the next status: one press is one recording
-    link.send({ type: "record", action: store.status.recording?.running ? "stop" : "start" }).catch(tellRefusal);
-  } });
-  const failed = h("p", { class: "notice bad", role: "status", hidden: true });
-  const files = h("ul", { class: "files" });
-  const part = section(say("recording"), h("p", { class: "quiet small-text" }, say("record_note")), button, failed, files);
-  let shown = "";
-  const show = () => {
-    const { running, seconds = 0, why = "", files: kept = [] } = store.status.recording ?? {};
-    part.hidden = !store.capabilities.record;
-    button.textContent = running ? say("record_stop", { seconds: number(seconds, 0) }) : say("record_start");
-    button.disabled = !store.commands;
-    failed.hidden = !why;
-    failed.textContent = why && say("record_failed", { why });
-    const now = JSON.stringify([kept, store.role, store.commands]);
-    if (now === shown) return; // what is drawn anew loses the keyboard
-    shown = now;
-    files.replaceChildren(...(store.role === "operator" ? kept : []).map((one) => recordingRow(one, store, link)));
-  };
-  for (const type of ["hello", "status", "lease", "link"]) store.on(type, show);
-  return part;
-}
-
-/**
- * @param {{name: string, bytes?: number}} one
- * @param {import("./store.js").Store} store
- * @param {import("./link.js").Link} link
- */
-function recordingRow(one, store, link) {
-  const size = `${number((one.bytes ?? 0) / 1e6, 1)} MB`;
-  return h("li", { class: "row tight" },
-    h("a", { class: "fill", href: `/api/recording/${encodeURIComponent(one.name)}`, download: one.name }, one.name),
-    h("span", { class: "quiet" }, size),
-    h("button", { type: "button", "aria-label": say("record_delete", { name: one.name }), disabled: !store.commands,
-      onclick: () => link.send({ type: "delete_recording", name: one.name }).catch(tellRefusal) }, sign("close")));
 }
 
 /** @param {import("./store.js").Store} store */

@@ -6,6 +6,7 @@ import { leaseControl } from "./lease.js";
 import { Link } from "./link.js";
 import { noticeBar, toasts } from "./notices.js";
 import { pairPage } from "./pair.js";
+import { recordingSign } from "./recordings.js";
 import { seePanel } from "./see.js";
 import { settingsPanel } from "./settings.js";
 import { stopBar } from "./stop.js";
@@ -46,7 +47,7 @@ function topBar(store, /** @type {Link} */ link) {
     battery.setAttribute("role", "img");
     battery.classList.toggle("low", level < 0.2);
   });
-  return h("header", { class: "top" }, name, state, h("span", { class: "grow" }), battery, leaseControl(store, link));
+  return h("header", { class: "top" }, name, state, h("span", { class: "grow" }), recordingSign(store), battery, leaseControl(store, link));
 }
 
 /** @param {(name: string) => void} choose @param {readonly string[]} names @param {string} kind */

@@ -21,6 +21,7 @@ export class Store {
     this.lease = {};
     /** @type {import("./wire.js").Stop} */
     this.stop = { engaged: false };
+    this.recording = false;
     /** @type {import("./wire.js").Scene | null} */
     this.scene = null;
     /** @type {import("./wire.js").Live} */
@@ -59,6 +60,7 @@ export class Store {
     else if (type === "live") this.live = rest;
     else if (type === "status") this.status = rest;
     else if (type === "lease") this.lease = rest;
+    else if (type === "recording") this.recording = Boolean(rest.running);
     else if (type === "stop") this.stop = /** @type {any} */ (rest);
     else if (type === "controls") this.controls = { ...this.controls, ...rest };
     this.tell(type, message);
@@ -74,6 +76,7 @@ export class Store {
     this.controls = { languages: hello.languages ?? [], ...hello.controls };
     this.lease = hello.lease ?? {};
     this.stop = hello.stop ?? { engaged: false };
+    this.recording = Boolean(hello.recording);
     this.live = {};
   }
 

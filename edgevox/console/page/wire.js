@@ -24,7 +24,8 @@
  *   allowed?: boolean, why?: string}} Skill
  * @typedef {{linear?: number, angular?: number}} DriveLimits  m/s, rad/s
  * @typedef {{picture?: boolean, drive?: boolean | DriveLimits, sound?: boolean, map?: boolean,
- *   goto?: boolean, name_place?: boolean, record?: boolean}} Capabilities
+ *   goto?: boolean, name_place?: boolean,
+ *   record?: boolean | string}} Capabilities  a string says what it lacks to be recorded
  * @typedef {{holder?: string | null, name?: string, mine?: boolean,
  *   waiting?: {client: string, name?: string}[]}} Lease
  * @typedef {{engaged: boolean, by?: string, since?: number}} Stop
@@ -33,8 +34,9 @@
  * @typedef {{name: string, level: number, message?: string, values?: Record<string, any>}} Diagnostic
  * @typedef {{turn: number, stt?: number, llm?: number, tts?: number, ttfs?: number, total?: number}}
  *   Latency  seconds
- * @typedef {{running?: boolean, seconds?: number, why?: string, files?: {name: string, bytes?: number}[]}}
- *   Recording
+ * @typedef {{name: string, bytes?: number, begun?: number | null}} Recorded  seconds since 1970
+ * @typedef {{running?: boolean, seconds?: number, bytes?: number, room?: number, full?: boolean,
+ *   why?: string, files?: Recorded[]}} Recording  room: bytes that there may still be
  * @typedef {{health?: {ready?: boolean, live?: boolean, problems?: string[]},
  *   diagnostics?: Diagnostic[], latencies?: Latency[], recording?: Recording}} Status
  * @typedef {{type: string, [key: string]: any}} Message

@@ -6,7 +6,10 @@ from edgevox.console.page_messages import Message
 from edgevox.console.sessions import Session
 from edgevox.core.commands import RunSkill, TextInput
 from edgevox.core.errors import EdgeVoxError
+from edgevox.core.log import get_logger
 from edgevox.core.ways import Way
+
+log = get_logger(__name__)
 
 
 class NotHere(EdgeVoxError):
@@ -33,18 +36,32 @@ def act(context: ConsoleContext, session: Session, message: Message) -> None:
             context.submit(context.name_place(name, x, y))
         case page_messages.SetControl(name=name, value=value):
             context.controls.change({name: value})
-        case page_messages.Record(action="start"):
-            _recorder(context).start()
-        case page_messages.Record():
-            _recorder(context).stop()
-        case page_messages.DeleteRecording(name=name):
-            _recorder(context).delete(name)
+        case page_messages.Record() | page_messages.DeleteRecording():
+            _record(context, session, message)
 
 
 def _answer(context: ConsoleContext, yes: bool, way: Way) -> None:
     if not context.answer:
         raise NotHere("answer: this robot asks nothing")
     context.answer(yes, way)
+
+
+def _record(
+    context: ConsoleContext,
+    session: Session,
+    message: page_messages.Record | page_messages.DeleteRecording,
+) -> None:
+    """What people say is kept by it, or lost with it: the log has who did that."""
+    recorder = _recorder(context)
+    action, name = "delete", ""
+    match message:
+        case page_messages.Record(action="start" as action):
+            recorder.start()
+        case page_messages.Record(action=action):
+            recorder.stop()
+        case page_messages.DeleteRecording(name=name):
+            recorder.delete(name)
+    log.info("console_recording_asked", session=session.id, action=action, name=name)
 
 
 def _recorder(context: ConsoleContext) -> ConsoleRecorder:

@@ -45,6 +45,8 @@
 {{- $_ := set $env "EDGEVOX_CONSOLE_HOST" (ternary "127.0.0.1" $robot.health.host $robot.hostNetwork) -}}
 {{- $_ := set $env "EDGEVOX_CONSOLE_FOLDER" "/console" -}}
 {{- $_ := set $env "EDGEVOX_CONSOLE_NAMES" (include "edgevox.consoleNames" .) -}}
+{{- $_ := set $env "EDGEVOX_CONSOLE_RECORDINGS" "/recordings" -}}
+{{- $_ := set $env "EDGEVOX_CONSOLE_RECORDINGS_MB" (int $robot.console.recordings.mb) -}}
 {{- if $robot.console.tlsSecret -}}
 {{- $_ := set $env "EDGEVOX_CONSOLE_TLS" "files" -}}
 {{- $_ := set $env "EDGEVOX_CONSOLE_CERTIFICATE" "/run/secrets/edgevox-console/tls.crt" -}}

@@ -81,6 +81,9 @@ edgevox/domain: {{ .domain | int | quote }}
 {{- if hasKey (.console | default dict) "volume" -}}
 {{- $_ := set $robot.console "volume" .console.volume -}}
 {{- end -}}
+{{- if hasKey ((.console | default dict).recordings | default dict) "volume" -}}
+{{- $_ := set $robot.console.recordings "volume" .console.recordings.volume -}}
+{{- end -}}
 {{- if hasKey (.places | default dict) "volume" -}}
 {{- $_ := set $robot.places "volume" .places.volume -}}
 {{- end -}}
