@@ -1,6 +1,9 @@
 """What holds for all tests: on whatever machine, and beside others in workers of pytest-xdist."""
 
+import itertools
 import os
+import random
+import socket
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -23,6 +26,10 @@ settings.load_profile(os.environ.get("TEST_EXAMPLES", "same"))
 os.environ.setdefault("EDGEVOX_LEAVE_S", "120")
 # No agent that a test starts recalls, or changes, what this machine's own robot remembers.
 os.environ["XDG_STATE_HOME"] = str(Path(tempfile.gettempdir(), f"edgevox-tests-{os.getpid()}"))
+
+DDS_PORT, DOMAIN_GAIN = 7410, 250
+"""Where the first participant of ROS 2's domain 0 hears of others; then every second."""
+PARTICIPANTS = 4
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -52,6 +59,35 @@ def worker(request: pytest.FixtureRequest) -> tuple[int, int]:
     """Which worker this is, from 0, and of how many; the only one where none are beside it."""
     told = getattr(request.config, "workerinput", {"workerid": "gw0", "workercount": 1})
     return int(told["workerid"].removeprefix("gw")), told["workercount"]
+
+
+@pytest.fixture(scope="session")
+def _domains(worker: tuple[int, int]) -> Iterator[int]:
+    """Every module its own: a process that was killed haunts its domain for 20 s.
+
+    After all of them the first is anybody's again.
+    """
+    number, workers = worker
+    domains = list(range(1 + number, 100, workers))
+    random.shuffle(domains)
+    return filter(_is_free, itertools.cycle(domains))
+
+
+def _is_free(domain: int) -> bool:
+    """Whether nobody on this machine is there: somebody's robot, or one that was left behind."""
+    try:
+        for participant in range(PARTICIPANTS):
+            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
+                one.bind(("", DDS_PORT + DOMAIN_GAIN * domain + 2 * participant))
+    except OSError:
+        return False
+    return True
+
+
+@pytest.fixture(scope="module")
+def domain(_domains: Iterator[int]) -> int:
+    """A domain of ROS 2 that is this module's."""
+    return next(_domains)
 
 
 @pytest.hookimpl(wrapper=True)

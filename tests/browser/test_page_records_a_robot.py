@@ -18,15 +18,13 @@ from ports import free_port
 from rosbags.highlevel import AnyReader
 from waiting import wait_until
 
-DOMAIN = "100"
-"""The tests in tests/ros2 have those below."""
 RESPONSE = "/edgevox/response"
 FRESH_S = 15.0
 """An answer that is not in the file by then was given before the recorder heard the robot."""
 
 
 @pytest.fixture
-def link(tmp_path: Path) -> Iterator[str]:
+def link(tmp_path: Path, domain: int) -> Iterator[str]:
     """That of an agent with its robot, to be let in by."""
     with subprocess.Popen(
         [
@@ -35,7 +33,11 @@ def link(tmp_path: Path) -> Iterator[str]:
             *(f"--console-port={free_port()}", f"--console-folder={tmp_path / 'console'}"),
             f"--console-recordings={tmp_path / 'recordings'}",
         ],
-        env={**os.environ, "ROS_DOMAIN_ID": DOMAIN, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"},
+        env={
+            **os.environ,
+            "ROS_DOMAIN_ID": str(domain),
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        },
         stdout=subprocess.PIPE,
         text=True,
     ) as process:

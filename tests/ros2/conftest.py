@@ -1,17 +1,10 @@
 """Each test module gets an agent in a process of its own, on a domain of its own."""
 
-import itertools
-import random
-import socket
 from pathlib import Path
 
 import pytest
 from agent_process import READY, Agent
 from peer import Peer
-
-DDS_PORT, DOMAIN_GAIN = 7410, 250
-"""Where the first participant of domain 0 hears of others; the next has the port after next."""
-PARTICIPANTS = 4
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -19,34 +12,6 @@ def _localhost():
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         yield
-
-
-@pytest.fixture(scope="session")
-def _domains(worker):
-    """Every module its own: a process that was killed haunts its domain for 20 s.
-
-    After all of them the first is anybody's again.
-    """
-    number, workers = worker
-    domains = list(range(1 + number, 100, workers))
-    random.shuffle(domains)
-    return filter(_is_free, itertools.cycle(domains))
-
-
-def _is_free(domain):
-    """Whether nobody on this machine is there: somebody's robot, or one that was left behind."""
-    try:
-        for participant in range(PARTICIPANTS):
-            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
-                one.bind(("", DDS_PORT + DOMAIN_GAIN * domain + 2 * participant))
-    except OSError:
-        return False
-    return True
-
-
-@pytest.fixture(scope="module")
-def domain(_domains):
-    return next(_domains)
 
 
 @pytest.fixture(scope="session")
