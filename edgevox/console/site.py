@@ -109,10 +109,9 @@ class Site:
         return web.Response(body=self.authority, content_type="application/x-x509-ca-cert")
 
     async def _instructions(self, _request: web.Request) -> web.StreamResponse:
-        file = PAGE / "ca.html"
-        if not file.exists():
-            raise web.HTTPFound("/ca.crt")
-        return web.FileResponse(file)
+        if self.authority is None:
+            raise web.HTTPNotFound(text="this robot has no certificate of its own making")
+        return web.FileResponse(PAGE / "ca.html")
 
     # Letting in
 

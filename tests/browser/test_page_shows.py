@@ -230,6 +230,9 @@ def test_how_to_trust_the_certificate_is_told_before_anybody_is_let_in(
     page.goto(f"{robot.url}/static/ca.html")
     expect(page.locator("h1")).to_have_text("Faire confiance à ce robot")
     assert problems(page) == []
+    page.goto(robot.url)
+    page.locator(".pair").wait_for()
+    expect(page.locator("a[href='/ca']")).to_be_hidden()  # on plain HTTP there is none
     page.close()
 
 

@@ -36,6 +36,20 @@ def test_a_browser_that_took_the_authority_believes_the_console(tmp_path: Path) 
     assert b"PRIVATE" not in told
 
 
+def test_how_to_trust_it_is_told_only_where_there_is_one(tmp_path: Path) -> None:
+    async def status(url: str, trusts: ssl.SSLContext | bool) -> int:
+        async with aiohttp.ClientSession() as client, client.get(f"{url}/ca", ssl=trusts) as told:
+            return told.status
+
+    tls = own_tls(tmp_path, NAMES)
+    assert tls.authority
+    with console(tmp_path, tls) as rig:
+        trusts = ssl.create_default_context(cafile=tls.authority)
+        assert asyncio.run(status(rig.server.url, trusts)) == 200
+    with console(tmp_path) as rig:
+        assert asyncio.run(status(rig.server.url, True)) == 404
+
+
 def test_it_is_believed_by_nobody_else(tmp_path: Path) -> None:
     with console(tmp_path, own_tls(tmp_path, NAMES)) as rig:
 

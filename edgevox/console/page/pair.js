@@ -1,4 +1,5 @@
 /** How a browser is let in: with the code that the robot shows in its terminal and its log. */
+import { certificateLink } from "./certificate.js";
 import { h, sign } from "./dom.js";
 import { say, sayOr } from "./words.js";
 
@@ -10,7 +11,7 @@ export function pairPage(paired) {
   const why = h("p", { class: "notice bad", role: "alert", id: "pair-why", hidden: true });
   const form = h("form", { class: "card pair stack" }, h("div", { class: "badge" }, sign("talk")), h("h1", {}, say("pair_title")),
     h("p", { class: "quiet" }, say("pair_how")), code, h("button", { class: "primary big", type: "submit" }, say("pair")), why,
-    h("p", { class: "small-text" }, h("a", { href: "/ca" }, say("certificate"))));
+    certificateLink());
   const tell = (/** @type {string} */ text) => {
     why.hidden = !text;
     why.textContent = text;

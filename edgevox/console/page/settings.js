@@ -1,4 +1,5 @@
 /** The robot's settings that can change while it runs, and the language of this page. */
+import { certificateLink } from "./certificate.js";
 import { h } from "./dom.js";
 import { onlyWithTurn } from "./lease.js";
 import { tellRefusal } from "./notices.js";
@@ -33,7 +34,7 @@ export function settingsPanel(store, link) {
     fetch("/api/logout", { method: "POST" }).finally(() => location.reload()) }, say("log_out"));
   return h("section", { class: "card settings-card scroll stack", tabindex: "0", "aria-label": say("settings") },
     h("h2", {}, say("robot")), fields, h("h2", {}, say("this_page")), page,
-    h("p", { class: "small-text" }, h("a", { href: "/ca" }, say("certificate"))), leave);
+    certificateLink(), leave);
 }
 
 /**
