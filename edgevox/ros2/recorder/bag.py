@@ -67,6 +67,7 @@ class Bag:
         if not file.info.messages:  # nothing is lost with it
             self.lose_file()
             file.path.unlink(missing_ok=True)
+            self._ended_bytes -= file.size
             return
         file.finish(notes)
         self._file = None
