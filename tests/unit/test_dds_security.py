@@ -216,23 +216,3 @@ def test_a_build_is_told_by_its_libraries(tmp_path):
         "bundled_openssl": "",
     }
     assert judged_by({wheels})["bundled_openssl"] == "1.1.1k"
-
-
-@pytest.mark.parametrize(
-    ("module", "arguments"),
-    [("agent", ["robot-apartment", "--ros2"]), ("edgevox", ["--ros2"]), ("recorder", [])],
-)
-def test_outside_of_a_container_each_program_refuses_the_same_before_a_node(module, arguments):
-    started = f"from edgevox.apps.{module} import main; raise SystemExit(main({arguments!r}))"
-    given = {"ROS_SECURITY_STRATEGY": "Permissive", "EDGEVOX_LOG_FORMAT": "console"}
-    ran = subprocess.run(
-        [sys.executable, "-c", started],
-        env={name: v for name, v in os.environ.items() if "SECURITY" not in name} | given,
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert ran.returncode == 2
-    assert "ROS_SECURITY_STRATEGY: got 'Permissive', expected Enforce" in ran.stderr
-    assert "ROS 2: /" not in ran.stdout
