@@ -1,7 +1,7 @@
 """Tests ask for promises: none reaches into the private parts of what it tests."""
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import pytest
@@ -16,21 +16,23 @@ def private(name: str) -> bool:
     return name.startswith("_") and not name.startswith("__") and name != "_"
 
 
-def defined(tree: ast.AST) -> set[str]:
+def nodes(text: str) -> list[ast.AST]:
+    return list(ast.walk(ast.parse(text)))
+
+
+def defined(nodes: Iterable[ast.AST]) -> Iterator[str]:
     """What the classes of a file call private themselves."""
-    kinds = ast.FunctionDef | ast.AsyncFunctionDef
-    functions = {one.name for one in ast.walk(tree) if isinstance(one, kinds)}
-    stored = {
-        one.attr if isinstance(one, ast.Attribute) else one.id
-        for one in ast.walk(tree)
-        if isinstance(one, ast.Attribute | ast.Name) and isinstance(one.ctx, ast.Store)
-    }
-    return functions | stored
+    for one in nodes:
+        match one:
+            case ast.FunctionDef(name=name) | ast.AsyncFunctionDef(name=name):
+                yield name
+            case ast.Attribute(attr=name, ctx=ast.Store()) | ast.Name(id=name, ctx=ast.Store()):
+                yield name
 
 
-def private_parts(tree: ast.AST, own: set[str]) -> Iterator[str]:
+def private_parts(nodes: Iterable[ast.AST], own: set[str]) -> Iterator[str]:
     """Whatever is private and of somebody else in this file, as it is written there."""
-    for one in ast.walk(tree):
+    for one in nodes:
         if isinstance(one, ast.Attribute) and private(one.attr):
             of_itself = isinstance(one.value, ast.Name) and one.value.id in OWN
             if not (of_itself and one.attr in own):
@@ -41,7 +43,7 @@ def private_parts(tree: ast.AST, own: set[str]) -> Iterator[str]:
             if any(map(private, names.split("."))):
                 yield ast.unparse(one)
         elif isinstance(one, ast.Call):
-            called = one.func.attr if isinstance(one.func, ast.Attribute) else ast.unparse(one.func)
+            called = getattr(one.func, "attr", None) or getattr(one.func, "id", "")
             said = [a.value for a in one.args if isinstance(a, ast.Constant)]
             names = [part for a in said if isinstance(a, str) for part in a.split(".")]
             if called in BY_NAME | {"patch"} and any(map(private, names)):
@@ -49,13 +51,13 @@ def private_parts(tree: ast.AST, own: set[str]) -> Iterator[str]:
 
 
 def test_no_test_reaches_into_private_parts() -> None:
-    trees = {file: ast.parse(file.read_text(encoding="utf-8")) for file in TESTS.rglob("*.py")}
-    own = set().union(*map(defined, trees.values()))
+    files = {file: nodes(file.read_text(encoding="utf-8")) for file in TESTS.rglob("*.py")}
+    own = set().union(*map(defined, files.values()))
 
     found = [
         f"{file.relative_to(TESTS)}: {part}"
-        for file, tree in trees.items()
-        for part in private_parts(tree, own)
+        for file, its in files.items()
+        for part in private_parts(its, own)
     ]
 
     assert found == []
@@ -77,11 +79,11 @@ def test_no_test_reaches_into_private_parts() -> None:
     ],
 )
 def test_every_way_to_reach_in_is_seen(written: str) -> None:
-    assert list(private_parts(ast.parse(written), own=set()))
+    assert list(private_parts(nodes(written), own=set()))
 
 
 @pytest.mark.parametrize(
     "written", ["self._own", "robot.pose()", "robot.__class__", "gettext._", "name('_total')"]
 )
 def test_what_is_ones_own_or_public_is_none(written: str) -> None:
-    assert not list(private_parts(ast.parse(written), own={"_own"}))
+    assert not list(private_parts(nodes(written), own={"_own"}))
