@@ -76,3 +76,32 @@ def test_what_was_stopped_before_a_page_came_is_told_to_it(opens: Opens, robot: 
     robot.hello = {**HELLO, "stop": {"engaged": True, "by": "Ada"}}
     page = opens(command=False)
     expect(page.locator(".stopped p")).to_contain_text("Ada")
+
+
+@pytest.mark.parametrize("focus", [".resume", ".do-card .skill button", ".lease button.on"])
+def test_a_space_bar_held_down_presses_nothing_when_it_is_let_go(
+    opens: Opens, robot: Robot, focus: str
+) -> None:
+    robot.hello = {**HELLO, "stop": {"engaged": True, "by": "Ada"}}
+    page = opens()
+    page.locator(focus).first.focus()
+    for _ in range(3):
+        page.keyboard.down("Space")  # the second and third are the keyboard's own repeats
+    page.keyboard.up("Space")
+    sent = len(robot.commands("ping"))
+    while len(robot.commands("ping")) < sent + 2:
+        page.wait_for_timeout(20)
+    assert len(robot.commands("stop")) == 1
+    assert not robot.commands("resume")
+    assert not robot.commands("skill")
+    assert [one["action"] for one in robot.commands("lease")] == ["take"]
+
+
+@pytest.mark.parametrize("focus", [".write input", "input[type=number]", ".skill select"])
+def test_the_space_bar_stops_where_it_would_write_nothing(
+    opens: Opens, robot: Robot, focus: str
+) -> None:
+    page = opens()
+    page.locator(focus).first.focus()
+    page.keyboard.press("Space")
+    stopped(page)
