@@ -105,3 +105,21 @@ def test_the_space_bar_stops_where_it_would_write_nothing(
     page.locator(focus).first.focus()
     page.keyboard.press("Space")
     stopped(page)
+
+
+@pytest.mark.parametrize("size", [(932, 430), (800, 390), (390, 420), (320, 256)])
+@pytest.mark.parametrize("locale", ["de-DE", "ar-EG"])
+def test_the_button_stays_in_sight_where_there_is_little_room(
+    opens: Opens, robot: Robot, size: tuple[int, int], locale: str
+) -> None:
+    robot.hello = {**HELLO, "stop": {"engaged": True, "by": "Ada's old telephone in the kitchen"}}
+    page = opens(locale=locale, viewport={"width": size[0], "height": size[1]}, has_touch=True)
+    robot.silent = True
+    page.locator("html[data-link=gone]").wait_for()
+    button = page.locator("button.stop")
+    expect(button).to_be_in_viewport(ratio=1)
+    assert button.evaluate(
+        "e => { const r = e.getBoundingClientRect();"
+        " return [.1, .5, .9].every(at => e.contains(document.elementFromPoint("
+        "r.left + r.width / 2, r.top + at * r.height))); }"
+    )
