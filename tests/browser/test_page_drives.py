@@ -99,3 +99,59 @@ def test_a_robot_that_falls_silent_gets_no_more_than_a_few(opens: Opens, robot: 
     sent = len(robot.commands("drive"))
     page.locator("html[data-link=gone]").wait_for()
     assert len(robot.commands("drive")) <= sent + 5
+
+
+def quiet(page: Page, robot: Robot) -> None:
+    """Wait until three pings came, which is as long as many beats."""
+    before = len(robot.commands("ping"))
+    until(page, lambda: len(robot.commands("ping")) > before + 2)
+
+
+def test_a_key_let_go_with_shift_halts(opens: Opens, robot: Robot) -> None:
+    page = opens()
+    page.locator(".stick").focus()
+    page.keyboard.down("w")
+    until(page, lambda: len(robot.commands("drive")) >= 3)
+    page.keyboard.down("Shift")
+    page.keyboard.up("W")
+    quiet(page, robot)
+    assert still(robot) == robot.commands("drive")[-1:]
+
+
+def test_the_pressed_button_let_go_under_another_halts(opens: Opens, robot: Robot) -> None:
+    page = opens()
+    hold(page)
+    until(page, lambda: len(robot.commands("drive")) >= 3)
+    page.mouse.down(button="right")
+    page.mouse.up()
+    quiet(page, robot)
+    assert still(robot) == robot.commands("drive")[-1:]
+
+
+def test_after_lost_focus_a_stick_that_is_still_held_drives_no_more(
+    opens: Opens, robot: Robot
+) -> None:
+    page = opens()
+    hold(page)
+    until(page, lambda: len(robot.commands("drive")) >= 3)
+    page.evaluate("window.dispatchEvent(new Event('blur'))")
+    until(page, lambda: bool(still(robot)))
+    count = len(robot.commands("drive"))
+    page.mouse.move(5, 5)
+    quiet(page, robot)
+    assert len(robot.commands("drive")) == count
+
+
+def test_after_a_stop_is_over_a_stick_that_is_still_held_drives_no_more(
+    opens: Opens, robot: Robot
+) -> None:
+    page = opens()
+    hold(page)
+    until(page, lambda: len(robot.commands("drive")) >= 3)
+    robot.tell(type="stop", engaged=True, by="Ada")
+    until(page, lambda: bool(still(robot)))
+    count = len(robot.commands("drive"))
+    robot.tell(type="stop", engaged=False)
+    page.mouse.move(5, 5)
+    quiet(page, robot)
+    assert len(robot.commands("drive")) == count

@@ -60,10 +60,7 @@ export function sparkline(values, most) {
   return svg;
 }
 
-/** @param {EventTarget | null} target whether keys that it gets are words */
-export function takesWords(target) {
-  if (!(target instanceof HTMLElement)) return false;
-  if (target.isContentEditable || target instanceof HTMLTextAreaElement) return true;
-  if (target instanceof HTMLSelectElement) return true;
-  return target instanceof HTMLInputElement && !["checkbox", "radio", "range", "button"].includes(target.type);
+/** @param {EventTarget | null} target whether a space would be one of somebody's words: none begins with it */
+export function spaceIsWords(target) {
+  return target instanceof HTMLInputElement && target.type === "text" && target.value !== "";
 }

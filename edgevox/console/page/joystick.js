@@ -85,16 +85,20 @@ export function joystick(store, link) {
     show(0, 0);
     driver.release();
   };
-  byPointer(pad, push, release);
-  byKeys(pad, push, release);
-  window.addEventListener("blur", release);
-  window.addEventListener("pagehide", release);
-  document.addEventListener("visibilitychange", () => document.hidden && release());
+  const held = [byPointer(pad, push, release), byKeys(pad, push, release)];
+  /** What is held counts no more: it drives again when it is pressed again. */
+  const drop = () => {
+    for (const forget of held) forget();
+    release();
+  };
+  window.addEventListener("blur", drop);
+  window.addEventListener("pagehide", drop);
+  document.addEventListener("visibilitychange", () => document.hidden && drop());
   const arrange = () => {
     box.hidden = !store.capabilities.drive;
     box.classList.toggle("disabled", !store.commands);
     pad.setAttribute("aria-disabled", String(!store.commands));
-    if (!store.commands || store.stop.engaged) release();
+    if (!store.commands || store.stop.engaged) drop();
   };
   for (const type of ["hello", "lease", "link", "stop"]) store.on(type, arrange);
   return box;
@@ -102,7 +106,7 @@ export function joystick(store, link) {
 
 /** @typedef {(right: number, ahead: number) => void} Push */
 
-/** @param {HTMLElement} pad @param {Push} push @param {() => void} release */
+/** @param {HTMLElement} pad @param {Push} push @param {() => void} release @returns {() => void} forgets what is held */
 function byPointer(pad, push, release) {
   let held = -1;
   const at = (/** @type {PointerEvent} */ event) => {
@@ -118,33 +122,42 @@ function byPointer(pad, push, release) {
     pad.setPointerCapture(held);
     at(event);
   });
-  pad.addEventListener("pointermove", (event) => event.pointerId === held && at(event));
+  pad.addEventListener("pointermove", (event) => {
+    if (event.pointerId !== held) return;
+    if (event.buttons & 1) at(event);
+    else end(event); // let go under another button that is still down
+  });
   const end = (/** @type {PointerEvent} */ event) => {
     if (event.pointerId !== held) return;
     held = -1;
     release();
   };
   for (const type of /** @type {const} */ (["pointerup", "pointercancel", "lostpointercapture"])) pad.addEventListener(type, end);
+  pad.addEventListener("contextmenu", (event) => event.preventDefault()); // it would take what lets go
+  return () => (held = -1);
 }
 
-/** @param {HTMLElement} pad @param {Push} push @param {() => void} release */
+/** @param {HTMLElement} pad @param {Push} push @param {() => void} release @returns {() => void} forgets what is held */
 function byKeys(pad, push, release) {
-  /** @type {Set<string>} */
-  const down = new Set();
+  /** @type {Map<string, number[]>} by the key's place: with Shift it has another name when it is let go */
+  const down = new Map();
+  const letGo = () => {
+    down.clear();
+    release();
+  };
   const steer = () => {
-    const sum = [...down].map((key) => KEYS[/** @type {keyof typeof KEYS} */ (key)]).reduce((a, b) => [a[0] + b[0], a[1] + b[1]], [0, 0]);
+    const sum = [...down.values()].reduce((a, b) => [a[0] + b[0], a[1] + b[1]], [0, 0]);
     if (down.size) push(sum[0], sum[1]);
     else release();
   };
   pad.addEventListener("keydown", (event) => {
-    if (!(event.key in KEYS)) return;
+    if (!(event.key in KEYS)) return letGo(); // a Meta key, for one, keeps it secret that others are let go
     event.preventDefault();
-    down.add(event.key);
-    if (!event.repeat) steer();
+    if (event.repeat) return;
+    down.set(event.code, KEYS[/** @type {keyof typeof KEYS} */ (event.key)]);
+    steer();
   });
-  pad.addEventListener("keyup", (event) => down.delete(event.key) && steer());
-  pad.addEventListener("blur", () => {
-    down.clear();
-    release();
-  });
+  pad.addEventListener("keyup", (event) => down.delete(event.code) && steer());
+  pad.addEventListener("blur", letGo);
+  return () => down.clear();
 }

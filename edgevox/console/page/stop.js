@@ -1,11 +1,15 @@
 /** The software stop: a button that is always there, and the space bar. */
-import { h, sign, takesWords } from "./dom.js";
+import { h, sign, spaceIsWords } from "./dom.js";
 import { tellRefusal } from "./notices.js";
 import { say } from "./words.js";
 
-/** @param {KeyboardEvent} event whether its space bar would press something else that has the focus */
-function pressesSpace(event) {
-  return event.code === "Space" && !event.repeat && !takesWords(event.target);
+/** Whether it is the space bar, and presses nothing any more. @param {KeyboardEvent} event */
+function takesSpace(event) {
+  if (event.code !== "Space" && event.key !== " ") return false;
+  if (event.isComposing || spaceIsWords(event.target)) return false;
+  event.preventDefault();
+  event.stopPropagation();
+  return true;
 }
 
 /**
@@ -18,12 +22,8 @@ export function stopBar(store, link) {
     sign("hand"), h("span", { class: "stop-word" }, say("stop")), h("kbd", {}, say("space_bar")));
   button.addEventListener("pointerdown", (event) => event.button === 0 && press());
   button.addEventListener("click", (event) => event.detail === 0 && press()); // by keyboard, or a reader
-  document.addEventListener("keydown", (event) => {
-    if (!pressesSpace(event)) return;
-    event.preventDefault();
-    event.stopPropagation();
-    press();
-  }, { capture: true });
+  document.addEventListener("keydown", (event) => takesSpace(event) && !event.repeat && press(), { capture: true });
+  document.addEventListener("keyup", takesSpace, { capture: true }); // held down it would press what has the focus
   const said = h("p", { class: "stopped-words" });
   const resume = h("button", { class: "resume", type: "button", onclick: () =>
     link.send({ type: "resume" }).catch(tellRefusal) }, sign("again"), say("resume"));
