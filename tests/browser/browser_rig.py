@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from playwright.sync_api import Page
+from playwright.sync_api import Error, Page
 
 MODULES = Path(__file__).parents[2] / ".venv/page/node_modules"
 AXE = MODULES / "axe-core/axe.min.js"
@@ -34,3 +34,15 @@ def problems(page: Page) -> list[str]:
         "tags => axe.run(document, {runOnly: tags}).then(r => r.violations)", RULES
     )
     return [f"{one['id']}: {node['html']}" for one in found for node in one["nodes"]]
+
+
+def stop_clock(page: Page) -> None:
+    """Hold the page's time from now on, however long a call to the browser takes."""
+    ahead_s = 0.05
+    while True:
+        try:
+            page.clock.pause_at(page.evaluate("Date.now() / 1000") + ahead_s)
+        except Error:  # that time was over before the browser had heard of it
+            ahead_s *= 2
+        else:
+            return

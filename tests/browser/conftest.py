@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 import pytest
-from browser_rig import DESK, PATIENCE_MS, Opens, take_the_turn
+from browser_rig import DESK, PATIENCE_MS, Opens, stop_clock, take_the_turn
 from playwright.sync_api import Browser, BrowserContext, Page, Playwright, sync_playwright
 from sound_rig import launch
 from stand_in import CODE, Robot
@@ -51,7 +51,7 @@ def opens(browser: Browser, robot: Robot) -> Iterator[Opens]:
         if command:
             take_the_turn(page)
         if stopped_clock:
-            page.clock.pause_at(page.evaluate("Date.now() / 1000 + 0.05"))
+            stop_clock(page)
         return page
 
     yield open_page
