@@ -292,7 +292,7 @@ def test_a_file_that_is_there_twice_is_refused(archive, keys, tmp_path):
 
 
 def swapped(bad: Path, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """From now on tar unpacks the bad one, as if it had taken the looked-at one's place meanwhile."""
+    """From now on tar unpacks the bad one, as if it had taken the place of what was looked at."""
     folder.mkdir()
     tar = folder / "tar"
     command = (
