@@ -6,7 +6,6 @@ the same bytes each time.
 """
 
 import argparse
-import hashlib
 import json
 import re
 import shutil
@@ -17,7 +16,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from provenance import Image, Source, provenance
+from provenance import SBOM_IN_IMAGE, Image, Source, provenance, sha256
 
 from edgevox.core.errors import EdgeVoxError
 from edgevox.models import Store
@@ -29,7 +28,6 @@ TAKEN = (  # of what git tracks
 )
 PROGRAM = "scripts/install_bundle"
 SUMS, SIGNATURE, NAMESPACE = "SHA256SUMS", "SHA256SUMS.sig", "edgevox-bundle"
-SBOM_IN_IMAGE = "/opt/edgevox/sbom.json"
 PLAIN_NAME = re.compile(r"[\w.+/-]+", re.ASCII)
 """What names a checksum file and tar's listings write without quotes."""
 
@@ -154,10 +152,7 @@ def files_of(folder: Path) -> list[str]:
 
 def write_sums(folder: Path) -> None:
     """A line for each file, as sha256sum writes and checks it."""
-    lines = []
-    for name in files_of(folder):
-        with (folder / name).open("rb") as stream:
-            lines.append(f"{hashlib.file_digest(stream, 'sha256').hexdigest()}  {name}\n")
+    lines = [f"{sha256(folder / name)}  {name}\n" for name in files_of(folder)]
     (folder / SUMS).write_text("".join(lines), encoding="utf-8")
 
 

@@ -14,6 +14,7 @@ from typing import Self
 from edgevox import __version__
 
 REPOSITORY = "edgevox-ros2"
+SBOM_IN_IMAGE = "/opt/edgevox/sbom.json"
 INPUTS = ("Dockerfile.ros2", "docker/*", "requirements/*.lock", "edgevox/models/*.toml")
 """What decides what is in an image, besides the code."""
 
@@ -89,7 +90,7 @@ class Image:
                 output_of("docker", "rmi", reference)
 
     def read(self, path: str) -> bytes:
-        """A file of it, without running anything. Raises `CalledProcessError`."""
+        """A file of it, without running anything. Raises `CalledProcessError`, `OSError`."""
         container = output_of("docker", "create", "--network=none", self.id, "nothing")
         try:
             command = ["docker", "cp", f"{container}:{path}", "-"]
@@ -97,8 +98,11 @@ class Image:
         finally:
             output_of("docker", "rm", container)
         with tarfile.open(fileobj=io.BytesIO(packed)) as archive:
-            stream = archive.extractfile(Path(path).name)
-            return stream.read() if stream else b""
+            member = archive.getmember(Path(path).name)
+            stream = archive.extractfile(member) if member.isfile() else None
+            if stream is None:
+                raise FileNotFoundError(f"{self.name}: {path} is no file")
+            return stream.read()
 
 
 def provenance(
@@ -141,4 +145,5 @@ def provenance(
 
 def sha256(path: Path) -> str:
     """The hash of a file, in hexadecimal digits."""
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()

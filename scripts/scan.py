@@ -10,6 +10,7 @@ import json
 import re
 import subprocess
 import sys
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,7 +18,7 @@ from typing import Any
 from urllib.parse import parse_qs, unquote
 
 import httpx
-from provenance import Image
+from provenance import SBOM_IN_IMAGE, Image
 
 ROOT = Path(__file__).resolve().parent.parent
 LOCKS = ROOT / "requirements"
@@ -26,8 +27,13 @@ BATCH = 500
 """Questions at once; the service takes a thousand."""
 PAGES = 20
 TIMEOUT_S = 60.0
+"""For one answer, to its end."""
+MOST_BYTES = 64 << 20
+IDENTIFIER = re.compile(r"[A-Za-z0-9][\w.:-]{0,99}", re.ASCII)
+"""What names an entry, such as CVE-2024-1."""
+MALFORMED = (ValueError, LookupError, TypeError, AttributeError, RecursionError)
+"""What is raised by something in JSON that is not of the form that it should be of."""
 CLEAN, FOUND, BLIND = 0, 1, 3
-SBOM_IN_IMAGE = "/opt/edgevox/sbom.json"
 LOCKED = re.compile(r"^([\w.-]+)==([^\s;\\]+)", re.MULTILINE)
 UNFOLLOWED = re.compile(r"ros-|edgevox-robot$")
 """Names of packages that no list of vulnerabilities follows: ROS 2's, and this one."""
@@ -89,7 +95,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         found = ask(sorted(contents.where), options.service)
     except CouldNotLook as error:
-        sys.stdout.write(f"could not look: {error}\n")
+        say(f"could not look: {error}")
         return BLIND
     return tell(found, contents, options.service)
 
@@ -115,23 +121,26 @@ def add_sbom(contents: Contents, sbom: Path | None, image: str) -> None:
     place = str(sbom or image)
     try:
         text = sbom.read_bytes() if sbom else Image.named(image).read(SBOM_IN_IMAGE)
-        components = json.loads(text)["components"]
+        components = [(one.get("purl") or "", one) for one in json.loads(text)["components"]]
+        looked_at = [(package_of(purl), one) for purl, one in components]
+        unnamed = [
+            str(one["name"])
+            for package, one in looked_at
+            if not package and one.get("type") == "library"
+        ]
     except subprocess.CalledProcessError as error:
         contents.unknown.append(f"{place}: {error.stderr.decode().strip()}")
         return
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, *MALFORMED) as error:
         contents.unknown.append(f"{place}: no bill of materials: {error}")
         return
-    nameless = []
-    for component in components:
-        if package := package_of(component.get("purl", "")):
+    for package, _ in looked_at:
+        if package:
             contents.add(package, place)
-        elif component.get("type") == "library":
-            nameless.append(component["name"])
-    if nameless:
-        listed = ", ".join(nameless[:3]) + (", ..." if len(nameless) > 3 else "")
+    if unnamed:
+        listed = ", ".join(unnamed[:3]) + (", ..." if len(unnamed) > 3 else "")
         why = f"{place} does not say of which release, or OSV does not know it"
-        contents.unknown.append(f"{len(nameless)} packages, {why}: {listed}")
+        contents.unknown.append(f"{len(unnamed)} packages, {why}: {listed}")
 
 
 def package_of(purl: str) -> Package | None:
@@ -177,7 +186,7 @@ def ask(packages: Sequence[Package], service: str) -> dict[Package, set[str]]:
                     return found
     except (httpx.HTTPError, httpx.InvalidURL) as error:
         raise CouldNotLook(f"{service}: {error or type(error).__name__}") from error
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+    except MALFORMED as error:
         raise CouldNotLook(f"{service}: not an answer of OSV: {error}") from error
     raise CouldNotLook(f"{service}: more than {PAGES} pages for {questions[0][0]}")
 
@@ -192,23 +201,41 @@ def _answered(
     for start in range(0, len(questions), BATCH):
         batch = questions[start : start + BATCH]
         asked = {"queries": [query for _, query in batch]}
-        reply = client.post("/v1/querybatch", json=asked).raise_for_status()
-        results = reply.json()["results"]
+        results = json.loads(_answer(client, asked))["results"]
         if len(results) != len(batch):
             raise ValueError(f"{len(results)} results for {len(batch)} packages")
         for (package, query), result in zip(batch, results, strict=True):
             known = {one["id"] for one in result.get("vulns", ())}
+            if not all(map(IDENTIFIER.fullmatch, known)):
+                raise ValueError("an id that names no vulnerability")
             if known:
                 found.setdefault(package, set()).update(known)
             if token := result.get("next_page_token"):
                 yield package, query | {"page_token": token}
 
 
+def say(line: str) -> None:
+    """Print one line: what somebody else named may neither break it nor steer the terminal."""
+    sys.stdout.write("".join(one if one.isprintable() else "?" for one in line) + "\n")
+
+
+def _answer(client: httpx.Client, asked: object) -> bytes:
+    """All of one answer, if it comes in time and is no larger than one may be."""
+    end_s, said = time.monotonic() + TIMEOUT_S, bytearray()
+    with client.stream("POST", "/v1/querybatch", json=asked) as reply:
+        reply.raise_for_status()
+        for chunk in reply.iter_bytes(1 << 16):
+            said += chunk
+            if len(said) > MOST_BYTES or time.monotonic() > end_s:
+                raise ValueError(f"more than {MOST_BYTES >> 20} MiB, or {TIMEOUT_S:.0f} s")
+    return bytes(said)
+
+
 def tell(found: Mapping[Package, set[str]], contents: Contents, service: str) -> int:
     """Print what is known, what was looked at, and what was not."""
     for package in sorted(found):
         places = ", ".join(sorted(contents.where[package]))
-        sys.stdout.write(f"{package} ({places}): {' '.join(sorted(found[package]))}\n")
+        say(f"{package} ({places}): {' '.join(sorted(found[package]))}")
     numbers: set[str] = set().union(*found.values())
     sys.stdout.write(
         f"looked at {len(contents.where)} packages, by {service}: {len(numbers)} entries "
@@ -220,7 +247,7 @@ def tell(found: Mapping[Package, set[str]], contents: Contents, service: str) ->
             f"not looked at: {count} packages of ROS 2 and EdgeVox, nobody lists them\n"
         )
     for one in contents.unknown:
-        sys.stdout.write(f"could not look: {one}\n")
+        say(f"could not look: {one}")
     if found:
         return FOUND
     return BLIND if contents.unknown else CLEAN

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
+from edgevox.core.user_file import LARGEST_TEXT_BYTES
 from edgevox.security.documents import LAST_DOMAIN
 
 CERTIFICATES = ("cert.pem", "identity_ca.cert.pem", "permissions_ca.cert.pem")
@@ -21,8 +22,8 @@ _UTC_TIME, _GENERALIZED_TIME, _VERSION = 0x17, 0x18, 0xA0
 _GRANTED = re.compile(r"<not_(?:before|after)>\s*(\S+?)\s*</not_(before|after)>")
 _ALLOWED = re.compile(r"<allow_rule>.*?<domains>(.*?)</domains>", re.DOTALL)
 _DOMAINS = re.compile(
-    r"<id>\s*(\d+)\s*</id>"
-    r"|<id_range>\s*(?:<min>\s*(\d+)\s*</min>\s*)?(?:<max>\s*(\d+)\s*</max>\s*)?</id_range>"
+    r"<id>\s*(\d{1,9})\s*</id>"
+    r"|<id_range>\s*(?:<min>\s*(\d{1,9})\s*</min>\s*)?(?:<max>\s*(\d{1,9})\s*</max>\s*)?</id_range>"
 )
 _LETS_IN = re.compile(
     r"<(allow_unauthenticated_participants)>\s*(?:true|1)\b"
@@ -90,14 +91,15 @@ def certificate_period(pem: str) -> tuple[datetime, datetime]:
         (_, signed), *_ = _elements(certificate)
         tags = [one for one in _elements(signed) if one[0] != _VERSION]
         begins, ends = (_time(*one) for one in _elements(tags[3][1]))
-    except (IndexError, ValueError) as error:
+    except (LookupError, ValueError) as error:
         raise ValueError("no certificate in PEM") from error
     return begins, ends
 
 
 def _unreadable(file: Path) -> str:
-    if os.access(file, os.R_OK):
-        return ""
+    if os.access(file, os.R_OK):  # a pipe would be waited for, a device may have no end
+        small = file.is_file() and file.stat().st_size <= LARGEST_TEXT_BYTES
+        return "" if small else f"{file.name} is no file of {LARGEST_TEXT_BYTES} bytes at most"
     refused = os.path.lexists(file) or not os.access(file.parent, os.X_OK)
     return f"{file.name} {f'cannot be read by user {os.getuid()}' if refused else 'is missing'}"
 

@@ -1,5 +1,6 @@
 """A bundle is made of a tiny image, and installed or refused where there is no network at all."""
 
+import gzip
 import hashlib
 import io
 import json
@@ -288,6 +289,98 @@ def test_a_file_that_is_there_twice_is_refused(archive, keys, tmp_path):
     with tarfile.open(path, "a") as more:
         add(more, "install", b"#!/bin/sh\nid\n")
     refused(keys / "site.pub", path, tmp_path / "site", "other files than signed: install")
+
+
+def swapped(bad: Path, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """From now on tar unpacks the bad one, as if it had taken the place of what was looked at."""
+    folder.mkdir()
+    tar = folder / "tar"
+    command = (
+        f'[ "$1" != -xf ] || {{ shift 2; set -- -xf "{bad}" "$@"; }}\nexec {which("tar")} "$@"\n'
+    )
+    tar.write_text(f"#!/bin/sh\n{command}")
+    tar.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{folder}:{os.environ['PATH']}")
+
+
+def more_file(bad: tarfile.TarFile, data: bytes) -> None:
+    add(bad, "compose/more.yml", b"services: {}\n")
+    add(bad, "LICENSE", data)
+
+
+def link_outwards(bad: tarfile.TarFile, data: bytes) -> None:
+    link = tarfile.TarInfo("LICENSE")
+    link.type, link.linkname = tarfile.SYMTYPE, str(ROOT / "LICENSE")
+    bad.addfile(link)
+
+
+@pytest.mark.parametrize("swap", [more_file, link_outwards])
+def test_what_takes_its_place_while_it_is_verified_is_refused(
+    archive, keys, tmp_path, monkeypatch, swap: Callable[[tarfile.TarFile, bytes], None]
+):
+    files = contents(archive)
+    data = files.pop("LICENSE")
+    bad = written(files, tmp_path / "bad.tar")
+    with tarfile.open(bad, "a") as more:
+        swap(more, data)
+    swapped(bad, tmp_path / "bin", monkeypatch)
+    refused(keys / "site.pub", archive, tmp_path / "site", "changed while it was read")
+
+
+def test_nobody_else_sees_what_is_not_verified_yet(archive, keys, tmp_path, monkeypatch):
+    (tmp_path / "bin").mkdir()
+    sums = tmp_path / "bin" / "sha256sum"
+    command = f'stat -c %a . >"{tmp_path}/mode"\nexec {which("sha256sum")} "$@"\n'
+    sums.write_text(f"#!/bin/sh\n{command}")
+    sums.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}/bin:{os.environ['PATH']}")
+    code, said = installed(keys / "site.pub", archive, tmp_path / "site", "--no-load")
+    assert code == 0, said
+    assert (tmp_path / "mode").read_text() == "700\n"
+    assert (tmp_path / "site").stat().st_mode & 0o777 == 0o755
+
+
+def test_a_name_cannot_write_lines_of_its_own_or_steer_the_terminal(archive, keys, tmp_path):
+    files = contents(archive)
+    files["a\nVerified: 90 files.\033[2J"] = b"x"
+    bad = written(files, tmp_path / "bad.tar")
+    code, said = installed(keys / "site.pub", bad, tmp_path / "site")
+    assert code == 1
+    assert said.count("\n") == 1
+    assert said.rstrip("\n").isprintable()
+
+
+def test_one_of_holes_that_would_fill_a_disk_is_refused_unread(archive, keys, tmp_path):
+    files = contents(archive)
+    del files["LICENSE"]
+    bad = written(files, tmp_path / "bad.tar")
+    with (tmp_path / "LICENSE").open("wb") as holes:
+        holes.truncate(1 << 33)
+    pack = ["tar", "--append", "--sparse", "-f", bad, "-C", tmp_path, "LICENSE"]
+    subprocess.run(pack, check=True, timeout=HUNG_S)
+    assert bad.stat().st_size < 2 * archive.stat().st_size
+    refused(keys / "site.pub", bad, tmp_path / "site", "more than there is")
+
+
+def test_one_that_is_compressed_is_given_to_no_program_that_reads_it(archive, keys, tmp_path):
+    bad = tmp_path / "bad.tar"
+    bad.write_bytes(gzip.compress(archive.read_bytes(), 1))
+    refused(keys / "site.pub", bad, tmp_path / "site", "is no archive as `make bundle` makes it")
+
+
+@pytest.mark.parametrize("name", ["x; touch pasted;'$(touch pasted)", "-x", "host:x"])
+def test_an_archives_name_runs_nothing_not_even_where_its_last_words_are_pasted(
+    archive, keys, tmp_path, name
+):
+    (tmp_path / f"{name}.tar").write_bytes(archive.read_bytes())
+    command = [*no_network(), INSTALL, keys / "site.pub", f"{name}.tar"]
+    ran = subprocess.run(command, capture_output=True, text=True, timeout=HUNG_S, cwd=tmp_path)
+    docker("rmi", image_name(archive))
+    assert ran.returncode == 0, ran.stderr
+    (pasted,) = (line for line in ran.stdout.splitlines() if line.startswith("cd "))
+    there = subprocess.run(["sh", "-ec", f"{pasted}\npwd"], capture_output=True, text=True, cwd="/")
+    assert there.stdout == f"{tmp_path / name}\n", there.stderr
+    assert not (tmp_path / "pasted").exists()
 
 
 def test_one_that_ends_too_early_is_refused(archive, keys, tmp_path):

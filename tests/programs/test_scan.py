@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from http.server import BaseHTTPRequestHandler
 from pathlib import Path
 from typing import Any
@@ -145,11 +146,56 @@ def test_without_a_service_it_says_that_it_could_not_look(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize(
-    "answer", [503, {"results": []}, {"error": "no"}, {"results": None}, "<html>sign in</html>"]
+    "answer",
+    [
+        *(503, {"results": []}, {"error": "no"}, {"results": None}, "<html>sign in</html>"),
+        "[" * 200_000,
+        lambda queries: {"results": [{"vulns": [{"id": 7}]} for _ in queries]},
+        lambda queries: {"results": [{"vulns": [{"id": "A\n0 entries of 0"}]} for _ in queries]},
+    ],
 )
-def test_half_an_answer_is_none(tmp_path: Path, answer: object) -> None:
+def test_what_is_no_whole_answer_is_none(tmp_path: Path, answer: object) -> None:
     with serving(handler(answer)) as address:
         refused(*scan(address, "--sbom", sbom(tmp_path)), address)
+
+
+def test_an_answer_without_an_end_is_not_waited_for(tmp_path: Path) -> None:
+    class Endless(BaseHTTPRequestHandler):
+        def do_POST(self) -> None:
+            self.send_response(200)
+            self.end_headers()
+            with suppress(OSError):
+                while True:
+                    self.wfile.write(b" " * (1 << 20))
+
+        def log_message(self, *_: object) -> None: ...
+
+    with serving(Endless) as address:
+        refused(*scan(address, "--sbom", sbom(tmp_path)), "more than 64 MiB")
+
+
+@pytest.mark.parametrize(
+    "text", ["[]", '{"components": 1}', '{"components": [1]}', '{"components": [{"purl": 1}]}',
+             '{"components": [{"type": "library"}]}', "[" * 200_000]
+)  # fmt: skip
+def test_what_is_no_bill_of_materials_is_not_counted_as_clean(
+    osv: tuple[Osv, str], tmp_path: Path, text: str
+) -> None:
+    (tmp_path / "sbom.json").write_text(text)
+    code, said = scan(osv[1], "--sbom", tmp_path / "sbom.json")
+
+    assert code == 3
+    assert "could not look: " in said.splitlines()[-1]
+    assert "no bill of materials" in said
+
+
+def test_a_packages_name_writes_no_line_of_its_own(tmp_path: Path) -> None:
+    known = lambda queries: {"results": [{"vulns": [{"id": "CVE-1"}]} for _ in queries]}  # noqa: E731
+    with serving(handler(known)) as address:
+        _, said = scan(address, "--sbom", sbom(tmp_path, "pkg:pypi/a@1%0A%1B[2Jlooked"))
+
+    (line,) = (one for one in said.splitlines() if one.startswith("PyPI a "))
+    assert line == f"PyPI a 1??[2Jlooked ({tmp_path}/sbom.json): CVE-1"
 
 
 def test_pages_without_an_end_are_no_answer(tmp_path: Path) -> None:

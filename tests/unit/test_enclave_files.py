@@ -1,6 +1,7 @@
 """What is read of an enclave's files: nothing but what a participant needs, and when it ends."""
 
 import os
+import ssl
 from datetime import UTC, datetime
 
 import pytest
@@ -23,7 +24,8 @@ def test_a_certificates_period_is_read_in_each_form_of_time(ends, later):
     "text",
     ["", "hello", "-----BEGIN CERTIFICATE-----\nAAAA\n-----END CERTIFICATE-----\n",
      "-----BEGIN CERTIFICATE-----\n!\n-----END CERTIFICATE-----\n",
-     "-----BEGIN CERTIFICATE-----\nMIIB\n-----END CERTIFICATE-----\n"],
+     "-----BEGIN CERTIFICATE-----\nMIIB\n-----END CERTIFICATE-----\n",
+     ssl.DER_cert_to_PEM_cert(bytes.fromhex("30133011" + "020101" * 3 + "3006" + "010100" * 2))],
 )  # fmt: skip
 def test_what_is_no_certificate_is_a_value_error(text):
     with pytest.raises(ValueError, match="no certificate in PEM"):
@@ -40,6 +42,30 @@ def test_a_file_that_is_missing_is_named(tmp_path, name):
     folder = make_enclave(tmp_path)
     (folder / name).unlink()
     assert read_enclave(folder, NOW, 0).wrong == (f"{name} is missing",)
+
+
+@pytest.mark.parametrize("name", NEEDED)
+@pytest.mark.parametrize("make", [os.mkfifo, os.mkdir, lambda at: os.symlink("/dev/zero", at)])
+def test_what_is_no_file_is_neither_waited_for_nor_read(tmp_path, name, make):
+    folder = make_enclave(tmp_path)
+    (folder / name).unlink()
+    make(folder / name)
+    assert read_enclave(folder, NOW, 0).wrong == (f"{name} is no file of 1000000 bytes at most",)
+
+
+def test_a_file_without_an_end_in_sight_is_not_read(tmp_path):
+    folder = make_enclave(tmp_path)
+    os.truncate(folder / "governance.p7s", 1 << 40)
+    (said,) = read_enclave(folder, NOW, 0).wrong
+    assert said.startswith("governance.p7s is no file of")
+
+
+def test_a_domain_of_thousands_of_digits_is_no_domain(tmp_path):
+    folder = make_enclave(tmp_path)
+    permissions = folder / "permissions.p7s"
+    many = f"<allow_rule><domains><id>{'7' * 5000}</id></domains></allow_rule>"
+    permissions.write_text(permissions.read_text() + many)
+    assert read_enclave(folder, NOW, 0).wrong == ()
 
 
 def test_what_is_over_is_wrong_and_what_ends_soon_is_told(tmp_path):
