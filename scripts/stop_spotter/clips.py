@@ -4,6 +4,7 @@ import random
 import re
 from collections.abc import Iterator
 from importlib import resources
+from itertools import zip_longest
 from json import loads
 from pydoc_data.topics import topics
 
@@ -39,16 +40,20 @@ def word_of(text: str) -> str:
 
 
 def kokoro_clips() -> list[Clip]:
-    """Few for each of many voices, as they take long; the most needed first."""
+    """As they take long, the most needed first: each voice says each stop word in many ways, then
+    a little of everything else.
+    """
     rng, voices = random.Random(5), list(kokoro_voices(Half.TRAIN))
     rng.shuffle(voices)
-    some = [(voice, text) for text in ("Stop!", "Halt!", "Freeze!") for voice in voices]
-    others = (*texts.ALIKE, *texts.COMMANDS, *texts.OWN, *sentences(Half.TRAIN))
-    more = ("Please stop.", "Stop moving!", "Stop.", "Freeze.", "Robot, halt!", "Stop now!")
-    for turn in range(6):
-        for number, voice in enumerate(voices):
-            some.append((voice, others[(number * 7 + turn * 11) % len(others)]))
-            some.append((voice, more[(number + turn) % len(more)]))
+    stops = [*zip_longest(*texts.STOPS.values()), texts.STOPS_WITHIN]
+    said = [text for row in stops for text in row if text]
+    others = [*texts.ALIKE, *texts.COMMANDS, *texts.OWN]
+    some: list[tuple[str, str]] = []
+    for turn, text in enumerate(said):
+        some += [(voice, text) for voice in voices]
+        known = sentences(Half.TRAIN) if turn % 3 == 2 else others
+        first = rng.randrange(len(known))
+        some += [(v, known[(first + i) % len(known)]) for i, v in enumerate(voices[turn % 2 :: 2])]
     some += [(v, text) for v in texts.CHATTING for text in (*texts.CHAT, *texts.COMMANDS)]
     return [clip_of(voice, text, speed=rng.choice(SPEEDS)) for voice, text in dict.fromkeys(some)]
 

@@ -23,6 +23,7 @@ from stop_words_rig import (
     wilson,
 )
 
+from edgevox.models import ModelMissing
 from edgevox.models.store import Store
 
 LETTERS = re.compile(r"[^a-z0-9]")
@@ -95,13 +96,25 @@ def test_what_was_spoken_before_it_was_broken_off_is_not_spoken_again(speaker):
     assert told[-1] == f"50 of 50 clips spoken, the last by {some[-1].voice}"
 
 
-def test_without_a_voice_there_is_one_clear_line_and_no_figure(monkeypatch, tmp_path):
+def test_nothing_is_measured_while_a_clip_is_missing_and_one_line_says_what_to_do(speaker):
+    whole = stop_words_sounds.clips(Half.HELD_OUT)
+    clips.speak(whole[1:], lambda _: None)
+
+    with pytest.raises(NotHere) as raised:
+        stop_words.measure()
+
+    number, total = re.match(r"(\d+) of (\d+) clips", str(raised.value)).groups()
+    assert (int(number), int(total)) == (1, len(whole))
+    assert str(raised.value).endswith("python benchmarks/stop_words.py --speak")
+
+
+def test_a_voice_that_is_not_here_ends_with_the_line_that_fetches_it(monkeypatch, tmp_path):
     nothing = Store(tmp_path)
     monkeypatch.setattr(clips, "is_cached", lambda *_, **__: False)
     monkeypatch.setattr(clips, "say", lambda *_, **__: nothing.locate("kokoro-82m"))
 
-    with pytest.raises(NotHere, match="kokoro-82m"):
-        stop_words.measure()
+    with pytest.raises(ModelMissing, match="edgevox-models fetch kokoro-82m"):
+        clips.speak(stop_words_sounds.clips(Half.HELD_OUT), lambda _: None)
 
 
 def test_there_are_words_enough_of_natural_voices_to_show_what_is_wanted():
