@@ -104,7 +104,7 @@ def _recall(
             tuple(f"{t.clip.voice}, {t.clip.text}, {t.noise}" for t in missed)
             if every_note
             else (_worst("voices", Counter(t.clip.voice for t in missed)),
-                  _worst("noises", Counter(t.noise for t in missed)))
+                  _worst("texts", Counter(t.clip.text for t in missed)))
         )  # fmt: skip
 
 

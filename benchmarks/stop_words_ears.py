@@ -18,7 +18,10 @@ from edgevox.voice.stop_network import STRIDE, StopNetwork, StopWeights
 from edgevox.voice.stop_spotter import StopJudge
 
 LEAD_S, TAIL_S = 1.2, 0.9
-PATIENCE_S = 0.5
+SOONEST_S, WORD_S, PATIENCE_S = 0.1, 0.8, 0.5
+"""After the beginning of a clip, before the end of the word that ends it, and after it: a stop at
+another time has not heard the word.
+"""
 SHARES = {"speech": 0.62, "speech in noise": 0.18, "babble": 0.1, "noise": 0.1}
 """Of what is heard without a stop word."""
 
@@ -50,7 +53,7 @@ class Ears:
 
 @dataclass(frozen=True, slots=True)
 class Spot:
-    """A clip in sound: between which seconds a stop counts as having heard its word."""
+    """A clip in sound, from where in it to where; the word in it ends it, or is within."""
 
     clip: Clip
     noise: str
@@ -60,8 +63,10 @@ class Spot:
 
     def heard(self, stops: Iterator[float]) -> float | None:
         """How long after the word's end it was heard; None if it was not."""
-        last_s = self.ends_s + PATIENCE_S
-        found = [when for when in stops if self.begins_s + 0.1 <= when <= last_s]
+        first_s = self.begins_s + SOONEST_S
+        if not self.clip.within:
+            first_s = max(first_s, self.ends_s - WORD_S)
+        found = [when for when in stops if first_s <= when <= self.ends_s + PATIENCE_S]
         return found[0] - self.ends_s if found else None
 
 

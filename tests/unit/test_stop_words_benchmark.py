@@ -194,6 +194,20 @@ def test_a_word_is_heard_from_its_beginning_until_half_a_second_after_its_end(
     assert trial.heard is heard
 
 
+def test_a_stop_before_a_word_that_comes_last_has_not_heard_it(speaker, monkeypatch):
+    monkeypatch.setattr(clips, "say", lambda *_, **__: np.full(32_000, 3000, np.int16))
+    said = clips.Clip("kokoro:af_nova", "Everybody stop!", "stop")  # from 1.2 s to about 3.2 s
+    goes_on = dataclasses.replace(said, text="Stop moving!", within=True)
+
+    heard = [
+        trial.heard
+        for stop_s in (1.8, 3.0)
+        for trial in stop_words_ears.trials(Half.HELD_OUT, Hears(stop_s), [said, goes_on], None)
+    ]
+
+    assert heard == [False, True, True, True]
+
+
 def test_the_time_of_a_stop_counts_from_the_end_of_the_word(speaker):
     said = [clips.Clip("kokoro:af_nova", "Stop!", "stop")]
     (spot,) = stop_words_ears.spots(Half.HELD_OUT, said, None)
