@@ -5,11 +5,14 @@ A benchmark is a module with ``measure(quick: bool) -> Measured``. Where what it
 this machine it raises `NotHere`.
 """
 
+import math
 import statistics
 from collections.abc import Sequence
 from typing import Self
 
 from pydantic import BaseModel, ConfigDict, Field
+
+_Z95 = 1.959964
 
 
 class NotHere(Exception):
@@ -28,6 +31,7 @@ class Figure(Kept):
     `value` is the median where there are several samples, `n` of them from `least` to `most`.
     `wanted` is the most that is wanted of it, or the least where `more_is_better`. `baseline` is
     the id of the figure, in the same benchmark, that a plain library reached on the same work.
+    `low` and `high` are between what a share lies with 95 % confidence, were its tries apart.
     """
 
     id: str = Field(pattern=r"^[a-z0-9_.-]+$")
@@ -38,6 +42,8 @@ class Figure(Kept):
     value: float
     least: float | None = None
     most: float | None = None
+    low: float | None = None
+    high: float | None = None
     n: int = Field(1, ge=1)
     wanted: float | None = None
     more_is_better: bool = False
@@ -68,6 +74,25 @@ class Figure(Kept):
             }
         )
 
+    @classmethod
+    def share(cls, id: str, table: str, what: str, hits: int, tries: int, **more: object) -> Self:  # noqa: A002
+        """How many of a hundred tries were hits, and how sure that is."""
+        low, high = wilson(hits, tries)
+        value = 100 * hits / tries
+        return cls.model_validate(
+            {
+                "id": id,
+                "table": table,
+                "what": what,
+                "unit": "%",
+                "value": _rounded(value),
+                "low": _rounded(100 * low),
+                "high": _rounded(100 * high),
+                "n": tries,
+                **more,
+            }
+        )
+
     @property
     def missed(self) -> bool:
         """Whether it is worse than what was wanted."""
@@ -81,6 +106,18 @@ class Measured(Kept):
 
     figures: tuple[Figure, ...] = Field(min_length=1)
     notes: dict[str, tuple[str, ...]] = Field(default_factory=dict)
+
+
+def wilson(hits: int, tries: int) -> tuple[float, float]:
+    """Between what a share lies with 95 % confidence, by Wilson; also where none or all were hits.
+
+    It takes the tries for independent, which words of one voice are not quite.
+    """
+    share, z = hits / tries, _Z95
+    middle = share + z**2 / (2 * tries)
+    beside = z * math.sqrt(share * (1 - share) / tries + z**2 / (4 * tries**2))
+    whole = 1 + z**2 / tries
+    return max(0.0, (middle - beside) / whole), min(1.0, (middle + beside) / whole)
 
 
 def _rounded(value: float) -> float:

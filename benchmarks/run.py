@@ -37,6 +37,7 @@ BENCHMARKS = {
     "shared_llm": "one language model for 1 to 50 robots, with and without a bound on its queue",
     "hearing": "speech to text beside plain faster-whisper",
     "noise": "plain commands in quiet and in noise, and what is heard out of noise alone",
+    "stop_words": "which stop words are heard by their sound, and what else is taken for one",
     "robots": "every body beside its simulator alone",
     "overhead": "what logs, metrics and diagnostics cost",
     "console": "a browser's stop, map and sound, and what ten of them cost",

@@ -47,6 +47,13 @@ def spread(figure: Figure, _: Run | None = None) -> str:
     return f"{number(figure.least)} to {number(figure.most)}"
 
 
+def interval(figure: Figure, _: Run | None = None) -> str:
+    """Between what a share lies."""
+    if figure.low is None or figure.high is None:
+        return ""
+    return f"{number(figure.low)} to {number(figure.high)} {figure.unit}"
+
+
 def largest(figure: Figure, _: Run | None = None) -> str:
     """The most of all samples."""
     return "" if figure.most is None else quantity(figure.most, figure)
@@ -74,6 +81,7 @@ def ratio(figure: Figure, run: Run) -> str:
 COLUMNS: tuple[tuple[str, Cell], ...] = (
     ("median", measured),
     ("least to most", spread),
+    ("95 % interval", interval),
     ("of", lambda figure, _: str(figure.n) if figure.n > 1 else ""),
     ("wanted", wanted),
     ("plain", beside),

@@ -6,11 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics import Half
+from acoustics.sentences import sentences
 from acoustics.voices import espeak_voices, say
 from edgevox.voice.audio import RATE_HZ
 
 Wave = NDArray[np.float64]
-_HELD_OUT_SEED = 1_000_000
+_SEEDS = 1_000_000
+_FIRST_SEED = {Half.TRAIN: 0, Half.HELD_OUT: _SEEDS, Half.TUNING: 2 * _SEEDS}
 _TALK = (
     "I have left the other box in the hall, so bring it along when you come back.",
     "We were at the market in the morning and bought apples, bread and a little cheese.",
@@ -96,14 +98,21 @@ def beeps(rng: np.random.Generator, n: int) -> Wave:
     return made
 
 
+def pump(rng: np.random.Generator, n: int) -> Wave:
+    """A pump: strokes of hiss and rumble, one to five a second."""
+    stroke = np.sin(np.pi * rng.uniform(1, 5) * np.cumsum(1 + 0.1 * _slow(rng, n)) / RATE_HZ) ** 6
+    return stroke * (pink(rng, n) + 0.3 * white(rng, n)) + 0.2 * brown(rng, n)
+
+
 def babble(rng: np.random.Generator, n: int, half: Half, people: int = 5) -> Wave:
     """Several people who talk at once, none of whom says a stop word."""
     voices, made = espeak_voices(half), np.zeros(n)
+    talk = _TALK if half is Half.HELD_OUT else sentences(half)
     for _ in range(people):
         track: list[Wave] = []
         while sum(part.size for part in track) < 2 * n:
             voice = voices[rng.integers(len(voices))]
-            track.append(_level(say(voice, _TALK[rng.integers(len(_TALK))]).astype(np.float64)))
+            track.append(_level(say(voice, talk[rng.integers(len(talk))]).astype(np.float64)))
         whole = np.concatenate(track)
         start = rng.integers(0, whole.size - n)
         made += whole[start : start + n] * rng.uniform(0.5, 1)
@@ -114,6 +123,7 @@ _Maker = Callable[[np.random.Generator, int], Wave]
 _BOTH: dict[str, _Maker] = {"white": white, "pink": pink, "motor": motor, "fan": fan}
 _ONLY: dict[Half, dict[str, _Maker]] = {
     Half.TRAIN: {"brown": brown, "beeps": beeps},
+    Half.TUNING: {"pump": pump},
     Half.HELD_OUT: {"gears": gears, "vacuum": vacuum, "clatter": clatter},
 }
 BABBLE = "babble"
@@ -125,8 +135,8 @@ def kinds(half: Half) -> tuple[str, ...]:
 
 
 def noise(kind: str, seconds: float, seed: int, half: Half) -> Wave:
-    """So much of a noise, at a root mean square of 1; no seed of one half is one of the other."""
-    rng = np.random.default_rng(seed % _HELD_OUT_SEED + _HELD_OUT_SEED * (half is Half.HELD_OUT))
+    """So much of a noise, at a root mean square of 1; no seed of one half is one of another."""
+    rng = np.random.default_rng(seed % _SEEDS + _FIRST_SEED[half])
     n = int(seconds * RATE_HZ)
     if kind == BABBLE:
         return _level(babble(rng, n, half))

@@ -10,6 +10,8 @@ from edgevox.voice.audio import RATE_HZ
 
 _SPEED_OF_SOUND_M_S = 343.0
 _EARLY_ORDER = 2
+_ROOMS = {Half.TRAIN: 11, Half.TUNING: 1_201, Half.HELD_OUT: 4_711}
+_ROOMS_BY_RT60 = {Half.TRAIN: 19, Half.TUNING: 97, Half.HELD_OUT: 523}
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,14 +76,14 @@ def _images(room: Room) -> "list[tuple[_Image, _Image, _Image]]":
 
 
 def rooms(half: Half, number: int = 40) -> list[Room]:
-    """So many rooms; those held out have other sizes, other places and other seeds."""
-    rng = np.random.default_rng(11 if half is Half.TRAIN else 4_711)
+    """So many rooms; those of another part have other sizes, other places and other seeds."""
+    rng = np.random.default_rng(_ROOMS[half])
     return [_room(rng, seed) for seed in range(number)]
 
 
 def room_of(rt60_s: float, half: Half, seed: int = 0) -> Room:
     """One with this reverberation, in which somebody speaks from 1 to 3 m off."""
-    rng = np.random.default_rng((19 if half is Half.TRAIN else 523, seed))
+    rng = np.random.default_rng((_ROOMS_BY_RT60[half], seed))
     return _room(rng, seed, rt60_s)
 
 

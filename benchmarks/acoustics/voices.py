@@ -1,7 +1,8 @@
 """What voices say, synthesised once and kept outside the repository.
 
 The cache is `~/.cache/edgevox/acoustics`, or what the environment variable EDGEVOX_ACOUSTICS names:
-one npz a text and voice.
+one npz a text and voice. Kokoro takes as many threads as there are cores for this process, two at
+most (`taskset -c 0` leaves it one).
 """
 
 import functools
@@ -25,6 +26,9 @@ _KOKORO_HELD_OUT = (
     "af_nova", "af_sarah", "am_eric", "am_onyx", "am_puck", "bf_lily", "bm_george", "hf_beta",
     "im_nicola", "zm_yunxi",
 )  # fmt: skip
+_KOKORO_TUNING = (
+    "af_kore", "af_river", "am_fenrir", "am_liam", "bf_alice", "ef_dora", "jm_kumo", "zf_xiaoyi",
+)  # fmt: skip
 _ESPEAK_ACCENTS = ("en-us", "en-gb", "en-gb-scotland", "en-gb-x-rp", "en-029", "en-gb-x-gbclan")
 _ESPEAK_PEOPLE = (
     "m1", "m2", "m3", "m4", "m5", "m6", "m7", "m8", "f1", "f2", "f3", "f4", "f5", "Alex", "Alicia",
@@ -41,31 +45,48 @@ def kokoro_voices(half: Half) -> tuple[str, ...]:
     """Kokoro's voices, as names for `say`; those of other languages have an accent."""
     if half is Half.HELD_OUT:
         return tuple(f"kokoro:{name}" for name in _KOKORO_HELD_OUT)
+    if half is Half.TUNING:
+        return tuple(f"kokoro:{name}" for name in _KOKORO_TUNING)
     files = sorted((locate("kokoro-voices") / "voices").glob("*.bin"))
-    return tuple(f"kokoro:{f.stem}" for f in files if f.stem not in _KOKORO_HELD_OUT)
+    others = (*_KOKORO_HELD_OUT, *_KOKORO_TUNING)
+    return tuple(f"kokoro:{f.stem}" for f in files if f.stem not in others)
 
 
 def espeak_voices(half: Half) -> tuple[str, ...]:
-    """espeak-ng's speakers and accents: every third speaker is held out, with all accents."""
-    people = [p for i, p in enumerate(_ESPEAK_PEOPLE) if (i % 3 == 2) == (half is Half.HELD_OUT)]
+    """espeak-ng's speakers and accents: every third speaker is held out, with all accents, and
+    every sixth tunes.
+    """
+    people = [person for i, person in enumerate(_ESPEAK_PEOPLE) if _half_of_speaker(i) is half]
     return tuple(f"espeak:{accent}+{person}" for person in people for accent in _ESPEAK_ACCENTS)
 
 
+def _half_of_speaker(number: int) -> Half:
+    if number % 3 == 2:
+        return Half.HELD_OUT
+    return Half.TUNING if number % 6 == 1 else Half.TRAIN
+
+
 def say(
-    voice: str, text: str, *, pitch: int = 50, words_a_minute: int = 175, keep: bool = True
+    voice: str,
+    text: str,
+    *,
+    speed: float = 1.0,
+    pitch: int = 50,
+    words_a_minute: int = 175,
+    keep: bool = True,
 ) -> Samples:
     """What a voice says, at 16 kHz, without silence around it.
 
-    Pitch and speed are espeak-ng's alone; other voices leave them out. It is cached only if it is
-    to `keep`.
+    Pitch and words a minute are espeak-ng's alone, `speed` is Kokoro's: how many times as fast as
+    usual. It is cached only if it is to `keep`.
     """
-    file = _file(voice, text, pitch, words_a_minute)
+    file = _file(voice, text, speed, pitch, words_a_minute)
     if file.exists():
         with np.load(file) as kept:
             return kept["samples"]
     engine, _, name = voice.partition(":")
     if engine == "kokoro":
-        sound = _kokoro(name, text)
+        sound = _kokoro(name, text, speed)
     elif engine == "espeak":
         sound = _espeak(name, text, pitch, words_a_minute)
     else:
@@ -80,14 +101,19 @@ def say(
     return sound
 
 
-def is_cached(voice: str, text: str, *, pitch: int = 50, words_a_minute: int = 175) -> bool:
+def is_cached(
+    voice: str, text: str, *, speed: float = 1.0, pitch: int = 50, words_a_minute: int = 175
+) -> bool:
     """Whether `say` has this by now."""
-    return _file(voice, text, pitch, words_a_minute).exists()
+    return _file(voice, text, speed, pitch, words_a_minute).exists()
 
 
-def _file(voice: str, text: str, pitch: int, words_a_minute: int) -> Path:
-    engine = voice.split(":", maxsplit=1)[0]
-    options = f"|{pitch}|{words_a_minute}" if engine == "espeak" else ""
+def _file(voice: str, text: str, speed: float, pitch: int, words_a_minute: int) -> Path:
+    engine, options = voice.split(":", maxsplit=1)[0], ""
+    if engine == "espeak":
+        options = f"|{pitch}|{words_a_minute}"
+    elif engine == "kokoro" and speed != 1:
+        options = f"|{speed}"
     digest = hashlib.sha256(f"{voice}|{text}{options}".encode()).hexdigest()[:24]
     return CACHE / engine / f"{digest}.npz"
 
@@ -117,14 +143,15 @@ def _kokoro_style(name: str):
     return load_style(locate("kokoro-voices"), name)
 
 
-def _kokoro(name: str, text: str) -> Samples:
+def _kokoro(name: str, text: str, speed: float) -> Samples:
     from edgevox.voice.tts.kokoro import SAMPLE_RATE_HZ
     from edgevox.voice.tts.synthesiser import to_samples
 
     model = _kokoro_model()
     english = "b" if name.startswith("b") else "a"
     tokens = model.phonemes.tokens(text, english)
-    return resampled(to_samples(model.run(tokens, _kokoro_style(name))), SAMPLE_RATE_HZ, RATE_HZ)
+    sound = model.run(tokens, _kokoro_style(name), speed)
+    return resampled(to_samples(sound), SAMPLE_RATE_HZ, RATE_HZ)
 
 
 def _espeak(name: str, text: str, pitch: int, words_a_minute: int) -> Samples:

@@ -3,44 +3,25 @@
 import random
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from importlib import resources
+from itertools import zip_longest
 from json import loads
 from pydoc_data.topics import topics
 
 from acoustics import Half
-from acoustics.voices import PIPER, espeak_voices, is_cached, kokoro_voices, say
+from acoustics.clips import Clip
+from acoustics.sentences import sentences
+from acoustics.voices import PIPER, espeak_voices, kokoro_voices
 
-from edgevox.voice.audio import Samples
 from stop_spotter import texts
 
 _SAID = re.compile(r"stop|halt|freez|friez|\bfrees\b|\bstopp", re.IGNORECASE)
 """Words with a stop word in them, and those that sound the same as one."""
 NONE = ""
 READINGS = 2_400
-
-
-@dataclass(frozen=True, slots=True)
-class Clip:
-    """Something said. `word` is the stop word in it; it ends the clip unless it is `within`."""
-
-    voice: str
-    text: str
-    word: str = NONE
-    within: bool = False
-    pitch: int = 50
-    words_a_minute: int = 175
-
-    @property
-    def samples(self) -> Samples:
-        return say(self.voice, self.text, pitch=self.pitch, words_a_minute=self.words_a_minute)
-
-    @property
-    def is_here(self) -> bool:
-        """Whether it was synthesised before."""
-        return is_cached(
-            self.voice, self.text, pitch=self.pitch, words_a_minute=self.words_a_minute
-        )
+"""Of Python's manual, and of our own sentences."""
+SPEEDS = (0.8, 0.9, 1.0, 1.1, 1.25)
+"""Of Kokoro's voices, which say each text at one of them."""
 
 
 def dictionary() -> list[str]:
@@ -58,23 +39,26 @@ def word_of(text: str) -> str:
     return next((word for word in texts.WORDS if word in text.casefold()), NONE)
 
 
-def kokoro_clips(half: Half = Half.TRAIN) -> list[Clip]:
-    """Few for each of many voices, as they take long; the most needed first."""
-    voices = list(kokoro_voices(half))
-    random.Random(5).shuffle(voices)
-    some = [(voice, text) for text in ("Stop!", "Halt!", "Freeze!") for voice in voices]
-    others = (*texts.ALIKE, *texts.COMMANDS, *texts.OWN)
-    more = ("Please stop.", "Stop moving!", "Stop.", "Freeze.", "Robot, halt!", "Stop now!")
-    for turn in range(6):
-        for number, voice in enumerate(voices):
-            some.append((voice, others[(number * 7 + turn * 11) % len(others)]))
-            some.append((voice, more[(number + turn) % len(more)]))
-    if half is Half.TRAIN:
-        some += [(v, text) for v in texts.CHATTING for text in (*texts.CHAT, *texts.COMMANDS)]
-    return [clip_of(voice, text) for voice, text in dict.fromkeys(some)]
+def kokoro_clips() -> list[Clip]:
+    """As they take long, the most needed first: each voice says each stop word in many ways, then
+    a little of everything else.
+    """
+    rng, voices = random.Random(5), list(kokoro_voices(Half.TRAIN))
+    rng.shuffle(voices)
+    stops = [*zip_longest(*texts.STOPS.values()), texts.STOPS_WITHIN]
+    said = [text for row in stops for text in row if text]
+    others = [*texts.ALIKE, *texts.COMMANDS, *texts.OWN]
+    some: list[tuple[str, str]] = []
+    for turn, text in enumerate(said):
+        some += [(voice, text) for voice in voices]
+        known = sentences(Half.TRAIN) if turn % 3 == 2 else others
+        first = rng.randrange(len(known))
+        some += [(v, known[(first + i) % len(known)]) for i, v in enumerate(voices[turn % 2 :: 2])]
+    some += [(v, text) for v in texts.CHATTING for text in (*texts.CHAT, *texts.COMMANDS)]
+    return [clip_of(voice, text, speed=rng.choice(SPEEDS)) for voice, text in dict.fromkeys(some)]
 
 
-def clip_of(voice: str, text: str, **options: int) -> Clip:
+def clip_of(voice: str, text: str, **options: float) -> Clip:
     """A text said by a voice, with the stop word that it holds."""
     word = word_of(text) if text not in texts.NOT_TO_STOP_FOR else NONE
     return Clip(voice, text, word, bool(word) and text in texts.STOPS_WITHIN, **options)
@@ -89,11 +73,11 @@ def piper_clips() -> list[Clip]:
     return [clip_of(PIPER, text) for text in (*stops, *others)]
 
 
-def espeak_clips(half: Half = Half.TRAIN) -> list[Clip]:
+def espeak_clips() -> list[Clip]:
     """Every speaker in every accent, at many pitches and speeds."""
     rng, known, found = random.Random(13), dictionary(), []
     others = (*texts.ALIKE, *texts.COMMANDS, *texts.OWN)
-    for voice in espeak_voices(half):
+    for voice in espeak_voices(Half.TRAIN):
         said = [rng.choice(some) for some in texts.STOPS.values() for _ in range(2)]
         said += [rng.choice(texts.STOPS_WITHIN), rng.choice(texts.ALIKE), rng.choice(texts.ALIKE)]
         said += [rng.choice(others), *(sentence(rng, known) for _ in range(3))]
@@ -104,11 +88,11 @@ def espeak_clips(half: Half = Half.TRAIN) -> list[Clip]:
 
 
 def reading_clips(number: int = READINGS) -> list[Clip]:
-    """English as it is written: from the manual that comes with Python, by espeak-ng's voices."""
+    """English as it is written and said: our own sentences, and those of the manual that comes with
+    Python, by espeak-ng's voices.
+    """
     rng, voices = random.Random(17), espeak_voices(Half.TRAIN)
-    text = " ".join("\n".join(topics.values()).split())
-    plain = (re.sub(r"[^A-Za-z0-9,.;'? -]", " ", one) for one in re.split(r"(?<=[.!?:]) ", text))
-    known = [one for one in plain if 20 < len(one) < 130 and not _SAID.search(one)]
+    known = [*sentences(Half.TRAIN), *manual()]
     return [
         Clip(
             rng.choice(voices), rng.choice(known), pitch=rng.randint(20, 85),
@@ -116,6 +100,13 @@ def reading_clips(number: int = READINGS) -> list[Clip]:
         )
         for _ in range(number)
     ]  # fmt: skip
+
+
+def manual() -> list[str]:
+    """Sentences of Python's manual without a stop word: those of the Python that runs this."""
+    text = " ".join("\n".join(topics.values()).split())
+    plain = (re.sub(r"[^A-Za-z0-9,.;'? -]", " ", one) for one in re.split(r"(?<=[.!?:]) ", text))
+    return [one for one in plain if 20 < len(one) < 130 and not _SAID.search(one)]
 
 
 def sentence(rng: random.Random, known: list[str]) -> str:

@@ -16,7 +16,7 @@ from edgevox.voice.stop_features import (
     features_of,
 )
 from edgevox.voice.stop_network import STRIDE
-from stop_spotter import texts
+from stop_spotter import random_states, texts
 
 Wave = NDArray[np.float32]
 
@@ -84,6 +84,14 @@ class Examples:
         elif rng.random() < 0.9:
             self._chatter(track, int(rng.uniform(0, 1.2) * RATE_HZ), total)
         return features_of(self._heard(track))[-FRAMES * ROWS :].astype(np.float16), labels, word
+
+    def state(self) -> str:
+        """What the next examples depend on."""
+        return random_states.state_of(self._rng)
+
+    def resume(self, state: str) -> None:
+        """Go on from what `state` gave."""
+        random_states.resume(self._rng, state)
 
     def _sound(self, word: int) -> Sound:
         some = self._words[word]

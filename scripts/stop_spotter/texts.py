@@ -1,14 +1,19 @@
 """What the spotter is trained on: stop words, words that sound like them, and everything else."""
 
 STOPS = {
-    "stop": ("Stop!", "Stop.", "Please stop.", "No, stop!", "Emergency stop!"),
-    "halt": ("Halt!", "Please halt.", "Robot, halt!"),
-    "freeze": ("Freeze!", "Freeze.", "Robot, freeze!"),
-}
+    "stop": ("Stop!", "Please stop.", "No, stop!", "Robot, stop!", "Stop.", "Now stop!",
+             "Just stop.", "Okay, stop.", "You must stop!", "Stop, stop!", "Emergency stop!"),
+    "halt": ("Halt!", "Please halt.", "No, halt!", "Robot, halt!", "Halt.", "Now halt!",
+             "Just halt.", "Okay, halt.", "You must halt!", "Halt, halt!"),
+    "freeze": ("Freeze!", "Please freeze.", "No, freeze!", "Robot, freeze!", "Freeze.",
+               "Now freeze!", "Just freeze.", "Okay, freeze.", "You must freeze!",
+               "Freeze, freeze!"),
+}  # fmt: skip
 """Texts that end with the word."""
 STOPS_WITHIN = (
-    "Stop moving!", "Stop now!", "Stop right there!", "Stop it!", "Halt right there!", "Halt now!",
-    "Freeze right there!", "Freeze now!", "Stop the robot, please.",
+    "Stop moving!", "Halt right there!", "Freeze now!", "Stop right there!", "Halt now!",
+    "Freeze right there!", "Stop now!", "Halt, please.", "Freeze, please.", "Stop it!",
+    "Stop the robot, please.",
 )  # fmt: skip
 """Texts in which a stop word comes first and more is said."""
 
@@ -70,11 +75,5 @@ CHATTING = (
 )  # fmt: skip
 """Who of Kokoro's voices says all of that and all of `COMMANDS`, once the others are through."""
 
-HELD_OUT_STOPS = {
-    "stop": ("Stop!", "Stop.", "Please stop."),
-    "halt": ("Halt!", "Halt."),
-    "freeze": ("Freeze!", "Freeze."),
-}
-"""What the voices that are held out say in the test; the texts may be the same, the voices not."""
 WORDS = tuple(STOPS)
 NOT_TO_STOP_FOR = (*OWN_STOPPED, *ALIKE)

@@ -6,8 +6,10 @@ from voice_engines import hear, speak, voice, words, wrong_words
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.languages import LANGUAGES
+from edgevox.models import locate
 from edgevox.voice.tts.espeak import EspeakSynthesiser, open_espeak
 from edgevox.voice.tts.espeak_command import EspeakCommand
+from edgevox.voice.tts.kokoro import KokoroModel, load_style
 from edgevox.voice.tts.pool import VoicePool
 from edgevox.voice.tts.synthesiser import SynthesisFailed
 
@@ -72,3 +74,13 @@ def test_a_cancelled_token_ends_a_voice_within_one_chunk(name: str, pool: VoiceP
     next(pieces)
     token.cancel()
     assert list(pieces) == []
+
+
+def test_kokoro_speaks_as_fast_as_it_is_told():
+    model, style = KokoroModel(locate("kokoro-82m")), load_style(locate("kokoro-voices"), "af_nova")
+    tokens = model.phonemes.tokens(KITCHEN["en"], style.name)
+
+    slow, usual, fast = (model.run(tokens, style, speed).size for speed in (0.8, 1.0, 1.25))
+
+    assert slow > 1.1 * usual
+    assert fast < 0.9 * usual

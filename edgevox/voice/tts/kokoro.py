@@ -45,14 +45,17 @@ class KokoroModel:
         self._session = open_session(path, threads)
         inputs = {one.name: one.type for one in self._session.get_inputs()}
         self._tokens = "input_ids" if "input_ids" in inputs else "tokens"
-        self._speed = np.ones(1, np.int32 if inputs["speed"] == "tensor(int32)" else np.float32)
+        self._speed = np.int32 if inputs["speed"] == "tensor(int32)" else np.float32
 
-    def run(self, tokens: list[int], style: Style) -> NDArray[np.float32]:
-        """Sound from -1 to 1, shape (n,), at `SAMPLE_RATE_HZ`."""
+    def run(self, tokens: list[int], style: Style, speed: float = 1.0) -> NDArray[np.float32]:
+        """Sound from -1 to 1, shape (n,), at `SAMPLE_RATE_HZ`, so many times as fast as usual.
+
+        Some exports of the model know whole speeds only.
+        """
         inputs = {
             self._tokens: np.array([[0, *tokens, 0]], np.int64),
             "style": style.rows[len(tokens) - 1],
-            "speed": self._speed,
+            "speed": np.full(1, speed, self._speed),
         }
         return np.asarray(self._session.run(None, inputs)[0], np.float32).ravel()
 

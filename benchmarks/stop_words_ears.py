@@ -1,0 +1,167 @@
+"""Ears for the benchmark of stop words: what they hear of words in sound, and of sound without."""
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from acoustics import Half
+from acoustics.clips import Clip
+from acoustics.mixing import at_level, mixed
+from acoustics.noises import kinds
+from acoustics.rooms import in_room, rooms
+from stop_words_sounds import LEVELS_DB, Track, at_speed, noise_of, tracks
+
+from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Samples
+from edgevox.voice.stop_features import ROWS, Floats, features_of
+from edgevox.voice.stop_network import STRIDE, StopNetwork, StopWeights
+from edgevox.voice.stop_spotter import StopJudge
+
+LEAD_S, TAIL_S = 1.2, 0.9
+SOONEST_S, WORD_S, PATIENCE_S = 0.1, 0.8, 0.5
+"""After the beginning of a clip, before the end of the word that ends it, and after it: a stop at
+another time has not heard the word.
+"""
+SHARES = {"speech": 0.62, "speech in noise": 0.18, "babble": 0.1, "noise": 0.1}
+"""Of what is heard without a stop word."""
+
+
+class Ears:
+    """Hears whole sounds at once, as a `StopSpotter` hears them frame by frame, but sooner done."""
+
+    def __init__(self, weights: StopWeights) -> None:
+        self.weights = weights
+        self.word = ""
+
+    def steps(self, sound: Samples) -> Floats:
+        """How likely each word is at every step; nothing is known of what was before."""
+        return StopNetwork(self.weights).push(features_of(sound))
+
+    def judged(self, steps: Floats, threshold: float | None = None) -> Iterator[float]:
+        """When it stops, in seconds of the sound, at this threshold or that of the weights."""
+        judge = StopJudge(self.weights, threshold)
+        a_frame = ROWS // STRIDE
+        for number in range(len(steps) // a_frame):
+            if judge.said(steps[number * a_frame : (number + 1) * a_frame]):
+                self.word = judge.word
+                yield (number + 1) * FRAME_S
+
+    def stops(self, sound: Samples) -> Iterator[float]:
+        """When it stops, in seconds of the sound."""
+        return self.judged(self.steps(sound))
+
+
+@dataclass(frozen=True, slots=True)
+class Spot:
+    """A clip in sound, from where in it to where; the word in it ends it, or is within."""
+
+    clip: Clip
+    noise: str
+    sound: Samples
+    begins_s: float
+    ends_s: float
+
+    def heard(self, stops: Iterator[float]) -> float | None:
+        """How long after the word's end it was heard; None if it was not."""
+        first_s = self.begins_s + SOONEST_S
+        if not self.clip.within:
+            first_s = max(first_s, self.ends_s - WORD_S)
+        found = [when for when in stops if first_s <= when <= self.ends_s + PATIENCE_S]
+        return found[0] - self.ends_s if found else None
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """A word in sound, and how long after its end it was heard; None if it was missed."""
+
+    clip: Clip
+    noise: str
+    delay_s: float | None
+
+    @property
+    def heard(self) -> bool:
+        return self.delay_s is not None
+
+
+def spots(half: Half, clips: Sequence[Clip], snr_db: float | None) -> Iterator[Spot]:
+    """Every clip once, in quiet or in some room and noise of this part."""
+    rng = np.random.default_rng(29)
+    responses = [room.response() for room in rooms(half, 20)]
+    for clip in clips:
+        said = at_speed(clip.samples, rng.uniform(0.92, 1.08))
+        kind = kinds(half)[rng.integers(len(kinds(half)))]
+        lead, tail = int(LEAD_S * RATE_HZ), int(TAIL_S * RATE_HZ)
+        track = np.concatenate([np.zeros(lead), said, np.zeros(tail)])
+        if snr_db is not None:
+            track = in_room(track, responses[rng.integers(len(responses))])[: track.size]
+            around = noise_of(kind, int(rng.integers(40)), half)
+            start = rng.integers(around.size - track.size)
+            track = mixed(track, around[start : start + track.size], snr_db)
+        else:
+            kind, track = "quiet", track + rng.normal(0, 3, track.size)
+        sound = at_level(track, rng.uniform(*LEVELS_DB))
+        yield Spot(clip, kind, sound, lead / RATE_HZ, (lead + said.size) / RATE_HZ)
+
+
+def trials(half: Half, ears: Ears, clips: Sequence[Clip], snr_db: float | None) -> Iterator[Trial]:
+    """What it hears of them."""
+    for spot in spots(half, clips, snr_db):
+        yield Trial(spot.clip, spot.noise, spot.heard(ears.stops(spot.sound)))
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """Sound without a stop word: what comes one after the other, and when each of it ends."""
+
+    tracks: tuple[Track, ...]
+    ends_s: tuple[float, ...]
+    sound: Samples
+
+    @property
+    def hours(self) -> float:
+        return self.sound.size / RATE_HZ / 3600
+
+    @property
+    def clips(self) -> list[Clip]:
+        """What is said in it."""
+        return [track.clip for track in self.tracks if track.clip]
+
+    def note(self, when_s: float) -> str:
+        """What is heard at this time."""
+        number = min(int(np.searchsorted(self.ends_s, when_s)), len(self.tracks) - 1)
+        return self.tracks[number].note
+
+
+def stretches(half: Half, what: str, hours: float, together: int = 30) -> Iterator[Stretch]:
+    """So many hours of it, some tracks at a time: what one ends with is there when the next begins.
+
+    Sound is cut to whole frames.
+    """
+    told = tracks(half, what, 3600 * hours)
+    while some := tuple(itertools.islice(told, together)):
+        sound = np.concatenate([track.sound for track in some])
+        ends = np.cumsum([track.sound.size for track in some]) / RATE_HZ
+        whole = sound[: sound.size // FRAME_SAMPLES * FRAME_SAMPLES]
+        yield Stretch(some, tuple(float(end) for end in ends), whole)
+
+
+@dataclass(frozen=True, slots=True)
+class FalseStops:
+    """Hours heard without a stop word, whose clips they were, and what was taken for a stop."""
+
+    hours: float
+    clips: tuple[Clip, ...]
+    wrong: tuple[str, ...]
+
+
+def false_stops(ears: Ears, half: Half, what: str, hours: float) -> FalseStops:
+    """What it does in so many hours of this."""
+    heard_h, wrong, clips = 0.0, [], []
+    for stretch in stretches(half, what, hours):
+        heard_h += stretch.hours
+        clips += stretch.clips
+        wrong += [
+            f"{what}: {stretch.note(when)} (took it for {ears.word})"
+            for when in ears.stops(stretch.sound)
+        ]
+    return FalseStops(heard_h, tuple(clips), tuple(wrong))
