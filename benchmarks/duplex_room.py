@@ -12,11 +12,11 @@ from edgevox.core.bus import Bus
 from edgevox.core.commands import Command, Heard, Interrupt
 from edgevox.core.settings import Echo
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, EndOfSound, Frame
+from edgevox.voice.foreground import open_vad
 from edgevox.voice.level import rms
 from edgevox.voice.listener import Listener
 from edgevox.voice.played_sound import PlayedSound
 from edgevox.voice.stt.speech_to_text import SpeechToText
-from edgevox.voice.vad import SileroVad
 
 SILENT_AFTER_S = 0.1
 AHEAD_S = 0.1
@@ -108,7 +108,7 @@ def listen_in(room: Room, echo: Echo, stt: SpeechToText) -> Happened:
     """All that happens in it, to the end."""
     listener = Listener(
         room,
-        SileroVad(),
+        open_vad(),
         stt,
         submit=room.submit,
         bus=Bus(),

@@ -30,9 +30,9 @@ from edgevox.core.ending import Ending
 from edgevox.models import locate
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Frame, Samples
 from edgevox.voice.endpoint import Endpointer, SpeechEnded, SpeechPaused, SpeechWentOn
+from edgevox.voice.foreground import open_vad
 from edgevox.voice.listener import ENDS_AFTER_S
 from edgevox.voice.stt.whisper import Whisper
-from edgevox.voice.vad import SileroVad
 
 TABLE = "The end of an utterance"
 STT_S = 0.25
@@ -69,7 +69,7 @@ class Heard:
 
 def listen(sound: Samples, whisper: Whisper, ending: Callable[[str], Ending] | None) -> Heard:
     """What the endpointer makes of it; with `ending`, by the words as the listener would."""
-    vad, endpointer, found = SileroVad(), Endpointer(), Heard()
+    vad, endpointer, found = open_vad(), Endpointer(), Heard()
     known: tuple[float, Ending, float] | None = None
     for frame in _frames(sound):
         if known and frame.end_s >= known[2] and endpointer.paused_at == known[0]:

@@ -11,10 +11,10 @@ import numpy as np
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Heard
 from edgevox.voice.audio import RATE_HZ, Samples
+from edgevox.voice.foreground import open_vad
 from edgevox.voice.listener import Listener
 from edgevox.voice.sources.in_memory import InMemory
 from edgevox.voice.stt.speech_to_text import SpeechToText
-from edgevox.voice.vad import SileroVad
 from edgevox.voice.wakeword import WakeDetector
 
 
@@ -54,7 +54,7 @@ def listen(
     threads, resident, cpu_s = threading.active_count(), resident_kib(), time.process_time()
     listener = Listener(
         source,
-        SileroVad(),
+        open_vad(),
         stt,
         submit=submit,
         bus=Bus(),

@@ -42,9 +42,9 @@ from edgevox.core.ways import Way
 from edgevox.models import ModelMissing, locate
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Frame, Samples
 from edgevox.voice.endpoint import Endpointer, SpeechEnded
+from edgevox.voice.foreground import open_vad
 from edgevox.voice.stt.speech_to_text import Transcript
 from edgevox.voice.stt.whisper import Whisper
-from edgevox.voice.vad import SileroVad
 
 MODEL = "whisper-tiny.en"
 TABLE = f"Plain commands in noise, {MODEL}"
@@ -70,7 +70,8 @@ COMMANDS: tuple[tuple[str, str, Call], ...] = (
 )
 KINDS = ("white", "pink", "motor", BABBLE)
 RT60_S = 0.4
-BEFORE_S, AFTER_S, LEVEL_DB = 1.0, 1.0, -26.0
+BEFORE_S, AFTER_S, LEVEL_DB = 4.0, 1.0, -26.0
+"""What is around does not begin with what is said."""
 ALONE_S, PIECE_S = 600.0, 4.0
 
 
@@ -193,7 +194,7 @@ class Robot:
 
 def utterances(sound: Samples) -> Iterator[Samples]:
     """What the listener would give to be understood."""
-    vad, endpointer = SileroVad(), Endpointer()
+    vad, endpointer = open_vad(), Endpointer()
     for at in range(0, sound.size - FRAME_SAMPLES + 1, FRAME_SAMPLES):
         frame = Frame(sound[at : at + FRAME_SAMPLES], at / RATE_HZ + FRAME_S)
         signal = endpointer.push(frame, vad.probability(frame.samples))

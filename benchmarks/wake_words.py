@@ -21,10 +21,10 @@ from voice_rig import says
 
 from edgevox.models import ModelMissing, locate
 from edgevox.voice.audio import FRAME_S, RATE_HZ, Samples
+from edgevox.voice.foreground import open_vad
 from edgevox.voice.microwakeword import MicroWakeWord
 from edgevox.voice.resample import resampled
 from edgevox.voice.tts.pool import VoicePool
-from edgevox.voice.vad import SileroVad
 from edgevox.voice.wakeword import WakeDetector, WakeWord
 
 Judged = tuple[Samples, float]
@@ -119,7 +119,7 @@ def _share(detector: WakeDetector, sound: Sequence[Judged]) -> float:
 
 def _judged(sound: Samples) -> list[Judged]:
     """Its frames, each with its probability of voice."""
-    vad = SileroVad()
+    vad = open_vad()
     return [(frame.samples, vad.probability(frame.samples)) for frame in frames(sound)]
 
 

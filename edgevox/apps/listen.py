@@ -63,13 +63,13 @@ def listen(
     from edgevox.apps.wake_choice import open_wakeword
     from edgevox.core.bus import Bus
     from edgevox.core.events import WakeWordHeard
+    from edgevox.voice.foreground import open_vad
     from edgevox.voice.hearing_meter import HearingMeter
     from edgevox.voice.listener import Listener
     from edgevox.voice.sources.files import WavFiles
     from edgevox.voice.sources.open_source import open_source
     from edgevox.voice.sources.pushed import Pushed
     from edgevox.voice.stop_spotter import open_stop_spotter
-    from edgevox.voice.vad import SileroVad
 
     wakeword = open_wakeword(settings)
     if wakeword:
@@ -85,7 +85,7 @@ def listen(
     stop_words = SafetyWords(settings.language)
     listener = Listener(
         source,
-        HearingMeter(SileroVad(), view.show),
+        HearingMeter(open_vad(), view.show),
         stt,
         submit=view.command,
         bus=bus,

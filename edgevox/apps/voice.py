@@ -24,6 +24,7 @@ from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
 from edgevox.models import locate
 from edgevox.voice.audio import AudioSource
+from edgevox.voice.foreground import open_vad
 from edgevox.voice.kept_audio import MOST_BYTES, MOST_UTTERANCES, KeptAudio
 from edgevox.voice.listener import Listener
 from edgevox.voice.played_sound import PlayedSound
@@ -41,7 +42,6 @@ from edgevox.voice.stt.speech_to_text import SpeechToText
 from edgevox.voice.stt.watched import WatchedSpeechToText
 from edgevox.voice.stt.whisper import Whisper
 from edgevox.voice.tts.pool import VoicePool
-from edgevox.voice.vad import SileroVad
 from edgevox.voice.wakeword import WakeDetector
 
 log = get_logger(__name__)
@@ -172,7 +172,7 @@ def build_listener(
     voice.stt.tell = lambda: submit(Speak(phrasebook(controls.language).say("deaf")))
     return Listener(
         voice.source,
-        SileroVad(),
+        open_vad(),
         voice.stt,
         submit=submit,
         bus=bus,

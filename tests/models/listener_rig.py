@@ -10,9 +10,9 @@ from piper import PiperVoice, SynthesisConfig
 from edgevox.core.cancel import CancelToken
 from edgevox.models import locate
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Frame, Samples
+from edgevox.voice.foreground import open_vad
 from edgevox.voice.resample import resampled
 from edgevox.voice.tts.espeak import open_espeak
-from edgevox.voice.vad import SileroVad
 from edgevox.voice.wakeword import WakeDetector
 
 CHATTER = """
@@ -162,7 +162,7 @@ def room_echo(sound: Samples, gain_db: float, delay_s: float = 0.06) -> Samples:
 
 def heard_at(wakeword: WakeDetector, sound: Samples) -> list[float]:
     """Seconds into the sound at which its phrase was heard."""
-    vad = SileroVad()
+    vad = open_vad()
     wakeword.reset()
     return [
         frame.end_s

@@ -9,8 +9,8 @@ from listener_rig import frames, loud, room_echo, says_espeak, says_piper, silen
 from edgevox.voice.audio import RATE_HZ
 from edgevox.voice.echo import EchoGate
 from edgevox.voice.endpoint import Endpointer, SpeechBegan
+from edgevox.voice.foreground import open_vad
 from edgevox.voice.level import rms
-from edgevox.voice.vad import SileroVad
 
 ROBOT_LEVEL = 0.1
 ROOMS_DB = (-6, -12, -18, -24, -30)
@@ -33,7 +33,7 @@ def beginnings(played, heard, *, shut=True):
     levels = iter([rms(frame.samples) for frame in frames(played)])
     gate, vad, endpointer = (
         EchoGate(lambda: next(levels), shut=shut),
-        SileroVad(),
+        open_vad(),
         Endpointer(),
     )
     found = []

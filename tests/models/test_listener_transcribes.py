@@ -13,10 +13,10 @@ from edgevox.core.bus import Bus
 from edgevox.core.commands import Heard
 from edgevox.models import locate
 from edgevox.voice.audio import RATE_HZ
+from edgevox.voice.foreground import open_vad
 from edgevox.voice.listener import Listener
 from edgevox.voice.sources.in_memory import InMemory
 from edgevox.voice.stt.whisper import Whisper
-from edgevox.voice.vad import SileroVad
 from edgevox.voice.wakeword import WakeWord
 
 PROMPT = (
@@ -38,7 +38,7 @@ def listen(stt, sound, **more):
     said = []
     listener = Listener(
         InMemory(sound, clock=HeldClock()),
-        SileroVad(),
+        open_vad(),
         stt,
         submit=said.append,
         bus=Bus(),

@@ -17,13 +17,13 @@ from edgevox.core.bus import Bus
 from edgevox.core.cancel import CancelToken
 from edgevox.core.commands import Interrupt
 from edgevox.voice.audio import FRAME_SAMPLES, RATE_HZ, EndOfSound, Frame
+from edgevox.voice.foreground import open_vad
 from edgevox.voice.listener import Listener
 from edgevox.voice.sentence_synthesiser import SentenceSynthesiser
 from edgevox.voice.sinks.paced import PacedSink
 from edgevox.voice.speech_output import SpeechOutput
 from edgevox.voice.stt.speech_to_text import Transcript
 from edgevox.voice.tts.pool import VoicePool
-from edgevox.voice.vad import SileroVad
 
 STEADY = SynthesisConfig(noise_scale=0.0, noise_w_scale=0.0)
 """Each run hears the same; Piper draws how it speaks."""
@@ -131,7 +131,7 @@ def speak_in(monkeypatch):
 
         listener = Listener(
             room,
-            SileroVad(),
+            open_vad(),
             Deaf(),
             submit=submit,
             bus=Bus(),

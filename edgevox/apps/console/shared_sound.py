@@ -20,11 +20,11 @@ from edgevox.core.bus import Bus
 from edgevox.core.commands import Command, Heard
 from edgevox.core.events import SentenceReady
 from edgevox.core.ways import Way
+from edgevox.voice.foreground import open_vad
 from edgevox.voice.listener import Listener
 from edgevox.voice.sinks.tapped import Tap, TappedSink
 from edgevox.voice.sources.pushed import Pushed
 from edgevox.voice.stop_spotter import open_stop_spotter
-from edgevox.voice.vad import SileroVad
 
 SOURCE = "console"
 
@@ -101,7 +101,7 @@ def share_sound(stack: ExitStack, parts: AgentParts) -> SharedSound | None:
     microphone = Pushed(SOURCE)
     listener = Listener(
         microphone,
-        SileroVad(),
+        open_vad(),
         voice.stt,
         submit=lambda command: parts.command_router.submit(_of_console(command)),
         bus=parts.bus,
