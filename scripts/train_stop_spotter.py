@@ -33,7 +33,7 @@ from edgevox.voice.stop_network import WEIGHTS_FILE
 
 PLACE = ROOT / "edgevox" / "voice" / WEIGHTS_FILE
 CLIPS = "clips.txt"
-WEIGHTS = {"kokoro": 6.0, "piper": 3.0, "espeak": 1.0}
+WEIGHTS = {"kokoro": 4.0, "piper": 3.0, "espeak": 1.0}
 """How often a clip of an engine is drawn beside the others': there are few natural voices."""
 
 

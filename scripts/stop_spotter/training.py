@@ -16,7 +16,7 @@ from stop_spotter.schedule import rate
 CHECKPOINT, TRAINED = "checkpoint.pt", "stop_spotter.npz"
 THRESHOLD = 0.8
 """Of what was trained; which one is right is chosen afterwards."""
-BATCH, FRESH, KEPT = 96, 16, 8_000
+BATCH, FRESH, KEPT = 96, 24, 8_000
 """Examples a step, how many of them are new, and how many there are at most."""
 SAVED_EVERY = 100
 
