@@ -4,6 +4,7 @@ import http.client
 import json
 import os
 import re
+import socket
 import subprocess
 import threading
 from collections.abc import Iterator
@@ -129,6 +130,18 @@ def test_no_more_get_in_than_it_answers_at_once_and_no_more_wait_than_the_bound(
         held.go.set()
         served = [one.result() for one in (first, *rest)]
         assert sorted(served) == [200] * 3 + [429] * 4
+
+
+def test_who_sends_only_the_head_of_a_question_takes_no_place() -> None:
+    with (
+        serving(good("go ", "kitchen!")) as server,
+        door(server.port, parallel=1, length=2, wait="60s") as port,
+        socket.create_connection(("127.0.0.1", port), source_address=("127.0.1.9", 0)) as slow,
+    ):
+        slow.sendall(b"POST /v1/chat/completions HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\n{")
+        assert status(port, 1) == 200
+        assert slow.recv(12) == b"HTTP/1.1 408"
+        assert len(server.asked) == 1
 
 
 def test_whoever_waits_too_long_is_told_that_it_is_full() -> None:
