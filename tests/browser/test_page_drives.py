@@ -24,37 +24,45 @@ def still(robot: Robot) -> list[dict[str, object]]:
     return [d for d in robot.commands("drive") if not d["linear"] and not d["angular"]]
 
 
+def drives(page: Page, robot: Robot) -> None:
+    """Wait until the robot was told three times to drive."""
+    until(page, lambda: len(robot.commands("drive")) >= 3)
+
+
+def quiet(page: Page, robot: Robot) -> None:
+    """Wait until three pings came, which is as long as many beats."""
+    before = len(robot.commands("ping"))
+    until(page, lambda: len(robot.commands("ping")) > before + 2)
+
+
 def test_ahead_beats_and_letting_go_is_exactly_one_zero(opens: Opens, robot: Robot) -> None:
     page = opens()
     hold(page)
     until(page, lambda: sum(d["linear"] > 0.3 for d in robot.commands("drive")) >= 4)
     page.mouse.up()
     until(page, lambda: bool(robot.commands("drive")) and not robot.commands("drive")[-1]["linear"])
-    after = len(robot.commands("ping"))
-    until(page, lambda: len(robot.commands("ping")) > after + 2)
-    drives = robot.commands("drive")
-    assert still(robot) == drives[-1:]
-    assert max(abs(d["linear"]) for d in drives) <= 0.5
+    quiet(page, robot)
+    sent = robot.commands("drive")
+    assert still(robot) == sent[-1:]
+    assert max(abs(d["linear"]) for d in sent) <= 0.5
 
 
 def test_back_in_its_middle_the_stick_is_let_go_once(opens: Opens, robot: Robot) -> None:
     page = opens()
     hold(page)
-    until(page, lambda: len(robot.commands("drive")) >= 3)
+    drives(page, robot)
     hold(page, y=0.5)
     until(page, lambda: bool(still(robot)))
-    before = len(robot.commands("ping"))
-    until(page, lambda: len(robot.commands("ping")) > before + 2)
+    quiet(page, robot)
     page.mouse.up()
-    before = len(robot.commands("ping"))
-    until(page, lambda: len(robot.commands("ping")) > before + 2)
+    quiet(page, robot)
     assert still(robot) == robot.commands("drive")[-1:]
 
 
 def test_lost_focus_halts(opens: Opens, robot: Robot) -> None:
     page = opens()
     hold(page)
-    until(page, lambda: len(robot.commands("drive")) >= 3)
+    drives(page, robot)
     page.evaluate("window.dispatchEvent(new Event('blur'))")
     until(page, lambda: bool(still(robot)))
     assert robot.commands("drive")[-1] == still(robot)[-1]
@@ -64,7 +72,7 @@ def test_arrow_keys_drive_while_they_are_down(opens: Opens, robot: Robot) -> Non
     page = opens()
     page.locator(".stick").focus()
     page.keyboard.down("ArrowUp")
-    until(page, lambda: len(robot.commands("drive")) >= 3)
+    drives(page, robot)
     page.keyboard.up("ArrowUp")
     until(page, lambda: len(still(robot)) == 1)
     assert all(d["linear"] == 0.5 and d["angular"] == 0 for d in robot.commands("drive")[:-1])
@@ -73,8 +81,7 @@ def test_arrow_keys_drive_while_they_are_down(opens: Opens, robot: Robot) -> Non
 def test_nothing_is_sent_without_the_turn(opens: Opens, robot: Robot) -> None:
     page = opens(command=False)
     hold(page)
-    before = len(robot.commands("ping"))
-    until(page, lambda: len(robot.commands("ping")) > before + 2)
+    quiet(page, robot)
     page.mouse.up()
     assert not robot.commands("drive")
 
@@ -82,36 +89,29 @@ def test_nothing_is_sent_without_the_turn(opens: Opens, robot: Robot) -> None:
 def test_a_stop_lets_go_of_the_stick(opens: Opens, robot: Robot) -> None:
     page = opens()
     hold(page)
-    until(page, lambda: len(robot.commands("drive")) >= 3)
+    drives(page, robot)
     robot.tell(type="stop", engaged=True, by="Ada")
     until(page, lambda: bool(still(robot)))
     count = len(robot.commands("drive"))
-    before = len(robot.commands("ping"))
-    until(page, lambda: len(robot.commands("ping")) > before + 2)
+    quiet(page, robot)
     assert len(robot.commands("drive")) == count
 
 
 def test_a_robot_that_falls_silent_gets_no_more_than_a_few(opens: Opens, robot: Robot) -> None:
     page = opens()
     hold(page)
-    until(page, lambda: len(robot.commands("drive")) >= 3)
+    drives(page, robot)
     robot.silent = True
     sent = len(robot.commands("drive"))
     page.locator("html[data-link=gone]").wait_for()
     assert len(robot.commands("drive")) <= sent + 5
 
 
-def quiet(page: Page, robot: Robot) -> None:
-    """Wait until three pings came, which is as long as many beats."""
-    before = len(robot.commands("ping"))
-    until(page, lambda: len(robot.commands("ping")) > before + 2)
-
-
 def test_a_key_let_go_with_shift_halts(opens: Opens, robot: Robot) -> None:
     page = opens()
     page.locator(".stick").focus()
     page.keyboard.down("w")
-    until(page, lambda: len(robot.commands("drive")) >= 3)
+    drives(page, robot)
     page.keyboard.down("Shift")
     page.keyboard.up("W")
     quiet(page, robot)
@@ -121,7 +121,7 @@ def test_a_key_let_go_with_shift_halts(opens: Opens, robot: Robot) -> None:
 def test_the_pressed_button_let_go_under_another_halts(opens: Opens, robot: Robot) -> None:
     page = opens()
     hold(page)
-    until(page, lambda: len(robot.commands("drive")) >= 3)
+    drives(page, robot)
     page.mouse.down(button="right")
     page.mouse.up()
     quiet(page, robot)
@@ -133,7 +133,7 @@ def test_after_lost_focus_a_stick_that_is_still_held_drives_no_more(
 ) -> None:
     page = opens()
     hold(page)
-    until(page, lambda: len(robot.commands("drive")) >= 3)
+    drives(page, robot)
     page.evaluate("window.dispatchEvent(new Event('blur'))")
     until(page, lambda: bool(still(robot)))
     count = len(robot.commands("drive"))
@@ -147,7 +147,7 @@ def test_after_a_stop_is_over_a_stick_that_is_still_held_drives_no_more(
 ) -> None:
     page = opens()
     hold(page)
-    until(page, lambda: len(robot.commands("drive")) >= 3)
+    drives(page, robot)
     robot.tell(type="stop", engaged=True, by="Ada")
     until(page, lambda: bool(still(robot)))
     count = len(robot.commands("drive"))
