@@ -3,12 +3,9 @@
 Voices are those held out from training (`acoustics`). Time is that of the sound: recognising words
 counts as `STT_S`, so that the figures do not depend on the machine, and a silence that waits for
 words waits for that.
-
-    python benchmarks/endings.py [--quick]
 """
 
 import statistics
-import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
@@ -79,7 +76,7 @@ def listen(sound: Samples, whisper: Whisper, ending: Callable[[str], Ending] | N
         match endpointer.push(frame, vad.probability(frame.samples)):
             case SpeechPaused(samples=samples, ended_s=ended_s) if ending:
                 endpointer.end_after(ENDS_AFTER_S[Ending.OPEN])
-                known = ended_s, ending(whisper.transcribe(samples, "en")), frame.end_s + STT_S
+                known = ended_s, ending(whisper.transcribe(samples, "en").text), frame.end_s + STT_S
             case SpeechEnded(ended_s=ended_s):
                 found.silences_s.append(frame.end_s - ended_s)
             case SpeechWentOn():
@@ -153,8 +150,3 @@ def _endings() -> Endings:
         is_stop=lambda text: find_stop_word("en", text) is not None,
         hearing=lambda: interpreter.phrases.hearing,
     )
-
-
-if __name__ == "__main__":
-    for one in measure("--quick" in sys.argv).figures:
-        print(one)

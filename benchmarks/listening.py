@@ -10,10 +10,13 @@ import numpy as np
 
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Heard
+from edgevox.models import locate
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.foreground import open_vad
 from edgevox.voice.listener import Listener
 from edgevox.voice.sources.in_memory import InMemory
+from edgevox.voice.stop_encoder import ENCODER
+from edgevox.voice.stop_spotter import open_stop_spotter
 from edgevox.voice.stt.speech_to_text import SpeechToText
 from edgevox.voice.wakeword import WakeDetector
 
@@ -50,6 +53,8 @@ def listen(
             slowest[0] = max(slowest[0], command.stt_s)
             count[0] += 1
 
+    spotter = open_stop_spotter(locate(ENCODER))
+    spotter.warm_up()
     gc.collect()
     threads, resident, cpu_s = threading.active_count(), resident_kib(), time.process_time()
     listener = Listener(
@@ -62,6 +67,7 @@ def listen(
         muted=lambda: False,
         audible=lambda: 0.0,
         wakeword=wakeword,
+        stop_detector=spotter,
         lossless=True,
     )
     listener.start()

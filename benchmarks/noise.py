@@ -3,7 +3,8 @@
 Each goes the way that sound goes: voice activity, the end of an utterance, Whisper as the product
 sets it up, and the interpreter without a language model. Voices, noises and the room are the held
 out halves of `acoustics`: nothing was tuned with them. "right" is done as meant, unasked; "asked"
-is asked back about what was meant; a wrong motion is begun unasked and was not meant.
+is asked back about what was meant; a wrong motion is begun unasked and was not meant. Voices behind
+the speaker make utterances of their own: each is a turn, as in the product, and all count.
 
 Beside it what is heard where nobody speaks: noise alone, in pieces as if each were an utterance,
 which is far more than voice activity lets through.
@@ -93,12 +94,12 @@ CONDITIONS = (
 
 
 class Outcome(Enum):
-    """What becomes of a command."""
+    """What becomes of a command, the worst first."""
 
+    WRONG = "wrong motions"
     RIGHT = "right"
     ASKED = "asked back"
     NOTHING = "nothing, or an answer"
-    WRONG = "wrong motions"
 
 
 def measure(quick: bool = False) -> Measured:
@@ -140,20 +141,20 @@ class Robot:
         self._whisper = Whisper(lambda _: self._path, prompt_of=lambda _: prompt)
         self._bus, self._clock = Bus(), SystemClock()
 
-    def hear(self, sound: Samples) -> Transcript:
-        """The words in a sound, and how sure they are."""
-        said = [self._whisper.transcribe(one, "en") for one in utterances(sound)]
-        return Transcript(
-            " ".join(one.text for one in said if one.text),
-            min((one.confidence for one in said if one.text), default=1.0),
-        )
+    def hear(self, sound: Samples) -> list[Transcript]:
+        """The words of each utterance in a sound, and how sure they are."""
+        return [said for one in utterances(sound) if (said := self.hear_out(one)).text]
 
     def hear_out(self, sound: Samples) -> Transcript:
         """The same of a sound that is taken for an utterance, whatever it is."""
         return self._whisper.transcribe(sound, "en")
 
-    def does(self, said: Transcript, wanted: Call) -> Outcome:
-        """What becomes of these words, where that was meant."""
+    def does(self, several: Sequence[Transcript], wanted: Call) -> Outcome:
+        """What becomes of these utterances, where that was meant, by the worst of what is done."""
+        outcomes = {self._does(said, wanted) for said in several}
+        return next(one for one in Outcome if one in {*outcomes, Outcome.NOTHING})
+
+    def _does(self, said: Transcript, wanted: Call) -> Outcome:
         meaning = self._meaning(said)
         if meaning is None:
             return Outcome.NOTHING
@@ -177,11 +178,12 @@ class Robot:
         )
 
     def _meaning(self, said: Transcript) -> Meaning | None:
-        if not said.text:
-            return None
-        turn = Turn(1, self._bus, self._clock, lambda: None, way=Way.VOICE)
+        turn = Turn(
+            1, self._bus, self._clock, lambda: None, way=Way.VOICE,
+            hearing=said.confidence, others=said.others,
+        )  # fmt: skip
         meaning = self._interpreter.understand(said.text, turn)
-        return meaning.heard(said.confidence) if meaning else None
+        return self._interpreter.as_heard(meaning, turn) if meaning else None
 
     def _drives(self, meaning: Meaning) -> bool:
         return any(self._skills[call.skill].drives for call in meaning.every_call)
@@ -230,13 +232,14 @@ def _heard(
         said = robots[robot].hear(spoken(voice, text, condition, kind, seed))
         outcome = robots[robot].does(said, wanted)
         beside = "" if condition.snr_db is None else f", {kind}"
-        line = f"{condition.about}{beside}, {voice}: {text} {said.text!r} {said.confidence:.2f}"
+        words = " ".join(f"{one.text!r} {one.confidence:.2f}" for one in said)
+        line = f"{condition.about}{beside}, {voice}: {text} {words}"
         found.append((outcome, f"{line}: {outcome.value}"))
     return found
 
 
 def _figures(condition: Condition, outcomes: Sequence[Outcome]) -> Iterator[Figure]:
-    for outcome in Outcome:
+    for outcome in (Outcome.RIGHT, Outcome.ASKED, Outcome.NOTHING, Outcome.WRONG):
         number = outcomes.count(outcome)
         wrong, right = outcome is Outcome.WRONG, outcome is Outcome.RIGHT
         yield Figure(

@@ -1,7 +1,7 @@
 """Ears for the benchmark of stop words: what they hear of words in sound, and of sound without."""
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,9 +13,11 @@ from acoustics.rooms import in_room, rooms
 from stop_words_sounds import LEVELS_DB, Track, at_speed, noise_of, tracks
 
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Samples
-from edgevox.voice.stop_features import ROWS, Floats, features_of
-from edgevox.voice.stop_network import STRIDE, StopNetwork, StopWeights
-from edgevox.voice.stop_spotter import StopJudge
+from edgevox.voice.stop_encoder import SAMPLES, Floats, StopEncoder
+from edgevox.voice.stop_network import StopWeights, likelihoods
+from edgevox.voice.stop_spotter import LOOKS_EVERY, StopJudge
+from edgevox.voice.vad import SileroVad, VoiceDetector
+from edgevox.voice.wake_sleep import WakeSleep
 
 LEAD_S, TAIL_S = 1.2, 0.9
 SOONEST_S, WORD_S, PATIENCE_S = 0.1, 0.8, 0.5
@@ -24,31 +26,61 @@ another time has not heard the word.
 """
 SHARES = {"speech": 0.62, "speech in noise": 0.18, "babble": 0.1, "noise": 0.1}
 """Of what is heard without a stop word."""
+_TOGETHER = 32
+"""Looks that the encoder is given at once."""
+
+
+@dataclass(frozen=True, slots=True)
+class Listened:
+    """What a spotter looked at in a sound: by frame how likely each word is, and when it slept."""
+
+    likely: Mapping[int, Floats]
+    awake: Sequence[bool]
 
 
 class Ears:
     """Hears whole sounds at once, as a `StopSpotter` hears them frame by frame, but sooner done."""
 
-    def __init__(self, weights: StopWeights) -> None:
+    def __init__(
+        self, encoder: StopEncoder, weights: StopWeights, vad: VoiceDetector | None = None
+    ) -> None:
+        self.encoder = encoder
         self.weights = weights
         self.word = ""
+        self._vad = vad or SileroVad()
 
-    def steps(self, sound: Samples) -> Floats:
-        """How likely each word is at every step; nothing is known of what was before."""
-        return StopNetwork(self.weights).push(features_of(sound))
+    def looks(self, sound: Samples) -> Listened:
+        """What it looks at in a sound; there was silence before."""
+        awake = self._awake(sound)
+        at = np.flatnonzero(awake)[LOOKS_EVERY - 1 :: LOOKS_EVERY]
+        heard = np.concatenate([np.zeros(SAMPLES, np.int16), sound])
+        likely: dict[int, Floats] = {}
+        for first in range(0, len(at), _TOGETHER):
+            some = at[first : first + _TOGETHER]
+            ends = (SAMPLES + (some + 1) * FRAME_SAMPLES).tolist()
+            encoded = self.encoder.of([heard[end - SAMPLES : end] for end in ends])
+            likely |= zip(some.tolist(), likelihoods(self.weights, encoded), strict=True)
+        return Listened(likely, awake)
 
-    def judged(self, steps: Floats, threshold: float | None = None) -> Iterator[float]:
+    def judged(self, looks: Listened, threshold: float | None = None) -> Iterator[float]:
         """When it stops, in seconds of the sound, at this threshold or that of the weights."""
         judge = StopJudge(self.weights, threshold)
-        a_frame = ROWS // STRIDE
-        for number in range(len(steps) // a_frame):
-            if judge.said(steps[number * a_frame : (number + 1) * a_frame]):
+        for frame, awake in enumerate(looks.awake):
+            if not awake:
+                judge.rest()
+            elif judge.said(looks.likely.get(frame)):
                 self.word = judge.word
-                yield (number + 1) * FRAME_S
+                yield (frame + 1) * FRAME_S
 
     def stops(self, sound: Samples) -> Iterator[float]:
         """When it stops, in seconds of the sound."""
-        return self.judged(self.steps(sound))
+        return self.judged(self.looks(sound))
+
+    def _awake(self, sound: Samples) -> list[bool]:
+        sleep = WakeSleep()
+        self._vad.reset()
+        frames = sound[: sound.size // FRAME_SAMPLES * FRAME_SAMPLES].reshape(-1, FRAME_SAMPLES)
+        return [bool(sleep.push(frame, self._vad.probability(frame))) for frame in frames]
 
 
 @dataclass(frozen=True, slots=True)

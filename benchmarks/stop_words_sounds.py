@@ -41,9 +41,6 @@ ALIKE = (
 )  # fmt: skip
 """Words that sound like a stop word."""
 _AROUND = ("The {} is here.", "{}.", "Where is the {}?")
-LEARNT = ("kokoro:bm_george",)
-"""Held-out voices that are not tested: by a mistake, mended since, today's weights learnt from five
-commands that this one says. To be emptied once they are trained again."""
 TALK = {
     Half.HELD_OUT: {"espeak": 3_600, "kokoro": 360},
     Half.TUNING: {"espeak": 1_200, "kokoro": 120},
@@ -53,11 +50,6 @@ _KOKOROS_SHARE = 0.2
 LEVELS_DB = (-38.0, -18.0)
 
 
-def natural(half: Half) -> list[str]:
-    """Kokoro's voices of this part that may be tested."""
-    return [voice for voice in kokoro_voices(half) if voice not in LEARNT]
-
-
 def words(half: Half) -> list[Clip]:
     """Who says which stop word: all of Kokoro's voices all texts, at all speeds."""
     ends = [(word, text, False) for word, texts in SAID.items() for text in texts]
@@ -65,7 +57,7 @@ def words(half: Half) -> list[Clip]:
     found = [
         Clip(voice, text, word, inside, speed=speed)
         for speed in SPEEDS[half]
-        for voice in natural(half)
+        for voice in kokoro_voices(half)
         for word, text, inside in (*ends, *within)
     ]
     rng = random.Random(3)
@@ -85,7 +77,7 @@ def talk(half: Half) -> list[Clip]:
     rng, known = random.Random(31), sentences(half)
     found = [
         Clip(voice, rng.choice(known), speed=rng.choice(SPEEDS[half]))
-        for voice in _in_turn(natural(half), TALK[half]["kokoro"])
+        for voice in _in_turn(kokoro_voices(half), TALK[half]["kokoro"])
     ]
     return found + [
         Clip(voice, rng.choice(known), pitch=rng.randint(20, 85),
@@ -97,7 +89,7 @@ def talk(half: Half) -> list[Clip]:
 def alike(half: Half) -> list[Clip]:
     """Who says which word that sounds like a stop word."""
     rng, found = random.Random(37), []
-    for voice in natural(half):
+    for voice in kokoro_voices(half):
         found += [Clip(voice, _around(rng, word)) for word in ALIKE]
     for voice in espeak_voices(half):
         found += [Clip(voice, _around(rng, word)) for word in rng.sample(ALIKE, 8)]

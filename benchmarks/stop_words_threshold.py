@@ -10,20 +10,20 @@ import argparse
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from io import BytesIO
 from pathlib import Path
 
-import numpy as np
 from acoustics import Half
 from acoustics.clips import Clip, speak, standing_on
 from figures import wilson
 from stop_words_ears import SHARES, Ears, spots, stretches
 from stop_words_sounds import clips, words
 
-from edgevox.voice.stop_network import StopWeights, read_weights, weights_of
+from edgevox.models import locate
+from edgevox.voice.stop_encoder import ENCODER, StopEncoder
+from edgevox.voice.stop_network import read_weights
 
 HALF = Half.TUNING
-THRESHOLDS = (0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95)
+THRESHOLDS = (0.5, 0.7, 0.8, 0.85, 0.9, 0.93, 0.95, 0.97, 0.98, 0.99)
 CONDITIONS = (None, 10.0, 5.0)
 
 
@@ -43,9 +43,9 @@ def rows(ears: Ears, said: Sequence[Clip], hours: float) -> tuple[list[Row], flo
     for what, share in SHARES.items():
         for stretch in stretches(HALF, what, share * hours):
             heard_h += stretch.hours
-            steps = ears.steps(stretch.sound)
+            looks = ears.looks(stretch.sound)
             for one in THRESHOLDS:
-                false[one] += len([*ears.judged(steps, one)])
+                false[one] += len([*ears.judged(looks, one)])
     found = [Row(one, tuple(some[one] for some in heard), false[one]) for one in THRESHOLDS]
     return found, heard_h
 
@@ -54,9 +54,9 @@ def _heard(ears: Ears, said: Sequence[Clip], snr_db: float | None) -> dict[float
     """How many of the words each threshold hears."""
     found = dict.fromkeys(THRESHOLDS, 0)
     for spot in spots(HALF, said, snr_db):
-        steps = ears.steps(spot.sound)
+        looks = ears.looks(spot.sound)
         for one in THRESHOLDS:
-            found[one] += spot.heard(ears.judged(steps, one)) is not None
+            found[one] += spot.heard(ears.judged(looks, one)) is not None
     return found
 
 
@@ -74,13 +74,6 @@ def _share(hits: int, tries: int) -> str:
     return f"{100 * hits / tries:.1f} % ({low:.1f} to {high:.1f})"
 
 
-def _read(file: Path | None) -> StopWeights:
-    if file is None:
-        return read_weights()
-    with np.load(BytesIO(file.read_bytes())) as data:
-        return weights_of(data)
-
-
 def main() -> int:
     """Speak what is missing, then print the table."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
@@ -89,7 +82,9 @@ def main() -> int:
     asked = parser.parse_args()
     speak(clips(HALF), lambda line: print(line, file=sys.stderr, flush=True))
     said = words(HALF)
-    found, hours = rows(Ears(_read(asked.weights)), said, asked.hours)
+    found, hours = rows(
+        Ears(StopEncoder(locate(ENCODER)), read_weights(asked.weights)), said, asked.hours
+    )
     print(*standing_on("stop words", said), f"{hours:.2f} h without one", sep="\n")
     print(*lines(found, len(said), hours), sep="\n")
     return 0

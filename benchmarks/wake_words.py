@@ -1,12 +1,10 @@
 """Wake words, both engines side by side: misses, false alarms an hour, and the share of a core.
 
 Kokoro's and espeak-ng's voices say the phrases, quiet and in noise 10 dB below them. What is not
-the phrase is read by espeak-ng, from the corpus of tests: how much of it is told as a figure. It is
-run by itself, `python benchmarks/wake_words.py [--quick]`: the figures are not part of the page.
+the phrase is read by espeak-ng, from the corpus of tests: how much of it is told as a figure.
 """
 
 import itertools
-import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -171,8 +169,3 @@ def _said(node: object) -> Iterator[str]:
     elif isinstance(node, list):
         for value in node:
             yield from _said(value)
-
-
-if __name__ == "__main__":
-    for one in measure("--quick" in sys.argv).figures:
-        print(f"{one.what}, {one.column}: {one.value:g} {one.unit}")

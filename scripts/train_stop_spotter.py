@@ -1,13 +1,13 @@
 """Train the stop word spotter, into a folder of one's own.
 
-    python scripts/train_stop_spotter.py FOLDER [--steps 6000] [--only-spoken]
-    python scripts/train_stop_spotter.py FOLDER --install --threshold 0.8
+    python scripts/train_stop_spotter.py FOLDER [--only-spoken]
+    python scripts/train_stop_spotter.py FOLDER --install --threshold 0.96
 
 Needs PyTorch, which nothing else here does: `pip install torch` into an environment of its own that
 sees this one's packages. Speaks with espeak-ng, Piper and Kokoro, which takes an hour the first
 time, and keeps what was said; see `benchmarks/acoustics`. Of voices, sentences, noises and rooms it
 uses those to train with, and nothing of those to tune and to test with. Cut off, the same command
-goes on from the last checkpoint in the folder, as if it had never been.
+goes on with the round that was not done: a round makes examples and learns from all so far.
 
 `benchmarks/stop_words_threshold.py --weights FOLDER/stop_spotter.npz` shows which threshold to
 take. The package's own weights, `edgevox/voice/stop_spotter.npz`, change by `--install` alone,
@@ -16,25 +16,32 @@ which does without PyTorch; `benchmarks/stop_words.py` tells how well they hear 
 
 import argparse
 import hashlib
+import shutil
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 sys.path[:0] = [str(ROOT / "benchmarks"), str(ROOT / "scripts")]
 
 from acoustics.clips import Clip, speak
-from stop_spotter import texts
+from stop_spotter import looks, texts
 from stop_spotter.clips import all_clips
-from stop_spotter.examples import Sound
+from stop_spotter.examples import Example, Examples, Sound
 from stop_spotter.installing import NotInstalled, install
 
-from edgevox.voice.stop_network import WEIGHTS_FILE
+from edgevox.models import locate
+from edgevox.voice.stop_encoder import ENCODER, StopEncoder
+from edgevox.voice.stop_network import WEIGHTS_FILE, read_weights
 
 PLACE = ROOT / "edgevox" / "voice" / WEIGHTS_FILE
 CLIPS = "clips.txt"
-WEIGHTS = {"kokoro": 4.0, "piper": 3.0, "espeak": 1.0}
+WEIGHTS = {"kokoro": 4.0, "piper": 2.0, "espeak": 1.0}
 """How often a clip of an engine is drawn beside the others': there are few natural voices."""
+ROUNDS, EXAMPLES, STEPS = 4, 60_000, 3_200
+TOLD_EVERY = 1_000
+LATER = 6
+"""A later round has so many times fewer examples, but looks at each all the time."""
 
 
 def sounds_of(clips: Sequence[Clip]) -> list[Sound]:
@@ -68,21 +75,47 @@ def _digest(clip: Clip) -> str:
     return hashlib.sha256(repr(clip).encode()).hexdigest()[:24]
 
 
-def train(folder: Path, steps: int, seed: int, only_spoken: bool) -> None:
-    """Speak what is not there yet, then train, from the folder's checkpoint if it has one."""
+def train(folder: Path, rounds: int, examples: int, steps: int, only_spoken: bool) -> None:
+    """Speak what is not there yet, then train, a round after the other; none is made twice."""
     import torch
-    from stop_spotter.training import CHECKPOINT, Training
+    from stop_spotter.training import fit
 
     torch.set_num_threads(1)
     folder.mkdir(parents=True, exist_ok=True)
     clips = to_learn(folder, list(all_clips()), only_spoken)
     speak(clips, _told)
     _told(f"{len(clips)} clips")
-    training = Training(sounds_of(clips), steps, seed)
-    if (folder / CHECKPOINT).exists():
-        training.resume(folder)
-        _told(f"goes on from step {training.step}")
-    training.run(folder, _told)
+    encoder, sounds = StopEncoder(locate(ENCODER)), sounds_of(clips)
+    for number in range(rounds):
+        file = network_file(folder, number)
+        if not file.exists():
+            if not looks.round_file(folder, number).exists():
+                looks.keep(folder, number, _looks(folder, number, sounds, examples, encoder))
+            fit([looks.read(folder, n) for n in range(number + 1)], steps, number, file, _told)
+        shutil.copy(file, folder / WEIGHTS_FILE)
+
+
+def _looks(
+    folder: Path, number: int, sounds: list[Sound], examples: int, encoder: StopEncoder
+) -> looks.Labelled:
+    """Those of a round: some of many examples, then what the network before it gets wrong."""
+    made = Examples(sounds, 1 + number)
+    if not number:
+        return looks.some(_some(made, examples), encoder, number)
+    before = read_weights(network_file(folder, number - 1))
+    return looks.wrong(_some(made, examples // LATER), encoder, before, number)
+
+
+def _some(made: Examples, how_many: int) -> Iterator[Example]:
+    for number in range(1, how_many + 1):
+        yield made.make()
+        if number % TOLD_EVERY == 0 or number == how_many:
+            _told(f"{number} of {how_many} examples")
+
+
+def network_file(folder: Path, number: int) -> Path:
+    """The network of a round."""
+    return folder / f"network{number}.npz"
 
 
 def _told(line: str) -> None:
@@ -92,15 +125,16 @@ def _told(line: str) -> None:
 def main(arguments: Sequence[str] | None = None, place: Path = PLACE) -> int:
     """Train into the folder, or install what is there; the exit code."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("folder", type=Path, help="where the checkpoint and the network go")
-    parser.add_argument("--steps", type=int, default=6_000, help="how many to train in all")
+    parser.add_argument("folder", type=Path, help="where examples and networks go")
+    parser.add_argument("--rounds", type=int, default=ROUNDS, help="the first, and then by errors")
+    parser.add_argument("--examples", type=int, default=EXAMPLES, help="of the first round")
+    parser.add_argument("--steps", type=int, default=STEPS, help="to learn in each round")
     parser.add_argument("--only-spoken", action="store_true", help="only what was spoken before")
-    parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--install", action="store_true", help="into this package; trains nothing")
     parser.add_argument("--threshold", type=float, help="from which a word counts, with --install")
     asked = parser.parse_args(arguments)
     if not asked.install:
-        train(asked.folder, asked.steps, asked.seed, asked.only_spoken)
+        train(asked.folder, asked.rounds, asked.examples, asked.steps, asked.only_spoken)
         return 0
     if asked.threshold is None:
         parser.error("--install needs a --threshold: benchmarks/stop_words_threshold.py shows some")

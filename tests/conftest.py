@@ -1,5 +1,6 @@
 """What holds for all tests: on whatever machine, and beside others in workers of pytest-xdist."""
 
+import gc
 import itertools
 import os
 import random
@@ -34,6 +35,17 @@ PARTICIPANTS = 4
 
 def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "alone: no other test runs meanwhile; it measures time")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Iterator[object]:
+    """What was imported and found stays to the end: no garbage collection looks at it again."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

@@ -8,7 +8,10 @@ signal.signal(signal.SIGTERM, lambda *_: over.set())
 output = Path(sys.argv[sys.argv.index("--output") + 1])
 bag = output / f"edgevox-20261123-1400{len(list(output.iterdir())):02}"
 bag.mkdir()
-(bag / f"{bag.name}_0.mcap").write_bytes(b"begun")
+def write(content):  # at once: who sees the file sees all that is in it
+    (bag / "new").write_bytes(content)
+    (bag / "new").rename(bag / f"{bag.name}_0.mcap")
+write(b"begun")
 over.wait()
-(bag / f"{bag.name}_0.mcap").write_bytes(b"whole")
+write(b"whole")
 """

@@ -17,7 +17,7 @@ import train_stop_spotter
 from acoustics import Half, clips, noises, sentences, voices
 from figures import Figure, NotHere, wilson
 from stop_spotter import clips as training_clips
-from stop_spotter import examples, installing, pool, random_states, schedule, texts
+from stop_spotter import examples, installing, looks, texts
 from tables import interval
 
 __all__ = [
@@ -29,9 +29,7 @@ __all__ = [
     "examples",
     "installing",
     "interval",
-    "pool",
-    "random_states",
-    "schedule",
+    "looks",
     "sentences",
     "stop_words",
     "stop_words_ears",

@@ -74,7 +74,7 @@ class Asking:
         if meaning is None or turn.token.cancelled:
             return meaning
         turn.decided(meaning.every_call, meaning.source, meaning.measured)
-        meaning = meaning.heard(turn.hearing)
+        meaning = self._interpreter.as_heard(meaning, turn)
         return meaning if self.act(meaning, turn) else None
 
     def act(self, meaning: Meaning, turn: Turn) -> bool:

@@ -260,6 +260,7 @@ class Conversation:
             way=inbox.way_of(item),
             plainly=isinstance(item, Heard) and item.spotted,
             hearing=item.confidence if isinstance(item, Heard) else 1.0,
+            others=item.others if isinstance(item, Heard) else (),
         )
         return turn
 

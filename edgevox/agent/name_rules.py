@@ -30,13 +30,14 @@ def check_name(field: str, name: str) -> None:
     stop, in one of them.
     """
     said = name.replace("_", " ")
+    spelled = key(said)
     for code in sorted(LANGUAGES, key=lambda code: code != ENGLISH):
         language = LANGUAGES[code].name
         if word := find_stop_word(code, said):
             raise InvalidValue(
                 field, name, f"a name without {word!r}, which stops the robot in {language}"
             )
-        if key(said) in _taken(code):
+        if spelled in _taken(code):
             raise InvalidValue(
                 field, name, f"another name: people say {said!r} to a robot in {language}"
             )
@@ -77,7 +78,8 @@ def word_meant(name: str, choices: OneOf) -> str | None:
 
 def is_clause_word(name: str, languages: Iterable[str] = tuple(LANGUAGES)) -> bool:
     """Whether it stands for something else in one of these languages: "here", "it", "and"."""
-    return any(key(name) in phrasebook(code).hearing.clause_words for code in languages)
+    spelled = key(name)
+    return any(spelled in phrasebook(code).hearing.clause_words for code in languages)
 
 
 def bare_name(code: str, name: str) -> str:

@@ -48,7 +48,7 @@ def folded(text: str) -> str:
 
     People who type leave accents out, and transcripts differ in them.
     """
-    return "".join(_bare(character) for character in text)
+    return text if text.isascii() else "".join(map(_bare, text))
 
 
 def key(text: str) -> str:

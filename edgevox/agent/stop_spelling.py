@@ -133,6 +133,7 @@ def _parts(letters: str) -> Iterator[str]:
         yield from elided.groups() if elided else (letters,)
 
 
+@lru_cache(maxsize=64)
 def _uncut(text: str) -> str:
     """Without the punctuation that stands within words."""
     around = zip(" " + text, text, text[1:] + " ", strict=False)

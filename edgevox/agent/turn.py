@@ -9,6 +9,7 @@ from edgevox.agent.skills import Call
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock
+from edgevox.core.commands import Hypothesis
 from edgevox.core.events import (
     Decided,
     Outcome,
@@ -39,7 +40,7 @@ class Turn:
     the first can be noticed: heard, or read where nothing is spoken. Nothing is said once the
     token is cancelled. `way` is how it was asked for. `plainly`: only a plain order may move
     anything without a question, since a stop word was heard in the same breath. `hearing` is how
-    sure it is that its words were said.
+    sure it is that its words were said, `others` what else may have been.
     """
 
     def __init__(
@@ -54,11 +55,13 @@ class Turn:
         way: Way = Way.TEXT_INPUT,
         plainly: bool = False,
         hearing: float = 1.0,
+        others: Sequence[Hypothesis] = (),
     ) -> None:
         self.number = number
         self.way = way
         self.plainly = plainly
         self.hearing = hearing
+        self.others = others
         self.token = CancelToken()
         self.tokens = 0
         self._bus = bus

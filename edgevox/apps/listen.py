@@ -59,6 +59,7 @@ def listen(
     Raises `EdgeVoxError` for what cannot be opened.
     """
     from edgevox.apps.listen_view import ListenView
+    from edgevox.apps.stop_choice import open_stop_detector
     from edgevox.apps.voice import open_hearing
     from edgevox.apps.wake_choice import open_wakeword
     from edgevox.core.bus import Bus
@@ -69,7 +70,6 @@ def listen(
     from edgevox.voice.sources.files import WavFiles
     from edgevox.voice.sources.open_source import open_source
     from edgevox.voice.sources.pushed import Pushed
-    from edgevox.voice.stop_spotter import open_stop_spotter
 
     wakeword = open_wakeword(settings)
     if wakeword:
@@ -94,7 +94,7 @@ def listen(
         audible=lambda: 0.0,
         wakeword=wakeword,
         is_stop=lambda text: stop_words.find(text) is not None,
-        stop_detector=open_stop_spotter() if settings.stop_spotter else None,
+        stop_detector=open_stop_detector(settings),
         echo="none",
         lossless=isinstance(source, WavFiles),
     )

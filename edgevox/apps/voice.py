@@ -12,6 +12,7 @@ from edgevox.agent.nlu.hearing_prompt import HearingPrompts
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import Skill, SkillSet
 from edgevox.apps.queries import Info, present_voices, tts_info
+from edgevox.apps.stop_choice import open_stop_detector
 from edgevox.apps.wake_choice import open_wakeword
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Command, Speak
@@ -36,7 +37,6 @@ from edgevox.voice.sources.files import WavFiles
 from edgevox.voice.sources.open_source import ROS2, open_source
 from edgevox.voice.sources.pushed import Pushed
 from edgevox.voice.speech_output import SpeechOutput
-from edgevox.voice.stop_spotter import open_stop_spotter
 from edgevox.voice.stt.keeping import KeepingSpeechToText
 from edgevox.voice.stt.speech_to_text import SpeechToText
 from edgevox.voice.stt.watched import WatchedSpeechToText
@@ -181,7 +181,7 @@ def build_listener(
         audible=voice.sink.audible,
         wakeword=voice.wakeword,
         is_stop=is_stop,
-        stop_detector=open_stop_spotter() if settings.stop_spotter else None,
+        stop_detector=open_stop_detector(settings),
         ending=ending,
         saying=voice.speech_output.saying,
         echo=settings.echo,

@@ -22,12 +22,25 @@ class Transcribing:
 
 
 @dataclass(frozen=True, slots=True)
+class Hypothesis:
+    """Words that may have been said instead.
+
+    `share` is how likely they are among all that may have been said, `confidence` how likely the
+    mean token of them is; both from 0 to 1.
+    """
+
+    text: str
+    share: float
+    confidence: float
+
+
+@dataclass(frozen=True, slots=True)
 class Heard:
     """Words that somebody spoke; empty if there were none in what was heard.
 
     `ended_s` is the clock's time of the last voiced sample, `stt_s` how long the words took. If a
     stop word was `spotted` in it, that has been acted on already. `confidence` is that these are
-    the words, from 0 to 1.
+    the words, from 0 to 1; `others` are what else may have been said, the likeliest first.
     """
 
     text: str
@@ -36,6 +49,7 @@ class Heard:
     way: Way = Way.VOICE
     spotted: bool = False
     confidence: float = 1.0
+    others: tuple[Hypothesis, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

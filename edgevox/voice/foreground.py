@@ -35,6 +35,11 @@ class ForegroundVad:
         self._vad = vad
         self.reset()
 
+    @property
+    def any_voice(self) -> float:
+        """How likely the last frame holds a voice, of whomever."""
+        return self._vad.any_voice
+
     def probability(self, samples: Samples) -> float:
         """How likely the frame holds the voice of somebody near, 0 to 1."""
         found = self._vad.probability(samples)

@@ -60,6 +60,11 @@ class HearingMeter:
         """How much sound it was given."""
         return self._frames * FRAME_S
 
+    @property
+    def any_voice(self) -> float:
+        """See `VoiceDetector`."""
+        return self._vad.any_voice
+
     def probability(self, samples: Samples) -> float:
         """See `VoiceDetector.probability`."""
         voice = self._vad.probability(samples)

@@ -223,7 +223,9 @@ class Listener:
 
     def _listen_for_stop_word(self, frame: Frame, *, loud: bool) -> None:
         """By what no gate has cut: the beginning of a word counts."""
-        if self._stops and self._stops.heard(frame.samples, playing=self._echo.playing, loud=loud):
+        if self._stops and self._stops.heard(
+            frame.samples, self._vad.any_voice, playing=self._echo.playing, loud=loud
+        ):
             self._spotted = self._endpointer.speaking
             self._submit(StopSpotted(frame.end_s, self._stops.word, goes_on=self._spotted))
 

@@ -34,8 +34,10 @@ class StopDetector(Protocol):
     def word(self) -> str:
         """The stop word that it heard last."""
 
-    def heard(self, samples: Samples) -> bool:
-        """Whether a stop word has just been said, once for each; 512 samples of int16 at 16 kHz."""
+    def heard(self, samples: Samples, probability: float) -> bool:
+        """Whether a stop word has just been said, once for each; 512 samples of int16 at 16 kHz,
+        and how likely they hold a voice.
+        """
 
     def forget(self) -> None:
         """The next frame does not follow on those before."""
@@ -64,15 +66,18 @@ class StopWatch:
         """Which stop word that was."""
         return self._detector.word
 
-    def heard(self, samples: Samples, *, playing: bool, loud: bool) -> bool:
-        """Take the next frame, as the microphone gave it.
+    def heard(self, samples: Samples, probability: float, *, playing: bool, loud: bool) -> bool:
+        """Take the next frame, as the microphone gave it, and how likely it holds any voice.
 
         `playing`: the robot or its echo may be audible; `loud`: it is louder than that explains.
+        What the probability is of may have been cut out then, so the detector is told of a voice.
         """
         if not self._knows(self._language()):
             return False
         self._loud.append(loud)
-        return self._detected(samples) and not (playing and self._is_own())
+        return self._detected(samples, 1.0 if playing else probability) and not (
+            playing and self._is_own()
+        )
 
     def forget(self) -> None:
         """The next frame does not follow on those before."""
@@ -90,10 +95,11 @@ class StopWatch:
             log.info("stop_spotter_off", language=language)
         return False
 
-    def _detected(self, samples: Samples) -> bool:
+    def _detected(self, samples: Samples, probability: float) -> bool:
         try:
-            return self._detector.heard(samples)
+            return self._detector.heard(samples, probability)
         except Exception:
+            self._detector.forget()
             self.failed += 1
             if worth_a_line(self.failed):
                 log.exception("stop_spotter_failed", failed=self.failed)

@@ -1,99 +1,92 @@
-"""The network of the stop word spotter, as it runs: causal convolutions over time, in NumPy.
+"""The network of the stop word spotter, as it runs, in NumPy: how likely each word was just said.
 
-A first convolution halves the rate to one step in 16 ms; blocks follow, each a convolution over
-three steps of the past that lie further and further apart, added to what went in. A softmax tells
-nothing from the words. It keeps what its convolutions reach back to, so that each step is computed
-once.
+It takes what Whisper's encoder makes of the last second. Two convolutions over time follow, then
+four weighted means over time and the mean of the last 0.16 s, and of those the likelihoods.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 from io import BytesIO
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from edgevox.voice.stop_features import BANDS, Floats
+from edgevox.voice.one_thread import product
+from edgevox.voice.stop_encoder import Floats
 
 WEIGHTS_FILE = "stop_spotter.npz"
 """Made by `scripts/train_stop_spotter.py`."""
-STRIDE = 2
-"""Rows of features a step."""
+LAST_STEPS = 8
+"""So many steps at the end are looked at by themselves, too."""
+_LEAST_VARIANCE = 1e-5
+_LAYERS = ("reduce", "first", "second", "attend", "hidden", "last")
 
 
 @dataclass(frozen=True, slots=True)
-class Block:
-    """`mixing` (taps * channels, channels) and its bias; the taps are `dilation` steps apart."""
+class StopLayer:
+    """`weights` (inputs, outputs) and `bias` (outputs); of a convolution its taps are inputs."""
 
-    mixing: Floats
+    weights: Floats
     bias: Floats
-    dilation: int
 
-    @property
-    def taps(self) -> int:
-        return len(self.mixing) // len(self.bias)
-
-    @property
-    def reach(self) -> int:
-        """How many steps it looks back."""
-        return (self.taps - 1) * self.dilation
+    def of(self, values: Floats) -> Floats:
+        found = product(values.reshape(-1, values.shape[-1]), self.weights) + self.bias
+        return np.asarray(found.reshape(*values.shape[:-1], -1))
 
 
 @dataclass(frozen=True, slots=True)
 class StopWeights:
     """Of the whole network; `words` are its outputs, the first one for none.
 
-    `first` has the shape (taps * bands, channels). From `threshold` on, a word counts as said.
+    `scale` and `shift` belong to the norm over channels, `place` (steps, channels) tells steps
+    apart. From `threshold` on, a word counts as said.
     """
 
     words: tuple[str, ...]
-    first: Floats
-    first_bias: Floats
-    blocks: tuple[Block, ...]
-    last: Floats
-    last_bias: Floats
+    scale: Floats
+    shift: Floats
+    place: Floats
+    layers: Mapping[str, StopLayer]
     threshold: float
 
 
-class StopNetwork:
-    """Takes rows of features as they come, and says at every step how likely each word is."""
-
-    def __init__(self, weights: StopWeights) -> None:
-        self._weights = weights
-        self._taps = len(weights.first) // BANDS
-        self.forget()
-
-    def forget(self) -> None:
-        """What comes next does not follow on what was before."""
-        channels = self._weights.first.shape[1]
-        self._rows = np.zeros((self._taps - STRIDE, BANDS), np.float32)
-        self._past = [np.zeros((b.reach, channels), np.float32) for b in self._weights.blocks]
-
-    def push(self, rows: Floats) -> Floats:
-        """Likelihoods, shape (steps, words), after an even number of rows."""
-        known = self._weights
-        rows = np.concatenate([self._rows, rows])
-        self._rows = rows[len(rows) - len(self._rows) :]
-        steps = (len(rows) - self._taps) // STRIDE + 1
-        seen = np.stack([rows[n * STRIDE : n * STRIDE + self._taps].ravel() for n in range(steps)])
-        values = np.maximum(seen @ known.first + known.first_bias, 0)
-        for number, block in enumerate(known.blocks):
-            whole = np.concatenate([self._past[number], values])
-            self._past[number] = whole[steps:]
-            taps = [
-                whole[n * block.dilation : n * block.dilation + steps] for n in range(block.taps)
-            ]
-            mixed = np.concatenate(taps, axis=1) @ block.mixing + block.bias
-            values = values + np.maximum(mixed, 0)
-        scores = values @ known.last + known.last_bias
-        grown = np.exp(scores - scores.max(axis=1, keepdims=True))
-        return np.asarray(grown / grown.sum(axis=1, keepdims=True), np.float32)
+def likelihoods(known: StopWeights, encoded: Floats) -> Floats:
+    """Shape (sounds, words), of what the encoder made of them (sounds, steps, channels)."""
+    layers = known.layers
+    values = np.maximum(layers["reduce"].of(_normed(known, encoded)), 0) + known.place
+    for name in ("first", "second"):
+        values = values + np.maximum(layers[name].of(_beside(values)), 0)
+    looked_at = _softmax(layers["attend"].of(values), axis=1)
+    means = np.einsum("nsk,nsc->nkc", looked_at, values).reshape(len(values), -1)
+    whole = np.concatenate([means, values[:, -LAST_STEPS:].mean(axis=1)], axis=1)
+    hidden = np.maximum(layers["hidden"].of(whole), 0)
+    return _softmax(layers["last"].of(hidden), axis=1)
 
 
-def read_weights() -> StopWeights:
-    """Those that this package brings."""
-    with np.load(BytesIO(files(__package__).joinpath(WEIGHTS_FILE).read_bytes())) as data:
+def _normed(known: StopWeights, encoded: Floats) -> Floats:
+    """Each step with a mean of 0 and a variance of 1 over its channels, then scaled."""
+    middle = encoded - encoded.mean(axis=2, keepdims=True)
+    spread = np.sqrt(np.mean(middle**2, axis=2, keepdims=True) + _LEAST_VARIANCE)
+    return np.asarray(middle / spread * known.scale + known.shift)
+
+
+def _beside(values: Floats) -> Floats:
+    """Each step with the one before and the one after it; there are zeros around them."""
+    wide = np.pad(values, ((0, 0), (1, 1), (0, 0)))
+    return np.concatenate([wide[:, :-2], wide[:, 1:-1], wide[:, 2:]], axis=2)
+
+
+def _softmax(scores: Floats, axis: int) -> Floats:
+    grown = np.exp(scores - scores.max(axis=axis, keepdims=True))
+    return np.asarray(grown / grown.sum(axis=axis, keepdims=True), np.float32)
+
+
+def read_weights(file: Path | None = None) -> StopWeights:
+    """Those of a file, else those that this package brings."""
+    held = (file or files(__package__).joinpath(WEIGHTS_FILE)).read_bytes()
+    with np.load(BytesIO(held)) as data:
         return weights_of(data)
 
 
@@ -103,11 +96,11 @@ def weights_of(data: Mapping[str, Any]) -> StopWeights:
     def floats(name: str) -> Floats:
         return np.asarray(data[name], np.float32)
 
-    blocks = tuple(
-        Block(floats(f"block{n}"), floats(f"block_bias{n}"), int(dilation))
-        for n, dilation in enumerate(data["dilations"])
-    )
     return StopWeights(
-        tuple(str(word) for word in data["words"]), floats("first"), floats("first_bias"), blocks,
-        floats("last"), floats("last_bias"), float(data["threshold"]),
-    )  # fmt: skip
+        tuple(str(word) for word in data["words"]),
+        floats("scale"),
+        floats("shift"),
+        floats("place"),
+        {name: StopLayer(floats(name), floats(f"{name}_bias")) for name in _LAYERS},
+        float(data["threshold"]),
+    )

@@ -39,11 +39,10 @@ class TranscriptionJob:
 class _Words:
     """What was said until `ended_s`, in a language, and how long it took to find out."""
 
-    text: str
+    said: Transcript
     ended_s: float
     language: str
     took_s: float
-    confidence: float
     ending: Ending = Ending.OPEN
 
 
@@ -95,6 +94,7 @@ class Transcriber:
         """Forget what waits; wait for what is being understood."""
         with self._changed:
             self._closed = True
+            self._early = None
             self._jobs.clear()
             self._changed.notify_all()
         if self._thread.is_alive():
@@ -135,9 +135,12 @@ class Transcriber:
         return guess.ending if guess and guess.ended_s == ended_s else None
 
     def wait_idle(self, timeout_s: float | None = None) -> bool:
-        """Block until every utterance is understood; False after the timeout."""
+        """Block until what was, or may be, an utterance is understood; False after a timeout."""
         with self._changed:
-            return self._changed.wait_for(lambda: not self._jobs and not self._busy, timeout_s)
+            return self._changed.wait_for(self._is_idle, timeout_s)
+
+    def _is_idle(self) -> bool:
+        return not (self._jobs or self._busy or self._early or self._guessing)
 
     def _work(self) -> None:
         while True:
@@ -163,22 +166,24 @@ class Transcriber:
         guess, self._guess = self._guess, None
         known = guess and (guess.ended_s, guess.language) == (job.ended_s, self._language())
         words = guess if guess and known else self._words(job)
-        counts = not job.only_stop or (bool(words.text) and self._is_stop(words.text))
+        said = words.said
+        counts = not job.only_stop or (bool(said.text) and self._is_stop(said.text))
         if counts or job.spotted:
-            text = words.text if counts else ""
+            told = said if counts else Transcript("", said.confidence)
             heard = Heard(
-                text,
+                told.text,
                 job.ended_s,
                 words.took_s,
                 spotted=job.spotted,
-                confidence=words.confidence,
+                confidence=told.confidence,
+                others=told.others,
             )
             self._submit(heard)
 
     def _judged(self, words: "_Words") -> "_Words":
         """With how they end; what cannot be judged is open."""
         try:
-            return replace(words, ending=self._ending(words.text))
+            return replace(words, ending=self._ending(words.said.text))
         except Exception:
             log.exception("ending_unjudged")
             return words
@@ -189,7 +194,7 @@ class Transcriber:
         said = self._transcribe(job, language)
         took_s = self._clock.now() - began_s
         self.last = (took_s, job.samples.size / RATE_HZ)
-        return _Words(said.text, job.ended_s, language, took_s, said.confidence)
+        return _Words(said, job.ended_s, language, took_s)
 
     def _transcribe(self, job: TranscriptionJob, language: str) -> Transcript:
         """The words; none if they could not be understood, which is logged."""
@@ -202,6 +207,11 @@ class Transcriber:
             self.failed += 1
             log.exception("speech_to_text_broke")
         else:
-            text = without_phrase(said.text, job.phrase) if job.phrase else said.text
-            return Transcript(text, said.confidence)
+            return _after(job.phrase, said) if job.phrase else said
         return Transcript("")
+
+
+def _after(phrase: str, said: Transcript) -> Transcript:
+    """What follows the wake word in all that may have been said."""
+    others = tuple(replace(one, text=without_phrase(one.text, phrase)) for one in said.others)
+    return replace(said, text=without_phrase(said.text, phrase), others=others)

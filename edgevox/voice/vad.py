@@ -16,7 +16,14 @@ _STATE = (1, 1, 128)
 
 
 class VoiceDetector(Protocol):
-    """Looks at one frame after the other."""
+    """Looks at one frame after the other.
+
+    `any_voice` is how likely the last one held a voice, 0 to 1, near or far: `probability` may
+    leave out those that do not speak to the robot.
+    """
+
+    @property
+    def any_voice(self) -> float: ...
 
     def probability(self, samples: Samples) -> float:
         """How likely the frame holds a voice, 0 to 1."""
@@ -42,6 +49,7 @@ class SileroVad:
         )
         self._input = np.zeros((1, _CONTEXT + FRAME_SAMPLES), np.float32)
         self._h = self._c = np.zeros(_STATE, np.float32)
+        self.any_voice = 0.0
 
     def probability(self, samples: Samples) -> float:
         self._input[0, :_CONTEXT] = self._input[0, -_CONTEXT:]
@@ -49,7 +57,8 @@ class SileroVad:
         found, self._h, self._c = self._session.run(
             None, {"input": self._input, "h": self._h, "c": self._c}
         )
-        return float(found[0])
+        self.any_voice = float(found[0])
+        return self.any_voice
 
     def reset(self) -> None:
         self._h = self._c = np.zeros(_STATE, np.float32)

@@ -1,7 +1,7 @@
-"""Lets a wake word's networks sleep while nobody speaks, and hear what they slept through.
+"""Lets networks sleep while nobody speaks, and hear what they slept through.
 
 What was heard in the two seconds before, as much as they look at, is kept and given to them as soon
-as there may be a voice, so they hear the phrase as if they had been awake. They run on for a moment
+as there may be a voice, so they hear a phrase as if they had been awake. They run on for a moment
 after it.
 """
 

@@ -20,6 +20,8 @@ _SAID = re.compile(r"stop|halt|freez|friez|\bfrees\b|\bstopp", re.IGNORECASE)
 NONE = ""
 READINGS = 2_400
 """Of Python's manual, and of our own sentences."""
+NATURAL_READINGS = 400
+"""The same by natural voices."""
 SPEEDS = (0.8, 0.9, 1.0, 1.1, 1.25)
 """Of Kokoro's voices, which say each text at one of them."""
 
@@ -56,6 +58,22 @@ def kokoro_clips() -> list[Clip]:
         some += [(v, known[(first + i) % len(known)]) for i, v in enumerate(voices[turn % 2 :: 2])]
     some += [(v, text) for v in texts.CHATTING for text in (*texts.CHAT, *texts.COMMANDS)]
     return [clip_of(voice, text, speed=rng.choice(SPEEDS)) for voice, text in dict.fromkeys(some)]
+
+
+def clips_after_words() -> list[Clip]:
+    """Stop words after other words: each voice says each after some."""
+    rng, found = random.Random(29), []
+    for voice in (*kokoro_voices(Half.TRAIN), *espeak_voices(Half.TRAIN)):
+        natural = not voice.startswith("espeak")
+        for word in texts.WORDS:
+            for before in rng.sample(texts.BEFORE, 8 if natural else 1):
+                options = (
+                    {"speed": rng.choice(SPEEDS)}
+                    if natural
+                    else {"pitch": rng.randint(20, 85), "words_a_minute": rng.randint(125, 240)}
+                )
+                found.append(clip_of(voice, before.format(word), **options))
+    return found
 
 
 def clip_of(voice: str, text: str, **options: float) -> Clip:
@@ -102,6 +120,21 @@ def reading_clips(number: int = READINGS) -> list[Clip]:
     ]  # fmt: skip
 
 
+def natural_reading_clips(number: int = NATURAL_READINGS) -> list[Clip]:
+    """The same by Kokoro's voices, and words in no order: what is said most must not stop a robot
+    in a natural voice.
+    """
+    rng, voices, words = random.Random(23), list(kokoro_voices(Half.TRAIN)), dictionary()
+    known = [*sentences(Half.TRAIN), *manual()]
+    return [
+        Clip(
+            rng.choice(voices), sentence(rng, words) if turn % 2 else rng.choice(known),
+            speed=rng.choice(SPEEDS),
+        )
+        for turn in range(number)
+    ]  # fmt: skip
+
+
 def manual() -> list[str]:
     """Sentences of Python's manual without a stop word: those of the Python that runs this."""
     text = " ".join("\n".join(topics.values()).split())
@@ -121,3 +154,5 @@ def all_clips() -> Iterator[Clip]:
     yield from reading_clips()
     yield from piper_clips()
     yield from kokoro_clips()
+    yield from natural_reading_clips()
+    yield from clips_after_words()

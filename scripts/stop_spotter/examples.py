@@ -1,4 +1,4 @@
-"""Examples to learn from: clips among silence and other speech, in rooms and noise, as features."""
+"""Examples to learn from: clips among silence and other speech, in rooms and noise."""
 
 from dataclasses import dataclass
 
@@ -9,27 +9,26 @@ from acoustics.noises import kinds, noise
 from acoustics.rooms import rooms
 from numpy.typing import NDArray
 
-from edgevox.voice.audio import FRAME_SAMPLES, RATE_HZ
-from edgevox.voice.stop_features import (
-    HOP_SAMPLES,
-    ROWS,
-    features_of,
-)
-from edgevox.voice.stop_network import STRIDE
-from stop_spotter import random_states, texts
+from edgevox.voice.audio import RATE_HZ, Samples
+from edgevox.voice.stop_encoder import SAMPLES
+from stop_spotter import texts
 
 Wave = NDArray[np.float32]
 
-LEAD_FRAMES, FRAMES = 16, 64
-"""Frames of sound before an example, which the slow averages of its features need, and of it."""
-STEPS = FRAMES * ROWS // STRIDE
-IGNORED, WITHIN = -1, -2
-"""Labels of steps that are not judged, and of those one of which should hear the word."""
-HEARD_S = 0.15
-"""For so long after its end a word should be heard."""
-_AFTER_S = 0.5
-_FFT = 54_000  # more than an example and a response
-_STEP_S = STRIDE * HOP_SAMPLES / RATE_HZ
+TRACK_S = 3.2
+"""How long an example is; what looks at it has all of what it looks at."""
+IGNORED = -1
+"""The label of a look that is not judged: it may hear the word or not."""
+HEARD_S, HEARD_WITHIN_S = 0.24, (0.5, 0.75)
+"""For so long after its end a word is to be heard; after its beginning, where more is said."""
+BEFORE_S, PAST_S = 0.05, 0.5
+"""A look up to so soon after a word begins does not hear it, nor one so long after its end: a word
+is to be heard once, though it is seen for longer.
+"""
+_LEAD_S, _TAIL_S = 0.6, 0.35
+_FIRST_S = SAMPLES / RATE_HZ + 0.005
+_WITH_WORD = 0.5
+_FFT = 72_000  # more than an example and a response
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +39,52 @@ class Sound:
     word: int
     within: bool
     weight: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Example:
+    """Sound of `TRACK_S`, and the stop word in it, if any, from when to when."""
+
+    sound: Samples
+    word: int = 0
+    within: bool = False
+    begins_s: float = 0.0
+    ends_s: float = 0.0
+
+    def label(self, when_s: float) -> int:
+        """What a look at this time is to find: a word, 0 for none, or `IGNORED`."""
+        if not self.word:
+            return 0
+        first, last = self._heard_s
+        if first <= when_s <= last:
+            return self.word
+        before, after = when_s < self.begins_s + BEFORE_S, when_s > self.ends_s + PAST_S
+        return 0 if before or after else IGNORED
+
+    def looked_at(self, when_s: float) -> Samples:
+        """What a look at this time sees."""
+        end = min(int(when_s * RATE_HZ), self.sound.size)
+        return self.sound[end - SAMPLES : end]
+
+    def times(self, rng: np.random.Generator) -> list[float]:
+        """When to look at it, where few looks are enough: mostly when the word is to be heard."""
+        latest = self.sound.size / RATE_HZ
+        anywhere = [float(when) for when in rng.uniform(_FIRST_S, latest, 2 if self.word else 3)]
+        if not self.word:
+            return anywhere
+        said = [
+            *rng.uniform(*self._heard_s, 2),
+            self.ends_s + rng.uniform(PAST_S, SAMPLES / RATE_HZ),
+        ]
+        return [*anywhere, *(float(np.clip(when, _FIRST_S, latest)) for when in said)]
+
+    @property
+    def _heard_s(self) -> tuple[float, float]:
+        """From when to when the word is to be heard."""
+        if self.within:
+            soonest, latest = HEARD_WITHIN_S
+            return self.begins_s + soonest, self.begins_s + latest
+        return self.ends_s, self.ends_s + HEARD_S
 
 
 class Examples:
@@ -60,38 +105,28 @@ class Examples:
             for number in range(6)
         ]
 
-    def make(self) -> tuple[NDArray[np.float16], NDArray[np.int8], int]:
-        """Features (rows, bands), labels (steps,), and the word: 0 for none."""
+    def make(self) -> Example:
+        """The next one."""
         rng = self._rng
-        word = int(rng.integers(1, len(self._words))) if rng.random() < 0.36 else 0
-        total = (LEAD_FRAMES + FRAMES) * FRAME_SAMPLES
-        track = np.zeros(total, np.float32)
-        labels = np.zeros(STEPS, np.int8)
+        word = int(rng.integers(1, len(self._words))) if rng.random() < _WITH_WORD else 0
+        track = np.zeros(int(TRACK_S * RATE_HZ), np.float32)
         sound = self._sound(word)
         if word:
             clip = self._varied(sound)
-            least = LEAD_FRAMES * FRAME_SAMPLES + clip.size // 2
-            most = max(1, total - clip.size - int(HEARD_S * RATE_HZ))
-            start = int(rng.integers(min(least, most - 1), most))
+            least = int(_LEAD_S * RATE_HZ)
+            start = int(
+                rng.integers(least, max(least + 1, track.size - clip.size - int(_TAIL_S * RATE_HZ)))
+            )
+            end = start + clip.size
             _put(track, clip, start)
-            end_s = (start + clip.size) / RATE_HZ - LEAD_FRAMES * FRAME_SAMPLES / RATE_HZ
-            _label(labels, word, sound.within, clip.size / RATE_HZ, end_s)
             if rng.random() < 0.5:
                 self._chatter(track, 0, start - int(rng.uniform(0.03, 0.5) * RATE_HZ))
             if rng.random() < 0.4 and not sound.within:
-                begin = start + clip.size + int(rng.uniform(0.08, 0.5) * RATE_HZ)
-                self._chatter(track, begin, total)
-        elif rng.random() < 0.9:
-            self._chatter(track, int(rng.uniform(0, 1.2) * RATE_HZ), total)
-        return features_of(self._heard(track))[-FRAMES * ROWS :].astype(np.float16), labels, word
-
-    def state(self) -> str:
-        """What the next examples depend on."""
-        return random_states.state_of(self._rng)
-
-    def resume(self, state: str) -> None:
-        """Go on from what `state` gave."""
-        random_states.resume(self._rng, state)
+                self._chatter(track, end + int(rng.uniform(0.06, 0.5) * RATE_HZ), track.size)
+            return Example(self._heard(track), word, sound.within, start / RATE_HZ, end / RATE_HZ)
+        if rng.random() < 0.95:
+            self._chatter(track, int(rng.uniform(0, 1.2) * RATE_HZ), track.size)
+        return Example(self._heard(track))
 
     def _sound(self, word: int) -> Sound:
         some = self._words[word]
@@ -171,14 +206,3 @@ def _put(track: Wave, clip: Wave, at: int) -> None:
     begin, end = max(0, at), min(track.size, at + clip.size)
     if end > begin:
         track[begin:end] += clip[begin - at : end - at]
-
-
-def _label(labels: NDArray[np.int8], word: int, within: bool, said_s: float, end_s: float) -> None:
-    """Which steps should hear the word, and which are not judged as they may or may not."""
-    times = (np.arange(STEPS) + 1) * _STEP_S
-    begin_s = end_s - said_s
-    labels[(times > begin_s + 0.08) & (times <= end_s + _AFTER_S)] = IGNORED
-    if within:
-        labels[(times > begin_s + 0.2) & (times <= min(begin_s + 0.8, end_s + HEARD_S))] = WITHIN
-    else:
-        labels[(times >= end_s) & (times <= end_s + HEARD_S)] = word

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from edgevox.voice.stop_features import BANDS
-from edgevox.voice.stop_network import StopNetwork, StopWeights, weights_of
+from edgevox.voice.stop_encoder import CHANNELS, STEPS
+from edgevox.voice.stop_network import StopWeights, likelihoods, weights_of
 
 
 class NotInstalled(Exception):
@@ -38,6 +38,6 @@ def install(trained: Path, place: Path, threshold: float) -> StopWeights:
 
 def _check(trained: Path, weights: StopWeights) -> None:
     """That it runs."""
-    found = StopNetwork(weights).push(np.zeros((64, BANDS), np.float32))
+    found = likelihoods(weights, np.zeros((1, STEPS, CHANNELS), np.float32))
     if not np.all(np.isfinite(found)):
         raise NotInstalled(f"{trained}: what it says of silence is no number")

@@ -17,6 +17,13 @@ STOPS_WITHIN = (
 )  # fmt: skip
 """Texts in which a stop word comes first and more is said."""
 
+BEFORE = (
+    "You two {}!", "I want you to {}.", "Can't you {}!", "Somebody make it {}!", "We need to {}.",
+    "Quick, {}!", "Come on, {}!", "Tell it to {}.", "Would you {}.", "Wait and {}.",
+    "It has to {}.", "Do {}!", "Better {}.", "Over there, {}!", "Listen, {}!", "Now you {}!",
+)  # fmt: skip
+"""What may be said before a stop word, without a pause: other words than those of the test."""
+
 ALIKE = (
     "Shop. Top. Stuff. Step. Drop.", "Freezer. Breeze. Please. Three. Fries.",
     "Halter. Salt. Hall. Halls. Fault. Hold.", "Stock. Spot. Star. Stove. Store. Stump.",

@@ -4,18 +4,29 @@ import numpy as np
 import pytest
 from listener_rig import frames, loud, noises, says_espeak, says_piper, silence
 
-from edgevox.voice.audio import FRAME_S, RATE_HZ, Samples
-from edgevox.voice.stop_spotter import open_stop_spotter
+from edgevox.models import locate
+from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Samples
+from edgevox.voice.stop_encoder import ENCODER, StopEncoder
+from edgevox.voice.stop_network import read_weights
+from edgevox.voice.stop_spotter import StopSpotter, open_stop_spotter
+from edgevox.voice.vad import SileroVad
 
 SPEAKERS = {"espeak": says_espeak, "piper": says_piper}
 LEAD_S = 1.0
 
 
-def stops(sound: Samples) -> list[float]:
-    """When it stops, in seconds after the sound's beginning, with quiet around it."""
+def stops(sound: Samples, voice: float | None = None) -> list[float]:
+    """When it stops, in seconds after the sound's beginning, with quiet around it.
+
+    `voice` is how likely there is one, else what the detector of voices says.
+    """
     around = np.concatenate([silence(LEAD_S), sound, silence(0.8)])
-    spotter = open_stop_spotter()
-    return [one.end_s - LEAD_S for one in frames(around) if spotter.heard(one.samples)]
+    spotter, vad = open_stop_spotter(locate(ENCODER)), SileroVad()
+    return [
+        one.end_s - LEAD_S
+        for one in frames(around)
+        if spotter.heard(one.samples, vad.probability(one.samples) if voice is None else voice)
+    ]
 
 
 def seconds(sound: Samples) -> float:
@@ -71,5 +82,43 @@ def test_what_is_said_otherwise_stops_nothing(speaker, text):
 
 
 @pytest.mark.parametrize("kind", ["hiss", "rumble", "hum", "bursts", "melody", "clicks"])
-def test_noise_stops_nothing(kind):
-    assert stops(noises(10.0)[kind]) == []
+@pytest.mark.parametrize("voice", [None, 1.0])
+def test_noise_stops_nothing(kind, voice):
+    """Also while it is awake all the time, as it is while the robot speaks."""
+    assert stops(noises(10.0)[kind], voice) == []
+
+
+@pytest.mark.parametrize("level", [0.0, 10.0, 300.0, 20_000.0])
+def test_silence_and_hiss_stop_nothing(level):
+    hiss = np.random.default_rng(5).normal(0, level, 20 * RATE_HZ)
+
+    assert stops(np.clip(hiss, -32_768, 32_767).astype(np.int16), voice=1.0) == []
+
+
+def test_a_hum_and_a_click_stop_nothing():
+    t = np.arange(20 * RATE_HZ) / RATE_HZ
+    hum = sum(2000 * np.sin(2 * np.pi * 90 * k * t) / k for k in range(1, 20))
+    hum[:: RATE_HZ // 2] = 30_000
+
+    assert stops(hum.astype(np.int16), voice=1.0) == []
+
+
+def test_what_was_forgotten_leaves_no_trace():
+    used, new = (open_stop_spotter(locate(ENCODER)) for _ in range(2))
+    for one in frames(says_piper("Stop moving!")):
+        used.heard(one.samples, 1.0)
+
+    used.forget()
+
+    for one in frames(says_espeak("Go to the kitchen.")):
+        assert used.heard(one.samples, 1.0) == new.heard(one.samples, 1.0)
+        assert used.likelihood == pytest.approx(new.likelihood, abs=1e-6)
+
+
+def test_with_a_threshold_of_nothing_it_stops_at_most_once_a_word():
+    spotter = StopSpotter(StopEncoder(locate(ENCODER)), read_weights(), threshold=0.0)
+    sound = np.random.default_rng(5).normal(0, 300, 40 * FRAME_SAMPLES).astype(np.int16)
+
+    found = [spotter.heard(one.samples, 1.0) for one in frames(sound)]
+
+    assert 1 < sum(found) < 4

@@ -10,7 +10,10 @@ from gguf_files import small_gguf
 from guards import HUNG_S
 
 AGENT = Path(sys.executable).with_name("edgevox-agent")
-NOT_FOR_TYPING = {"av", "onnxruntime", "prompt_toolkit", "pynvml", "rclpy", "textual"}
+NOT_FOR_TYPING = {
+    "av", "ctranslate2", "faster_whisper", "onnxruntime", "prompt_toolkit", "pynvml", "rclpy",
+    "textual",
+}  # fmt: skip
 
 
 def test_no_other_robot_is_loaded_than_the_one_that_is_asked_for(tmp_path):

@@ -1,9 +1,12 @@
-"""A quadruped with Unitree's sport interface: requests and responses on two topics."""
+"""A quadruped with Unitree's sport interface: requests and responses on two topics.
+
+Its remote control asks, too: each answer is followed at once by one that is for the remote.
+"""
 
 from stand_in import StandIn, main
 from unitree_api.msg import Request, Response
 
-STOP_MOVE, DANCE = 1003, 1022
+STOP_MOVE, DANCE, GET_STATE = 1003, 1022, 1034
 GRANTED, REFUSED = 0, 3203
 
 
@@ -29,6 +32,8 @@ class Quadruped(StandIn):
         response = Response()
         response.header.identity = request.header.identity
         response.header.status.code = REFUSED if self.mode == "refuse" else GRANTED
+        self.responses.publish(response)
+        response.header.identity.api_id = GET_STATE
         self.responses.publish(response)
 
     def change(self, change: str) -> bool:

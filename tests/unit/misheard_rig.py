@@ -2,7 +2,7 @@
 
 from dialogue_rig import HUNG_S, Rig
 
-from edgevox.core.commands import Heard
+from edgevox.core.commands import Heard, Hypothesis
 
 
 def LETTERS(text, _code):  # noqa: N802 - stands for an engine
@@ -16,9 +16,13 @@ class Spoken(Rig):
     def __init__(self):
         super().__init__(phonemes=LETTERS)
 
-    def hears(self, text, confidence=1.0):
-        """The first answer to these words, once everything has ended."""
+    def hears(self, text, confidence=1.0, others=()):
+        """The first answer to these words, once everything has ended.
+
+        `others` are the texts, shares and confidences of what else may have been said.
+        """
         before = len(self.answers)
-        self.talk.submit(Heard(text, self.clock.now(), confidence=confidence))
+        instead = tuple(Hypothesis(*one) for one in others)
+        self.talk.submit(Heard(text, self.clock.now(), confidence=confidence, others=instead))
         assert self.talk.wait_idle(HUNG_S)
         return self.answers[before].text

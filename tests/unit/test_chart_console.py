@@ -3,9 +3,8 @@
 from typing import Any
 
 import helm_python as helm
-import kubernetes_validate
 import pytest
-from chart_rig import ONE, chart, environment, objects, pods, solo
+from chart_rig import ONE, chart, environment, objects, pods, solo, validate
 
 VERSIONS = ("1.27", "1.37")
 SITE = {
@@ -42,7 +41,7 @@ def test_helm_and_kubernetes_take_it(values: dict[str, Any]) -> None:
     assert helm.lint(str(chart.CHART), values, strict=True)["errors"] == []
     for one in chart.documents(chart.render(values)):
         for version in VERSIONS:
-            kubernetes_validate.validate(one, version, strict=True)
+            validate(one, version)
 
 
 def test_unless_it_is_asked_for_nothing_listens_and_nothing_leads_there() -> None:

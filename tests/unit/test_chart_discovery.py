@@ -3,9 +3,8 @@
 from typing import Any
 
 import helm_python as helm
-import kubernetes_validate
 import pytest
-from chart_rig import ONE, chart, environment, objects, pods
+from chart_rig import ONE, chart, environment, objects, pods, validate
 
 SERVED = {
     "robots": [
@@ -110,7 +109,7 @@ def test_a_robot_may_ask_them_and_hear_their_answers() -> None:
 @pytest.mark.parametrize("version", ["1.27", "1.37"])
 def test_all_of_it_is_what_kubernetes_knows(version: str) -> None:
     for one in chart.documents(chart.render(SERVED)):
-        kubernetes_validate.validate(one, version, strict=True)
+        validate(one, version)
 
 
 def test_nothing_of_it_is_there_unless_it_is_asked_for() -> None:

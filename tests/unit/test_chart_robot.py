@@ -3,10 +3,9 @@
 from typing import Any
 
 import helm_python as helm
-import kubernetes_validate
 import pytest
 import yaml
-from chart_rig import ONE, chart, environment, objects, pods, solo
+from chart_rig import ONE, chart, environment, objects, pods, solo, validate
 
 from edgevox.apps.container import prepared
 from edgevox.ros2.robot_file.load import load_robot_file
@@ -42,13 +41,13 @@ def test_every_example_is_what_helm_and_kubernetes_take(file) -> None:
     assert helm.lint(str(chart.CHART), values, strict=True)["errors"] == []
     for one in chart.documents(chart.render(values)):
         for version in VERSIONS:
-            kubernetes_validate.validate(one, version, strict=True)
+            validate(one, version)
 
 
 @pytest.mark.parametrize("version", VERSIONS)
 def test_files_plug_ins_and_a_recorder_are_what_kubernetes_knows(version: str) -> None:
     for one in chart.documents(chart.render(WHOLE)):
-        kubernetes_validate.validate(one, version, strict=True)
+        validate(one, version)
 
 
 def test_a_robots_files_are_a_folder_that_the_entrypoint_takes(tmp_path) -> None:
@@ -182,7 +181,7 @@ def upload_of(values: dict[str, Any]) -> list[dict[str, Any]]:
 @pytest.mark.parametrize("version", VERSIONS)
 def test_recordings_go_to_object_storage_by_the_command_that_compose_has(version: str) -> None:
     for one in chart.documents(chart.render(ONE | UPLOAD)):
-        kubernetes_validate.validate(one, version, strict=True)
+        validate(one, version)
     (made,) = upload_of(ONE | UPLOAD)
     given = {one["name"]: one["value"] for one in made["env"]}
     assert given["UPLOAD_TO"] == "store:robots/solo"

@@ -3,9 +3,8 @@
 from typing import Any
 
 import helm_python as helm
-import kubernetes_validate
 import pytest
-from chart_rig import ONE, chart, environment, objects, pods, solo
+from chart_rig import ONE, chart, environment, objects, pods, solo, validate
 
 VERSIONS = ("1.27", "1.37")
 ON = {"enabled": True}
@@ -38,7 +37,7 @@ def test_helm_and_kubernetes_take_it() -> None:
     assert helm.lint(str(chart.CHART), SITE, strict=True)["errors"] == []
     for one in chart.documents(chart.render(SITE)):
         for version in VERSIONS:
-            kubernetes_validate.validate(one, version, strict=True)
+            validate(one, version)
 
 
 def test_unless_it_is_asked_for_no_pod_has_an_enclave() -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from clocks import HeldClock
 from ports import free_port
+from waiting import wait_until
 
 from edgevox.apps import health as edgevox_health
 from edgevox.console.door import Door
@@ -44,6 +45,7 @@ def test_one_whose_listener_has_ended_is_not_ready(
 
     monkeypatch.setattr(Door, "serve", ends)
     with console(tmp_path) as rig:
+        wait_until(lambda: rig.server.status().level is not Level.OK, "the end of the listener")
         assert ask(rig) == 1
         assert "console nobody is let in any more" in capsys.readouterr().out
         (check,) = rig.server.checks

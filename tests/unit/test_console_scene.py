@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from edgevox.console import sampling
 from edgevox.console.sessions import Role
 from tests.console_rig import Rig, console
 
@@ -37,7 +38,10 @@ def test_another_map_is_told_to_who_is_there_and_to_who_comes_later(rig: Rig) ->
     asyncio.run(look())
 
 
-def test_one_that_stays_the_same_is_not_told_again(rig: Rig) -> None:
+def test_one_that_stays_the_same_is_not_told_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sampling, "STATUS_S", 0.05)  # five looks count, not their pace
     looks = 0
 
     def same() -> dict[str, Any]:
@@ -45,7 +49,7 @@ def test_one_that_stays_the_same_is_not_told_again(rig: Rig) -> None:
         looks += 1
         return scene(1)
 
-    async def watch() -> int:
+    async def watch(rig: Rig) -> int:
         rig.robot.scene = same
         async with rig.page(Role.VIEWER) as page:
             while looks < 5:
@@ -56,4 +60,5 @@ def test_one_that_stays_the_same_is_not_told_again(rig: Rig) -> None:
                 told += 1
             return told
 
-    assert asyncio.run(watch()) <= 2  # as it comes, and when the console first looks
+    with console(tmp_path) as rig:
+        assert asyncio.run(watch(rig)) <= 2  # as it comes, and when the console first looks

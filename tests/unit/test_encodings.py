@@ -14,7 +14,10 @@ TEXTS = {"read_text": 0, "write_text": 1}
 
 def guessed(file: Path) -> list[int]:
     """Lines that leave the encoding to the locale; ruff's PLW1514 sees them only on a `Path`."""
-    calls = [n for n in ast.walk(ast.parse(file.read_bytes())) if isinstance(n, ast.Call)]
+    code = file.read_bytes()
+    if not any(method.encode() in code for method in TEXTS):
+        return []  # without a look at its syntax, which takes a while
+    calls = [n for n in ast.walk(ast.parse(code)) if isinstance(n, ast.Call)]
     methods = [call for call in calls if isinstance(call.func, ast.Attribute)]
     return [
         call.lineno

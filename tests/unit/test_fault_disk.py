@@ -63,7 +63,7 @@ def in_file(path):
 @pytest.fixture
 def recording(disk):
     inbox = WriteQueue()
-    one = Writing(inbox, Disk(disk.path / "bag", spare_bytes=0), retry_s=0.1)
+    one = Writing(inbox, Disk(disk.path / "bag", spare_bytes=0), flush_s=0.02, retry_s=0.1)
     one.start()
     yield inbox, one
     one.close()

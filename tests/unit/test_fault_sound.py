@@ -224,6 +224,8 @@ class Microphone:
 
 
 class Vad:
+    any_voice = 0.0
+
     def probability(self, samples):
         return 1.0 if samples[0] >= 8000 else 0.0
 

@@ -6,15 +6,21 @@ import pytest
 
 from edgevox.voice.stt.hallucinations import (
     Segment,
-    confidence_in,
     parroted,
     plausible,
+    transcript_of,
     words_of,
 )
+from edgevox.voice.stt.speech_to_text import Transcript
 
 
 def segment(text, log_probability=-0.1):
     return Segment(text, no_speech=0.1, log_probability=log_probability, compression=1.0)
+
+
+def likely(text, share, token=0.8):
+    """A hypothesis with so great a share, and tokens that are so likely each."""
+    return Segment(text, 0.1, math.log(token), compression=1.0, whole=math.log(share))
 
 
 @pytest.mark.parametrize(
@@ -28,21 +34,39 @@ def segment(text, log_probability=-0.1):
     ],
 )
 def test_a_sentence_that_is_written_again_was_said_once(written, said):
-    assert words_of([segment(written)]) == said
+    assert words_of(written) == said
 
 
-def test_repetitions_are_found_across_segments():
-    assert words_of([segment("Turn left."), segment("Turn left.")]) == "Turn left."
+def test_what_else_may_have_been_said_has_its_share_and_other_spellings_are_the_same():
+    said = transcript_of(
+        [likely("Turn left.", 0.5), likely("Turn around.", 0.3), likely("turn left!", 0.2)], 1.5, ""
+    )
+
+    assert (said.text, said.confidence) == ("Turn left.", pytest.approx(0.8))
+    assert [(one.text, one.share, one.confidence) for one in said.others] == [
+        ("Turn around.", pytest.approx(0.3), pytest.approx(0.8))
+    ]
 
 
-def test_words_are_as_sure_as_the_least_sure_of_their_segments():
-    several = [segment("Go to the", -0.1), segment("kitchen.", -1.0)]
+def test_what_is_hardly_likely_is_left_out():
+    said = transcript_of([likely("Turn left.", 0.99), likely("Turn around.", 0.01)], 1.5, "")
 
-    assert confidence_in(several) == pytest.approx(math.exp(-1.0))
+    assert said.others == ()
 
 
-def test_no_words_leave_no_doubt():
-    assert confidence_in([]) == 1.0
+def test_if_the_likeliest_was_not_said_nothing_was():
+    after_a_film = [likely("Thanks for watching!", 0.6), likely("Go to the kitchen.", 0.4)]
+
+    assert transcript_of(after_a_film, 4.0, "") == Transcript("")
+    assert transcript_of([], 4.0, "") == Transcript("")
+
+
+def test_what_was_parroted_is_not_among_what_may_have_been_said():
+    said = transcript_of(
+        [likely("Get your place.", 0.6, 0.5), likely("Turn left.", 0.4, 0.5)], 1.5, "Turn left."
+    )
+
+    assert (said.text, said.others) == ("Get your place.", ())
 
 
 def test_words_that_are_hardly_likely_were_made_of_noise():

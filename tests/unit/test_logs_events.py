@@ -6,6 +6,8 @@ from collections import defaultdict
 from functools import cache
 from pathlib import Path
 
+from code_files import trees
+
 import edgevox
 from edgevox.core.log import Said
 from edgevox.ops.logs.event_table import log_events
@@ -24,8 +26,8 @@ def calls():
 
 
 def _calls():
-    for file in sorted(CODE.rglob("*.py")):
-        for node in ast.walk(ast.parse(file.read_text())):
+    for file, tree in trees(CODE, having=r"\blog\b"):
+        for node in ast.walk(tree):
             if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute):
                 continue
             named = isinstance(node.func.value, ast.Name) and node.func.value.id == "log"

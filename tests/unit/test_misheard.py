@@ -4,13 +4,17 @@ import pytest
 from dialogue_rig import Walker
 from misheard_rig import LETTERS, Spoken
 
+from edgevox.agent.agents import Agent
 from edgevox.agent.near_stop import NearStop
 from edgevox.agent.nlu.hearing_prompt import MOST_CHARACTERS, HearingPrompts
+from edgevox.agent.nlu.hypotheses import is_contested
+from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.nlu.near_commands import NearCommands
 from edgevox.agent.nlu.sounds import SoundTable, sounds_of
 from edgevox.agent.nlu.wordings import wordings
 from edgevox.agent.phrase_file import phrasebook
-from edgevox.core.commands import TextInput
+from edgevox.agent.skills import Call
+from edgevox.core.commands import Hypothesis, TextInput
 
 ASKED = "Shall I do this? Going to the kitchen."
 
@@ -45,6 +49,65 @@ def test_a_command_that_was_heard_clearly_is_done_unasked(rig):
 def test_a_motion_whose_words_are_not_sure_is_asked_about(rig):
     assert rig.hears("go to the kitchen", confidence=0.5) == ASKED
     assert rig.body.moves == []
+
+
+def test_a_command_among_what_else_may_have_been_said_is_done_where_the_likeliest_means_nothing(
+    rig,
+):
+    rig.hears("get your employees", others=[("go to the kitchen", 0.3, 0.8)])
+
+    assert rig.body.moves == ["kitchen"]
+
+
+@pytest.mark.parametrize(
+    ("others", "what"),
+    [
+        ([("go to the kitchen", 0.3, 0.5)], "hardly heard"),
+        ([("go to the kitchen", 0.3, 0.8), ("go to the office", 0.1, 0.8)], "contested"),
+    ],
+)
+def test_it_is_asked_about_where_it_was(rig, others, what):
+    assert rig.hears("get your employees", others=others) == ASKED, what
+    assert rig.body.moves == []
+
+
+@pytest.mark.parametrize(
+    ("said", "others"),
+    [
+        ("get your employees", [("go to the kitchen", 0.1, 0.8)]),
+        ("do not go to the kitchen", [("go to the kitchen", 0.45, 0.9)]),
+        ("where are you", [("go to the kitchen", 0.45, 0.9)]),
+    ],
+)
+def test_it_is_neither_done_nor_asked_about_if_it_is_not_likely_or_something_was_understood(
+    rig, said, others
+):
+    assert "Shall I" not in rig.hears(said, others=others)
+    assert rig.body.moves == []
+
+
+def test_a_command_is_asked_about_if_another_is_nearly_as_likely(rig):
+    rivals = [("go to the office", 0.3, 0.9)]
+
+    assert rig.hears("go to the kitchen", others=rivals) == ASKED
+    assert rig.body.moves == []
+
+
+def test_the_same_command_in_other_words_contests_nothing(rig):
+    rig.hears("go to the kitchen", others=[("drive to the kitchen", 0.4, 0.9)])
+
+    assert rig.body.moves == ["kitchen"]
+
+
+def test_what_is_left_out_and_what_it_is_then_contest_nothing():
+    walker = Agent("walker", "", Walker().skills)
+    one_metre = Meaning(walker, (Call("walk_forward", {"distance": 1.0}),), "template")
+    far = Meaning(walker, (Call("walk_forward", {"distance": 9.0}),), "template")
+    instead = Hypothesis("walk on", 0.4, 0.9)
+
+    same = Meaning(walker, (Call("walk_forward", {}),), "template")
+    assert not is_contested(one_metre, [instead], lambda _: same)
+    assert is_contested(far, [instead], lambda _: same)
 
 
 def test_what_moves_nothing_is_answered_however_badly_it_was_heard(rig):

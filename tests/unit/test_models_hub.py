@@ -131,8 +131,10 @@ def test_other_bytes_from_the_hub_are_never_installed(here: Store, wrong: bytes)
 
 
 def test_a_connection_that_breaks_leaves_nothing_half_and_the_next_fetch_goes_on(
-    here: Store,
+    here: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    # The client's patience between its tries: this hub does not get better meanwhile.
+    monkeypatch.setattr("huggingface_hub.file_download.time.sleep", lambda _: None)
     with pytest.raises(FetchFailed, match="hub us/voices at v1: "):
         fetch_from(hub_with(FILES, stops_after=100), here)
     assert not (here.root / "voice" / "voice.onnx").exists()

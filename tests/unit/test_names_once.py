@@ -1,6 +1,6 @@
 """One name, one thing: no class and no file of EdgeVox is called like another one."""
 
-import ast
+import re
 from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,9 +19,8 @@ def modules() -> Iterator[Path]:
     return (path.relative_to(PACKAGE) for path in PACKAGE.rglob("*.py"))
 
 
-def classes(module: Path) -> Iterator[str]:
-    tree = ast.parse((PACKAGE / module).read_text(encoding="utf-8"))
-    return (node.name for node in tree.body if isinstance(node, ast.ClassDef))
+def classes(module: Path) -> list[str]:
+    return re.findall(r"^class (\w+)", (PACKAGE / module).read_text(encoding="utf-8"), re.MULTILINE)
 
 
 def test_no_two_modules_have_a_class_of_one_name_be_it_private() -> None:

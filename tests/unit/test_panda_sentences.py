@@ -29,7 +29,14 @@ SAID: dict[str, list[str]] = {
         "stack the red block on top of the blue one",
     ],
     "place blue_cube table": ["put the blue cube on the table"],
-    "release": ["open the gripper", "open your hand", "let go", "drop it", "let go of the cube"],
+    "release": [
+        "open the gripper",
+        "open your hand",
+        "open your hands",
+        "let go",
+        "drop it",
+        "let go of the cube",
+    ],
     "goto_home": ["go home", "return to the home position", "robot, please go home now"],
     "move_to 0.4 0.1 0.3": [
         "move to x 0.4 y 0.1 z 0.3",

@@ -3,6 +3,7 @@ import random
 from pathlib import Path
 
 import pytest
+from code_files import trees
 from phrasebook_bodies import BODIES, SKILLS, say_it
 
 import edgevox
@@ -144,8 +145,8 @@ def _codes_given():
     """The codes that the code names when it says why something was not done."""
     calls = [
         node
-        for file in Path(edgevox.__file__).parent.glob("**/*.py")
-        for node in ast.walk(ast.parse(file.read_text("utf-8")))
+        for _, tree in trees(Path(edgevox.__file__).parent, having=r"\bbecause\b")
+        for node in ast.walk(tree)
         if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "because"
     ]
     return {ast.literal_eval(call.args[0]) for call in calls}

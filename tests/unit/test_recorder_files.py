@@ -152,7 +152,7 @@ def recording(tmp_path):
     free = {"bytes": 1 << 40}
     inbox = WriteQueue()
     disk = Disk(tmp_path / "bag", spare_bytes=1_000_000)
-    one = Writing(inbox, disk, free_bytes=lambda _: free["bytes"], retry_s=0.1)
+    one = Writing(inbox, disk, free_bytes=lambda _: free["bytes"], flush_s=0.02, retry_s=0.1)
     one.start()
     yield inbox, one, free
     one.close()
@@ -199,7 +199,7 @@ def test_a_write_that_fails_loses_one_file_only_up_to_its_last_flush(recording, 
 def test_all_files_together_tell_when_they_have_what_they_may(tmp_path):
     inbox = WriteQueue()
     disk = Disk(tmp_path / "bag", most_bytes=3_000, spare_bytes=0, total_bytes=8_000)
-    writing = Writing(inbox, disk)
+    writing = Writing(inbox, disk, flush_s=0.02)
     writing.start()
     said_so_far = 0
     while not writing.full.is_set():

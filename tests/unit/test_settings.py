@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
+from code_files import trees
 
 import edgevox
 from edgevox.apps.flags import add_flags, given_flags
@@ -105,8 +106,8 @@ def test_a_namespace_without_a_slash_is_made_absolute():
 def test_what_a_setting_may_be_chosen_from_is_written_down_once():
     choices = {get_args(field.annotation) for field in Settings.model_fields.values()} - {()}
     written = []
-    for file in Path(edgevox.__file__).parent.rglob("*.py"):
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+    for _, tree in trees(Path(edgevox.__file__).parent, having=r"\bLiteral\b"):
+        for node in ast.walk(tree):
             match node:
                 case ast.Subscript(value=ast.Name(id="Literal"), slice=ast.Tuple() as names):
                     written.append(ast.literal_eval(names))

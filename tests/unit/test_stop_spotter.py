@@ -1,102 +1,172 @@
-"""The stop word spotter: what it computes a frame at a time, and what it never takes for a word."""
+"""The stop word spotter: what it looks at and when, and what it makes of what it is told."""
 
 import numpy as np
 import pytest
 
-from edgevox.voice.audio import FRAME_SAMPLES, RATE_HZ
-from edgevox.voice.stop_features import BANDS, ROWS, StopFeatures, features_of
-from edgevox.voice.stop_network import StopNetwork, read_weights
-from edgevox.voice.stop_spotter import StopSpotter, open_stop_spotter
+from edgevox.core.languages import LANGUAGES as ALL_LANGUAGES
+from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ
+from edgevox.voice.stop_encoder import BANDS, CHANNELS, ENCODER, SAMPLES, STEPS, bands_of
+from edgevox.voice.stop_network import likelihoods, read_weights
+from edgevox.voice.stop_spotter import (
+    LANGUAGES,
+    LOOKS_EVERY,
+    REST_S,
+    SMOOTHED_LOOKS,
+    StopJudge,
+    StopSpotter,
+)
+from edgevox.voice.wake_sleep import AWAKE_S
+
+NOTHING = np.array([1.0, 0.0, 0.0, 0.0], np.float32)
+HALT = np.array([0.04, 0.01, 0.94, 0.01], np.float32)
+LOOK_S = LOOKS_EVERY * FRAME_SAMPLES / RATE_HZ
 
 
-def sound(seconds: float, level: float = 300.0) -> np.ndarray:
-    """Hiss, in whole frames."""
-    n = int(seconds * RATE_HZ) // FRAME_SAMPLES * FRAME_SAMPLES
+def hiss(n: int, level: float = 300.0) -> np.ndarray:
     return np.random.default_rng(5).normal(0, level, n).astype(np.int16)
 
 
-def frames(samples: np.ndarray) -> list[np.ndarray]:
-    return [*samples.reshape(-1, FRAME_SAMPLES)]
+def encoded(sounds: int) -> np.ndarray:
+    """Stands for what the encoder makes of so many."""
+    return np.random.default_rng(7).normal(0, 3, (sounds, STEPS, CHANNELS)).astype(np.float32)
 
 
-def likelihoods(spotter: StopSpotter, samples: np.ndarray) -> list[float]:
-    found = []
-    for frame in frames(samples):
-        spotter.heard(frame)
-        found.append(spotter.likelihood)
-    return found
+class Encoder:
+    """Keeps what it was asked to look at, and makes the same of all."""
+
+    def __init__(self):
+        self.seen = []
+
+    def of(self, sounds):
+        self.seen += [sound.copy() for sound in sounds]
+        return encoded(len(sounds))
 
 
-def test_features_of_a_stream_are_those_of_all_of_it_at_once():
-    whole, stream = sound(2.0), StopFeatures()
-
-    streamed = np.concatenate([stream.push(frame) for frame in frames(whole)])
-
-    assert streamed.shape == (len(frames(whole)) * ROWS, BANDS)
-    np.testing.assert_allclose(streamed, features_of(whole), atol=1e-4)
+def test_its_encoder_is_what_recognises_speech_in_its_language():
+    assert {ALL_LANGUAGES[language].stt_model for language in LANGUAGES} == {ENCODER}
 
 
-def test_a_hum_that_goes_on_vanishes_from_the_features():
-    t = np.arange(4 * RATE_HZ) / RATE_HZ
-    hum = (8000 * np.sin(2 * np.pi * 500 * t)).astype(np.int16)
+def test_what_is_looked_at_does_not_change_with_loudness():
+    usual = bands_of(hiss(SAMPLES))
 
-    found = features_of(hum)
-
-    assert found[-1].max() < 0.6
-    np.testing.assert_allclose(found[-40], found[-1], atol=0.15)
+    assert usual.shape == (BANDS, 2 * STEPS)
+    np.testing.assert_allclose(bands_of(20 * hiss(SAMPLES)), usual, atol=1e-3)
 
 
-def test_the_features_hardly_change_with_loudness():
-    np.testing.assert_allclose(
-        features_of(sound(1.0, 300.0)), features_of(sound(1.0, 3000.0)), rtol=0.1, atol=0.1
-    )
-
-
-def test_the_network_says_the_same_of_a_stream_and_of_all_of_it_at_once():
-    weights = read_weights()
-    rows = features_of(sound(2.0))
-
-    stream = StopNetwork(weights)
-    streamed = np.concatenate([stream.push(rows[n : n + ROWS]) for n in range(0, len(rows), ROWS)])
-
-    np.testing.assert_allclose(streamed, StopNetwork(weights).push(rows), atol=1e-4)
+@pytest.mark.parametrize(
+    "sound", [np.zeros(SAMPLES, np.int16), np.full(SAMPLES, -32_768, np.int16)]
+)
+def test_silence_and_the_loudest_are_numbers_too(sound):
+    assert np.all(np.isfinite(bands_of(sound)))
 
 
 def test_likelihoods_add_up_to_one():
+    found = likelihoods(read_weights(), encoded(3))
+
+    assert found.shape == (3, len(read_weights().words))
+    np.testing.assert_allclose(found.sum(1), 1, atol=1e-5)
+
+
+def test_each_sound_is_judged_by_itself():
+    weights, some = read_weights(), encoded(3)
+
     np.testing.assert_allclose(
-        StopNetwork(read_weights()).push(features_of(sound(1.0))).sum(1), 1, atol=1e-5
+        likelihoods(weights, some)[1], likelihoods(weights, some[1:2])[0], atol=1e-5
     )
 
 
-def test_what_was_forgotten_leaves_no_trace():
-    used, new = open_stop_spotter(), open_stop_spotter()
-    likelihoods(used, sound(1.5, 4000.0))
+def test_it_looks_at_the_last_of_the_sound_every_so_often():
+    encoder, sound = Encoder(), hiss(50 * FRAME_SAMPLES)
+    spotter = StopSpotter(encoder, read_weights())
 
-    used.forget()
+    for frame in sound.reshape(-1, FRAME_SAMPLES):
+        spotter.heard(frame, 1.0)
 
-    assert likelihoods(used, sound(1.0)) == pytest.approx(likelihoods(new, sound(1.0)), abs=1e-6)
-
-
-@pytest.mark.parametrize("level", [0.0, 10.0, 300.0, 20_000.0])
-def test_silence_and_hiss_stop_nothing(level):
-    spotter = open_stop_spotter()
-
-    assert not any(spotter.heard(frame) for frame in frames(sound(20.0, level)))
+    assert len(encoder.seen) == 50 // LOOKS_EVERY
+    last = 50 // LOOKS_EVERY * LOOKS_EVERY * FRAME_SAMPLES
+    np.testing.assert_array_equal(encoder.seen[-1], sound[last - SAMPLES : last])
 
 
-def test_a_hum_and_a_click_stop_nothing():
-    t = np.arange(20 * RATE_HZ) / RATE_HZ
-    hum = sum(2000 * np.sin(2 * np.pi * 90 * k * t) / k for k in range(1, 20))
-    hum[:: RATE_HZ // 2] = 30_000
-    spotter = open_stop_spotter()
+def test_what_was_forgotten_is_not_looked_at():
+    encoder = Encoder()
+    spotter = StopSpotter(encoder, read_weights())
+    for frame in hiss(20 * FRAME_SAMPLES).reshape(-1, FRAME_SAMPLES):
+        spotter.heard(frame, 1.0)
+    encoder.seen.clear()
 
-    assert not any(spotter.heard(frame) for frame in frames(hum.astype(np.int16)[: 625 * 512]))
+    spotter.forget()
+    for _ in range(LOOKS_EVERY):
+        spotter.heard(np.zeros(FRAME_SAMPLES, np.int16), 1.0)
+
+    assert len(encoder.seen) == 1
+    assert not encoder.seen[0].any()
 
 
-def test_with_a_threshold_of_nothing_one_word_is_one_stop():
-    spotter = StopSpotter(read_weights(), threshold=0.0)
+def test_it_sleeps_while_nobody_speaks_and_sees_what_it_slept_through():
+    encoder, sound = Encoder(), hiss(60 * FRAME_SAMPLES).reshape(-1, FRAME_SAMPLES)
+    spotter = StopSpotter(encoder, read_weights())
 
-    found = [spotter.heard(frame) for frame in frames(sound(1.28))]
+    for frame in sound[:58]:
+        spotter.heard(frame, 0.01)
+    assert not encoder.seen
+    for frame in sound[58:]:
+        spotter.heard(frame, 0.2)
 
-    assert found[0]
-    assert 1 < sum(found) < 4
+    (seen,) = encoder.seen
+    np.testing.assert_array_equal(seen, sound.ravel()[-SAMPLES:])
+
+
+def test_it_is_awake_for_a_second_after_a_voice():
+    encoder = Encoder()
+    spotter = StopSpotter(encoder, read_weights())
+
+    spotter.heard(np.zeros(FRAME_SAMPLES, np.int16), 0.9)
+    for _ in range(100):
+        spotter.heard(np.zeros(FRAME_SAMPLES, np.int16), 0.0)
+
+    assert len(encoder.seen) == round(AWAKE_S / FRAME_S) // LOOKS_EVERY
+    assert spotter.likelihood == 0
+
+
+@pytest.fixture
+def judge():
+    return StopJudge(read_weights(), threshold=0.9)
+
+
+def test_no_single_look_stops_a_robot(judge):
+    assert not any(judge.said(look) for look in (NOTHING, HALT, NOTHING, NOTHING, HALT, NOTHING))
+
+
+def test_a_word_stops_it_once_while_it_is_heard(judge):
+    looks = [NOTHING, *[HALT] * int(REST_S / LOOK_S), NOTHING]
+
+    found = [judge.said(look if not frame else None) for look in looks for frame in range(2)]
+
+    assert sum(found) == 1
+    assert judge.word == "halt"
+
+
+def test_a_word_that_is_said_again_later_stops_it_again(judge):
+    rest = int(REST_S / LOOK_S) + 1
+    said = [HALT] * SMOOTHED_LOOKS
+    looks = [*said, *[NOTHING] * rest, *said]
+
+    found = [judge.said(look if not frame else None) for look in looks for frame in range(2)]
+
+    assert sum(found) == 2
+
+
+def test_between_looks_nothing_counts(judge):
+    assert any(judge.said(HALT) for _ in range(SMOOTHED_LOOKS))
+
+    assert not any(judge.said(None) for _ in range(200))
+
+
+def test_after_it_forgot_one_look_is_not_enough(judge):
+    judge.said(HALT)
+    judge.forget()
+
+    assert [judge.said(HALT) for _ in range(SMOOTHED_LOOKS)] == [
+        *[False] * (SMOOTHED_LOOKS - 1),
+        True,
+    ]

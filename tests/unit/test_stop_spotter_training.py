@@ -12,87 +12,16 @@ from stop_words_rig import (
     clips,
     examples,
     installing,
-    pool,
-    random_states,
-    schedule,
+    looks,
     train_stop_spotter,
     training_clips,
     voices,
 )
 
+from edgevox.voice.stop_encoder import CHANNELS, SAMPLES, STEPS
 from edgevox.voice.stop_network import read_weights, weights_of
 
 SHIPPED = train_stop_spotter.PLACE
-
-
-def made(rng, number: int):
-    return [
-        (
-            rng.normal(size=(8, 3)).astype(np.float16),
-            rng.integers(-2, 4, 4).astype(np.int8),
-            int(rng.integers(4)),
-        )
-        for _ in range(number)
-    ]
-
-
-def test_the_rate_goes_by_steps_up_soon_and_down_to_the_end():
-    rates = [schedule.rate(step, 1000) for step in range(1000)]
-
-    assert rates[0] == pytest.approx(schedule.FASTEST / schedule.WARMING_STEPS)
-    top = rates.index(max(rates))
-    assert top == pytest.approx(schedule.WARMING_STEPS, abs=2)
-    assert rates[top:] == sorted(rates[top:], reverse=True)
-    assert 0 < rates[-1] < 0.02 * schedule.FASTEST
-
-
-def test_a_pool_keeps_the_newest_examples():
-    rng, kept = np.random.default_rng(1), pool.Pool(10)
-    all_made = made(rng, 14)
-
-    kept.add(all_made[:8])
-    where = kept.add(all_made[8:])
-
-    assert len(kept) == 10
-    batch = kept.batch(where, 6, rng)
-    for at, (rows, labels, word) in enumerate(all_made[8:]):
-        np.testing.assert_array_equal(batch.rows[at], rows)
-        np.testing.assert_array_equal(batch.labels[at], labels)
-        assert batch.words[at] == word
-
-
-def test_what_costs_more_is_learnt_from_more_often():
-    rng, kept = np.random.default_rng(1), pool.Pool(10)
-    where = kept.add(made(rng, 10))
-    kept.costed(where, np.array([2.0, *np.zeros(9)]))
-
-    drawn = np.concatenate([kept.batch(where[9:], 3, rng).where[:2] for _ in range(200)])
-
-    share = np.mean(drawn == 0)
-    assert share == pytest.approx(2.1 / (2.1 + 8 * 0.1), abs=0.1)
-    assert 9 not in drawn  # the fresh one is in every batch, once
-
-
-def test_a_pool_goes_on_from_its_state_as_if_never_cut_off():
-    rng, kept = np.random.default_rng(1), pool.Pool(10)
-    kept.costed(kept.add(made(rng, 12)), rng.uniform(0, 3, 12))
-    later, state = pool.Pool(10), {name: one.copy() for name, one in kept.state().items()}
-
-    later.resume(state)
-
-    fresh = made(rng, 2)
-    drawn = [one.batch(one.add(fresh), 8, np.random.default_rng(7)) for one in (kept, later)]
-    np.testing.assert_array_equal(drawn[0].where, drawn[1].where)
-    np.testing.assert_array_equal(drawn[0].rows, drawn[1].rows)
-
-
-def test_draws_go_on_from_their_state_as_if_never_cut_off():
-    one, other = np.random.default_rng(3), np.random.default_rng(4)
-    one.normal(size=5)
-
-    random_states.resume(other, random_states.state_of(one))
-
-    assert list(one.integers(0, 1000, 9)) == list(other.integers(0, 1000, 9))
 
 
 @pytest.fixture
@@ -100,18 +29,106 @@ def speaker(monkeypatch):
     return Speaker(monkeypatch)
 
 
-def test_examples_go_on_from_their_state_as_if_never_cut_off(monkeypatch):
+class Encoder:
+    """Stands for the encoder: it makes of each sound how loud it is at its end."""
+
+    def of(self, sounds):
+        ends = [np.abs(sound[-400:]).mean() for sound in sounds]
+        return np.repeat(ends, STEPS * CHANNELS).reshape(-1, STEPS, CHANNELS)
+
+
+@pytest.fixture
+def makes(monkeypatch):
     monkeypatch.setattr(examples, "kinds", lambda _: ("white", "pink"))
     tone = (3000 * np.sin(np.arange(9_000) / 9)).astype(np.int16)
-    sounds = [examples.Sound(tone, word, False) for word in range(4)]
-    one, other = examples.Examples(sounds, 1), examples.Examples(sounds, 1)
-    for _ in range(3):
-        one.make()
+    sounds = [examples.Sound(tone, word, word == 3) for word in range(4)]
+    return lambda: examples.Examples(sounds, 1)
 
-    other.resume(one.state())
 
-    for left, right in zip(one.make(), other.make(), strict=True):
-        np.testing.assert_array_equal(left, right)
+def test_the_same_seed_makes_the_same_examples(makes):
+    one, other = makes(), makes()
+
+    for _ in range(4):
+        np.testing.assert_array_equal(one.make().sound, other.make().sound)
+
+
+SAID = examples.Example(np.zeros(51_200, np.int16), 2, False, begins_s=1.5, ends_s=2.0)
+WITHIN = examples.Example(np.zeros(51_200, np.int16), 2, True, begins_s=1.0, ends_s=2.0)
+NONE = examples.Example(np.zeros(51_200, np.int16))
+
+
+@pytest.mark.parametrize(
+    ("example", "when_s", "label"),
+    [
+        (SAID, 1.4, 0),
+        (SAID, 1.8, examples.IGNORED),
+        (SAID, 2.01, 2),
+        (SAID, 2.2, 2),
+        (SAID, 2.5, examples.IGNORED),
+        (SAID, 3.19, 0),
+        (WITHIN, 1.2, examples.IGNORED),
+        (WITHIN, 1.6, 2),
+        (WITHIN, 1.9, examples.IGNORED),
+        (NONE, 2.0, 0),
+    ],
+)
+def test_a_look_is_to_find_a_word_that_has_just_been_said(example, when_s, label):
+    assert example.label(when_s) == label
+
+
+def test_few_looks_are_mostly_where_the_word_is_to_be_heard():
+    rng = np.random.default_rng(1)
+
+    for example in (SAID, WITHIN):
+        labels = [example.label(when) for _ in range(50) for when in example.times(rng)]
+        assert labels.count(2) >= 100
+    assert {NONE.label(when) for _ in range(50) for when in NONE.times(rng)} == {0}
+
+
+def test_every_look_sees_as_much_as_the_spotter(makes):
+    rng, made = np.random.default_rng(1), makes()
+
+    for example in (made.make() for _ in range(20)):
+        assert {example.looked_at(when).size for when in example.times(rng)} == {SAMPLES}
+
+
+def test_looks_are_kept_with_their_labels(makes, tmp_path):
+    made = makes()
+
+    looks.keep(tmp_path, 0, looks.some((made.make() for _ in range(9)), Encoder(), 1))
+
+    found = looks.read(tmp_path, 0)
+    assert found.encoded.shape == (len(found.labels), STEPS, CHANNELS)
+    assert {0, 1, 2, 3} >= set(found.labels) > {0}
+
+
+def test_a_round_that_is_cut_off_is_not_there(makes, tmp_path):
+    def cut_off():
+        yield makes().make()
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        looks.keep(tmp_path, 0, looks.some(cut_off(), Encoder(), 1))
+
+    assert not looks.round_file(tmp_path, 0).exists()
+
+
+def test_what_a_network_gets_wrong_is_learnt_again(makes, monkeypatch):
+    """One that says the same of every look: so sure that there is no word."""
+
+    def labels(sure, others):
+        said = [sure, *[(1 - sure) / 3] * 3]
+        monkeypatch.setattr(looks, "OTHERS", others)
+        monkeypatch.setattr(looks, "likelihoods", lambda _, some: np.tile(said, (len(some), 1)))
+        made = makes()
+        few = (made.make() for _ in range(30))
+        return [label for _, label in looks.wrong(few, Encoder(), None, 1)]
+
+    all_looks = labels(0.99, others=1.0)
+
+    assert labels(0.5, others=0.0) == all_looks
+    assert labels(0.99, others=0.0) == [label for label in all_looks if label]
+    assert set(all_looks) == {0, 1, 2, 3}
 
 
 def test_a_training_that_goes_on_keeps_the_clips_that_it_began_with(speaker, tmp_path):
@@ -169,7 +186,7 @@ def test_what_was_trained_is_installed_where_that_is_asked_for_with_its_threshol
     with np.load(place) as data:
         found = weights_of(data)
     assert found.threshold == 0.77
-    np.testing.assert_array_equal(found.first, read_weights().first)
+    np.testing.assert_array_equal(found.place, read_weights().place)
     assert [one.name for one in place.parent.iterdir()] == [place.name]
 
 

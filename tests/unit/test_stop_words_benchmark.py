@@ -25,6 +25,11 @@ from stop_words_rig import (
 
 from edgevox.models import ModelMissing
 from edgevox.models.store import Store
+from edgevox.voice import stop_spotter
+from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES
+from edgevox.voice.stop_encoder import CHANNELS, STEPS
+from edgevox.voice.stop_network import read_weights
+from edgevox.voice.stop_spotter import StopSpotter
 
 LETTERS = re.compile(r"[^a-z0-9]")
 
@@ -216,6 +221,42 @@ def test_the_time_of_a_stop_counts_from_the_end_of_the_word(speaker):
     assert spot.sound.size / 16_000 > spot.ends_s + 0.8
 
 
+class Loudness:
+    """Stands for the encoder: how loud each sound is, and for what it makes of a voice."""
+
+    def of(self, sounds):
+        return np.stack([np.full((STEPS, CHANNELS), np.abs(one).mean()) for one in sounds])
+
+    def probability(self, samples):
+        return float(np.abs(samples).max() > 1000)
+
+    def reset(self):
+        pass
+
+
+def test_the_ears_of_the_benchmark_hear_what_the_spotter_hears(monkeypatch):
+    for module in (stop_words_ears, stop_spotter):
+        monkeypatch.setattr(
+            module, "likelihoods", lambda _, encoded: np.stack(
+                [[1 - level, level, 0, 0] for level in encoded[:, 0, 0] / 10_000]
+            )
+        )  # fmt: skip
+    rng, hears = np.random.default_rng(3), Loudness()
+    levels = np.repeat([0, 9000, 300, 0, 9500, 9000, 0, 9900], 25)
+    sound = (rng.choice([-1, 1], (len(levels), FRAME_SAMPLES)) * levels[:, None]).astype(np.int16)
+    weights = dataclasses.replace(read_weights(), threshold=0.5)
+    ears, spotter = stop_words_ears.Ears(hears, weights, hears), StopSpotter(hears, weights)
+
+    stopped = [
+        (number + 1) * FRAME_S
+        for number, frame in enumerate(sound)
+        if spotter.heard(frame, hears.probability(frame))
+    ]
+
+    assert len(stopped) > 2
+    assert list(ears.stops(sound.ravel())) == stopped
+
+
 def test_no_sentence_comes_again_before_all_of_its_engine_were_heard(speaker):
     said = stop_words_sounds.talk(Half.TUNING)
     natural = [clip for clip in said if clip.engine == "kokoro"]
@@ -237,23 +278,23 @@ def test_a_false_stop_is_told_with_what_was_said_then(speaker):
     assert found.hours >= 0.001
 
 
-class Steps:
+class Looks:
     """Ears that are as sure of every sound."""
 
     def __init__(self, sure: float) -> None:
         self._sure = sure
 
-    def steps(self, _):
+    def looks(self, _):
         return np.full(1, self._sure)
 
-    def judged(self, steps, threshold):
-        return iter([1.5] if steps[0] >= threshold else [])
+    def judged(self, looks, threshold):
+        return iter([1.5] if looks[0] >= threshold else [])
 
 
 def test_the_threshold_is_chosen_with_what_is_neither_learnt_nor_tested(speaker):
     said = stop_words_sounds.words(stop_words_threshold.HALF)[:3]
 
-    found, hours = stop_words_threshold.rows(Steps(0.82), said, 0.001)
+    found, hours = stop_words_threshold.rows(Looks(0.82), said, 0.001)
 
     assert {clip.voice for clip in said} <= set(voices.kokoro_voices(Half.TUNING))
     heard = {row.threshold: (row.heard, row.false > 0) for row in found}

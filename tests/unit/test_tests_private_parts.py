@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import pytest
+from code_files import trees
 
 TESTS = Path(__file__).parents[1]
 BY_NAME = {"getattr", "setattr", "delattr", "hasattr", "object"}
@@ -51,7 +52,7 @@ def private_parts(nodes: Iterable[ast.AST], own: set[str]) -> Iterator[str]:
 
 
 def test_no_test_reaches_into_private_parts() -> None:
-    files = {file: nodes(file.read_text(encoding="utf-8")) for file in TESTS.rglob("*.py")}
+    files = {file: list(ast.walk(tree)) for file, tree in trees(TESTS, having=r"\b_(?!_)\w")}
     own = set().union(*map(defined, files.values()))
 
     found = [

@@ -14,6 +14,10 @@ class Says:
         self.says = 0.0
         self.resets = 0
 
+    @property
+    def any_voice(self):
+        return self.says
+
     def probability(self, samples):
         return self.says
 

@@ -13,8 +13,11 @@ from edgevox.voice.hearing_meter import SILENT_DB, WINDOW_S, HearingMeter
 class Ears:
     """Takes whatever is louder than -40 dB for a voice."""
 
+    any_voice = 0.1
+
     def probability(self, samples):
-        return 0.9 if np.abs(samples).max() > 0.01 * 32768 else 0.1
+        self.any_voice = 0.9 if np.abs(samples).max() > 0.01 * 32768 else 0.1
+        return self.any_voice
 
     def reset(self):
         """Nothing to forget."""

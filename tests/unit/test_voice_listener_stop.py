@@ -26,15 +26,27 @@ class Spotter:
         self.level, self.forgotten = level, 0
         self._once = OncePerWord(10 * FRAME_S)
 
-    def heard(self, samples):
+    def heard(self, samples, probability):
         return self._once.counts(bool(samples[0] == self.level))
 
     def forget(self):
         self.forgotten += 1
 
 
+class Told(Spotter):
+    """Keeps how likely a voice was in each frame."""
+
+    def __init__(self):
+        super().__init__()
+        self.probabilities = []
+
+    def heard(self, samples, probability):
+        self.probabilities.append(probability)
+        return super().heard(samples, probability)
+
+
 class Broken(Spotter):
-    def heard(self, samples):
+    def heard(self, samples, probability):
         raise RuntimeError("bug")
 
 
@@ -137,9 +149,12 @@ def test_an_utterance_that_is_refused_is_answered_all_the_same(monkeypatch):
 
 
 def test_a_spotter_that_fails_leaves_the_robot_its_hearing(caplog):
-    said = hear(Stt("go"), *spoken(), detector=Broken())
+    broken = Broken()
+
+    said = hear(Stt("go"), *spoken(), detector=broken)
 
     assert [one.text for one in said if isinstance(one, Heard)] == ["go"]
+    assert broken.forgotten > 1  # what it made of frames before does not count any more
     assert "stop_spotter_failed" in caplog.text
 
 
@@ -150,6 +165,16 @@ def test_in_a_language_that_it_does_not_know_it_rests_and_says_so_once(caplog):
 
     assert spots(said) == []
     assert caplog.text.count("stop_spotter_off") == 1
+
+
+@pytest.mark.parametrize(("audible", "told"), [(0.0, {0.0, 1.0}), (0.5, {1.0})])
+def test_it_is_told_of_any_voice_and_always_of_one_while_the_robot_speaks(audible, told):
+    """What is heard of a person may be cut out then."""
+    spotter = Told()
+
+    hear(Stt("go"), *[0] * 10, *spoken(), detector=spotter, audible=audible)
+
+    assert set(spotter.probabilities) == told
 
 
 def test_it_forgets_what_was_heard_when_something_is_missing():

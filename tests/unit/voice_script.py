@@ -35,8 +35,11 @@ class Script:
 
 
 class Vad:
+    any_voice = 0.0
+
     def probability(self, samples):
-        return 1.0 if samples[0] >= VOICE else 0.0
+        self.any_voice = 1.0 if samples[0] >= VOICE else 0.0
+        return self.any_voice
 
     def reset(self):
         pass

@@ -13,6 +13,7 @@ from edgevox.agent.history import History, size_tokens
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelBusy, ModelFailed
 from edgevox.agent.nlu.confidence import ASK_FROM
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
+from edgevox.agent.nlu.hypotheses import is_contested, likeliest
 from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.nlu.near_commands import NearCommands
 from edgevox.agent.nlu.sounds import Phonemes
@@ -108,7 +109,7 @@ class Interpreter:
         if meaning and isinstance(program, Unclear):  # not now, whatever it is
             self._say_unclear(turn)
             return None
-        if meaning := self._sounds_like(text, turn):
+        if meaning := self._said_instead(text, turn) or self._sounds_like(text, turn):
             return meaning
         refused = program if isinstance(program, RefusedCommand) else plain
         if refused:
@@ -149,6 +150,19 @@ class Interpreter:
             self._hand_over(agent, turn)
             return Meaning(agent, decision.calls, "reading", decision.confidence)
         return None
+
+    def as_heard(self, meaning: Meaning, turn: Turn) -> Meaning:
+        """The same, asked about if its words were hardly heard, or another order is as likely."""
+        contested = is_contested(meaning, turn.others, self.plain)
+        return meaning.heard(0.0 if contested else turn.hearing)
+
+    def _said_instead(self, text: str, turn: Turn) -> Meaning | None:
+        """The plain command among what else may have been said; what is denied is not misheard."""
+        found = likeliest(turn.others, self.plain)
+        if found is None or self._is_held_back(text):
+            return None
+        self._hand_over(found.agent, turn)
+        return found
 
     def _sounds_like(self, text: str, turn: Turn) -> Meaning | None:
         """What spoken words sound like that mean nothing themselves: never sure that it is meant.

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edgevox.apps.agent_parts import AgentParts
+from edgevox.apps.stop_choice import open_stop_detector
 from edgevox.apps.voice import endings
 from edgevox.apps.wake_choice import open_wakeword
 from edgevox.core.bus import Bus
@@ -24,7 +25,6 @@ from edgevox.voice.foreground import open_vad
 from edgevox.voice.listener import Listener
 from edgevox.voice.sinks.tapped import Tap, TappedSink
 from edgevox.voice.sources.pushed import Pushed
-from edgevox.voice.stop_spotter import open_stop_spotter
 
 SOURCE = "console"
 
@@ -110,7 +110,7 @@ def share_sound(stack: ExitStack, parts: AgentParts) -> SharedSound | None:
         audible=voice.sink.audible,
         wakeword=wakeword,
         is_stop=parts.conversation.is_stop,
-        stop_detector=open_stop_spotter() if settings.stop_spotter else None,
+        stop_detector=open_stop_detector(settings),
         ending=endings(parts.conversation).of,
         saying=voice.speech_output.saying,
     )

@@ -1,7 +1,8 @@
 """Waits of a skill for something that happens on the node's thread."""
 
 import threading
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from rclpy.task import Future
@@ -44,58 +45,75 @@ def wait_until(
 
 
 class Newest:
-    """The newest message of a topic, taken on the node's thread and waited for on others."""
+    """The newest messages of a topic, taken on the node's thread and waited for on others.
 
-    def __init__(self, clock: Clock) -> None:
+    Who waits is given each message, however quickly they follow on one another. `keeps` is how many
+    are kept for who begins to wait only after they came.
+    """
+
+    def __init__(self, clock: Clock, keeps: int = 1) -> None:
         self._clock = clock
         self._changed = threading.Condition()
-        self._message: Any = None
-        self._at_s = 0.0
-        self._count = 0
+        self._kept: deque[tuple[float, Any]] = deque(maxlen=keeps)
+        self._waiting: list[deque[Any]] = []
 
     def take(self, message: Any) -> None:
         """A message has come."""
         with self._changed:
-            self._message, self._at_s = message, self._clock.now()
-            self._count += 1
+            self._kept.append((self._clock.now(), message))
+            for waits in self._waiting:
+                waits.append(message)
             self._changed.notify_all()
 
     def young(self, oldest_s: float) -> Any:
         """The newest message, unless it is older; None if there is none."""
         with self._changed:
-            fits = self._message is not None and self._clock.now() - self._at_s <= oldest_s
-            return self._message if fits else None
+            if not self._kept:
+                return None
+            at_s, message = self._kept[-1]
+            return message if self._clock.now() - at_s <= oldest_s else None
+
+    def since(self, begun_s: float) -> list[Any]:
+        """Those kept that came since then, the oldest first."""
+        with self._changed:
+            return [message for at_s, message in self._kept if at_s >= begun_s]
 
     def wait(
         self,
         fits: Callable[[Any], bool],
         token: CancelToken,
         timeout_s: float,
-        *,
-        kept: bool,
+        known: Callable[[], Iterable[Any]] = tuple,
     ) -> Any:
-        """The first message that fits: of those that come from now on, or the one that is `kept`.
+        """The first message that fits: of those `known` when it begins, or that come from then on.
 
         Raises `Cancelled`, or `TookTooLong`.
         """
         until_s = self._clock.now() + timeout_s
         forget = token.on_cancel(self._wake)
+        with self._changed:  # nothing comes between what is known and what will come
+            waits = deque(known())
+            self._waiting.append(waits)
         try:
-            with self._changed:
-                seen = self._count - (1 if kept and self._count else 0)
-                while True:
-                    if self._count > seen:
-                        seen, message = self._count, self._message
-                        if fits(message):
-                            return message
-                        continue
-                    token.check()
-                    left_s = until_s - self._clock.now()
-                    if left_s <= 0:
-                        raise TookTooLong
-                    self._changed.wait(left_s)
+            while True:
+                if self._next(waits, token, until_s) and fits(message := waits.popleft()):
+                    return message
         finally:
             forget()
+            with self._changed:
+                self._waiting = [one for one in self._waiting if one is not waits]
+
+    def _next(self, waits: "deque[Any]", token: CancelToken, until_s: float) -> bool:
+        """Whether there is a message; else it was awake for nothing."""
+        with self._changed:
+            if waits:
+                return True
+            token.check()
+            left_s = until_s - self._clock.now()
+            if left_s <= 0:
+                raise TookTooLong
+            self._changed.wait(left_s)
+            return bool(waits)
 
     def _wake(self) -> None:
         with self._changed:

@@ -39,8 +39,9 @@ class Disk:
 class Writing:
     """Writes from `start` to `close`. While the disk takes nothing, messages are dropped.
 
-    `fault` says why nothing is written at the moment, and is empty otherwise. Raises `OSError`
-    where the folder cannot be made.
+    `fault` says why nothing is written at the moment, and is empty otherwise. It looks every
+    `flush_s` for what came, and `retry_s` after a fault whether it is over. Raises `OSError` where
+    the folder cannot be made.
     """
 
     def __init__(
@@ -50,12 +51,14 @@ class Writing:
         *,
         clock: Clock | None = None,
         free_bytes: Callable[[Path], int] = lambda folder: shutil.disk_usage(folder).free,
+        flush_s: float = FLUSH_S,
         retry_s: float = RETRY_S,
     ) -> None:
         self._inbox = inbox
         self._disk = disk
         self._clock = clock or SystemClock()
         self._free_bytes = free_bytes
+        self._flush_s = flush_s
         self._retry_s = retry_s
         self._retry_at_s = 0.0
         self.bag = Bag(disk.folder, disk.most_bytes)
@@ -83,7 +86,7 @@ class Writing:
             self._thread.join()
 
     def _work(self) -> None:
-        while not self._closing.wait(FLUSH_S):
+        while not self._closing.wait(self._flush_s):
             self._round()
         self._retry_at_s = 0.0  # there is no later
         self._round()

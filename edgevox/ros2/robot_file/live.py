@@ -25,7 +25,8 @@ class StepRun:
     """One time that a step is done: the values for its request, and the goal it is done for.
 
     `stop` does what the skill does when it ends early; only the first call counts. `asked_s` is
-    when the step before it began to ask for something, if there is one.
+    when the step before it began to ask for something, if there is one, and `only_asked` that it
+    did nothing else: it did not wait for what it asked for.
     """
 
     values: Mapping[str, Any]
@@ -33,10 +34,15 @@ class StepRun:
     report: Report
     stop: Callable[[], None] = lambda: None
     asked_s: float | None = None
+    only_asked: bool = False
 
 
 class LiveStep(Protocol):
     """A step that can be done. `run` blocks, on a thread that is not the node's."""
+
+    @property
+    def only_asks(self) -> bool:
+        """Whether it is over as soon as it has asked for something."""
 
     def run(self, run: StepRun) -> dict[str, Any]:
         """Its results. Raises `SkillFailed` with the reason, or `Cancelled`."""
@@ -48,6 +54,8 @@ def go_live(planned: PlannedStep, node: Node, clock: Clock) -> LiveStep:
 
 
 class _Base:
+    only_asks = False
+
     def __init__(self, planned: PlannedStep, node: Node, clock: Clock) -> None:
         self._planned, self._step, self._clock = planned, planned.step, clock
         self._filling = Filling(lambda: node.get_clock().now().to_msg())
@@ -65,6 +73,7 @@ class Publishes(_Base):
         self._sender = TopicSender(
             node, planned.type, planned.interface_name, clock, latched=self._how.latched
         )
+        self.only_asks = not self._how.rate_hz
 
     def run(self, run: StepRun) -> dict[str, Any]:
         message = self._request(run)
@@ -132,11 +141,18 @@ class Acts(_Base):
 
 
 class _Hears(_Base):
+    keeps = 1
+
     def __init__(self, planned: PlannedStep, node: Node, clock: Clock) -> None:
         super().__init__(planned, node, clock)
         topic: Topic = getattr(self._step, planned.way)
         self._listener = TopicListener(
-            node, planned.type, planned.interface_name, clock, latched=topic.latched
+            node,
+            planned.type,
+            planned.interface_name,
+            clock,
+            latched=topic.latched,
+            keeps=self.keeps,
         )
 
 
@@ -151,15 +167,21 @@ class Reads(_Hears):
 class WaitsForMessage(_Hears):
     """Waits until a message says that something is so."""
 
+    keeps = 32
+    """What came between the asking and the waiting: others' answers come on the same topic."""
+
     def run(self, run: StepRun) -> dict[str, Any]:
         how: Wait = getattr(self._step, self._planned.way)
         # After another step only what came since is an answer to it, also if it was there at once.
+        # What it asked for may be followed by others' answers; of what is said again and again
+        # while it takes its time, only the newest is so.
         oldest_s = READ_S if run.asked_s is None else self._clock.now() - run.asked_s
         message = self._listener.wait_for(
             lambda one: holds(one, how.until, run.values),
             run.token,
             self._step.timeout_s,
             min(READ_S, oldest_s),
+            since_s=run.asked_s if run.only_asked else None,
         )
         return values_of(self._planned, message, run.values)
 

@@ -104,12 +104,13 @@ class _SkillRun:
                 self._end(watch)
         results: dict[str, Any] = {}
         asked_s: float | None = None
+        only_asked = False
         for step in self._skill.steps:
             self._token.check()
             self._begun = True
             values = {**self._values, **results}
-            run = StepRun(values, self._token, self._goal.report, self.stop, asked_s)
-            asked_s = self._skill.clock.now()
+            run = StepRun(values, self._token, self._goal.report, self.stop, asked_s, only_asked)
+            asked_s, only_asked = self._skill.clock.now(), step.only_asks
             results |= step.run(run)
         return results
 

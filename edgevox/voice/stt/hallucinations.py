@@ -8,8 +8,11 @@ the kitchen." at -1.02; commands that were understood in noise lay above -0.85.
 
 import math
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from edgevox.core.commands import Hypothesis
+from edgevox.voice.stt.speech_to_text import Transcript
 
 SURELY_NOISE = 0.6
 MAYBE_NOISE = 0.4
@@ -18,6 +21,8 @@ SURELY_GUESSED = -1.0
 REPEATS = 2.6
 """Text that compresses better than this says the same again and again."""
 SHORT_S = 3.0
+MAYBE_SAID = 0.02
+"""What is less likely among what may have been said is left out."""
 
 _OF_NOTHING = frozenset(
     {
@@ -47,13 +52,14 @@ class Segment:
     """A piece of Whisper's output with its own doubts.
 
     `no_speech` is the probability that nothing was said, `log_probability` the tokens' mean,
-    `compression` how much shorter its text is when compressed.
+    `whole` their sum, `compression` how much shorter its text is when compressed.
     """
 
     text: str
     no_speech: float
     log_probability: float
     compression: float
+    whole: float = 0.0
 
 
 def plausible(segment: Segment, seconds: float) -> bool:
@@ -80,24 +86,49 @@ def parroted(segment: Segment, prompt: str) -> bool:
     return all(_plain(one) in shown for one in _SENTENCE_ENDS.split(segment.text.strip()))
 
 
-def words_of(segments: Iterable[Segment]) -> str:
-    """Their text on one line, without remarks such as ``[music]``.
+def transcript_of(hypotheses: Sequence[Segment], seconds: float, prompt: str) -> Transcript:
+    """What was said in a sound of so many seconds: the first hypothesis, and what else it may be.
+
+    If that was not said nothing was, whatever follows. Spelled otherwise it is the same, and what
+    is hardly likely is left out.
+    """
+    said: dict[str, Hypothesis] = {}
+    for one, share in zip(hypotheses, _shares(hypotheses), strict=True):
+        real = plausible(one, seconds) and not parroted(one, prompt)
+        if not real and not said:
+            break
+        text = words_of(one.text)
+        if real and text:
+            new = Hypothesis(text, 0.0, math.exp(one.log_probability))
+            known = said.setdefault(_plain(text), new)
+            said[_plain(text)] = replace(known, share=known.share + share)
+    if not said:
+        return Transcript("")
+    first, *others = said.values()
+    likely = sorted(others, key=lambda one: one.share, reverse=True)
+    enough = tuple(one for one in likely if one.share >= MAYBE_SAID)
+    return Transcript(first.text, first.confidence, enough)
+
+
+def _shares(hypotheses: Sequence[Segment]) -> list[float]:
+    """How likely each is among them."""
+    most = max((one.whole for one in hypotheses), default=0.0)
+    weights = [math.exp(one.whole - most) for one in hypotheses]
+    return [weight / sum(weights) for weight in weights]
+
+
+def words_of(text: str) -> str:
+    """A text on one line, without remarks such as ``[music]``.
 
     A sentence that is only said again is left out: over other voices Whisper writes one twice that
     was said once, and "Turn left. Turn left." is another order.
     """
-    text = " ".join(" ".join(s.text for s in segments).split())
     spoken = " ".join(_BRACKETED.sub(" ", text).split())
     said: list[str] = []
     for sentence in _SENTENCE_ENDS.split(spoken):
         if not said or _plain(sentence) != _plain(said[-1]):
             said.append(sentence)
     return " ".join(said) if _plain(spoken) else ""
-
-
-def confidence_in(segments: Iterable[Segment]) -> float:
-    """How likely the mean token of the least likely of them is what was said."""
-    return math.exp(min((s.log_probability for s in segments), default=0.0))
 
 
 def _plain(text: str) -> str:

@@ -3,15 +3,20 @@
 from dataclasses import dataclass
 from typing import Protocol
 
+from edgevox.core.commands import Hypothesis
 from edgevox.voice.audio import Samples
 
 
 @dataclass(frozen=True, slots=True)
 class Transcript:
-    """The words in a sound, empty if there are none, and how sure it is that they are those."""
+    """The words in a sound, empty if there are none, and how sure it is that they are those.
+
+    `others` are what else may have been said, the likeliest first.
+    """
 
     text: str
     confidence: float = 1.0
+    others: tuple[Hypothesis, ...] = ()
 
 
 class SpeechToText(Protocol):

@@ -1,0 +1,85 @@
+"""What the stop word spotter looks at: the last 1.1 s of sound, as Whisper's encoder hears them.
+
+Whisper's smallest English network was trained on the speech of very many people in all kinds of
+places; what its encoder makes of a sound tells words apart in noise far better than anything that
+can be learnt from the voices here. It takes 3 to 4 ms for so short a sound, which it was not made
+for: what it says of it is learnt anew by `stop_network`.
+"""
+
+import functools
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from edgevox.voice.audio import Samples
+from edgevox.voice.level import FULL_SCALE
+from edgevox.voice.one_thread import product
+
+Floats = NDArray[np.float32]
+
+ENCODER = "whisper-tiny.en"
+"""The model whose encoder it is, as the manifest names it."""
+BANDS, WINDOW_SAMPLES, HOP_SAMPLES = 80, 400, 160
+"""Whisper's own: 25 ms of sound every 10 ms."""
+_ROWS = 112
+SAMPLES = WINDOW_SAMPLES + (_ROWS - 1) * HOP_SAMPLES
+"""How much sound it looks at, 1.135 s at 16 kHz."""
+STEPS, CHANNELS = _ROWS // 2, 384
+"""What comes of that: a step in 20 ms."""
+_RANGE = 8.0  # what is softer than the loudest by more than so many powers of ten is not heard
+_LOUDEST = 0.5  # how loud the loudest always is, in powers of ten
+_LEAST = 1e-10
+_TAPER = np.hanning(WINDOW_SAMPLES + 1)[:-1].astype(np.float32)
+
+
+def bands_of(sound: Samples) -> Floats:
+    """How loud Whisper's bands are in `SAMPLES` samples, shape (`BANDS`, rows).
+
+    The loudest is always the same, so how loud one speaks does not matter.
+    """
+    scaled = sound.astype(np.float32) / FULL_SCALE
+    windows = np.lib.stride_tricks.sliding_window_view(scaled, WINDOW_SAMPLES)[::HOP_SAMPLES]
+    spectrum = np.fft.rfft(windows * _TAPER)
+    power = (spectrum.real**2 + spectrum.imag**2).astype(np.float32)
+    loudness = np.log10(np.maximum(product(power, _bands()), _LEAST)).T
+    beside = np.maximum(loudness - loudness.max(), -_RANGE)
+    return np.asarray((beside + _LOUDEST + 4) / 4, np.float32)
+
+
+@functools.cache
+def _bands() -> Floats:
+    """What each frequency is to each band, shape (frequencies, `BANDS`)."""
+    from faster_whisper.feature_extractor import FeatureExtractor
+
+    return np.ascontiguousarray(FeatureExtractor(feature_size=BANDS).mel_filters.T, np.float32)
+
+
+@functools.cache
+def _whisper(folder: Path) -> Any:
+    """On one core, beside the one that transcribes: who waited for that would be late.
+
+    One for all who listen; it may be asked from any thread.
+    """
+    import ctranslate2
+
+    return ctranslate2.models.Whisper(
+        str(folder), device="cpu", compute_type="int8", inter_threads=1, intra_threads=1
+    )
+
+
+class StopEncoder:
+    """Whisper's encoder, from its folder, loaded when it is first asked."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def of(self, sounds: Sequence[Samples]) -> Floats:
+        """Of `SAMPLES` samples each, shape (sounds, `STEPS`, `CHANNELS`)."""
+        import ctranslate2
+
+        bands = np.ascontiguousarray(np.stack([bands_of(sound) for sound in sounds]))
+        encoded = _whisper(self._folder).encode(ctranslate2.StorageView.from_array(bands))
+        return np.asarray(encoded, np.float32)
