@@ -85,11 +85,9 @@ def test_each_cell_is_drawn_where_it_is_by_day_and_by_night(
     opens: Opens, mapped: Robot, colours: str
 ) -> None:
     page = opens(viewport={"width": 1440, "height": 900}, color_scheme=colours)
-    until(page, lambda: seen(page, WALL) == OCCUPIED)
-    assert seen(page, INSIDE) == FREE
-    assert seen(page, NOWHERE) == UNKNOWN
-    for row, column in ((0, 3), (9, 8), (4, 0), (6, 15)):
-        assert seen(page, (row, column)) == OCCUPIED
+    drawn = {WALL: OCCUPIED, INSIDE: FREE, NOWHERE: UNKNOWN}
+    drawn |= dict.fromkeys(((0, 3), (9, 8), (4, 0), (6, 15)), OCCUPIED)
+    until(page, lambda: {cell: seen(page, cell) for cell in drawn} == drawn)
 
 
 def test_the_colours_change_with_those_of_the_page(opens: Opens, mapped: Robot) -> None:

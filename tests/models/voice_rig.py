@@ -60,6 +60,8 @@ class Room:
     """A source that hears what the test plays: as fast as it is read, or `paced` by the clock.
 
     Where the robot's own voice counts, which is played by the clock, the room must be paced too.
+    However fast it is read, a frame is as long after the last one as it is in sound: what is said
+    2 s after a stop word was not said within the same second.
     """
 
     name = "room"
@@ -69,6 +71,7 @@ class Room:
         self._frames = deque()
         self._changed = threading.Condition()
         self._asked = self._closed = False
+        self._end_s = 0.0
 
     def start(self):
         pass
@@ -95,7 +98,8 @@ class Room:
                 raise EndOfSound("room: over")
             if not self._frames:
                 return None
-            return Frame(self._frames.popleft(), SystemClock().now())
+            self._end_s = max(SystemClock().now(), self._end_s + FRAME_S)
+            return Frame(self._frames.popleft(), self._end_s)
 
     def close(self):
         with self._changed:
