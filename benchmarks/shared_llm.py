@@ -146,6 +146,7 @@ def _door(haproxy: str, server: int) -> Iterator[int]:
     port = free_port()
     told = {
         "LLM_QUEUE_BIND": f"127.0.0.1:{port}",
+        "LLM_QUEUE_METRICS_BIND": f"127.0.0.1:{free_port()}",
         "LLM_QUEUE_SERVER": f"127.0.0.1:{server}",
         "LLM_QUEUE_PARALLEL": str(PARALLEL),
         "LLM_QUEUE_LENGTH": str(WAITING),

@@ -20,6 +20,13 @@ def hold(page: Page, *, x: float = 0.5, y: float = 0.1) -> None:
     page.mouse.move(box["x"] + x * box["width"], box["y"] + y * box["height"])
 
 
+def hold_on(page: Page) -> None:
+    """Move the stick that is held already."""
+    box = page.locator(".stick").bounding_box()
+    assert box
+    page.mouse.move(box["x"] + 0.7 * box["width"], box["y"] + 0.2 * box["height"])
+
+
 def still(robot: Robot) -> list[dict[str, object]]:
     return [d for d in robot.commands("drive") if not d["linear"] and not d["angular"]]
 
@@ -155,3 +162,45 @@ def test_after_a_stop_is_over_a_stick_that_is_still_held_drives_no_more(
     page.mouse.move(5, 5)
     quiet(page, robot)
     assert len(robot.commands("drive")) == count
+
+
+def test_a_stick_pressed_before_its_turn_drives_only_when_it_is_pressed_again(
+    opens: Opens, robot: Robot
+) -> None:
+    page = opens(command=False)
+    hold(page)
+    page.locator(".lease button.primary").evaluate("button => button.click()")
+    page.locator(".lease button.on").wait_for()
+    hold_on(page)
+    quiet(page, robot)
+    assert not robot.commands("drive")
+    page.mouse.up()
+    hold(page)
+    drives(page, robot)
+
+
+def test_a_key_pressed_before_its_turn_drives_only_when_it_is_pressed_again(
+    opens: Opens, robot: Robot
+) -> None:
+    page = opens(command=False)
+    page.locator(".stick").focus()
+    page.keyboard.down("ArrowUp")
+    page.locator(".lease button.primary").evaluate("button => button.click()")
+    page.locator(".lease button.on").wait_for()
+    page.keyboard.down("ArrowLeft")
+    until(page, lambda: bool(robot.commands("drive")))
+    assert not any(d["linear"] for d in robot.commands("drive"))
+
+
+def test_a_stick_pressed_during_a_stop_drives_only_when_it_is_pressed_again(
+    opens: Opens, robot: Robot
+) -> None:
+    page = opens()
+    robot.tell(type="stop", engaged=True, by="Ada")
+    page.locator(".resume").wait_for()
+    hold(page)
+    robot.tell(type="stop", engaged=False)
+    page.locator(".resume").wait_for(state="hidden")
+    hold_on(page)
+    quiet(page, robot)
+    assert not any(d["linear"] or d["angular"] for d in robot.commands("drive"))

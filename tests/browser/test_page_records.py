@@ -61,9 +61,31 @@ def test_it_is_begun_ended_taken_home_and_removed(
     begun.value.save_as(tmp_path / "home.mcap")
     assert (tmp_path / "home.mcap").read_bytes() == b"whole"
     assert problems(page) == []
-    page.get_by_role("button", name="Delete edgevox-20261123-140000_0.mcap").click()
+    cross = page.get_by_role("button", name="Delete edgevox-20261123-140000_0.mcap")
+    cross.click()
+    page.get_by_text("Delete edgevox-20261123-140000_0.mcap").click()
     expect(page.get_by_role("link", name="edgevox-20261123-140000_0.mcap")).to_have_count(0)
     assert recorder.files() == []
+    page.context.close()
+
+
+def test_one_press_beside_a_file_deletes_nothing(
+    browser: Browser, rig: Rig, recorder: RobotRecorder
+) -> None:
+    recorder.start()
+    wait_until(lambda: list(recorder.kept.folder.glob("*/*.mcap")))
+    recorder.stop()
+    page = opened(browser, rig, Role.OPERATOR)
+    take_the_turn(page)
+    (name,) = (one.name for one in recorder.files())
+    cross, sure = page.locator(f'[aria-label="Delete {name}"]'), page.get_by_text(f"Delete {name}")
+    cross.click()
+    expect(sure).to_be_focused()
+    expect(cross).to_be_hidden()
+    page.keyboard.press("Tab")
+    expect(cross).to_be_visible()
+    expect(sure).to_be_hidden()
+    assert [one.name for one in recorder.files()] == [name]
     page.context.close()
 
 

@@ -31,10 +31,11 @@ FULL = {429, 503}
 
 
 @contextmanager
-def door(server_port: int, *, parallel: int, length: int, wait: str) -> Iterator[int]:
-    """The port at which robots ask."""
-    port = free_port()
+def door(server_port: int, *, parallel: int, length: int, wait: str) -> Iterator[tuple[int, int]]:
+    """The port at which robots ask, and that of its metrics."""
+    port, metrics = free_port(), free_port()
     told = {
+        "LLM_QUEUE_METRICS_BIND": f"127.0.0.1:{metrics}",
         "LLM_QUEUE_BIND": f"127.0.0.1:{port}",
         "LLM_QUEUE_SERVER": f"127.0.0.1:{server_port}",
         "LLM_QUEUE_PARALLEL": str(parallel),
@@ -50,7 +51,7 @@ def door(server_port: int, *, parallel: int, length: int, wait: str) -> Iterator
     ) as process:
         try:
             wait_until(lambda: _answers(port))
-            yield port
+            yield port, metrics
         finally:
             process.terminate()
 
@@ -62,9 +63,9 @@ def _answers(port: int) -> bool:
         return False
 
 
-def _waiting(port: int) -> int:
+def _waiting(metrics: int) -> int:
     """How many wait before the server, as HAProxy counts them."""
-    connection = http.client.HTTPConnection("127.0.0.1", port)
+    connection = http.client.HTTPConnection("127.0.0.1", metrics)
     connection.request("GET", "/metrics")
     text = connection.getresponse().read().decode()
     connection.close()
@@ -106,18 +107,41 @@ class Held:
 def test_an_answer_comes_through_as_the_server_gave_it() -> None:
     with (
         serving(good("go ", "kitchen!")) as server,
-        door(server.port, parallel=2, length=2, wait="60s") as port,
+        door(server.port, parallel=2, length=2, wait="60s") as (port, _),
     ):
         model = EndpointModel(Address(f"http://127.0.0.1:{port}"))
         assert ask(model) == "go kitchen!"
         model.close()
 
 
+@pytest.mark.parametrize(
+    ("method", "route"),
+    [
+        ("GET", "/slots"),
+        ("GET", "/metrics"),
+        ("GET", "/v1/chat/completions"),
+        ("POST", "/v1/models"),
+        ("POST", "/v1/completions"),
+        ("POST", "/v1/chat/completions/"),
+        ("POST", "//v1/chat/completions"),
+    ],
+)
+def test_robots_reach_nothing_of_the_server_but_what_they_ask(method: str, route: str) -> None:
+    with (
+        serving(good("go ", "kitchen!")) as server,
+        door(server.port, parallel=1, length=2, wait="60s") as (port, metrics),
+    ):
+        assert status(port, 1, method, route) == 404
+        assert not server.asked
+        assert status(metrics, 1) == 404
+        assert status(port, 1) == 200
+
+
 def test_no_more_get_in_than_it_answers_at_once_and_no_more_wait_than_the_bound() -> None:
     held = Held()
     with (
         serving(held) as server,
-        door(server.port, parallel=1, length=2, wait="600s") as port,
+        door(server.port, parallel=1, length=2, wait="600s") as (port, _),
         ThreadPoolExecutor() as robots,
     ):
         first = robots.submit(status, port, 1)
@@ -135,7 +159,7 @@ def test_no_more_get_in_than_it_answers_at_once_and_no_more_wait_than_the_bound(
 def test_who_sends_only_the_head_of_a_question_takes_no_place() -> None:
     with (
         serving(good("go ", "kitchen!")) as server,
-        door(server.port, parallel=1, length=2, wait="60s") as port,
+        door(server.port, parallel=1, length=2, wait="60s") as (port, _),
         socket.create_connection(("127.0.0.1", port), source_address=("127.0.1.9", 0)) as slow,
     ):
         slow.sendall(b"POST /v1/chat/completions HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\n{")
@@ -148,7 +172,7 @@ def test_whoever_waits_too_long_is_told_that_it_is_full() -> None:
     held = Held()
     with (
         serving(held) as server,
-        door(server.port, parallel=1, length=9, wait="100ms") as port,
+        door(server.port, parallel=1, length=9, wait="100ms") as (port, _),
         ThreadPoolExecutor() as robots,
     ):
         first = robots.submit(status, port, 1)
@@ -165,7 +189,7 @@ def test_one_robot_that_asks_many_things_at_once_does_not_fill_the_queue() -> No
     held = Held()
     with (
         serving(held) as server,
-        door(server.port, parallel=1, length=9, wait="600s") as port,
+        door(server.port, parallel=1, length=9, wait="600s") as (port, _),
         ThreadPoolExecutor() as robots,
     ):
         greedy = [robots.submit(status, port, 1) for _ in range(6)]
@@ -181,21 +205,21 @@ def test_the_robot_that_asked_less_is_let_in_first() -> None:
     first, chat = Held(), good("go kitchen!")
     with (
         serving(*[chat] * 5, first, chat) as server,
-        door(server.port, parallel=1, length=9, wait="600s") as port,
+        door(server.port, parallel=1, length=9, wait="600s") as (port, metrics),
         ThreadPoolExecutor() as robots,
     ):
         assert [status(port, 1) for _ in range(5)] == [200] * 5
         holder = robots.submit(status, port, 9)
         first.came()
         asked = [robots.submit(status, port, robot) for robot in (1, 2)]
-        wait_until(lambda: _waiting(port) == len(asked))
+        wait_until(lambda: _waiting(metrics) == len(asked))
         first.go.set()
         assert [one.result() for one in (holder, *asked)] == [200] * 3
         assert [one["robot"] for one in server.asked[-2:]] == [2, 1]
 
 
 def test_a_server_that_is_gone_has_failed_and_is_not_full() -> None:
-    with door(free_port(), parallel=1, length=1, wait="60s") as port:
+    with door(free_port(), parallel=1, length=1, wait="60s") as (port, _):
         wait_until(lambda: status(port, 1) == 502)
         model = EndpointModel(Address(f"http://127.0.0.1:{port}"), pauses_s=())
         with pytest.raises(Unreachable, match="gone"):
@@ -207,7 +231,7 @@ def test_a_stop_word_does_not_wait_in_the_queue_and_leaves_its_place_to_others()
     held, halted = Held(), threading.Event()
     with (
         serving(held) as server,
-        door(server.port, parallel=1, length=9, wait="600s") as port,
+        door(server.port, parallel=1, length=9, wait="600s") as (port, metrics),
         ThreadPoolExecutor() as robots,
     ):
         first = robots.submit(status, port, 1)
@@ -223,10 +247,10 @@ def test_a_stop_word_does_not_wait_in_the_queue_and_leaves_its_place_to_others()
         robot.start()
         try:
             robot.submit(TextInput("I'd be glad of some company next to the oven"))
-            wait_until(lambda: _waiting(port) == 1)
+            wait_until(lambda: _waiting(metrics) == 1)
             robot.submit(TextInput("stop"))
             assert halted.is_set()
-            wait_until(lambda: _waiting(port) == 0)
+            wait_until(lambda: _waiting(metrics) == 0)
             assert not first.done()
         finally:
             held.go.set()

@@ -181,9 +181,20 @@ def test_what_to_do_about_each_alert_is_written_down() -> None:
 def test_prometheus_reads_the_rules_and_every_robot_of_the_fleet() -> None:
     config = yaml.safe_load((PLACE / "prometheus.yml").read_text())
     fleet = yaml.safe_load((ROOT / "compose" / "fleet.yml").read_text())
-    (job,) = config["scrape_configs"]
-    (looked_up,) = job["dns_sd_configs"]
+    jobs = {job["job_name"]: job for job in config["scrape_configs"]}
+    (robots,) = jobs["edgevox"]["dns_sd_configs"]
 
     assert config["rule_files"] == ["/etc/prometheus/alerts.yml"]
-    assert set(looked_up["names"]) == {*fleet["services"], "recorder"}
-    assert job["relabel_configs"][0]["target_label"] == "robot"
+    assert set(robots["names"]) == {*fleet["services"], "recorder"}
+    assert jobs["edgevox"]["relabel_configs"][0]["target_label"] == "robot"
+
+
+def test_prometheus_reads_the_door_before_a_shared_language_model() -> None:
+    config = yaml.safe_load((PLACE / "prometheus.yml").read_text())
+    services = yaml.safe_load((ROOT / "compose" / "llm-queue.yml").read_text())["services"]
+    jobs = {job["job_name"]: job for job in config["scrape_configs"]}
+    (door,) = jobs["llm-queue"]["dns_sd_configs"]
+
+    assert door["names"] == list(services)
+    bound = services["llm-queue"]["environment"]["LLM_QUEUE_METRICS_BIND"]
+    assert bound == f":{door['port']}"

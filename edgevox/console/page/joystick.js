@@ -78,6 +78,7 @@ export function joystick(store, link) {
     knob.style.transform = `translate(${right * 42}px, ${-ahead * 42}px)`;
   };
   const push = (/** @type {number} */ right, /** @type {number} */ ahead) => {
+    if (!store.commands || store.stop.engaged) return drop(); // and does not drive once it may
     show(right, ahead);
     driver.push(right, ahead);
   };

@@ -67,9 +67,17 @@ export function recordingPart(store, link) {
  */
 function recordingRow(one, store, link) {
   const begun = one.begun && new Date(1000 * one.begun).toLocaleString(language(), { dateStyle: "medium", timeStyle: "medium" });
+  const words = say("record_delete", { name: one.name });
+  const sure = h("button", { type: "button", hidden: true, onblur: () => ask(false),
+    onclick: () => link.send({ type: "delete_recording", name: one.name }).catch(tellRefusal) }, words);
+  const button = h("button", { type: "button", "aria-label": words, disabled: !store.commands, onclick: () => ask(true) }, sign("close"));
+  /** One press never deletes: it shows what the next one would. @param {boolean} asked */
+  const ask = (asked) => {
+    sure.hidden = !asked;
+    button.hidden = asked;
+    if (asked) sure.focus();
+  };
   return h("li", {}, h("div", { class: "row tight" },
-    h("a", { class: "fill", href: `/api/recording/${encodeURIComponent(one.name)}`, download: one.name }, one.name),
-    h("button", { type: "button", "aria-label": say("record_delete", { name: one.name }), disabled: !store.commands,
-      onclick: () => link.send({ type: "delete_recording", name: one.name }).catch(tellRefusal) }, sign("close"))),
+    h("a", { class: "fill", href: `/api/recording/${encodeURIComponent(one.name)}`, download: one.name }, one.name), button), sure,
     h("p", { class: "quiet" }, [begun, `${megabytes(one.bytes)} MB`].filter(Boolean).join(" \u00b7 ")));
 }
