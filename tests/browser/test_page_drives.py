@@ -17,14 +17,14 @@ def hold(page: Page, *, x: float = 0.5, y: float = 0.1) -> None:
     assert box
     page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
     page.mouse.down()
-    page.mouse.move(box["x"] + x * box["width"], box["y"] + y * box["height"])
+    move(page, x=x, y=y)
 
 
-def hold_on(page: Page) -> None:
-    """Move the stick that is held already."""
+def move(page: Page, *, x: float = 0.7, y: float = 0.2) -> None:
+    """Move the stick if it is held."""
     box = page.locator(".stick").bounding_box()
     assert box
-    page.mouse.move(box["x"] + 0.7 * box["width"], box["y"] + 0.2 * box["height"])
+    page.mouse.move(box["x"] + x * box["width"], box["y"] + y * box["height"])
 
 
 def still(robot: Robot) -> list[dict[str, object]]:
@@ -171,7 +171,7 @@ def test_a_stick_pressed_before_its_turn_drives_only_when_it_is_pressed_again(
     hold(page)
     page.locator(".lease button.primary").evaluate("button => button.click()")
     page.locator(".lease button.on").wait_for()
-    hold_on(page)
+    move(page)
     quiet(page, robot)
     assert not robot.commands("drive")
     page.mouse.up()
@@ -201,6 +201,6 @@ def test_a_stick_pressed_during_a_stop_drives_only_when_it_is_pressed_again(
     hold(page)
     robot.tell(type="stop", engaged=False)
     page.locator(".resume").wait_for(state="hidden")
-    hold_on(page)
+    move(page)
     quiet(page, robot)
     assert not any(d["linear"] or d["angular"] for d in robot.commands("drive"))

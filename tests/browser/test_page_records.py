@@ -61,8 +61,7 @@ def test_it_is_begun_ended_taken_home_and_removed(
     begun.value.save_as(tmp_path / "home.mcap")
     assert (tmp_path / "home.mcap").read_bytes() == b"whole"
     assert problems(page) == []
-    cross = page.get_by_role("button", name="Delete edgevox-20261123-140000_0.mcap")
-    cross.click()
+    page.get_by_role("button", name="Delete edgevox-20261123-140000_0.mcap").click()
     page.get_by_text("Delete edgevox-20261123-140000_0.mcap").click()
     expect(page.get_by_role("link", name="edgevox-20261123-140000_0.mcap")).to_have_count(0)
     assert recorder.files() == []

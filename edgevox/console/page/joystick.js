@@ -26,11 +26,16 @@ export class Driver {
     this.beat = undefined;
   }
 
+  /** Whether it may drive now. */
+  get may() {
+    return this.store.commands && !this.store.stop.engaged;
+  }
+
   /** @param {number} right @param {number} ahead */
   push(right, ahead) {
     if (Math.hypot(right, ahead) < DEAD) return this.release();
     this.stick = [right, ahead];
-    if (this.beat !== undefined || !this.store.commands) return;
+    if (this.beat !== undefined) return;
     this.send();
     this.beat = setInterval(() => this.send(), BEAT_MS);
   }
@@ -44,7 +49,7 @@ export class Driver {
   }
 
   send() {
-    if (!this.store.commands || this.store.stop.engaged) return this.release();
+    if (!this.may) return this.release();
     if (this.unanswered >= MOST_UNANSWERED) return;
     const limits = typeof this.store.capabilities.drive === "object" ? this.store.capabilities.drive : {};
     const [right, ahead] = this.stick;
@@ -78,7 +83,7 @@ export function joystick(store, link) {
     knob.style.transform = `translate(${right * 42}px, ${-ahead * 42}px)`;
   };
   const push = (/** @type {number} */ right, /** @type {number} */ ahead) => {
-    if (!store.commands || store.stop.engaged) return drop(); // and does not drive once it may
+    if (!driver.may) return drop(); // and does not drive once it may
     show(right, ahead);
     driver.push(right, ahead);
   };
@@ -99,7 +104,7 @@ export function joystick(store, link) {
     box.hidden = !store.capabilities.drive;
     box.classList.toggle("disabled", !store.commands);
     pad.setAttribute("aria-disabled", String(!store.commands));
-    if (!store.commands || store.stop.engaged) drop();
+    if (!driver.may) drop();
   };
   for (const type of ["hello", "lease", "link", "stop"]) store.on(type, arrange);
   return box;
