@@ -20,12 +20,10 @@ from acoustics import Half
 from acoustics.clips import Clip, of_engine, speak, standing_on
 from acoustics.mixing import at_level
 from figures import Figure, Measured, NotHere
-from stop_words_ears import SHARES, Ears, FalseStops, Trial, false_stops, trials
+from stop_words_ears import SHARES, Ears, FalseStops, Trial, ears_of, false_stops, trials
 from stop_words_sounds import alike, clips, words
 
-from edgevox.models import locate
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ
-from edgevox.voice.stop_encoder import ENCODER, StopEncoder
 from edgevox.voice.stop_network import read_weights
 from edgevox.voice.stop_spotter import StopSpotter
 
@@ -60,7 +58,7 @@ def measure(quick: bool = False, only: str = "", every_note: bool = False) -> Me
     missing = sum(not clip.is_here for clip in whole)
     if missing:
         raise NotHere(f"{missing} of {len(whole)} clips are not spoken yet: {SPEAK}")
-    step, ears = QUICK if quick else 1, Ears(StopEncoder(locate(ENCODER)), read_weights())
+    step, ears = QUICK if quick else 1, ears_of(read_weights())
     figures, notes = [], {}
     if only != "false":
         said = words(HALF)[::step]

@@ -12,8 +12,9 @@ from acoustics.noises import kinds
 from acoustics.rooms import in_room, rooms
 from stop_words_sounds import LEVELS_DB, Track, at_speed, noise_of, tracks
 
+from edgevox.models import locate
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Samples
-from edgevox.voice.stop_encoder import SAMPLES, Floats, StopEncoder
+from edgevox.voice.stop_encoder import ENCODER, SAMPLES, Floats, StopEncoder
 from edgevox.voice.stop_network import StopWeights, likelihoods
 from edgevox.voice.stop_spotter import LOOKS_EVERY, StopJudge
 from edgevox.voice.vad import SileroVad, VoiceDetector
@@ -81,6 +82,11 @@ class Ears:
         self._vad.reset()
         frames = sound[: sound.size // FRAME_SAMPLES * FRAME_SAMPLES].reshape(-1, FRAME_SAMPLES)
         return [bool(sleep.push(frame, self._vad.probability(frame))) for frame in frames]
+
+
+def ears_of(weights: StopWeights) -> Ears:
+    """With these weights, on the encoder that they were trained for."""
+    return Ears(StopEncoder(locate(ENCODER), weights.added), weights)
 
 
 @dataclass(frozen=True, slots=True)

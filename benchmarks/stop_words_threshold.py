@@ -15,11 +15,9 @@ from pathlib import Path
 from acoustics import Half
 from acoustics.clips import Clip, speak, standing_on
 from figures import wilson
-from stop_words_ears import SHARES, Ears, spots, stretches
+from stop_words_ears import SHARES, Ears, ears_of, spots, stretches
 from stop_words_sounds import clips, words
 
-from edgevox.models import locate
-from edgevox.voice.stop_encoder import ENCODER, StopEncoder
 from edgevox.voice.stop_network import read_weights
 
 HALF = Half.TUNING
@@ -82,9 +80,7 @@ def main() -> int:
     asked = parser.parse_args()
     speak(clips(HALF), lambda line: print(line, file=sys.stderr, flush=True))
     said = words(HALF)
-    found, hours = rows(
-        Ears(StopEncoder(locate(ENCODER)), read_weights(asked.weights)), said, asked.hours
-    )
+    found, hours = rows(ears_of(read_weights(asked.weights)), said, asked.hours)
     print(*standing_on("stop words", said), f"{hours:.2f} h without one", sep="\n")
     print(*lines(found, len(said), hours), sep="\n")
     return 0

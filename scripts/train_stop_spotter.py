@@ -42,6 +42,10 @@ ROUNDS, EXAMPLES, STEPS = 4, 60_000, 3_200
 TOLD_EVERY = 1_000
 LATER = 6
 """A later round has so many times fewer examples, but looks at each all the time."""
+ADAPTED, SOME, WRONG = "adapted", "some", "wrong"
+"""The files of the training in which the encoder learns: networks, and two kinds of looks."""
+EXAMPLES_OF_A_ROUND, LATEST = 4_000, 3
+"""To look at, a few times and all along; of the latter those of so many rounds are learnt from."""
 
 
 def sounds_of(clips: Sequence[Clip]) -> list[Sound]:
@@ -85,7 +89,7 @@ def train(folder: Path, rounds: int, examples: int, steps: int, only_spoken: boo
     clips = to_learn(folder, list(all_clips()), only_spoken)
     speak(clips, _told)
     _told(f"{len(clips)} clips")
-    encoder, sounds = StopEncoder(locate(ENCODER)), sounds_of(clips)
+    encoder, sounds = StopEncoder(locate(ENCODER), {}), sounds_of(clips)
     for number in range(rounds):
         file = network_file(folder, number)
         if not file.exists():
@@ -101,9 +105,59 @@ def _looks(
     """Those of a round: some of many examples, then what the network before it gets wrong."""
     made = Examples(sounds, 1 + number)
     if not number:
-        return looks.some(_some(made, examples), encoder, number)
+        return looks.some(_some(made, examples), encoder.of, number)
     before = read_weights(network_file(folder, number - 1))
-    return looks.wrong(_some(made, examples // LATER), encoder, before, number)
+    return looks.wrong(_some(made, examples // LATER), encoder.of, encoder, before, number)
+
+
+def adapt(folder: Path, start: Path | None, examples: int, only_spoken: bool) -> None:
+    """Let the encoder learn with the network, from the weights of `start` or the package's.
+
+    While it learns in a round, a second process makes the looks of the next one, by the network of
+    the round before.
+    """
+    from multiprocessing import get_context
+
+    import torch
+    from stop_spotter.adapting import ROUNDS, STEPS_OF_A_ROUND, Adapting, Drawn
+
+    torch.set_num_threads(1)
+    folder.mkdir(parents=True, exist_ok=True)
+    if not only_spoken:
+        speak(all_clips(), _told)
+    known, whole = read_weights(start), ROUNDS * STEPS_OF_A_ROUND
+    learning = Adapting(locate(ENCODER), known, folder / "adapting.pt", whole)
+    make_looks(folder, start, examples, 0)
+    for number in range(ROUNDS):
+        file = network_file(folder, number, ADAPTED)
+        if not file.exists():
+            asked = (folder, start, examples, number + 1)
+            beside = get_context("spawn").Process(target=make_looks, args=asked)
+            beside.start()
+            some, wrong = (
+                [looks.read(folder, n, what) for n in range(number + 1)] for what in (SOME, WRONG)
+            )
+            learning.learn(Drawn(some, wrong[-LATEST:]), STEPS_OF_A_ROUND, file, _told)
+            beside.join()
+        shutil.copy(file, folder / WEIGHTS_FILE)
+
+
+def make_looks(folder: Path, start: Path | None, examples: int, number: int) -> None:
+    """Those of a round in which the encoder learns: a few at many examples, and what the network of
+    two rounds before gets wrong all along others; of the clips that are spoken by then.
+    """
+    if looks.round_file(folder, number, WRONG).exists():
+        return
+    clips = [clip for clip in dict.fromkeys(all_clips()) if clip.is_here]
+    _told(f"round {number}: {len(clips)} clips")
+    sounds, file = sounds_of(clips), network_file(folder, number - 2, ADAPTED)
+    known = read_weights(file if number > 1 else start)
+    encoder = StopEncoder(locate(ENCODER), known.added)
+    few = _some(Examples(sounds, 100 + number), examples)
+    looks.keep(folder, number, looks.some(few, looks.bands, number), SOME)
+    many = _some(Examples(sounds, 200 + number), examples)
+    wrong = looks.wrong(many, looks.bands, encoder, known, number)
+    looks.keep(folder, number, wrong, WRONG)
 
 
 def _some(made: Examples, how_many: int) -> Iterator[Example]:
@@ -113,9 +167,9 @@ def _some(made: Examples, how_many: int) -> Iterator[Example]:
             _told(f"{number} of {how_many} examples")
 
 
-def network_file(folder: Path, number: int) -> Path:
+def network_file(folder: Path, number: int, what: str = "network") -> Path:
     """The network of a round."""
-    return folder / f"network{number}.npz"
+    return folder / f"{what}{number}.npz"
 
 
 def _told(line: str) -> None:
@@ -129,10 +183,15 @@ def main(arguments: Sequence[str] | None = None, place: Path = PLACE) -> int:
     parser.add_argument("--rounds", type=int, default=ROUNDS, help="the first, and then by errors")
     parser.add_argument("--examples", type=int, default=EXAMPLES, help="of the first round")
     parser.add_argument("--steps", type=int, default=STEPS, help="to learn in each round")
+    parser.add_argument("--adapt", action="store_true", help="let the encoder learn, too")
+    parser.add_argument("--start", type=Path, help="with --adapt, from these weights")
     parser.add_argument("--only-spoken", action="store_true", help="only what was spoken before")
     parser.add_argument("--install", action="store_true", help="into this package; trains nothing")
     parser.add_argument("--threshold", type=float, help="from which a word counts, with --install")
     asked = parser.parse_args(arguments)
+    if asked.adapt:
+        adapt(asked.folder, asked.start, EXAMPLES_OF_A_ROUND, asked.only_spoken)
+        return 0
     if not asked.install:
         train(asked.folder, asked.rounds, asked.examples, asked.steps, asked.only_spoken)
         return 0

@@ -7,7 +7,7 @@ for: what it says of it is learnt anew by `stop_network`.
 """
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from edgevox.voice.audio import Samples
 from edgevox.voice.level import FULL_SCALE
 from edgevox.voice.one_thread import product
+from edgevox.voice.whisper_file import adapted
 
 Floats = NDArray[np.float32]
 
@@ -57,29 +58,30 @@ def _bands() -> Floats:
     return np.ascontiguousarray(FeatureExtractor(feature_size=BANDS).mel_filters.T, np.float32)
 
 
-@functools.cache
-def _whisper(folder: Path) -> Any:
-    """On one core, beside the one that transcribes: who waited for that would be late.
-
-    One for all who listen; it may be asked from any thread.
-    """
-    import ctranslate2
-
-    return ctranslate2.models.Whisper(
-        str(folder), device="cpu", compute_type="int8", inter_threads=1, intra_threads=1
-    )
-
-
 class StopEncoder:
-    """Whisper's encoder, from its folder, loaded when it is first asked."""
+    """Whisper's encoder, from its folder, loaded when it is first asked.
 
-    def __init__(self, folder: Path) -> None:
+    `added` is what its arrays are to be more than Whisper's, by their names. It computes on one
+    core, beside the one that transcribes: who waited for that would be late.
+    """
+
+    def __init__(self, folder: Path, added: Mapping[str, Floats]) -> None:
         self._folder = folder
+        self._added = added
 
     def of(self, sounds: Sequence[Samples]) -> Floats:
         """Of `SAMPLES` samples each, shape (sounds, `STEPS`, `CHANNELS`)."""
         import ctranslate2
 
         bands = np.ascontiguousarray(np.stack([bands_of(sound) for sound in sounds]))
-        encoded = _whisper(self._folder).encode(ctranslate2.StorageView.from_array(bands))
+        encoded = self._whisper.encode(ctranslate2.StorageView.from_array(bands))
         return np.asarray(encoded, np.float32)
+
+    @functools.cached_property
+    def _whisper(self) -> Any:
+        import ctranslate2
+
+        return ctranslate2.models.Whisper(
+            str(self._folder), files=adapted(self._folder, self._added), device="cpu",
+            compute_type="int8", inter_threads=1, intra_threads=1,
+        )  # fmt: skip

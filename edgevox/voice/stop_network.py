@@ -20,6 +20,8 @@ WEIGHTS_FILE = "stop_spotter.npz"
 """Made by `scripts/train_stop_spotter.py`."""
 LAST_STEPS = 8
 """So many steps at the end are looked at by themselves, too."""
+UP, DOWN = ".up", ".down"
+"""What is added to an array of the encoder is the product of these two, after its name."""
 _LEAST_VARIANCE = 1e-5
 _LAYERS = ("reduce", "first", "second", "attend", "hidden", "last")
 
@@ -41,7 +43,8 @@ class StopWeights:
     """Of the whole network; `words` are its outputs, the first one for none.
 
     `scale` and `shift` belong to the norm over channels, `place` (steps, channels) tells steps
-    apart. From `threshold` on, a word counts as said.
+    apart. `added` is what the encoder's arrays are to be more than Whisper's, by their names, each
+    the product of two narrow matrices. From `threshold` on, a word counts as said.
     """
 
     words: tuple[str, ...]
@@ -49,6 +52,7 @@ class StopWeights:
     shift: Floats
     place: Floats
     layers: Mapping[str, StopLayer]
+    added: Mapping[str, Floats]
     threshold: float
 
 
@@ -102,5 +106,10 @@ def weights_of(data: Mapping[str, Any]) -> StopWeights:
         floats("shift"),
         floats("place"),
         {name: StopLayer(floats(name), floats(f"{name}_bias")) for name in _LAYERS},
+        {
+            name.removesuffix(UP): floats(name) @ floats(name.removesuffix(UP) + DOWN)
+            for name in data
+            if name.endswith(UP)
+        },
         float(data["threshold"]),
     )

@@ -4,6 +4,7 @@ It stops wherever one of them is said, as in "do not stop" too: when in doubt, i
 network was trained on and how well it hears is in docs/stop-spotter.md.
 """
 
+import functools
 from collections import deque
 from pathlib import Path
 
@@ -119,4 +120,11 @@ class StopSpotter:
 
 def open_stop_spotter(encoder: Path) -> StopSpotter:
     """The one that this package brings, which is English, with its encoder's folder."""
-    return StopSpotter(StopEncoder(encoder), read_weights())
+    return StopSpotter(*_shared(encoder))
+
+
+@functools.cache
+def _shared(encoder: Path) -> tuple[StopEncoder, StopWeights]:
+    """One for all who listen; it may be asked from any thread."""
+    weights = read_weights()
+    return StopEncoder(encoder, weights.added), weights

@@ -5,27 +5,28 @@ import torch
 from torch import nn
 
 from edgevox.voice.stop_encoder import CHANNELS, STEPS
-from edgevox.voice.stop_network import LAST_STEPS
+from edgevox.voice.stop_network import LAST_STEPS, StopWeights
 from stop_spotter import texts
 
 INNER, HIDDEN, MEANS, TAPS = 96, 96, 4, 3
 DROPPED = 0.2
+_LAYERS = ("reduce", "first", "second", "attend", "hidden", "last")
 
 
 class Network(nn.Module):
     """What the encoder made (looks, steps, channels) to scores (looks, words)."""
 
-    def __init__(self) -> None:
+    def __init__(self, inner: int = INNER, hidden: int = HIDDEN) -> None:
         super().__init__()
         self.norm = nn.LayerNorm(CHANNELS)
         self.drop = nn.Dropout(DROPPED)
-        self.reduce = nn.Conv1d(CHANNELS, INNER, 1)
-        self.place = nn.Parameter(torch.zeros(INNER, STEPS))
-        self.first = nn.Conv1d(INNER, INNER, TAPS, padding=1)
-        self.second = nn.Conv1d(INNER, INNER, TAPS, padding=1)
-        self.attend = nn.Conv1d(INNER, MEANS, 1)
-        self.hidden = nn.Linear((MEANS + 1) * INNER, HIDDEN)
-        self.last = nn.Linear(HIDDEN, 1 + len(texts.WORDS))
+        self.reduce = nn.Conv1d(CHANNELS, inner, 1)
+        self.place = nn.Parameter(torch.zeros(inner, STEPS))
+        self.first = nn.Conv1d(inner, inner, TAPS, padding=1)
+        self.second = nn.Conv1d(inner, inner, TAPS, padding=1)
+        self.attend = nn.Conv1d(inner, MEANS, 1)
+        self.hidden = nn.Linear((MEANS + 1) * inner, hidden)
+        self.last = nn.Linear(hidden, 1 + len(texts.WORDS))
 
     def forward(self, encoded: torch.Tensor) -> torch.Tensor:
         normed = self.drop(self.norm(encoded)).transpose(1, 2)
@@ -47,7 +48,7 @@ def arrays_of(
         "shift": _numbers(network.norm.bias),
         "place": _numbers(network.place).T,
     }
-    for name in ("reduce", "first", "second", "attend", "hidden", "last"):
+    for name in _LAYERS:
         layer = getattr(network, name)
         weights = _numbers(layer.weight)
         if weights.ndim == 3:  # (out, in, taps) of a convolution
@@ -57,6 +58,23 @@ def arrays_of(
     packed["words"] = np.array(["", *texts.WORDS])
     packed["threshold"] = np.float64(threshold)
     return packed
+
+
+def network_of(known: StopWeights) -> Network:
+    """One that goes on from weights that run: the other way round than `arrays_of`."""
+    network = Network(known.place.shape[1], known.layers["hidden"].weights.shape[1])
+    with torch.no_grad():
+        network.norm.weight.copy_(torch.from_numpy(known.scale))
+        network.norm.bias.copy_(torch.from_numpy(known.shift))
+        network.place.copy_(torch.from_numpy(known.place.T.copy()))
+        for name in _LAYERS:
+            layer, held = getattr(network, name), known.layers[name]
+            weights = torch.from_numpy(held.weights.T.copy())
+            if layer.weight.ndim == 3:  # (out, in, taps) of a convolution
+                weights = weights.unflatten(1, (-1, layer.weight.shape[1])).transpose(1, 2)
+            layer.weight.copy_(weights)
+            layer.bias.copy_(torch.from_numpy(held.bias))
+    return network
 
 
 def _numbers(tensor: torch.Tensor) -> np.ndarray:

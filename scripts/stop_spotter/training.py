@@ -49,7 +49,7 @@ def _batch(rounds: Sequence[Looks], rng: np.random.Generator) -> tuple[torch.Ten
     odds = sizes * np.where(np.arange(len(rounds)), LATER_COUNT, 1)
     each = rng.multinomial(BATCH, odds / odds.sum())
     where = [np.sort(rng.integers(size, size=n)) for size, n in zip(sizes, each, strict=True)]
-    encoded = [one.encoded[at] for one, at in zip(rounds, where, strict=True)]
+    encoded = [one.seen[at] for one, at in zip(rounds, where, strict=True)]
     labels = [one.labels[at] for one, at in zip(rounds, where, strict=True)]
     return (
         torch.from_numpy(np.concatenate(encoded).astype(np.float32)),

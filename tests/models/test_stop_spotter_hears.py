@@ -116,7 +116,8 @@ def test_what_was_forgotten_leaves_no_trace():
 
 
 def test_with_a_threshold_of_nothing_it_stops_at_most_once_a_word():
-    spotter = StopSpotter(StopEncoder(locate(ENCODER)), read_weights(), threshold=0.0)
+    weights = read_weights()
+    spotter = StopSpotter(StopEncoder(locate(ENCODER), weights.added), weights, threshold=0.0)
     sound = np.random.default_rng(5).normal(0, 300, 40 * FRAME_SAMPLES).astype(np.int16)
 
     found = [spotter.heard(one.samples, 1.0) for one in frames(sound)]

@@ -95,10 +95,10 @@ def test_every_look_sees_as_much_as_the_spotter(makes):
 def test_looks_are_kept_with_their_labels(makes, tmp_path):
     made = makes()
 
-    looks.keep(tmp_path, 0, looks.some((made.make() for _ in range(9)), Encoder(), 1))
+    looks.keep(tmp_path, 0, looks.some((made.make() for _ in range(9)), Encoder().of, 1))
 
     found = looks.read(tmp_path, 0)
-    assert found.encoded.shape == (len(found.labels), STEPS, CHANNELS)
+    assert found.seen.shape == (len(found.labels), STEPS, CHANNELS)
     assert {0, 1, 2, 3} >= set(found.labels) > {0}
 
 
@@ -108,7 +108,7 @@ def test_a_round_that_is_cut_off_is_not_there(makes, tmp_path):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        looks.keep(tmp_path, 0, looks.some(cut_off(), Encoder(), 1))
+        looks.keep(tmp_path, 0, looks.some(cut_off(), Encoder().of, 1))
 
     assert not looks.round_file(tmp_path, 0).exists()
 
@@ -122,7 +122,7 @@ def test_what_a_network_gets_wrong_is_learnt_again(makes, monkeypatch):
         monkeypatch.setattr(looks, "likelihoods", lambda _, some: np.tile(said, (len(some), 1)))
         made = makes()
         few = (made.make() for _ in range(30))
-        return [label for _, label in looks.wrong(few, Encoder(), None, 1)]
+        return [label for _, label in looks.wrong(few, Encoder().of, Encoder(), None, 1)]
 
     all_looks = labels(0.99, others=1.0)
 

@@ -1,0 +1,108 @@
+"""CTranslate2's file of a model, `model.bin`, with something added to some of its weights.
+
+The file is a header, then each array with its name, shape, type and bytes, then names for the same
+arrays again; all numbers are little-endian (`ctranslate2.specs.ModelSpec` writes it).
+"""
+
+import math
+import struct
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from edgevox.core.errors import EdgeVoxError
+
+FILE = "model.bin"
+_FORMAT = 6
+_FLOATS: Mapping[int, str] = {0: "<f4", 4: "<f2"}
+"""The types of arrays that something can be added to, by CTranslate2's number."""
+
+
+class NotAWhisperFile(EdgeVoxError):
+    """The file is none that can be read here, or lacks an array; the message says what is wrong."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Array:
+    name: str
+    shape: tuple[int, ...]
+    type: int
+    begin: int
+
+
+def adapted(folder: Path, added: Mapping[str, NDArray[np.float32]]) -> dict[str, bytes]:
+    """The files of a model by name, as CTranslate2 takes them from memory.
+
+    `added` is what each named array is to be more than in the file: as many numbers as it has, in
+    their order. Raises `NotAWhisperFile`.
+    """
+    files = {file.name: file.read_bytes() for file in folder.iterdir() if file.name != FILE}
+    return files | {FILE: _adapted((folder / FILE).read_bytes(), added)}
+
+
+def arrays(folder: Path, beginning: str) -> dict[str, NDArray[np.float32]]:
+    """The arrays of numbers whose names begin so. Raises `NotAWhisperFile`."""
+    held = (folder / FILE).read_bytes()
+    return {
+        one.name: _numbers(held, one).astype(np.float32).reshape(one.shape)
+        for one in _read(held)
+        if one.name.startswith(beginning) and one.type in _FLOATS
+    }
+
+
+def _adapted(held: bytes, added: Mapping[str, NDArray[np.float32]]) -> bytes:
+    there = {one.name: one for one in _read(held)}
+    if missing := added.keys() - there.keys():
+        raise NotAWhisperFile(f"{FILE}: it has no {', '.join(sorted(missing))}")
+    whole = bytearray(held)
+    for name, more in added.items():
+        one = there[name]
+        if one.type not in _FLOATS or math.prod(one.shape) != more.size:
+            raise NotAWhisperFile(f"{FILE}: {name} is not {more.size} numbers of 16 or 32 bit")
+        numbers = _numbers(whole, one)
+        numbers[:] = numbers.astype(np.float32) + more.ravel()
+    return bytes(whole)
+
+
+def _numbers(held: bytes | bytearray, one: _Array) -> NDArray[Any]:
+    return np.frombuffer(held, _FLOATS[one.type], math.prod(one.shape), one.begin)
+
+
+def _read(held: bytes) -> list[_Array]:
+    try:
+        return list(_walk(held))
+    except (struct.error, UnicodeDecodeError) as error:
+        raise NotAWhisperFile(f"{FILE}: it is no file of CTranslate2: {error}") from error
+
+
+def _walk(held: bytes) -> Iterator[_Array]:
+    at = 0
+
+    def number(code: str) -> int:
+        nonlocal at
+        (value,) = struct.unpack_from(f"<{code}", held, at)
+        at += struct.calcsize(code)
+        return int(value)
+
+    def text() -> str:
+        nonlocal at
+        size = number("H")
+        at += size
+        return held[at - size : at].rstrip(b"\0").decode()
+
+    if (version := number("I")) != _FORMAT:
+        raise NotAWhisperFile(f"{FILE}: its format is {version}, expected {_FORMAT}")
+    text()
+    number("I")
+    for _ in range(number("I")):
+        name = text()
+        shape = tuple(number("I") for _ in range(number("B")))
+        kind, size = number("B"), number("I")
+        at += size
+        if at > len(held):
+            raise NotAWhisperFile(f"{FILE}: it ends within {name}")
+        yield _Array(name, shape, kind, at - size)

@@ -1,0 +1,93 @@
+"""Whisper's encoder in PyTorch, with what it learns in addition: two narrow matrices an array.
+
+What is added to an array is the product of both, so little is learnt and little has to be kept;
+`edgevox/voice/stop_encoder.py` adds it to Whisper's own when it runs (LoRA, Hu and others 2021).
+"""
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import nn
+from torch.nn import functional as nnf
+
+from edgevox.voice.stop_encoder import CHANNELS
+from edgevox.voice.stop_network import DOWN, UP
+from edgevox.voice.whisper_file import arrays
+
+RANK, LAYERS, HEADS = 8, 4, 6
+_NARROW = (
+    "self_attention/linear_0",
+    "self_attention/linear_1",
+    "ffn/linear_0",
+    "ffn/linear_1",
+)
+
+
+class Adapted(nn.Module):
+    """An array of Whisper's, as it is, and what is added to it."""
+
+    def __init__(self, weights: torch.Tensor, bias: torch.Tensor) -> None:
+        super().__init__()
+        self.shape = weights.shape
+        self.register_buffer("weights", weights.flatten(1), persistent=False)
+        self.register_buffer("bias", bias, persistent=False)
+        inputs = self.weights.shape[1]
+        self.down = nn.Parameter(torch.randn(RANK, inputs) / math.sqrt(inputs))
+        self.up = nn.Parameter(torch.zeros(len(bias), RANK))
+
+    @property
+    def all_weights(self) -> torch.Tensor:
+        return (self.weights + self.up @ self.down).view(self.shape)
+
+    def forward(self, values: torch.Tensor) -> torch.Tensor:
+        return nnf.linear(values, self.all_weights, self.bias)
+
+    def convolved(self, values: torch.Tensor, stride: int) -> torch.Tensor:
+        return nnf.conv1d(values, self.all_weights, self.bias, stride, padding=1)
+
+
+class Encoder(nn.Module):
+    """Bands (looks, bands, rows) to what the encoder makes of them (looks, steps, channels)."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__()
+        held = {name: torch.from_numpy(one) for name, one in arrays(folder, "encoder/").items()}
+        self.fixed = {name: one for name, one in held.items() if "norm" in name or "pos" in name}
+        self.names = (
+            "conv1", "conv2",
+            *(f"layer_{layer}/{name}" for layer in range(LAYERS) for name in _NARROW),
+        )  # fmt: skip
+        self.adapted = nn.ModuleList(
+            Adapted(held[f"encoder/{name}/weight"], held[f"encoder/{name}/bias"])
+            for name in self.names
+        )
+
+    def forward(self, bands: torch.Tensor) -> torch.Tensor:
+        of = dict(zip(self.names, self.adapted, strict=True))
+        values = nnf.gelu(of["conv1"].convolved(bands, stride=1))
+        values = nnf.gelu(of["conv2"].convolved(values, stride=2)).transpose(1, 2)
+        values = values + self.fixed["encoder/position_encodings/encodings"][: values.shape[1]]
+        for layer in range(LAYERS):
+            into, out, wide, narrow = (of[f"layer_{layer}/{name}"] for name in _NARROW)
+            parts = into(self._normed(f"layer_{layer}/self_attention/", values)).chunk(3, 2)
+            asked, known, said = (
+                one.unflatten(2, (HEADS, CHANNELS // HEADS)).transpose(1, 2) for one in parts
+            )
+            attended = nnf.scaled_dot_product_attention(asked, known, said)
+            values = values + out(attended.transpose(1, 2).flatten(2))
+            hidden = nnf.gelu(wide(self._normed(f"layer_{layer}/ffn/", values)))
+            values = values + narrow(hidden)
+        return self._normed("", values)
+
+    def added(self) -> Iterator[tuple[str, np.ndarray]]:
+        """What is added to each array, as two matrices with the names of their file."""
+        for name, one in zip(self.names, self.adapted, strict=True):
+            for end, half in ((UP, one.up), (DOWN, one.down)):
+                yield f"encoder/{name}/weight{end}", half.detach().numpy().astype(np.float64)
+
+    def _normed(self, name: str, values: torch.Tensor) -> torch.Tensor:
+        gamma, beta = (self.fixed[f"encoder/{name}layer_norm/{half}"] for half in ("gamma", "beta"))
+        return nnf.layer_norm(values, (CHANNELS,), gamma, beta)

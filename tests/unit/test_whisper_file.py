@@ -1,0 +1,108 @@
+"""A model's file with something added to its weights: they alone change, nothing is guessed."""
+
+import struct
+
+import numpy as np
+import pytest
+
+from edgevox.voice.whisper_file import FILE, NotAWhisperFile, adapted, arrays
+
+HALF, SINGLE, BYTES = 4, 0, 1
+
+
+def text(value: str) -> bytes:
+    return struct.pack("<H", len(value) + 1) + value.encode() + b"\0"
+
+
+def array(name: str, kind: int, values: np.ndarray) -> bytes:
+    shape = struct.pack(f"<B{values.ndim}I", values.ndim, *values.shape)
+    return text(name) + shape + struct.pack("<BI", kind, values.nbytes) + values.tobytes()
+
+
+def file_of(*held: bytes, version: int = 6) -> bytes:
+    """As CTranslate2 writes it: a head, arrays, and no second names."""
+    head = struct.pack("<I", version) + text("WhisperSpec") + struct.pack("<II", 3, len(held))
+    return head + b"".join(held) + struct.pack("<I", 0)
+
+
+WEIGHTS = np.arange(6, dtype=np.float16).reshape(2, 3)
+BIAS = np.ones(4, np.float32)
+CODES = np.arange(5, dtype=np.int8)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "config.json").write_bytes(b"{}")
+    held = (
+        array("encoder/weight", HALF, WEIGHTS),
+        array("encoder/bias", SINGLE, BIAS),
+        array("decoder/codes", BYTES, CODES),
+    )
+    (tmp_path / FILE).write_bytes(file_of(*held))
+    return tmp_path
+
+
+def test_with_nothing_added_all_files_are_as_they_were(folder):
+    assert adapted(folder, {}) == {"config.json": b"{}", FILE: (folder / FILE).read_bytes()}
+
+
+def test_what_is_added_is_added_to_that_array_alone(folder):
+    more = np.full(6, 0.5, np.float32)
+
+    (folder / FILE).write_bytes(adapted(folder, {"encoder/weight": more})[FILE])
+
+    found = arrays(folder, "encoder/")
+    assert set(found) == {"encoder/weight", "encoder/bias"}
+    np.testing.assert_array_equal(found["encoder/weight"], WEIGHTS + 0.5)
+    np.testing.assert_array_equal(found["encoder/bias"], BIAS)
+
+
+def test_arrays_of_either_precision_are_added_to(folder):
+    found = adapted(folder, {"encoder/bias": np.arange(4, dtype=np.float32)})[FILE]
+
+    (folder / FILE).write_bytes(found)
+    np.testing.assert_array_equal(arrays(folder, "encoder/bias")["encoder/bias"], [1, 2, 3, 4])
+
+
+def test_the_folder_itself_does_not_change(folder):
+    before = (folder / FILE).read_bytes()
+
+    adapted(folder, {"encoder/weight": np.ones(6, np.float32)})
+
+    assert (folder / FILE).read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("name", "numbers", "why"),
+    [
+        ("encoder/other", 6, "it has no encoder/other"),
+        ("encoder/weight", 5, "encoder/weight is not 5 numbers"),
+        ("decoder/codes", 5, "decoder/codes is not 5 numbers"),
+    ],
+)
+def test_what_does_not_fit_is_refused_by_name(folder, name, numbers, why):
+    with pytest.raises(NotAWhisperFile, match=why):
+        adapted(folder, {name: np.zeros(numbers, np.float32)})
+
+
+@pytest.mark.parametrize("size", [0, 3, 10, 40])
+def test_a_file_that_is_cut_off_is_refused(folder, size):
+    held = (folder / FILE).read_bytes()
+    (folder / FILE).write_bytes(held[:size])
+
+    with pytest.raises(NotAWhisperFile, match=FILE):
+        adapted(folder, {})
+
+
+def test_a_file_whose_last_array_is_cut_off_is_refused(folder):
+    (folder / FILE).write_bytes((folder / FILE).read_bytes()[:-6])
+
+    with pytest.raises(NotAWhisperFile, match=FILE):
+        adapted(folder, {})
+
+
+def test_another_version_of_the_format_is_refused(folder):
+    (folder / FILE).write_bytes(file_of(version=7))
+
+    with pytest.raises(NotAWhisperFile, match="its format is 7, expected 6"):
+        adapted(folder, {})
