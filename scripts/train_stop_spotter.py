@@ -139,6 +139,8 @@ def adapt(folder: Path, start: Path | None, examples: int, only_spoken: bool) ->
             )
             learning.learn(Drawn(some, wrong[-LATEST:]), STEPS_OF_A_ROUND, file, _told)
             beside.join()
+            if beside.exitcode:
+                raise SystemExit(f"the looks of round {number + 1} were not made")
         shutil.copy(file, folder / WEIGHTS_FILE)
 
 

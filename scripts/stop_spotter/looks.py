@@ -84,6 +84,8 @@ def wrong(
         ends = range(SAMPLES + int(rng.integers(_STEP)), example.sound.size + 1, _STEP)
         labelled = [(end, example.label(end / RATE_HZ)) for end in ends]
         judged = [(end, label) for end, label in labelled if label != IGNORED]
+        if not judged:
+            continue
         sounds = [example.sound[end - SAMPLES : end] for end, _ in judged]
         found = likelihoods(weights, encoder.of(sounds))
         for (_, label), sound, likely in zip(judged, sounds, found, strict=True):
