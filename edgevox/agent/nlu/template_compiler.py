@@ -54,8 +54,7 @@ class Templates:
         self._rules = rules
         self._templates = templates
         self.lists = lists
-        every = frozenset().union(*(one.begins for some in templates.values() for one in some))
-        self._letters = {begin[0] for begin in every - {ANY}}
+        self._letters = set().union(*(one.begins for some in templates.values() for one in some))
         self._by_letter: dict[str, _Beginning] = {}
 
     def fitting(self, text: str) -> Intents:
@@ -74,7 +73,7 @@ class Templates:
                 name: [
                     (one.sentence, begins)
                     for one in some
-                    if (begins := tuple(b for b in one.begins if b == ANY or b[0] == letter))
+                    if (begins := one.begins.get(letter) or one.begins.get(ANY))
                 ]
                 for name, some in self._templates.items()
             }
@@ -84,7 +83,8 @@ class Templates:
 @dataclass(frozen=True, slots=True)
 class _Template:
     sentence: Sentence
-    begins: frozenset[str]
+    begins: Mapping[str, tuple[str, ...]]
+    """What its sentences may begin with, by the first letter."""
 
 
 _Beginning = dict[str, list[tuple[Sentence, tuple[str, ...]]]]
@@ -116,7 +116,10 @@ class _SharedTemplates:
 
     def _read(self, template: str) -> _Template:
         sentence = parse_sentence(_pattern(template), keep_text=True)
-        return _Template(sentence, beginnings(sentence, self.rules))
+        begins: dict[str, tuple[str, ...]] = {}
+        for one in beginnings(sentence, self.rules):
+            begins[one[:1]] = (*begins.get(one[:1], ()), one)
+        return _Template(sentence, begins)
 
     def lists(self, one: Skill, *, loose: bool) -> _Lists:
         """Any words, but where words are given to choose from; the book's usual places."""
