@@ -43,6 +43,9 @@ __all__ = [
 ]
 
 
+TONE = (3000 * np.sin(np.arange(8_000) / 9)).astype(np.int16)
+
+
 class Speaker:
     """Stands in for all voices: half a second of a tone, kept as the cache keeps it."""
 
@@ -58,7 +61,7 @@ class Speaker:
         if not self.knows(voice, text, **options):
             self.said.append((voice, text))
             self._kept.add((voice, text, *sorted(options.items())))
-        return (3000 * np.sin(np.arange(8_000) / 9)).astype(np.int16)
+        return TONE.copy()
 
     def knows(self, voice: str, text: str, **options: float) -> bool:
         """Whether it spoke this."""

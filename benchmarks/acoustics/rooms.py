@@ -37,12 +37,12 @@ class Room:
         n = int(min(self.rt60_s, 0.8) * RATE_HZ)
         found, first = np.zeros(n), self.distance_m
         volume, absorbed = np.prod(self.size_m), self._absorption()
-        for x, y, z in _images(self):
-            length = float(np.linalg.norm(np.subtract((x.at, y.at, z.at), self.microphone_m)))
-            index = int((length - first) / _SPEED_OF_SOUND_M_S * RATE_HZ)
-            bounces = x.bounces + y.bounces + z.bounces
-            if 0 <= index < n:
-                found[index] += (1 - absorbed) ** (bounces / 2) / max(length, 0.1)
+        at, bounces = _images(self)
+        lengths = np.linalg.norm(at - self.microphone_m, axis=1)
+        late = ((lengths - first) / _SPEED_OF_SOUND_M_S * RATE_HZ).astype(int)
+        heard = (late >= 0) & (late < n)
+        strengths = (1 - absorbed) ** (bounces / 2) / np.maximum(lengths, 0.1)
+        np.add.at(found, late[heard], strengths[heard])
         t = np.arange(n) / RATE_HZ
         tail = np.random.default_rng(self.seed).normal(0, 1, n) * 10 ** (-3 * t / self.rt60_s)
         critical_m = 0.057 * np.sqrt(volume / self.rt60_s)
@@ -57,22 +57,16 @@ class Room:
         return min(0.95, 0.161 * a * b * c / (2 * (a * b + b * c + a * c) * self.rt60_s))
 
 
-@dataclass(frozen=True, slots=True)
-class _Image:
-    at: float
-    bounces: int
-
-
-def _images(room: Room) -> "list[tuple[_Image, _Image, _Image]]":
+def _images(room: Room) -> tuple[NDArray[np.float64], NDArray[np.int_]]:
+    """Where the speaker is seen in the walls, shape (n, 3), and after how many bounces, (n,)."""
+    orders = np.repeat(np.arange(-_EARLY_ORDER, _EARLY_ORDER + 1), 2)
+    signs = np.tile((1, -1), orders.size // 2)
+    bounces = np.where(signs > 0, abs(2 * orders), abs(2 * orders - 1))
     axes = [
-        [
-            _Image(2 * k * size + sign * at, abs(2 * k) if sign > 0 else abs(2 * k - 1))
-            for k in range(-_EARLY_ORDER, _EARLY_ORDER + 1)
-            for sign in (1, -1)
-        ]
-        for size, at in zip(room.size_m, room.speaker_m, strict=True)
+        2 * orders * size + signs * at for size, at in zip(room.size_m, room.speaker_m, strict=True)
     ]
-    return [(x, y, z) for x in axes[0] for y in axes[1] for z in axes[2]]
+    images = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    return images, sum(np.meshgrid(bounces, bounces, bounces, indexing="ij")).reshape(-1)
 
 
 def rooms(half: Half, number: int = 40) -> list[Room]:

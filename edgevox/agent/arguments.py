@@ -7,6 +7,7 @@ whole number is one where a number is asked for; true, "5" and 5.5 are no whole 
 import inspect
 import json
 from collections.abc import Callable, Iterator, Mapping
+from functools import lru_cache
 from types import NoneType, UnionType
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
@@ -17,17 +18,25 @@ from edgevox.core.errors import InvalidValue
 
 LARGEST_NUMBER = 2**53
 """Beyond it JSON's numbers are not exact, and no robot can go there."""
+_CONFIG = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
 
 
 def arguments_model(function: Callable[..., Any]) -> type[BaseModel]:
     """A model of all parameters but the first, which is the goal."""
     hints = get_type_hints(function, include_extras=True)
     parameters = list(inspect.signature(function).parameters.values())[1:]
+    if not parameters:
+        return _no_arguments(function.__name__)
     fields: dict[str, Any] = {
         p.name: (hints[p.name], ... if p.default is p.empty else p.default) for p in parameters
     }
-    config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
-    return create_model(f"{function.__name__}_arguments", __config__=config, **fields)
+    return create_model(f"{function.__name__}_arguments", __config__=_CONFIG, **fields)
+
+
+@lru_cache
+def _no_arguments(name: str) -> type[BaseModel]:
+    """The same for every function of this name; most skills are made again for each agent."""
+    return create_model(f"{name}_arguments", __config__=_CONFIG)
 
 
 def check_arguments(

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 from pydantic_core import PydanticKnownError, core_schema
@@ -79,6 +80,7 @@ class NewName:
     """
 
 
+@lru_cache(maxsize=4096)
 def _plain(word: str) -> str:
     text = word.casefold().replace("_", " ").strip()
     return " ".join(text.removeprefix("the ").split())

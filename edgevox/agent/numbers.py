@@ -1,6 +1,7 @@
 """Numbers as people say them, written as digits: small models get them wrong."""
 
 import re
+from functools import lru_cache
 
 from text_to_num import alpha2digit
 
@@ -12,11 +13,13 @@ _GLUED = re.compile(r"\s*(?<![^\W\d])([xyz])\s*(?=-?\d)", re.IGNORECASE)
 _DECIMAL_COMMA = re.compile(r"(?<![\d.,])(\d+),(\d+)(?![\d.,]*\d)")
 
 
+@lru_cache(maxsize=2048)
 def digits(text: str, language: str = "en") -> str:
     """The same text with its number words as digits: "minus two and a half" becomes "-2.5".
 
     Fractions become decimals with a point, centimetres become metres, and the name of an axis gets
-    off its number ("x2.5": so whisper writes coordinates).
+    off its number ("x2.5": so whisper writes coordinates). Kept, for all who read a sentence ask,
+    and whoever learns a language's words asks for the same ones again.
     """
     known = phrasebook(language).numbers
     if known.library:

@@ -167,6 +167,8 @@ class Skill:
     @property
     def free_text(self) -> frozenset[str]:
         """The arguments that take any words, so that they may hold what somebody said."""
+        if not self.arguments_model.model_fields:
+            return frozenset()
         properties: Mapping[str, Any] = self.schema.get("properties", {})
         return frozenset(name for name, schema in properties.items() if _takes_any_words(schema))
 

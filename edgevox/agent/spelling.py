@@ -23,7 +23,8 @@ TYPED_ALIKE: Mapping[str, str] = {
 """Letters that have no accent to take away, and are typed for each other all the same."""
 _TYPED_ALIKE = str.maketrans(dict(TYPED_ALIKE))
 _APOSTROPHE = re.compile(r"(?<=\w)' ?(?=\w)")
-_HYPHEN = re.compile(r"(?<=[^\W\d])[-\N{NON-BREAKING HYPHEN}](?=[^\W\d])")
+_LONG_HYPHEN = "\N{NON-BREAKING HYPHEN}"
+_HYPHEN = re.compile(rf"(?<=[^\W\d])[-{_LONG_HYPHEN}](?=[^\W\d])")
 _PUNCTUATION = re.compile(
     r"[(){}\[\]<>|,;:=?!\"\u00a1\u00bf\u00ab\u00bb\u201c-\u201f\u2026\u060c\u061b\u061f\u0964"
     r"\u3001\u3002\u300c-\u300f\u30fb]+|\.(?!\d)"
@@ -35,7 +36,11 @@ def separated(text: str) -> str:
 
     Of a text in one form.
     """
-    return _HYPHEN.sub(" ", _APOSTROPHE.sub("' ", text.translate(_TYPED_ALIKE)))
+    if not text.isascii():
+        text = text.translate(_TYPED_ALIKE)
+    if "'" in text:
+        text = _APOSTROPHE.sub("' ", text)
+    return _HYPHEN.sub(" ", text) if "-" in text or _LONG_HYPHEN in text else text
 
 
 def unpunctuated(text: str) -> str:

@@ -7,6 +7,7 @@ variables, command line flags, and, on a running node, ROS 2 parameters.
 import os
 import tomllib
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar, Literal, get_args
 
@@ -296,14 +297,17 @@ def load_settings(flags: Mapping[str, Any], config: Path | None = None) -> Setti
 
     Raises `InvalidValue` naming the field, its value, and what was expected.
     """
-
-    class FromFile(Settings):
-        written = by_new_keys(written_in(config), Settings.model_fields) if config else {}
-
     try:
-        return FromFile(**flags)
+        return (_from_file(config) if config else Settings)(**flags)
     except ValidationError as error:
         raise _explain(error) from None
+
+
+def _from_file(config: Path) -> type[Settings]:
+    class FromFile(Settings):
+        written = by_new_keys(written_in(config), Settings.model_fields)
+
+    return FromFile
 
 
 def written_in(file: Path) -> dict[str, Any]:
@@ -316,6 +320,15 @@ def written_in(file: Path) -> dict[str, Any]:
 
 def check_settings(values: Mapping[str, Any]) -> Settings:
     """Settings from these values and the defaults, and from nowhere else. Raises `InvalidValue`."""
+    try:
+        return _alone()(**values)
+    except ValidationError as error:
+        raise _explain(error) from None
+
+
+@cache
+def _alone() -> type[Settings]:
+    """Made once, for who asks: a model of so many fields takes longer than what it checks."""
 
     class Alone(Settings):
         @classmethod
@@ -329,10 +342,7 @@ def check_settings(values: Mapping[str, Any]) -> Settings:
         ) -> tuple[PydanticBaseSettingsSource, ...]:
             return (init_settings,)
 
-    try:
-        return Alone(**values)
-    except ValidationError as error:
-        raise _explain(error) from None
+    return Alone
 
 
 def _explain(error: ValidationError) -> InvalidValue:

@@ -29,6 +29,8 @@ def clean(text: str) -> str:
 
 def one_form(text: str) -> str:
     """Letters and their accents as one character, wide ones as narrow ones, one apostrophe."""
+    if text.isascii():  # in one form already, but for an accent that stands for an apostrophe
+        return text.replace("`", "'")
     return unicodedata.normalize("NFKC", text.translate(_APOSTROPHES))
 
 

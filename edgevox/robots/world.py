@@ -14,6 +14,7 @@ behaviours, goals and drawing options belong to IR-SIM's own loop and change not
 
 import math
 import random
+from functools import lru_cache
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
@@ -91,8 +92,17 @@ def load_world(path: Path | None = None, *, seed: int = 0) -> World:
     What the file leaves to chance, such as `distribution: {name: random}`, comes from `seed`.
     Raises `InvalidValue` naming the file, the field, its value and what was expected.
     """
-    file = path or apartment_file()
+    return _read(path, seed) if path else _apartment(seed)
+
+
+def _read(file: Path, seed: int) -> World:
     return parse_world(read_text(file, "world"), file.name, seed=seed)
+
+
+@lru_cache(maxsize=4)
+def _apartment(seed: int) -> World:
+    """Read once: it is brought along, so that nobody writes to it while the robot runs."""
+    return _read(apartment_file(), seed)
 
 
 def parse_world(text: str, name: str, *, seed: int = 0) -> World:

@@ -98,8 +98,8 @@ def test_what_a_template_stands_for_is_understood_and_stops_nobody(code):
     for body, skills in BODIES.items():
         recogniser = Recogniser(skills, code)
         for name, one in skills.items():
-            for template in book.templates(one) * SAMPLES:
-                sentence = say_it(book, one, template, source)
+            templates = book.templates(one) * SAMPLES
+            for sentence in dict.fromkeys(say_it(book, one, each, source) for each in templates):
                 if name == "stop" and safety.find(sentence):
                     continue
                 assert safety.find(sentence) is None, sentence

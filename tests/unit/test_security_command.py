@@ -2,6 +2,7 @@
 
 import base64
 import json
+import shutil
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -20,13 +21,19 @@ LISTENER = "/edgevox/listener"
 CAPSYS = pytest.CaptureFixture[str]
 
 
-@pytest.fixture
-def store(tmp_path: Path) -> Path:
-    folder = tmp_path / "keystore"
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A keystore with every enclave, to take copies of: to sign all that takes a while."""
+    folder = tmp_path_factory.mktemp("made") / "keystore"
     assert main(["create", str(folder)]) == 0
     for role in EnclaveRole:
         assert main(["add", str(folder), role, "--domain", "7"]) == 0
     return folder
+
+
+@pytest.fixture
+def store(made: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(made, tmp_path / "keystore", symlinks=True))
 
 
 def text_of(folder: Path) -> str:

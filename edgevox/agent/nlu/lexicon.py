@@ -60,14 +60,8 @@ class Lexicon:
             for argument, choices in one.choices.items()
         }
         self.function_words = words_of(book.code)
-        chunks = {
-            name: _chunks(
-                one,
-                book,
-                frozenset(map(plain, (*self.function_words.fillers, *book.hearing.articles))),
-            )
-            for name, one in skills.items()
-        }
+        fillers = frozenset(map(plain, (*self.function_words.fillers, *book.hearing.articles)))
+        chunks = {name: _chunks(one, book, fillers) for name, one in skills.items()}
         known = {word for words in chunks.values() for word in words}
         known |= {said for spoken in self.places.values() for said in spoken}
         known |= {plain(one) for one in words_of(book.code).all()}

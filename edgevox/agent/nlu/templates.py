@@ -7,11 +7,16 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from hassil import Intents, RecognizeResult, recognize_all
+from hassil import RecognizeResult, recognize_all
 from hassil.intents import TextSlotList
 
 from edgevox.agent.arguments import is_number_type
-from edgevox.agent.nlu.template_compiler import compile_templates, word_list, written
+from edgevox.agent.nlu.template_compiler import (
+    Templates,
+    compile_templates,
+    word_list,
+    written,
+)
 from edgevox.agent.numbers import digits
 from edgevox.agent.own_names import phrasebook_of
 from edgevox.agent.phrase_file import ENGLISH
@@ -116,12 +121,11 @@ class _TemplateReader:
     def learn(self) -> None:
         """Take the words that there are now to choose from; the templates stay as they are."""
         made: dict[int, TextSlotList] = {}  # skills may share their choices
-        for name, intent in self._strict.intents.items():
+        for name, lists in self._strict.lists.items():
             for argument, one in self._skills[name].choices.items():
                 if id(one) not in made:
                     made[id(one)] = word_list(one, self._book)
-                for block in intent.data:
-                    block.slot_lists[argument] = made[id(one)]
+                lists[argument] = made[id(one)]
 
     def read(self, text: str) -> Understood | RefusedCommand | None:
         """What `Recogniser.recognise` returns, of a text in digits."""
@@ -154,8 +158,10 @@ class _TemplateReader:
                 return self._repair(call)
         return None
 
-    def _matches(self, sentence: str, intents: Intents) -> Iterator[Call]:
-        for result in recognize_all(folded(sentence), intents):
+    def _matches(self, sentence: str, templates: Templates) -> Iterator[Call]:
+        plain = folded(sentence)
+        fitting = templates.fitting(plain)
+        for result in recognize_all(plain, fitting) if fitting.intents else ():
             one = self._skills[result.intent.name]
             arguments = _arguments(one, result, sentence)
             if arguments is None:

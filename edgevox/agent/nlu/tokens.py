@@ -24,6 +24,8 @@ _JOINING = frozenset({0, 8, 9})
 def plain(text: str) -> str:
     """One spelling: no accents, no vowel points, no capitals, words that a mark joins apart."""
     spelled = folded(separated(one_form(text.replace("_", " ")))).casefold()
+    if spelled.isascii():
+        return spelled
     return "".join(one for one in spelled if unicodedata.combining(one) in _JOINING)
 
 
