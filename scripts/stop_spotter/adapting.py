@@ -22,7 +22,7 @@ from stop_spotter.looks import Looks
 from stop_spotter.network import arrays_of, network_of
 from stop_spotter.training import THRESHOLD
 
-ROUNDS, STEPS_OF_A_ROUND = 6, 120
+ROUNDS, STEPS_OF_A_ROUND = 5, 120
 POOL, LEARNT, WRONG_SHARE = 256, 128, 0.375
 """So many looks are heard at each step, and so many of them learnt from: mostly those that were
 heard wrongly. Of what is heard, so much was wrong before.

@@ -1,12 +1,22 @@
 """The stop word spotter: what it looks at and when, and what it makes of what it is told."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from edgevox.core.languages import LANGUAGES as ALL_LANGUAGES
+from edgevox.voice import stop_network
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ
 from edgevox.voice.stop_encoder import BANDS, CHANNELS, ENCODER, SAMPLES, STEPS, bands_of
-from edgevox.voice.stop_network import likelihoods, read_weights
+from edgevox.voice.stop_network import (
+    DOWN,
+    UP,
+    WEIGHTS_FILE,
+    likelihoods,
+    read_weights,
+    weights_of,
+)
 from edgevox.voice.stop_spotter import (
     LANGUAGES,
     LOOKS_EVERY,
@@ -19,6 +29,7 @@ from edgevox.voice.wake_sleep import AWAKE_S
 
 NOTHING = np.array([1.0, 0.0, 0.0, 0.0], np.float32)
 HALT = np.array([0.04, 0.01, 0.94, 0.01], np.float32)
+WEIGHTS = Path(stop_network.__file__).with_name(WEIGHTS_FILE)
 LOOK_S = LOOKS_EVERY * FRAME_SAMPLES / RATE_HZ
 
 
@@ -73,6 +84,18 @@ def test_each_sound_is_judged_by_itself():
     np.testing.assert_allclose(
         likelihoods(weights, some)[1], likelihoods(weights, some[1:2])[0], atol=1e-5
     )
+
+
+def test_what_is_added_to_the_encoder_is_a_product_of_two_narrow_matrices():
+    up, down = np.ones((4, 2), np.float16), np.full((2, 3), 0.25, np.float16)
+    with np.load(WEIGHTS) as data:
+        held = {name: data[name] for name in data if not name.endswith((UP, DOWN))}
+
+    added = weights_of(held | {f"conv1{UP}": up, f"conv1{DOWN}": down}).added
+
+    assert list(added) == ["conv1"]
+    np.testing.assert_array_equal(added["conv1"], np.full((4, 3), 0.5, np.float32))
+    assert weights_of(held).added == {}
 
 
 def test_it_looks_at_the_last_of_the_sound_every_so_often():
