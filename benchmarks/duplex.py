@@ -7,6 +7,7 @@ between, listening anew each minute: what is not learnt yet is where it goes wro
 simulated: how busy the machine is changes nothing but the share of a core.
 """
 
+import itertools
 import time
 from collections import Counter
 from collections.abc import Iterator
@@ -27,6 +28,7 @@ from edgevox.voice.echo_canceller import open_echo
 from edgevox.voice.level import rms
 from edgevox.voice.played_sound import PlayedSound
 from edgevox.voice.resample import resampled
+from edgevox.voice.stop_detector import StopDetector
 from edgevox.voice.stop_encoder import ENCODER
 from edgevox.voice.stop_spotter import open_stop_spotter
 from edgevox.voice.stt.speech_to_text import SpeechToText
@@ -125,9 +127,10 @@ def own_answers(seconds: float, seed: int) -> Sound:
     return np.concatenate(said)
 
 
-def heard_itself(way: Way, path: EchoPath, stt: SpeechToText, said: Sound) -> Counter[str]:
+def heard_itself(
+    way: Way, path: EchoPath, stt: SpeechToText, said: Sound, spotter: StopDetector | None = None
+) -> Counter[str]:
     """How often it interrupted itself, stopped itself and understood words of its own."""
-    spotter = open_stop_spotter(locate(ENCODER))
     room = Room(said, path, np.zeros(0), 0.0, yields=False)
     happened = listen_in(room, way, stt, spotter)
     return Counter(
@@ -139,20 +142,25 @@ def heard_itself(way: Way, path: EchoPath, stt: SpeechToText, said: Sound) -> Co
 
 def _heard_itself(way: Way, stt: SpeechToText, minutes: float) -> Iterator[Figure]:
     each = max(1, round(minutes / len(PATHS)))
-    without_end: Counter[str] = Counter()
-    answers: Counter[str] = Counter()
+    at = f"in {each * len(PATHS)} min"
+    found: Counter[str] = Counter()
     for path in PATHS:
-        without_end += heard_itself(way, path, stt, own_voice(60.0 * each, path.seed))
-        for number in range(each):
-            said = own_answers(60.0, 100 * number + path.seed)
-            answers += heard_itself(way, path, stt, said)
-    for how, found in (("itself", without_end), ("answers", answers)):
-        at = f"in {each * len(PATHS)} min" + (" of short answers" if found is answers else "")
-        for name, what in OWN.items():
-            yield Figure.of(
-                f"{how}.{name}.{way}", TABLE, f"{what}, {at}", [found[name]], "times",
-                column=WAYS[way], wanted=0 if way == "cancel" else None,
-            )  # fmt: skip
+        found += heard_itself(way, path, stt, own_voice(60.0 * each, path.seed))
+    for name in ("interrupted", "answered"):
+        yield _own(f"itself.{name}", f"{OWN[name]}, {at}", found[name], way)
+    found.clear()
+    for path, number in itertools.product(PATHS, range(each)):
+        said = own_answers(60.0, 100 * number + path.seed)
+        found += heard_itself(way, path, stt, said, open_stop_spotter(locate(ENCODER)))
+    for name, what in OWN.items():
+        yield _own(f"answers.{name}", f"{what}, {at} of short answers", found[name], way)
+
+
+def _own(identifier: str, what: str, count: int, way: Way) -> Figure:
+    return Figure.of(
+        f"{identifier}.{way}", TABLE, what, [count], "times",
+        column=WAYS[way], wanted=0 if way == "cancel" else None,
+    )  # fmt: skip
 
 
 def _interrupted(way: Way, stt: SpeechToText, people: list[tuple[str, Sound]]) -> Tally:
