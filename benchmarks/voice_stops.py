@@ -23,6 +23,7 @@ WORDS = ("Stop!", "Halt!", "Freeze!")
 ROOMS = ("bedroom", "kitchen")
 WANTED_S, WANTED_WORST_S = 0.35, 0.5
 PATIENCE_S = 4.0
+SILENT_S = 1.5
 LOOKED_S = 0.004
 STANDS = 1e-3
 """m/s and rad/s: what is slower stands."""
@@ -67,7 +68,7 @@ def stop_figures(table: str, stops: Sequence[SpokenStop]) -> Iterator[Figure]:
 
 
 def _stop(talk: Talk, said: str, word: Samples, room: str) -> SpokenStop:
-    talk.rest()
+    _hear_out(talk)
     heard_by: list[HeardBy] = []
     forget = talk.parts.bus.subscribe(SafetyPreempted, lambda one: heard_by.append(one.heard_by))
     talk.parts.conversation.start_goal("navigate_to", {"room": room})
@@ -89,6 +90,13 @@ def _stop(talk: Talk, said: str, word: Samples, room: str) -> SpokenStop:
         return SpokenStop(said, None, None)
     finally:
         forget()
+
+
+def _hear_out(talk: Talk) -> None:
+    """What was said before is over, understood and answered: it stops no drive that begins now."""
+    talk.play(quiet_room(SILENT_S))
+    talk.parts.listener.transcriber.wait_idle()
+    talk.rest()
 
 
 def _stands(talk: Talk) -> bool:

@@ -178,7 +178,7 @@ class Talk:
             kept.clear()
         self.measured.clear(), self.speaking.clear()
         spoken = loud(says("en", next(self._people), said, self._pool), 0.08)
-        self._play(np.concatenate([quiet_room(0.5), spoken]))
+        self.play(np.concatenate([quiet_room(0.5), spoken]))
         if self.model:
             self.model.done.clear()
             self._quiet_until(self.speaking)
@@ -193,10 +193,10 @@ class Talk:
         self.speaking.clear(), self.played.clear()
         self.parts.conversation.submit(Speak("I have a long story to tell about this house. " * 4))
         self._quiet_until(self.speaking)
-        self._play(quiet_room(1.0))
+        self.play(quiet_room(1.0))
         person = loud(says_espeak("no wait a moment please", "en-us"), 0.3)
         voiced_s = CLOCK.now() + _loud(person)[0] / 16_000
-        self._play(np.concatenate([person, quiet_room(1.0)]))
+        self.play(np.concatenate([person, quiet_room(1.0)]))
         after = [at_s for at_s in self.played if at_s > voiced_s]
         gaps = (one for one, two in itertools.pairwise(after) if two - one > GAP_S)
         return float(next(gaps, after[-1]) + LEAD_S + BLOCK_S - voiced_s)
@@ -208,7 +208,7 @@ class Talk:
         self.turn = event
         self.measured.set()
 
-    def _play(self, sound: Samples) -> None:
+    def play(self, sound: Samples) -> None:
         """Into the microphone, as a room would."""
         start_s = CLOCK.now()
         for number in range(sound.size // FRAME_SAMPLES):
@@ -221,7 +221,7 @@ class Talk:
     def _quiet_until(self, event: threading.Event) -> None:
         until_s = CLOCK.now() + PATIENCE_S
         while not event.is_set():
-            self._play(quiet_room(FRAME_S))
+            self.play(quiet_room(FRAME_S))
             assert CLOCK.now() < until_s, "it does not answer"
 
     def _beside(self, said: str) -> Turn:
