@@ -9,13 +9,14 @@ import numpy as np
 from echo_paths import EchoPath, Sound, as_samples, noise_floor
 
 from edgevox.core.bus import Bus
-from edgevox.core.commands import Command, Heard, Interrupt
+from edgevox.core.commands import Command, Heard, Interrupt, StopSpotted
 from edgevox.core.settings import Echo
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, EndOfSound, Frame
 from edgevox.voice.foreground import open_vad
 from edgevox.voice.level import rms
 from edgevox.voice.listener import Listener
 from edgevox.voice.played_sound import PlayedSound
+from edgevox.voice.stop_detector import StopDetector
 from edgevox.voice.stt.speech_to_text import SpeechToText
 
 SILENT_AFTER_S = 0.1
@@ -31,6 +32,7 @@ class Happened:
 
     interrupted_s: list[float] = field(default_factory=list)
     heard: list[Heard] = field(default_factory=list)
+    stopped_s: list[float] = field(default_factory=list)
 
 
 class Room:
@@ -69,6 +71,8 @@ class Room:
         match command:
             case Heard():
                 self.happened.heard.append(command)
+            case StopSpotted():
+                self.happened.stopped_s.append(self.now_s)
             case Interrupt():
                 self.happened.interrupted_s.append(self.now_s)
                 if self._yields and self._cut_at == self._speech.size:
@@ -104,8 +108,13 @@ class Room:
         self.played.cut(self._cut_at / RATE_HZ)
 
 
-def listen_in(room: Room, echo: Echo, stt: SpeechToText) -> Happened:
-    """All that happens in it, to the end."""
+def listen_in(
+    room: Room, echo: Echo, stt: SpeechToText, spotter: StopDetector | None = None
+) -> Happened:
+    """All that happens in it, to the end.
+
+    The robot may be saying "stop" all the time, as far as who spots stop words is told.
+    """
     listener = Listener(
         room,
         open_vad(),
@@ -115,6 +124,8 @@ def listen_in(room: Room, echo: Echo, stt: SpeechToText) -> Happened:
         language=lambda: "en",
         muted=lambda: False,
         audible=room.audible,
+        stop_detector=spotter,
+        saying=lambda: "stop",
         played=room.played,
         echo=echo,
         lossless=True,

@@ -4,22 +4,28 @@ Four voices of Kokoro speak to it, Piper answers. The floor is what the parts ne
 another, on the same sound and words in the same run.
 """
 
+import itertools
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
+import numpy as np
 import shared_with_tests  # noqa: F401 - finds the tests' modules
 import voice_parts
 from figures import Figure, Measured, NotHere
+from listener_rig import chatter, loud
 from listening import listen, quiet_room
 from voice_endurance import Endured, endure
 from voice_engines import words, wrong_words
 from voice_rig import VoiceRig
+from voice_stops import spoken_stops, stop_figures
 from voice_turns import Talk, Turn
 
 from edgevox.apps.queries import find_model
 from edgevox.models import ModelMissing, locate
+from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.microwakeword import MicroWakeWord
+from edgevox.voice.stt.speech_to_text import Transcript
 from edgevox.voice.stt.whisper import Whisper
 from edgevox.voice.voices import choose
 
@@ -73,7 +79,7 @@ def measure(quick: bool = False) -> Measured:
         return Measured(
             figures=(
                 *turns(quick),
-                *silence(5.0 if quick else SILENCE_S),
+                *cost(5.0 if quick else SILENCE_S),
                 *endurance(1 if quick else MINUTES),
                 *parts(),
             )
@@ -88,6 +94,7 @@ def turns(quick: bool) -> Iterator[Figure]:
     try:
         commands = [talk.ask(said) for said in (COMMANDS[:2] if quick else COMMANDS)]
         barge_ins = [talk.speak_over() for _ in range(2 if quick else BARGE_INS)]
+        stops = spoken_stops(talk, quick)
     finally:
         talk.close()
     talk = Talk(talkative=True)
@@ -97,6 +104,7 @@ def turns(quick: bool) -> Iterator[Figure]:
         talk.close()
     yield from _commands(commands)
     yield _s("barge_in", "speaking over it: first voiced to last played sample", barge_ins)
+    yield from stop_figures(TURNS, stops)
     many = [one for one in questions if one.sentences >= MANY]
     if many:
         yield from _long_answers(many)
@@ -108,8 +116,13 @@ def _commands(spoken: Sequence[Turn]) -> Iterator[Figure]:
         [100 * word_error_rate(spoken)], "%",
     )  # fmt: skip
     yield _s(
-        "first_sound", "command: last voiced to first audible sample", [x.ttfs_s for x in spoken]
-    )
+        "action", "command: last voiced sample to the action", [x.action_s for x in spoken],
+        wanted=0.45,
+    )  # fmt: skip
+    yield _s(
+        "first_sound", "command: last voiced to first audible sample",
+        [x.ttfs_s for x in spoken], wanted=0.7,
+    )  # fmt: skip
     yield _s("silence", "of it the silence that ends an utterance", [x.wait_s for x in spoken])
     yield _s("floor_stt", "floor: speech to text alone", [x.stt_s for x in spoken])
     yield _s("floor_tts", "floor: first chunk of speech alone", [x.first_chunk_s for x in spoken])
@@ -138,8 +151,19 @@ def _long_answers(many: Sequence[Turn]) -> Iterator[Figure]:
     )  # fmt: skip
 
 
-def silence(seconds: float) -> Iterator[Figure]:
-    """The share of a core that listening to a quiet room takes."""
+class NoWords:
+    """Recognises nothing: what listening costs beside that."""
+
+    def transcribe(self, samples: Samples, language: str) -> Transcript:  # noqa: ARG002
+        return Transcript("")
+
+    def warm_up(self, language: str) -> None: ...
+
+    def close(self) -> None: ...
+
+
+def cost(seconds: float) -> Iterator[Figure]:
+    """The share of a core that listening takes, to a quiet room and to people who speak."""
     stt = Whisper(lambda _: locate("whisper-tiny.en"))
     stt.warm_up("en")
     wakeword = MicroWakeWord(locate("micro-wake-words") / "hey_jarvis.json")
@@ -149,6 +173,13 @@ def silence(seconds: float) -> Iterator[Figure]:
             f"listening_{name}", LISTENING, f"listening to silence {name} a wake word",
             [100 * share], "% of a core", wanted=5.0,
         )  # fmt: skip
+    talk = loud(np.concatenate(list(itertools.islice(chatter(), 20))), 0.08)
+    share = listen(NoWords(), talk[: round(seconds * RATE_HZ)], wakeword=wakeword).share_of_a_core
+    yield Figure.of(
+        "listening_speech", LISTENING,
+        "listening to speech for a wake word and stop words, without recognising it",
+        [100 * share], "% of a core", wanted=8.0,
+    )  # fmt: skip
     wakeword.close()
     stt.close()
 
@@ -198,8 +229,8 @@ def word_error_rate(spoken: Sequence[Turn]) -> float:
     return wrong / sum(len(words(one.said)) for one in spoken)
 
 
-def _s(identifier: str, what: str, samples: Sequence[float]) -> Figure:
-    return Figure.of(identifier, TURNS, what, samples, "s")
+def _s(identifier: str, what: str, samples: Sequence[float], wanted: float | None = None) -> Figure:
+    return Figure.of(identifier, TURNS, what, samples, "s", wanted=wanted)
 
 
 def _ratio(

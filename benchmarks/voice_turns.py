@@ -23,6 +23,7 @@ from edgevox.apps import composition
 from edgevox.apps.queries import present_voices
 from edgevox.apps.robots import build_body
 from edgevox.apps.voice import warm_up_hearing
+from edgevox.core.agent_events import ToolCalled
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import SystemClock
 from edgevox.core.commands import Heard, Interrupt, Reset, Speak, Transcribing
@@ -72,7 +73,8 @@ class Talkative:
 class Turn:
     """One turn, in seconds.
 
-    `wait_s` is the silence that ended the utterance, part of `ttfs_s`; the floors are of the parts
+    `wait_s` is the silence that ended the utterance, part of `ttfs_s`; `action_s` goes from the
+    last voiced sample to the call of a skill; the floors are of the parts
     alone: until the first sound, and until all sound is made.
     """
 
@@ -81,6 +83,7 @@ class Turn:
     sentences: int
     ttfs_s: float
     wait_s: float
+    action_s: float
     stt_s: float
     model_s: float
     first_chunk_s: float
@@ -111,7 +114,7 @@ class Talk:
                 return self.model
 
             composition.open_model = wrapped
-        body = build_body("robot-apartment", settings)
+        self.body = body = build_body("robot-apartment", settings)
         self.parts = composition.build_parts(self._stack, settings, body)
         composition.open_model = opened
         self.voice = self.parts.voice
@@ -130,7 +133,7 @@ class Talk:
         self.turn: TurnMeasured | None = None
         self.heard, self.sentences, self.played = [], [], []
         self.asked: list[Samples] = []
-        self.ended_s = self.over_s = 0.0
+        self.ended_s = self.over_s = self.acted_s = 0.0
         bus, transcribe, submit = (
             self.parts.bus,
             self.voice.stt.transcribe,
@@ -138,6 +141,7 @@ class Talk:
         )
         bus.subscribe(TurnMeasured, self._note)
         bus.subscribe(Transcribed, lambda event: self.heard.append(event.text))
+        bus.subscribe(ToolCalled, lambda _: self._act())
         bus.subscribe(SentenceReady, lambda event: self.sentences.append(event.text))
         bus.subscribe(
             StateChanged, lambda e: self.speaking.set() if e.state is State.SPEAKING else None
@@ -162,15 +166,19 @@ class Talk:
     def close(self) -> None:
         self._stack.close()
 
-    def ask(self, said: str) -> Turn:
-        """Say it, and wait for its answer."""
+    def rest(self) -> None:
+        """Have it forget what was said and stand."""
         self.parts.conversation.submit(Reset())
         self.parts.conversation.wait_idle()
+
+    def ask(self, said: str) -> Turn:
+        """Say it, and wait for its answer."""
+        self.rest()
         for kept in (self.heard, self.sentences, self.asked):
             kept.clear()
         self.measured.clear(), self.speaking.clear()
         spoken = loud(says("en", next(self._people), said, self._pool), 0.08)
-        self._play(np.concatenate([quiet_room(0.5), spoken]))
+        self.play(np.concatenate([quiet_room(0.5), spoken]))
         if self.model:
             self.model.done.clear()
             self._quiet_until(self.speaking)
@@ -181,24 +189,26 @@ class Talk:
 
     def speak_over(self) -> float:
         """Seconds from a person's first voiced sample to the last sample that is played."""
-        self.parts.conversation.submit(Reset())
-        self.parts.conversation.wait_idle()
+        self.rest()
         self.speaking.clear(), self.played.clear()
         self.parts.conversation.submit(Speak("I have a long story to tell about this house. " * 4))
         self._quiet_until(self.speaking)
-        self._play(quiet_room(1.0))
+        self.play(quiet_room(1.0))
         person = loud(says_espeak("no wait a moment please", "en-us"), 0.3)
         voiced_s = CLOCK.now() + _loud(person)[0] / 16_000
-        self._play(np.concatenate([person, quiet_room(1.0)]))
+        self.play(np.concatenate([person, quiet_room(1.0)]))
         after = [at_s for at_s in self.played if at_s > voiced_s]
         gaps = (one for one, two in itertools.pairwise(after) if two - one > GAP_S)
         return float(next(gaps, after[-1]) + LEAD_S + BLOCK_S - voiced_s)
+
+    def _act(self) -> None:
+        self.acted_s = CLOCK.now()
 
     def _note(self, event: TurnMeasured) -> None:
         self.turn = event
         self.measured.set()
 
-    def _play(self, sound: Samples) -> None:
+    def play(self, sound: Samples) -> None:
         """Into the microphone, as a room would."""
         start_s = CLOCK.now()
         for number in range(sound.size // FRAME_SAMPLES):
@@ -211,7 +221,7 @@ class Talk:
     def _quiet_until(self, event: threading.Event) -> None:
         until_s = CLOCK.now() + PATIENCE_S
         while not event.is_set():
-            self._play(quiet_room(FRAME_S))
+            self.play(quiet_room(FRAME_S))
             assert CLOCK.now() < until_s, "it does not answer"
 
     def _beside(self, said: str) -> Turn:
@@ -232,6 +242,7 @@ class Talk:
             len(sentences),
             self.turn.ttfs,
             self.over_s - self.ended_s,
+            self.acted_s - self.ended_s,
             stt_s,
             model_s,
             first_s,

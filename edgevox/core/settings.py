@@ -151,7 +151,7 @@ class Settings(BaseSettings):
         description="hear stop words by their sound, too: at once, in the middle of what is said",
     )
     echo: Echo = Field(
-        "gate",
+        "cancel",
         description="own voice in the microphone: cancel it, or gate it by level; none where "
         "something else cancels it",
     )

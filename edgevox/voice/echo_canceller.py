@@ -82,7 +82,7 @@ class EchoCanceller:
             return as_it_came
         words = _samples(self._filter.push(_sound(frame.samples), _sound(played)))
         voice = self._suppressor.push(frame.samples, played)
-        self.loss.push(frame.samples, voice, played)
+        self.loss.push(frame.samples, voice, words, played)
         return Unechoed(words, voice, words, cancelled=True) if self.loss.enough else as_it_came
 
 

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 from simulated_echo import decibels, room, samples, through, voice
 
+from edgevox.core.settings import Settings
 from edgevox.voice.audio import FRAME_SAMPLES, RATE_HZ
 from edgevox.voice.echo import EchoGate
-from edgevox.voice.echo_canceller import EchoCanceller, open_echo
+from edgevox.voice.echo_canceller import TAIL_S, EchoCanceller, open_echo
+from edgevox.voice.echo_loss import EchoLoss
 from edgevox.voice.level import rms
 from edgevox.voice.played_sound import PlayedSound
 
@@ -18,6 +20,11 @@ LEVEL = 0.1
 def opened(echo="cancel", **more):
     reference = PlayedSound()
     return open_echo(echo, lambda: LEVEL, reference, **more), reference
+
+
+def quiet(count):
+    """What a microphone gives that hears nothing of it."""
+    return np.random.default_rng(4).normal(0, 0.0005, count)
 
 
 def joined(sounds):
@@ -119,3 +126,51 @@ def test_the_gate_is_used_where_nobody_knows_what_is_played():
 
 def test_the_canceller_is_used_where_it_is_asked_for():
     assert isinstance(opened()[0], EchoCanceller)
+
+
+def test_it_is_what_a_robot_does_unless_told_otherwise():
+    assert Settings.model_fields["echo"].default == "cancel"
+
+
+def test_with_a_headset_a_person_is_heard_as_through_the_gate_alone(played):
+    heard, at = quiet(played.size), 4 * RATE_HZ
+    person = voice(6.0, seed=9, level=LEVEL)
+    heard[at : at + person.size] += person
+    echo, reference = opened()
+    gate = EchoGate(lambda: LEVEL, tail_s=TAIL_S)
+
+    given = list(through(echo, played, heard, reference))
+
+    gated = list(through(gate, played, heard, PlayedSound(), told=False))
+    assert np.array_equal(joined([one.voice for one in given]), joined([o.voice for o in gated]))
+    assert joined([one.voice for one in given]).any()
+    assert not echo.loss.enough
+
+
+@pytest.mark.parametrize("level", [LEVEL, 0.0])
+def test_where_nothing_is_told_of_what_is_played_the_gate_decides_as_ever(played, level):
+    """A file as sound, no loudspeaker, or a simulated one: nobody knows what comes back."""
+    heard = samples(room(played))
+    echo, gate = open_echo("cancel", lambda: level, PlayedSound()), EchoGate(lambda: level)
+
+    given = list(through(echo, played, room(played), PlayedSound(), told=False))
+
+    gated = list(through(gate, played, room(played), PlayedSound(), told=False))
+    assert np.array_equal(joined([one.voice for one in given]), joined([o.voice for o in gated]))
+    assert np.array_equal(joined([one.clean for one in given]), heard[: len(given) * FRAME_SAMPLES])
+
+
+@pytest.mark.parametrize(
+    ("left", "filtered"),
+    [(0.5, 0.5), (0.0, 1.0)],
+    ids=["it weakens the echo no longer", "it drops what is no echo"],
+)
+def test_one_that_only_fell_silent_at_first_is_not_believed(left, filtered):
+    loss, heard = EchoLoss(), np.full(FRAME_SAMPLES, 3000, np.int16)
+    for _ in range(28):
+        loss.push(heard, heard // 100, heard, heard)
+
+    for _ in range(60):
+        loss.push(heard, (heard * left).astype(np.int16), (heard * filtered).astype(int), heard)
+
+    assert not loss.enough
