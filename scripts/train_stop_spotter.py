@@ -1,6 +1,7 @@
 """Train the stop word spotter, into a folder of one's own.
 
     python scripts/train_stop_spotter.py FOLDER [--only-spoken]
+    python scripts/train_stop_spotter.py FOLDER --adapt [--start WEIGHTS] [--only-spoken]
     python scripts/train_stop_spotter.py FOLDER --install --threshold 0.96
 
 Needs PyTorch, which nothing else here does: `pip install torch` into an environment of its own that
@@ -8,6 +9,9 @@ sees this one's packages. Speaks with espeak-ng, Piper and Kokoro, which takes a
 time, and keeps what was said; see `benchmarks/acoustics`. Of voices, sentences, noises and rooms it
 uses those to train with, and nothing of those to tune and to test with. Cut off, the same command
 goes on with the round that was not done: a round makes examples and learns from all so far.
+
+The first command lets a network learn on Whisper's encoder as it is; the second, into another
+folder, lets the encoder learn with it, from the weights of the first or those of the package.
 
 `benchmarks/stop_words_threshold.py --weights FOLDER/stop_spotter.npz` shows which threshold to
 take. The package's own weights, `edgevox/voice/stop_spotter.npz`, change by `--install` alone,
@@ -131,7 +135,8 @@ def adapt(folder: Path, start: Path | None, examples: int, only_spoken: bool) ->
     for number in range(ROUNDS):
         file = network_file(folder, number, ADAPTED)
         if not file.exists():
-            asked = (folder, start, examples, number + 1)
+            following = min(number + 1, ROUNDS - 1)  # in the last round it is there already
+            asked = (folder, start, examples, following)
             beside = get_context("spawn").Process(target=make_looks, args=asked)
             beside.start()
             some, wrong = (
@@ -140,7 +145,7 @@ def adapt(folder: Path, start: Path | None, examples: int, only_spoken: bool) ->
             learning.learn(Drawn(some, wrong[-LATEST:]), STEPS_OF_A_ROUND, file, _told)
             beside.join()
             if beside.exitcode:
-                raise SystemExit(f"the looks of round {number + 1} were not made")
+                raise SystemExit(f"the looks of round {following} were not made")
         shutil.copy(file, folder / WEIGHTS_FILE)
 
 
