@@ -18,7 +18,7 @@ from edgevox.voice.wake_sleep import WakeSleep
 
 LOOKS_EVERY = 2
 """Frames of sound from one look to the next, 64 ms."""
-SMOOTHED_LOOKS = 4
+SMOOTHED_LOOKS = 3
 """The mean of so many looks counts: no single one stops a robot."""
 LANGUAGES = frozenset({"en"})
 """The languages whose stop words it knows, by ISO 639-1 code."""
