@@ -5,6 +5,7 @@ another, on the same sound and words in the same run.
 """
 
 import itertools
+import math
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -116,8 +117,8 @@ def _commands(spoken: Sequence[Turn]) -> Iterator[Figure]:
         [100 * word_error_rate(spoken)], "%",
     )  # fmt: skip
     yield _s(
-        "action", "command: last voiced sample to the action", [x.action_s for x in spoken],
-        wanted=0.45,
+        "action", "command: last voiced sample to the action",
+        [x.action_s for x in spoken if not math.isnan(x.action_s)], wanted=0.45,
     )  # fmt: skip
     yield _s(
         "first_sound", "command: last voiced to first audible sample",

@@ -5,6 +5,7 @@ each turn: that is the floor of a pipeline in which nothing overlaps.
 """
 
 import itertools
+import math
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
@@ -133,7 +134,8 @@ class Talk:
         self.turn: TurnMeasured | None = None
         self.heard, self.sentences, self.played = [], [], []
         self.asked: list[Samples] = []
-        self.ended_s = self.over_s = self.acted_s = 0.0
+        self.ended_s = self.over_s = 0.0
+        self.acted_s = math.nan
         bus, transcribe, submit = (
             self.parts.bus,
             self.voice.stt.transcribe,
@@ -177,6 +179,7 @@ class Talk:
         for kept in (self.heard, self.sentences, self.asked):
             kept.clear()
         self.measured.clear(), self.speaking.clear()
+        self.acted_s = math.nan
         spoken = loud(says("en", next(self._people), said, self._pool), 0.08)
         self.play(np.concatenate([quiet_room(0.5), spoken]))
         if self.model:
@@ -202,7 +205,8 @@ class Talk:
         return float(next(gaps, after[-1]) + LEAD_S + BLOCK_S - voiced_s)
 
     def _act(self) -> None:
-        self.acted_s = CLOCK.now()
+        if math.isnan(self.acted_s):
+            self.acted_s = CLOCK.now()
 
     def _note(self, event: TurnMeasured) -> None:
         self.turn = event

@@ -1,8 +1,8 @@
 """Train the stop word spotter, into a folder of one's own.
 
     python scripts/train_stop_spotter.py FOLDER [--only-spoken]
-    python scripts/train_stop_spotter.py FOLDER --adapt [--start WEIGHTS] [--only-spoken]
-    python scripts/train_stop_spotter.py FOLDER --install --threshold 0.96
+    python scripts/train_stop_spotter.py FOLDER --adapt --start WEIGHTS [--only-spoken]
+    python scripts/train_stop_spotter.py FOLDER --install --threshold 0.88
 
 Needs PyTorch, which nothing else here does: `pip install torch` into an environment of its own that
 sees this one's packages. Speaks with espeak-ng, Piper and Kokoro, which takes an hour the first
@@ -114,8 +114,8 @@ def _looks(
     return looks.wrong(_some(made, examples // LATER), encoder.of, encoder, before, number)
 
 
-def adapt(folder: Path, start: Path | None, examples: int, only_spoken: bool) -> None:
-    """Let the encoder learn with the network, from the weights of `start` or the package's.
+def adapt(folder: Path, start: Path, examples: int, only_spoken: bool) -> None:
+    """Let the encoder learn with the network, from the weights of `start`.
 
     While it learns in a round, a second process makes the looks of the next one, by the network of
     the round before.
@@ -130,11 +130,13 @@ def adapt(folder: Path, start: Path | None, examples: int, only_spoken: bool) ->
     if not only_spoken:
         speak(all_clips(), _told)
     known, whole = read_weights(start), ROUNDS * STEPS_OF_A_ROUND
+    if known.added:
+        raise SystemExit("--start: expected weights whose encoder has not learnt yet")
     learning = Adapting(locate(ENCODER), known, folder / "adapting.pt", whole)
-    make_looks(folder, start, examples, 0)
     for number in range(ROUNDS):
         file = network_file(folder, number, ADAPTED)
         if not file.exists():
+            make_looks(folder, start, examples, number)  # unless that was cut off, they are there
             following = min(number + 1, ROUNDS - 1)  # in the last round it is there already
             asked = (folder, start, examples, following)
             beside = get_context("spawn").Process(target=make_looks, args=asked)
@@ -142,14 +144,15 @@ def adapt(folder: Path, start: Path | None, examples: int, only_spoken: bool) ->
             some, wrong = (
                 [looks.read(folder, n, what) for n in range(number + 1)] for what in (SOME, WRONG)
             )
-            learning.learn(Drawn(some, wrong[-LATEST:]), STEPS_OF_A_ROUND, file, _told)
+            done = (number + 1) * STEPS_OF_A_ROUND
+            learning.learn(Drawn(some, wrong[-LATEST:]), done, file, _told)
             beside.join()
             if beside.exitcode:
                 raise SystemExit(f"the looks of round {following} were not made")
         shutil.copy(file, folder / WEIGHTS_FILE)
 
 
-def make_looks(folder: Path, start: Path | None, examples: int, number: int) -> None:
+def make_looks(folder: Path, start: Path, examples: int, number: int) -> None:
     """Those of a round in which the encoder learns: a few at many examples, and what the network of
     two rounds before gets wrong all along others; of the clips that are spoken by then.
     """
@@ -191,12 +194,14 @@ def main(arguments: Sequence[str] | None = None, place: Path = PLACE) -> int:
     parser.add_argument("--examples", type=int, default=EXAMPLES, help="of the first round")
     parser.add_argument("--steps", type=int, default=STEPS, help="to learn in each round")
     parser.add_argument("--adapt", action="store_true", help="let the encoder learn, too")
-    parser.add_argument("--start", type=Path, help="with --adapt, from these weights")
+    parser.add_argument("--start", type=Path, help="with --adapt: from these weights")
     parser.add_argument("--only-spoken", action="store_true", help="only what was spoken before")
     parser.add_argument("--install", action="store_true", help="into this package; trains nothing")
     parser.add_argument("--threshold", type=float, help="from which a word counts, with --install")
     asked = parser.parse_args(arguments)
     if asked.adapt:
+        if asked.start is None:
+            parser.error("--adapt needs --start: the weights that --install would take")
         adapt(asked.folder, asked.start, EXAMPLES_OF_A_ROUND, asked.only_spoken)
         return 0
     if not asked.install:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from edgevox.core.errors import EdgeVoxError
 from edgevox.voice.audio import Samples
 from edgevox.voice.level import FULL_SCALE
 from edgevox.voice.one_thread import product
@@ -58,8 +59,14 @@ def _bands() -> Floats:
     return np.ascontiguousarray(FeatureExtractor(feature_size=BANDS).mel_filters.T, np.float32)
 
 
+class EncoderNotLoaded(EdgeVoxError):
+    """Loading it failed; the message says why."""
+
+
 class StopEncoder:
     """Whisper's encoder, from its folder, loaded when it is first asked.
+
+    Where that fails it is not tried again: who looks every 64 ms would do nothing else.
 
     `added` is what its arrays are to be more than Whisper's, by their names. It computes on one
     core, beside the one that transcribes: who waited for that would be late.
@@ -70,18 +77,28 @@ class StopEncoder:
         self._added = added
 
     def of(self, sounds: Sequence[Samples]) -> Floats:
-        """Of `SAMPLES` samples each, shape (sounds, `STEPS`, `CHANNELS`)."""
+        """Of `SAMPLES` samples each, shape (sounds, `STEPS`, `CHANNELS`).
+
+        Raises `EncoderNotLoaded`.
+        """
         import ctranslate2
 
+        if isinstance(self._loaded, str):
+            raise EncoderNotLoaded(self._loaded)
+
         bands = np.ascontiguousarray(np.stack([bands_of(sound) for sound in sounds]))
-        encoded = self._whisper.encode(ctranslate2.StorageView.from_array(bands))
+        encoded = self._loaded.encode(ctranslate2.StorageView.from_array(bands))
         return np.asarray(encoded, np.float32)
 
     @functools.cached_property
-    def _whisper(self) -> Any:
+    def _loaded(self) -> Any:
+        """The model, or in words why there is none."""
         import ctranslate2
 
-        return ctranslate2.models.Whisper(
-            str(self._folder), files=adapted(self._folder, self._added), device="cpu",
-            compute_type="int8", inter_threads=1, intra_threads=1,
-        )  # fmt: skip
+        try:
+            return ctranslate2.models.Whisper(
+                str(self._folder), files=adapted(self._folder, self._added), device="cpu",
+                compute_type="int8", inter_threads=1, intra_threads=1,
+            )  # fmt: skip
+        except Exception as error:  # noqa: BLE001 - whatever the library raises
+            return f"{type(error).__name__}: {error}"

@@ -38,20 +38,24 @@ def adapted(folder: Path, added: Mapping[str, NDArray[np.float32]]) -> dict[str,
     """The files of a model by name, as CTranslate2 takes them from memory.
 
     `added` is what each named array is to be more than in the file: as many numbers as it has, in
-    their order. Raises `NotAWhisperFile`.
+    their order. Raises `NotAWhisperFile`, and `OSError` where a file cannot be read.
     """
-    files = {file.name: file.read_bytes() for file in folder.iterdir() if file.name != FILE}
+    files = {file.name: file.read_bytes() for file in folder.iterdir() if _is_beside(file)}
     return files | {FILE: _adapted((folder / FILE).read_bytes(), added)}
 
 
 def arrays(folder: Path, beginning: str) -> dict[str, NDArray[np.float32]]:
-    """The arrays of numbers whose names begin so. Raises `NotAWhisperFile`."""
+    """The arrays of numbers whose names begin so. Raises `NotAWhisperFile` and `OSError`."""
     held = (folder / FILE).read_bytes()
     return {
         one.name: _numbers(held, one).astype(np.float32).reshape(one.shape)
         for one in _read(held)
         if one.name.startswith(beginning) and one.type in _FLOATS
     }
+
+
+def _is_beside(file: Path) -> bool:
+    return file.name != FILE and file.is_file()
 
 
 def _adapted(held: bytes, added: Mapping[str, NDArray[np.float32]]) -> bytes:
@@ -105,4 +109,6 @@ def _walk(held: bytes) -> Iterator[_Array]:
         at += size
         if at > len(held):
             raise NotAWhisperFile(f"{FILE}: it ends within {name}")
+        if kind in _FLOATS and size != math.prod(shape) * np.dtype(_FLOATS[kind]).itemsize:
+            raise NotAWhisperFile(f"{FILE}: {name} has {size} bytes, not those of {shape} numbers")
         yield _Array(name, shape, kind, at - size)

@@ -108,11 +108,11 @@ class Adapting:
         if file.exists():
             self._go_on(torch.load(file))
 
-    def learn(self, drawn: Drawn, steps: int, weights: Path, told: Callable[[str], None]) -> None:
-        """So many steps; then what runs is written to `weights`."""
+    def learn(self, drawn: Drawn, until: int, weights: Path, told: Callable[[str], None]) -> None:
+        """Until so many steps are done in all; then what runs is written to `weights`."""
         rng = np.random.default_rng((23, self.done))
         parameters, means = [*self.both.parameters()], np.zeros(2)
-        for _ in range(steps):
+        while self.done < until:
             bands, labels = (torch.from_numpy(one) for one in drawn.pool(rng))
             at, heard = self._to_learn(bands, labels, rng)
             self.both.train()
@@ -157,12 +157,6 @@ class Adapting:
         self.done = kept["done"]
 
     def _keep(self, weights: Path) -> None:
-        self.both.eval()
-        arrays = arrays_of(self.both.network, THRESHOLD)
-        arrays |= {name: one.astype(np.float16) for name, one in self.both.encoder.added()}
-        with weights.with_suffix(".new").open("wb") as out:
-            np.savez(out, **arrays)
-        weights.with_suffix(".new").replace(weights)
         kept = {
             "both": self.both.state_dict(),
             "optimiser": self._optimiser.state_dict(),
@@ -171,3 +165,9 @@ class Adapting:
         }
         torch.save(kept, self._file.with_suffix(".new"))
         self._file.with_suffix(".new").replace(self._file)
+        self.both.eval()
+        arrays = arrays_of(self.both.network, THRESHOLD)
+        arrays |= {name: one.astype(np.float16) for name, one in self.both.encoder.added()}
+        with weights.with_suffix(".new").open("wb") as out:
+            np.savez(out, **arrays)
+        weights.with_suffix(".new").replace(weights)

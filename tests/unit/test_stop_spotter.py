@@ -8,7 +8,16 @@ import pytest
 from edgevox.core.languages import LANGUAGES as ALL_LANGUAGES
 from edgevox.voice import stop_network
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ
-from edgevox.voice.stop_encoder import BANDS, CHANNELS, ENCODER, SAMPLES, STEPS, bands_of
+from edgevox.voice.stop_encoder import (
+    BANDS,
+    CHANNELS,
+    ENCODER,
+    SAMPLES,
+    STEPS,
+    EncoderNotLoaded,
+    StopEncoder,
+    bands_of,
+)
 from edgevox.voice.stop_network import (
     DOWN,
     UP,
@@ -96,6 +105,16 @@ def test_what_is_added_to_the_encoder_is_a_product_of_two_narrow_matrices():
     assert list(added) == ["conv1"]
     np.testing.assert_array_equal(added["conv1"], np.full((4, 3), 0.5, np.float32))
     assert weights_of(held).added == {}
+
+
+def test_an_encoder_that_cannot_be_loaded_is_not_tried_again(tmp_path):
+    encoder, sound = StopEncoder(tmp_path, {}), np.zeros(SAMPLES, np.int16)
+    with pytest.raises(EncoderNotLoaded, match=r"model\.bin"):
+        encoder.of([sound])
+    tmp_path.rmdir()
+
+    with pytest.raises(EncoderNotLoaded, match=r"model\.bin"):
+        encoder.of([sound])
 
 
 def test_it_looks_at_the_last_of_the_sound_every_so_often():

@@ -160,6 +160,13 @@ def test_it_learns_from_no_voice_that_tunes_or_tests(monkeypatch, tmp_path):
         assert learnt.isdisjoint(voices.espeak_voices(half))
 
 
+def test_an_encoder_does_not_learn_from_weights_that_nobody_names(tmp_path, capsys):
+    with pytest.raises(SystemExit):
+        train_stop_spotter.main([str(tmp_path), "--adapt"])
+
+    assert "--adapt needs --start" in capsys.readouterr().err
+
+
 @pytest.fixture
 def place(tmp_path):
     """A place to install to, where something is already."""

@@ -106,3 +106,20 @@ def test_another_version_of_the_format_is_refused(folder):
 
     with pytest.raises(NotAWhisperFile, match="its format is 7, expected 6"):
         adapted(folder, {})
+
+
+@pytest.mark.parametrize("bytes_more", [-4, 4])
+def test_an_array_that_is_not_as_long_as_its_shape_says_is_refused(folder, bytes_more):
+    whole = array("encoder/short", 0, np.zeros(3, np.float32))
+    told = struct.pack("<BI", 0, 12), struct.pack("<BI", 0, 12 + bytes_more)
+    values = bytes(12 + bytes_more)
+    (folder / FILE).write_bytes(file_of(whole[:-12].replace(*told) + values))
+
+    with pytest.raises(NotAWhisperFile, match="encoder/short has"):
+        adapted(folder, {})
+
+
+def test_a_folder_beside_it_is_left_alone(folder):
+    (folder / ".cache").mkdir()
+
+    assert ".cache" not in adapted(folder, {})
