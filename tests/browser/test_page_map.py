@@ -112,6 +112,7 @@ def test_a_new_map_takes_the_place_of_the_old_one_and_none_leaves_none(
 
 def test_a_tap_on_a_cell_goes_to_that_point_of_the_map(opens: Opens, mapped: Robot) -> None:
     page = opens()
+    page.locator(".facts .fact").first.wait_for()  # what they take of the map's height is taken
     until(page, lambda: seen(page, WALL) == OCCUPIED)
     x_m, y_m = middle(INSIDE)
     x, y = on_canvas(page, x_m, y_m)
