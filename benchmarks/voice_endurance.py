@@ -35,10 +35,10 @@ class Endured:
     """What so many minutes of sound left behind, the last quarter of them against the first.
 
     Memory is the least of a quarter, which leaves out what comes and goes; "late" is against the
-    third quarter: Piper's arena grows in steps until it has met its largest sound. Latency is that
-    of a turn, the mean of a quarter: the two questions take unlike times, so that a median would
-    tell which of them a quarter holds one more of. Work is the processor's time that a turn and
-    half a minute of hearing took, which does not depend on what else the machine does.
+    third quarter: Piper's arena grows in steps until it has met its largest sound. What half a
+    minute with a turn in it took is the mean of a quarter: the two questions take unlike times, so
+    that a median would tell which of them a quarter holds one more of. Work is the processor's time
+    for that, which does not depend on what else the machine does.
     """
 
     minutes: int
@@ -46,14 +46,14 @@ class Endured:
     memory_growth_kib: int
     late_memory_growth_kib: int
     thread_growth: int
-    first_latency_s: float
-    last_latency_s: float
+    first_took_s: float
+    last_took_s: float
     first_work_s: float
     last_work_s: float
 
 
 class _Turn(NamedTuple):
-    latency_s: float
+    took_s: float
     work_s: float
 
 
@@ -91,23 +91,25 @@ def endure(rig: VoiceRig, minutes: int) -> Endured:
         last - min(resident[:quarter]),
         last - min(resident[-2 * quarter : -quarter] or resident),
         threading.active_count() - threads,
-        statistics.fmean(turn.latency_s for turn in first),
-        statistics.fmean(turn.latency_s for turn in final),
+        statistics.fmean(turn.took_s for turn in first),
+        statistics.fmean(turn.took_s for turn in final),
         statistics.fmean(turn.work_s for turn in first),
         statistics.fmean(turn.work_s for turn in final),
     )
 
 
 def _hear(rig: VoiceRig, sound: Samples) -> list[_Turn]:
-    """How long each turn of a minute took, from its words being sought to its end."""
+    """How long each half of a minute took, as fast as it is heard, to the end of its turn.
+
+    A turn's own figures count from when its sound ended, which here is later than it is heard.
+    """
     rig.events.clear()
-    work_s: list[float] = []
+    turns: list[_Turn] = []
     half = sound.size // len(QUESTIONS)
     for number in range(len(QUESTIONS)):
-        begun_s = time.process_time()
+        begun_s, worked_s = time.perf_counter(), time.process_time()
         rig.room.play(sound[number * half : (number + 1) * half])
         rig.wait_for(TurnMeasured, lambda _, n=number: len(rig.of(TurnMeasured)) > n)
-        work_s.append(time.process_time() - begun_s)
+        turns.append(_Turn(time.perf_counter() - begun_s, time.process_time() - worked_s))
     assert len(rig.of(Responded)) == len(QUESTIONS), rig.of(Responded)
-    measured = rig.of(TurnMeasured)
-    return [_Turn(one.total, work) for one, work in zip(measured, work_s, strict=True)]
+    return turns

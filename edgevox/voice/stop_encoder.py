@@ -18,7 +18,7 @@ from edgevox.core.errors import EdgeVoxError
 from edgevox.voice.audio import Samples
 from edgevox.voice.level import FULL_SCALE
 from edgevox.voice.one_thread import product
-from edgevox.voice.whisper_file import adapted
+from edgevox.voice.whisper_file import Added, adapted
 
 Floats = NDArray[np.float32]
 
@@ -72,7 +72,7 @@ class StopEncoder:
     core, beside the one that transcribes: who waited for that would be late.
     """
 
-    def __init__(self, folder: Path, added: Mapping[str, Floats]) -> None:
+    def __init__(self, folder: Path, added: Mapping[str, Added]) -> None:
         self._folder = folder
         self._added = added
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from edgevox.voice.one_thread import product
 from edgevox.voice.stop_encoder import Floats
+from edgevox.voice.whisper_file import Added
 
 WEIGHTS_FILE = "stop_spotter.npz"
 """Made by `scripts/train_stop_spotter.py`."""
@@ -43,8 +44,8 @@ class StopWeights:
     """Of the whole network; `words` are its outputs, the first one for none.
 
     `scale` and `shift` belong to the norm over channels, `place` (steps, channels) tells steps
-    apart. `added` is what the encoder's arrays are to be more than Whisper's, by their names, each
-    the product of two narrow matrices. From `threshold` on, a word counts as said.
+    apart. `added` is what the encoder's arrays are to be more than Whisper's, by their names. From
+    `threshold` on, a word counts as said.
     """
 
     words: tuple[str, ...]
@@ -52,7 +53,7 @@ class StopWeights:
     shift: Floats
     place: Floats
     layers: Mapping[str, StopLayer]
-    added: Mapping[str, Floats]
+    added: Mapping[str, Added]
     threshold: float
 
 
@@ -107,7 +108,7 @@ def weights_of(data: Mapping[str, Any]) -> StopWeights:
         floats("place"),
         {name: StopLayer(floats(name), floats(f"{name}_bias")) for name in _LAYERS},
         {
-            name.removesuffix(UP): floats(name) @ floats(name.removesuffix(UP) + DOWN)
+            name.removesuffix(UP): Added(floats(name), floats(name.removesuffix(UP) + DOWN))
             for name in data
             if name.endswith(UP)
         },

@@ -9,7 +9,7 @@ import struct
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,21 @@ class NotAWhisperFile(EdgeVoxError):
     """The file is none that can be read here, or lacks an array; the message says what is wrong."""
 
 
+class Added(NamedTuple):
+    """What an array is to be more: the product of two narrow matrices (LoRA)."""
+
+    up: NDArray[np.float32]
+    down: NDArray[np.float32]
+
+    @property
+    def size(self) -> int:
+        return len(self.up) * int(self.down.shape[1])
+
+    @property
+    def numbers(self) -> NDArray[np.float32]:
+        return (self.up @ self.down).ravel()
+
+
 @dataclass(frozen=True, slots=True)
 class _Array:
     name: str
@@ -33,8 +48,12 @@ class _Array:
     type: int
     begin: int
 
+    @property
+    def end(self) -> int:
+        return self.begin + math.prod(self.shape) * np.dtype(_FLOATS[self.type]).itemsize
 
-def adapted(folder: Path, added: Mapping[str, NDArray[np.float32]]) -> dict[str, bytes]:
+
+def adapted(folder: Path, added: Mapping[str, Added]) -> dict[str, bytes]:
     """The files of a model by name, as CTranslate2 takes them from memory.
 
     `added` is what each named array is to be more than in the file: as many numbers as it has, in
@@ -58,21 +77,24 @@ def _is_beside(file: Path) -> bool:
     return file.name != FILE and file.is_file()
 
 
-def _adapted(held: bytes, added: Mapping[str, NDArray[np.float32]]) -> bytes:
+def _adapted(held: bytes, added: Mapping[str, Added]) -> bytes:
     there = {one.name: one for one in _read(held)}
     if missing := added.keys() - there.keys():
         raise NotAWhisperFile(f"{FILE}: it has no {', '.join(sorted(missing))}")
-    whole = bytearray(held)
-    for name, more in added.items():
-        one = there[name]
+    parts: list[bytes | memoryview] = []
+    at, whole = 0, memoryview(held)  # some ten times as large as what is added to
+    for one in sorted((there[name] for name in added), key=lambda one: one.begin):
+        more = added[one.name]
         if one.type not in _FLOATS or math.prod(one.shape) != more.size:
-            raise NotAWhisperFile(f"{FILE}: {name} is not {more.size} numbers of 16 or 32 bit")
-        numbers = _numbers(whole, one)
-        numbers[:] = numbers.astype(np.float32) + more.ravel()
-    return bytes(whole)
+            raise NotAWhisperFile(f"{FILE}: {one.name} is not {more.size} numbers of 16 or 32 bit")
+        numbers = _numbers(held, one)
+        changed = (numbers.astype(np.float32) + more.numbers).astype(numbers.dtype)
+        parts += [whole[at : one.begin], changed.tobytes()]
+        at = one.end
+    return b"".join([*parts, whole[at:]])
 
 
-def _numbers(held: bytes | bytearray, one: _Array) -> NDArray[Any]:
+def _numbers(held: bytes, one: _Array) -> NDArray[Any]:
     return np.frombuffer(held, _FLOATS[one.type], math.prod(one.shape), one.begin)
 
 

@@ -103,7 +103,7 @@ def test_what_is_added_to_the_encoder_is_a_product_of_two_narrow_matrices():
     added = weights_of(held | {f"conv1{UP}": up, f"conv1{DOWN}": down}).added
 
     assert list(added) == ["conv1"]
-    np.testing.assert_array_equal(added["conv1"], np.full((4, 3), 0.5, np.float32))
+    np.testing.assert_array_equal(added["conv1"].numbers, np.full(12, 0.5, np.float32))
     assert weights_of(held).added == {}
 
 

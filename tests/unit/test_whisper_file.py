@@ -5,7 +5,7 @@ import struct
 import numpy as np
 import pytest
 
-from edgevox.voice.whisper_file import FILE, NotAWhisperFile, adapted, arrays
+from edgevox.voice.whisper_file import FILE, Added, NotAWhisperFile, adapted, arrays
 
 HALF, SINGLE, BYTES = 4, 0, 1
 
@@ -23,6 +23,11 @@ def file_of(*held: bytes, version: int = 6) -> bytes:
     """As CTranslate2 writes it: a head, arrays, and no second names."""
     head = struct.pack("<I", version) + text("WhisperSpec") + struct.pack("<II", 3, len(held))
     return head + b"".join(held) + struct.pack("<I", 0)
+
+
+def column(numbers) -> Added:
+    """So many numbers to add, as a product."""
+    return Added(np.asarray(numbers, np.float32)[:, None], np.ones((1, 1), np.float32))
 
 
 WEIGHTS = np.arange(6, dtype=np.float16).reshape(2, 3)
@@ -47,27 +52,40 @@ def test_with_nothing_added_all_files_are_as_they_were(folder):
 
 
 def test_what_is_added_is_added_to_that_array_alone(folder):
-    more = np.full(6, 0.5, np.float32)
+    more = Added(np.array([[1, 1], [2, 2]], np.float32), np.full((2, 3), 0.25, np.float32))
 
     (folder / FILE).write_bytes(adapted(folder, {"encoder/weight": more})[FILE])
 
     found = arrays(folder, "encoder/")
     assert set(found) == {"encoder/weight", "encoder/bias"}
-    np.testing.assert_array_equal(found["encoder/weight"], WEIGHTS + 0.5)
+    np.testing.assert_array_equal(found["encoder/weight"], WEIGHTS + np.array([[0.5], [1]]))
     np.testing.assert_array_equal(found["encoder/bias"], BIAS)
 
 
 def test_arrays_of_either_precision_are_added_to(folder):
-    found = adapted(folder, {"encoder/bias": np.arange(4, dtype=np.float32)})[FILE]
+    found = adapted(folder, {"encoder/bias": column(range(4))})[FILE]
 
     (folder / FILE).write_bytes(found)
     np.testing.assert_array_equal(arrays(folder, "encoder/bias")["encoder/bias"], [1, 2, 3, 4])
 
 
+def test_several_arrays_are_added_to_in_whatever_order(folder):
+    added = {"encoder/bias": column(np.ones(4)), "encoder/weight": column(np.ones(6))}
+
+    (folder / FILE).write_bytes(adapted(folder, added)[FILE])
+
+    found = arrays(folder, "encoder/")
+    np.testing.assert_array_equal(found["encoder/weight"], WEIGHTS + 1)
+    np.testing.assert_array_equal(found["encoder/bias"], BIAS + 1)
+    assert (
+        (folder / FILE).read_bytes().endswith(file_of(array("decoder/codes", BYTES, CODES))[-25:])
+    )
+
+
 def test_the_folder_itself_does_not_change(folder):
     before = (folder / FILE).read_bytes()
 
-    adapted(folder, {"encoder/weight": np.ones(6, np.float32)})
+    adapted(folder, {"encoder/weight": column(np.ones(6))})
 
     assert (folder / FILE).read_bytes() == before
 
@@ -82,7 +100,7 @@ def test_the_folder_itself_does_not_change(folder):
 )
 def test_what_does_not_fit_is_refused_by_name(folder, name, numbers, why):
     with pytest.raises(NotAWhisperFile, match=why):
-        adapted(folder, {name: np.zeros(numbers, np.float32)})
+        adapted(folder, {name: column(np.zeros(numbers))})
 
 
 @pytest.mark.parametrize("size", [0, 3, 10, 40])
