@@ -39,7 +39,7 @@ def test_a_sentence_that_is_written_again_was_said_once(written, said):
 
 def test_what_else_may_have_been_said_has_its_share_and_other_spellings_are_the_same():
     said = transcript_of(
-        [likely("Turn left.", 0.5), likely("Turn around.", 0.3), likely("turn left!", 0.2)], 1.5, ""
+        [likely("Turn left.", 0.5), likely("Turn around.", 0.3), likely("turn left!", 0.2)], 1.3, ""
     )
 
     assert (said.text, said.confidence) == ("Turn left.", pytest.approx(0.8))
@@ -52,6 +52,23 @@ def test_what_is_hardly_likely_is_left_out():
     said = transcript_of([likely("Turn left.", 0.99), likely("Turn around.", 0.01)], 1.5, "")
 
     assert said.others == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "seconds", "sure"),
+    [
+        ("Walk backward half a meter.", 2.0, 0.8),
+        ("Walk backward.", 1.3, 0.8),
+        ("Walk backward.", 2.0, 0.8 * 14 / (12 * 1.45)),  # "half a metre" is missing
+        ("Turn left.", 0.3, 0.8),
+        ("キッチンに行って", 2.0, 0.8),
+    ],
+)
+def test_words_that_are_too_few_for_the_sound_are_less_sure(text, seconds, sure):
+    said = transcript_of([likely(text, 0.7), likely("Go.", 0.3)], seconds, "")
+
+    assert said.confidence == pytest.approx(sure)
+    assert said.others[0].confidence <= sure
 
 
 def test_if_the_likeliest_was_not_said_nothing_was():
