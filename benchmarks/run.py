@@ -38,6 +38,7 @@ BENCHMARKS = {
     "hearing": "speech to text beside plain faster-whisper",
     "noise": "plain commands in quiet and in noise, and what is heard out of noise alone",
     "stop_words": "which stop words are heard by their sound, and what else is taken for one",
+    "stop_words_languages": "English stop words by their sound where another language is spoken",
     "endings": "when an utterance counts as over, and how often within a sentence",
     "duplex": "who is heard through the robot's own voice, and whether it hears itself",
     "wake_words": "both engines of wake words: misses, false alarms, cost",

@@ -56,8 +56,13 @@ def espeak_voices(half: Half) -> tuple[str, ...]:
     """espeak-ng's speakers and accents: every third speaker is held out, with all accents, and
     every sixth tunes.
     """
-    people = [person for i, person in enumerate(_ESPEAK_PEOPLE) if _half_of_speaker(i) is half]
+    people = espeak_speakers(half)
     return tuple(f"espeak:{accent}+{person}" for person in people for accent in _ESPEAK_ACCENTS)
+
+
+def espeak_speakers(half: Half) -> tuple[str, ...]:
+    """espeak-ng's names of those who speak any of its languages."""
+    return tuple(one for i, one in enumerate(_ESPEAK_PEOPLE) if _half_of_speaker(i) is half)
 
 
 def _half_of_speaker(number: int) -> Half:

@@ -5,13 +5,13 @@ from edgevox.core.settings import Settings
 from edgevox.models import locate
 from edgevox.voice.stop_detector import StopDetector
 from edgevox.voice.stop_encoder import ENCODER
-from edgevox.voice.stop_spotter import LANGUAGES, open_stop_spotter
+from edgevox.voice.stop_spotter import open_stop_spotter
 
 log = get_logger(__name__)
 
 
 def open_stop_detector(settings: Settings) -> StopDetector | None:
-    """What hears them, loaded if it knows the language that is spoken now.
+    """What hears them, loaded.
 
     None where nobody asks for it, or, which is logged, where its model is not here or cannot be
     loaded: stop words are heard by their words all the same.
@@ -20,8 +20,7 @@ def open_stop_detector(settings: Settings) -> StopDetector | None:
         return None
     try:
         spotter = open_stop_spotter(locate(ENCODER))
-        if settings.language in LANGUAGES:
-            spotter.warm_up()
+        spotter.warm_up()
     except Exception as error:  # noqa: BLE001 - whatever its library raises, the robot starts
         log.warning("stop_spotter_missing", reason=str(error))
         return None

@@ -23,12 +23,7 @@ WORD_S = 0.7
 
 
 class StopDetector(Protocol):
-    """Looks at one frame after the other.
-
-    `languages` are those whose stop words it knows, by ISO 639-1 code.
-    """
-
-    languages: frozenset[str]
+    """Looks at one frame after the other."""
 
     @property
     def word(self) -> str:
@@ -47,8 +42,7 @@ class StopWatch:
     """Tells for each frame whether somebody has just said a stop word who is not the robot.
 
     `saying` is what the robot says now, or has just said. A detector that fails costs its frame,
-    which is counted: nobody goes deaf by it. In a language that it does not know it rests, which is
-    logged.
+    which is counted: nobody goes deaf by it.
     """
 
     def __init__(
@@ -58,7 +52,6 @@ class StopWatch:
         self._saying = saying
         self._language = language
         self._loud: deque[bool] = deque(maxlen=round(WORD_S / FRAME_S))
-        self._unknown = ""
         self.failed = 0
 
     @property
@@ -72,8 +65,6 @@ class StopWatch:
         `playing`: the robot or its echo may be audible; `loud`: it is louder than that explains.
         What the probability is of may have been cut out then, so the detector is told of a voice.
         """
-        if not self._knows(self._language()):
-            return False
         self._loud.append(loud)
         return self._detected(samples, 1.0 if playing else probability) and not (
             playing and self._is_own()
@@ -83,17 +74,6 @@ class StopWatch:
         """The next frame does not follow on those before."""
         self._loud.clear()
         self._detector.forget()
-
-    def _knows(self, language: str) -> bool:
-        """Whether it listens in this language; that it does not is logged once."""
-        if language in self._detector.languages:
-            self._unknown = ""
-            return True
-        if language != self._unknown:
-            self._unknown = language
-            self.forget()
-            log.info("stop_spotter_off", language=language)
-        return False
 
     def _detected(self, samples: Samples, probability: float) -> bool:
         try:

@@ -1,6 +1,7 @@
 """Hears "stop", "halt" and "freeze" in running sound, without waiting for the end of what is said.
 
-It stops wherever one of them is said, as in "do not stop" too: when in doubt, it stops. What the
+English stop words count whatever language is spoken. It stops wherever one of them is said, as in
+"do not stop" too: when in doubt, it stops. What the
 network was trained on and how well it hears is in docs/stop-spotter.md.
 """
 
@@ -20,8 +21,6 @@ LOOKS_EVERY = 2
 """Frames of sound from one look to the next, 64 ms."""
 SMOOTHED_LOOKS = 3
 """The mean of so many looks counts: no single one stops a robot."""
-LANGUAGES = frozenset({"en"})
-"""The languages whose stop words it knows, by ISO 639-1 code."""
 REST_S = 0.6
 """After a word none counts for so long, so that one word is one stop."""
 
@@ -67,8 +66,6 @@ class StopSpotter:
 
     Used from one thread.
     """
-
-    languages = LANGUAGES
 
     def __init__(
         self, encoder: StopEncoder, weights: StopWeights, threshold: float | None = None

@@ -81,6 +81,24 @@ def test_what_is_said_otherwise_stops_nothing(speaker, text):
     assert stops(SPEAKERS[speaker](text)) == []
 
 
+# How many it misses there is in docs/figures.md.
+@pytest.mark.parametrize(
+    ("language", "stop", "other"),
+    [
+        ("de", "Roboter, stopp!", "Fahr in die Küche."),
+        ("fr", "Robot, stop !", "Va dans la cuisine."),
+        ("es", "¡Robot, stop!", "Ve a la cocina."),
+        ("pt", "Robô, stop!", "Vai para a cozinha."),
+        ("pl", "Robot, stop!", "Jedź do kuchni."),
+    ],
+)
+def test_an_english_stop_word_is_heard_in_another_language_and_nothing_else_is(
+    language, stop, other
+):
+    assert len(stops(says_espeak(stop, language))) == 1
+    assert stops(says_espeak(other, language)) == []
+
+
 @pytest.mark.parametrize("kind", ["hiss", "rumble", "hum", "bursts", "melody", "clicks"])
 @pytest.mark.parametrize("voice", [None, 1.0])
 def test_noise_stops_nothing(kind, voice):

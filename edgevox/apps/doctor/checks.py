@@ -90,7 +90,7 @@ CHECKS: tuple[Check, ...] = (
     ),
     Check(
         "stop words",
-        "whether they are heard by their sound, in the language that is set",
+        "whether English ones are heard by their sound",
         f"{_HERE}.sound:probe_spotter",
         sound.judge_spotter,
     ),

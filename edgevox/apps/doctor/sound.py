@@ -100,24 +100,19 @@ def judge_spotter(facts: Facts, situation: Situation) -> CheckVerdict:
     settings = situation.settings
     if settings.text_mode or not settings.stop_spotter:
         return skipped("nobody asks for it")
-    if settings.language not in facts["languages"]:
-        known = ", ".join(facts["languages"])
-        alone = f"in {settings.language} no network knows them, only {known}"
-        return ok(f"by their words alone: {alone}")
     if facts["missing"]:
         return warning(f"by their words alone: {facts['missing']}")
     return ok("by their sound and by their words")
 
 
 def probe_spotter() -> Facts:
-    """The languages whose stop words are known by their sound, and whether its model is here."""
+    """Whether the model is here that hears stop words by their sound."""
     from edgevox.models import ModelMissing, locate
     from edgevox.voice.stop_encoder import ENCODER
-    from edgevox.voice.stop_spotter import LANGUAGES
 
     missing = ""
     try:
         locate(ENCODER)
     except ModelMissing as error:
         missing = str(error)
-    return {"languages": sorted(LANGUAGES), "missing": missing}
+    return {"missing": missing}
