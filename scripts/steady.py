@@ -12,7 +12,7 @@ import sys
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -128,10 +128,11 @@ def main(arguments: Sequence[str]) -> int:
     """0 if every run passed."""
     asked = parse(arguments)
     done: list[Run] = []
-    for condition in CONDITIONS:
-        if condition.name not in asked.only.split(","):
+    for known in CONDITIONS:
+        if known.name not in asked.only.split(","):
             continue
-        for number in range(1, (asked.runs or condition.runs) + 1):
+        condition = replace(known, runs=asked.runs or known.runs)
+        for number in range(1, condition.runs + 1):
             done.append(run(condition, number, asked.tests or condition.tests))
             sys.stdout.write(row(done[-1]) + "\n")
             sys.stdout.flush()

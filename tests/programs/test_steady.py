@@ -31,7 +31,10 @@ def test_every_run_is_a_row_of_the_table_and_all_that_pass_end_with_0(file):
 
     assert done.returncode == 0, done.stdout + done.stderr
     table = done.stdout.rpartition("\n\n")[2].splitlines()
-    assert [row.split()[0] for row in table[:-1]] == ["random", "random"]
+    assert [row.split()[:4] for row in table[:-1]] == [
+        ["random", "1", "of", "2"],
+        ["random", "2", "of", "2"],
+    ]
     assert all("passed" in row for row in table[:-1])
     assert table[-1] == "0 of 2 runs failed"
 
