@@ -67,7 +67,7 @@ test: ## Run all tests, or those that ARGS names; ARGS goes to pytest.
 
 .PHONY: unit
 unit: $(DONE)/dev ## Run what needs no model, no container, no node, and starts nothing large: in a minute.
-	@$(BIN)/python -m pytest -n 3 --dist loadfile tests/unit $(ARGS)  # a third of it waits
+	@$(BIN)/python -m pytest -n 4 --dist loadfile tests/unit $(ARGS)  # a third of it waits
 
 .PHONY: cluster
 cluster: $(DONE)/dev ## Hold the chart against Kubernetes, and run it on a node, as root; HYPERKUBE=... names it.
