@@ -76,7 +76,8 @@ def test_the_conversation_is_had(agent, robot, peer, file):
         talk.say(said, *answers)
     asked.wait("dock", ["slot 4", "{}"])
     asked.do("hang")
-    talk.say("dock", "Docking.")
+    with asked.within("dock"):
+        talk.say("dock", "Docking.")
     with asked.within("cancelled"):
         talk.say("stop", "Stopped.")
     talk.speak("de")
