@@ -7,17 +7,20 @@ from typing import Any
 
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.policy import Guard
-from edgevox.core.agent_events import AgentEvent, as_json
+from edgevox.core.agent_events import AgentEvent, GoalChanged, as_json
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Interrupt, TextInput
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import Responded, Transcribed, TurnEnded
-from edgevox.robots.capabilities import Advances, Body, TakesVelocity, Twist2D
+from edgevox.robots.capabilities import Advances, Body, TakesVelocity, TellsMotions, Twist2D
 from edgevox.scenario.scenario_judge import Seen, Source
 
 SETTLE_S = 0.02
 """After a stimulus, no time passes for the robot until all has been quiet this long."""
 MOST_SETTLE_S = 1.0
+MOST_THINK_S = 10.0
+"""So long no time passes for the robot while a goal runs that does not move it, or not yet."""
+_LOOK_AGAIN_S = 0.001
 CATCH_UP_S = 0.0005
 """How long the other threads may take to follow what a moment of the robot's time brought."""
 
@@ -38,6 +41,7 @@ class ConversationHarness:
         self._turns = threading.Condition()
         self._turn = 0
         self._thought = False
+        self._patience_s = MOST_THINK_S
         self._forget = [
             bus.subscribe(Responded, lambda event: self._note(Source.ANSWER, event.written)),
             bus.subscribe(AgentEvent, self._on_agent_event),
@@ -80,6 +84,7 @@ class ConversationHarness:
         """Let time pass; what was seen in it, and the state at its end."""
         if isinstance(self._body, Advances):
             self._body.advance(seconds)
+            self._let_goals_think()
             return self.look(CATCH_UP_S)
         return self.look(seconds)
 
@@ -111,16 +116,31 @@ class ConversationHarness:
 
     def _settle(self) -> None:
         """Wait until no other thread has anything more to tell."""
+        self._let_goals_think()
         pause, waited_s, before = threading.Event(), 0.0, -1
         while self._seen.qsize() != before and waited_s < MOST_SETTLE_S:
             before = self._seen.qsize()
             pause.wait(SETTLE_S)
             waited_s += SETTLE_S
 
+    def _let_goals_think(self) -> None:
+        """Wait until every goal has ended, or the robot is in motion for one.
+
+        A goal's thread may be slow to begin, and to go on where a motion ended.
+        """
+        if not isinstance(self._body, TellsMotions):
+            return
+        while self._patience_s > 0.0 and not self._body.in_motion:
+            if self._conversation.wait_idle(_LOOK_AGAIN_S):
+                return
+            self._patience_s -= _LOOK_AGAIN_S
+
     def _note(self, source: Source, data: Any) -> None:
         self._seen.put(Seen(self.time_s, source, data))
 
     def _on_agent_event(self, event: AgentEvent) -> None:
+        if isinstance(event, GoalChanged) and event.feedback is None:
+            self._patience_s = MOST_THINK_S
         self._note(Source.EVENT, as_json(event))
 
     def _on_words(self, event: Transcribed) -> None:

@@ -272,6 +272,15 @@ class Advances(Protocol):
 
 
 @runtime_checkable
+class TellsMotions(Protocol):
+    """Knows whether it carries out a motion for a goal, which then waits for nothing but time."""
+
+    @property
+    def in_motion(self) -> bool:
+        """Whether it does."""
+
+
+@runtime_checkable
 class HasBattery(Protocol):
     """Runs on a charge that gets less."""
 

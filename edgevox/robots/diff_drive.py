@@ -232,6 +232,11 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
 
         return Painter(self.world, _PICTURE_PX, smoothing=2)
 
+    @property
+    def in_motion(self) -> bool:
+        """Whether a goal moves it."""
+        return self._mux.motion is not None
+
     def advance(self, seconds: float) -> None:
         """Block until this much of the world's time has passed."""
         self._sim_loop.advance(seconds)

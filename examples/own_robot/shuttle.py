@@ -85,6 +85,10 @@ class Shuttle:
         self.halt("the shuttle was switched off")
         self._sim_loop.close()
 
+    @property
+    def in_motion(self) -> bool:
+        return self._mux.motion is not None
+
     def advance(self, seconds: float) -> None:
         self._sim_loop.advance(seconds)
 

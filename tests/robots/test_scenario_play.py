@@ -125,7 +125,7 @@ def test_two_runs_take_the_same_steps_at_the_same_times(play):
     one, other = (
         [float(found[3]) for found in VERDICT.finditer(play(text).stdout)] for _ in range(2)
     )
-    assert one == pytest.approx(other, abs=0.2)
+    assert one == pytest.approx(other, abs=0.1)
     assert len(one) == 5
 
 

@@ -1,13 +1,17 @@
 """The harness between a scenario and a real conversation."""
 
+import threading
 import time
+from contextlib import contextmanager
 
 import pytest
+from guards import HUNG_S
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.skills import SkillSet, skill
-from edgevox.apps.conversation_harness import ConversationHarness
+from edgevox.apps import conversation_harness
+from edgevox.apps.conversation_harness import SETTLE_S, ConversationHarness
 from edgevox.core.bus import Bus
 from edgevox.core.errors import EdgeVoxError
 from edgevox.scenario.reading import parse_scenario
@@ -31,6 +35,35 @@ class Body:
         return False
 
 
+class HeldBody(Body):
+    """A body in lockstep, that moves for two moments of its time for each goal."""
+
+    def __init__(self):
+        self._left = 0
+        self._over = threading.Condition()
+        self.moved = []
+        """For each moment, whether a goal moved it."""
+
+    @property
+    def time_s(self):
+        return 0.05 * len(self.moved)
+
+    @property
+    def in_motion(self):
+        return self._left > 0
+
+    def advance(self, seconds):
+        with self._over:
+            self.moved.append(self.in_motion)
+            self._left = max(0, self._left - 1)
+            self._over.notify_all()
+
+    def move(self):
+        with self._over:
+            self._left = 2
+            assert self._over.wait_for(lambda: not self._left, HUNG_S)
+
+
 @skill(templates=["where are you"], done="I am here.", moves=False)
 def get_pose(goal):
     """Say where the robot is."""
@@ -43,17 +76,23 @@ def dance(goal):
     goal.token.check()
 
 
-@pytest.fixture
-def harness():
+@contextmanager
+def played_on(body, *more):
     bus = Bus()
-    skills = SkillSet([get_pose, dance])
+    skills = SkillSet([get_pose, dance, *more])
     conversation = Conversation([Agent("a", "", skills)], bus, halt=lambda reason: False)
     conversation.start()
-    one = ConversationHarness(bus, conversation, Body())
+    one = ConversationHarness(bus, conversation, body)
     yield one
     one.come_to_rest(5.0)
     one.close()
     conversation.close()
+
+
+@pytest.fixture
+def harness():
+    with played_on(Body()) as one:
+        yield one
 
 
 def of(source, seen):
@@ -115,3 +154,31 @@ def test_a_body_whose_time_is_real_is_played_in_real_time(harness):
     assert run_scenario(scenario, harness, outcomes.append)
     assert outcomes[0].time_s >= 0.2
     assert outcomes[0].real_s >= 0.2
+
+
+@pytest.mark.parametrize(("asked", "moments"), [("hop", 2), ("hop and then hop", 4)])
+def test_no_time_passes_until_a_goal_has_begun_to_move_the_robot(asked, moments):
+    """However long its thread takes to begin, or to follow the one before it."""
+    body = HeldBody()
+
+    @skill(templates=["hop"], says="Hopping.", done="I hopped.")
+    def hop(goal):
+        """Hop."""
+        time.sleep(20 * SETTLE_S)
+        body.move()
+
+    with played_on(body, hop) as harness:
+        harness.say(asked, HUNG_S)
+        for _ in range(5):
+            harness.let_pass(0.05)
+    assert body.moved[:5] == [True] * moments + [False] * (5 - moments)
+
+
+def test_a_goal_that_does_not_move_the_robot_does_not_hold_its_time_up_for_ever(monkeypatch):
+    monkeypatch.setattr(conversation_harness, "MOST_THINK_S", 0.05)
+    body = HeldBody()
+    with played_on(body) as harness:
+        harness.run("dance", {})
+        for _ in range(3):
+            harness.let_pass(0.05)
+    assert body.moved[:3] == [False] * 3

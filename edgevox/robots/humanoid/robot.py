@@ -169,6 +169,11 @@ class HumanoidRobot(SteppedBySimLoop, SimulatedBody):
                 **describe(self._environment, self._mux.motion, walking=self._walk.walking),
             }
 
+    @property
+    def in_motion(self) -> bool:
+        """Whether a goal moves it."""
+        return self._mux.motion is not None
+
     def advance(self, seconds: float) -> None:
         """Block until this much of the world's time has passed."""
         with self._lock:

@@ -86,6 +86,11 @@ class PandaRobot(SimulatedBody):
         """Arm and cubes back where they started; time goes on."""
         self._cell.reset()
 
+    @property
+    def in_motion(self) -> bool:
+        """Whether a goal moves it."""
+        return self._cell.task is not None
+
     def advance(self, seconds: float) -> None:
         """Block until this much of the world's time has passed."""
         self._cell.advance(seconds)

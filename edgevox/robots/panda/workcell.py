@@ -75,8 +75,13 @@ class Workcell:
         if self.engine.waits:
             self.engine.lock.wait_for(self._knows_what_to_do, _THINKING_S)
 
+    @property
+    def task(self) -> Task | None:
+        """What it does, or plans to."""
+        return self._mux.motion
+
     def _knows_what_to_do(self) -> bool:
-        return self._mux.motion is None or self.arm.motion is not None
+        return self.task is None or self.arm.motion is not None
 
     def put_back(self) -> None:
         self.end(SkillFailed(BROKE))
@@ -187,7 +192,7 @@ class Workcell:
     def progress(self) -> dict[str, Any] | None:
         """What `robot_state` says of the task, if there is one."""
         with self.engine.lock:
-            task = self._mux.motion
+            task = self.task
             return task.describe() if task else None
 
     def _run(self, task: Task, begin: Callable[[], ArmMotion]) -> None:
