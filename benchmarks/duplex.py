@@ -20,14 +20,14 @@ from duplex_room import Room, listen_in
 from echo_paths import PATHS, EchoPath, Sound, as_samples, at_level, noise_floor
 from figures import Figure, Measured, NotHere
 from listener_rig import frames, says_espeak, says_piper
-from voice_engines import speak, voice, words, wrong_words
+from voice_engines import words, wrong_words
+from voice_rig import says
 
 from edgevox.models import ModelMissing, locate
 from edgevox.voice.audio import RATE_HZ
 from edgevox.voice.echo_canceller import open_echo
 from edgevox.voice.level import rms
 from edgevox.voice.played_sound import PlayedSound
-from edgevox.voice.resample import resampled
 from edgevox.voice.stop_detector import StopDetector
 from edgevox.voice.stop_encoder import ENCODER
 from edgevox.voice.stop_spotter import open_stop_spotter
@@ -250,6 +250,4 @@ def _people(names: tuple[str, ...]) -> Iterator[tuple[str, Sound]]:
         if name == ESPEAK:
             yield command, says_espeak(command) / 32768.0
             continue
-        chunks = speak(voice("en", name), command, pool)
-        sound = [resampled(one.samples, one.rate_hz, RATE_HZ) for one in chunks]
-        yield command, np.concatenate(sound) / 32768.0
+        yield command, says("en", name, command, pool) / 32768.0

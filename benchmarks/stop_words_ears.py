@@ -1,16 +1,18 @@
 """Ears for the benchmark of stop words: what they hear of words in sound, and of sound without."""
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from acoustics import Half
 from acoustics.clips import Clip
 from acoustics.mixing import at_level, mixed
 from acoustics.noises import kinds
-from acoustics.rooms import in_room, rooms
-from stop_words_sounds import LEVELS_DB, Track, at_speed, noise_of, tracks
+from acoustics.rooms import in_room
+from numpy.typing import NDArray
+from stop_words_sounds import LEVELS_DB, Track, at_speed, noise_of, responses, tracks
 
 from edgevox.models import locate
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Samples
@@ -124,21 +126,31 @@ class Trial:
 def spots(half: Half, clips: Sequence[Clip], snr_db: float | None) -> Iterator[Spot]:
     """Every clip once, in quiet or in some room and noise of this part."""
     rng = np.random.default_rng(29)
-    responses = [room.response() for room in rooms(half, 20)]
     for clip in clips:
         said = at_speed(clip.samples, rng.uniform(0.92, 1.08))
-        kind = kinds(half)[rng.integers(len(kinds(half)))]
-        lead, tail = int(LEAD_S * RATE_HZ), int(TAIL_S * RATE_HZ)
-        track = np.concatenate([np.zeros(lead), said, np.zeros(tail)])
-        if snr_db is not None:
-            track = in_room(track, responses[rng.integers(len(responses))])[: track.size]
-            around = noise_of(kind, int(rng.integers(40)), half)
-            start = rng.integers(around.size - track.size)
-            track = mixed(track, around[start : start + track.size], snr_db)
-        else:
-            kind, track = "quiet", track + rng.normal(0, 3, track.size)
-        sound = at_level(track, rng.uniform(*LEVELS_DB))
+        kind, sound = among(said, half, snr_db, rng)
+        lead = int(LEAD_S * RATE_HZ)
         yield Spot(clip, kind, sound, lead / RATE_HZ, (lead + said.size) / RATE_HZ)
+
+
+def among(
+    said: NDArray[Any], half: Half, snr_db: float | None, rng: np.random.Generator
+) -> tuple[str, Samples]:
+    """What is said, `LEAD_S` after the beginning, in quiet or in some room and noise of this part:
+    which noise, and what is heard.
+    """
+    kind = kinds(half)[rng.integers(len(kinds(half)))]
+    lead, tail = int(LEAD_S * RATE_HZ), int(TAIL_S * RATE_HZ)
+    track = np.concatenate([np.zeros(lead), said, np.zeros(tail)])
+    if snr_db is not None:
+        rooms = responses(half)
+        track = in_room(track, rooms[rng.integers(len(rooms))])[: track.size]
+        around = noise_of(kind, int(rng.integers(40)), half)
+        start = rng.integers(around.size - track.size)
+        track = mixed(track, around[start : start + track.size], snr_db)
+    else:
+        kind, track = "quiet", track + rng.normal(0, 3, track.size)
+    return kind, at_level(track, rng.uniform(*LEVELS_DB))
 
 
 def trials(half: Half, ears: Ears, clips: Sequence[Clip], snr_db: float | None) -> Iterator[Trial]:
@@ -170,12 +182,17 @@ class Stretch:
         return self.tracks[number].note
 
 
-def stretches(half: Half, what: str, hours: float, together: int = 30) -> Iterator[Stretch]:
-    """So many hours of it, some tracks at a time: what one ends with is there when the next begins.
+def stretches(half: Half, what: str, hours: float) -> Iterator[Stretch]:
+    """So many hours of it."""
+    return joined(tracks(half, what, 3600 * hours))
+
+
+def joined(tracks: Iterable[Track], together: int = 30) -> Iterator[Stretch]:
+    """Some tracks at a time: what one ends with is there when the next begins.
 
     Sound is cut to whole frames.
     """
-    told = tracks(half, what, 3600 * hours)
+    told = iter(tracks)
     while some := tuple(itertools.islice(told, together)):
         sound = np.concatenate([track.sound for track in some])
         ends = np.cumsum([track.sound.size for track in some]) / RATE_HZ
@@ -194,8 +211,13 @@ class FalseStops:
 
 def false_stops(ears: Ears, half: Half, what: str, hours: float) -> FalseStops:
     """What it does in so many hours of this."""
+    return false_stops_in(ears, what, stretches(half, what, hours))
+
+
+def false_stops_in(ears: Ears, what: str, heard: Iterable[Stretch]) -> FalseStops:
+    """What it does in what is heard."""
     heard_h, wrong, clips = 0.0, [], []
-    for stretch in stretches(half, what, hours):
+    for stretch in heard:
         heard_h += stretch.hours
         clips += stretch.clips
         wrong += [

@@ -1,5 +1,6 @@
 """What the benchmark of stop words lets be heard: words, and hours of sound without them."""
 
+import functools
 import itertools
 import random
 from collections.abc import Iterator, Sequence
@@ -121,6 +122,12 @@ def noise_of(kind: str, seed: int, half: Half) -> NDArray[np.float32]:
     return _made[key]
 
 
+@functools.cache
+def responses(half: Half) -> list[NDArray[np.float64]]:
+    """What the rooms of this part make of a click."""
+    return [room.response() for room in rooms(half, 20)]
+
+
 def at_speed(sound: Samples, step: float) -> NDArray[np.float64]:
     """The same, faster or slower, pitch with it."""
     n = int(sound.size / step)
@@ -142,7 +149,7 @@ def tracks(half: Half, what: str, seconds: float) -> Iterator[Track]:
     A clip comes again, at another speed and elsewhere, only when all of its engine have come.
     """
     rng, done = np.random.default_rng((31, len(what))), 0.0
-    responses = [room.response() for room in rooms(half, 20)]
+    echoes = responses(half)
     said = _shuffled(rng, talk(half))
     while done < seconds:
         clip = None
@@ -155,7 +162,7 @@ def tracks(half: Half, what: str, seconds: float) -> Iterator[Track]:
             note = f"{clip.voice} {clip.text}"
             track = at_speed(clip.samples, rng.uniform(0.9, 1.12))
             if rng.random() < 0.6:
-                track = in_room(track, responses[rng.integers(len(responses))])
+                track = in_room(track, echoes[rng.integers(len(echoes))])
         if what == "speech in noise":
             kind = kinds(half)[rng.integers(len(kinds(half)))]
             track = mixed(track, noise_of(kind, int(rng.integers(40)), half), rng.uniform(0, 15))

@@ -1,8 +1,8 @@
 """Hears "stop", "halt" and "freeze" in running sound, without waiting for the end of what is said.
 
 English stop words count whatever language is spoken. It stops wherever one of them is said, as in
-"do not stop" too: when in doubt, it stops. What the
-network was trained on and how well it hears is in docs/stop-spotter.md.
+"do not stop" too: when in doubt, it stops. What the network was trained on and how well it hears is
+in docs/stop-spotter.md.
 """
 
 import functools

@@ -48,10 +48,6 @@ class _Array:
     type: int
     begin: int
 
-    @property
-    def end(self) -> int:
-        return self.begin + math.prod(self.shape) * np.dtype(_FLOATS[self.type]).itemsize
-
 
 def adapted(folder: Path, added: Mapping[str, Added]) -> dict[str, bytes]:
     """The files of a model by name, as CTranslate2 takes them from memory.
@@ -90,7 +86,7 @@ def _adapted(held: bytes, added: Mapping[str, Added]) -> bytes:
         numbers = _numbers(held, one)
         changed = (numbers.astype(np.float32) + more.numbers).astype(numbers.dtype)
         parts += [whole[at : one.begin], changed.tobytes()]
-        at = one.end
+        at = one.begin + numbers.nbytes
     return b"".join([*parts, whole[at:]])
 
 

@@ -105,7 +105,7 @@ def transcript_of(hypotheses: Sequence[Segment], seconds: float, prompt: str) ->
             break
         text = words_of(one.text)
         if real and text:
-            sure = math.exp(one.log_probability) * _whole(text, seconds)
+            sure = math.exp(one.log_probability) * _filled(text, seconds)
             new = Hypothesis(text, 0.0, sure)
             known = said.setdefault(_plain(text), new)
             said[_plain(text)] = replace(known, share=known.share + share)
@@ -124,7 +124,7 @@ def _shares(hypotheses: Sequence[Segment]) -> list[float]:
     return [weight / sum(weights) for weight in weights]
 
 
-def _whole(text: str, seconds: float) -> float:
+def _filled(text: str, seconds: float) -> float:
     """How much of what was said in this time these words can be, from 0 to 1."""
     fewest = BYTES_A_SECOND * (seconds - AROUND_S)
     size = len(text.encode())
