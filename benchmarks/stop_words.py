@@ -22,12 +22,14 @@ from acoustics.mixing import at_level
 from figures import Figure, Measured, NotHere
 from stop_words_ears import SHARES, Ears, FalseStops, Trial, ears_of, false_stops, trials
 from stop_words_sounds import alike, clips, words
+from stop_words_transcribed import Words
 
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ
 from edgevox.voice.stop_network import read_weights
 from edgevox.voice.stop_spotter import StopSpotter
 
 TABLE, FALSE, COST = "Stop words heard", "False stops", "What it costs"
+EITHER = "Stop words heard by their sound or, later, by their words"
 CONDITIONS = {
     "quiet": (None, 99.5),
     "room, noise at 10 dB": (10.0, 98.0),
@@ -103,10 +105,16 @@ def _recall(
     ears: Ears, said: Sequence[Clip], notes: dict[str, tuple[str, ...]], every_note: bool
 ) -> Iterator[Figure]:
     """What it hears in each condition, by engine and by word; what it missed goes to the notes."""
+    transcribed = Words()
     for name, (snr_db, wanted) in CONDITIONS.items():
         found = list(trials(HALF, ears, said, snr_db))
         yield from _heard(name, found, wanted)
         missed = [trial for trial in found if not trial.heard]
+        late = sum(transcribed.stop(trial.sound) for trial in missed)
+        yield Figure.share(
+            f"either.{_identifier(name)}", EITHER, name, len(found) - len(missed) + late,
+            len(found), wanted=wanted, more_is_better=True,
+        )  # fmt: skip
         notes[f"Missed, {name}"] = (
             tuple(f"{t.clip.voice}, {t.clip.text}, {t.noise}" for t in missed)
             if every_note
@@ -115,13 +123,17 @@ def _recall(
         )  # fmt: skip
 
 
+def _identifier(name: str) -> str:
+    return re.sub(r"[^a-z0-9]+", "_", name.casefold())
+
+
 def _worst(what: str, counted: Counter[str]) -> str:
     some = ", ".join(f"{name} {number}" for name, number in counted.most_common(6))
     return f"{what} missed most often: {some or 'none'}"
 
 
 def _heard(name: str, found: Sequence[Trial], wanted: float) -> Iterator[Figure]:
-    identifier = re.sub(r"[^a-z0-9]+", "_", name.casefold())
+    identifier = _identifier(name)
     rows = {"all": found}
     for engine in of_engine([trial.clip for trial in found]):
         rows[engine] = [trial for trial in found if trial.clip.engine == engine]

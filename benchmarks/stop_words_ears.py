@@ -112,10 +112,11 @@ class Spot:
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """A word in sound, and how long after its end it was heard; None if it was missed."""
+    """A word in a sound, and how long after its end it was heard; None if it was missed."""
 
     clip: Clip
     noise: str
+    sound: Samples
     delay_s: float | None
 
     @property
@@ -156,7 +157,7 @@ def among(
 def trials(half: Half, ears: Ears, clips: Sequence[Clip], snr_db: float | None) -> Iterator[Trial]:
     """What it hears of them."""
     for spot in spots(half, clips, snr_db):
-        yield Trial(spot.clip, spot.noise, spot.heard(ears.stops(spot.sound)))
+        yield Trial(spot.clip, spot.noise, spot.sound, spot.heard(ears.stops(spot.sound)))
 
 
 @dataclass(frozen=True, slots=True)
