@@ -42,8 +42,9 @@ class Machine(Kept):
     architecture: str
 
     def __str__(self) -> str:
+        cores = "1 core" if self.cores == 1 else f"{self.cores} cores"
         return (
-            f"{self.processor}, {self.cores} cores, {self.memory_gb} GB, {self.system}, "
+            f"{self.processor}, {cores}, {self.memory_gb} GB, {self.system}, "
             f"Linux {self.kernel}, {self.architecture}"
         )
 
