@@ -20,7 +20,16 @@ from acoustics import Half
 from acoustics.clips import Clip, of_engine, speak, standing_on
 from acoustics.mixing import at_level
 from figures import Figure, Measured, NotHere
-from stop_words_ears import SHARES, Ears, FalseStops, Trial, ears_of, false_stops, trials
+from stop_words_ears import (
+    SHARES,
+    Ears,
+    FalseStops,
+    Trial,
+    ears_of,
+    false_stops,
+    stretches,
+    trials,
+)
 from stop_words_sounds import alike, clips, words
 from stop_words_transcribed import Words
 
@@ -164,7 +173,7 @@ def _false(ears: Ears, hours: float) -> tuple[list[Figure], list[FalseStops]]:
     """How often it stops in so many hours, by what was heard, and at what."""
     figures, told = [], []
     for what, share in SHARES.items():
-        found = false_stops(ears, HALF, what, share * hours)
+        found = false_stops(ears, what, stretches(HALF, what, share * hours))
         number, told = len(found.wrong), [*told, found]
         identifier = f"false.{what.replace(' ', '_')}"
         figures.append(Figure.of(identifier, FALSE, f"{what}, {found.hours:.2f} h", [number]))

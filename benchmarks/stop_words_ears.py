@@ -210,12 +210,7 @@ class FalseStops:
     wrong: tuple[str, ...]
 
 
-def false_stops(ears: Ears, half: Half, what: str, hours: float) -> FalseStops:
-    """What it does in so many hours of this."""
-    return false_stops_in(ears, what, stretches(half, what, hours))
-
-
-def false_stops_in(ears: Ears, what: str, heard: Iterable[Stretch]) -> FalseStops:
+def false_stops(ears: Ears, what: str, heard: Iterable[Stretch]) -> FalseStops:
     """What it does in what is heard."""
     heard_h, wrong, clips = 0.0, [], []
     for stretch in heard:

@@ -18,7 +18,7 @@ from acoustics.voices import espeak_speakers, say, trimmed
 from corpus_sentences import read_corpus
 from figures import Figure, Measured, NotHere
 from stop_words import HOURS, WANTED_FALSE
-from stop_words_ears import LEAD_S, Ears, FalseStops, among, ears_of, false_stops_in, joined
+from stop_words_ears import LEAD_S, Ears, FalseStops, among, ears_of, false_stops, joined
 from stop_words_sounds import LEVELS_DB, Track
 from voice_rig import says
 
@@ -130,4 +130,4 @@ def _false_stops(ears: Ears, language: Language, rng: np.random.Generator) -> Fa
         Track(text, None, np.append(at_level(sound, rng.uniform(*LEVELS_DB)), pause))
         for text, sound in language.sentences
     )
-    return false_stops_in(ears, language.code, joined(tracks))
+    return false_stops(ears, language.code, joined(tracks))

@@ -42,6 +42,7 @@ class ConversationHarness:
         self._turn = 0
         self._thought = False
         self._patience_s = MOST_THINK_S
+        self._goal_changed = threading.Event()
         self._forget = [
             bus.subscribe(Responded, lambda event: self._note(Source.ANSWER, event.written)),
             bus.subscribe(AgentEvent, self._on_agent_event),
@@ -130,8 +131,11 @@ class ConversationHarness:
         """
         if not isinstance(self._body, TellsMotions):
             return
-        while self._patience_s > 0.0 and not self._body.in_motion:
-            if self._conversation.wait_idle(_LOOK_AGAIN_S):
+        while not self._body.in_motion:
+            if self._goal_changed.is_set():
+                self._goal_changed.clear()
+                self._patience_s = MOST_THINK_S
+            if self._patience_s <= 0.0 or self._conversation.wait_idle(_LOOK_AGAIN_S):
                 return
             self._patience_s -= _LOOK_AGAIN_S
 
@@ -140,7 +144,7 @@ class ConversationHarness:
 
     def _on_agent_event(self, event: AgentEvent) -> None:
         if isinstance(event, GoalChanged) and event.feedback is None:
-            self._patience_s = MOST_THINK_S
+            self._goal_changed.set()
         self._note(Source.EVENT, as_json(event))
 
     def _on_words(self, event: Transcribed) -> None:

@@ -11,12 +11,15 @@ from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.skills import SkillSet, skill
 from edgevox.apps import conversation_harness
-from edgevox.apps.conversation_harness import SETTLE_S, ConversationHarness
+from edgevox.apps.conversation_harness import ConversationHarness
 from edgevox.core.bus import Bus
 from edgevox.core.errors import EdgeVoxError
 from edgevox.scenario.reading import parse_scenario
 from edgevox.scenario.run_scenario import run_scenario
 from edgevox.scenario.scenario_judge import Source
+
+LOOKS = 50
+"""So often it is looked whether the robot moves yet: more often than at a goal that is not late."""
 
 
 class Body:
@@ -36,11 +39,14 @@ class Body:
 
 
 class HeldBody(Body):
-    """A body in lockstep, that moves for two moments of its time for each goal."""
+    """A body in lockstep, that moves for two moments of its time for each goal.
+
+    A goal begins to move it only once somebody has waited for that, or has let time pass without.
+    """
 
     def __init__(self):
-        self._left = 0
-        self._over = threading.Condition()
+        self._left = self._looks = 0
+        self._changed = threading.Condition()
         self.moved = []
         """For each moment, whether a goal moved it."""
 
@@ -50,18 +56,25 @@ class HeldBody(Body):
 
     @property
     def in_motion(self):
-        return self._left > 0
+        with self._changed:
+            self._looks += 1
+            self._changed.notify_all()
+            return self._left > 0
 
     def advance(self, seconds):
-        with self._over:
-            self.moved.append(self.in_motion)
+        with self._changed:
+            self.moved.append(self._left > 0)
             self._left = max(0, self._left - 1)
-            self._over.notify_all()
+            self._changed.notify_all()
 
     def move(self):
-        with self._over:
+        with self._changed:
+            looks, passed = self._looks + LOOKS, len(self.moved)
+            assert self._changed.wait_for(
+                lambda: self._looks >= looks or len(self.moved) > passed, HUNG_S
+            )
             self._left = 2
-            assert self._over.wait_for(lambda: not self._left, HUNG_S)
+            assert self._changed.wait_for(lambda: not self._left, HUNG_S)
 
 
 @skill(templates=["where are you"], done="I am here.", moves=False)
@@ -83,10 +96,12 @@ def played_on(body, *more):
     conversation = Conversation([Agent("a", "", skills)], bus, halt=lambda reason: False)
     conversation.start()
     one = ConversationHarness(bus, conversation, body)
-    yield one
-    one.come_to_rest(5.0)
-    one.close()
-    conversation.close()
+    try:
+        yield one
+    finally:
+        one.come_to_rest(5.0)
+        one.close()
+        conversation.close()
 
 
 @pytest.fixture
@@ -164,7 +179,6 @@ def test_no_time_passes_until_a_goal_has_begun_to_move_the_robot(asked, moments)
     @skill(templates=["hop"], says="Hopping.", done="I hopped.")
     def hop(goal):
         """Hop."""
-        time.sleep(20 * SETTLE_S)
         body.move()
 
     with played_on(body, hop) as harness:

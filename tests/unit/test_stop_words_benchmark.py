@@ -271,7 +271,8 @@ def test_a_false_stop_is_told_with_what_was_said_then(speaker):
     ears = Hears(0.3)
     ears.word = "halt"
 
-    found = stop_words_ears.false_stops(ears, Half.HELD_OUT, "speech", 0.001)
+    heard = stop_words_ears.stretches(Half.HELD_OUT, "speech", 0.001)
+    found = stop_words_ears.false_stops(ears, "speech", heard)
 
     first = found.clips[0]
     assert found.wrong == (f"speech: {first.voice} {first.text} (took it for halt)",)
