@@ -6,8 +6,9 @@ out halves of `acoustics`: nothing was tuned with them. "right" is done as meant
 is asked back about what was meant; a wrong motion is begun unasked and was not meant. Voices behind
 the speaker make utterances of their own: each is a turn, as in the product, and all count.
 
-Beside it what is heard where nobody speaks: noise alone, in pieces as if each were an utterance,
-which is far more than voice activity lets through.
+Beside it what is said near the robot and is no order, in the same noise, and what is heard where
+nobody speaks: noise alone, in pieces as if each were an utterance, which is far more than voice
+activity lets through.
 """
 
 import itertools
@@ -25,7 +26,7 @@ from acoustics.noises import BABBLE, noise
 from acoustics.rooms import in_room, room_of
 from acoustics.voices import kokoro_voices, say
 from corpus_robots import is_right, skills_of_robots
-from corpus_sentences import Calls, Sentence
+from corpus_sentences import Calls, Sentence, held_out
 from figures import Figure, Measured, NotHere
 from numpy.typing import NDArray
 
@@ -49,7 +50,7 @@ from edgevox.voice.stt.whisper import Whisper
 
 MODEL = "whisper-tiny.en"
 TABLE = f"Plain commands in noise, {MODEL}"
-NOTHING_SAID = "Noise without speech"
+NEARBY, NOTHING_SAID = "Talk in noise that is no order", "Noise without speech"
 A, E, H, P = "robot-apartment", "robot-external", "robot-humanoid", "robot-panda"
 COMMANDS: tuple[tuple[str, str, Call], ...] = (
     (A, "Go to the kitchen.", Call("navigate_to", {"room": "kitchen"})),
@@ -74,6 +75,8 @@ RT60_S = 0.4
 BEFORE_S, AFTER_S, LEVEL_DB = 4.0, 1.0, -26.0
 """What is around does not begin with what is said."""
 ALONE_S, PIECE_S = 600.0, 4.0
+SENTENCES = 160
+"""So much of what the corpus has said near robots, of its held-out half."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +118,12 @@ def measure(quick: bool = False) -> Measured:
         heard = _heard(robots, condition, voices[: 1 if quick else 4])
         figures += _figures(condition, [outcome for outcome, _ in heard])
         failed += [line for outcome, line in heard if outcome is not Outcome.RIGHT]
+        moved = list(_moved_by_talk(robots, condition, voices, 4 if quick else SENTENCES))
+        figures.append(
+            Figure(id=f"talk.{condition.name}", table=NEARBY, what=condition.about,
+                   column="wrong motions", value=len(moved), n=SENTENCES, wanted=0)
+        )  # fmt: skip
+        failed += moved
     words = list(_words_of_noise(robots[A], 20.0 if quick else ALONE_S))
     figures.append(
         Figure(id="alone.words", table=NOTHING_SAID, what="pieces in which words were heard",
@@ -236,6 +245,20 @@ def _heard(
         line = f"{condition.about}{beside}, {voice}: {text} {words}"
         found.append((outcome, f"{line}: {outcome.value}"))
     return found
+
+
+def _moved_by_talk(
+    robots: dict[str, Robot], condition: Condition, voices: Sequence[str], number: int
+) -> Iterator[str]:
+    """A line for each sentence for which a robot would move, though it was told nothing."""
+    english = [one for one in held_out() if one.language == "en" and not one.is_command]
+    for seed, one in enumerate(english[:: max(1, len(english) // number)][:number]):
+        voice, kind = voices[seed % len(voices)], KINDS[seed // len(voices) % len(KINDS)]
+        sound = spoken(voice, one.says, condition, kind, 5_000 + seed)
+        for said in robots[one.robot].hear(sound):
+            if robots[one.robot].moves(said):
+                beside = "" if condition.snr_db is None else f", {kind}"
+                yield f"{condition.about}{beside}, {voice}: {one.says} {said.text!r}: it moves"
 
 
 def _figures(condition: Condition, outcomes: Sequence[Outcome]) -> Iterator[Figure]:

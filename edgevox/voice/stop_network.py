@@ -15,14 +15,12 @@ import numpy as np
 
 from edgevox.voice.one_thread import product
 from edgevox.voice.stop_encoder import Floats
-from edgevox.voice.whisper_file import Added
+from edgevox.voice.whisper_file import Added, added_of
 
 WEIGHTS_FILE = "stop_spotter.npz"
 """Made by `scripts/train_stop_spotter.py`."""
 LAST_STEPS = 8
 """So many steps at the end are looked at by themselves, too."""
-UP, DOWN = ".up", ".down"
-"""What is added to an array of the encoder is the product of these two, after its name."""
 _LEAST_VARIANCE = 1e-5
 _LAYERS = ("reduce", "first", "second", "attend", "hidden", "last")
 
@@ -107,10 +105,6 @@ def weights_of(data: Mapping[str, Any]) -> StopWeights:
         floats("shift"),
         floats("place"),
         {name: StopLayer(floats(name), floats(f"{name}_bias")) for name in _LAYERS},
-        {
-            name.removesuffix(UP): Added(floats(name), floats(name.removesuffix(UP) + DOWN))
-            for name in data
-            if name.endswith(UP)
-        },
+        added_of(data),
         float(data["threshold"]),
     )

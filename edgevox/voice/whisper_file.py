@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 from edgevox.core.errors import EdgeVoxError
 
 FILE = "model.bin"
+UP, DOWN = ".up", ".down"
+"""What is added to an array is the product of these two, after its name."""
 _FORMAT = 6
 _FLOATS: Mapping[int, str] = {0: "<f4", 4: "<f2"}
 """The types of arrays that something can be added to, by CTranslate2's number."""
@@ -39,6 +41,20 @@ class Added(NamedTuple):
     @property
     def numbers(self) -> NDArray[np.float32]:
         return (self.up @ self.down).ravel()
+
+
+def added_of(data: Mapping[str, Any]) -> dict[str, Added]:
+    """What the arrays of a file say is to be added, by the names of what it is added to.
+
+    Raises `KeyError` where one of the two matrices is missing.
+    """
+    names = (name.removesuffix(UP) for name in data if name.endswith(UP))
+    return {
+        name: Added(
+            np.asarray(data[name + UP], np.float32), np.asarray(data[name + DOWN], np.float32)
+        )
+        for name in names
+    }
 
 
 @dataclass(frozen=True, slots=True)

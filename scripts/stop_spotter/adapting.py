@@ -14,15 +14,16 @@ import numpy as np
 import torch
 from torch import nn
 from torch.nn.functional import cross_entropy
+from whisper_training.encoder import Encoder
 
 from edgevox.voice.stop_encoder import BANDS, STEPS
 from edgevox.voice.stop_network import StopWeights
-from stop_spotter.encoder import Encoder
 from stop_spotter.looks import Looks
 from stop_spotter.network import arrays_of, network_of
 from stop_spotter.training import THRESHOLD
 
 ROUNDS, STEPS_OF_A_ROUND = 5, 120
+RANK = 8
 POOL, LEARNT, WRONG_SHARE = 256, 128, 0.375
 """So many looks are heard at each step, and so many of them learnt from: mostly those that were
 heard wrongly. Of what is heard, so much was wrong before.
@@ -39,7 +40,7 @@ class Both(nn.Module):
 
     def __init__(self, folder: Path, start: StopWeights) -> None:
         super().__init__()
-        self.encoder = Encoder(folder)
+        self.encoder = Encoder(folder, RANK)
         self.network = network_of(start)
 
     def forward(self, bands: torch.Tensor) -> torch.Tensor:

@@ -4,16 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from acoustics import Half
-from acoustics.mixing import voiced_power
 from acoustics.noises import kinds, noise
-from acoustics.rooms import rooms
 from numpy.typing import NDArray
+from whisper_training.surroundings import Surroundings, Wave, varied
 
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.stop_encoder import SAMPLES
 from stop_spotter import texts
-
-Wave = NDArray[np.float32]
 
 TRACK_S = 3.2
 """How long an example is; what looks at it has all of what it looks at."""
@@ -28,7 +25,7 @@ is to be heard once, though it is seen for longer.
 _LEAD_S, _TAIL_S = 0.6, 0.35
 _FIRST_S = SAMPLES / RATE_HZ + 0.005
 _WITH_WORD = 0.5
-_FFT = 72_000  # more than an example and a response
+ROOM_SHARE, QUIET_SHARE, SNR_DB = 0.65, 0.2, (-1, 25)
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,12 +95,12 @@ class Examples:
         self._odds = [
             np.array([s.weight for s in some]) / sum(s.weight for s in some) for some in self._words
         ]
-        self._rooms = [room.response().astype(np.float32) for room in rooms(Half.TRAIN, 60)]
-        self._noises = [
+        noises = [
             noise(kind, 8.0, 100 * seed + number, Half.TRAIN).astype(np.float32)
             for kind in kinds(Half.TRAIN)
             for number in range(6)
         ]
+        self._surroundings = Surroundings(self._rng, noises, ROOM_SHARE, QUIET_SHARE, SNR_DB)
 
     def make(self) -> Example:
         """The next one."""
@@ -112,7 +109,7 @@ class Examples:
         track = np.zeros(int(TRACK_S * RATE_HZ), np.float32)
         sound = self._sound(word)
         if word:
-            clip = self._varied(sound)
+            clip = varied(sound.samples, rng)
             least = int(_LEAD_S * RATE_HZ)
             start = int(
                 rng.integers(least, max(least + 1, track.size - clip.size - int(_TAIL_S * RATE_HZ)))
@@ -123,82 +120,28 @@ class Examples:
                 self._chatter(track, 0, start - int(rng.uniform(0.03, 0.5) * RATE_HZ))
             if rng.random() < 0.4 and not sound.within:
                 self._chatter(track, end + int(rng.uniform(0.06, 0.5) * RATE_HZ), track.size)
-            return Example(self._heard(track), word, sound.within, start / RATE_HZ, end / RATE_HZ)
+            return Example(
+                self._surroundings.heard(track), word, sound.within, start / RATE_HZ, end / RATE_HZ
+            )
         if rng.random() < 0.95:
             self._chatter(track, int(rng.uniform(0, 1.2) * RATE_HZ), track.size)
-        return Example(self._heard(track))
+        return Example(self._surroundings.heard(track))
 
     def _sound(self, word: int) -> Sound:
         some = self._words[word]
         return some[self._rng.choice(len(some), p=self._odds[word])]
 
-    def _varied(self, sound: Sound) -> Wave:
-        """Faster or slower, as a whole: pitch goes with it; and at a loudness of 1."""
-        step = self._rng.uniform(0.85, 1.18)
-        n = int(sound.samples.size / step)
-        changed = np.interp(np.arange(n) * step, np.arange(sound.samples.size), sound.samples)
-        return (changed / np.sqrt(voiced_power(changed) + 1e-9)).astype(np.float32)
-
     def _chatter(self, track: Wave, begin: int, end: int) -> None:
         """Other speech, up to here; what ends before does not begin with the clip's beginning."""
         rng, at = self._rng, begin
         while at < end:
-            clip = self._varied(self._sound(0))
+            clip = varied(self._sound(0).samples, rng)
             if rng.random() < 0.3:
                 clip = clip[int(rng.uniform(0, 0.7) * clip.size) :]
             if end < track.size:
                 clip = clip[-(end - at) :] if clip.size > end - at else clip
             _put(track, clip * 10 ** (rng.uniform(-6, 3) / 20), at)
             at += clip.size + int(rng.uniform(0.02, 0.5) * RATE_HZ)
-
-    def _heard(self, track: Wave) -> NDArray[np.int16]:
-        """In a room, by a microphone of some colour, with noise, at some level."""
-        rng = self._rng
-        size = _FFT
-        spectrum = np.fft.rfft(track, size)
-        if rng.random() < 0.65:
-            response = self._rooms[rng.integers(len(self._rooms))]
-            if rng.random() < 0.3:
-                soon = np.arange(response.size, dtype=np.float32) / np.float32(
-                    rng.uniform(400, 3000)
-                )
-                response = response * np.exp(-soon)
-                response /= np.sqrt(np.sum(response**2))
-            spectrum *= np.fft.rfft(response, size)
-        spectrum *= self._colour(size)
-        speech = np.fft.irfft(spectrum, size)[: track.size]
-        level = 10 ** (rng.uniform(-42, -12) / 20)
-        speech *= level / np.sqrt(voiced_power(speech) + 1e-9) if np.any(track) else 0
-        kind = rng.random()
-        if kind < 0.2:
-            rustle = 10 ** (rng.uniform(-90, -60) / 20)
-        else:
-            rustle = level / 10 ** (rng.uniform(-1, 25) / 20)
-        heard = speech + rustle * self._noise(track.size)
-        if rng.random() < 0.15:
-            heard = heard + rustle * rng.uniform(0.3, 1) * self._noise(track.size)
-        return np.clip(32768 * heard, -32768, 32767).astype(np.int16)
-
-    def _colour(self, size: int) -> Wave:
-        """A tilt and a hump, as microphones and mouths differ."""
-        rng = self._rng
-        octaves = np.log2(np.maximum(np.fft.rfftfreq(513 * 2, 1 / RATE_HZ), 60) / 1000)
-        hump = rng.uniform(-6, 6) * np.exp(-(((octaves - rng.uniform(-2, 3)) / 0.7) ** 2))
-        coarse = 10 ** ((rng.uniform(-3, 3) * octaves + hump) / 20)
-        fine = np.linspace(0, coarse.size - 1, size // 2 + 1)
-        return np.interp(fine, np.arange(coarse.size), coarse).astype(np.float32)
-
-    def _noise(self, n: int) -> Wave:
-        """Some of it, from somewhere, now and then with a change of loudness."""
-        rng = self._rng
-        whole = self._noises[rng.integers(len(self._noises))]
-        start = rng.integers(whole.size - n)
-        some = whole[start : start + n]
-        if rng.random() < 0.3:
-            some = some * np.interp(
-                np.arange(n), np.linspace(0, n, 5), 10 ** (rng.uniform(-10, 4, 5) / 20)
-            )
-        return some[::-1] if rng.random() < 0.3 else some
 
 
 def _put(track: Wave, clip: Wave, at: int) -> None:

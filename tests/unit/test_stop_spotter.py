@@ -18,14 +18,7 @@ from edgevox.voice.stop_encoder import (
     StopEncoder,
     bands_of,
 )
-from edgevox.voice.stop_network import (
-    DOWN,
-    UP,
-    WEIGHTS_FILE,
-    likelihoods,
-    read_weights,
-    weights_of,
-)
+from edgevox.voice.stop_network import WEIGHTS_FILE, likelihoods, read_weights, weights_of
 from edgevox.voice.stop_spotter import (
     LOOKS_EVERY,
     REST_S,
@@ -34,6 +27,7 @@ from edgevox.voice.stop_spotter import (
     StopSpotter,
 )
 from edgevox.voice.wake_sleep import AWAKE_S
+from edgevox.voice.whisper_file import DOWN, UP
 
 NOTHING = np.array([1.0, 0.0, 0.0, 0.0], np.float32)
 HALT = np.array([0.04, 0.01, 0.94, 0.01], np.float32)

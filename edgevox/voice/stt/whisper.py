@@ -1,18 +1,24 @@
-"""Whisper, by faster-whisper: 8 bit, on the CPU, with several hypotheses of what was said."""
+"""Whisper, by faster-whisper: 8 bit, on the CPU, with several hypotheses of what was said.
+
+A model that there is an adapter for hears more in noise, and only as much as was said.
+"""
 
 import threading
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from edgevox.core.cgroup import usable_cpus
 from edgevox.core.errors import EdgeVoxError
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.level import FULL_SCALE
+from edgevox.voice.stt.adapter import adapter_for
 from edgevox.voice.stt.hallucinations import Segment, transcript_of
 from edgevox.voice.stt.speech_to_text import Transcript
+from edgevox.voice.whisper_file import adapted
 
 MAX_THREADS = 4
 """More do not help one utterance."""
@@ -25,7 +31,18 @@ WIDTHS = {"en": (HYPOTHESES,)}
 """Of the searches in a language, the first of which has the words; measured in English."""
 OTHER_WIDTHS = (1, HYPOTHESES)
 """In Portuguese a greedy search's words are right more often than the first of a beam."""
+SHORT_S = 9.0
+"""No longer sound was learnt by the adapter but in Whisper's own 30 s."""
+ROWS_A_SECOND, ROWS_AFTER = 100, 64
+"""So many rows of Whisper's features follow what was said, where no more is listened to."""
 _WARM_UP = np.zeros(RATE_HZ, np.int16)
+
+
+class _Model(NamedTuple):
+    """A model that is loaded, and whether it needs to hear no more than was said."""
+
+    engine: Any
+    short: bool
 
 
 class Whisper:
@@ -46,7 +63,7 @@ class Whisper:
         self._model_of = model_of
         self._prompt_of = prompt_of
         self._threads = threads or min(MAX_THREADS, usable_cpus())
-        self._models: dict[Path, Any] = {}
+        self._models: dict[Path, _Model] = {}
         self._paths: dict[str, Path] = {}  # of what is loaded: its files may be gone since
         self._lock = threading.Lock()
 
@@ -72,40 +89,43 @@ class Whisper:
         with self._lock:
             self._models.clear()
 
-    def _model(self, path: Path) -> Any:
+    def _model(self, path: Path) -> _Model:
         if path not in self._models:
             from faster_whisper import WhisperModel
 
             try:
-                self._models[path] = WhisperModel(
+                added = adapter_for(path)
+                engine = WhisperModel(
                     str(path),
                     device="cpu",
                     compute_type="int8",
                     cpu_threads=self._threads,
                     local_files_only=True,
+                    files=adapted(path, added) if added else None,
                 )
             except (RuntimeError, ValueError, OSError, MemoryError) as error:
                 raise EdgeVoxError(f"speech to text: cannot load {path}: {error}") from error
+            self._models[path] = _Model(engine, short=bool(added))
         return self._models[path]
 
 
-def _hypotheses(model: Any, samples: Samples, language: str, prompt: str) -> list[Segment]:
+def _hypotheses(loaded: _Model, samples: Samples, language: str, prompt: str) -> list[Segment]:
     """What may have been said in the first 30 s; first what is taken for it.
 
     As `WhisperModel.transcribe` does it, which keeps but one to itself.
     """
-    from faster_whisper.audio import pad_or_trim
     from faster_whisper.tokenizer import Tokenizer
     from faster_whisper.transcribe import get_compression_ratio, get_suppressed_tokens
 
+    model = loaded.engine
     tokenizer = Tokenizer(
         model.hf_tokenizer, model.model.is_multilingual, task="transcribe", language=language
     )
     shown = tokenizer.encode(f" {prompt.strip()}") if prompt else []
     start = model.get_prompt(tokenizer, shown, without_timestamps=True)
     most = MORE_TOKENS + int(samples.size / RATE_HZ * TOKENS_PER_S)
-    features = model.feature_extractor(samples.astype(np.float32) / FULL_SCALE)
-    sound = model.encode(pad_or_trim(features[..., :-1]))
+    features = model.feature_extractor(samples.astype(np.float32) / FULL_SCALE)[..., :-1]
+    sound = model.encode(as_listened_to(features, loaded.short))
     suppressed = get_suppressed_tokens(tokenizer, [-1])
     segments: dict[str, Segment] = {}
     for width in WIDTHS.get(language, OTHER_WIDTHS):
@@ -125,3 +145,14 @@ def _hypotheses(model: Any, samples: Samples, language: str, prompt: str) -> lis
             ratio = get_compression_ratio(text.strip())
             segments.setdefault(text, Segment(text, found.no_speech_prob, mean, ratio, whole))
     return [*segments.values()]
+
+
+def as_listened_to(features: NDArray[np.float32], short: bool) -> NDArray[np.float32]:
+    """Features (bands, rows of 10 ms) with what follows them; at most 30 s in all."""
+    from faster_whisper.audio import pad_or_trim
+
+    rows = features.shape[-1]
+    if not short or rows > SHORT_S * ROWS_A_SECOND:
+        return np.asarray(pad_or_trim(features))
+    # Two rows make one step of the encoder.
+    return np.asarray(pad_or_trim(features, rows + ROWS_AFTER + rows % 2))

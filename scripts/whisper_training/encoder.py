@@ -1,7 +1,7 @@
 """Whisper's encoder in PyTorch, with what it learns in addition: two narrow matrices an array.
 
 What is added to an array is the product of both, so little is learnt and little has to be kept;
-`edgevox/voice/stop_encoder.py` adds it to Whisper's own when it runs (LoRA, Hu and others 2021).
+`edgevox/voice/whisper_file.py` adds it to Whisper's own when it runs (LoRA, Hu and others 2021).
 """
 
 import math
@@ -14,10 +14,9 @@ from torch import nn
 from torch.nn import functional as nnf
 
 from edgevox.voice.stop_encoder import CHANNELS
-from edgevox.voice.stop_network import DOWN, UP
-from edgevox.voice.whisper_file import arrays
+from edgevox.voice.whisper_file import DOWN, UP, arrays
 
-RANK, LAYERS, HEADS = 8, 4, 6
+LAYERS, HEADS = 4, 6
 _NARROW = (
     "self_attention/linear_0",
     "self_attention/linear_1",
@@ -27,16 +26,18 @@ _NARROW = (
 
 
 class Adapted(nn.Module):
-    """An array of Whisper's, as it is, and what is added to it."""
+    """An array of Whisper's, as it is, and what is added to it: two matrices of this rank, which
+    may be 0.
+    """
 
-    def __init__(self, weights: torch.Tensor, bias: torch.Tensor) -> None:
+    def __init__(self, weights: torch.Tensor, bias: torch.Tensor, rank: int) -> None:
         super().__init__()
         self.shape = weights.shape
         self.register_buffer("weights", weights.flatten(1), persistent=False)
         self.register_buffer("bias", bias, persistent=False)
         inputs = self.weights.shape[1]
-        self.down = nn.Parameter(torch.randn(RANK, inputs) / math.sqrt(inputs))
-        self.up = nn.Parameter(torch.zeros(len(bias), RANK))
+        self.down = nn.Parameter(torch.randn(rank, inputs) / math.sqrt(inputs))
+        self.up = nn.Parameter(torch.zeros(len(bias), rank))
 
     @property
     def all_weights(self) -> torch.Tensor:
@@ -45,6 +46,11 @@ class Adapted(nn.Module):
     def forward(self, values: torch.Tensor) -> torch.Tensor:
         return nnf.linear(values, self.all_weights, self.bias)
 
+    def named(self, name: str) -> Iterator[tuple[str, np.ndarray]]:
+        """Both matrices, with the names of their file."""
+        for end, half in ((UP, self.up), (DOWN, self.down)):
+            yield f"{name}{end}", half.detach().numpy().astype(np.float64)
+
     def convolved(self, values: torch.Tensor, stride: int) -> torch.Tensor:
         return nnf.conv1d(values, self.all_weights, self.bias, stride, padding=1)
 
@@ -52,7 +58,7 @@ class Adapted(nn.Module):
 class Encoder(nn.Module):
     """Bands (looks, bands, rows) to what the encoder makes of them (looks, steps, channels)."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, rank: int) -> None:
         super().__init__()
         held = {name: torch.from_numpy(one) for name, one in arrays(folder, "encoder/").items()}
         self.fixed = {name: one for name, one in held.items() if "norm" in name or "pos" in name}
@@ -61,7 +67,7 @@ class Encoder(nn.Module):
             *(f"layer_{layer}/{name}" for layer in range(LAYERS) for name in _NARROW),
         )  # fmt: skip
         self.adapted = nn.ModuleList(
-            Adapted(held[f"encoder/{name}/weight"], held[f"encoder/{name}/bias"])
+            Adapted(held[f"encoder/{name}/weight"], held[f"encoder/{name}/bias"], rank)
             for name in self.names
         )
 
@@ -85,8 +91,7 @@ class Encoder(nn.Module):
     def added(self) -> Iterator[tuple[str, np.ndarray]]:
         """What is added to each array, as two matrices with the names of their file."""
         for name, one in zip(self.names, self.adapted, strict=True):
-            for end, half in ((UP, one.up), (DOWN, one.down)):
-                yield f"encoder/{name}/weight{end}", half.detach().numpy().astype(np.float64)
+            yield from one.named(f"encoder/{name}/weight")
 
     def _normed(self, name: str, values: torch.Tensor) -> torch.Tensor:
         gamma, beta = (self.fixed[f"encoder/{name}layer_norm/{half}"] for half in ("gamma", "beta"))
