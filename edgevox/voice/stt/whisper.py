@@ -38,7 +38,7 @@ ROWS_A_SECOND, ROWS_AFTER = 100, 64
 _WARM_UP = np.zeros(RATE_HZ, np.int16)
 
 
-class _Model(NamedTuple):
+class _LoadedModel(NamedTuple):
     """A model that is loaded, and whether it needs to hear no more than was said."""
 
     engine: Any
@@ -63,7 +63,7 @@ class Whisper:
         self._model_of = model_of
         self._prompt_of = prompt_of
         self._threads = threads or min(MAX_THREADS, usable_cpus())
-        self._models: dict[Path, _Model] = {}
+        self._models: dict[Path, _LoadedModel] = {}
         self._paths: dict[str, Path] = {}  # of what is loaded: its files may be gone since
         self._lock = threading.Lock()
 
@@ -89,7 +89,7 @@ class Whisper:
         with self._lock:
             self._models.clear()
 
-    def _model(self, path: Path) -> _Model:
+    def _model(self, path: Path) -> _LoadedModel:
         if path not in self._models:
             from faster_whisper import WhisperModel
 
@@ -105,11 +105,13 @@ class Whisper:
                 )
             except (RuntimeError, ValueError, OSError, MemoryError) as error:
                 raise EdgeVoxError(f"speech to text: cannot load {path}: {error}") from error
-            self._models[path] = _Model(engine, short=bool(added))
+            self._models[path] = _LoadedModel(engine, short=bool(added))
         return self._models[path]
 
 
-def _hypotheses(loaded: _Model, samples: Samples, language: str, prompt: str) -> list[Segment]:
+def _hypotheses(
+    loaded: _LoadedModel, samples: Samples, language: str, prompt: str
+) -> list[Segment]:
     """What may have been said in the first 30 s; first what is taken for it.
 
     As `WhisperModel.transcribe` does it, which keeps but one to itself.
