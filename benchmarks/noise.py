@@ -88,6 +88,11 @@ class Condition:
     snr_db: float | None
     wanted: float
 
+    def by(self, voice: str, kind: str) -> str:
+        """Where and by whom something is said, beside which noise, if any."""
+        beside = "" if self.snr_db is None else f", {kind}"
+        return f"{self.about}{beside}, {voice}"
+
 
 CONDITIONS = (
     Condition("quiet", "quiet", None, 99.0),
@@ -118,10 +123,11 @@ def measure(quick: bool = False) -> Measured:
         heard = _heard(robots, condition, voices[: 1 if quick else 4])
         figures += _figures(condition, [outcome for outcome, _ in heard])
         failed += [line for outcome, line in heard if outcome is not Outcome.RIGHT]
-        moved = list(_moved_by_talk(robots, condition, voices, 4 if quick else SENTENCES))
+        number = 4 if quick else SENTENCES
+        moved = list(_moved_by_talk(robots, condition, voices, number))
         figures.append(
             Figure(id=f"talk.{condition.name}", table=NEARBY, what=condition.about,
-                   column="wrong motions", value=len(moved), n=SENTENCES, wanted=0)
+                   column="wrong motions", value=len(moved), n=number, wanted=0)
         )  # fmt: skip
         failed += moved
     words = list(_words_of_noise(robots[A], 20.0 if quick else ALONE_S))
@@ -240,9 +246,8 @@ def _heard(
         kind = KINDS[(row + voices.index(voice)) % len(KINDS)]
         said = robots[robot].hear(spoken(voice, text, condition, kind, seed))
         outcome = robots[robot].does(said, wanted)
-        beside = "" if condition.snr_db is None else f", {kind}"
         words = " ".join(f"{one.text!r} {one.confidence:.2f}" for one in said)
-        line = f"{condition.about}{beside}, {voice}: {text} {words}"
+        line = f"{condition.by(voice, kind)}: {text} {words}"
         found.append((outcome, f"{line}: {outcome.value}"))
     return found
 
@@ -257,8 +262,7 @@ def _moved_by_talk(
         sound = spoken(voice, one.says, condition, kind, 5_000 + seed)
         for said in robots[one.robot].hear(sound):
             if robots[one.robot].moves(said):
-                beside = "" if condition.snr_db is None else f", {kind}"
-                yield f"{condition.about}{beside}, {voice}: {one.says} {said.text!r}: it moves"
+                yield f"{condition.by(voice, kind)}: {one.says} {said.text!r}: it moves"
 
 
 def _figures(condition: Condition, outcomes: Sequence[Outcome]) -> Iterator[Figure]:
