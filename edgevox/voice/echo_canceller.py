@@ -1,10 +1,12 @@
 """Hearing a person through the robot's own voice: what is played is taken out of what is heard.
 
 Two cancellers side by side. WebRTC's AEC3 leaves nearly nothing of the echo and suppresses parts of
-a person's words with it: by what it gives is told whether somebody speaks. An `AdaptiveFilter`
-takes out what is linear of the echo and leaves a person's words as they are: that is for speech to
-text. Until AEC3 is measured to take the echo out, and where it does not (the reference is not what
-is played, the delay is longer than it can follow), the gate decides, on the sound as it came.
+a person's words with it. An `AdaptiveFilter` takes out what it knows of the echo and leaves a
+person's words as they are: that is for speech to text. Whether somebody speaks is told by what AEC3
+gives, and, where both find a person, by what the filter leaves: it is louder than a gate has learnt
+to expect of it, and AEC3 has not suppressed it. Until AEC3 is measured to take the echo out, and
+where it does not (the reference is not what is played, the delay is longer than it can follow), the
+gate decides, on the sound as it came.
 """
 
 from collections.abc import Callable
@@ -13,13 +15,13 @@ import numpy as np
 
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Echo
-from edgevox.voice.adaptive_filter import AdaptiveFilter
+from edgevox.voice.adaptive_filter import AdaptiveFilter, Sound
 from edgevox.voice.aec3 import CancellingEngine, FrameCanceller, open_engine
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, Frame, Samples
 from edgevox.voice.capture_position import CapturePosition
 from edgevox.voice.echo import EchoFilter, EchoGate, Unechoed
 from edgevox.voice.echo_loss import EchoLoss
-from edgevox.voice.level import FULL_SCALE
+from edgevox.voice.level import FULL_SCALE, rms
 from edgevox.voice.played_sound import PlayedSound
 
 log = get_logger(__name__)
@@ -30,6 +32,10 @@ AFTER_S = 1.0
 TAIL_S = 0.5
 """What is cancelled may come from another computer, later than the echo of a card; until it is
 measured to be cancelled, the gate must know of that."""
+
+SUPPRESSED = 0.2
+"""AEC3 leaves less of an echo than this, beside what the filter leaves of it: 0.03 to 0.08 where it
+comes anew after a silence. Of a person it mostly leaves 0.3 and more."""
 
 
 def open_echo(
@@ -62,7 +68,7 @@ class EchoCanceller:
         self._position = CapturePosition()
         self._filter = AdaptiveFilter()
         self._suppressor = FrameCanceller(engine)
-        self._gate = EchoGate(audible, tail_s=TAIL_S)
+        self._gate, self._gate_behind = (EchoGate(audible, tail_s=TAIL_S) for _ in range(2))
         self._silent_s = AFTER_S
         self.loss = EchoLoss()
 
@@ -83,12 +89,17 @@ class EchoCanceller:
         words = _samples(self._filter.push(_sound(frame.samples), _sound(played)))
         voice = self._suppressor.push(frame.samples, played)
         self.loss.push(frame.samples, voice, words, played)
-        return Unechoed(words, voice, words, cancelled=True) if self.loss.enough else as_it_came
+        is_louder = self._gate_behind.passes(words)
+        if not self.loss.enough:
+            return as_it_came
+        is_person = is_louder and rms(voice) > SUPPRESSED * rms(words)
+        return Unechoed(words, words if is_person else voice, words, cancelled=True)
 
 
-def _sound(samples: Samples) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    return samples / FULL_SCALE
+def _sound(samples: Samples) -> Sound:
+    return samples / np.float32(FULL_SCALE)
 
 
-def _samples(sound: np.ndarray[tuple[int], np.dtype[np.float64]]) -> Samples:
-    return np.clip(np.rint(sound * FULL_SCALE), -FULL_SCALE, FULL_SCALE - 1).astype(np.int16)
+def _samples(sound: Sound) -> Samples:
+    rounded = np.clip(np.rint(sound * FULL_SCALE), -FULL_SCALE, FULL_SCALE - 1)
+    return np.asarray(rounded, np.int16)

@@ -81,6 +81,40 @@ def test_a_person_quieter_than_the_loudspeaker_is_left_and_the_gate_alone_would_
     assert decibels(said, error) > decibels(said, lost) + 3.0
 
 
+class Suppressor:
+    """Leaves a share of all that it hears: nearly none of an echo."""
+
+    def __init__(self):
+        self.leaves = 0.01
+
+    def process(self, near, far):
+        return (self.leaves * near).astype(np.int16)
+
+
+@pytest.mark.parametrize(
+    ("leaves", "given_on"), [(0.5, "words"), (0.05, "voice")], ids=["a person", "its own voice"]
+)
+def test_what_is_louder_than_the_filter_leaves_is_a_person_unless_it_is_suppressed(
+    played, leaves, given_on
+):
+    heard, at = room(played), 8 * RATE_HZ
+    loud = voice(1.0, seed=9, level=LEVEL)
+    heard[at : at + loud.size] += loud
+    engine = Suppressor()
+    echo, reference = opened(engine=lambda: engine)
+    begins, few = at // FRAME_SAMPLES + 1, []
+
+    for number, one in enumerate(through(echo, played, heard, reference)):
+        if number == begins:
+            engine.leaves = leaves
+        if begins < number < begins + 20:
+            few.append(one)
+
+    assert echo.loss.enough
+    found = [rms(one.voice) / rms(one.words) for one in few]
+    assert np.median(found) == pytest.approx(1.0 if given_on == "words" else leaves, rel=0.3)
+
+
 def test_where_the_reference_is_not_what_is_played_the_gate_decides(played):
     heard, other = room(played), voice(12.0, seed=77, level=LEVEL)
     echo, reference = opened()
