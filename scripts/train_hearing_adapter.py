@@ -32,7 +32,7 @@ from acoustics.clips import speak
 from hearing_adapter.clips import all_clips
 
 from edgevox.models import locate
-from edgevox.voice.stt.adapter import ADAPTER_FILE, MODEL
+from edgevox.voice.stt.adapter import ADAPTER_FILE, MODEL, SIZE
 from edgevox.voice.whisper_file import FILE, UP, NotAWhisperFile, adapted, added_of
 
 if TYPE_CHECKING:
@@ -107,10 +107,11 @@ def install(trained: Path, model: Path, place: Path) -> None:
         name: one * one.dtype.type(ADDED_SHARE) for name, one in arrays.items() if name.endswith(UP)
     }
     adapted(model, added_of(arrays))
-    digest = hashlib.sha256((model / FILE).read_bytes()).hexdigest()
+    held = (model / FILE).read_bytes()
+    digest = hashlib.sha256(held).hexdigest()
     part = place.with_suffix(".new")
     with part.open("wb") as out:
-        np.savez(out, **arrays, **{MODEL: np.array(digest)})
+        np.savez(out, **arrays, **{MODEL: np.array(digest), SIZE: np.array(len(held))})
     part.replace(place)
 
 

@@ -29,8 +29,9 @@ ROOT = Path(__file__).parents[1]
 sys.path[:0] = [str(ROOT / "benchmarks"), str(ROOT / "scripts")]
 
 from acoustics.clips import Clip, speak
+from hearing_adapter.clips import natural_clips
+from stop_spotter import clips as of_spotter
 from stop_spotter import looks, texts
-from stop_spotter.clips import all_clips
 from stop_spotter.examples import Example, Examples, Sound
 from stop_spotter.installing import NotInstalled, install
 
@@ -40,7 +41,7 @@ from edgevox.voice.stop_network import WEIGHTS_FILE, read_weights
 
 PLACE = ROOT / "edgevox" / "voice" / WEIGHTS_FILE
 CLIPS = "clips.txt"
-WEIGHTS = {"kokoro": 4.0, "piper": 2.0, "espeak": 1.0}
+WEIGHTS = {"kokoro": 4.0, "piper": 4.0, "espeak": 1.0}
 """How often a clip of an engine is drawn beside the others': there are few natural voices."""
 ROUNDS, EXAMPLES, STEPS = 4, 60_000, 3_200
 TOLD_EVERY = 1_000
@@ -50,6 +51,12 @@ ADAPTED, SOME, WRONG = "adapted", "some", "wrong"
 """The files of the training in which the encoder learns: networks, and two kinds of looks."""
 EXAMPLES_OF_A_ROUND, LATEST = 4_000, 3
 """To look at, a few times and all along; of the latter those of so many rounds are learnt from."""
+
+
+def all_clips() -> list[Clip]:
+    """Those for it alone, and what Kokoro says for the hearing adapter that is no stop word."""
+    beside = (clip for clip in natural_clips() if of_spotter.has_none(clip.text))
+    return [*dict.fromkeys((*of_spotter.all_clips(), *beside))]
 
 
 def sounds_of(clips: Sequence[Clip]) -> list[Sound]:
@@ -90,7 +97,7 @@ def train(folder: Path, rounds: int, examples: int, steps: int, only_spoken: boo
 
     torch.set_num_threads(1)
     folder.mkdir(parents=True, exist_ok=True)
-    clips = to_learn(folder, list(all_clips()), only_spoken)
+    clips = to_learn(folder, all_clips(), only_spoken)
     speak(clips, _told)
     _told(f"{len(clips)} clips")
     encoder, sounds = StopEncoder(locate(ENCODER), {}), sounds_of(clips)
@@ -129,10 +136,8 @@ def adapt(folder: Path, start: Path, examples: int, only_spoken: bool) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     if not only_spoken:
         speak(all_clips(), _told)
-    known, whole = read_weights(start), ROUNDS * STEPS_OF_A_ROUND
-    if known.added:
-        raise SystemExit("--start: expected weights whose encoder has not learnt yet")
-    learning = Adapting(locate(ENCODER), known, folder / "adapting.pt", whole)
+    whole = ROUNDS * STEPS_OF_A_ROUND
+    learning = Adapting(locate(ENCODER), read_weights(start), folder / "adapting.pt", whole)
     for number in range(ROUNDS):
         file = network_file(folder, number, ADAPTED)
         if not file.exists():
@@ -158,7 +163,7 @@ def make_looks(folder: Path, start: Path, examples: int, number: int) -> None:
     """
     if looks.round_file(folder, number, WRONG).exists():
         return
-    clips = [clip for clip in dict.fromkeys(all_clips()) if clip.is_here]
+    clips = [clip for clip in all_clips() if clip.is_here]
     _told(f"round {number}: {len(clips)} clips")
     sounds, file = sounds_of(clips), network_file(folder, number - 2, ADAPTED)
     known = read_weights(file if number > 1 else start)

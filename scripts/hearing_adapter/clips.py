@@ -2,7 +2,7 @@
 
 import functools
 import random
-from collections.abc import Callable
+from collections.abc import Sequence
 from enum import Enum
 
 from acoustics import Half
@@ -14,8 +14,8 @@ from stop_spotter.texts import ALIKE, CHAT
 from hearing_adapter.texts import TESTED, command, talk
 
 NATURAL, SPEEDS = 2_600, (0.85, 0.95, 1.0, 1.1, 1.2)
-"""So many of Kokoro's, of which natives of English say six of ten."""
-COMMANDS_SHARE = 0.62
+COMMANDS_SHARE, NATIVES_SHARE = 0.62, 0.6
+"""Of what Kokoro says for this alone: commands, and what natives of English say."""
 SPOTTER_CLIPS = 2_000
 """So many of what Kokoro says for the spotter."""
 ESPEAK, ESPEAK_READINGS, ESPEAK_STOPS, PIPER_COMMANDS = 1_100, 500, 900, 260
@@ -34,13 +34,18 @@ def kind_of(clip: Clip) -> Kind:
     """Stop words and what sounds like them; talk; what else robots are asked."""
     if clip.word or clip.text in ALIKE:
         return Kind.STOP
-    known = clip.text in CHAT or len(clip.text) > _LONG or clip.text in _talk()
+    known = clip.text in CHAT or len(clip.text) > _LONG or clip.text in _all_talk()
     return Kind.TALK if known else Kind.COMMAND
 
 
 @functools.cache
-def _talk() -> frozenset[str]:
-    return frozenset(talk())
+def _talk() -> Sequence[str]:
+    return talk()
+
+
+@functools.cache
+def _all_talk() -> frozenset[str]:
+    return frozenset(_talk())
 
 
 def all_clips() -> list[Clip]:
@@ -54,26 +59,29 @@ def natural_clips() -> list[Clip]:
     rng, voices = random.Random(77), kokoro_voices(Half.TRAIN)
     natives = [voice for voice in voices if voice.partition(":")[2][0] in "ab"]
 
-    def one(text: str) -> Clip:
-        voice = rng.choice(natives if rng.random() < 0.6 else voices)
-        return Clip(voice, text, speed=rng.choice(SPEEDS))
-
+    found: list[Clip] = []
+    while len(found) < NATURAL:
+        voice = rng.choice(natives if rng.random() < NATIVES_SHARE else voices)
+        text = _text(rng, COMMANDS_SHARE)
+        if text not in TESTED:
+            found.append(Clip(voice, text, speed=rng.choice(SPEEDS)))
     said = [*of_spotter.kokoro_clips(), *of_spotter.clips_after_words()]
     beside = [clip for clip in said if clip.engine == "kokoro"]
-    return [*_some(NATURAL, COMMANDS_SHARE, rng, one), *rng.sample(beside, SPOTTER_CLIPS)]
+    return [*found, *rng.sample(beside, SPOTTER_CLIPS)]
 
 
 def espeak_clips() -> list[Clip]:
     """Plain, and at once."""
     rng, voices = random.Random(5), espeak_voices(Half.TRAIN)
 
-    def one(text: str) -> Clip:
+    def one() -> Clip:
+        text = _text(rng, 0.45)
         pitch, speed = rng.randint(20, 85), rng.randint(125, 220)
         return Clip(rng.choice(voices), text, pitch=pitch, words_a_minute=speed)
 
     stops = rng.sample(of_spotter.espeak_clips(), ESPEAK_STOPS)
     return [
-        *_some(ESPEAK, 0.45, rng, one),
+        *(one() for _ in range(ESPEAK)),
         *of_spotter.reading_clips(ESPEAK_READINGS),
         *(clip for clip in stops if kind_of(clip) is Kind.STOP),
     ]
@@ -86,10 +94,6 @@ def piper_clips() -> list[Clip]:
     return [*(Clip(PIPER, text) for text in said), *rng.sample(of_spotter.piper_clips(), 100)]
 
 
-def _some(
-    number: int, commands: float, rng: random.Random, one: Callable[[str], Clip]
-) -> list[Clip]:
-    """So many, of which a share are commands."""
-    others = talk()
-    texts = (command(rng) if rng.random() < commands else rng.choice(others) for _ in range(number))
-    return [one(text) for text in texts]
+def _text(rng: random.Random, commands: float) -> str:
+    """A command, with this likelihood, or talk."""
+    return command(rng) if rng.random() < commands else rng.choice(_talk())

@@ -22,10 +22,11 @@ GO = (
 )  # fmt: skip
 MOVE = ("Walk", "Drive", "Move", "Go", "Step")
 WAYS = ("forward", "backward", "ahead", "back", "straight on")
-LENGTHS = ("one metre", "half a metre", "one and a half metres", *(
-    f"{number} metres" for number in ("two", "three", "four", "five", "ten", "twenty")
-))  # fmt: skip
-TURN = ("Turn left", "Turn right", "Rotate left", "Rotate right", "Spin left", "Spin right")
+LENGTHS = (
+    "one metre", "two metres", "three metres", "four metres", "five metres", "half a metre",
+    "one and a half metres", "ten metres", "twenty metres",
+)  # fmt: skip
+TURN, SIDES = ("Turn", "Rotate", "Spin"), ("left", "right")
 ANGLES = (
     "ten", "thirty", "forty-five", "sixty", "ninety", "a hundred and eighty", "fifteen",
     "one hundred and twenty", "two hundred and seventy",
@@ -86,11 +87,14 @@ def command(rng: random.Random) -> str:
         said = rng.choice(GO).format(rng.choice(PLACES))
         return said[0].upper() + said[1:]
     if kind < 0.54:
-        return f"{rng.choice(MOVE)} {rng.choice(WAYS)} {rng.choice(LENGTHS)}."
+        way, length = rng.choice(WAYS), rng.choice(LENGTHS)
+        return f"{rng.choice(MOVE)} {way} {length}."
     if kind < 0.66:
-        return f"{rng.choice(TURN)} {rng.choice(('', 'by '))}{rng.choice(ANGLES)} degrees."
+        turn = f"{rng.choice(TURN)} {rng.choice(SIDES)}"
+        return f"{turn} {rng.choice(('', 'by '))}{rng.choice(ANGLES)} degrees."
     if kind < 0.76:
-        return rng.choice(HANDLE).format(rng.choice(THINGS))
+        thing = rng.choice(THINGS)
+        return rng.choice(HANDLE).format(thing)
     return rng.choice(OTHERS)
 
 

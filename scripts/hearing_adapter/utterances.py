@@ -23,7 +23,7 @@ the words are wanted before it is known to be over.
 NATURAL_WEIGHT = 4.0
 """Kokoro's clips are drawn so many times as often as others."""
 ROOM_SHARE, QUIET_SHARE, SNR_DB = 0.8, 0.12, (1, 20)
-NOISE_S, OF_A_KIND, NATURAL_BABBLES, MORE_BABBLES = 16.0, 4, 8, 4
+NOISE_S, OF_A_KIND, NATURAL_BABBLES = 16.0, 4, 8
 CLEAN_DB, FLOOR_DB = -26.0, -80.0
 
 
@@ -75,8 +75,8 @@ class Utterances:
         return _silence(rng.uniform(0.1, 0.6) if rng.random() < 0.8 else rng.uniform(0.6, 1.6))
 
     def _noises(self, seed: int) -> list[Wave]:
-        """Those to train with, and natural voices that talk at once."""
-        every = [*kinds(Half.TRAIN), *[BABBLE] * (MORE_BABBLES // OF_A_KIND)]
+        """Those to train with, babble twice, and natural voices that talk at once."""
+        every = [*kinds(Half.TRAIN), BABBLE]
         computed = [
             noise(kind, NOISE_S, 100 * seed + number, Half.TRAIN).astype(np.float32)
             for number, kind in enumerate(every * OF_A_KIND)

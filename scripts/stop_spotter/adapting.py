@@ -5,7 +5,6 @@ looks at new examples, and from what the network got wrong all along others. It 
 precision, as half of it is the encoder's products: 20 ms a look on one core.
 """
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +13,7 @@ import numpy as np
 import torch
 from torch import nn
 from torch.nn.functional import cross_entropy
+from whisper_training.course import Course, replace
 from whisper_training.encoder import Encoder
 
 from edgevox.voice.stop_encoder import BANDS, STEPS
@@ -30,8 +30,7 @@ heard wrongly. Of what is heard, so much was wrong before.
 """
 EVEN = 0.03
 """How likely a look that was heard rightly is to be learnt from, beside one with a loss of 1."""
-FASTEST_ADDED, FASTEST_NETWORK, WARMING_STEPS = 2e-3, 5e-4, 40
-DECAY, SMOOTHED, STEEPEST = 0.01, 0.005, 1.0
+FASTEST_ADDED, FASTEST_NETWORK, SMOOTHED = 2e-3, 5e-4, 0.005
 _TOLD_EVERY = 20
 
 
@@ -40,7 +39,7 @@ class Both(nn.Module):
 
     def __init__(self, folder: Path, start: StopWeights) -> None:
         super().__init__()
-        self.encoder = Encoder(folder, RANK)
+        self.encoder = Encoder(folder, RANK, start.added)
         self.network = network_of(start)
 
     def forward(self, bands: torch.Tensor) -> torch.Tensor:
@@ -95,24 +94,18 @@ class Adapting:
     def __init__(self, folder: Path, start: StopWeights, file: Path, steps: int) -> None:
         torch.manual_seed(7)
         self.both = Both(folder, start)
-        self.done = 0
-        self._file, self._steps = file, steps
-        self._optimiser = torch.optim.AdamW(
-            [
-                {"params": [*self.both.encoder.parameters()], "lr": FASTEST_ADDED},
-                {"params": [*self.both.network.parameters()], "lr": FASTEST_NETWORK},
-            ],
-            weight_decay=DECAY,
-            betas=(0.9, 0.98),
-        )
-        self._rate = torch.optim.lr_scheduler.LambdaLR(self._optimiser, self._speed)
-        if file.exists():
-            self._go_on(torch.load(file))
+        speeds = {self.both.encoder: FASTEST_ADDED, self.both.network: FASTEST_NETWORK}
+        self._course = Course(self.both, speeds, file, steps)
+
+    @property
+    def done(self) -> int:
+        """How many steps are."""
+        return self._course.done
 
     def learn(self, drawn: Drawn, until: int, weights: Path, told: Callable[[str], None]) -> None:
         """Until so many steps are done in all; then what runs is written to `weights`."""
         rng = np.random.default_rng((23, self.done))
-        parameters, means = [*self.both.parameters()], np.zeros(2)
+        means = np.zeros(2)
         while self.done < until:
             bands, labels = (torch.from_numpy(one) for one in drawn.pool(rng))
             at, heard = self._to_learn(bands, labels, rng)
@@ -120,17 +113,11 @@ class Adapting:
             with torch.autocast("cpu", torch.bfloat16):
                 scores = self.both(bands[at])
             loss = cross_entropy(scores, labels[at], label_smoothing=SMOOTHED)
-            self._optimiser.zero_grad()
-            loss.backward()
-            nn.utils.clip_grad_norm_(parameters, STEEPEST)
-            self._optimiser.step()
-            self._rate.step()
-            self.done += 1
+            self._course.step(loss)
             means += np.array([heard, loss.item()]) / _TOLD_EVERY
             if self.done % _TOLD_EVERY == 0:
-                told(
-                    f"step {self.done} of {self._steps}, loss {means[0]:.3f}, learnt {means[1]:.3f}"
-                )
+                of = f"step {self.done} of {self._course.steps}"
+                told(f"{of}, loss {means[0]:.3f}, learnt {means[1]:.3f}")
                 means[:] = 0
         self._keep(weights)
 
@@ -145,30 +132,9 @@ class Adapting:
         at = rng.choice(len(losses), LEARNT, replace=False, p=odds / odds.sum())
         return torch.from_numpy(np.sort(at)), float(losses.mean())
 
-    def _speed(self, step: int) -> float:
-        """Of the fastest: more and more at first, then less and less."""
-        return (
-            min(1, (step + 1) / WARMING_STEPS) * 0.5 * (1 + math.cos(math.pi * step / self._steps))
-        )
-
-    def _go_on(self, kept: dict) -> None:
-        self.both.load_state_dict(kept["both"])
-        self._optimiser.load_state_dict(kept["optimiser"])
-        self._rate.load_state_dict(kept["rate"])
-        self.done = kept["done"]
-
     def _keep(self, weights: Path) -> None:
-        kept = {
-            "both": self.both.state_dict(),
-            "optimiser": self._optimiser.state_dict(),
-            "rate": self._rate.state_dict(),
-            "done": self.done,
-        }
-        torch.save(kept, self._file.with_suffix(".new"))
-        self._file.with_suffix(".new").replace(self._file)
+        self._course.keep()
         self.both.eval()
         arrays = arrays_of(self.both.network, THRESHOLD)
         arrays |= {name: one.astype(np.float16) for name, one in self.both.encoder.added()}
-        with weights.with_suffix(".new").open("wb") as out:
-            np.savez(out, **arrays)
-        weights.with_suffix(".new").replace(weights)
+        replace(weights, lambda out: np.savez(out, **arrays))

@@ -57,12 +57,6 @@ OWN = (
     "Yes. What can I do for you?",
 )  # fmt: skip
 """What the robot answers."""
-OWN_STOPPED = (
-    "Stopped.", "Stopping.", "Stopped. The orders that were waiting are off, too.",
-    "The way was blocked, so I stopped.",
-)  # fmt: skip
-"""What the robot answers with part of a stop word in it: nothing to stop for in its own voice."""
-
 CHAT = (
     "Kitchen, please.", "Walk forward one metre.", "Turn around.", "Drive to the bedroom.",
     "The office, please.", "How much battery is left?", "Take me to the living room.",
@@ -83,4 +77,3 @@ CHATTING = (
 """Who of Kokoro's voices says all of that and all of `COMMANDS`, once the others are through."""
 
 WORDS = tuple(STOPS)
-NOT_TO_STOP_FOR = (*OWN_STOPPED, *ALIKE)

@@ -5,8 +5,9 @@ What is added to an array is the product of both, so little is learnt and little
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 import torch
@@ -14,7 +15,7 @@ from torch import nn
 from torch.nn import functional as nnf
 
 from edgevox.voice.stop_encoder import CHANNELS
-from edgevox.voice.whisper_file import DOWN, UP, arrays
+from edgevox.voice.whisper_file import DOWN, UP, Added, arrays
 
 LAYERS, HEADS = 4, 6
 _NARROW = (
@@ -27,10 +28,12 @@ _NARROW = (
 
 class Adapted(nn.Module):
     """An array of Whisper's, as it is, and what is added to it: two matrices of this rank, which
-    may be 0.
+    may be 0; those that are known, if any are.
     """
 
-    def __init__(self, weights: torch.Tensor, bias: torch.Tensor, rank: int) -> None:
+    def __init__(
+        self, weights: torch.Tensor, bias: torch.Tensor, rank: int, known: Added | None = None
+    ) -> None:
         super().__init__()
         self.shape = weights.shape
         self.register_buffer("weights", weights.flatten(1), persistent=False)
@@ -38,6 +41,8 @@ class Adapted(nn.Module):
         inputs = self.weights.shape[1]
         self.down = nn.Parameter(torch.randn(rank, inputs) / math.sqrt(inputs))
         self.up = nn.Parameter(torch.zeros(len(bias), rank))
+        if known:
+            self.down.data, self.up.data = torch.from_numpy(known.down), torch.from_numpy(known.up)
 
     @property
     def all_weights(self) -> torch.Tensor:
@@ -56,9 +61,14 @@ class Adapted(nn.Module):
 
 
 class Encoder(nn.Module):
-    """Bands (looks, bands, rows) to what the encoder makes of them (looks, steps, channels)."""
+    """Bands (looks, bands, rows) to what the encoder makes of them (looks, steps, channels).
 
-    def __init__(self, folder: Path, rank: int) -> None:
+    It begins with what is `known` of what is added, by the names of its arrays, else with nothing.
+    """
+
+    def __init__(
+        self, folder: Path, rank: int, known: Mapping[str, Added] = MappingProxyType({})
+    ) -> None:
         super().__init__()
         held = {name: torch.from_numpy(one) for name, one in arrays(folder, "encoder/").items()}
         self.fixed = {name: one for name, one in held.items() if "norm" in name or "pos" in name}
@@ -67,7 +77,12 @@ class Encoder(nn.Module):
             *(f"layer_{layer}/{name}" for layer in range(LAYERS) for name in _NARROW),
         )  # fmt: skip
         self.adapted = nn.ModuleList(
-            Adapted(held[f"encoder/{name}/weight"], held[f"encoder/{name}/bias"], rank)
+            Adapted(
+                held[f"encoder/{name}/weight"],
+                held[f"encoder/{name}/bias"],
+                rank,
+                known.get(f"encoder/{name}/weight"),
+            )
             for name in self.names
         )
 

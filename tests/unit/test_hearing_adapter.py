@@ -1,15 +1,26 @@
 """What is added to Whisper: for one model alone, and how much of a sound is listened to then."""
 
+from importlib.resources import files
+
 import numpy as np
 import pytest
 
-from edgevox.voice.stt import whisper
+from edgevox.voice.stt import adapter, whisper
 from edgevox.voice.stt.adapter import adapter_for
 from edgevox.voice.whisper_file import FILE
 
 
 def test_a_model_that_it_was_not_made_for_stays_as_it_is(tmp_path):
     (tmp_path / FILE).write_bytes(b"some other model")
+
+    assert adapter_for(tmp_path) == {}
+
+
+def test_nor_does_one_that_is_as_long_as_its_own(tmp_path):
+    with np.load(files("edgevox.voice.stt").joinpath(adapter.ADAPTER_FILE)) as data:
+        size = int(data[adapter.SIZE])
+    with (tmp_path / FILE).open("wb") as held:
+        held.truncate(size)
 
     assert adapter_for(tmp_path) == {}
 

@@ -12,7 +12,7 @@ import train_hearing_adapter
 from hearing_adapter import clips, texts, utterances
 from test_whisper_file import HALF, WEIGHTS, array, file_of
 
-from edgevox.voice.stt.adapter import ADAPTER_FILE, MODEL
+from edgevox.voice.stt.adapter import ADAPTER_FILE, MODEL, SIZE
 from edgevox.voice.whisper_file import DOWN, FILE, UP, added_of
 
 NAME = "encoder/weight"
@@ -73,7 +73,7 @@ def test_half_of_what_is_learnt_is_talk_that_no_robot_was_meant_by(all_clips):
 def made(monkeypatch):
     Speaker(monkeypatch)
     monkeypatch.setattr(utterances, "kinds", lambda _: ("white", "pink"))
-    monkeypatch.setattr(utterances, "MORE_BABBLES", 0)
+    monkeypatch.setattr(utterances, "BABBLE", "white")
     said = [clips.Clip("kokoro:af_heart", text) for text in ("Stop!", "Go home.", "x " * 40)]
     said[0] = clips.Clip("kokoro:af_heart", "Stop!", "stop")
     maker = utterances.Utterances(said, 1)
@@ -134,7 +134,9 @@ def test_what_was_learnt_is_installed_with_the_digest_of_its_model(installs, mod
     assert installs(LEARNT) == 0
 
     with np.load(place) as data:
-        assert str(data[MODEL]) == hashlib.sha256((model / FILE).read_bytes()).hexdigest()
+        held = (model / FILE).read_bytes()
+        assert str(data[MODEL]) == hashlib.sha256(held).hexdigest()
+        assert int(data[SIZE]) == len(held)
         share = train_hearing_adapter.ADDED_SHARE
         np.testing.assert_allclose(added_of(data)[NAME].numbers, np.full(6, share), atol=1e-3)
     assert [one.name for one in place.parent.iterdir()] == [ADAPTER_FILE]

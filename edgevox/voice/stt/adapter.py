@@ -11,14 +11,23 @@ from collections.abc import Mapping
 from importlib.resources import files
 from io import BytesIO
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from edgevox.voice.whisper_file import FILE, Added, added_of
 
 ADAPTER_FILE = "adapter.npz"
-MODEL = "model"
-"""The name in it of the SHA-256 of the `model.bin` that it is for, in hexadecimal digits."""
+MODEL, SIZE = "model", "bytes"
+"""The names in it of what tells the `model.bin` that it is for: its SHA-256, in hexadecimal digits,
+and how many bytes it has.
+"""
+
+
+class _Adapter(NamedTuple):
+    model: str
+    size: int
+    added: Mapping[str, Added]
 
 
 def adapter_for(folder: Path) -> Mapping[str, Added]:
@@ -26,15 +35,17 @@ def adapter_for(folder: Path) -> Mapping[str, Added]:
 
     Raises `OSError` where its file cannot be read.
     """
-    with (folder / FILE).open("rb") as held:
+    known, file = _adapter(), folder / FILE
+    if file.stat().st_size != known.size:
+        return {}
+    with file.open("rb") as held:
         digest = hashlib.file_digest(held, "sha256").hexdigest()
-    model, added = _adapter()
-    return added if digest == model else {}
+    return known.added if digest == known.model else {}
 
 
 @functools.cache
-def _adapter() -> tuple[str, Mapping[str, Added]]:
-    """The one that this package brings: the digest of its model, and what is added to that."""
+def _adapter() -> _Adapter:
+    """The one that this package brings."""
     held = files(__package__).joinpath(ADAPTER_FILE).read_bytes()
     with np.load(BytesIO(held)) as data:
-        return str(data[MODEL]), added_of(data)
+        return _Adapter(str(data[MODEL]), int(data[SIZE]), added_of(data))
