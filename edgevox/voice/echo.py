@@ -72,14 +72,20 @@ class EchoGate:
     """Decides for each frame whether it may be somebody else's voice.
 
     `audible` says how loud the robot plays now, root mean square; its echo goes on for `tail_s`.
-    With `shut` False all passes.
+    By a `margin` a voice must exceed the echo that is expected. With `shut` False all passes.
     """
 
     def __init__(
-        self, audible: Callable[[], float], *, shut: bool = True, tail_s: float = TAIL_S
+        self,
+        audible: Callable[[], float],
+        *,
+        shut: bool = True,
+        tail_s: float = TAIL_S,
+        margin: float = MARGIN,
     ) -> None:
         self._audible = audible
         self._shut = shut
+        self._margin = margin
         self._played: deque[float] = deque(maxlen=round(tail_s / FRAME_S))
         self._loudest = 0.0
         self._open = 0
@@ -103,7 +109,7 @@ class EchoGate:
         if not played or not self._shut:
             return True
         heard = rms(samples)
-        through = heard > MARGIN * self.coupling * played
+        through = heard > self._margin * self.coupling * played
         self._loudest = max(played, self._loudest * (1 - FRAME_S / LOUD_S))
         if played >= LEARNS_FROM * self._loudest:
             self._learn(min(heard / played, 1.0), through)
