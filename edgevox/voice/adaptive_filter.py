@@ -36,7 +36,7 @@ _HALF, _NOTHING = np.float32(0.5), np.float32(1e-9)
 Sound = NDArray[np.floating[Any]]
 """Mono, shape (n,), float32; full scale is 1."""
 Spectra = NDArray[np.complexfloating[Any, Any]]
-"""Complex64, shape (ways, blocks, bins): those of what is played as it is, and of its distortions."""
+"""Complex64, shape (ways, blocks, bins): those of what is played, and of its distortions."""
 
 
 class AdaptiveFilter:

@@ -37,6 +37,13 @@ def test_a_sentence_that_is_written_again_was_said_once(written, said):
     assert words_of(written) == said
 
 
+@pytest.mark.parametrize(("token", "said"), [(0.95, "Where are you?"), (0.8, "")])
+def test_words_that_are_all_sure_were_said_though_nobody_seemed_to_speak(token, said):
+    heard = Segment("Where are you?", 0.66, math.log(token), compression=1.0)
+
+    assert transcript_of([heard], 1.3, "").text == said
+
+
 def test_what_else_may_have_been_said_has_its_share_and_other_spellings_are_the_same():
     said = transcript_of(
         [likely("Turn left.", 0.5), likely("Turn around.", 0.3), likely("turn left!", 0.2)], 1.3, ""

@@ -2,8 +2,10 @@
 
 The bounds lie between what was measured on synthesised commands (with a prompt: no-speech up to
 0.33, log probability down to -0.95) and on noise, hum, bursts and buzz that passed for speech
-(no-speech from 0.43, mostly with a log probability below -0.95). Several voices at once made "Go to
-the kitchen." at -1.02; commands that were understood in noise lay above -0.85.
+(no-speech from 0.43, mostly with a log probability below -0.95). With the hearing adapter a plain
+espeak-ng's "Where are you?" in quiet has a no-speech of 0.66 and a log probability of -0.05.
+Several voices at once made "Go to the kitchen." at -1.02; commands that were understood in noise
+lay above -0.85.
 """
 
 import math
@@ -16,6 +18,7 @@ from edgevox.voice.stt.speech_to_text import Transcript
 
 SURELY_NOISE = 0.6
 MAYBE_NOISE = 0.4
+SURELY_SAID = -0.15
 MAYBE_GUESSED = -0.6
 SURELY_GUESSED = -1.0
 REPEATS = 2.6
@@ -71,9 +74,9 @@ class Segment:
 def plausible(segment: Segment, seconds: float) -> bool:
     """Whether this was said in a sound of so many seconds."""
     plain = _plain(segment.text)
-    if not plain or segment.no_speech > SURELY_NOISE or segment.compression > REPEATS:
+    if not plain or segment.compression > REPEATS or segment.log_probability < SURELY_GUESSED:
         return False
-    if segment.log_probability < SURELY_GUESSED:
+    if segment.no_speech > SURELY_NOISE and segment.log_probability < SURELY_SAID:
         return False
     doubtful = segment.no_speech > MAYBE_NOISE
     if doubtful and segment.log_probability < MAYBE_GUESSED:
