@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 WHISPER = "whisper-tiny.en"
 PLACE = ROOT / "edgevox" / "voice" / "stt" / ADAPTER_FILE
-STEPS = 550
+STEPS = 1_500
 ANEW_EVERY = 150
 """After so many batches other noises are made, of the clips that are spoken by then."""
 _WAITING = 3
