@@ -44,7 +44,7 @@ class AdaptiveFilter:
 
     def __init__(self) -> None:
         bins = BLOCK_SAMPLES + 1
-        self._last = _distorted(np.zeros(BLOCK_SAMPLES, np.float32))
+        self._last = distorted(np.zeros(BLOCK_SAMPLES, np.float32))
         shape = (len(self._last), REACH_BLOCKS, bins)
         self._played: Spectra = np.zeros(shape, np.complex64)
         self._way: Spectra = np.zeros(shape, np.complex64)
@@ -72,7 +72,7 @@ class AdaptiveFilter:
         self._blocks += 1
         if self._blocks % JOINED_EVERY == 0:
             self._join()
-        ways = _distorted(played)
+        ways = distorted(played)
         self._played = np.roll(self._played, 1, axis=1)
         self._played[:, 0] = np.fft.rfft(np.concatenate([self._last, ways], axis=1))
         self._last = ways
@@ -105,7 +105,7 @@ class AdaptiveFilter:
         self._way = np.fft.rfft(way)
 
 
-def _distorted(played: Sound) -> Sound:
+def distorted(played: Sound) -> Sound:
     """As it is, at its limits, and by how much those differ on both sides: shape (3, n)."""
     limited = np.tanh(played / LIMIT)
     return np.stack([played, LIMIT * limited, _HALF * LIMIT * limited**2])

@@ -45,7 +45,7 @@ def test_more_is_taken_out_of_what_a_loudspeaker_distorts(played, monkeypatch):
 
     found = left(AdaptiveFilter(), heard, played)
 
-    monkeypatch.setattr(adaptive_filter, "_distorted", lambda sound: np.stack([sound]))
+    monkeypatch.setattr(adaptive_filter, "distorted", lambda sound: np.stack([sound]))
     linear = left(AdaptiveFilter(), heard, played)
     assert decibels(linear[LATER], found[LATER]) > 2
 
