@@ -18,7 +18,7 @@ ASK_FROM, SURE_FROM = 0.5, 0.8
 
 HEARD_FROM = 0.75
 """A motion whose words are less sure to have been said is asked about. Of 320 commands in noise by
-the voices to tune with (`benchmarks/acoustics`) it makes four be asked about that were right, beside
+the voices to tune with (`benchmarks/acoustics`) four more that were right are asked about than with
 0.6, and none wrong is done with either; of 512 by those to test with two wrong ones lay between."""
 
 
