@@ -30,6 +30,7 @@ sys.path[:0] = [str(ROOT / "benchmarks"), str(ROOT / "scripts")]
 
 from acoustics.clips import speak
 from hearing_adapter.clips import all_clips
+from whisper_training.whole_file import write_whole
 
 from edgevox.models import locate
 from edgevox.voice.stt.adapter import ADAPTER_FILE, MODEL, SIZE
@@ -109,10 +110,8 @@ def install(trained: Path, model: Path, place: Path) -> None:
     adapted(model, added_of(arrays))
     held = (model / FILE).read_bytes()
     digest = hashlib.sha256(held).hexdigest()
-    part = place.with_suffix(".new")
-    with part.open("wb") as out:
-        np.savez(out, **arrays, **{MODEL: np.array(digest), SIZE: np.array(len(held))})
-    part.replace(place)
+    arrays |= {MODEL: np.array(digest), SIZE: np.array(len(held))}
+    write_whole(place, lambda out: np.savez(out, **arrays))
 
 
 def _told(line: str) -> None:

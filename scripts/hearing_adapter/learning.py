@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import torch
 from torch.nn.functional import cross_entropy, kl_div, log_softmax
-from whisper_training.course import Course, replace
+from whisper_training.course import Course
+from whisper_training.whole_file import write_whole
 
 from hearing_adapter.batches import AS_TAUGHT, UNWANTED, Batch
 from hearing_adapter.network import Hearing
@@ -50,7 +51,7 @@ class Learning:
                 means[:] = 0
             if self.done % _KEPT_EVERY == 0 or self.done == steps:
                 self._course.keep()
-                replace(self._weights, lambda out: np.savez(out, **self._hearing.added()))
+                write_whole(self._weights, lambda out: np.savez(out, **self._hearing.added()))
 
     def _losses(self, batch: Batch) -> tuple[torch.Tensor, float]:
         """What is to become less, and the share of tokens that were right."""

@@ -13,8 +13,9 @@ import numpy as np
 import torch
 from torch import nn
 from torch.nn.functional import cross_entropy
-from whisper_training.course import Course, replace
+from whisper_training.course import Course
 from whisper_training.encoder import Encoder
+from whisper_training.whole_file import write_whole
 
 from edgevox.voice.stop_encoder import BANDS, STEPS
 from edgevox.voice.stop_network import StopWeights
@@ -137,4 +138,4 @@ class Adapting:
         self.both.eval()
         arrays = arrays_of(self.both.network, THRESHOLD)
         arrays |= {name: one.astype(np.float16) for name, one in self.both.encoder.added()}
-        replace(weights, lambda out: np.savez(out, **arrays))
+        write_whole(weights, lambda out: np.savez(out, **arrays))

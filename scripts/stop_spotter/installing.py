@@ -4,6 +4,7 @@ from io import BytesIO
 from pathlib import Path
 
 import numpy as np
+from whisper_training.whole_file import write_whole
 
 from edgevox.voice.stop_encoder import CHANNELS, STEPS
 from edgevox.voice.stop_network import StopWeights, likelihoods, weights_of
@@ -29,10 +30,7 @@ def install(trained: Path, place: Path, threshold: float) -> StopWeights:
     except (ValueError, KeyError, EOFError) as error:
         raise NotInstalled(f"{trained} is no file of the spotter: {error}") from error
     _check(trained, weights)
-    part = place.with_suffix(".new")
-    with part.open("wb") as file:
-        np.savez(file, **arrays)
-    part.replace(place)
+    write_whole(place, lambda out: np.savez(out, **arrays))
     return weights
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from whisper_training.whole_file import write_whole
 
 from edgevox.voice.audio import FRAME_SAMPLES, RATE_HZ, Samples
 from edgevox.voice.stop_encoder import SAMPLES, Floats, StopEncoder, bands_of
@@ -58,10 +59,8 @@ def keep(folder: Path, number: int, labelled: Labelled, what: str = "round") -> 
     """Write the looks of a round: all of them, or it is not there."""
     seen, labels = zip(*labelled, strict=True)
     file = round_file(folder, number, what)
-    part = file.with_suffix(".new.npy")
     np.save(file.with_suffix(".labels.npy"), np.array(labels, np.int8))
-    np.save(part, np.stack(seen))
-    part.replace(file)
+    write_whole(file, lambda out: np.save(out, np.stack(seen)))
 
 
 def some(examples: Iterable[Example], see: See, seed: int) -> Labelled:

@@ -57,6 +57,7 @@ OWN = (
     "Yes. What can I do for you?",
 )  # fmt: skip
 """What the robot answers."""
+
 CHAT = (
     "Kitchen, please.", "Walk forward one metre.", "Turn around.", "Drive to the bedroom.",
     "The office, please.", "How much battery is left?", "Take me to the living room.",

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import torch
 from torch.nn.functional import cross_entropy
+from whisper_training.whole_file import write_whole
 
 from stop_spotter.looks import Looks
 from stop_spotter.network import Network, arrays_of
@@ -37,10 +38,7 @@ def fit(
         if step % _TOLD_EVERY == 0:
             told(f"step {step} of {steps}, loss {mean:.3f}")
             mean = 0.0
-    part = file.with_suffix(".new")
-    with part.open("wb") as out:
-        np.savez(out, **arrays_of(network.eval(), THRESHOLD))
-    part.replace(file)
+    write_whole(file, lambda out: np.savez(out, **arrays_of(network.eval(), THRESHOLD)))
 
 
 def _batch(rounds: Sequence[Looks], rng: np.random.Generator) -> tuple[torch.Tensor, torch.Tensor]:

@@ -1,12 +1,12 @@
 """The course of a training: steps that become slower, and a file from which it goes on."""
 
 import math
-from collections.abc import Callable
 from pathlib import Path
-from typing import IO
 
 import torch
 from torch import nn
+
+from whisper_training.whole_file import write_whole
 
 WARMING_STEPS, STEEPEST = 40, 1.0
 DECAY, BETAS = 0.01, (0.9, 0.98)
@@ -53,7 +53,7 @@ class Course:
             "rate": self._rate.state_dict(),
             "done": self.done,
         }
-        replace(self._file, lambda out: torch.save(kept, out))
+        write_whole(self._file, lambda out: torch.save(kept, out))
 
     def _go_on(self, kept: dict) -> None:
         self._module.load_state_dict(kept["module"])
@@ -65,11 +65,3 @@ class Course:
         """Of the fastest: more and more at first, then less and less."""
         falling = 0.5 * (1 + math.cos(math.pi * step / self.steps)) + self._slowest
         return min(1, (step + 1) / WARMING_STEPS) * falling
-
-
-def replace(file: Path, write: Callable[[IO[bytes]], None]) -> None:
-    """Write a file: whole, or as it was."""
-    part = file.with_suffix(".new")
-    with part.open("wb") as out:
-        write(out)
-    part.replace(file)
