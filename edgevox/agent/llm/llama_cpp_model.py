@@ -7,6 +7,7 @@ import itertools
 import logging
 import threading
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -63,11 +64,12 @@ class LlamaCppModel:
         """See `LanguageModel.generate`."""
         with self._lock:
             self._refuse_if_closed()
-            rules = None if grammar is None else self._grammar(grammar)
-            prompt = self._prompt(messages)
-            if not self._read(prompt, token):
-                return
-            yield from self._decode(prompt, rules, max_tokens, token)
+            with self._sampler(grammar) as sampler:
+                prompt = self._prompt(messages)
+                if not self._read(prompt, token):
+                    return
+                room = min(max_tokens, self.context_tokens - len(prompt))
+                yield from self._decode(sampler, room, token)
 
     def prime(self, messages: Sequence[ChatMessage], token: CancelToken) -> None:
         """See `LanguageModel.prime`."""
@@ -111,20 +113,19 @@ class LlamaCppModel:
             self._llama.eval(prompt[start : start + tuning.BATCH_TOKENS])
         return True
 
-    def _decode(
-        self, prompt: list[int], rules: Any, max_tokens: int, token: CancelToken
-    ) -> Iterator[str]:
+    def _decode(self, sampler: Any, room: int, token: CancelToken) -> Iterator[str]:
+        """At most `room` tokens that follow what was read."""
         text = codecs.getincrementaldecoder("utf-8")("replace")
-        room = min(max_tokens, self.context_tokens - len(prompt))
-        decoded = self._llama.generate(prompt, temp=0.0, top_k=1, grammar=rules)
-        for one in itertools.islice(decoded, room):
+        for _ in range(room):
+            one = self._engine.llama_sampler_sample(sampler, self._llama.ctx, -1)
             if self._unwanted(token) or self._engine.llama_vocab_is_eog(self._vocabulary, one):
-                break
+                return
             piece = text.decode(self._llama.detokenize([one]))
             if piece:
                 yield piece
             if self._unwanted(token):
-                break
+                return
+            self._llama.eval([one])
 
     def _unwanted(self, token: CancelToken) -> bool:
         if token.cancelled:
@@ -132,13 +133,27 @@ class LlamaCppModel:
         self._refuse_if_closed()
         return False
 
-    def _grammar(self, grammar: str) -> Any:
-        """The engine's object, after a trial: it crashes on a grammar that does not parse."""
-        trial = self._engine.llama_sampler_init_grammar(self._vocabulary, grammar.encode(), b"root")
-        if not trial:
-            raise ModelFailed("the model refused: failed to parse grammar")
-        self._engine.llama_sampler_free(trial)
-        return self._engine.LlamaGrammar.from_string(grammar)
+    @contextmanager
+    def _sampler(self, grammar: str | None) -> Iterator[Any]:
+        """The engine's sampler, which takes the likeliest token that the grammar allows.
+
+        It is freed at once: `Llama.generate` leaves its own, 2 MB for an answer, to the collector
+        of garbage, which looked at all of a process after fifty answers or more.
+        """
+        engine = self._engine
+        chain = engine.llama_sampler_chain_init(engine.llama_sampler_chain_default_params())
+        try:
+            if grammar is not None:
+                rules = engine.llama_sampler_init_grammar(
+                    self._vocabulary, grammar.encode(), b"root"
+                )
+                if not rules:
+                    raise ModelFailed("the model refused: failed to parse grammar")
+                engine.llama_sampler_chain_add(chain, rules)
+            engine.llama_sampler_chain_add(chain, engine.llama_sampler_init_greedy())
+            yield chain
+        finally:
+            engine.llama_sampler_free(chain)
 
     def _refuse_if_closed(self) -> None:
         if self._closed.is_set():

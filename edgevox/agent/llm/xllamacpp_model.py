@@ -19,8 +19,9 @@ from edgevox.core.log import get_logger
 
 log = get_logger(__name__)
 
-_KEPT_PROMPTS_MIB = 64
-"""Room for the prompts of other agents, so that a hand-off and back reads none of them again."""
+KEPT_PROMPTS_MIB = 64
+"""Room for the prompts of other agents and languages, so that a hand-off and back reads none of
+them again."""
 
 
 class XllamacppModel:
@@ -166,7 +167,7 @@ def _serve(path: Path, context_tokens: int, threads: int | None, socket: Path, k
     wanted.n_parallel = 1
     wanted.n_batch = wanted.n_ubatch = tuning.BATCH_TOKENS
     wanted.cpuparams.n_threads = wanted.cpuparams_batch.n_threads = count
-    wanted.cache_ram_mib = _KEPT_PROMPTS_MIB
+    wanted.cache_ram_mib = KEPT_PROMPTS_MIB
     wanted.n_ctx_checkpoints = 0
     wanted.fit_params = False
     wanted.verbosity = -1

@@ -1,0 +1,45 @@
+"""What an answer took is given back when it ends, also where nobody collects garbage."""
+
+import gc
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from edgevox.agent.llm.language_model import ChatMessage, LanguageModel
+from edgevox.core.cancel import CancelToken
+
+ROOMS = 'root ::= "go " ("kitchen" | "bedroom") "!"'
+ANSWERS = 60
+MARGIN_MB = 10
+"""A sampler of this model takes half a MB: that of each answer, kept, would be 30 MB."""
+
+
+def own_mb() -> float:
+    status = Path("/proc/self/status").read_text(encoding="utf-8")
+    anonymous = next(line for line in status.splitlines() if line.startswith("RssAnon"))
+    return int(anonymous.split()[1]) / 1024
+
+
+@pytest.fixture
+def no_garbage_collected() -> Iterator[None]:
+    gc.collect()
+    gc.disable()
+    yield
+    gc.enable()
+
+
+@pytest.mark.usefixtures("no_garbage_collected")
+def test_answers_leave_no_memory_behind(model: LanguageModel) -> None:
+    def ask(text: str) -> str:
+        chat, token = [ChatMessage("user", text)], CancelToken()
+        return "".join(model.generate(chat, grammar=ROOMS, max_tokens=16, token=token))
+
+    ask("Be kind. " * 250)  # its context is all in memory then
+    for number in range(ANSWERS):
+        ask(f"Where to, number {number}?")
+    before_mb = own_mb()
+    answers = [ask(f"Where to, number {number}?") for number in range(ANSWERS)]
+
+    assert {*answers} <= {"go kitchen!", "go bedroom!"}
+    assert own_mb() < before_mb + MARGIN_MB
