@@ -91,12 +91,17 @@ class Actions:
         }  # fmt: skip
 
     def warm_up(self) -> None:
-        """What else would grow: the middleware's buffers, a recogniser for each language."""
+        """What else would grow: the middleware's buffers, a recogniser and what the model was told
+        in each language. No model server may be there, so that the model on board answers.
+        """
         for topic in TOPICS:
             for _ in range(DEPTH + 2):
                 self._strings[topic].publish(String(data="x" * LONGEST))
-        for language in ("fr", "en"):
+        for language in ("fr", "de", "en"):
             self._be_heard_in(language)
+            self._robot.settle()
+            self._send("set_language", language)
+            self._robot.think()
 
     def _be_heard_in(self, language: str) -> None:
         """Say it again where it was not heard, as a person does: it may have spoken itself."""

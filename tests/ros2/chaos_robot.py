@@ -132,6 +132,13 @@ class Robot:
             last = self.doing.messages[-9:]
             assert time.monotonic() < deadline_s, f"it does not come to rest: {last}"
 
+    def think(self) -> None:
+        """Answers what its model must answer, in whatever language it speaks."""
+        states, answers = len(self.doing.messages), len(self.response.messages)
+        self.peer.send("text_input", "tell me something nice")
+        self.doing.wait_for(lambda m: m == "thinking", ANSWER_S, states)
+        self.response.wait_for(lambda _: True, THINK_S, answers)
+
     def first_minute(self) -> dict[str, float]:
         """Answers, drives and stops; seconds that each took."""
         took = {"answer": self._answer("what is your battery", "percent", ANSWER_S)}
