@@ -95,7 +95,8 @@ def measure(quick: bool = False, only: str = "", every_note: bool = False) -> Me
                 "Sounds alike": tuple(alarms),
             }
     for key, what, voice, most in SHARES_OF_A_CORE:
-        share = share_of_a_core(StopSpotter(ears.encoder, ears.weights), voice)
+        spotter = StopSpotter(ears.encoder, ears.weights, confirm=ears.confirm)
+        share = share_of_a_core(spotter, voice)
         figures.append(Figure.of(key, COST, what, [share], "%", wanted=most))
     return Measured(figures=tuple(figures), notes=notes)
 

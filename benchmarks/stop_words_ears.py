@@ -2,7 +2,8 @@
 
 import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,8 @@ from edgevox.models import locate
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Samples
 from edgevox.voice.stop_encoder import ENCODER, SAMPLES, Floats, StopEncoder
 from edgevox.voice.stop_network import StopWeights, likelihoods
-from edgevox.voice.stop_spotter import LOOKS_EVERY, StopJudge
+from edgevox.voice.stop_second_look import LOOKED_AT, SecondLook
+from edgevox.voice.stop_spotter import LOOKS_EVERY, Confirm, StopJudge
 from edgevox.voice.vad import SileroVad, VoiceDetector
 from edgevox.voice.wake_sleep import WakeSleep
 
@@ -35,20 +37,30 @@ _TOGETHER = 32
 
 @dataclass(frozen=True, slots=True)
 class Listened:
-    """What a spotter looked at in a sound: by frame how likely each word is, and when it slept."""
+    """What a spotter looked at in a sound: by frame how likely each word is, and when it slept.
 
+    `confirmed` keeps, by frame, what a second look told.
+    """
+
+    sound: Samples
     likely: Mapping[int, Floats]
     awake: Sequence[bool]
+    confirmed: dict[int, bool] = field(default_factory=dict)
 
 
 class Ears:
     """Hears whole sounds at once, as a `StopSpotter` hears them frame by frame, but sooner done."""
 
     def __init__(
-        self, encoder: StopEncoder, weights: StopWeights, vad: VoiceDetector | None = None
+        self,
+        encoder: StopEncoder,
+        weights: StopWeights,
+        confirm: Confirm,
+        vad: VoiceDetector | None = None,
     ) -> None:
         self.encoder = encoder
         self.weights = weights
+        self.confirm = confirm
         self.word = ""
         self._vad = vad or SileroVad()
 
@@ -63,7 +75,7 @@ class Ears:
             ends = (SAMPLES + (some + 1) * FRAME_SAMPLES).tolist()
             encoded = self.encoder.of([heard[end - SAMPLES : end] for end in ends])
             likely |= zip(some.tolist(), likelihoods(self.weights, encoded), strict=True)
-        return Listened(likely, awake)
+        return Listened(sound, likely, awake)
 
     def judged(self, looks: Listened, threshold: float | None = None) -> Iterator[float]:
         """When it stops, in seconds of the sound, at this threshold or that of the weights."""
@@ -71,13 +83,20 @@ class Ears:
         for frame, awake in enumerate(looks.awake):
             if not awake:
                 judge.rest()
-            elif judge.said(looks.likely.get(frame)):
+            elif judge.said(looks.likely.get(frame), partial(self._confirmed, looks, frame)):
                 self.word = judge.word
                 yield (frame + 1) * FRAME_S
 
     def stops(self, sound: Samples) -> Iterator[float]:
         """When it stops, in seconds of the sound."""
         return self.judged(self.looks(sound))
+
+    def _confirmed(self, looks: Listened, frame: int) -> bool:
+        if frame not in looks.confirmed:
+            before = np.concatenate([np.zeros(LOOKED_AT, np.int16), looks.sound])
+            end = LOOKED_AT + (frame + 1) * FRAME_SAMPLES
+            looks.confirmed[frame] = self.confirm(before[end - LOOKED_AT : end])
+        return looks.confirmed[frame]
 
     def _awake(self, sound: Samples) -> list[bool]:
         sleep = WakeSleep()
@@ -88,7 +107,9 @@ class Ears:
 
 def ears_of(weights: StopWeights) -> Ears:
     """With these weights, on the encoder that they were trained for."""
-    return Ears(StopEncoder(locate(ENCODER), weights.added), weights)
+    folder = locate(ENCODER)
+    second = SecondLook(folder)
+    return Ears(StopEncoder(folder, weights.added), weights, second.has_stop_word)
 
 
 @dataclass(frozen=True, slots=True)

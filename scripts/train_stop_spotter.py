@@ -2,7 +2,8 @@
 
     python scripts/train_stop_spotter.py FOLDER [--only-spoken]
     python scripts/train_stop_spotter.py FOLDER --adapt --start WEIGHTS [--only-spoken]
-    python scripts/train_stop_spotter.py FOLDER --install --threshold 0.88
+    python scripts/train_stop_spotter.py FOLDER --mean WEIGHTS [WEIGHTS ...]
+    python scripts/train_stop_spotter.py FOLDER --install --threshold 0.97
 
 Needs PyTorch, which nothing else here does: `pip install torch` into an environment of its own that
 sees this one's packages. Speaks with espeak-ng, Piper and Kokoro, which takes an hour the first
@@ -11,7 +12,8 @@ uses those to train with, and nothing of those to tune and to test with. Cut off
 goes on with the round that was not done: a round makes examples and learns from all so far.
 
 The first command lets a network learn on Whisper's encoder as it is; the second, into another
-folder, lets the encoder learn with it, from the weights of the first or those of the package.
+folder, lets the encoder learn with it, from the weights of the first or those of the package. The
+third takes the mean of several of the second, and of what those began with.
 
 `benchmarks/stop_words_threshold.py --weights FOLDER/stop_spotter.npz` shows which threshold to
 take. The package's own weights, `edgevox/voice/stop_spotter.npz`, change by `--install` alone,
@@ -22,7 +24,7 @@ import argparse
 import hashlib
 import shutil
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -33,7 +35,7 @@ from hearing_adapter.clips import natural_clips
 from stop_spotter import clips as of_spotter
 from stop_spotter import looks, texts
 from stop_spotter.examples import Example, Examples, Sound
-from stop_spotter.installing import NotInstalled, install
+from stop_spotter.installing import NotInstalled, average, install
 
 from edgevox.models import locate
 from edgevox.voice.stop_encoder import ENCODER, StopEncoder
@@ -201,6 +203,7 @@ def main(arguments: Sequence[str] | None = None, place: Path = PLACE) -> int:
     parser.add_argument("--adapt", action="store_true", help="let the encoder learn, too")
     parser.add_argument("--start", type=Path, help="with --adapt: from these weights")
     parser.add_argument("--only-spoken", action="store_true", help="only what was spoken before")
+    parser.add_argument("--mean", type=Path, nargs="+", metavar="WEIGHTS", help="trains nothing")
     parser.add_argument("--install", action="store_true", help="into this package; trains nothing")
     parser.add_argument("--threshold", type=float, help="from which a word counts, with --install")
     asked = parser.parse_args(arguments)
@@ -209,17 +212,26 @@ def main(arguments: Sequence[str] | None = None, place: Path = PLACE) -> int:
             parser.error("--adapt needs --start: the weights that --install would take")
         adapt(asked.folder, asked.start, EXAMPLES_OF_A_ROUND, asked.only_spoken)
         return 0
+    if asked.mean:
+        asked.folder.mkdir(parents=True, exist_ok=True)
+        return _done(lambda: average(asked.mean, asked.folder / WEIGHTS_FILE))
     if not asked.install:
         train(asked.folder, asked.rounds, asked.examples, asked.steps, asked.only_spoken)
         return 0
     if asked.threshold is None:
         parser.error("--install needs a --threshold: benchmarks/stop_words_threshold.py shows some")
+    if code := _done(lambda: install(asked.folder / WEIGHTS_FILE, place, asked.threshold)):
+        return code
+    print(f"{place}: {place.stat().st_size} bytes, threshold {asked.threshold}")
+    return 0
+
+
+def _done(work: Callable[[], object]) -> int:
     try:
-        install(asked.folder / WEIGHTS_FILE, place, asked.threshold)
+        work()
     except NotInstalled as error:
         print(error, file=sys.stderr)
         return 1
-    print(f"{place}: {place.stat().st_size} bytes, threshold {asked.threshold}")
     return 0
 
 

@@ -1,9 +1,16 @@
-"""Takes a trained network into the package, where one asks for it: nothing else writes there."""
+"""Takes a trained network into the package, where one asks for it: nothing else writes there.
 
+What was trained on from the same beginning hears better as the mean of several than as any of them
+(model soups, Wortsman and others 2022).
+"""
+
+from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from whisper_training.whole_file import write_whole
 
 from edgevox.voice.stop_encoder import CHANNELS, STEPS
@@ -21,17 +28,43 @@ def install(trained: Path, place: Path, threshold: float) -> StopWeights:
     """
     if not 0 < threshold < 1:
         raise NotInstalled(f"threshold: {threshold} is not between 0 and 1")
+    arrays = {**_arrays(trained), "threshold": np.float64(threshold)}
+    weights = weights_of(arrays)
+    _check(trained, weights)
+    write_whole(place, lambda out: np.savez(out, **arrays))
+    return weights
+
+
+def average(trained: Sequence[Path], place: Path) -> None:
+    """Write the mean of trained networks, with the threshold of the first.
+
+    Raises `NotInstalled`, also where they are not of one shape.
+    """
+    all_of_them = [_arrays(one) for one in trained]
+    first = all_of_them[0]
+    shapes = {name: one.shape for name, one in first.items()}
+    for file, arrays in zip(trained, all_of_them, strict=True):
+        if {name: one.shape for name, one in arrays.items()} != shapes:
+            raise NotInstalled(f"{file} has not the arrays of {trained[0]}")
+    means = {
+        name: np.mean([one[name].astype(np.float32) for one in all_of_them], axis=0)
+        for name in first
+        if name not in ("words", "threshold")
+    }
+    kept = {name: one.astype(first[name].dtype) for name, one in means.items()}
+    write_whole(place, lambda out: np.savez(out, **(first | kept)))
+
+
+def _arrays(trained: Path) -> dict[str, NDArray[Any]]:
     try:
         with np.load(BytesIO(trained.read_bytes())) as data:
-            arrays = {**data, "threshold": np.float64(threshold)}
-        weights = weights_of(arrays)
+            arrays = {**data}
+        weights_of(arrays)
     except FileNotFoundError:
         raise NotInstalled(f"{trained} is not there: train first") from None
     except (ValueError, KeyError, EOFError) as error:
         raise NotInstalled(f"{trained} is no file of the spotter: {error}") from error
-    _check(trained, weights)
-    write_whole(place, lambda out: np.savez(out, **arrays))
-    return weights
+    return arrays
 
 
 def _check(trained: Path, weights: StopWeights) -> None:

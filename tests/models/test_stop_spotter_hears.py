@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 from listener_rig import frames, loud, noises, says_espeak, says_piper, silence
 
+from edgevox.core.errors import EdgeVoxError
 from edgevox.models import locate
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Samples
 from edgevox.voice.stop_encoder import ENCODER, StopEncoder
 from edgevox.voice.stop_network import read_weights
+from edgevox.voice.stop_second_look import LOOKED_AT, SecondLook
 from edgevox.voice.stop_spotter import StopSpotter, open_stop_spotter
 from edgevox.voice.vad import SileroVad
 
@@ -141,3 +143,19 @@ def test_with_a_threshold_of_nothing_it_stops_at_most_once_a_word():
     found = [spotter.heard(one.samples, 1.0) for one in frames(sound)]
 
     assert 1 < sum(found) < 4
+
+
+def test_a_second_look_finds_stop_words_and_no_others():
+    second = SecondLook(locate(ENCODER))
+
+    def found(text):
+        quiet = np.zeros(LOOKED_AT, np.int16)
+        return second.has_stop_word(np.concatenate([quiet, says_piper(text)])[-LOOKED_AT:])
+
+    assert [found(text) for text in ("Stop!", "Please stop.", "Freeze!")] == [True] * 3
+    assert not any(found(text) for text in ("Go to the shop.", "Where are you?", "Turn left."))
+
+
+def test_a_second_look_without_its_model_says_why(tmp_path):
+    with pytest.raises(EdgeVoxError, match=r"model\.bin"):
+        SecondLook(tmp_path).has_stop_word(np.zeros(LOOKED_AT, np.int16))

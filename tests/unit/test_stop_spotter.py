@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from edgevox.core.languages import LANGUAGES
-from edgevox.voice import stop_network
+from edgevox.voice import stop_network, stop_spotter
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ
 from edgevox.voice.stop_encoder import (
     BANDS,
@@ -19,8 +19,10 @@ from edgevox.voice.stop_encoder import (
     bands_of,
 )
 from edgevox.voice.stop_network import WEIGHTS_FILE, likelihoods, read_weights, weights_of
+from edgevox.voice.stop_second_look import LOOKED_AT
 from edgevox.voice.stop_spotter import (
     LOOKS_EVERY,
+    MOST_ASKED,
     REST_S,
     SMOOTHED_LOOKS,
     StopJudge,
@@ -31,6 +33,7 @@ from edgevox.voice.whisper_file import DOWN, UP
 
 NOTHING = np.array([1.0, 0.0, 0.0, 0.0], np.float32)
 HALT = np.array([0.04, 0.01, 0.94, 0.01], np.float32)
+MAYBE = np.array([0.4, 0.1, 0.4, 0.1], np.float32)
 WEIGHTS = Path(stop_network.__file__).with_name(WEIGHTS_FILE)
 LOOK_S = LOOKS_EVERY * FRAME_SAMPLES / RATE_HZ
 
@@ -206,3 +209,60 @@ def test_after_it_forgot_one_look_is_not_enough(judge):
         *[False] * (SMOOTHED_LOOKS - 1),
         True,
     ]
+
+
+def test_what_is_no_word_needs_no_second_look(judge):
+    def confirmed():
+        pytest.fail("nobody was in doubt")
+
+    assert not any(judge.said(look, confirmed) for look in (NOTHING, MAYBE, NOTHING, NOTHING))
+
+
+@pytest.mark.parametrize("there", [True, False])
+def test_where_it_doubts_a_second_look_decides(judge, there):
+    found = [judge.said(MAYBE, lambda: there) for _ in range(SMOOTHED_LOOKS)]
+
+    assert found == [False, there, False]
+    assert judge.word == ("halt" if there else "")
+
+
+def test_it_asks_a_few_times_about_what_may_be_one_word_and_again_about_the_next(judge):
+    asked = []
+
+    def confirmed():
+        asked.append(len(asked))
+        return False
+
+    for look in ([MAYBE] * 20, [NOTHING] * 3, [MAYBE] * 20):
+        for one in look:
+            judge.said(one, confirmed)
+
+    assert len(asked) == 2 * MOST_ASKED
+
+
+def test_a_second_look_sees_the_last_seconds(monkeypatch):
+    monkeypatch.setattr(stop_spotter, "likelihoods", lambda *_: MAYBE[None])
+    seen, sound = [], hiss(100 * FRAME_SAMPLES)
+    spotter = StopSpotter(Encoder(), read_weights(), confirm=seen.append)
+
+    for frame in sound.reshape(-1, FRAME_SAMPLES):
+        spotter.heard(frame, 1.0)
+
+    assert len(seen) == MOST_ASKED
+    at = LOOKS_EVERY * (1 + MOST_ASKED) * FRAME_SAMPLES
+    np.testing.assert_array_equal(seen[-1][-at:], sound[:at])
+    assert seen[-1].size == LOOKED_AT
+
+
+def test_a_second_look_that_fails_is_counted_and_what_is_sure_stops_all_the_same(monkeypatch):
+    looks = iter([MAYBE] * 6 + [HALT] * 6)
+    monkeypatch.setattr(stop_spotter, "likelihoods", lambda *_: next(looks)[None])
+
+    def fails(_):
+        raise RuntimeError("no memory")
+
+    spotter = StopSpotter(Encoder(), read_weights(), 0.9, fails)
+    frames = np.zeros((12 * LOOKS_EVERY, FRAME_SAMPLES), np.int16)
+
+    assert sum(spotter.heard(frame, 1.0) for frame in frames) == 1
+    assert spotter.failed == MOST_ASKED

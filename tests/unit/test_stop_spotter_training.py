@@ -246,3 +246,35 @@ def test_weights_that_say_no_number_are_not_installed(trained, place):
 def test_the_program_asks_for_pytorch_only_to_train():
     assert "torch" not in {name.partition(".")[0] for name in vars(train_stop_spotter)}
     assert "stop_spotter.training" not in sys.modules
+
+
+def weights_file(file, change):
+    with np.load(SHIPPED) as data:
+        arrays = {**data}
+    arrays["shift"] = arrays["shift"] + np.float16(change)
+    with file.open("wb") as out:
+        np.savez(out, **arrays)
+    return file
+
+
+def test_the_mean_of_several_is_taken_and_runs(tmp_path):
+    some = [weights_file(tmp_path / f"{change}.npz", change) for change in (0.0, 0.5, 1.0)]
+
+    asked = [str(tmp_path / "mean"), "--mean", *map(str, some)]
+    assert train_stop_spotter.main(asked) == 0
+
+    mean, middle = read_weights(tmp_path / "mean" / "stop_spotter.npz"), read_weights(some[1])
+    np.testing.assert_allclose(mean.shift, middle.shift, atol=2e-3)
+    np.testing.assert_array_equal(mean.place, middle.place)
+    assert (mean.words, mean.threshold) == (middle.words, middle.threshold)
+
+
+def test_there_is_no_mean_of_different_networks(tmp_path, capsys):
+    other = tmp_path / "other.npz"
+    with np.load(SHIPPED) as data, other.open("wb") as out:
+        np.savez(out, **{**data, "shift": data["shift"][:-1]})
+
+    assert train_stop_spotter.main([str(tmp_path), "--mean", str(SHIPPED), str(other)]) == 1
+
+    assert str(other) in capsys.readouterr().err
+    assert not (tmp_path / "stop_spotter.npz").exists()

@@ -2,6 +2,7 @@
 
 import dataclasses
 import re
+from functools import partial
 from itertools import combinations, islice
 
 import numpy as np
@@ -242,10 +243,16 @@ def test_the_ears_of_the_benchmark_hear_what_the_spotter_hears(monkeypatch):
             )
         )  # fmt: skip
     rng, hears = np.random.default_rng(3), Loudness()
-    levels = np.repeat([0, 9000, 300, 0, 9500, 9000, 0, 9900], 25)
+    levels = np.repeat([0, 9000, 300, 0, 9500, 9000, 0, 6000, 0, 9900, 6500, 0, 6500], 25)
     sound = (rng.choice([-1, 1], (len(levels), FRAME_SAMPLES)) * levels[:, None]).astype(np.int16)
-    weights = dataclasses.replace(read_weights(), threshold=0.5)
-    ears, spotter = stop_words_ears.Ears(hears, weights, hears), StopSpotter(hears, weights)
+    weights, asked = dataclasses.replace(read_weights(), threshold=0.8), [[], []]
+
+    def confirm(by, heard):
+        by.append(heard.copy())
+        return np.abs(heard[-FRAME_SAMPLES:]).mean() > 6200
+
+    ears = stop_words_ears.Ears(hears, weights, partial(confirm, asked[0]), hears)
+    spotter = StopSpotter(hears, weights, confirm=partial(confirm, asked[1]))
 
     stopped = [
         (number + 1) * FRAME_S
@@ -253,8 +260,10 @@ def test_the_ears_of_the_benchmark_hear_what_the_spotter_hears(monkeypatch):
         if spotter.heard(frame, hears.probability(frame))
     ]
 
-    assert len(stopped) > 2
+    assert len(stopped) > 4
     assert list(ears.stops(sound.ravel())) == stopped
+    assert len(asked[0]) > 4
+    np.testing.assert_array_equal(asked[0], asked[1])
 
 
 def test_no_sentence_comes_again_before_all_of_its_engine_were_heard(speaker):

@@ -71,13 +71,17 @@ class Whisper:
         self.transcribe(_WARM_UP, language)
 
     def transcribe(self, samples: Samples, language: str) -> Transcript:
+        prompt = self._prompt_of(language)
+        found = self.hypotheses(samples, language, prompt)
+        return transcript_of(found, samples.size / RATE_HZ, prompt)
+
+    def hypotheses(self, samples: Samples, language: str, prompt: str = "") -> list[Segment]:
+        """What may have been said in the first 30 s, with Whisper's doubts; first the likeliest."""
         path = self._paths.get(language) or self._model_of(language)
-        seconds, prompt = samples.size / RATE_HZ, self._prompt_of(language)
         with self._lock:
             model = self._model(path)
             self._paths[language] = path
-            found = _hypotheses(model, samples, language, prompt)
-        return transcript_of(found, seconds, prompt)
+            return _hypotheses(model, samples, language, prompt)
 
     @property
     def loaded(self) -> tuple[Path, ...]:
@@ -112,10 +116,7 @@ class Whisper:
 def _hypotheses(
     loaded: _LoadedModel, samples: Samples, language: str, prompt: str
 ) -> list[Segment]:
-    """What may have been said in the first 30 s; first what is taken for it.
-
-    As `WhisperModel.transcribe` does it, which keeps but one to itself.
-    """
+    """As `WhisperModel.transcribe` does it, which keeps but one to itself."""
     from faster_whisper.tokenizer import Tokenizer
     from faster_whisper.transcribe import get_compression_ratio, get_suppressed_tokens
 
