@@ -18,7 +18,7 @@ from edgevox.core.errors import EdgeVoxError
 from edgevox.voice.audio import Samples
 from edgevox.voice.level import FULL_SCALE
 from edgevox.voice.one_thread import product
-from edgevox.voice.whisper_file import Added, adapted
+from edgevox.voice.whisper_file import Added, adapted_folder
 
 Floats = NDArray[np.float32]
 
@@ -96,9 +96,10 @@ class StopEncoder:
         import ctranslate2
 
         try:
-            return ctranslate2.models.Whisper(
-                str(self._folder), files=adapted(self._folder, self._added), device="cpu",
-                compute_type="int8", inter_threads=1, intra_threads=1,
-            )  # fmt: skip
+            with adapted_folder(self._folder, self._added) as folder:
+                return ctranslate2.models.Whisper(
+                    str(folder), device="cpu", compute_type="int8",
+                    inter_threads=1, intra_threads=1,
+                )  # fmt: skip
         except Exception as error:  # noqa: BLE001 - whatever the library raises
             return f"{type(error).__name__}: {error}"

@@ -5,10 +5,13 @@ arrays again; all numbers are little-endian (`ctranslate2.specs.ModelSpec` write
 """
 
 import math
+import os
 import struct
 from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -65,31 +68,35 @@ class _Array:
     begin: int
 
 
-def adapted(folder: Path, added: Mapping[str, Added]) -> dict[str, bytes]:
-    """The files of a model by name, as CTranslate2 takes them from memory.
+@contextmanager
+def adapted_folder(folder: Path, added: Mapping[str, Added]) -> Iterator[Path]:
+    """A folder with the model's files, its arrays with what is added, while it is used.
+
+    CTranslate2 keeps the bytes of a model that it is given, 75 MB of the smallest one, beside what
+    it makes of them; of a file it keeps nothing. This file is in memory alone, and then gone.
+    Raises what `adapted` does.
+    """
+    held = adapted(folder, added)
+    with ExitStack() as stack:
+        file = stack.enter_context(os.fdopen(os.memfd_create(FILE), "wb"))
+        file.write(held)
+        file.flush()
+        del held
+        place = Path(stack.enter_context(TemporaryDirectory(prefix="edgevox-model-")))
+        (place / FILE).symlink_to(f"/proc/self/fd/{file.fileno()}")
+        for beside in folder.iterdir():
+            if beside.name != FILE and beside.is_file():
+                (place / beside.name).symlink_to(beside.resolve())
+        yield place
+
+
+def adapted(folder: Path, added: Mapping[str, Added]) -> bytes:
+    """The model's file, where what is added is added.
 
     `added` is what each named array is to be more than in the file: as many numbers as it has, in
     their order. Raises `NotAWhisperFile`, and `OSError` where a file cannot be read.
     """
-    files = {file.name: file.read_bytes() for file in folder.iterdir() if _is_beside(file)}
-    return files | {FILE: _adapted((folder / FILE).read_bytes(), added)}
-
-
-def arrays(folder: Path, beginning: str) -> dict[str, NDArray[np.float32]]:
-    """The arrays of numbers whose names begin so. Raises `NotAWhisperFile` and `OSError`."""
     held = (folder / FILE).read_bytes()
-    return {
-        one.name: _numbers(held, one).astype(np.float32).reshape(one.shape)
-        for one in _read(held)
-        if one.name.startswith(beginning) and one.type in _FLOATS
-    }
-
-
-def _is_beside(file: Path) -> bool:
-    return file.name != FILE and file.is_file()
-
-
-def _adapted(held: bytes, added: Mapping[str, Added]) -> bytes:
     there = {one.name: one for one in _read(held)}
     if missing := added.keys() - there.keys():
         raise NotAWhisperFile(f"{FILE}: it has no {', '.join(sorted(missing))}")
@@ -104,6 +111,16 @@ def _adapted(held: bytes, added: Mapping[str, Added]) -> bytes:
         parts += [whole[at : one.begin], changed.tobytes()]
         at = one.begin + numbers.nbytes
     return b"".join([*parts, whole[at:]])
+
+
+def arrays(folder: Path, beginning: str) -> dict[str, NDArray[np.float32]]:
+    """The arrays of numbers whose names begin so. Raises `NotAWhisperFile` and `OSError`."""
+    held = (folder / FILE).read_bytes()
+    return {
+        one.name: _numbers(held, one).astype(np.float32).reshape(one.shape)
+        for one in _read(held)
+        if one.name.startswith(beginning) and one.type in _FLOATS
+    }
 
 
 def _numbers(held: bytes, one: _Array) -> NDArray[Any]:

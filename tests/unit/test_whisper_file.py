@@ -1,11 +1,12 @@
 """A model's file with something added to its weights: they alone change, nothing is guessed."""
 
+import os
 import struct
 
 import numpy as np
 import pytest
 
-from edgevox.voice.whisper_file import FILE, Added, NotAWhisperFile, adapted, arrays
+from edgevox.voice.whisper_file import FILE, Added, NotAWhisperFile, adapted, adapted_folder, arrays
 
 HALF, SINGLE, BYTES = 4, 0, 1
 
@@ -48,13 +49,13 @@ def folder(tmp_path):
 
 
 def test_with_nothing_added_all_files_are_as_they_were(folder):
-    assert adapted(folder, {}) == {"config.json": b"{}", FILE: (folder / FILE).read_bytes()}
+    assert adapted(folder, {}) == (folder / FILE).read_bytes()
 
 
 def test_what_is_added_is_added_to_that_array_alone(folder):
     more = Added(np.array([[1, 1], [2, 2]], np.float32), np.full((2, 3), 0.25, np.float32))
 
-    (folder / FILE).write_bytes(adapted(folder, {"encoder/weight": more})[FILE])
+    (folder / FILE).write_bytes(adapted(folder, {"encoder/weight": more}))
 
     found = arrays(folder, "encoder/")
     assert set(found) == {"encoder/weight", "encoder/bias"}
@@ -63,7 +64,7 @@ def test_what_is_added_is_added_to_that_array_alone(folder):
 
 
 def test_arrays_of_either_precision_are_added_to(folder):
-    found = adapted(folder, {"encoder/bias": column(range(4))})[FILE]
+    found = adapted(folder, {"encoder/bias": column(range(4))})
 
     (folder / FILE).write_bytes(found)
     np.testing.assert_array_equal(arrays(folder, "encoder/bias")["encoder/bias"], [1, 2, 3, 4])
@@ -72,7 +73,7 @@ def test_arrays_of_either_precision_are_added_to(folder):
 def test_several_arrays_are_added_to_in_whatever_order(folder):
     added = {"encoder/bias": column(np.ones(4)), "encoder/weight": column(np.ones(6))}
 
-    (folder / FILE).write_bytes(adapted(folder, added)[FILE])
+    (folder / FILE).write_bytes(adapted(folder, added))
 
     found = arrays(folder, "encoder/")
     np.testing.assert_array_equal(found["encoder/weight"], WEIGHTS + 1)
@@ -136,7 +137,25 @@ def test_an_array_that_is_not_as_long_as_its_shape_says_is_refused(folder, bytes
         adapted(folder, {})
 
 
-def test_a_folder_beside_it_is_left_alone(folder):
+def test_a_folder_holds_the_files_as_they_were_and_the_changed_one_while_it_is_used(folder):
     (folder / ".cache").mkdir()
+    added = {"encoder/weight": column(np.ones(6))}
+    before = (folder / FILE).read_bytes()
 
-    assert ".cache" not in adapted(folder, {})
+    with adapted_folder(folder, added) as place:
+        assert {one.name for one in place.iterdir()} == {"config.json", FILE}
+        assert (place / "config.json").read_bytes() == b"{}"
+        assert (place / FILE).read_bytes() == adapted(folder, added) != before
+
+    assert not place.exists()
+    assert (folder / FILE).read_bytes() == before
+
+
+def test_nothing_is_left_open_or_on_the_disk_by_who_fails_to_load_it(folder):
+    open_files = set(os.listdir("/proc/self/fd"))
+
+    with pytest.raises(RuntimeError), adapted_folder(folder, {}) as place:
+        raise RuntimeError("it does not fit")
+
+    assert not place.exists()
+    assert set(os.listdir("/proc/self/fd")) == open_files

@@ -5,6 +5,7 @@ A model that there is an adapter for hears more in noise, and only as much as wa
 
 import threading
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,7 +19,7 @@ from edgevox.voice.level import FULL_SCALE
 from edgevox.voice.stt.adapter import adapter_for
 from edgevox.voice.stt.hallucinations import Segment, transcript_of
 from edgevox.voice.stt.speech_to_text import Transcript
-from edgevox.voice.whisper_file import adapted
+from edgevox.voice.whisper_file import adapted_folder
 
 MAX_THREADS = 4
 """More do not help one utterance."""
@@ -99,14 +100,14 @@ class Whisper:
 
             try:
                 added = adapter_for(path)
-                engine = WhisperModel(
-                    str(path),
-                    device="cpu",
-                    compute_type="int8",
-                    cpu_threads=self._threads,
-                    local_files_only=True,
-                    files=adapted(path, added) if added else None,
-                )
+                with adapted_folder(path, added) if added else nullcontext(path) as folder:
+                    engine = WhisperModel(
+                        str(folder),
+                        device="cpu",
+                        compute_type="int8",
+                        cpu_threads=self._threads,
+                        local_files_only=True,
+                    )
             except (RuntimeError, ValueError, OSError, MemoryError) as error:
                 raise EdgeVoxError(f"speech to text: cannot load {path}: {error}") from error
             self._models[path] = _LoadedModel(engine, short=bool(added))
