@@ -3,8 +3,9 @@
 The robot speaks by Piper, people by Kokoro and espeak-ng, in six simulated ways from loudspeaker
 to microphone (`echo_paths`): 20 to 250 ms, clocks up to 100 ppm apart, distorted, in rooms. Both
 ways of listening hear the same. It speaks without end, and in short answers with seconds of silence
-between, listening anew each minute: what is not learnt yet is where it goes wrong. Time is
-simulated: how busy the machine is changes nothing but the share of a core.
+between, listening anew each minute: what is not learnt yet is where it goes wrong. Who speaks over
+it does so after its first 5 s, and after 20 s. Time is simulated: how busy the machine is changes
+nothing but the share of a core.
 """
 
 import itertools
@@ -75,6 +76,8 @@ COMMANDS = (
     "Stop right now.",
     "Where are you?",
 )
+SPOKE_S = {"": 5.0, ", once it has spoken for 20 s": 20.0}
+"""How long it has spoken, since its start, when a person begins: the canceller learns meanwhile."""
 KOKORO = ("af_heart", "am_michael", "bf_emma", "am_puck", "af_bella")
 ESPEAK = "espeak-ng"
 
@@ -100,7 +103,8 @@ def measure(quick: bool = False) -> Measured:
     figures = []
     for way in WAYS:
         figures += _heard_itself(way, stt, minutes)
-        figures += _of_people(way, _interrupted(way, stt, people))
+        for later, spoke_s in SPOKE_S.items():
+            figures += _of_people(way, later, _interrupted(way, stt, people, spoke_s))
     figures += _cancelled()
     figures += _costs(60.0 if quick else 300.0)
     return Measured(figures=tuple(figures))
@@ -163,12 +167,16 @@ def _own(identifier: str, what: str, count: int, way: Way) -> Figure:
     )  # fmt: skip
 
 
-def _interrupted(way: Way, stt: SpeechToText, people: list[tuple[str, Sound]]) -> Tally:
+def _interrupted(
+    way: Way, stt: SpeechToText, people: list[tuple[str, Sound]], spoke_s: float
+) -> Tally:
     noticed, understood, took_s = 0, 0, []
     for number, (said, spoken) in enumerate(people):
         path = PATHS[(number + number // len(PATHS)) % len(PATHS)]
-        at_s = 5.0 + 0.37 * (number % 5)
-        room = Room(own_voice(8.0, number), path, _person(spoken, path), at_s, yields=True)
+        at_s = spoke_s + 0.37 * (number % 5)
+        room = Room(
+            own_voice(spoke_s + 3.0, number), path, _person(spoken, path), at_s, yields=True
+        )
         happened = listen_in(room, way, stt)
         after_s = [one - at_s for one in happened.interrupted_s if one >= at_s]
         heard = " ".join(one.text for one in happened.heard)
@@ -180,19 +188,21 @@ def _interrupted(way: Way, stt: SpeechToText, people: list[tuple[str, Sound]]) -
     return Tally(noticed, understood, len(people), tuple(took_s))
 
 
-def _of_people(way: Way, tally: Tally) -> Iterator[Figure]:
+def _of_people(way: Way, later: str, tally: Tally) -> Iterator[Figure]:
+    person = "later" if later else "person"
     for name, what, count in (
         ("noticed", "who speaks over it is noticed", tally.noticed),
         ("understood", "and understood, word by word", tally.understood),
     ):
         yield Figure.of(
-            f"person.{name}.{way}", TABLE, what, [100 * count / tally.of], "%",
+            f"{person}.{name}.{way}", TABLE, what + later, [100 * count / tally.of], "%",
             column=WAYS[way], more_is_better=True, wanted=90.0 if way == "cancel" else None,
         )  # fmt: skip
     if tally.took_s:
         yield Figure.of(
-            f"person.after.{way}", TABLE, "noticed after", tally.took_s, "s", column=WAYS[way]
-        )
+            f"{person}.after.{way}", TABLE, f"noticed after{later}", tally.took_s, "s",
+            column=WAYS[way],
+        )  # fmt: skip
 
 
 def _cancelled() -> Iterator[Figure]:

@@ -99,9 +99,10 @@ def train(folder: Path, rounds: int, examples: int, steps: int, only_spoken: boo
 
     torch.set_num_threads(1)
     folder.mkdir(parents=True, exist_ok=True)
-    clips = to_learn(folder, all_clips(), only_spoken)
+    whole = all_clips()
+    clips = to_learn(folder, whole, only_spoken)
     speak(clips, _told)
-    _told(f"{len(clips)} clips")
+    _told(f"{len(clips)} of {len(whole)} clips")
     encoder, sounds = StopEncoder(locate(ENCODER), {}), sounds_of(clips)
     for number in range(rounds):
         file = network_file(folder, number)
@@ -165,8 +166,9 @@ def make_looks(folder: Path, start: Path, examples: int, number: int) -> None:
     """
     if looks.round_file(folder, number, WRONG).exists():
         return
-    clips = [clip for clip in all_clips() if clip.is_here]
-    _told(f"round {number}: {len(clips)} clips")
+    whole = all_clips()
+    clips = [clip for clip in whole if clip.is_here]
+    _told(f"round {number}: {len(clips)} of {len(whole)} clips")
     sounds, file = sounds_of(clips), network_file(folder, number - 2, ADAPTED)
     known = read_weights(file if number > 1 else start)
     encoder = StopEncoder(locate(ENCODER), known.added)
