@@ -3,7 +3,7 @@
     python scripts/train_stop_spotter.py FOLDER [--only-spoken]
     python scripts/train_stop_spotter.py FOLDER --adapt --start WEIGHTS [--only-spoken]
     python scripts/train_stop_spotter.py FOLDER --mean WEIGHTS [WEIGHTS ...]
-    python scripts/train_stop_spotter.py FOLDER --install --threshold 0.97
+    python scripts/train_stop_spotter.py FOLDER --install --threshold 0.93
 
 Needs PyTorch, which nothing else here does: `pip install torch` into an environment of its own that
 sees this one's packages. Speaks with espeak-ng, Piper and Kokoro, which takes an hour the first

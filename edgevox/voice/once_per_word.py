@@ -10,6 +10,11 @@ class OncePerWord:
         self._rest_frames = round(rest_s / FRAME_S)
         self._left = 0
 
+    @property
+    def resting(self) -> bool:
+        """Whether none would count in the next frame."""
+        return self._left > 0
+
     def counts(self, found: bool) -> bool:
         """Take the next frame; whether the word that was `found` in it is a new one."""
         if self._left:

@@ -70,7 +70,7 @@ class StopJudge:
             self._asked = 0
             return False
         self._asked += 1
-        return self._asked <= MOST_ASKED and confirmed()
+        return self._asked <= MOST_ASKED and not self._once.resting and confirmed()
 
     def rest(self) -> None:
         """Nobody speaks: what was looked at before does not count any more."""

@@ -240,6 +240,17 @@ def test_it_asks_a_few_times_about_what_may_be_one_word_and_again_about_the_next
     assert len(asked) == 2 * MOST_ASKED
 
 
+def test_once_a_word_has_stopped_it_nobody_looks_again_at_what_is_left_of_it(judge):
+    asked = []
+
+    def confirmed():
+        asked.append(len(asked))
+        return True
+
+    assert sum(judge.said(MAYBE, confirmed) for _ in range(int(REST_S / FRAME_S))) == 1
+    assert len(asked) == 1
+
+
 def test_a_second_look_sees_the_last_seconds(monkeypatch):
     monkeypatch.setattr(stop_spotter, "likelihoods", lambda *_: MAYBE[None])
     seen, sound = [], hiss(100 * FRAME_SAMPLES)
