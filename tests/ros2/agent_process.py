@@ -72,11 +72,14 @@ class Agent:
         status = dict(line.split(":", 1) for line in lines)
         return Taken(int(status["VmRSS"].split()[0]) / 1024, int(status["Threads"]))
 
-    def takes_no_more_than(self, before: Taken) -> None:
-        """Wait until it has given back what it took since."""
+    def takes_no_more_than(self, before: Taken, kept_mb: float = 0.0) -> None:
+        """Wait until it has given back what it took since, but for what it may keep."""
         wait_until(lambda: self.taken().threads <= before.threads, "the threads of before")
-        most_mb = before.rss_mb + MARGIN_MB
-        wait_until(lambda: self.taken().rss_mb < most_mb, "the memory of before")
+        most_mb = before.rss_mb + kept_mb + MARGIN_MB
+        try:
+            wait_until(lambda: self.taken().rss_mb < most_mb, "the memory of before")
+        except AssertionError:
+            raise AssertionError(f"{before} became {self.taken()}, not {most_mb:.0f} MB") from None
 
     def terminate(self, timeout_s: float = HUNG_S) -> int:
         """Send SIGTERM and wait for the end; the exit code. No subscriber of its bus may fail."""
