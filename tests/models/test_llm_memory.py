@@ -2,9 +2,9 @@
 
 import gc
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
+from process_memory import process_memory
 
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel
 from edgevox.core.cancel import CancelToken
@@ -13,12 +13,6 @@ ROOMS = 'root ::= "go " ("kitchen" | "bedroom") "!"'
 ANSWERS = 60
 MARGIN_MB = 10
 """A sampler of this model takes half a MB: that of each answer, kept, would be 30 MB."""
-
-
-def own_mb() -> float:
-    status = Path("/proc/self/status").read_text(encoding="utf-8")
-    anonymous = next(line for line in status.splitlines() if line.startswith("RssAnon"))
-    return int(anonymous.split()[1]) / 1024
 
 
 @pytest.fixture
@@ -38,8 +32,8 @@ def test_answers_leave_no_memory_behind(model: LanguageModel) -> None:
     ask("Be kind. " * 250)  # its context is all in memory then
     for number in range(ANSWERS):
         ask(f"Where to, number {number}?")
-    before_mb = own_mb()
+    before_mb = process_memory().own_mb
     answers = [ask(f"Where to, number {number}?") for number in range(ANSWERS)]
 
     assert {*answers} <= {"go kitchen!", "go bedroom!"}
-    assert own_mb() < before_mb + MARGIN_MB
+    assert process_memory().own_mb < before_mb + MARGIN_MB

@@ -6,10 +6,10 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
-from typing import NamedTuple
 
 from failed_subscribers import assert_none_in
 from guards import HUNG_S
+from process_memory import ProcessMemory, process_memory
 from waiting import Heard, wait_until
 
 AGENT = str(Path(sys.executable).with_name("edgevox-agent"))
@@ -18,13 +18,6 @@ HEARS_CTRL_C = ("env", "--default-signal=INT")
 READY = "is ready"
 MARGIN_MB = 25
 """What memory may differ by and be as before."""
-
-
-class Taken(NamedTuple):
-    """What a process takes from the machine: resident memory, and threads."""
-
-    rss_mb: float
-    threads: int
 
 
 class Agent:
@@ -66,13 +59,11 @@ class Agent:
         """The first that holds this; fails loudly if none comes, or the program ends before."""
         return self._printed.wait_for(lambda line: text in line, timeout_s)
 
-    def taken(self) -> Taken:
+    def taken(self) -> ProcessMemory:
         """What it takes now."""
-        lines = Path(f"/proc/{self.process.pid}/status").read_text("utf-8").splitlines()
-        status = dict(line.split(":", 1) for line in lines)
-        return Taken(int(status["VmRSS"].split()[0]) / 1024, int(status["Threads"]))
+        return process_memory(self.process.pid)
 
-    def takes_no_more_than(self, before: Taken, kept_mb: float = 0.0) -> None:
+    def takes_no_more_than(self, before: ProcessMemory, kept_mb: float = 0.0) -> None:
         """Wait until it has given back what it took since, but for what it may keep."""
         wait_until(lambda: self.taken().threads <= before.threads, "the threads of before")
         most_mb = before.rss_mb + kept_mb + MARGIN_MB

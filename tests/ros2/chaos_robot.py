@@ -8,7 +8,6 @@ import json
 import os
 import time
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from action_rig import Client, done
@@ -17,6 +16,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Twist
 from interop_rig import Stream, hear, twist
 from peer import STATE, Peer
+from process_memory import process_memory
 from rclpy.qos import QoSProfile
 from robot_states import moving, standing
 from waiting import wait_until
@@ -93,12 +93,11 @@ class Robot:
             raise AssertionError(errors(heard.messages[-1]) or "nothing on /diagnostics") from None
 
     def taken(self) -> Taken:
-        lines = Path(f"/proc/{self.pid}/status").read_text(encoding="utf-8").splitlines()
-        status = {name: rest.split() for name, _, rest in (one.partition(":") for one in lines)}
+        memory = process_memory(self.pid)
         return Taken(
-            own_mb=int(status["RssAnon"][0]) / 1024,
-            rss_mb=int(status["VmRSS"][0]) / 1024,
-            threads=int(status["Threads"][0]),
+            own_mb=memory.own_mb,
+            rss_mb=memory.rss_mb,
+            threads=memory.threads,
             files=len(os.listdir(f"/proc/{self.pid}/fd")),
         )
 
