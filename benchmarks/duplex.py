@@ -76,8 +76,9 @@ COMMANDS = (
     "Stop right now.",
     "Where are you?",
 )
-SPOKE_S = {"": 5.0, ", once it has spoken for 20 s": 20.0}
-"""How long it has spoken, since its start, when a person begins: the canceller learns meanwhile."""
+SPOKE_S = {"person": (5.0, ""), "later": (20.0, ", once it has spoken for 20 s")}
+"""How long it has spoken, since its start, when a person begins, and how that is told: the
+canceller learns meanwhile."""
 KOKORO = ("af_heart", "am_michael", "bf_emma", "am_puck", "af_bella")
 ESPEAK = "espeak-ng"
 
@@ -103,8 +104,9 @@ def measure(quick: bool = False) -> Measured:
     figures = []
     for way in WAYS:
         figures += _heard_itself(way, stt, minutes)
-        for later, spoke_s in SPOKE_S.items():
-            figures += _of_people(way, later, _interrupted(way, stt, people, spoke_s))
+        for person, (spoke_s, told) in SPOKE_S.items():
+            tally = _interrupted(way, stt, people, spoke_s)
+            figures += _of_people(way, person, told, tally)
     figures += _cancelled()
     figures += _costs(60.0 if quick else 300.0)
     return Measured(figures=tuple(figures))
@@ -188,19 +190,18 @@ def _interrupted(
     return Tally(noticed, understood, len(people), tuple(took_s))
 
 
-def _of_people(way: Way, later: str, tally: Tally) -> Iterator[Figure]:
-    person = "later" if later else "person"
+def _of_people(way: Way, person: str, told: str, tally: Tally) -> Iterator[Figure]:
     for name, what, count in (
         ("noticed", "who speaks over it is noticed", tally.noticed),
         ("understood", "and understood, word by word", tally.understood),
     ):
         yield Figure.of(
-            f"{person}.{name}.{way}", TABLE, what + later, [100 * count / tally.of], "%",
+            f"{person}.{name}.{way}", TABLE, what + told, [100 * count / tally.of], "%",
             column=WAYS[way], more_is_better=True, wanted=90.0 if way == "cancel" else None,
         )  # fmt: skip
     if tally.took_s:
         yield Figure.of(
-            f"{person}.after.{way}", TABLE, f"noticed after{later}", tally.took_s, "s",
+            f"{person}.after.{way}", TABLE, f"noticed after{told}", tally.took_s, "s",
             column=WAYS[way],
         )  # fmt: skip
 
