@@ -95,7 +95,7 @@ def measure(quick: bool = False, only: str = "", every_note: bool = False) -> Me
                 "Sounds alike": tuple(alarms),
             }
     for key, what, voice, most in SHARES_OF_A_CORE:
-        spotter = StopSpotter(ears.encoder, ears.weights, confirm=ears.confirm)
+        spotter = StopSpotter(ears.encoder, ears.weights, second=ears.second)
         share = share_of_a_core(spotter, voice)
         figures.append(Figure.of(key, COST, what, [share], "%", wanted=most))
     return Measured(figures=tuple(figures), notes=notes)

@@ -20,7 +20,7 @@ from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Samples
 from edgevox.voice.stop_encoder import ENCODER, SAMPLES, Floats, StopEncoder
 from edgevox.voice.stop_network import StopWeights, likelihoods
 from edgevox.voice.stop_second_look import LOOKED_AT, SecondLook
-from edgevox.voice.stop_spotter import LOOKS_EVERY, Confirm, StopJudge
+from edgevox.voice.stop_spotter import LEAST_ODDS, LOOKS_EVERY, SecondLikelihood, StopJudge
 from edgevox.voice.vad import SileroVad, VoiceDetector
 from edgevox.voice.wake_sleep import WakeSleep
 
@@ -39,28 +39,35 @@ _TOGETHER = 32
 class Listened:
     """What a spotter looked at in a sound: by frame how likely each word is, and when it slept.
 
-    `confirmed` keeps, by frame, what a second look told.
+    `own` is the same for the words of another language; `again` keeps, by frame, what a second look
+    told.
     """
 
     sound: Samples
     likely: Mapping[int, Floats]
+    own: Mapping[int, Floats]
     awake: Sequence[bool]
-    confirmed: dict[int, bool] = field(default_factory=dict)
+    again: dict[int, float] = field(default_factory=dict)
 
 
 class Ears:
-    """Hears whole sounds at once, as a `StopSpotter` hears them frame by frame, but sooner done."""
+    """Hears whole sounds at once, as a `StopSpotter` hears them frame by frame, but sooner done.
+
+    `own` are the weights of the language that is spoken, if there are some and it is not English.
+    """
 
     def __init__(
         self,
         encoder: StopEncoder,
         weights: StopWeights,
-        confirm: Confirm,
+        second: SecondLikelihood | None,
         vad: VoiceDetector | None = None,
+        own: StopWeights | None = None,
     ) -> None:
         self.encoder = encoder
         self.weights = weights
-        self.confirm = confirm
+        self.own = own
+        self.second = second
         self.word = ""
         self._vad = vad or SileroVad()
 
@@ -70,33 +77,48 @@ class Ears:
         at = np.flatnonzero(awake)[LOOKS_EVERY - 1 :: LOOKS_EVERY]
         heard = np.concatenate([np.zeros(SAMPLES, np.int16), sound])
         likely: dict[int, Floats] = {}
+        own: dict[int, Floats] = {}
         for first in range(0, len(at), _TOGETHER):
             some = at[first : first + _TOGETHER]
             ends = (SAMPLES + (some + 1) * FRAME_SAMPLES).tolist()
             encoded = self.encoder.of([heard[end - SAMPLES : end] for end in ends])
             likely |= zip(some.tolist(), likelihoods(self.weights, encoded), strict=True)
-        return Listened(sound, likely, awake)
+            if self.own:
+                own |= zip(some.tolist(), likelihoods(self.own, encoded), strict=True)
+        return Listened(sound, likely, own, awake)
 
-    def judged(self, looks: Listened, threshold: float | None = None) -> Iterator[float]:
-        """When it stops, in seconds of the sound, at this threshold or that of the weights."""
-        judge = StopJudge(self.weights, threshold)
+    def judged(
+        self, looks: Listened, threshold: float | None = None, least_odds: float = LEAST_ODDS
+    ) -> Iterator[float]:
+        """When it stops, in seconds of the sound: by a threshold where nobody looks again, else by
+        these odds.
+        """
+        judge = StopJudge(self.weights, threshold, least_odds)
+        other = StopJudge(self.own) if self.own else None
+        judges = [judge, other] if other else [judge]
         for frame, awake in enumerate(looks.awake):
             if not awake:
-                judge.rest()
-            elif judge.said(looks.likely.get(frame), partial(self._confirmed, looks, frame)):
-                self.word = judge.word
+                for one in judges:
+                    one.rest()
+                continue
+            resting = any(one.resting for one in judges)
+            again = partial(self._looked_again, looks, frame) if self.second else None
+            said = judge.said(looks.likely.get(frame), again)
+            own = other is not None and other.said(looks.own.get(frame))
+            if (said or own) and not resting:
+                self.word = judge.word if said or not other else other.word
                 yield (frame + 1) * FRAME_S
 
     def stops(self, sound: Samples) -> Iterator[float]:
         """When it stops, in seconds of the sound."""
         return self.judged(self.looks(sound))
 
-    def _confirmed(self, looks: Listened, frame: int) -> bool:
-        if frame not in looks.confirmed:
+    def _looked_again(self, looks: Listened, frame: int) -> float:
+        if frame not in looks.again:
             before = np.concatenate([np.zeros(LOOKED_AT, np.int16), looks.sound])
             end = LOOKED_AT + (frame + 1) * FRAME_SAMPLES
-            looks.confirmed[frame] = self.confirm(before[end - LOOKED_AT : end])
-        return looks.confirmed[frame]
+            looks.again[frame] = self.second(before[end - LOOKED_AT : end])
+        return looks.again[frame]
 
     def _awake(self, sound: Samples) -> list[bool]:
         sleep = WakeSleep()
@@ -105,11 +127,11 @@ class Ears:
         return [bool(sleep.push(frame, self._vad.probability(frame))) for frame in frames]
 
 
-def ears_of(weights: StopWeights) -> Ears:
+def ears_of(weights: StopWeights, own: StopWeights | None = None) -> Ears:
     """With these weights, on the encoder that they were trained for."""
     folder = locate(ENCODER)
     second = SecondLook(folder)
-    return Ears(StopEncoder(folder, weights.added), weights, second.has_stop_word)
+    return Ears(StopEncoder(folder, weights.added), weights, second.likelihood, own=own)
 
 
 @dataclass(frozen=True, slots=True)

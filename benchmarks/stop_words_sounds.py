@@ -164,13 +164,25 @@ def tracks(half: Half, what: str, seconds: float) -> Iterator[Track]:
             if rng.random() < 0.6:
                 track = in_room(track, echoes[rng.integers(len(echoes))])
         if what == "speech in noise":
-            kind = kinds(half)[rng.integers(len(kinds(half)))]
-            track = mixed(track, noise_of(kind, int(rng.integers(40)), half), rng.uniform(0, 15))
+            kind, track = in_noise(rng, track, half)
             note = f"{kind} {note}"
-        pause = rng.normal(0, 1e-3 * np.abs(track).max() + 1, int(rng.uniform(0.1, 0.5) * RATE_HZ))
-        sound = at_level(np.concatenate([track, pause]), rng.uniform(*LEVELS_DB))
+        sound = before_a_pause(rng, track)
         done += sound.size / RATE_HZ
         yield Track(note, clip, sound)
+
+
+def in_noise(
+    rng: np.random.Generator, track: NDArray[np.float64], half: Half
+) -> tuple[str, NDArray[np.float64]]:
+    """Some noise of this part, and the sound in it, at 0 to 15 dB."""
+    kind = kinds(half)[rng.integers(len(kinds(half)))]
+    return kind, mixed(track, noise_of(kind, int(rng.integers(40)), half), rng.uniform(0, 15))
+
+
+def before_a_pause(rng: np.random.Generator, track: NDArray[np.float64]) -> Samples:
+    """The sound at some level, and a nearly silent pause."""
+    pause = rng.normal(0, 1e-3 * np.abs(track).max() + 1, int(rng.uniform(0.1, 0.5) * RATE_HZ))
+    return at_level(np.concatenate([track, pause]), rng.uniform(*LEVELS_DB))
 
 
 def _shuffled(rng: np.random.Generator, clips: Sequence[Clip]) -> dict[str, Iterator[Clip]]:

@@ -101,15 +101,15 @@ def train(folder: Path, rounds: int, examples: int, steps: int, only_spoken: boo
     folder.mkdir(parents=True, exist_ok=True)
     whole = all_clips()
     clips = to_learn(folder, whole, only_spoken)
-    speak(clips, _told)
-    _told(f"{len(clips)} of {len(whole)} clips")
+    speak(clips, told)
+    told(f"{len(clips)} of {len(whole)} clips")
     encoder, sounds = StopEncoder(locate(ENCODER), {}), sounds_of(clips)
     for number in range(rounds):
         file = network_file(folder, number)
         if not file.exists():
             if not looks.round_file(folder, number).exists():
                 looks.keep(folder, number, _looks(folder, number, sounds, examples, encoder))
-            fit([looks.read(folder, n) for n in range(number + 1)], steps, number, file, _told)
+            fit([looks.read(folder, n) for n in range(number + 1)], steps, number, file, told)
         shutil.copy(file, folder / WEIGHTS_FILE)
 
 
@@ -119,9 +119,9 @@ def _looks(
     """Those of a round: some of many examples, then what the network before it gets wrong."""
     made = Examples(sounds, 1 + number)
     if not number:
-        return looks.some(_some(made, examples), encoder.of, number)
+        return looks.some(drawn(made, examples), encoder.of, number)
     before = read_weights(network_file(folder, number - 1))
-    return looks.wrong(_some(made, examples // LATER), encoder.of, encoder, before, number)
+    return looks.wrong(drawn(made, examples // LATER), encoder.of, encoder, before, number)
 
 
 def adapt(folder: Path, start: Path, examples: int, only_spoken: bool) -> None:
@@ -138,7 +138,7 @@ def adapt(folder: Path, start: Path, examples: int, only_spoken: bool) -> None:
     torch.set_num_threads(1)
     folder.mkdir(parents=True, exist_ok=True)
     if not only_spoken:
-        speak(all_clips(), _told)
+        speak(all_clips(), told)
     whole = ROUNDS * STEPS_OF_A_ROUND
     learning = Adapting(locate(ENCODER), read_weights(start), folder / "adapting.pt", whole)
     for number in range(ROUNDS):
@@ -153,7 +153,7 @@ def adapt(folder: Path, start: Path, examples: int, only_spoken: bool) -> None:
                 [looks.read(folder, n, what) for n in range(number + 1)] for what in (SOME, WRONG)
             )
             done = (number + 1) * STEPS_OF_A_ROUND
-            learning.learn(Drawn(some, wrong[-LATEST:]), done, file, _told)
+            learning.learn(Drawn(some, wrong[-LATEST:]), done, file, told)
             beside.join()
             if beside.exitcode:
                 raise SystemExit(f"the looks of round {following} were not made")
@@ -168,22 +168,23 @@ def make_looks(folder: Path, start: Path, examples: int, number: int) -> None:
         return
     whole = all_clips()
     clips = [clip for clip in whole if clip.is_here]
-    _told(f"round {number}: {len(clips)} of {len(whole)} clips")
+    told(f"round {number}: {len(clips)} of {len(whole)} clips")
     sounds, file = sounds_of(clips), network_file(folder, number - 2, ADAPTED)
     known = read_weights(file if number > 1 else start)
     encoder = StopEncoder(locate(ENCODER), known.added)
-    few = _some(Examples(sounds, 100 + number), examples)
+    few = drawn(Examples(sounds, 100 + number), examples)
     looks.keep(folder, number, looks.some(few, looks.bands, number), SOME)
-    many = _some(Examples(sounds, 200 + number), examples)
+    many = drawn(Examples(sounds, 200 + number), examples)
     wrong = looks.wrong(many, looks.bands, encoder, known, number)
     looks.keep(folder, number, wrong, WRONG)
 
 
-def _some(made: Examples, how_many: int) -> Iterator[Example]:
+def drawn(made: Examples, how_many: int) -> Iterator[Example]:
+    """So many of them, and how far it is."""
     for number in range(1, how_many + 1):
         yield made.make()
         if number % TOLD_EVERY == 0 or number == how_many:
-            _told(f"{number} of {how_many} examples")
+            told(f"{number} of {how_many} examples")
 
 
 def network_file(folder: Path, number: int, what: str = "network") -> Path:
@@ -191,7 +192,8 @@ def network_file(folder: Path, number: int, what: str = "network") -> Path:
     return folder / f"{what}{number}.npz"
 
 
-def _told(line: str) -> None:
+def told(line: str) -> None:
+    """Print it at once."""
     print(line, flush=True)
 
 
@@ -216,19 +218,20 @@ def main(arguments: Sequence[str] | None = None, place: Path = PLACE) -> int:
         return 0
     if asked.mean:
         asked.folder.mkdir(parents=True, exist_ok=True)
-        return _done(lambda: average(asked.mean, asked.folder / WEIGHTS_FILE))
+        return exit_code_of(lambda: average(asked.mean, asked.folder / WEIGHTS_FILE))
     if not asked.install:
         train(asked.folder, asked.rounds, asked.examples, asked.steps, asked.only_spoken)
         return 0
     if asked.threshold is None:
         parser.error("--install needs a --threshold: benchmarks/stop_words_threshold.py shows some")
-    if code := _done(lambda: install(asked.folder / WEIGHTS_FILE, place, asked.threshold)):
+    if code := exit_code_of(lambda: install(asked.folder / WEIGHTS_FILE, place, asked.threshold)):
         return code
     print(f"{place}: {place.stat().st_size} bytes, threshold {asked.threshold}")
     return 0
 
 
-def _done(work: Callable[[], object]) -> int:
+def exit_code_of(work: Callable[[], object]) -> int:
+    """Do it; the exit code, with what went wrong told."""
     try:
         work()
     except NotInstalled as error:

@@ -13,11 +13,12 @@ import stop_words
 import stop_words_ears
 import stop_words_sounds
 import stop_words_threshold
+import train_stop_languages
 import train_stop_spotter
-from acoustics import Half, clips, noises, sentences, voices
+from acoustics import Half, clips, languages, noises, sentences, voices
 from figures import Figure, NotHere, wilson
 from stop_spotter import clips as training_clips
-from stop_spotter import examples, installing, looks, texts
+from stop_spotter import examples, installing, language_clips, looks, texts
 from tables import interval
 
 __all__ = [
@@ -29,6 +30,8 @@ __all__ = [
     "examples",
     "installing",
     "interval",
+    "language_clips",
+    "languages",
     "looks",
     "sentences",
     "stop_words",
@@ -36,6 +39,7 @@ __all__ = [
     "stop_words_sounds",
     "stop_words_threshold",
     "texts",
+    "train_stop_languages",
     "train_stop_spotter",
     "training_clips",
     "voices",

@@ -82,8 +82,9 @@ def say(
 ) -> Samples:
     """What a voice says, at 16 kHz, without silence around it.
 
-    Pitch and words a minute are espeak-ng's alone, `speed` is Kokoro's: how many times as fast as
-    usual. It is cached only if it is to `keep`.
+    Any of Kokoro's voices reads another language, with its accent, as ``kokoro:af_heart@fr``. Pitch
+    and words a minute are espeak-ng's alone, `speed` is Kokoro's: how many times as fast as usual.
+    It is cached only if it is to `keep`.
     """
     file = _file(voice, text, speed, pitch, words_a_minute)
     if file.exists():
@@ -153,8 +154,9 @@ def _kokoro(name: str, text: str, speed: float) -> Samples:
     from edgevox.voice.tts.synthesiser import to_samples
 
     model = _kokoro_model()
-    english = "b" if name.startswith("b") else "a"
-    tokens = model.phonemes.tokens(text, english)
+    name, _, language = name.partition("@")
+    read_as = language or ("b" if name.startswith("b") else "a")  # by its first letter
+    tokens = model.phonemes.tokens(text, read_as)
     sound = model.run(tokens, _kokoro_style(name), speed)
     return resampled(to_samples(sound), SAMPLE_RATE_HZ, RATE_HZ)
 

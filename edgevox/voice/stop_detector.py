@@ -29,9 +29,9 @@ class StopDetector(Protocol):
     def word(self) -> str:
         """The stop word that it heard last."""
 
-    def heard(self, samples: Samples, probability: float) -> bool:
+    def heard(self, samples: Samples, probability: float, language: str) -> bool:
         """Whether a stop word has just been said, once for each; 512 samples of int16 at 16 kHz,
-        and how likely they hold a voice.
+        how likely they hold a voice, and the ISO 639-1 code of the language that is spoken.
         """
 
     def forget(self) -> None:
@@ -77,7 +77,7 @@ class StopWatch:
 
     def _detected(self, samples: Samples, probability: float) -> bool:
         try:
-            return self._detector.heard(samples, probability)
+            return self._detector.heard(samples, probability, self._language())
         except Exception:
             self._detector.forget()
             self.failed += 1

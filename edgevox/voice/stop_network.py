@@ -12,13 +12,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from edgevox.voice.one_thread import product
 from edgevox.voice.stop_encoder import Floats
 from edgevox.voice.whisper_file import Added, added_of
 
 WEIGHTS_FILE = "stop_spotter.npz"
-"""Made by `scripts/train_stop_spotter.py`."""
+"""English, and what is added to the encoder; made by `scripts/train_stop_spotter.py`."""
+LANGUAGES_FILE = "stop_spotter_languages.npz"
+"""The other languages, on the encoder of that; made by `scripts/train_stop_languages.py`."""
 LAST_STEPS = 8
 """So many steps at the end are looked at by themselves, too."""
 _LEAST_VARIANCE = 1e-5
@@ -87,24 +90,51 @@ def _softmax(scores: Floats, axis: int) -> Floats:
 
 
 def read_weights(file: Path | None = None) -> StopWeights:
-    """Those of a file, else those that this package brings."""
-    held = (file or files(__package__).joinpath(WEIGHTS_FILE)).read_bytes()
-    with np.load(BytesIO(held)) as data:
-        return weights_of(data)
+    """The English ones of a file, else those that this package brings."""
+    return weights_of(_arrays(file, WEIGHTS_FILE))
+
+
+def read_language_weights(file: Path | None = None) -> dict[str, StopWeights]:
+    """Those of the other languages, by their ISO 639-1 codes; of a file, else the package's.
+
+    They are of one network, of which each language has its own outputs; nothing is added to the
+    encoder for them.
+    """
+    data = _arrays(file, LANGUAGES_FILE)
+    return {
+        str(code): language_weights_of(data, str(code)) for code in np.unique(data["languages"])
+    }
 
 
 def weights_of(data: Mapping[str, Any]) -> StopWeights:
     """From the arrays of their file, which keeps them in half precision."""
+    every = np.full(len(data["words"]), True)
+    return _weights(data, every, added_of(data), float(data["threshold"]))
+
+
+def language_weights_of(data: Mapping[str, Any], language: str) -> StopWeights:
+    """Those of one language, from the arrays of the file of all."""
+    own = data["languages"] == language
+    return _weights(data, own, {}, float(data["thresholds"][own][0]))
+
+
+def _weights(
+    data: Mapping[str, Any], own: NDArray[np.bool_], added: Mapping[str, Added], threshold: float
+) -> StopWeights:
+    """Those with the outputs that are one's `own`."""
 
     def floats(name: str) -> Floats:
         return np.asarray(data[name], np.float32)
 
-    return StopWeights(
-        tuple(str(word) for word in data["words"]),
-        floats("scale"),
-        floats("shift"),
-        floats("place"),
-        {name: StopLayer(floats(name), floats(f"{name}_bias")) for name in _LAYERS},
-        added_of(data),
-        float(data["threshold"]),
-    )
+    layers = {name: StopLayer(floats(name), floats(f"{name}_bias")) for name in _LAYERS}
+    last = layers["last"]
+    layers["last"] = StopLayer(np.ascontiguousarray(last.weights[:, own]), last.bias[own])
+    words = tuple(str(word) for word in data["words"][own])
+    place = floats("place")
+    return StopWeights(words, floats("scale"), floats("shift"), place, layers, added, threshold)
+
+
+def _arrays(file: Path | None, name: str) -> dict[str, NDArray[Any]]:
+    held = (file or files(__package__).joinpath(name)).read_bytes()
+    with np.load(BytesIO(held)) as data:
+        return {**data}

@@ -1,23 +1,19 @@
-"""Whether Whisper hears a stop word in what was just said, of which the spotter is not sure.
+"""How likely Whisper finds it that a stop word was just said, where the spotter thinks of one.
 
 The spotter's network looks at a second and knows three words; in noise, "Never step back" may be
 one to it. Whisper looks at more and knows all words. It makes a few hypotheses of the last seconds,
 as `whisper` does of an utterance, but is told of no commands: those it would hear everywhere.
 """
 
+import math
 import re
 from pathlib import Path
-
-import numpy as np
 
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.stt.whisper import Whisper
 
 LOOKED_AT = int(2.6 * RATE_HZ)
 """Samples: a stop word and what was said before it."""
-SHARE = 0.6
-"""Of the likelihood of all hypotheses, what those with a stop word must have. By it and the others
-it is chosen how much is heard, and how often it stops for nothing: see docs/stop-spotter.md."""
 _STOP_WORD = re.compile(r"\b(stop|stops|stopped|halt|freeze|frees)\b", re.IGNORECASE)
 
 
@@ -31,12 +27,11 @@ class SecondLook:
     def __init__(self, folder: Path) -> None:
         self._whisper = Whisper(lambda _: folder, threads=1)
 
-    def has_stop_word(self, sound: Samples) -> bool:
-        """Whether there is one in the last `LOOKED_AT` samples. Takes some 45 ms of a core.
+    def likelihood(self, sound: Samples) -> float:
+        """Of all that may have been said in the last `LOOKED_AT` samples, what of the likelihood
+        has a stop word, 0 to 1; mostly little, as much may be said. Takes some 45 ms of a core.
 
         Raises `EdgeVoxError` where the model cannot be loaded.
         """
         found = self._whisper.hypotheses(sound, "en")
-        weights = np.exp([one.whole for one in found])
-        with_one = [bool(_STOP_WORD.search(one.text)) for one in found]
-        return float(weights[with_one].sum()) >= SHARE * float(weights.sum()) > 0
+        return sum(math.exp(one.whole) for one in found if _STOP_WORD.search(one.text))

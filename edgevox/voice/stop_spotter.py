@@ -1,14 +1,15 @@
-"""Hears "stop", "halt" and "freeze" in running sound, without waiting for the end of what is said.
+"""Hears "stop", "halt" and "freeze" in running sound, without waiting for the end of what is said,
+and a few words of other languages where those are spoken.
 
-What it is sure of stops the robot at once; where it is not, it asks Whisper what was just said.
-English stop words count whatever language is spoken. It stops wherever one of them is said, as in
-"do not stop" too: when in doubt, it stops. What the network was trained on and how well it hears is
-in docs/stop-spotter.md.
+Where it thinks of an English one, Whisper is asked what was just said: the odds of the first times
+the likelihood that the second finds decide. English stop words count whatever language is spoken.
+It stops wherever one of them is said, as in "do not stop" too: when in doubt, it stops. What the
+network was trained on and how well it hears is in docs/stop-spotter.md.
 """
 
 import functools
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -17,34 +18,53 @@ from edgevox.core.log import get_logger, worth_a_line
 from edgevox.voice.audio import Samples
 from edgevox.voice.once_per_word import OncePerWord
 from edgevox.voice.stop_encoder import SAMPLES, Floats, StopEncoder
-from edgevox.voice.stop_network import StopWeights, likelihoods, read_weights
+from edgevox.voice.stop_network import (
+    StopWeights,
+    likelihoods,
+    read_language_weights,
+    read_weights,
+)
 from edgevox.voice.stop_second_look import LOOKED_AT, SecondLook
 from edgevox.voice.wake_sleep import WakeSleep
 
 log = get_logger(__name__)
 
+ENGLISH = "en"
 LOOKS_EVERY = 2
 """Frames of sound from one look to the next, 64 ms."""
 SMOOTHED_LOOKS = 3
 """The mean of so many looks counts: no single one stops a robot."""
 REST_S = 0.6
 """After a word none counts for so long, so that one word is one stop."""
-DOUBTED, MOST_ASKED = 0.3, 4
-"""From this likelihood up to the threshold it asks for a second look, so many times at most for
-what may be one word."""
+ASKS_FROM, MOST_ASKED = 0.3, 8
+"""From this likelihood on it asks for a second look, so many times for what may be one word; and
+whenever the network is sure, as of who shouts "stop" again and again."""
+LEAST_ODDS = 0.13
+"""The odds of the network, as 3 for 0.75, times the likelihood of the second look: from here on a
+word counts. By it is chosen how much is heard, and how often it stops for nothing: see
+docs/stop-spotter.md."""
+_UNSURE, _UNHEARD = 1e-3, 1e-4
+"""How sure at most the network is believed to be, and how little the second look may find."""
 
-Confirm = Callable[[Samples], bool]
-"""Whether there is a stop word in the last `LOOKED_AT` samples, which the network doubts."""
+SecondLikelihood = Callable[[Samples], float]
+"""How likely a stop word is in the last `LOOKED_AT` samples, 0 to 1."""
 
 
 class StopJudge:
     """Decides, from what the network says at every look, when a word has been said.
 
+    From its `threshold` on where nobody looks a second time, else by the odds of both.
     `likelihood` is how likely one was at the last look, 0 to 1; `word` the one that was said last.
     """
 
-    def __init__(self, weights: StopWeights, threshold: float | None = None) -> None:
+    def __init__(
+        self,
+        weights: StopWeights,
+        threshold: float | None = None,
+        least_odds: float = LEAST_ODDS,
+    ) -> None:
         self.threshold = weights.threshold if threshold is None else threshold
+        self._least_odds = least_odds
         self.likelihood = 0.0
         self.word = ""
         self._words = weights.words
@@ -52,25 +72,39 @@ class StopJudge:
         self._asked = 0
         self._once = OncePerWord(REST_S)
 
-    def said(self, look: Floats | None, confirmed: Callable[[], bool] = lambda: False) -> bool:
+    def said(self, look: Floats | None, second: Callable[[], float | None] | None = None) -> bool:
         """Whether one has just been said: the likelihoods of the words, or None between looks.
 
-        `confirmed` is asked where they leave a doubt.
+        `second` says how likely one is at a second look; None where that failed.
         """
         found = False
         if look is not None:
             self._recent.append(1 - float(look[0]))
             self.likelihood = sum(self._recent) / SMOOTHED_LOOKS
-            if found := self.likelihood >= self.threshold or self._is(confirmed):
+            if found := self._is_one(second):
                 self.word = self._words[1 + int(np.argmax(look[1:]))]
         return self._once.counts(found)
 
-    def _is(self, confirmed: Callable[[], bool]) -> bool:
-        if self.likelihood < DOUBTED:
+    @property
+    def resting(self) -> bool:
+        """Whether one was said so recently that none counts now."""
+        return self._once.resting
+
+    def _is_one(self, second: Callable[[], float | None] | None) -> bool:
+        if second is None:
+            return self.likelihood >= self.threshold
+        if self.likelihood < ASKS_FROM:
             self._asked = 0
             return False
         self._asked += 1
-        return self._asked <= MOST_ASKED and not self._once.resting and confirmed()
+        sure = self.likelihood >= self.threshold
+        if self._once.resting or (self._asked > MOST_ASKED and not sure):
+            return False
+        found = second()
+        if found is None:
+            return sure
+        odds = (self.likelihood + _UNSURE) / (1 - self.likelihood + _UNSURE)
+        return odds * (found + _UNHEARD) >= self._least_odds
 
     def rest(self) -> None:
         """Nobody speaks: what was looked at before does not count any more."""
@@ -87,7 +121,8 @@ class StopJudge:
 class StopSpotter:
     """Told every frame of what is heard, it says when a stop word has just been said.
 
-    `confirm` is asked where it doubts, if there is one. Used from one thread.
+    `weights` are English, `others` those of other languages by their codes. `second` is asked where
+    it thinks of an English word, if there is one. Used from one thread.
     """
 
     def __init__(
@@ -95,72 +130,86 @@ class StopSpotter:
         encoder: StopEncoder,
         weights: StopWeights,
         threshold: float | None = None,
-        confirm: Confirm = lambda _: False,
+        second: SecondLikelihood | None = None,
+        others: Mapping[str, StopWeights] | None = None,
     ) -> None:
         self._encoder = encoder
-        self._weights = weights
-        self._confirm = confirm
-        self._judge = StopJudge(weights, threshold)
+        self._weights = {ENGLISH: weights, **(others or {})}
+        self._judges = {code: StopJudge(one, threshold) for code, one in self._weights.items()}
+        self._second = second
         self._sleep = WakeSleep()
         self._sound = np.zeros(LOOKED_AT, np.int16)
         self._frames = 0
+        self.word = ""
+        """The stop word that it heard last."""
         self.failed = 0
         """Second looks that failed."""
 
     @property
     def likelihood(self) -> float:
         """How likely a word was at the end of the last frame, 0 to 1."""
-        return self._judge.likelihood
+        return max(judge.likelihood for judge in self._judges.values())
 
-    @property
-    def word(self) -> str:
-        """The stop word that it heard last."""
-        return self._judge.word
-
-    def heard(self, samples: Samples, probability: float) -> bool:
-        """Whether a stop word has just been said; 512 samples of int16 at 16 kHz, in order, and
-        how likely they hold a voice: it sleeps a second after the last.
+    def heard(self, samples: Samples, probability: float, language: str = ENGLISH) -> bool:
+        """Whether a stop word has just been said; 512 samples of int16 at 16 kHz, in order, how
+        likely they hold a voice, and which language is spoken: it sleeps a second after the last.
         """
         awake = self._sleep.push(samples, probability)
         if not awake:
-            self._judge.rest()
+            for judge in self._judges.values():
+                judge.rest()
             return False
         self._sound = np.concatenate([self._sound, *awake])[-LOOKED_AT:]
         self._frames += 1
-        look = self._look() if self._frames % LOOKS_EVERY == 0 else None
-        return self._judge.said(look, self._is_confirmed)
+        looks = self._looks(language) if self._frames % LOOKS_EVERY == 0 else {}
+        resting = any(judge.resting for judge in self._judges.values())
+        found = [code for code in self._known(language) if self._said(code, looks.get(code))]
+        if not found or resting:
+            return False
+        self.word = self._judges[found[0]].word
+        return True
 
     def warm_up(self) -> None:
         """Load what it needs, so that the first who says a word does not wait for it."""
-        self._look()
-        self._is_confirmed()
+        self._looks(ENGLISH)
+        self._looked_again()
 
     def forget(self) -> None:
         """What comes next does not follow on what was before."""
         self._sleep.reset()
         self._sound[:] = 0
         self._frames = 0
-        self._judge.forget()
+        for judge in self._judges.values():
+            judge.forget()
 
-    def _look(self) -> Floats:
-        (look,) = likelihoods(self._weights, self._encoder.of([self._sound[-SAMPLES:]]))
-        return np.asarray(look)
+    def _known(self, language: str) -> tuple[str, ...]:
+        """Of which languages words are listened for where this one is spoken."""
+        return tuple(dict.fromkeys(one for one in (ENGLISH, language) if one in self._weights))
 
-    def _is_confirmed(self) -> bool:
+    def _looks(self, language: str) -> dict[str, Floats]:
+        """What the network of each of them says of the last of the sound."""
+        encoded = self._encoder.of([self._sound[-SAMPLES:]])
+        return {one: likelihoods(self._weights[one], encoded)[0] for one in self._known(language)}
+
+    def _said(self, language: str, look: Floats | None) -> bool:
+        twice = language == ENGLISH and self._second is not None
+        return self._judges[language].said(look, self._looked_again if twice else None)
+
+    def _looked_again(self) -> float | None:
         """Where that fails, what the network is sure of stops the robot all the same."""
         try:
-            return self._confirm(self._sound)
+            return self._second(self._sound) if self._second else None
         except Exception:
             self.failed += 1
             if worth_a_line(self.failed):
                 log.exception("stop_second_look_failed", failed=self.failed)
-            return False
+            return None
 
 
 def open_stop_spotter(encoder: Path) -> StopSpotter:
-    """The one that this package brings, which is English, with its encoder's folder."""
+    """With the weights that this package brings, from its encoder's folder."""
     network, weights, second = _shared(encoder)
-    return StopSpotter(network, weights, confirm=second.has_stop_word)
+    return StopSpotter(network, weights, second=second.likelihood, others=read_language_weights())
 
 
 @functools.cache

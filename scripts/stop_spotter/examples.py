@@ -10,7 +10,6 @@ from whisper_training.surroundings import Surroundings, Wave, varied
 
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.stop_encoder import SAMPLES
-from stop_spotter import texts
 
 TRACK_S = 3.2
 """How long an example is; what looks at it has all of what it looks at."""
@@ -90,7 +89,8 @@ class Examples:
     def __init__(self, sounds: list[Sound], seed: int) -> None:
         self._rng = np.random.default_rng(seed)
         self._words = [
-            [s for s in sounds if s.word == number] for number in range(len(texts.WORDS) + 1)
+            [s for s in sounds if s.word == number]
+            for number in range(1 + max(s.word for s in sounds))
         ]
         self._odds = [
             np.array([s.weight for s in some]) / sum(s.weight for s in some) for some in self._words

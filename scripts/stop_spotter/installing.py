@@ -4,7 +4,8 @@ What was trained on from the same beginning hears better as the mean of several 
 (model soups, Wortsman and others 2022).
 """
 
-from collections.abc import Sequence
+import hashlib
+from collections.abc import Mapping, Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,10 @@ from numpy.typing import NDArray
 from whisper_training.whole_file import write_whole
 
 from edgevox.voice.stop_encoder import CHANNELS, STEPS
-from edgevox.voice.stop_network import StopWeights, likelihoods, weights_of
+from edgevox.voice.stop_network import StopWeights, language_weights_of, likelihoods, weights_of
+
+_OF_OUTPUTS = ("last", "last_bias", "words", "languages")
+"""The arrays of the other languages whose last axis is that of all outputs."""
 
 
 class NotInstalled(Exception):
@@ -55,16 +59,51 @@ def average(trained: Sequence[Path], place: Path) -> None:
     write_whole(place, lambda out: np.savez(out, **(first | kept)))
 
 
+def encoder_of(weights: StopWeights) -> str:
+    """What tells apart what is added to the encoder, on which other languages are learnt."""
+    digest = hashlib.sha256()
+    for name, added in sorted(weights.added.items()):
+        digest.update(name.encode() + added.numbers.tobytes())
+    return digest.hexdigest()
+
+
+def install_languages(trained: Path, place: Path, thresholds: Mapping[str, float]) -> None:
+    """Write the trained network of the other languages to its place, whole or not at all.
+
+    A language without a threshold is left out. Raises `NotInstalled`.
+    """
+    arrays = _read(trained)
+    known = set(arrays["languages"])
+    for language, threshold in thresholds.items():
+        if language not in known:
+            raise NotInstalled(f"{language}: {trained} knows {', '.join(sorted(known))}")
+        if not 0 < threshold < 1:
+            raise NotInstalled(f"threshold of {language}: {threshold} is not between 0 and 1")
+    own = np.isin(arrays["languages"], list(thresholds))
+    arrays |= {name: arrays[name][..., own] for name in _OF_OUTPUTS}
+    arrays["thresholds"] = np.array([thresholds[code] for code in arrays["languages"]])
+    for language in thresholds:
+        _check(trained, language_weights_of(arrays, language))
+    write_whole(place, lambda out: np.savez(out, **arrays))
+
+
 def _arrays(trained: Path) -> dict[str, NDArray[Any]]:
+    arrays = _read(trained)
+    try:
+        weights_of(arrays)
+    except KeyError as error:
+        raise NotInstalled(f"{trained} is no file of the spotter: {error}") from error
+    return arrays
+
+
+def _read(trained: Path) -> dict[str, NDArray[Any]]:
     try:
         with np.load(BytesIO(trained.read_bytes())) as data:
-            arrays = {**data}
-        weights_of(arrays)
+            return {**data}
     except FileNotFoundError:
         raise NotInstalled(f"{trained} is not there: train first") from None
     except (ValueError, KeyError, EOFError) as error:
         raise NotInstalled(f"{trained} is no file of the spotter: {error}") from error
-    return arrays
 
 
 def _check(trained: Path, weights: StopWeights) -> None:

@@ -14,9 +14,11 @@ _LAYERS = ("reduce", "first", "second", "attend", "hidden", "last")
 
 
 class Network(nn.Module):
-    """What the encoder made (looks, steps, channels) to scores (looks, words)."""
+    """What the encoder made (looks, steps, channels) to scores (looks, outputs)."""
 
-    def __init__(self, inner: int = INNER, hidden: int = HIDDEN) -> None:
+    def __init__(
+        self, inner: int = INNER, hidden: int = HIDDEN, outputs: int = 1 + len(texts.WORDS)
+    ) -> None:
         super().__init__()
         self.norm = nn.LayerNorm(CHANNELS)
         self.drop = nn.Dropout(DROPPED)
@@ -26,7 +28,7 @@ class Network(nn.Module):
         self.second = nn.Conv1d(inner, inner, TAPS, padding=1)
         self.attend = nn.Conv1d(inner, MEANS, 1)
         self.hidden = nn.Linear((MEANS + 1) * inner, hidden)
-        self.last = nn.Linear(hidden, 1 + len(texts.WORDS))
+        self.last = nn.Linear(hidden, outputs)
 
     def forward(self, encoded: torch.Tensor) -> torch.Tensor:
         normed = self.drop(self.norm(encoded)).transpose(1, 2)
@@ -42,7 +44,15 @@ class Network(nn.Module):
 def arrays_of(
     network: Network, threshold: float, precision: type = np.float16
 ) -> dict[str, np.ndarray]:
-    """What `edgevox/voice/stop_network.py` reads."""
+    """What `edgevox/voice/stop_network.py` reads, of English words."""
+    packed = layers_of(network, precision)
+    packed["words"] = np.array(["", *texts.WORDS])
+    packed["threshold"] = np.float64(threshold)
+    return packed
+
+
+def layers_of(network: Network, precision: type = np.float16) -> dict[str, np.ndarray]:
+    """Its numbers, by the names that `edgevox/voice/stop_network.py` knows them by."""
     found: dict[str, np.ndarray] = {
         "scale": _numbers(network.norm.weight),
         "shift": _numbers(network.norm.bias),
@@ -54,10 +64,7 @@ def arrays_of(
         if weights.ndim == 3:  # (out, in, taps) of a convolution
             weights = weights.transpose(0, 2, 1).reshape(len(weights), -1)
         found[name], found[f"{name}_bias"] = weights.T, _numbers(layer.bias)
-    packed = {name: np.ascontiguousarray(array, precision) for name, array in found.items()}
-    packed["words"] = np.array(["", *texts.WORDS])
-    packed["threshold"] = np.float64(threshold)
-    return packed
+    return {name: np.ascontiguousarray(array, precision) for name, array in found.items()}
 
 
 def network_of(known: StopWeights) -> Network:

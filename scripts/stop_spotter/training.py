@@ -23,13 +23,39 @@ def fit(
     rounds: Sequence[Looks], steps: int, seed: int, file: Path, told: Callable[[str], None]
 ) -> None:
     """Learn for so many steps, and write the network to its file."""
+    drawn = [(one, LATER_COUNT if number else 1) for number, one in enumerate(rounds)]
+    network = learnt(Network(), drawn, steps, loss_of_words, told, seed=seed)
+    write_whole(file, lambda out: np.savez(out, **arrays_of(network.eval(), THRESHOLD)))
+
+
+def loss_of_words(scores: torch.Tensor, labels: torch.Tensor) -> torch.Tensor:
+    """Of scores (looks, words)."""
+    return cross_entropy(scores, labels, label_smoothing=SMOOTHED)
+
+
+Drawn = Sequence[tuple[Looks, int]]
+"""Looks, and how often one of them is drawn beside one of the others."""
+LossOf = Callable[[torch.Tensor, torch.Tensor], torch.Tensor]
+"""Of scores (looks, outputs) and labels."""
+
+
+def learnt(
+    network: Network,
+    drawn: Drawn,
+    steps: int,
+    loss_of: LossOf,
+    told: Callable[[str], None],
+    *,
+    seed: int,
+) -> Network:
+    """The network after so many steps."""
     torch.manual_seed(seed)
-    rng, network, mean = np.random.default_rng(seed), Network(), 0.0
+    rng, mean = np.random.default_rng(seed), 0.0
     optimiser = torch.optim.AdamW(network.parameters(), weight_decay=DECAY)
     rate = torch.optim.lr_scheduler.OneCycleLR(optimiser, FASTEST, steps, pct_start=WARMING)
     for step in range(1, steps + 1):
-        encoded, labels = _batch(rounds, rng)
-        loss = cross_entropy(network(encoded), labels, label_smoothing=SMOOTHED)
+        encoded, labels = _batch(drawn, rng)
+        loss = loss_of(network(encoded), labels)
         optimiser.zero_grad()
         loss.backward()
         optimiser.step()
@@ -38,14 +64,15 @@ def fit(
         if step % _TOLD_EVERY == 0:
             told(f"step {step} of {steps}, loss {mean:.3f}")
             mean = 0.0
-    write_whole(file, lambda out: np.savez(out, **arrays_of(network.eval(), THRESHOLD)))
+    return network
 
 
-def _batch(rounds: Sequence[Looks], rng: np.random.Generator) -> tuple[torch.Tensor, torch.Tensor]:
-    """Of all rounds, by how many looks they have."""
+def _batch(drawn: Drawn, rng: np.random.Generator) -> tuple[torch.Tensor, torch.Tensor]:
+    """Of all looks, by how many there are."""
+    rounds = [one for one, _ in drawn]
     sizes = np.array([len(one.labels) for one in rounds])
-    odds = sizes * np.where(np.arange(len(rounds)), LATER_COUNT, 1)
-    each = rng.multinomial(BATCH, odds / odds.sum())
+    shares = np.array([len(one.labels) * often for one, often in drawn])
+    each = rng.multinomial(BATCH, shares / shares.sum())
     where = [np.sort(rng.integers(size, size=n)) for size, n in zip(sizes, each, strict=True)]
     encoded = [one.seen[at] for one, at in zip(rounds, where, strict=True)]
     labels = [one.labels[at] for one, at in zip(rounds, where, strict=True)]

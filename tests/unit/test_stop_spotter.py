@@ -212,49 +212,76 @@ def test_after_it_forgot_one_look_is_not_enough(judge):
 
 
 def test_what_is_no_word_needs_no_second_look(judge):
-    def confirmed():
-        pytest.fail("nobody was in doubt")
+    def second():
+        pytest.fail("nobody thought of a word")
 
-    assert not any(judge.said(look, confirmed) for look in (NOTHING, MAYBE, NOTHING, NOTHING))
+    assert not any(judge.said(look, second) for look in (NOTHING, MAYBE, NOTHING, NOTHING))
 
 
-@pytest.mark.parametrize("there", [True, False])
-def test_where_it_doubts_a_second_look_decides(judge, there):
-    found = [judge.said(MAYBE, lambda: there) for _ in range(SMOOTHED_LOOKS)]
+@pytest.mark.parametrize(
+    ("look", "likely", "stops"),
+    [
+        (MAYBE, 0.5, True),
+        (MAYBE, 0.01, False),
+        (HALT, 0.01, True),
+        (HALT, 0.001, False),
+        (HALT, 0.0, False),
+    ],
+)
+def test_the_odds_of_the_network_times_the_second_likelihood_decide(judge, look, likely, stops):
+    found = [judge.said(look, lambda: likely) for _ in range(SMOOTHED_LOOKS)]
 
-    assert found == [False, there, False]
-    assert judge.word == ("halt" if there else "")
+    assert any(found) is stops
+    assert judge.word == ("halt" if stops else "")
+
+
+def test_where_the_second_look_fails_the_threshold_decides(judge):
+    assert not any(judge.said(MAYBE, lambda: None) for _ in range(SMOOTHED_LOOKS))
+    assert any(judge.said(HALT, lambda: None) for _ in range(SMOOTHED_LOOKS))
 
 
 def test_it_asks_a_few_times_about_what_may_be_one_word_and_again_about_the_next(judge):
     asked = []
 
-    def confirmed():
+    def second():
         asked.append(len(asked))
-        return False
+        return 0.0
 
     for look in ([MAYBE] * 20, [NOTHING] * 3, [MAYBE] * 20):
         for one in look:
-            judge.said(one, confirmed)
+            judge.said(one, second)
 
     assert len(asked) == 2 * MOST_ASKED
+
+
+def test_who_says_it_again_and_again_is_asked_about_for_as_long(judge):
+    told = iter([0.0] * 3 * MOST_ASKED + [0.9])
+
+    found = [judge.said(HALT, lambda: next(told)) for _ in range(3 * MOST_ASKED + 1)]
+
+    assert found.index(True) == 3 * MOST_ASKED
 
 
 def test_once_a_word_has_stopped_it_nobody_looks_again_at_what_is_left_of_it(judge):
     asked = []
 
-    def confirmed():
+    def second():
         asked.append(len(asked))
-        return True
+        return 1.0
 
-    assert sum(judge.said(MAYBE, confirmed) for _ in range(int(REST_S / FRAME_S))) == 1
+    assert sum(judge.said(MAYBE, second) for _ in range(int(REST_S / FRAME_S))) == 1
     assert len(asked) == 1
 
 
 def test_a_second_look_sees_the_last_seconds(monkeypatch):
     monkeypatch.setattr(stop_spotter, "likelihoods", lambda *_: MAYBE[None])
     seen, sound = [], hiss(100 * FRAME_SAMPLES)
-    spotter = StopSpotter(Encoder(), read_weights(), confirm=seen.append)
+
+    def second(heard):
+        seen.append(heard)
+        return 0.0
+
+    spotter = StopSpotter(Encoder(), read_weights(), second=second)
 
     for frame in sound.reshape(-1, FRAME_SAMPLES):
         spotter.heard(frame, 1.0)
@@ -266,7 +293,7 @@ def test_a_second_look_sees_the_last_seconds(monkeypatch):
 
 
 def test_a_second_look_that_fails_is_counted_and_what_is_sure_stops_all_the_same(monkeypatch):
-    looks = iter([MAYBE] * 6 + [HALT] * 6)
+    looks = iter([MAYBE] * 4 + [HALT] * 8)
     monkeypatch.setattr(stop_spotter, "likelihoods", lambda *_: next(looks)[None])
 
     def fails(_):
@@ -276,4 +303,4 @@ def test_a_second_look_that_fails_is_counted_and_what_is_sure_stops_all_the_same
     frames = np.zeros((12 * LOOKS_EVERY, FRAME_SAMPLES), np.int16)
 
     assert sum(spotter.heard(frame, 1.0) for frame in frames) == 1
-    assert spotter.failed == MOST_ASKED
+    assert spotter.failed == 6  # from the first look in doubt to the one that is sure

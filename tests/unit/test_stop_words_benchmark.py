@@ -245,14 +245,14 @@ def test_the_ears_of_the_benchmark_hear_what_the_spotter_hears(monkeypatch):
     rng, hears = np.random.default_rng(3), Loudness()
     levels = np.repeat([0, 9000, 300, 0, 9500, 9000, 0, 6000, 0, 9900, 6500, 0, 6500], 25)
     sound = (rng.choice([-1, 1], (len(levels), FRAME_SAMPLES)) * levels[:, None]).astype(np.int16)
-    weights, asked = dataclasses.replace(read_weights(), threshold=0.8), [[], []]
+    weights, asked = read_weights(), [[], []]
 
-    def confirm(by, heard):
+    def second(by, heard):
         by.append(heard.copy())
-        return np.abs(heard[-FRAME_SAMPLES:]).mean() > 6200
+        return float(np.abs(heard[-FRAME_SAMPLES:]).mean() > 6200)
 
-    ears = stop_words_ears.Ears(hears, weights, partial(confirm, asked[0]), hears)
-    spotter = StopSpotter(hears, weights, confirm=partial(confirm, asked[1]))
+    ears = stop_words_ears.Ears(hears, weights, partial(second, asked[0]), hears)
+    spotter = StopSpotter(hears, weights, second=partial(second, asked[1]))
 
     stopped = [
         (number + 1) * FRAME_S
@@ -260,7 +260,7 @@ def test_the_ears_of_the_benchmark_hear_what_the_spotter_hears(monkeypatch):
         if spotter.heard(frame, hears.probability(frame))
     ]
 
-    assert len(stopped) > 4
+    assert len(stopped) == 5
     assert list(ears.stops(sound.ravel())) == stopped
     assert len(asked[0]) > 4
     np.testing.assert_array_equal(asked[0], asked[1])
@@ -291,14 +291,15 @@ def test_a_false_stop_is_told_with_what_was_said_then(speaker):
 class Looks:
     """Ears that are as sure of every sound."""
 
-    def __init__(self, sure: float) -> None:
+    def __init__(self, sure: float, second: object = None) -> None:
         self._sure = sure
+        self.second = second
 
     def looks(self, _):
         return np.full(1, self._sure)
 
-    def judged(self, looks, threshold):
-        return iter([1.5] if looks[0] >= threshold else [])
+    def judged(self, looks, threshold=0.0, least_odds=0.0):
+        return iter([1.5] if looks[0] >= max(threshold, least_odds) else [])
 
 
 def test_the_threshold_is_chosen_with_what_is_neither_learnt_nor_tested(speaker):
@@ -307,9 +308,13 @@ def test_the_threshold_is_chosen_with_what_is_neither_learnt_nor_tested(speaker)
     found, hours = stop_words_threshold.rows(Looks(0.82), said, 0.001)
 
     assert {clip.voice for clip in said} <= set(voices.kokoro_voices(Half.TUNING))
-    heard = {row.threshold: (row.heard, row.false > 0) for row in found}
+    heard = {row.least: (row.heard, row.false > 0) for row in found}
     assert heard[0.8] == ((3, 3, 3), True)
     assert heard[0.85] == ((0, 0, 0), False)
+    found, hours = stop_words_threshold.rows(Looks(0.15, "somebody"), said, 0.001)
+    heard = {row.least: (row.heard, row.false > 0) for row in found}
+    assert heard[0.13] == ((3, 3, 3), True)
+    assert heard[0.2] == ((0, 0, 0), False)
     shown = list(stop_words_threshold.lines(found, len(said), hours))
     assert "100.0 % (43.9 to 100.0)" in shown[1]
 

@@ -25,7 +25,7 @@ class Spotter:
         self.level, self.forgotten = level, 0
         self._once = OncePerWord(10 * FRAME_S)
 
-    def heard(self, samples, probability):
+    def heard(self, samples, probability, language="en"):
         return self._once.counts(bool(samples[0] == self.level))
 
     def forget(self):
@@ -39,13 +39,13 @@ class Told(Spotter):
         super().__init__()
         self.probabilities = []
 
-    def heard(self, samples, probability):
+    def heard(self, samples, probability, language="en"):
         self.probabilities.append(probability)
         return super().heard(samples, probability)
 
 
 class Broken(Spotter):
-    def heard(self, samples, probability):
+    def heard(self, samples, probability, language="en"):
         raise RuntimeError("bug")
 
 

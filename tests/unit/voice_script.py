@@ -48,7 +48,7 @@ class Vad:
 class Wake:
     phrase = "hey jarvis"
 
-    def heard(self, samples, probability):
+    def heard(self, samples, probability, language="en"):
         return bool(samples[0] == WAKE)
 
     def reset(self):
