@@ -39,7 +39,7 @@ REST_S = 0.6
 ASKS_FROM, MOST_ASKED = 0.3, 8
 """From this likelihood on it asks for a second look, so many times for what may be one word; and
 whenever the network is sure, as of who shouts "stop" again and again."""
-LEAST_ODDS = 0.13
+LEAST_ODDS = 0.02
 """The odds of the network, as 3 for 0.75, times the likelihood of the second look: from here on a
 word counts. By it is chosen how much is heard, and how often it stops for nothing: see
 docs/stop-spotter.md."""

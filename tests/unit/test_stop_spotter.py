@@ -224,7 +224,7 @@ def test_what_is_no_word_needs_no_second_look(judge):
         (MAYBE, 0.5, True),
         (MAYBE, 0.01, False),
         (HALT, 0.01, True),
-        (HALT, 0.001, False),
+        (HALT, 0.0005, False),
         (HALT, 0.0, False),
     ],
 )
