@@ -5,6 +5,7 @@ import pytest
 from listener_rig import frames, loud, noises, says_espeak, says_piper, silence
 
 from edgevox.core.errors import EdgeVoxError
+from edgevox.core.languages import LANGUAGES
 from edgevox.models import locate
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Samples
 from edgevox.voice.stop_encoder import ENCODER, StopEncoder
@@ -17,17 +18,20 @@ SPEAKERS = {"espeak": says_espeak, "piper": says_piper}
 LEAD_S = 1.0
 
 
-def stops(sound: Samples, voice: float | None = None) -> list[float]:
+def stops(sound: Samples, voice: float | None = None, language: str = "en") -> list[float]:
     """When it stops, in seconds after the sound's beginning, with quiet around it.
 
-    `voice` is how likely there is one, else what the detector of voices says.
+    `voice` is how likely there is one, else what the detector of voices says; `language` is what is
+    spoken.
     """
     around = np.concatenate([silence(LEAD_S), sound, silence(0.8)])
     spotter, vad = open_stop_spotter(locate(ENCODER)), SileroVad()
     return [
         one.end_s - LEAD_S
         for one in frames(around)
-        if spotter.heard(one.samples, vad.probability(one.samples) if voice is None else voice)
+        if spotter.heard(
+            one.samples, vad.probability(one.samples) if voice is None else voice, language
+        )
     ]
 
 
@@ -106,6 +110,26 @@ def test_an_english_stop_word_is_heard_in_another_language_and_nothing_else_is(
 def test_noise_stops_nothing(kind, voice):
     """Also while it is awake all the time, as it is while the robot speaks."""
     assert stops(noises(10.0)[kind], voice) == []
+
+
+@pytest.mark.parametrize(
+    ("language", "word", "other"),
+    [
+        ("es", "¡Detente!", "Ve a la cocina."),
+        ("fr", "Arrêtez !", "Va à la cuisine."),
+        ("it", "Fermati!", "Vai in cucina."),
+        ("pt", "Pare!", "Vá para a cozinha."),
+        ("hi", "रुकिए!", "रसोई में जाओ।"),
+        ("ja", "とまれ!", "だいどころにいって。"),
+        ("zh", "站住!", "去厨房。"),
+    ],
+)
+def test_words_of_another_language_are_heard_where_it_is_spoken(language, word, other):
+    spoken = LANGUAGES[language].voices[-1].key
+
+    assert len(stops(says_espeak(word, spoken), language=language)) == 1
+    assert stops(says_espeak(word, spoken), language="en") == []
+    assert stops(says_espeak(other, spoken), language=language) == []
 
 
 @pytest.mark.parametrize("level", [0.0, 10.0, 300.0, 20_000.0])
