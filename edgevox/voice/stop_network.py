@@ -5,7 +5,7 @@ four weighted means over time and the mean of the last 0.16 s, and of those the 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.resources import files
 from io import BytesIO
 from pathlib import Path
@@ -100,36 +100,40 @@ def read_language_weights(file: Path | None = None) -> dict[str, StopWeights]:
     They are of one network, of which each language has its own outputs; nothing is added to the
     encoder for them.
     """
-    data = _arrays(file, LANGUAGES_FILE)
-    return {
-        str(code): language_weights_of(data, str(code)) for code in np.unique(data["languages"])
-    }
+    return language_weights_of(_arrays(file, LANGUAGES_FILE))
 
 
 def weights_of(data: Mapping[str, Any]) -> StopWeights:
     """From the arrays of their file, which keeps them in half precision."""
-    every = np.full(len(data["words"]), True)
-    return _weights(data, every, added_of(data), float(data["threshold"]))
+    words = tuple(str(word) for word in data["words"])
+    return _weights(data, words, added_of(data), float(data["threshold"]))
 
 
-def language_weights_of(data: Mapping[str, Any], language: str) -> StopWeights:
-    """Those of one language, from the arrays of the file of all."""
-    own = data["languages"] == language
-    return _weights(data, own, {}, float(data["thresholds"][own][0]))
+def language_weights_of(data: Mapping[str, Any]) -> dict[str, StopWeights]:
+    """Those of each language, from the arrays of the file of all; they share what is not theirs."""
+    words = tuple(str(word) for word in data["words"])
+    whole = _weights(data, words, {}, 0.0)
+    last = whole.layers["last"]
+    found = {}
+    for language in np.unique(data["languages"]):
+        own = np.flatnonzero(data["languages"] == language)
+        outputs = StopLayer(np.ascontiguousarray(last.weights[:, own]), last.bias[own])
+        found[str(language)] = replace(
+            whole,
+            words=tuple(words[at] for at in own),
+            layers={**whole.layers, "last": outputs},
+            threshold=float(data["thresholds"][own[0]]),
+        )
+    return found
 
 
 def _weights(
-    data: Mapping[str, Any], own: NDArray[np.bool_], added: Mapping[str, Added], threshold: float
+    data: Mapping[str, Any], words: tuple[str, ...], added: Mapping[str, Added], threshold: float
 ) -> StopWeights:
-    """Those with the outputs that are one's `own`."""
-
     def floats(name: str) -> Floats:
         return np.asarray(data[name], np.float32)
 
     layers = {name: StopLayer(floats(name), floats(f"{name}_bias")) for name in _LAYERS}
-    last = layers["last"]
-    layers["last"] = StopLayer(np.ascontiguousarray(last.weights[:, own]), last.bias[own])
-    words = tuple(str(word) for word in data["words"][own])
     place = floats("place")
     return StopWeights(words, floats("scale"), floats("shift"), place, layers, added, threshold)
 

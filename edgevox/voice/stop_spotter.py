@@ -208,12 +208,14 @@ class StopSpotter:
 
 def open_stop_spotter(encoder: Path) -> StopSpotter:
     """With the weights that this package brings, from its encoder's folder."""
-    network, weights, second = _shared(encoder)
-    return StopSpotter(network, weights, second=second.likelihood, others=read_language_weights())
+    network, weights, second, others = _shared(encoder)
+    return StopSpotter(network, weights, second=second.likelihood, others=others)
 
 
 @functools.cache
-def _shared(encoder: Path) -> tuple[StopEncoder, StopWeights, SecondLook]:
-    """One for all who listen; it may be asked from any thread."""
-    weights = read_weights()
-    return StopEncoder(encoder, weights.added), weights, SecondLook(encoder)
+def _shared(
+    encoder: Path,
+) -> tuple[StopEncoder, StopWeights, SecondLook, Mapping[str, StopWeights]]:
+    """One of each for all who listen; it may be asked from any thread."""
+    weights, others = read_weights(), read_language_weights()
+    return StopEncoder(encoder, weights.added), weights, SecondLook(encoder), others

@@ -82,8 +82,8 @@ def install_languages(trained: Path, place: Path, thresholds: Mapping[str, float
     own = np.isin(arrays["languages"], list(thresholds))
     arrays |= {name: arrays[name][..., own] for name in _OF_OUTPUTS}
     arrays["thresholds"] = np.array([thresholds[code] for code in arrays["languages"]])
-    for language in thresholds:
-        _check(trained, language_weights_of(arrays, language))
+    for weights in language_weights_of(arrays).values():
+        _check(trained, weights)
     write_whole(place, lambda out: np.savez(out, **arrays))
 
 

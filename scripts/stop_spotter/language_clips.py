@@ -17,9 +17,8 @@ from acoustics.languages import (
 )
 
 from edgevox.core.language_files import language_file
+from stop_spotter.clips import SPEEDS
 
-SPEEDS = (0.8, 0.9, 1.0, 1.1, 1.25)
-"""Of Kokoro's voices, which say each text at one of them."""
 OF_A_VOICE = {"ends": 6, "within": 1, "alike": 1, "talk": 1}
 """So many of the texts each voice of Kokoro's says that has an accent; a native one says all."""
 READINGS, READ_WORDS = 500, {"ja": 2, "zh": 2}
