@@ -15,13 +15,10 @@ without PyTorch; `benchmarks/noise.py` tells how well it hears then.
 
 import argparse
 import hashlib
-import queue
 import sys
-import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -33,65 +30,36 @@ from hearing_adapter.clips import all_clips
 from whisper_training.whole_file import write_whole
 
 from edgevox.models import locate
-from edgevox.voice.stt.adapter import ADAPTER_FILE, MODEL, SIZE
+from edgevox.voice.stt.adapter import ADAPTER_FILE, MODEL, SIZE, adapter_for
 from edgevox.voice.whisper_file import FILE, UP, NotAWhisperFile, adapted, added_of
-
-if TYPE_CHECKING:
-    from hearing_adapter.batches import Batch, Batches
 
 WHISPER = "whisper-tiny.en"
 PLACE = ROOT / "edgevox" / "voice" / "stt" / ADAPTER_FILE
-STEPS = 1_500
-ANEW_EVERY = 150
-"""After so many batches other noises are made, of the clips that are spoken by then."""
-_WAITING = 3
-ADDED_SHARE = 0.8
+STEPS, UTTERANCES = 5_000, 160
+ADDED_SHARE = 0.85
 """So much of what was learnt is added: less of it than all forgets less of what Whisper knew, and
 more commands of the voices that tune were right.
 """
 
 
-def train(folder: Path, steps: int, only_spoken: bool) -> None:
+def train(folder: Path, asked: argparse.Namespace) -> None:
     """Speak what is not there yet, then learn."""
     import torch
-    from hearing_adapter.batches import Batches
+    from hearing_adapter.batches import Batches, batches
     from hearing_adapter.learning import Learning
 
     torch.set_num_threads(1)
     folder.mkdir(parents=True, exist_ok=True)
-    if not only_spoken:
-        speak(all_clips(), _told)
+    whole = all_clips()
+    if not asked.only_spoken:
+        speak(whole, _told)
+    clips = [clip for clip in whole if clip.is_here]
+    _told(f"{len(clips)} of {len(whole)} clips")
     model = locate(WHISPER)
-    kept = folder / "learning.pt"
-    learning = Learning(model, Batches(model, 0).no_speech, kept, folder / ADAPTER_FILE, steps)
-    learning.learn(_batches(Batches(model, learning.done), learning.done), _told)
-
-
-def _batches(batches: "Batches", seed: int) -> Iterator["Batch"]:
-    """Made on a thread beside the one that learns."""
-    made: queue.Queue[Batch] = queue.Queue(_WAITING)
-
-    def make() -> None:
-        for batch in _made(batches, seed):
-            made.put(batch)
-
-    threading.Thread(target=make, daemon=True).start()
-    while True:
-        yield made.get()
-
-
-def _made(batches: "Batches", seed: int) -> Iterator["Batch"]:
-    from hearing_adapter.utterances import Utterances
-
-    while True:
-        clips = [clip for clip in all_clips() if clip.is_here or clip.engine != "kokoro"]
-        _told(f"{len(clips)} clips")
-        utterances, number = Utterances(clips, seed), 0
-        while number < ANEW_EVERY:
-            for batch in batches.of(utterances):
-                yield batch
-                number += 1
-        seed += 1
+    start = {} if asked.anew else adapter_for(model)
+    learning = Learning(model, folder, asked.steps, device=asked.device, start=start)
+    made = Batches(model, clips, asked.utterances, learning.course.done)
+    learning.learn(batches(made, asked.processes), _told)
 
 
 def install(trained: Path, model: Path, place: Path) -> None:
@@ -122,12 +90,16 @@ def main(arguments: Sequence[str] | None = None, place: Path = PLACE) -> int:
     """Train into the folder, or install what is there; the exit code."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("folder", type=Path, help="where what is learnt goes")
+    parser.add_argument("--anew", action="store_true", help="not from the package's adapter")
     parser.add_argument("--steps", type=int, default=STEPS, help="to learn in all")
+    parser.add_argument("--utterances", type=int, default=UTTERANCES, help="learnt from at once")
+    parser.add_argument("--device", default="cpu", help="PyTorch's name of where it computes")
+    parser.add_argument("--processes", type=int, default=1, help="that make utterances beside it")
     parser.add_argument("--only-spoken", action="store_true", help="only what was spoken before")
     parser.add_argument("--install", action="store_true", help="into this package; trains nothing")
     asked = parser.parse_args(arguments)
     if not asked.install:
-        train(asked.folder, asked.steps, asked.only_spoken)
+        train(asked.folder, asked)
         return 0
     try:
         install(asked.folder / ADAPTER_FILE, locate(WHISPER), place)

@@ -13,12 +13,12 @@ import stop_words
 import stop_words_ears
 import stop_words_sounds
 import stop_words_threshold
-import train_stop_languages
 import train_stop_spotter
 from acoustics import Half, clips, languages, noises, sentences, voices
 from figures import Figure, NotHere, wilson
 from stop_spotter import clips as training_clips
-from stop_spotter import examples, installing, language_clips, looks, texts
+from stop_spotter import examples, installing, language_clips, texts
+from stop_spotter import languages as outputs
 from tables import interval
 
 __all__ = [
@@ -32,14 +32,13 @@ __all__ = [
     "interval",
     "language_clips",
     "languages",
-    "looks",
+    "outputs",
     "sentences",
     "stop_words",
     "stop_words_ears",
     "stop_words_sounds",
     "stop_words_threshold",
     "texts",
-    "train_stop_languages",
     "train_stop_spotter",
     "training_clips",
     "voices",

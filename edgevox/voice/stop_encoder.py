@@ -31,8 +31,8 @@ SAMPLES = WINDOW_SAMPLES + (_ROWS - 1) * HOP_SAMPLES
 """How much sound it looks at, 1.135 s at 16 kHz."""
 STEPS, CHANNELS = _ROWS // 2, 384
 """What comes of that: a step in 20 ms."""
-_RANGE = 8.0  # what is softer than the loudest by more than so many powers of ten is not heard
-_LOUDEST = 0.5  # how loud the loudest always is, in powers of ten
+RANGE = 8.0  # what is softer than the loudest by more than so many powers of ten is not heard
+LOUDEST = 0.5  # how loud the loudest always is, in powers of ten
 _LEAST = 1e-10
 _TAPER = np.hanning(WINDOW_SAMPLES + 1)[:-1].astype(np.float32)
 
@@ -47,8 +47,8 @@ def bands_of(sound: Samples) -> Floats:
     spectrum = np.fft.rfft(windows * _TAPER)
     power = (spectrum.real**2 + spectrum.imag**2).astype(np.float32)
     loudness = np.log10(np.maximum(product(power, _bands()), _LEAST)).T
-    beside = np.maximum(loudness - loudness.max(), -_RANGE)
-    return np.asarray((beside + _LOUDEST + 4) / 4, np.float32)
+    beside = np.maximum(loudness - loudness.max(), -RANGE)
+    return np.asarray((beside + LOUDEST + 4) / 4, np.float32)
 
 
 @functools.cache

@@ -19,9 +19,9 @@ from edgevox.voice.stop_encoder import Floats
 from edgevox.voice.whisper_file import Added, added_of
 
 WEIGHTS_FILE = "stop_spotter.npz"
-"""English, and what is added to the encoder; made by `scripts/train_stop_spotter.py`."""
+"""English, and what is added to the encoder; `scripts/train_stop_spotter.py` makes both files."""
 LANGUAGES_FILE = "stop_spotter_languages.npz"
-"""The other languages, on the encoder of that; made by `scripts/train_stop_languages.py`."""
+"""The other languages, on the encoder of that."""
 LAST_STEPS = 8
 """So many steps at the end are looked at by themselves, too."""
 _LEAST_VARIANCE = 1e-5

@@ -36,7 +36,7 @@ SMOOTHED_LOOKS = 3
 """The mean of so many looks counts: no single one stops a robot."""
 REST_S = 0.6
 """After a word none counts for so long, so that one word is one stop."""
-ASKS_FROM, MOST_ASKED = 0.3, 8
+ASKS_FROM, MOST_ASKED = 0.15, 8
 """From this likelihood on it asks for a second look, so many times for what may be one word; and
 whenever the network is sure, as of who shouts "stop" again and again."""
 LEAST_ODDS = 0.02

@@ -1,82 +1,110 @@
-"""Utterances as Whisper takes them: bands, and the tokens before and of what was said."""
+"""Utterances as Whisper takes them: sounds, and the tokens before and of what was said."""
 
 import random
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import torch
-from faster_whisper.feature_extractor import FeatureExtractor
+from acoustics.clips import Clip
 from faster_whisper.tokenizer import Tokenizer
 from tokenizers import Tokenizer as Words
+from torch.utils.data import DataLoader, IterableDataset, get_worker_info
 
 from edgevox.voice.audio import Samples
-from edgevox.voice.level import FULL_SCALE
+from edgevox.voice.stop_encoder import HOP_SAMPLES
 from hearing_adapter.utterances import Utterance, Utterances, prompt
 
-SIZE, OF_A_KIND, WHOLE = 24, 8, 6
-"""So many utterances are learnt from at once, so many such batches are made of equally long ones,
-and so many utterances at once in Whisper's own 30 s.
+OF_A_KIND, WHOLE = 8, 4
+"""So many batches are made of equally long utterances at once, and of so many times fewer
+utterances are those in Whisper's own 30 s.
 """
+ANEW_EVERY = 150
+"""After so many batches a process makes other noises."""
 WHOLE_SHARE, PROMPT_SHARE = 0.05, 0.75
 ROWS_AFTER = (10, 200)
 """So many rows of 10 ms follow what was heard."""
-_WHOLE_ROWS, _ROW = 3_000, 160
+_WHOLE_ROWS = 3_000
 UNWANTED, AS_TAUGHT = -1, -2
 
 
-@dataclass(frozen=True, slots=True)
-class Batch:
-    """Bands (sounds, bands, rows) as said and as heard; tokens (sounds, tokens), and what follows
-    each: a token, `UNWANTED`, or `AS_TAUGHT` where it is what Whisper makes of the sound as said.
+class Batch(NamedTuple):
+    """Sounds (sounds, samples) as said and as heard, of so many samples each; how many rows of
+    bands are wanted; tokens (sounds, tokens), and what follows each: a token, `UNWANTED`, or
+    `AS_TAUGHT` where it is what Whisper makes of the sound as said.
     """
 
     said: torch.Tensor
     heard: torch.Tensor
+    sizes: torch.Tensor
+    rows: int
     tokens: torch.Tensor
     follow: torch.Tensor
 
 
-class Batches:
-    """Makes batches of utterances for the model in this folder."""
+class Batches(IterableDataset):
+    """Batches of these clips without end, for the model in this folder."""
 
-    def __init__(self, folder: Path, seed: int) -> None:
-        words = Words.from_file(str(folder / "tokenizer.json"))
-        self._tokenizer = Tokenizer(words, False, task="transcribe", language="en")
-        self._features = FeatureExtractor()
+    def __init__(self, folder: Path, clips: Sequence[Clip], size: int, seed: int) -> None:
+        self._tokenizer_file = str(folder / "tokenizer.json")
+        self._clips, self._size, self._seed = clips, size, seed
+
+    def __iter__(self) -> Iterator[Batch]:
+        worker = get_worker_info()
+        number, step = (worker.id, worker.num_workers) if worker else (0, 1)
+        maker = _Maker(tokens_of(self._tokenizer_file), self._size, self._seed + number)
+        seed = self._seed + number
+        while True:
+            utterances, made = Utterances(self._clips, seed), 0
+            while made < ANEW_EVERY:
+                for batch in maker.of(utterances):
+                    yield batch
+                    made += 1
+            seed += step
+
+
+def batches(made: Batches, processes: int) -> Iterator[Batch]:
+    """Made by so many processes beside this one."""
+    return iter(DataLoader(made, batch_size=None, num_workers=processes))
+
+
+class _Maker:
+    """Makes batches of this size."""
+
+    def __init__(self, words: Tokenizer, size: int, seed: int) -> None:
+        self._tokenizer, self._size = words, size
         self._rng, self._drawn = np.random.default_rng((seed, 1)), random.Random(seed)
-
-    @property
-    def no_speech(self) -> int:
-        """The token of a sound in which nobody speaks."""
-        return int(self._tokenizer.no_speech)
 
     def of(self, utterances: Utterances) -> Iterator[Batch]:
         """Some, in no order."""
         made = sorted(
-            (utterances.make() for _ in range(SIZE * OF_A_KIND)), key=lambda one: one.heard.size
+            (utterances.make() for _ in range(self._size * OF_A_KIND)),
+            key=lambda one: one.heard.size,
         )
-        for at in self._rng.permutation(OF_A_KIND) * SIZE:
-            some = made[at : at + SIZE]
+        for at in self._rng.permutation(OF_A_KIND) * self._size:
+            some = made[at : at + self._size]
             if self._rng.random() < WHOLE_SHARE:
-                yield self._batch(some[:WHOLE], _WHOLE_ROWS)
-            rows = some[-1].heard.size // _ROW + int(self._rng.integers(*ROWS_AFTER))
+                yield self._batch(some[: self._size // WHOLE], _WHOLE_ROWS)
+            rows = some[-1].heard.size // HOP_SAMPLES + int(self._rng.integers(*ROWS_AFTER))
             yield self._batch(some, min(rows + rows % 2, _WHOLE_ROWS))
 
-    def _batch(self, some: list[Utterance], rows: int) -> Batch:
+    def _batch(self, some: Sequence[Utterance], rows: int) -> Batch:
+        words = self._tokenizer
         pairs = [self._tokens(one.text) for one in some]
         longest = max(len(before) + len(of_text) for before, of_text in pairs) - 1
-        tokens = np.full((len(some), longest), self._tokenizer.eot)
+        tokens = np.full((len(some), longest), words.eot)
         follow = np.full((len(some), longest), UNWANTED)
         for row, (one, (before, of_text)) in enumerate(zip(some, pairs, strict=True)):
             whole = [*before, *of_text]
             tokens[row, : len(whole) - 1] = whole[:-1]
             follow[row, len(before) - 1 : len(whole) - 1] = of_text
-            follow[row, len(before) - 2] = AS_TAUGHT if one.text else self.no_speech
+            follow[row, len(before) - 2] = AS_TAUGHT if one.text else words.no_speech
         return Batch(
-            torch.from_numpy(np.stack([self._bands(one.said, rows) for one in some])),
-            torch.from_numpy(np.stack([self._bands(one.heard, rows) for one in some])),
+            _together([one.said for one in some]),
+            _together([one.heard for one in some]),
+            torch.tensor([one.heard.size for one in some]),
+            rows,
             torch.from_numpy(tokens),
             torch.from_numpy(follow),
         )
@@ -89,6 +117,14 @@ class Batches:
         of_text = words.encode(f" {text}") if text else []
         return [*before, words.sot, words.no_timestamps], [*of_text, words.eot]
 
-    def _bands(self, sound: Samples, rows: int) -> np.ndarray:
-        found = self._features(sound.astype(np.float32) / FULL_SCALE)[..., :-1]
-        return np.pad(found, ((0, 0), (0, max(0, rows - found.shape[1]))))[:, :rows]
+
+def tokens_of(file: str) -> Tokenizer:
+    """Whisper's tokens of English."""
+    return Tokenizer(Words.from_file(file), False, task="transcribe", language="en")
+
+
+def _together(sounds: Sequence[Samples]) -> torch.Tensor:
+    whole = np.zeros((len(sounds), max(one.size for one in sounds)), np.int16)
+    for row, one in zip(whole, sounds, strict=True):
+        row[: one.size] = one
+    return torch.from_numpy(whole)

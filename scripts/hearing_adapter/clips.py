@@ -25,14 +25,14 @@ _LONG = 60
 class Kind(Enum):
     """What is said, and which share of what is learnt it is."""
 
-    TALK = 0.5
-    COMMAND = 0.36
-    STOP = 0.14
+    TALK = 0.48
+    COMMAND = 0.34
+    STOP = 0.18
 
 
 def kind_of(clip: Clip) -> Kind:
     """Stop words and what sounds like them; talk; what else robots are asked."""
-    if clip.word or clip.text in ALIKE:
+    if clip.word or clip.text in _all_alike():
         return Kind.STOP
     known = clip.text in CHAT or len(clip.text) > _LONG or clip.text in _all_talk()
     return Kind.TALK if known else Kind.COMMAND
@@ -46,6 +46,11 @@ def _talk() -> Sequence[str]:
 @functools.cache
 def _all_talk() -> frozenset[str]:
     return frozenset(_talk())
+
+
+@functools.cache
+def _all_alike() -> frozenset[str]:
+    return frozenset((*ALIKE, *(clip.text for clip in of_spotter.alike_clips())))
 
 
 def all_clips() -> list[Clip]:
@@ -67,7 +72,8 @@ def natural_clips() -> list[Clip]:
             found.append(Clip(voice, text, speed=rng.choice(SPEEDS)))
     said = [*of_spotter.kokoro_clips(), *of_spotter.clips_after_words()]
     beside = [clip for clip in said if clip.engine == "kokoro"]
-    return [*found, *rng.sample(beside, SPOTTER_CLIPS)]
+    alike = [clip for clip in of_spotter.alike_clips() if clip.engine == "kokoro"]
+    return [*found, *rng.sample(beside, SPOTTER_CLIPS), *alike]
 
 
 def espeak_clips() -> list[Clip]:

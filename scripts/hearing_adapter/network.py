@@ -3,17 +3,18 @@
 What the decoder knows of language stays as it is.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 import torch
 from torch import nn
 from torch.nn import functional as nnf
-from whisper_training.encoder import HEADS, LAYERS, Adapted, Encoder
+from whisper_training.encoder import HEADS, LAYERS, Adapted, Encoder, Fixed
 
 from edgevox.voice.stop_encoder import CHANNELS
-from edgevox.voice.whisper_file import arrays
+from edgevox.voice.whisper_file import Added, arrays
 
 _LISTENING = tuple(f"attention/linear_{number}" for number in range(3))
 _REST = ("self_attention/linear_0", "self_attention/linear_1", "ffn/linear_0", "ffn/linear_1")
@@ -22,12 +23,11 @@ _REST = ("self_attention/linear_0", "self_attention/linear_1", "ffn/linear_0", "
 class Decoder(nn.Module):
     """What was heard (sounds, steps, channels) and tokens (sounds, tokens) to scores."""
 
-    def __init__(self, folder: Path, rank: int) -> None:
+    def __init__(self, folder: Path, rank: int, known: Mapping[str, Added]) -> None:
         super().__init__()
         held = {name: torch.from_numpy(one) for name, one in arrays(folder, "decoder/").items()}
-        self.fixed = {name: one for name, one in held.items() if "norm" in name or "pos" in name}
-        self.tokens = held["decoder/embeddings/weight"]
-        self._to_scores = self.tokens.to(torch.bfloat16).T
+        self.fixed = Fixed(held)
+        self.register_buffer("tokens", held["decoder/embeddings/weight"], persistent=False)
         self.names = tuple(
             f"layer_{layer}/{name}" for layer in range(LAYERS) for name in (*_LISTENING, *_REST)
         )
@@ -36,6 +36,7 @@ class Decoder(nn.Module):
                 held[f"decoder/{name}/weight"],
                 held[f"decoder/{name}/bias"],
                 rank if name.partition("/")[2] in _LISTENING else 0,
+                known.get(f"decoder/{name}/weight"),
             )
             for name in self.names
         )
@@ -58,7 +59,7 @@ class Decoder(nn.Module):
             values = values + of[f"{part}attention/linear_2"](_attended(asked, known, said))
             hidden = nnf.gelu(of[f"{part}ffn/linear_0"](self._normed(f"{part}ffn/", values)))
             values = values + of[f"{part}ffn/linear_1"](hidden)
-        return (self._normed("", values)[wanted].to(torch.bfloat16) @ self._to_scores).float()
+        return nnf.linear(self._normed("", values)[wanted], self.tokens).float()
 
     def added(self) -> Iterator[tuple[str, np.ndarray]]:
         """What is added to each array that learns, as two matrices with the names of their file."""
@@ -72,12 +73,20 @@ class Decoder(nn.Module):
 
 
 class Hearing(nn.Module):
-    """Bands (sounds, bands, rows) and tokens to scores."""
+    """Bands (sounds, bands, rows) and tokens to scores. It begins with what is `known` of what is
+    added, by the names of its arrays, else with nothing.
+    """
 
-    def __init__(self, folder: Path, of_encoder: int, of_decoder: int) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        of_encoder: int,
+        of_decoder: int,
+        known: Mapping[str, Added] = MappingProxyType({}),
+    ) -> None:
         super().__init__()
-        self.encoder = Encoder(folder, of_encoder)
-        self.decoder = Decoder(folder, of_decoder)
+        self.encoder = Encoder(folder, of_encoder, known)
+        self.decoder = Decoder(folder, of_decoder, known)
 
     def forward(
         self, bands: torch.Tensor, tokens: torch.Tensor, wanted: torch.Tensor

@@ -85,7 +85,7 @@ class Utterances:
 
     def _babble(self) -> Wave:
         rng, whole = self._rng, _silence(NOISE_S)
-        for _ in range(int(rng.integers(2, 6))):
+        for _ in range(int(rng.integers(1, 6))):
             at, loud = 0, rng.uniform(0.5, 1)
             while at < whole.size:
                 (clip,) = self._sentence()[1]

@@ -1,8 +1,9 @@
 """The clips to train with, by voices of the half to train with; synthesised once, then cached."""
 
+import functools
 import random
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from importlib import resources
 from itertools import zip_longest
 from json import loads
@@ -20,20 +21,57 @@ _SAID = re.compile(r"stop|halt|freez|friez|\bfrees\b|\bstopp", re.IGNORECASE)
 NONE = ""
 READINGS = 2_400
 """Of Python's manual, and of our own sentences."""
-NATURAL_READINGS = 400
+NATURAL_READINGS = 1_600
 """The same by natural voices."""
+ALIKE_EACH, ALIKE_AROUND = (
+    20,
+    ("{}.", "{}!", "A {}.", "My {}.", "That {} again.", "{} it.", "No {}?"),
+)
+"""So many words that sound like a stop word are said by each natural voice, as these."""
 SPEEDS = (0.8, 0.9, 1.0, 1.1, 1.25)
 """Of Kokoro's voices, which say each text at one of them."""
 
 
+@functools.cache
+def _spoken() -> Mapping[str, str]:
+    """English words, and their sounds in the letters of misaki's dictionary, without stress."""
+    file = resources.files("misaki").joinpath("data", "us_gold.json")
+    known = loads(file.read_text("utf-8"))
+    plain = {word: one if isinstance(one, str) else one["DEFAULT"] for word, one in known.items()}
+    return {word: re.sub("[ˈˌː]", "", one or "") for word, one in plain.items()}
+
+
+def _unlike(one: str, other: str) -> int:
+    """How many letters of one are others, too many or too few beside the other (Levenshtein)."""
+    before = [*range(len(other) + 1)]
+    for row, letter in enumerate(one, 1):
+        now = [row]
+        for at, wanted in enumerate(other):
+            now.append(min(before[at + 1] + 1, now[at] + 1, before[at] + (letter != wanted)))
+        before = now
+    return before[-1]
+
+
 def dictionary() -> list[str]:
     """Ordinary English words without a stop word in them."""
-    file = resources.files("misaki").joinpath("data", "us_gold.json")
     return [
         word
-        for word in sorted(loads(file.read_text("utf-8")))
+        for word in sorted(_spoken())
         if word.isalpha() and word.islower() and 2 <= len(word) <= 9 and has_none(word)
     ]
+
+
+def alike() -> list[str]:
+    """Words of the dictionary with all but one or two of a stop word's sounds, the nearest twice.
+
+    Sounds are those of American English; one more, one less or another one in its place counts.
+    """
+    sounds = {word: _spoken()[word] for word in dictionary()}
+    found = []
+    for stop in texts.WORDS:
+        far = {word: _unlike(one, _spoken()[stop]) for word, one in sounds.items()}
+        found += [word for word, n in far.items() for _ in range(3 - n) if n]
+    return [word for word in found if len(word) > 2]
 
 
 def has_none(text: str) -> bool:
@@ -142,6 +180,22 @@ def natural_reading_clips(number: int = NATURAL_READINGS) -> list[Clip]:
     ]  # fmt: skip
 
 
+def alike_clips() -> Iterator[Clip]:
+    """Words that sound like a stop word, by every voice."""
+    rng, known = random.Random(41), alike()
+    for voice in kokoro_voices(Half.TRAIN):
+        for word in rng.sample(known, ALIKE_EACH):
+            yield Clip(voice, _around(rng, word), speed=rng.choice(SPEEDS))
+    for voice in espeak_voices(Half.TRAIN):
+        for word in rng.sample(known, ALIKE_EACH):
+            pitch, speed = rng.randint(20, 85), rng.randint(125, 240)
+            yield Clip(voice, _around(rng, word), pitch=pitch, words_a_minute=speed)
+
+
+def _around(rng: random.Random, word: str) -> str:
+    return rng.choice(ALIKE_AROUND).format(word).capitalize()
+
+
 def manual() -> list[str]:
     """Sentences of Python's manual without a stop word: those of the Python that runs this."""
     text = " ".join("\n".join(topics.values()).split())
@@ -163,3 +217,4 @@ def all_clips() -> Iterator[Clip]:
     yield from kokoro_clips()
     yield from natural_reading_clips()
     yield from clips_after_words()
+    yield from alike_clips()

@@ -1,5 +1,6 @@
 """Examples to learn from: clips among silence and other speech, in rooms and noise."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,10 +22,12 @@ BEFORE_S, PAST_S = 0.05, 0.5
 """A look up to so soon after a word begins does not hear it, nor one so long after its end: a word
 is to be heard once, though it is seen for longer.
 """
+ANYWHERE = 6
+"""So many looks at an example with a word are anywhere, one more where there is none."""
 _LEAD_S, _TAIL_S = 0.6, 0.35
 _FIRST_S = SAMPLES / RATE_HZ + 0.005
 _WITH_WORD = 0.5
-ROOM_SHARE, QUIET_SHARE, SNR_DB = 0.65, 0.2, (-1, 25)
+ROOM_SHARE, QUIET_SHARE, SNR_DB, NOISES = 0.65, 0.2, (-1, 25), 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,15 +60,11 @@ class Example:
         before, after = when_s < self.begins_s + BEFORE_S, when_s > self.ends_s + PAST_S
         return 0 if before or after else IGNORED
 
-    def looked_at(self, when_s: float) -> Samples:
-        """What a look at this time sees."""
-        end = min(int(when_s * RATE_HZ), self.sound.size)
-        return self.sound[end - SAMPLES : end]
-
     def times(self, rng: np.random.Generator) -> list[float]:
-        """When to look at it, where few looks are enough: mostly when the word is to be heard."""
+        """When to look at it: some anywhere, others where the word is to be heard or has been."""
         latest = self.sound.size / RATE_HZ
-        anywhere = [float(when) for when in rng.uniform(_FIRST_S, latest, 2 if self.word else 3)]
+        many = ANYWHERE if self.word else ANYWHERE + 1
+        anywhere = [float(when) for when in rng.uniform(_FIRST_S, latest, many)]
         if not self.word:
             return anywhere
         said = [
@@ -83,11 +82,23 @@ class Example:
         return self.ends_s, self.ends_s + HEARD_S
 
 
-class Examples:
-    """Makes examples of these sounds."""
+def surroundings(rng: np.random.Generator) -> Surroundings:
+    """Where they are heard: noises and rooms to train with."""
+    noises = [
+        noise(kind, 8.0, int(rng.integers(1 << 20)), Half.TRAIN).astype(np.float32)
+        for kind in kinds(Half.TRAIN)
+        for _ in range(NOISES)
+    ]
+    return Surroundings(rng, noises, ROOM_SHARE, QUIET_SHARE, SNR_DB)
 
-    def __init__(self, sounds: list[Sound], seed: int) -> None:
-        self._rng = np.random.default_rng(seed)
+
+class Examples:
+    """Makes examples of these sounds in these surroundings."""
+
+    def __init__(
+        self, sounds: Sequence[Sound], surroundings: Surroundings, rng: np.random.Generator
+    ) -> None:
+        self._rng, self._surroundings = rng, surroundings
         self._words = [
             [s for s in sounds if s.word == number]
             for number in range(1 + max(s.word for s in sounds))
@@ -95,12 +106,6 @@ class Examples:
         self._odds = [
             np.array([s.weight for s in some]) / sum(s.weight for s in some) for some in self._words
         ]
-        noises = [
-            noise(kind, 8.0, 100 * seed + number, Half.TRAIN).astype(np.float32)
-            for kind in kinds(Half.TRAIN)
-            for number in range(6)
-        ]
-        self._surroundings = Surroundings(self._rng, noises, ROOM_SHARE, QUIET_SHARE, SNR_DB)
 
     def make(self) -> Example:
         """The next one."""

@@ -1,11 +1,7 @@
-"""Takes a trained network into the package, where one asks for it: nothing else writes there.
-
-What was trained on from the same beginning hears better as the mean of several than as any of them
-(model soups, Wortsman and others 2022).
-"""
+"""Takes a trained network into the package, where one asks for it: nothing else writes there."""
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -16,6 +12,7 @@ from whisper_training.whole_file import write_whole
 
 from edgevox.voice.stop_encoder import CHANNELS, STEPS
 from edgevox.voice.stop_network import StopWeights, language_weights_of, likelihoods, weights_of
+from edgevox.voice.whisper_file import DOWN, UP
 
 _OF_OUTPUTS = ("last", "last_bias", "words", "languages")
 """The arrays of the other languages whose last axis is that of all outputs."""
@@ -39,31 +36,13 @@ def install(trained: Path, place: Path, threshold: float) -> StopWeights:
     return weights
 
 
-def average(trained: Sequence[Path], place: Path) -> None:
-    """Write the mean of trained networks, with the threshold of the first.
-
-    Raises `NotInstalled`, also where they are not of one shape.
+def encoder_of(arrays: Mapping[str, NDArray[Any]]) -> str:
+    """What tells apart what is added to the encoder, on which other languages are learnt; of the
+    arrays of the English file.
     """
-    all_of_them = [_arrays(one) for one in trained]
-    first = all_of_them[0]
-    shapes = {name: one.shape for name, one in first.items()}
-    for file, arrays in zip(trained, all_of_them, strict=True):
-        if {name: one.shape for name, one in arrays.items()} != shapes:
-            raise NotInstalled(f"{file} has not the arrays of {trained[0]}")
-    means = {
-        name: np.mean([one[name].astype(np.float32) for one in all_of_them], axis=0)
-        for name in first
-        if name not in ("words", "threshold")
-    }
-    kept = {name: one.astype(first[name].dtype) for name, one in means.items()}
-    write_whole(place, lambda out: np.savez(out, **(first | kept)))
-
-
-def encoder_of(weights: StopWeights) -> str:
-    """What tells apart what is added to the encoder, on which other languages are learnt."""
     digest = hashlib.sha256()
-    for name, added in sorted(weights.added.items()):
-        digest.update(name.encode() + added.numbers.tobytes())
+    for name in sorted(name for name in arrays if name.endswith((UP, DOWN))):
+        digest.update(name.encode() + np.asarray(arrays[name], np.float16).tobytes())
     return digest.hexdigest()
 
 

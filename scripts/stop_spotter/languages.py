@@ -1,74 +1,69 @@
-"""The network of the other languages: one for all, of which each language has its own outputs.
+"""Which output of the networks is for which word of which language.
 
-It stands on the encoder of the package's weights, as that has learnt English in noise. Who speaks a
-language is judged by its outputs alone, of which the first is for none of its words.
+English has a network of its own, all other languages one together, of which each has its own
+outputs. Who speaks a language is judged by its outputs alone; the first is for none of its words.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 
-import numpy as np
-import torch
-from acoustics.languages import words
-from numpy.typing import NDArray
-from torch.nn.functional import cross_entropy
-from whisper_training.whole_file import write_whole
+from acoustics import languages as others
+from acoustics.clips import Clip
 
-from edgevox.voice.stop_network import read_weights
-from stop_spotter.installing import encoder_of
-from stop_spotter.looks import Looks
-from stop_spotter.network import Network, layers_of
-from stop_spotter.training import THRESHOLD, learnt
+from stop_spotter import texts
+from stop_spotter.examples import IGNORED, Sound
 
-INNER = 128
-"""More than the English one has: it knows seven times as many words."""
+ENGLISH = "en"
+WEIGHTS = {"kokoro": 4.0, "piper": 4.0, "espeak": 1.0}
+"""How often a clip of an engine is drawn beside the others': there are few natural voices."""
+NATIVE = 2.0
+"""How often a clip of a native voice is drawn beside another of Kokoro's."""
+
+
+def words_of(language: str) -> tuple[str, ...]:
+    """Those that are known by their sound."""
+    return texts.WORDS if language == ENGLISH else others.words(language)
 
 
 class Outputs:
-    """Which output is of which language and word; a look's label is the number of its output."""
+    """Of English and these languages, in this order."""
 
     def __init__(self, languages: Sequence[str]) -> None:
-        named = [(code, word) for code in languages for word in ("", *words(code))]
+        named = [(code, word) for code in (ENGLISH, *languages) for word in ("", *words_of(code))]
         self.languages = [code for code, _ in named]
         self.words = [word for _, word in named]
-        codes = list(dict.fromkeys(self.languages))
-        numbers = torch.tensor([codes.index(code) for code in self.languages])
-        self._others = numbers[:, None] != numbers[None, :]
 
     def __len__(self) -> int:
         return len(self.words)
 
-    def first(self, language: str) -> int:
-        """That for none of its words."""
-        return self.languages.index(language)
+    @property
+    def of_english(self) -> int:
+        """How many are English: the first ones."""
+        return self.languages.count(ENGLISH)
 
-    def loss(self, scores: torch.Tensor, labels: torch.Tensor) -> torch.Tensor:
-        """Of scores (looks, outputs): those of other languages do not count."""
-        return cross_entropy(scores.masked_fill(self._others[labels], -torch.inf), labels)
-
-
-def fit_languages(
-    looks: Mapping[str, Looks], steps: int, file: Path, told: Callable[[str], None]
-) -> None:
-    """Learn from the looks of each language, labelled as in it alone; write what was learnt to its
-    file.
-    """
-    outputs = Outputs(list(looks))
-    drawn = []
-    for language, one in looks.items():
-        labels = (one.labels + outputs.first(language)).astype(np.int8)
-        drawn.append((Looks(one.seen, labels), 1))
-    network = Network(INNER, outputs=len(outputs))
-    learnt(network, drawn, steps, outputs.loss, told, seed=len(drawn))
-    arrays = arrays_of_languages(network.eval(), outputs)
-    write_whole(file, lambda out: np.savez(out, **arrays))
+    def wanted(self, language: str, label: int) -> tuple[int, int]:
+        """Which output a look at an example is to find, of its language and of English, or
+        `IGNORED`. A word that is no English one may sound like one.
+        """
+        if label == IGNORED:
+            return IGNORED, IGNORED
+        own = self.languages.index(language) + label
+        if language == ENGLISH:
+            return IGNORED, own
+        word = self.words[own]
+        if word in ("", *texts.WORDS):
+            return own, self.words.index(word)
+        return own, IGNORED
 
 
-def arrays_of_languages(network: Network, outputs: Outputs) -> dict[str, NDArray]:
-    """What `edgevox/voice/stop_network.py` reads; each language has the threshold to begin with."""
-    return layers_of(network) | {
-        "words": np.array(outputs.words),
-        "languages": np.array(outputs.languages),
-        "thresholds": np.full(len(outputs), THRESHOLD),
-        "encoder": np.array(encoder_of(read_weights())),
-    }
+def sounds_of(language: str, clips: Sequence[Clip]) -> list[Sound]:
+    """The clips in this language, spoken."""
+    known = ("", *words_of(language))
+    return [
+        Sound(clip.samples, known.index(clip.word), clip.within, _weight(language, clip))
+        for clip in clips
+    ]
+
+
+def _weight(language: str, clip: Clip) -> float:
+    native = language != ENGLISH and others.is_native(clip.voice, language)
+    return WEIGHTS[clip.engine] * (NATIVE if native else 1)

@@ -1,93 +1,83 @@
-"""What is learnt from: looks at examples, as they are given on (seen), kept in a folder.
+"""What is learnt from: looks at examples in all languages, made anew by as many processes as asked.
 
-The first round looks a few times at each of many examples. Each later one looks at fewer examples,
-all along, and keeps what the network of the round before got wrong, with a few of the rest.
+A look at an example in another language is judged twice: by the words of that language, and by the
+English ones, which count there, too.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
-from whisper_training.whole_file import write_whole
+import torch
+from torch.utils.data import DataLoader, IterableDataset, get_worker_info
 
-from edgevox.voice.audio import FRAME_SAMPLES, RATE_HZ, Samples
-from edgevox.voice.stop_encoder import SAMPLES, Floats, StopEncoder, bands_of
-from edgevox.voice.stop_network import StopWeights, likelihoods
-from edgevox.voice.stop_spotter import LOOKS_EVERY
-from stop_spotter.examples import IGNORED, Example
+from edgevox.voice.audio import RATE_HZ
+from edgevox.voice.stop_encoder import SAMPLES
+from stop_spotter.examples import IGNORED, Example, Examples, Sound, surroundings
+from stop_spotter.languages import ENGLISH, Outputs
 
-WRONG = 0.1
-"""A look is kept whose likelihood is off by so much."""
-OTHERS = 0.02
-"""The share of all others that is kept, too."""
-_STEP = 2 * LOOKS_EVERY * FRAME_SAMPLES
-
-See = Callable[[Sequence[Samples]], Floats]
-"""What is learnt from, of sounds: what the encoder makes of them, or only their bands."""
+OF_A_BLOCK = 128
+"""So many examples come together."""
+ENGLISH_SHARE = 0.6
+"""Of the examples; each other language has as many as the next."""
 
 
-def bands(sounds: Sequence[Samples]) -> Floats:
-    """For a training of which the encoder is a part: shape (looks, bands, rows)."""
-    return np.stack([bands_of(sound) for sound in sounds])
+class Block(NamedTuple):
+    """Of some examples: sounds (examples, samples); of each look which example it is at, and at
+    which sample it ends; and of each which output it is to find: in the language, and in English,
+    `IGNORED` where nothing is to be judged.
+    """
+
+    sounds: torch.Tensor
+    at: torch.Tensor
+    ends: torch.Tensor
+    own: torch.Tensor
+    english: torch.Tensor
+
+    def looks(self) -> torch.Tensor:
+        """The sound that each looks at, (looks, `SAMPLES`)."""
+        places = self.ends[:, None] + torch.arange(-SAMPLES, 0, device=self.ends.device)
+        return self.sounds[self.at[:, None], places]
 
 
-@dataclass(frozen=True, slots=True)
-class Looks:
-    """Each as it was seen, and its label."""
+class Looks(IterableDataset):
+    """Blocks without end, of the sounds of each language."""
 
-    seen: NDArray[np.float16]
-    labels: NDArray[np.int8]
+    def __init__(self, sounds: Mapping[str, Sequence[Sound]], outputs: Outputs, seed: int) -> None:
+        self._sounds, self._outputs, self._seed = sounds, outputs, seed
 
+    def __iter__(self) -> Iterator[Block]:
+        worker = get_worker_info()
+        rng = np.random.default_rng((self._seed, worker.id if worker else 0))
+        around = surroundings(rng)
+        examples = {code: Examples(some, around, rng) for code, some in self._sounds.items()}
+        languages = [*examples]
+        odds = shares_of(languages)
+        while True:
+            drawn = (languages[n] for n in rng.choice(len(languages), OF_A_BLOCK, p=odds))
+            yield self._block([(one, examples[one].make()) for one in drawn], rng)
 
-def round_file(folder: Path, number: int, what: str = "round") -> Path:
-    """Where the looks of a round are, once all are there; their labels are beside it."""
-    return folder / f"{what}{number}.npy"
-
-
-def read(folder: Path, number: int, what: str = "round") -> Looks:
-    """The looks of a round; what was seen stays on the disk until it is wanted."""
-    file = round_file(folder, number, what)
-    return Looks(np.load(file, mmap_mode="r"), np.load(file.with_suffix(".labels.npy")))
-
-
-Labelled = Iterator[tuple[NDArray[np.float16], int]]
-
-
-def keep(folder: Path, number: int, labelled: Labelled, what: str = "round") -> None:
-    """Write the looks of a round: all of them, or it is not there."""
-    seen, labels = zip(*labelled, strict=True)
-    file = round_file(folder, number, what)
-    np.save(file.with_suffix(".labels.npy"), np.array(labels, np.int8))
-    write_whole(file, lambda out: np.save(out, np.stack(seen)))
-
-
-def some(examples: Iterable[Example], see: See, seed: int) -> Labelled:
-    """A few looks at each example."""
-    rng = np.random.default_rng(seed)
-    for example in examples:
-        labelled = [(when, example.label(when)) for when in example.times(rng)]
-        judged = [(when, label) for when, label in labelled if label != IGNORED]
-        if judged:
-            seen = see([example.looked_at(when) for when, _ in judged])
-            yield from zip(seen.astype(np.float16), (one for _, one in judged), strict=True)
+    def _block(self, some: Sequence[tuple[str, Example]], rng: np.random.Generator) -> Block:
+        found: list[tuple[int, int, int, int]] = []
+        for number, (language, example) in enumerate(some):
+            for when in example.times(rng):
+                label = example.label(when)
+                own, english = self._outputs.wanted(language, label)
+                if (own, english) != (IGNORED, IGNORED):
+                    end = min(int(when * RATE_HZ), example.sound.size)
+                    found.append((number, end, own, english))
+        sounds = np.stack([example.sound for _, example in some])
+        return Block(torch.from_numpy(sounds), *torch.tensor(found).unbind(1))
 
 
-def wrong(
-    examples: Iterable[Example], see: See, encoder: StopEncoder, weights: StopWeights, seed: int
-) -> Labelled:
-    """What a network gets wrong in each example, and a few other looks."""
-    rng = np.random.default_rng(seed)
-    for example in examples:
-        ends = range(SAMPLES + int(rng.integers(_STEP)), example.sound.size + 1, _STEP)
-        labelled = [(end, example.label(end / RATE_HZ)) for end in ends]
-        judged = [(end, label) for end, label in labelled if label != IGNORED]
-        if not judged:
-            continue
-        sounds = [example.sound[end - SAMPLES : end] for end, _ in judged]
-        found = likelihoods(weights, encoder.of(sounds))
-        for (_, label), sound, likely in zip(judged, sounds, found, strict=True):
-            drawn = rng.random() < OTHERS
-            if drawn or 1 - likely[label] > WRONG:
-                yield see([sound])[0].astype(np.float16), label
+def shares_of(languages: Sequence[str]) -> np.ndarray:
+    """How many of the examples are of each language."""
+    others = max(1, len(languages) - 1)
+    odds = np.array([ENGLISH_SHARE if one == ENGLISH else 0.4 / others for one in languages])
+    return odds / odds.sum()
+
+
+def blocks(looks: Looks, processes: int) -> Iterator[Block]:
+    """Made by so many processes beside this one, 0 for none."""
+    more = {"prefetch_factor": 2} if processes else {}
+    return iter(DataLoader(looks, batch_size=None, num_workers=processes, **more))

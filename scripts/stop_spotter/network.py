@@ -1,14 +1,16 @@
 """The network in PyTorch, to learn; `edgevox/voice/stop_network.py` is how it runs."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import torch
 from torch import nn
 
 from edgevox.voice.stop_encoder import CHANNELS, STEPS
-from edgevox.voice.stop_network import LAST_STEPS, StopWeights
-from stop_spotter import texts
+from edgevox.voice.stop_network import LAST_STEPS, StopLayer, StopWeights
 
-INNER, HIDDEN, MEANS, TAPS = 96, 96, 4, 3
+INNER, INNER_OF_LANGUAGES, HIDDEN, MEANS, TAPS = 96, 128, 96, 4, 3
+"""The network of the other languages is wider: it knows seven times as many words."""
 DROPPED = 0.2
 _LAYERS = ("reduce", "first", "second", "attend", "hidden", "last")
 
@@ -16,9 +18,7 @@ _LAYERS = ("reduce", "first", "second", "attend", "hidden", "last")
 class Network(nn.Module):
     """What the encoder made (looks, steps, channels) to scores (looks, outputs)."""
 
-    def __init__(
-        self, inner: int = INNER, hidden: int = HIDDEN, outputs: int = 1 + len(texts.WORDS)
-    ) -> None:
+    def __init__(self, inner: int, outputs: int) -> None:
         super().__init__()
         self.norm = nn.LayerNorm(CHANNELS)
         self.drop = nn.Dropout(DROPPED)
@@ -27,8 +27,8 @@ class Network(nn.Module):
         self.first = nn.Conv1d(inner, inner, TAPS, padding=1)
         self.second = nn.Conv1d(inner, inner, TAPS, padding=1)
         self.attend = nn.Conv1d(inner, MEANS, 1)
-        self.hidden = nn.Linear((MEANS + 1) * inner, hidden)
-        self.last = nn.Linear(hidden, outputs)
+        self.hidden = nn.Linear((MEANS + 1) * inner, HIDDEN)
+        self.last = nn.Linear(HIDDEN, outputs)
 
     def forward(self, encoded: torch.Tensor) -> torch.Tensor:
         normed = self.drop(self.norm(encoded)).transpose(1, 2)
@@ -41,17 +41,7 @@ class Network(nn.Module):
         return self.last(self.drop(torch.relu(self.hidden(self.drop(whole)))))
 
 
-def arrays_of(
-    network: Network, threshold: float, precision: type = np.float16
-) -> dict[str, np.ndarray]:
-    """What `edgevox/voice/stop_network.py` reads, of English words."""
-    packed = layers_of(network, precision)
-    packed["words"] = np.array(["", *texts.WORDS])
-    packed["threshold"] = np.float64(threshold)
-    return packed
-
-
-def layers_of(network: Network, precision: type = np.float16) -> dict[str, np.ndarray]:
+def layers_of(network: Network) -> dict[str, np.ndarray]:
     """Its numbers, by the names that `edgevox/voice/stop_network.py` knows them by."""
     found: dict[str, np.ndarray] = {
         "scale": _numbers(network.norm.weight),
@@ -64,25 +54,29 @@ def layers_of(network: Network, precision: type = np.float16) -> dict[str, np.nd
         if weights.ndim == 3:  # (out, in, taps) of a convolution
             weights = weights.transpose(0, 2, 1).reshape(len(weights), -1)
         found[name], found[f"{name}_bias"] = weights.T, _numbers(layer.bias)
-    return {name: np.ascontiguousarray(array, precision) for name, array in found.items()}
+    return {name: np.ascontiguousarray(array, np.float16) for name, array in found.items()}
 
 
-def network_of(known: StopWeights) -> Network:
-    """One that goes on from weights that run: the other way round than `arrays_of`."""
-    network = Network(known.place.shape[1], known.layers["hidden"].weights.shape[1])
+def load(network: Network, known: Sequence[StopWeights]) -> None:
+    """Let it go on from weights that run, which differ in their outputs alone."""
+    first = known[0]
+    last = [one.layers["last"] for one in known]
+    layers = dict(first.layers)
+    layers["last"] = StopLayer(
+        np.concatenate([one.weights for one in last], 1), np.concatenate([one.bias for one in last])
+    )
     with torch.no_grad():
-        network.norm.weight.copy_(torch.from_numpy(known.scale))
-        network.norm.bias.copy_(torch.from_numpy(known.shift))
-        network.place.copy_(torch.from_numpy(known.place.T.copy()))
+        network.norm.weight.copy_(torch.from_numpy(first.scale))
+        network.norm.bias.copy_(torch.from_numpy(first.shift))
+        network.place.copy_(torch.from_numpy(first.place.T.copy()))
         for name in _LAYERS:
-            layer, held = getattr(network, name), known.layers[name]
+            layer, held = getattr(network, name), layers[name]
             weights = torch.from_numpy(held.weights.T.copy())
             if layer.weight.ndim == 3:  # (out, in, taps) of a convolution
                 weights = weights.unflatten(1, (-1, layer.weight.shape[1])).transpose(1, 2)
             layer.weight.copy_(weights)
             layer.bias.copy_(torch.from_numpy(held.bias))
-    return network
 
 
 def _numbers(tensor: torch.Tensor) -> np.ndarray:
-    return tensor.detach().numpy().astype(np.float64)
+    return tensor.detach().cpu().numpy().astype(np.float64)

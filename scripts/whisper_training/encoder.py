@@ -42,7 +42,9 @@ class Adapted(nn.Module):
         self.down = nn.Parameter(torch.randn(rank, inputs) / math.sqrt(inputs))
         self.up = nn.Parameter(torch.zeros(len(bias), rank))
         if known:
-            self.down.data, self.up.data = torch.from_numpy(known.down), torch.from_numpy(known.up)
+            with torch.no_grad():  # of a lower rank: the rest begins with nothing to add
+                self.down[: len(known.down)] = torch.from_numpy(known.down)
+                self.up[:, : known.up.shape[1]] = torch.from_numpy(known.up)
 
     @property
     def all_weights(self) -> torch.Tensor:
@@ -54,10 +56,23 @@ class Adapted(nn.Module):
     def named(self, name: str) -> Iterator[tuple[str, np.ndarray]]:
         """Both matrices, with the names of their file."""
         for end, half in ((UP, self.up), (DOWN, self.down)):
-            yield f"{name}{end}", half.detach().numpy().astype(np.float64)
+            yield f"{name}{end}", half.detach().cpu().numpy().astype(np.float64)
 
     def convolved(self, values: torch.Tensor, stride: int) -> torch.Tensor:
         return nnf.conv1d(values, self.all_weights, self.bias, stride, padding=1)
+
+
+class Fixed(nn.Module):
+    """Norms and places, which do not learn, by the names of their arrays."""
+
+    def __init__(self, held: Mapping[str, torch.Tensor]) -> None:
+        super().__init__()
+        for name, one in held.items():
+            if "norm" in name or "pos" in name:
+                self.register_buffer(name.replace("/", ":"), one, persistent=False)
+
+    def __getitem__(self, name: str) -> torch.Tensor:
+        return self.get_buffer(name.replace("/", ":"))
 
 
 class Encoder(nn.Module):
@@ -71,7 +86,7 @@ class Encoder(nn.Module):
     ) -> None:
         super().__init__()
         held = {name: torch.from_numpy(one) for name, one in arrays(folder, "encoder/").items()}
-        self.fixed = {name: one for name, one in held.items() if "norm" in name or "pos" in name}
+        self.fixed = Fixed(held)
         self.names = (
             "conv1", "conv2",
             *(f"layer_{layer}/{name}" for layer in range(LAYERS) for name in _NARROW),

@@ -46,6 +46,7 @@ def all_clips(monkeypatch, tmp_path):
         (tmp_path / "voices" / f"{voice.removeprefix('kokoro:')}.bin").touch()
     monkeypatch.setattr(voices, "locate", lambda _: tmp_path)
     monkeypatch.setattr(training_clips, "dictionary", lambda: ["house", "river"] * 9)
+    monkeypatch.setattr(training_clips, "alike", lambda: ["shop", "salt"] * 10)
     monkeypatch.setattr(clips, "SPOTTER_CLIPS", 300)
     return clips.all_clips()
 

@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 from stop_words_rig import (
     Half,
+    examples,
     installing,
     language_clips,
     languages,
+    outputs,
     stop_words_ears,
-    train_stop_languages,
+    train_stop_spotter,
     voices,
 )
 
@@ -22,6 +24,7 @@ from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES
 from edgevox.voice.stop_encoder import CHANNELS, STEPS
 from edgevox.voice.stop_network import (
     LANGUAGES_FILE,
+    WEIGHTS_FILE,
     likelihoods,
     read_language_weights,
     read_weights,
@@ -97,7 +100,10 @@ def test_each_language_is_judged_by_its_own_outputs():
 
 def test_they_were_learnt_on_the_encoder_that_is_here():
     with np.load(SHIPPED) as data:
-        assert str(data["encoder"]) == installing.encoder_of(read_weights())
+        learnt_on = str(data["encoder"])
+
+    with np.load(SHIPPED.with_name(WEIGHTS_FILE)) as english:
+        assert learnt_on == installing.encoder_of(english)
 
 
 def test_words_of_a_language_stop_it_where_that_is_spoken_and_english_ones_everywhere(others):
@@ -185,6 +191,30 @@ def test_who_trains_is_not_who_tests(language, monkeypatch):
     }
 
 
+@pytest.mark.parametrize(
+    ("language", "word", "own", "english"),
+    [
+        ("en", "", None, ""),
+        ("en", "halt", None, "halt"),
+        ("fr", "", "", ""),
+        ("fr", "stop", "stop", "stop"),
+        ("fr", "halte", "halte", None),
+    ],
+)
+def test_what_is_said_in_a_language_is_judged_in_english_too(language, word, own, english):
+    known = outputs.Outputs(["fr"])
+    label = ("", *outputs.words_of(language)).index(word)
+
+    found = known.wanted(language, label)
+
+    assert [None if one == examples.IGNORED else known.words[one] for one in found] == [
+        own,
+        english,
+    ]
+    assert {known.languages[one] for one in found if one != examples.IGNORED} <= {language, "en"}
+    assert known.of_english == len(known) - 5
+
+
 def _texts(texts):
     every = [*texts.alike, *texts.talk]
     for some in (*texts.ends.values(), *texts.within.values()):
@@ -199,14 +229,15 @@ def _key(text):
 
 
 def test_a_language_without_a_threshold_is_left_out(tmp_path):
-    place, (first, second) = tmp_path / "new.npz", KNOWN[:2]
-
+    (tmp_path / "package").mkdir()
+    place, (first, second) = tmp_path / "package" / WEIGHTS_FILE, KNOWN[:2]
     shutil.copy(SHIPPED, tmp_path)
 
     asked = [str(tmp_path), "--install", f"{first}=0.7", f"{second}=0.8"]
-    assert train_stop_languages.main(asked, place) == 0
+    assert train_stop_spotter.main(asked, place) == 0
 
-    found = read_language_weights(place)
+    assert [one.name for one in place.parent.iterdir()] == [LANGUAGES_FILE]
+    found = read_language_weights(place.with_name(LANGUAGES_FILE))
     assert {code: one.threshold for code, one in found.items()} == {first: 0.7, second: 0.8}
     some = np.ones((1, STEPS, CHANNELS), np.float32)
     for code, one in found.items():
