@@ -14,7 +14,7 @@ from typing import Protocol
 from edgevox.core.log import get_logger, worth_a_line
 from edgevox.core.stop_words import STOP_WORDS
 from edgevox.voice.audio import FRAME_S, Samples
-from edgevox.voice.endpoint import ONSET_FRAMES
+from edgevox.voice.endpoint import ONSET_FRAMES, VOICED
 
 log = get_logger(__name__)
 
@@ -62,10 +62,11 @@ class StopWatch:
     def heard(self, samples: Samples, probability: float, *, playing: bool, loud: bool) -> bool:
         """Take the next frame, as the microphone gave it, and how likely it holds any voice.
 
-        `playing`: the robot or its echo may be audible; `loud`: it is louder than that explains.
-        What the probability is of may have been cut out then, so the detector is told of a voice.
+        `playing`: the robot or its echo may be audible; `loud`: it is louder than that explains, as
+        all is while nothing plays: then it takes a voice. What the probability is of may have been
+        cut out while it plays, so the detector is told of one.
         """
-        self._loud.append(loud)
+        self._loud.append(loud and (playing or probability >= VOICED))
         return self._detected(samples, 1.0 if playing else probability) and not (
             playing and self._is_own()
         )

@@ -53,7 +53,8 @@ SecondLikelihood = Callable[[Samples], float]
 class StopJudge:
     """Decides, from what the network says at every look, when a word has been said.
 
-    From its `threshold` on where nobody looks a second time, else by the odds of both.
+    From its `threshold` on where nobody looks a second time, else by the odds of both. What is
+    left of a word that has counted is none, unless the network is sure.
     `likelihood` is how likely one was at the last look, 0 to 1; `word` the one that was said last.
     """
 
@@ -70,6 +71,7 @@ class StopJudge:
         self._words = weights.words
         self._recent: deque[float] = deque(maxlen=SMOOTHED_LOOKS)
         self._asked = 0
+        self._left_over = False
         self._once = OncePerWord(REST_S)
 
     def said(self, look: Floats | None, second: Callable[[], float | None] | None = None) -> bool:
@@ -83,7 +85,9 @@ class StopJudge:
             self.likelihood = sum(self._recent) / SMOOTHED_LOOKS
             if found := self._is_one(second):
                 self.word = self._words[1 + int(np.argmax(look[1:]))]
-        return self._once.counts(found)
+        counts = self._once.counts(found)
+        self._left_over |= counts
+        return counts
 
     @property
     def resting(self) -> bool:
@@ -94,11 +98,12 @@ class StopJudge:
         if second is None:
             return self.likelihood >= self.threshold
         if self.likelihood < ASKS_FROM:
-            self._asked = 0
+            self._asked, self._left_over = 0, False
             return False
         self._asked += 1
         sure = self.likelihood >= self.threshold
-        if self._once.resting or (self._asked > MOST_ASKED and not sure):
+        doubted = self._left_over or self._asked > MOST_ASKED
+        if self._once.resting or (doubted and not sure):
             return False
         found = second()
         if found is None:
@@ -109,7 +114,7 @@ class StopJudge:
     def rest(self) -> None:
         """Nobody speaks: what was looked at before does not count any more."""
         self._recent.clear()
-        self.likelihood, self._asked = 0.0, 0
+        self.likelihood, self._asked, self._left_over = 0.0, 0, False
         self._once.counts(False)
 
     def forget(self) -> None:

@@ -274,6 +274,20 @@ def test_once_a_word_has_stopped_it_nobody_looks_again_at_what_is_left_of_it(jud
     assert len(asked) == 1
 
 
+def test_what_is_left_of_a_word_does_not_stop_it_again(judge):
+    def stops(look, frames):
+        return sum(judge.said(look, lambda: 1.0) for _ in range(frames))
+
+    long = 2 * int(REST_S / FRAME_S)
+
+    assert stops(HALT, 6) == 1
+    assert stops(MAYBE, long) == 0
+    assert stops(HALT, 6) == 1, "somebody says it again"
+    assert stops(MAYBE, long) == 0
+    assert stops(NOTHING, 3) == 0
+    assert stops(MAYBE, 6) == 1
+
+
 def test_a_second_look_sees_the_last_seconds(monkeypatch):
     monkeypatch.setattr(stop_spotter, "likelihoods", lambda *_: MAYBE[None])
     seen, sound = [], hiss(100 * FRAME_SAMPLES)

@@ -1,14 +1,15 @@
 """The stop word spotter in the listener, scripted: the word is a frame whose samples are 9000."""
 
+import numpy as np
 import pytest
 from voice_script import VOICE, Script, Stt, Vad, Wake, spoken
 
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Heard, StopSpotted, Transcribing
-from edgevox.voice.audio import FRAME_S
+from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES
 from edgevox.voice.listener import Listener
 from edgevox.voice.once_per_word import OncePerWord
-from edgevox.voice.stop_detector import may_stop
+from edgevox.voice.stop_detector import WORD_S, StopWatch, may_stop
 
 STOP = 9000
 QUIET_WORD = 3000
@@ -230,3 +231,17 @@ def test_where_the_echo_is_cancelled_elsewhere_every_stop_word_counts():
 )
 def test_what_it_says_may_sound_like_a_stop_word(language, text, may):
     assert may_stop(text, language) is may
+
+
+@pytest.mark.parametrize(("probability", "stops"), [(0.0, False), (0.9, True)])
+def test_what_is_heard_before_the_robot_speaks_is_somebody_only_with_a_voice_in_it(
+    probability, stops
+):
+    """All passes the gate while nothing plays: silence before "Stopped." is no person."""
+    watch = StopWatch(Spotter(), saying=lambda: "Stopped.", language=lambda: "en")
+    silence, word = (np.full(FRAME_SAMPLES, level, np.int16) for level in (0, STOP))
+
+    for _ in range(round(WORD_S / FRAME_S)):
+        assert not watch.heard(silence, probability, playing=False, loud=True)
+
+    assert watch.heard(word, 0.9, playing=True, loud=False) is stops
