@@ -54,7 +54,7 @@ def test_a_motion_whose_words_are_not_sure_is_asked_about(rig):
 def test_a_command_among_what_else_may_have_been_said_is_done_where_the_likeliest_means_nothing(
     rig,
 ):
-    rig.hears("get your employees", others=[("go to the kitchen", 0.3, 0.8)])
+    rig.hears("get your employees", others=[("go to the kitchen", 0.3, 0.85)])
 
     assert rig.body.moves == ["kitchen"]
 
@@ -63,7 +63,7 @@ def test_a_command_among_what_else_may_have_been_said_is_done_where_the_likelies
     ("others", "what"),
     [
         ([("go to the kitchen", 0.3, 0.5)], "hardly heard"),
-        ([("go to the kitchen", 0.3, 0.8), ("go to the office", 0.1, 0.8)], "contested"),
+        ([("go to the kitchen", 0.3, 0.85), ("go to the office", 0.1, 0.85)], "contested"),
     ],
 )
 def test_it_is_asked_about_where_it_was(rig, others, what):
@@ -74,7 +74,7 @@ def test_it_is_asked_about_where_it_was(rig, others, what):
 @pytest.mark.parametrize(
     ("said", "others"),
     [
-        ("get your employees", [("go to the kitchen", 0.1, 0.8)]),
+        ("get your employees", [("go to the kitchen", 0.1, 0.85)]),
         ("do not go to the kitchen", [("go to the kitchen", 0.45, 0.9)]),
         ("where are you", [("go to the kitchen", 0.45, 0.9)]),
     ],
