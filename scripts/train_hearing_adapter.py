@@ -1,6 +1,6 @@
 """Train the adapter with which Whisper hears through noise, into a folder of one's own.
 
-    python scripts/train_hearing_adapter.py FOLDER [--only-spoken]
+    python scripts/train_hearing_adapter.py FOLDER [--anew] [--device cuda] [--processes 8]
     python scripts/train_hearing_adapter.py FOLDER --install
 
 Needs PyTorch, which nothing else here does: `pip install torch` into an environment of its own that
@@ -27,6 +27,7 @@ sys.path[:0] = [str(ROOT / "benchmarks"), str(ROOT / "scripts")]
 
 from acoustics.clips import speak
 from hearing_adapter.clips import all_clips
+from whisper_training.options import add_options
 from whisper_training.whole_file import write_whole
 
 from edgevox.models import locate
@@ -45,8 +46,9 @@ more commands of the voices that tune were right.
 def train(folder: Path, asked: argparse.Namespace) -> None:
     """Speak what is not there yet, then learn."""
     import torch
-    from hearing_adapter.batches import Batches, batches
+    from hearing_adapter.batches import Batches
     from hearing_adapter.learning import Learning
+    from whisper_training.making import made_beside
 
     torch.set_num_threads(1)
     folder.mkdir(parents=True, exist_ok=True)
@@ -59,7 +61,7 @@ def train(folder: Path, asked: argparse.Namespace) -> None:
     start = {} if asked.anew else adapter_for(model)
     learning = Learning(model, folder, asked.steps, device=asked.device, start=start)
     made = Batches(model, clips, asked.utterances, learning.course.done)
-    learning.learn(batches(made, asked.processes), _told)
+    learning.learn(made_beside(made, asked.processes), _told)
 
 
 def install(trained: Path, model: Path, place: Path) -> None:
@@ -90,12 +92,8 @@ def main(arguments: Sequence[str] | None = None, place: Path = PLACE) -> int:
     """Train into the folder, or install what is there; the exit code."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("folder", type=Path, help="where what is learnt goes")
-    parser.add_argument("--anew", action="store_true", help="not from the package's adapter")
-    parser.add_argument("--steps", type=int, default=STEPS, help="to learn in all")
+    add_options(parser, STEPS)
     parser.add_argument("--utterances", type=int, default=UTTERANCES, help="learnt from at once")
-    parser.add_argument("--device", default="cpu", help="PyTorch's name of where it computes")
-    parser.add_argument("--processes", type=int, default=1, help="that make utterances beside it")
-    parser.add_argument("--only-spoken", action="store_true", help="only what was spoken before")
     parser.add_argument("--install", action="store_true", help="into this package; trains nothing")
     asked = parser.parse_args(arguments)
     if not asked.install:

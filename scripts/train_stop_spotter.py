@@ -1,8 +1,8 @@
 """Train the stop word spotter, of all its languages, into a folder of one's own.
 
     python scripts/train_stop_spotter.py FOLDER [--anew] [--device cuda] [--processes 8]
-    python scripts/train_stop_spotter.py FOLDER --install --threshold 0.93
-    python scripts/train_stop_spotter.py FOLDER --install es=0.95 fr=0.95
+    python scripts/train_stop_spotter.py FOLDER --install --threshold 0.8
+    python scripts/train_stop_spotter.py FOLDER --install es=0.7 fr=0.9
 
 Needs PyTorch, which nothing else here does: `pip install torch` into an environment of its own that
 sees this one's packages. Speaks with espeak-ng, Piper and Kokoro, which takes hours the first time,
@@ -34,6 +34,7 @@ from stop_spotter import clips as of_english
 from stop_spotter.installing import NotInstalled, install, install_languages
 from stop_spotter.language_clips import language_clips
 from stop_spotter.languages import ENGLISH, Outputs, sounds_of
+from whisper_training.options import add_options
 
 from edgevox.models import locate
 from edgevox.voice.stop_encoder import ENCODER
@@ -62,7 +63,8 @@ def train(folder: Path, asked: argparse.Namespace) -> None:
     """Speak what is not there yet, then let the encoder and the networks learn."""
     import torch
     from stop_spotter.learning import Learning
-    from stop_spotter.looks import Looks, blocks
+    from stop_spotter.looks import Looks
+    from whisper_training.making import made_beside
 
     torch.set_num_threads(1)
     folder.mkdir(parents=True, exist_ok=True)
@@ -81,7 +83,7 @@ def train(folder: Path, asked: argparse.Namespace) -> None:
         looks=asked.looks, device=asked.device, start=start,
     )  # fmt: skip
     made = Looks(sounds, outputs, SEED + learning.course.done)
-    learning.learn(blocks(made, asked.processes), told)
+    learning.learn(made_beside(made, asked.processes), told)
 
 
 def told(line: str) -> None:
@@ -93,12 +95,8 @@ def main(arguments: Sequence[str] | None = None, place: Path = PLACE) -> int:
     """Train into the folder, or install what is there; the exit code."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("folder", type=Path, help="where networks go")
-    parser.add_argument("--anew", action="store_true", help="not from the package's weights")
-    parser.add_argument("--steps", type=int, default=STEPS, help="to learn in all")
+    add_options(parser, STEPS)
     parser.add_argument("--looks", type=int, default=LOOKS, help="heard at each step")
-    parser.add_argument("--device", default="cpu", help="PyTorch's name of where it computes")
-    parser.add_argument("--processes", type=int, default=1, help="that make examples beside it")
-    parser.add_argument("--only-spoken", action="store_true", help="only what was spoken before")
     parser.add_argument(
         "--install", nargs="*", type=_threshold, metavar="LANGUAGE=THRESHOLD",
         help="into this package; trains nothing",

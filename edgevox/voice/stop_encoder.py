@@ -33,7 +33,7 @@ STEPS, CHANNELS = _ROWS // 2, 384
 """What comes of that: a step in 20 ms."""
 RANGE = 8.0  # what is softer than the loudest by more than so many powers of ten is not heard
 LOUDEST = 0.5  # how loud the loudest always is, in powers of ten
-_LEAST = 1e-10
+LEAST = 1e-10  # what is softer is as soft as this
 _TAPER = np.hanning(WINDOW_SAMPLES + 1)[:-1].astype(np.float32)
 
 
@@ -46,7 +46,7 @@ def bands_of(sound: Samples) -> Floats:
     windows = np.lib.stride_tricks.sliding_window_view(scaled, WINDOW_SAMPLES)[::HOP_SAMPLES]
     spectrum = np.fft.rfft(windows * _TAPER)
     power = (spectrum.real**2 + spectrum.imag**2).astype(np.float32)
-    loudness = np.log10(np.maximum(product(power, _bands()), _LEAST)).T
+    loudness = np.log10(np.maximum(product(power, _bands()), LEAST)).T
     beside = np.maximum(loudness - loudness.max(), -RANGE)
     return np.asarray((beside + LOUDEST + 4) / 4, np.float32)
 

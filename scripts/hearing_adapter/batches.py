@@ -10,7 +10,7 @@ import torch
 from acoustics.clips import Clip
 from faster_whisper.tokenizer import Tokenizer
 from tokenizers import Tokenizer as Words
-from torch.utils.data import DataLoader, IterableDataset, get_worker_info
+from torch.utils.data import IterableDataset, get_worker_info
 
 from edgevox.voice.audio import Samples
 from edgevox.voice.stop_encoder import HOP_SAMPLES
@@ -43,7 +43,7 @@ class Batch(NamedTuple):
     follow: torch.Tensor
 
 
-class Batches(IterableDataset):
+class Batches(IterableDataset[Batch]):
     """Batches of these clips without end, for the model in this folder."""
 
     def __init__(self, folder: Path, clips: Sequence[Clip], size: int, seed: int) -> None:
@@ -62,11 +62,6 @@ class Batches(IterableDataset):
                     yield batch
                     made += 1
             seed += step
-
-
-def batches(made: Batches, processes: int) -> Iterator[Batch]:
-    """Made by so many processes beside this one."""
-    return iter(DataLoader(made, batch_size=None, num_workers=processes))
 
 
 class _Maker:

@@ -27,7 +27,7 @@ _TOLD_EVERY, _KEPT_EVERY = 20, 50
 
 
 class Learning:
-    """A training that goes on where it was cut off, and writes what it learnt to `weights`."""
+    """A training that goes on from its file, `learning.pt` in this folder."""
 
     def __init__(
         self,

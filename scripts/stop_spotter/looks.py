@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 import torch
-from torch.utils.data import DataLoader, IterableDataset, get_worker_info
+from torch.utils.data import IterableDataset, get_worker_info
 
 from edgevox.voice.audio import RATE_HZ
 from edgevox.voice.stop_encoder import SAMPLES
@@ -40,7 +40,7 @@ class Block(NamedTuple):
         return self.sounds[self.at[:, None], places]
 
 
-class Looks(IterableDataset):
+class Looks(IterableDataset[Block]):
     """Blocks without end, of the sounds of each language."""
 
     def __init__(self, sounds: Mapping[str, Sequence[Sound]], outputs: Outputs, seed: int) -> None:
@@ -72,12 +72,6 @@ class Looks(IterableDataset):
 
 def shares_of(languages: Sequence[str]) -> np.ndarray:
     """How many of the examples are of each language."""
-    others = max(1, len(languages) - 1)
-    odds = np.array([ENGLISH_SHARE if one == ENGLISH else 0.4 / others for one in languages])
+    other = (1 - ENGLISH_SHARE) / max(1, len(languages) - 1)
+    odds = np.array([ENGLISH_SHARE if one == ENGLISH else other for one in languages])
     return odds / odds.sum()
-
-
-def blocks(looks: Looks, processes: int) -> Iterator[Block]:
-    """Made by so many processes beside this one, 0 for none."""
-    more = {"prefetch_factor": 2} if processes else {}
-    return iter(DataLoader(looks, batch_size=None, num_workers=processes, **more))

@@ -7,9 +7,8 @@ from faster_whisper.feature_extractor import FeatureExtractor
 from torch.nn.functional import pad
 
 from edgevox.voice.level import FULL_SCALE
-from edgevox.voice.stop_encoder import BANDS, HOP_SAMPLES, LOUDEST, RANGE, WINDOW_SAMPLES
+from edgevox.voice.stop_encoder import BANDS, HOP_SAMPLES, LEAST, LOUDEST, RANGE, WINDOW_SAMPLES
 
-_LEAST = 1e-10
 _AFTER_SAMPLES = 160
 
 
@@ -49,4 +48,4 @@ class Bands:
         windows = scaled.unfold(1, WINDOW_SAMPLES, HOP_SAMPLES)
         spectrum = torch.fft.rfft(windows * self._taper)
         power = spectrum.real**2 + spectrum.imag**2
-        return (power @ self._filters).clamp(min=_LEAST).log10().transpose(1, 2)
+        return (power @ self._filters).clamp(min=LEAST).log10().transpose(1, 2)
