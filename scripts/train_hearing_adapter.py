@@ -25,8 +25,11 @@ import numpy as np
 ROOT = Path(__file__).parents[1]
 sys.path[:0] = [str(ROOT / "benchmarks"), str(ROOT / "scripts")]
 
+from acoustics import Half
 from acoustics.clips import speak
+from acoustics.noises import BABBLE, kinds
 from hearing_adapter.clips import all_clips
+from hearing_adapter.utterances import NOISE_S
 from whisper_training.options import add_options
 from whisper_training.whole_file import write_whole
 
@@ -37,6 +40,7 @@ from edgevox.voice.whisper_file import FILE, UP, NotAWhisperFile, adapted, added
 WHISPER = "whisper-tiny.en"
 PLACE = ROOT / "edgevox" / "voice" / "stt" / ADAPTER_FILE
 STEPS, UTTERANCES = 5_000, 160
+NOISES_OF_A_KIND, NATURAL_BABBLES, SEED = 24, 48, 1
 ADDED_SHARE = 0.85
 """So much of what was learnt is added: less of it than all forgets less of what Whisper knew, and
 more commands of the voices that tune were right.
@@ -46,9 +50,10 @@ more commands of the voices that tune were right.
 def train(folder: Path, asked: argparse.Namespace) -> None:
     """Speak what is not there yet, then learn."""
     import torch
-    from hearing_adapter.batches import Batches
+    from hearing_adapter.batches import Babbles, Batches
     from hearing_adapter.learning import Learning
-    from whisper_training.making import made_beside
+    from whisper_training.making import all_made_beside, made_beside
+    from whisper_training.surroundings import Noises
 
     torch.set_num_threads(1)
     folder.mkdir(parents=True, exist_ok=True)
@@ -58,8 +63,11 @@ def train(folder: Path, asked: argparse.Namespace) -> None:
     clips = [clip for clip in whole if clip.is_here]
     _told(f"{len(clips)} of {len(whole)} clips")
     model = locate(WHISPER)
+    every = [*kinds(Half.TRAIN), BABBLE]  # babble twice
+    around = Noises(every, NOISES_OF_A_KIND, NOISE_S, SEED), Babbles(clips, NATURAL_BABBLES)
+    noises = torch.cat([all_made_beside(some, asked.processes) for some in around])
     start = {} if asked.anew else adapter_for(model)
-    learning = Learning(model, folder, asked.steps, device=asked.device, start=start)
+    learning = Learning(model, folder, asked.steps, noises=noises, device=asked.device, start=start)
     made = Batches(model, clips, asked.utterances, learning.course.done)
     learning.learn(made_beside(made, asked.processes), _told)
 

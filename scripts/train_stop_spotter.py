@@ -27,8 +27,10 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 sys.path[:0] = [str(ROOT / "benchmarks"), str(ROOT / "scripts")]
 
+from acoustics import Half
 from acoustics.clips import Clip, speak
 from acoustics.languages import languages
+from acoustics.noises import kinds
 from hearing_adapter.clips import natural_clips
 from stop_spotter import clips as of_english
 from stop_spotter.installing import NotInstalled, install, install_languages
@@ -46,7 +48,8 @@ from edgevox.voice.stop_network import (
 )
 
 PLACE = ROOT / "edgevox" / "voice" / WEIGHTS_FILE
-STEPS, LOOKS = 3_000, 4_096
+STEPS, LOOKS = 5_000, 4_096
+NOISES_OF_A_KIND, NOISE_S = 48, 8.0
 SEED = 1
 
 
@@ -64,7 +67,8 @@ def train(folder: Path, asked: argparse.Namespace) -> None:
     import torch
     from stop_spotter.learning import Learning
     from stop_spotter.looks import Looks
-    from whisper_training.making import made_beside
+    from whisper_training.making import all_made_beside, made_beside
+    from whisper_training.surroundings import Noises
 
     torch.set_num_threads(1)
     folder.mkdir(parents=True, exist_ok=True)
@@ -77,10 +81,12 @@ def train(folder: Path, asked: argparse.Namespace) -> None:
         told(f"{language}: {len(some)} of {len(clips[language])} clips")
     sounds = {language: sounds_of(language, some) for language, some in spoken.items()}
     outputs = Outputs(sorted(languages()))
+    around = Noises(kinds(Half.TRAIN), NOISES_OF_A_KIND, NOISE_S, SEED)
+    noises = all_made_beside(around, asked.processes)
     start = None if asked.anew else (read_weights(), read_language_weights())
     learning = Learning(
         locate(ENCODER), outputs, folder, asked.steps,
-        looks=asked.looks, device=asked.device, start=start,
+        looks=asked.looks, noises=noises, device=asked.device, start=start,
     )  # fmt: skip
     made = Looks(sounds, outputs, SEED + learning.course.done)
     learning.learn(made_beside(made, asked.processes), told)

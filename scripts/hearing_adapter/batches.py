@@ -1,4 +1,4 @@
-"""Utterances as Whisper takes them: sounds, and the tokens before and of what was said."""
+"""Utterances as Whisper takes them: what is said, and the tokens before and of it."""
 
 import random
 from collections.abc import Iterator, Sequence
@@ -10,9 +10,9 @@ import torch
 from acoustics.clips import Clip
 from faster_whisper.tokenizer import Tokenizer
 from tokenizers import Tokenizer as Words
-from torch.utils.data import IterableDataset, get_worker_info
+from torch.utils.data import Dataset, IterableDataset, get_worker_info
+from whisper_training.tracks import Wave
 
-from edgevox.voice.audio import Samples
 from edgevox.voice.stop_encoder import HOP_SAMPLES
 from hearing_adapter.utterances import Utterance, Utterances, prompt
 
@@ -20,23 +20,22 @@ OF_A_KIND, WHOLE = 8, 4
 """So many batches are made of equally long utterances at once, and of so many times fewer
 utterances are those in Whisper's own 30 s.
 """
-ANEW_EVERY = 150
-"""After so many batches a process makes other noises."""
 WHOLE_SHARE, PROMPT_SHARE = 0.05, 0.75
 ROWS_AFTER = (10, 200)
 """So many rows of 10 ms follow what was heard."""
 _WHOLE_ROWS = 3_000
 UNWANTED, AS_TAUGHT = -1, -2
+OF_A_BABBLE = 40
+"""So many clips are in it."""
 
 
 class Batch(NamedTuple):
-    """Sounds (sounds, samples) as said and as heard, of so many samples each; how many rows of
-    bands are wanted; tokens (sounds, tokens), and what follows each: a token, `UNWANTED`, or
-    `AS_TAUGHT` where it is what Whisper makes of the sound as said.
+    """What is said (sounds, samples), of so many samples each; how many rows of bands are wanted;
+    tokens (sounds, tokens), and what follows each: a token, `UNWANTED`, or `AS_TAUGHT` where it is
+    what Whisper makes of the clean sound.
     """
 
-    said: torch.Tensor
-    heard: torch.Tensor
+    tracks: torch.Tensor
     sizes: torch.Tensor
     rows: int
     tokens: torch.Tensor
@@ -52,16 +51,27 @@ class Batches(IterableDataset[Batch]):
 
     def __iter__(self) -> Iterator[Batch]:
         worker = get_worker_info()
-        number, step = (worker.id, worker.num_workers) if worker else (0, 1)
-        maker = _Maker(tokens_of(self._tokenizer_file), self._size, self._seed + number)
-        seed = self._seed + number
+        seed = self._seed + (worker.id if worker else 0)
+        maker = _Maker(tokens_of(self._tokenizer_file), self._size, seed)
+        utterances = Utterances(self._clips, seed)
         while True:
-            utterances, made = Utterances(self._clips, seed), 0
-            while made < ANEW_EVERY:
-                for batch in maker.of(utterances):
-                    yield batch
-                    made += 1
-            seed += step
+            yield from maker.of(utterances)
+
+
+class Babbles(Dataset[torch.Tensor]):
+    """So many natural voices that talk at once, of these clips, each made when it is asked for."""
+
+    def __init__(self, clips: Sequence[Clip], many: int) -> None:
+        self._clips, self._many = [clip for clip in clips if clip.engine == "kokoro"], many
+
+    def __len__(self) -> int:
+        return self._many
+
+    def __getitem__(self, number: int) -> torch.Tensor:
+        if number >= self._many:
+            raise IndexError(number)
+        some = random.Random(number).choices(self._clips, k=OF_A_BABBLE)
+        return torch.from_numpy(Utterances(some, number).babble())
 
 
 class _Maker:
@@ -75,13 +85,13 @@ class _Maker:
         """Some, in no order."""
         made = sorted(
             (utterances.make() for _ in range(self._size * OF_A_KIND)),
-            key=lambda one: one.heard.size,
+            key=lambda one: one.track.size,
         )
         for at in self._rng.permutation(OF_A_KIND) * self._size:
             some = made[at : at + self._size]
             if self._rng.random() < WHOLE_SHARE:
                 yield self._batch(some[: self._size // WHOLE], _WHOLE_ROWS)
-            rows = some[-1].heard.size // HOP_SAMPLES + int(self._rng.integers(*ROWS_AFTER))
+            rows = some[-1].track.size // HOP_SAMPLES + int(self._rng.integers(*ROWS_AFTER))
             yield self._batch(some, min(rows + rows % 2, _WHOLE_ROWS))
 
     def _batch(self, some: Sequence[Utterance], rows: int) -> Batch:
@@ -96,9 +106,8 @@ class _Maker:
             follow[row, len(before) - 1 : len(whole) - 1] = of_text
             follow[row, len(before) - 2] = AS_TAUGHT if one.text else words.no_speech
         return Batch(
-            _together([one.said for one in some]),
-            _together([one.heard for one in some]),
-            torch.tensor([one.heard.size for one in some]),
+            _together([one.track for one in some]),
+            torch.tensor([one.track.size for one in some]),
             rows,
             torch.from_numpy(tokens),
             torch.from_numpy(follow),
@@ -118,8 +127,8 @@ def tokens_of(file: str) -> Tokenizer:
     return Tokenizer(Words.from_file(file), False, task="transcribe", language="en")
 
 
-def _together(sounds: Sequence[Samples]) -> torch.Tensor:
-    whole = np.zeros((len(sounds), max(one.size for one in sounds)), np.int16)
-    for row, one in zip(whole, sounds, strict=True):
+def _together(tracks: Sequence[Wave]) -> torch.Tensor:
+    whole = np.zeros((len(tracks), max(one.size for one in tracks)), np.float16)
+    for row, one in zip(whole, tracks, strict=True):
         row[: one.size] = one
     return torch.from_numpy(whole)

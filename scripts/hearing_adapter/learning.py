@@ -12,8 +12,10 @@ import torch
 from torch.nn.functional import cross_entropy, kl_div, log_softmax
 from whisper_training.bands import Bands
 from whisper_training.course import Course
+from whisper_training.surroundings import Place, Surroundings
 from whisper_training.whole_file import write_whole
 
+from edgevox.voice.level import FULL_SCALE
 from edgevox.voice.stt.adapter import ADAPTER_FILE
 from edgevox.voice.whisper_file import Added
 from hearing_adapter.batches import AS_TAUGHT, UNWANTED, Batch, tokens_of
@@ -23,6 +25,9 @@ RANK_OF_ENCODER, RANK_OF_DECODER = 16, 8
 FASTEST, SLOWEST, SMOOTHED = 1e-3, 0.01, 0.02
 TAUGHT_EVERY, TAUGHT_SHARE = 2, 0.5
 """At every second step half of what is learnt is how sure Whisper is of the clean sound."""
+PLACE = Place(room_share=0.8, quiet_share=0.12, snr_db=(1, 20))
+CLEAN_DB, FLOOR_DB = -26.0, -80.0
+"""How loud a clean sound is of full scale, and what any microphone rustles."""
 _TOLD_EVERY, _KEPT_EVERY = 20, 50
 
 
@@ -35,11 +40,13 @@ class Learning:
         folder: Path,
         steps: int,
         *,
+        noises: torch.Tensor,
         device: str = "cpu",
         start: Mapping[str, Added] = MappingProxyType({}),
     ) -> None:
         torch.manual_seed(7)
         self._device, self._bands = device, Bands(device)
+        self._surroundings = Surroundings(PLACE, noises.to(device))
         self._whisper = Hearing(model, 0, 0).to(device)
         self._hearing = Hearing(model, RANK_OF_ENCODER, RANK_OF_DECODER, start).to(device)
         self._no_speech = tokens_of(str(model / "tokenizer.json")).no_speech
@@ -49,6 +56,7 @@ class Learning:
 
     def learn(self, batches: Iterator[Batch], told: Callable[[str], None]) -> None:
         """Until all steps are done."""
+        torch.manual_seed(self.course.done)
         means = np.zeros(2)
         while self.course.done < (steps := self.course.steps):
             loss, right = self._losses(next(batches))
@@ -69,10 +77,11 @@ class Learning:
 
     def _losses(self, batch: Batch) -> tuple[torch.Tensor, float]:
         """What is to become less, and the share of tokens that were right."""
-        said, heard, sizes, tokens, follow = (
-            one.to(self._device)
-            for one in (batch.said, batch.heard, batch.sizes, batch.tokens, batch.follow)
+        tracks, sizes, tokens, follow = (
+            one.to(self._device) for one in (batch.tracks, batch.sizes, batch.tokens, batch.follow)
         )
+        there = torch.arange(tracks.shape[1], device=self._device) < sizes[:, None]
+        heard = self._surroundings.heard(tracks) * there
         wanted = follow != UNWANTED
         follow = follow[wanted]
         with torch.autocast(self._device, torch.bfloat16):
@@ -82,6 +91,7 @@ class Learning:
         right = (scores[text].argmax(1) == follow[text]).float().mean().item()
         if self.course.done % TAUGHT_EVERY:
             return loss, right
+        said = _clean(tracks) * there
         with torch.no_grad(), torch.autocast(self._device, torch.bfloat16):
             clean = self._whisper(self._bands.of_sounds(said, sizes, batch.rows), tokens, wanted)
         known = (clean.argmax(1) == follow) & (follow != self._no_speech)
@@ -91,3 +101,10 @@ class Learning:
             log_target=True, reduction="batchmean",
         )  # fmt: skip
         return (1 - TAUGHT_SHARE) * loss + TAUGHT_SHARE * unlike, right
+
+
+def _clean(tracks: torch.Tensor) -> torch.Tensor:
+    """As they are said, by a microphone beside the mouth: int16."""
+    rustle = 10 ** (FLOOR_DB / 20) * torch.randn(tracks.shape, device=tracks.device)
+    sound = FULL_SCALE * (10 ** (CLEAN_DB / 20) * tracks.float() + rustle)
+    return sound.clamp(-FULL_SCALE, FULL_SCALE - 1).to(torch.int16)

@@ -5,7 +5,7 @@ import random
 import re
 from collections.abc import Iterator, Mapping
 from importlib import resources
-from itertools import zip_longest
+from itertools import product, zip_longest
 from json import loads
 from pydoc_data.topics import topics
 
@@ -19,15 +19,15 @@ from stop_spotter import texts
 _SAID = re.compile(r"stop|halt|freez|friez|\bfrees\b|\bstopp", re.IGNORECASE)
 """Words with a stop word in them, and those that sound the same as one."""
 NONE = ""
-READINGS = 2_400
-"""Of Python's manual, and of our own sentences."""
-NATURAL_READINGS = 1_600
+READINGS, WORDS_READ = 10_000, 12_000
+"""Of Python's manual and of our own sentences, and words in no order, by espeak-ng: it is quick."""
+NATURAL_READINGS = 2_600
 """The same by natural voices."""
-ALIKE_EACH, ALIKE_AROUND = (
-    20,
-    ("{}.", "{}!", "A {}.", "My {}.", "That {} again.", "{} it.", "No {}?"),
-)
-"""So many words that sound like a stop word are said by each natural voice, as these."""
+ESPEAK_ROUNDS = 4
+"""So often each speaker of espeak-ng in each accent says a few stop words, each time others."""
+ALIKE_EACH, ALIKE_EACH_ESPEAK = 20, 60
+"""So many words that sound like a stop word are said by each voice."""
+ALIKE_AROUND = ("{}.", "{}!", "A {}.", "My {}.", "That {} again.", "{} it.", "No {}?")
 SPEEDS = (0.8, 0.9, 1.0, 1.1, 1.25)
 """Of Kokoro's voices, which say each text at one of them."""
 
@@ -104,18 +104,17 @@ def kokoro_clips() -> list[Clip]:
 
 
 def clips_after_words() -> list[Clip]:
-    """Stop words after other words: each voice says each after some."""
-    rng, found = random.Random(29), []
-    for voice in (*kokoro_voices(Half.TRAIN), *espeak_voices(Half.TRAIN)):
-        natural = not voice.startswith("espeak")
-        for word in texts.WORDS:
-            for before in rng.sample(texts.BEFORE, 8 if natural else 1):
-                options = (
-                    {"speed": rng.choice(SPEEDS)}
-                    if natural
-                    else {"pitch": rng.randint(20, 85), "words_a_minute": rng.randint(125, 240)}
-                )
-                found.append(clip_of(voice, before.format(word), **options))
+    """Stop words after other words: each voice says each after some, espeak-ng's also after words
+    that make no sense.
+    """
+    rng, found, known = random.Random(29), [], dictionary()
+    for voice, word in product(kokoro_voices(Half.TRAIN), texts.WORDS):
+        said = [before.format(word) for before in rng.sample(texts.BEFORE, 8)]
+        found += [clip_of(voice, text, speed=rng.choice(SPEEDS)) for text in said]
+    for voice, word in product(espeak_voices(Half.TRAIN), texts.WORDS):
+        said = [rng.choice(texts.BEFORE).format(word)]
+        said += [" ".join((*rng.sample(known, rng.randint(1, 4)), word)) + "." for _ in range(3)]
+        found += [clip_of(voice, text, **_by_espeak(rng)) for text in said]
     return found
 
 
@@ -136,17 +135,20 @@ def piper_clips() -> list[Clip]:
     return [clip_of(PIPER, text) for text in (*stops, *others)]
 
 
+def _by_espeak(rng: random.Random) -> dict[str, int]:
+    """How high and how fast espeak-ng speaks."""
+    return {"pitch": rng.randint(20, 85), "words_a_minute": rng.randint(125, 240)}
+
+
 def espeak_clips() -> list[Clip]:
     """Every speaker in every accent, at many pitches and speeds."""
     rng, known, found = random.Random(13), dictionary(), []
     others = (*texts.ALIKE, *texts.COMMANDS, *texts.OWN)
-    for voice in espeak_voices(Half.TRAIN):
+    for voice in (*espeak_voices(Half.TRAIN),) * ESPEAK_ROUNDS:
         said = [rng.choice(some) for some in texts.STOPS.values() for _ in range(2)]
         said += [rng.choice(texts.STOPS_WITHIN), rng.choice(texts.ALIKE), rng.choice(texts.ALIKE)]
         said += [rng.choice(others), *(sentence(rng, known) for _ in range(3))]
-        for text in said:
-            pitch, speed = rng.randint(20, 85), rng.randint(125, 240)
-            found.append(clip_of(voice, text, pitch=pitch, words_a_minute=speed))
+        found += [clip_of(voice, text, **_by_espeak(rng)) for text in said]
     return found
 
 
@@ -156,13 +158,15 @@ def reading_clips(number: int = READINGS) -> list[Clip]:
     """
     rng, voices = random.Random(17), espeak_voices(Half.TRAIN)
     known = [*sentences(Half.TRAIN), *manual()]
+    return [Clip(rng.choice(voices), rng.choice(known), **_by_espeak(rng)) for _ in range(number)]
+
+
+def words_read_clips(number: int = WORDS_READ) -> list[Clip]:
+    """Words in no order, by espeak-ng's voices: there is no end to what may be said."""
+    rng, voices, words = random.Random(31), espeak_voices(Half.TRAIN), dictionary()
     return [
-        Clip(
-            rng.choice(voices), rng.choice(known), pitch=rng.randint(20, 85),
-            words_a_minute=rng.randint(125, 240),
-        )
-        for _ in range(number)
-    ]  # fmt: skip
+        Clip(rng.choice(voices), sentence(rng, words), **_by_espeak(rng)) for _ in range(number)
+    ]
 
 
 def natural_reading_clips(number: int = NATURAL_READINGS) -> list[Clip]:
@@ -187,9 +191,8 @@ def alike_clips() -> Iterator[Clip]:
         for word in rng.sample(known, ALIKE_EACH):
             yield Clip(voice, _around(rng, word), speed=rng.choice(SPEEDS))
     for voice in espeak_voices(Half.TRAIN):
-        for word in rng.sample(known, ALIKE_EACH):
-            pitch, speed = rng.randint(20, 85), rng.randint(125, 240)
-            yield Clip(voice, _around(rng, word), pitch=pitch, words_a_minute=speed)
+        for word in rng.choices(known, k=ALIKE_EACH_ESPEAK):
+            yield Clip(voice, _around(rng, word), **_by_espeak(rng))
 
 
 def _around(rng: random.Random, word: str) -> str:
@@ -213,6 +216,7 @@ def all_clips() -> Iterator[Clip]:
     """Those of all engines."""
     yield from espeak_clips()
     yield from reading_clips()
+    yield from words_read_clips()
     yield from piper_clips()
     yield from kokoro_clips()
     yield from natural_reading_clips()

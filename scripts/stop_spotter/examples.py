@@ -1,15 +1,13 @@
-"""Examples to learn from: clips among silence and other speech, in rooms and noise."""
+"""Examples to learn from: clips among silence and other speech, before anybody hears them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from acoustics import Half
-from acoustics.noises import kinds, noise
 from numpy.typing import NDArray
-from whisper_training.surroundings import Surroundings, Wave, varied
+from whisper_training.tracks import Drawn, Wave, silence, varied
 
-from edgevox.voice.audio import RATE_HZ, Samples
+from edgevox.voice.audio import RATE_HZ
 from edgevox.voice.stop_encoder import SAMPLES
 
 TRACK_S = 3.2
@@ -27,7 +25,6 @@ ANYWHERE = 6
 _LEAD_S, _TAIL_S = 0.6, 0.35
 _FIRST_S = SAMPLES / RATE_HZ + 0.005
 _WITH_WORD = 0.5
-ROOM_SHARE, QUIET_SHARE, SNR_DB, NOISES = 0.65, 0.2, (-1, 25), 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,9 +39,9 @@ class Sound:
 
 @dataclass(frozen=True, slots=True)
 class Example:
-    """Sound of `TRACK_S`, and the stop word in it, if any, from when to when."""
+    """What is said in `TRACK_S`, and the stop word in it, if any, from when to when."""
 
-    sound: Samples
+    track: Wave
     word: int = 0
     within: bool = False
     begins_s: float = 0.0
@@ -62,7 +59,7 @@ class Example:
 
     def times(self, rng: np.random.Generator) -> list[float]:
         """When to look at it: some anywhere, others where the word is to be heard or has been."""
-        latest = self.sound.size / RATE_HZ
+        latest = self.track.size / RATE_HZ
         many = ANYWHERE if self.word else ANYWHERE + 1
         anywhere = [float(when) for when in rng.uniform(_FIRST_S, latest, many)]
         if not self.word:
@@ -82,59 +79,42 @@ class Example:
         return self.ends_s, self.ends_s + HEARD_S
 
 
-def surroundings(rng: np.random.Generator) -> Surroundings:
-    """Where they are heard: noises and rooms to train with."""
-    noises = [
-        noise(kind, 8.0, int(rng.integers(1 << 20)), Half.TRAIN).astype(np.float32)
-        for kind in kinds(Half.TRAIN)
-        for _ in range(NOISES)
-    ]
-    return Surroundings(rng, noises, ROOM_SHARE, QUIET_SHARE, SNR_DB)
-
-
 class Examples:
-    """Makes examples of these sounds in these surroundings."""
+    """Makes examples of these sounds."""
 
-    def __init__(
-        self, sounds: Sequence[Sound], surroundings: Surroundings, rng: np.random.Generator
-    ) -> None:
-        self._rng, self._surroundings = rng, surroundings
+    def __init__(self, sounds: Sequence[Sound], rng: np.random.Generator) -> None:
+        self._rng = rng
         self._words = [
             [s for s in sounds if s.word == number]
             for number in range(1 + max(s.word for s in sounds))
         ]
-        self._odds = [
-            np.array([s.weight for s in some]) / sum(s.weight for s in some) for some in self._words
-        ]
+        self._drawn = [Drawn(np.array([s.weight for s in some])) for some in self._words]
 
     def make(self) -> Example:
         """The next one."""
-        rng = self._rng
-        word = int(rng.integers(1, len(self._words))) if rng.random() < _WITH_WORD else 0
-        track = np.zeros(int(TRACK_S * RATE_HZ), np.float32)
-        sound = self._sound(word)
-        if word:
-            clip = varied(sound.samples, rng)
-            least = int(_LEAD_S * RATE_HZ)
-            start = int(
-                rng.integers(least, max(least + 1, track.size - clip.size - int(_TAIL_S * RATE_HZ)))
-            )
-            end = start + clip.size
-            _put(track, clip, start)
-            if rng.random() < 0.5:
-                self._chatter(track, 0, start - int(rng.uniform(0.03, 0.5) * RATE_HZ))
-            if rng.random() < 0.4 and not sound.within:
-                self._chatter(track, end + int(rng.uniform(0.06, 0.5) * RATE_HZ), track.size)
-            return Example(
-                self._surroundings.heard(track), word, sound.within, start / RATE_HZ, end / RATE_HZ
-            )
+        rng, track = self._rng, silence(TRACK_S)
+        if rng.random() < _WITH_WORD:
+            return self._with_word(int(rng.integers(1, len(self._words))), track)
         if rng.random() < 0.95:
             self._chatter(track, int(rng.uniform(0, 1.2) * RATE_HZ), track.size)
-        return Example(self._surroundings.heard(track))
+        return Example(track)
+
+    def _with_word(self, word: int, track: Wave) -> Example:
+        rng, sound = self._rng, self._sound(word)
+        clip = varied(sound.samples, rng)
+        least = int(_LEAD_S * RATE_HZ)
+        latest = track.size - clip.size - int(_TAIL_S * RATE_HZ)
+        start = int(rng.integers(least, max(least + 1, latest)))
+        end = start + clip.size
+        _put(track, clip, start)
+        if rng.random() < 0.5:
+            self._chatter(track, 0, start - int(rng.uniform(0.03, 0.5) * RATE_HZ))
+        if rng.random() < 0.4 and not sound.within:
+            self._chatter(track, end + int(rng.uniform(0.06, 0.5) * RATE_HZ), track.size)
+        return Example(track, word, sound.within, start / RATE_HZ, end / RATE_HZ)
 
     def _sound(self, word: int) -> Sound:
-        some = self._words[word]
-        return some[self._rng.choice(len(some), p=self._odds[word])]
+        return self._words[word][self._drawn[word].one(self._rng)]
 
     def _chatter(self, track: Wave, begin: int, end: int) -> None:
         """Other speech, up to here; what ends before does not begin with the clip's beginning."""

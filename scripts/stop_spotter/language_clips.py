@@ -21,7 +21,7 @@ from stop_spotter.clips import SPEEDS
 
 OF_A_VOICE = {"ends": 6, "within": 1, "alike": 1, "talk": 1}
 """So many of the texts each voice of Kokoro's says that has an accent; a native one says all."""
-READINGS, READ_WORDS = 500, {"ja": 2, "zh": 2}
+READINGS, READ_WORDS = 1_500, {"ja": 2, "zh": 2}
 """Of words of the language in any order, by espeak-ng: six at once, fewer where they are whole
 phrases, as nothing is between words.
 """

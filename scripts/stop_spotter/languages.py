@@ -4,6 +4,7 @@ English has a network of its own, all other languages one together, of which eac
 outputs. Who speaks a language is judged by its outputs alone; the first is for none of its words.
 """
 
+from collections import Counter
 from collections.abc import Sequence
 
 from acoustics import languages as others
@@ -13,8 +14,8 @@ from stop_spotter import texts
 from stop_spotter.examples import IGNORED, Sound
 
 ENGLISH = "en"
-WEIGHTS = {"kokoro": 4.0, "piper": 4.0, "espeak": 1.0}
-"""How often a clip of an engine is drawn beside the others': there are few natural voices."""
+SHARES = {"kokoro": 0.55, "espeak": 0.42, "piper": 0.03}
+"""How much of what is drawn each engine says, however many clips of it there are."""
 NATIVE = 2.0
 """How often a clip of a native voice is drawn beside another of Kokoro's."""
 
@@ -58,12 +59,18 @@ class Outputs:
 def sounds_of(language: str, clips: Sequence[Clip]) -> list[Sound]:
     """The clips in this language, spoken."""
     known = ("", *words_of(language))
+    whole: Counter[tuple[str, str]] = Counter()
+    for clip in clips:
+        whole[clip.word, clip.engine] += _weight(language, clip)
     return [
-        Sound(clip.samples, known.index(clip.word), clip.within, _weight(language, clip))
+        Sound(
+            clip.samples, known.index(clip.word), clip.within,
+            SHARES[clip.engine] * _weight(language, clip) / whole[clip.word, clip.engine],
+        )
         for clip in clips
-    ]
+    ]  # fmt: skip
 
 
 def _weight(language: str, clip: Clip) -> float:
     native = language != ENGLISH and others.is_native(clip.voice, language)
-    return WEIGHTS[clip.engine] * (NATIVE if native else 1)
+    return NATIVE if native else 1.0

@@ -13,6 +13,7 @@ from torch.nn.functional import cross_entropy
 from whisper_training.bands import Bands
 from whisper_training.course import Course
 from whisper_training.encoder import Encoder
+from whisper_training.surroundings import Place, Surroundings
 from whisper_training.whole_file import write_whole
 
 from edgevox.voice.stop_network import LANGUAGES_FILE, WEIGHTS_FILE, StopWeights
@@ -22,7 +23,8 @@ from stop_spotter.languages import Outputs
 from stop_spotter.looks import Block
 from stop_spotter.network import INNER, INNER_OF_LANGUAGES, Network, layers_of, load
 
-RANK = 16
+RANK = 32
+PLACE = Place(room_share=0.65, quiet_share=0.2, snr_db=(-1, 25))
 LEARNT_SHARE = 0.25
 """Of the looks that are heard at each step so many are learnt from: mostly those that were heard
 wrongly.
@@ -70,11 +72,13 @@ class Learning:
         steps: int,
         *,
         looks: int,
+        noises: torch.Tensor,
         device: str = "cpu",
         start: Start | None = None,
     ) -> None:
         torch.manual_seed(7)
         self._outputs, self._folder, self._device = outputs, folder, device
+        self._surroundings = Surroundings(PLACE, noises.to(device))
         self._looks = looks
         self._spotter = Spotter(model, outputs, start).to(device)
         self._bands = Bands(device)
@@ -87,6 +91,7 @@ class Learning:
 
     def learn(self, blocks: Iterator[Block], told: Callable[[str], None]) -> None:
         """Until all steps are done; what runs is written to the folder now and then."""
+        torch.manual_seed(self.course.done)
         rng, course, means = np.random.default_rng((23, self.course.done)), self.course, np.zeros(2)
         while course.done < course.steps:
             bands, own, english = self._pool(blocks)
@@ -128,7 +133,8 @@ class Learning:
         parts, many = [], 0
         while many < self._looks:
             block = Block(*(one.to(self._device, non_blocking=True) for one in next(blocks)))
-            parts.append((self._bands.of_looks(block.looks()), block.own, block.english))
+            looks = block.looks(self._surroundings.heard(block.tracks))
+            parts.append((self._bands.of_looks(looks), block.own, block.english))
             many += len(block.own)
         bands, own, english = (torch.cat(some) for some in zip(*parts, strict=True))
         return bands, own, english

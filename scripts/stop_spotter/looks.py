@@ -13,7 +13,7 @@ from torch.utils.data import IterableDataset, get_worker_info
 
 from edgevox.voice.audio import RATE_HZ
 from edgevox.voice.stop_encoder import SAMPLES
-from stop_spotter.examples import IGNORED, Example, Examples, Sound, surroundings
+from stop_spotter.examples import IGNORED, Example, Examples, Sound
 from stop_spotter.languages import ENGLISH, Outputs
 
 OF_A_BLOCK = 128
@@ -23,21 +23,21 @@ ENGLISH_SHARE = 0.6
 
 
 class Block(NamedTuple):
-    """Of some examples: sounds (examples, samples); of each look which example it is at, and at
-    which sample it ends; and of each which output it is to find: in the language, and in English,
-    `IGNORED` where nothing is to be judged.
+    """Of some examples: what is said (examples, samples); of each look which example it is at, and
+    at which sample it ends; and of each which output it is to find: in the language, and in
+    English, `IGNORED` where nothing is to be judged.
     """
 
-    sounds: torch.Tensor
+    tracks: torch.Tensor
     at: torch.Tensor
     ends: torch.Tensor
     own: torch.Tensor
     english: torch.Tensor
 
-    def looks(self) -> torch.Tensor:
-        """The sound that each looks at, (looks, `SAMPLES`)."""
+    def looks(self, heard: torch.Tensor) -> torch.Tensor:
+        """What each look sees of what is `heard` of the tracks: (looks, `SAMPLES`)."""
         places = self.ends[:, None] + torch.arange(-SAMPLES, 0, device=self.ends.device)
-        return self.sounds[self.at[:, None], places]
+        return heard[self.at[:, None], places]
 
 
 class Looks(IterableDataset[Block]):
@@ -49,8 +49,7 @@ class Looks(IterableDataset[Block]):
     def __iter__(self) -> Iterator[Block]:
         worker = get_worker_info()
         rng = np.random.default_rng((self._seed, worker.id if worker else 0))
-        around = surroundings(rng)
-        examples = {code: Examples(some, around, rng) for code, some in self._sounds.items()}
+        examples = {code: Examples(some, rng) for code, some in self._sounds.items()}
         languages = [*examples]
         odds = shares_of(languages)
         while True:
@@ -64,10 +63,10 @@ class Looks(IterableDataset[Block]):
                 label = example.label(when)
                 own, english = self._outputs.wanted(language, label)
                 if (own, english) != (IGNORED, IGNORED):
-                    end = min(int(when * RATE_HZ), example.sound.size)
+                    end = min(int(when * RATE_HZ), example.track.size)
                     found.append((number, end, own, english))
-        sounds = np.stack([example.sound for _, example in some])
-        return Block(torch.from_numpy(sounds), *torch.tensor(found).unbind(1))
+        tracks = np.stack([example.track for _, example in some]).astype(np.float16)
+        return Block(torch.from_numpy(tracks), *torch.tensor(found).unbind(1))
 
 
 def shares_of(languages: Sequence[str]) -> np.ndarray:

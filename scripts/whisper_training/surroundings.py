@@ -1,102 +1,136 @@
-"""What a microphone hears of something that is said: in a room, by a microphone, in noise."""
+"""What microphones hear of what is said: in rooms, by microphones of some colour, in noise.
+
+In PyTorch and of many at once, where the training is: processors are busy with what is said.
+"""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
-import numpy as np
+import torch
 from acoustics import Half
-from acoustics.mixing import voiced_power
+from acoustics.noises import noise
 from acoustics.rooms import rooms
-from numpy.typing import NDArray
+from torch.nn.functional import interpolate, pad
+from torch.utils.data import Dataset
 
-from edgevox.voice.audio import RATE_HZ, Samples
-
-Wave = NDArray[np.float32]
+from edgevox.voice.audio import RATE_HZ
+from edgevox.voice.level import FULL_SCALE
 
 ROOMS = 60
 LEVEL_DB = (-42, -12)
 """How loud the voice is, of full scale."""
-FASTER = (0.85, 1.18)
 QUIET_DB = (-90, -60)
 """How loud noise is of full scale where it is quiet."""
+CUT_SHARE, CUT_SAMPLES = 0.3, (400, 3000)
+"""Of so many rooms only the beginning is left."""
+TWICE_SHARE, CHANGES_SHARE, BACKWARDS_SHARE = 0.15, 0.3, 0.3
+"""So often there is a second noise, and a noise changes its loudness, and is heard backwards."""
+_PIECE, _VOICED = RATE_HZ // 50, 10**-2.5
+_NOTHING = 1e-9
 
 
-def varied(samples: Samples, rng: np.random.Generator) -> Wave:
-    """Faster or slower, as a whole: pitch goes with it; and at a loudness of 1."""
-    step = rng.uniform(*FASTER)
-    n = int(samples.size / step)
-    changed = np.interp(np.arange(n) * step, np.arange(samples.size), samples)
-    return (changed / np.sqrt(voiced_power(changed) + 1e-9)).astype(np.float32)
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Which share is heard in a room and which in quiet; else voices are so many dB above noise."""
+
+    room_share: float
+    quiet_share: float
+    snr_db: tuple[float, float]
+
+
+class Noises(Dataset[torch.Tensor]):
+    """Noises to train with, so many of each of these kinds, each made when it is asked for."""
+
+    def __init__(self, kinds: Sequence[str], of_a_kind: int, seconds: float, seed: int) -> None:
+        self._kinds, self._many = kinds, len(kinds) * of_a_kind
+        self._seconds, self._seed = seconds, seed
+
+    def __len__(self) -> int:
+        return self._many
+
+    def __getitem__(self, number: int) -> torch.Tensor:
+        if number >= self._many:
+            raise IndexError(number)
+        kind, seed = self._kinds[number % len(self._kinds)], self._seed + number
+        return torch.from_numpy(noise(kind, self._seconds, seed, Half.TRAIN)).float()
 
 
 class Surroundings:
-    """Puts what is said into one of these noises, and a share of it into a room to train with.
-
-    In a share of it it is quiet; else the voice is so many dB above the noise.
+    """Puts what is said into one of these noises (noises, samples), and a share into rooms to train
+    with. What it draws follows PyTorch's own seed.
     """
 
-    def __init__(
-        self,
-        rng: np.random.Generator,
-        noises: Sequence[Wave],
-        room_share: float,
-        quiet_share: float,
-        snr_db: tuple[float, float],
-    ) -> None:
-        self._rng = rng
-        self._noises = noises
-        self._room_share, self._quiet_share, self._snr_db = room_share, quiet_share, snr_db
-        self._rooms = [room.response().astype(np.float32) for room in rooms(Half.TRAIN, ROOMS)]
+    def __init__(self, place: Place, noises: torch.Tensor) -> None:
+        self._place, self._noises, self._on = place, noises, noises.device
+        responses = [torch.from_numpy(room.response()).float() for room in rooms(Half.TRAIN, ROOMS)]
+        longest = max(len(one) for one in responses)
+        here = torch.ones(1)  # no room
+        padded = [pad(one, (0, longest - len(one))) for one in (here, *responses)]
+        self._responses = torch.stack(padded).to(self._on)
 
-    def heard(self, track: Wave) -> Samples:
-        """What the microphone hears of it, as long as it is."""
-        rng = self._rng
-        level = 10 ** (rng.uniform(*LEVEL_DB) / 20)
-        speech = self._elsewhere(track)
-        speech *= level / np.sqrt(voiced_power(speech) + 1e-9) if np.any(track) else 0
-        if rng.random() < self._quiet_share:
-            rustle = 10 ** (rng.uniform(*QUIET_DB) / 20)
-        else:
-            rustle = level / 10 ** (rng.uniform(*self._snr_db) / 20)
-        heard = speech + rustle * self._noise(track.size)
-        if rng.random() < 0.15:
-            heard = heard + rustle * rng.uniform(0.3, 1) * self._noise(track.size)
-        return np.clip(32768 * heard, -32768, 32767).astype(np.int16)
+    @torch.no_grad()
+    def heard(self, tracks: torch.Tensor) -> torch.Tensor:
+        """What microphones hear of these tracks (tracks, samples), whatever their loudness: as
+        long as they are, int16. Of silence only noise is heard.
+        """
+        many = len(tracks)
+        level = 10 ** (self._between(*LEVEL_DB, many) / 20)
+        speech = self._elsewhere(tracks.float())
+        speech = speech * (level / (_voiced_power(speech) + _NOTHING).sqrt())[:, None]
+        quiet = 10 ** (self._between(*QUIET_DB, many) / 20)
+        above = level / 10 ** (self._between(*self._place.snr_db, many) / 20)
+        rustle = torch.where(self._some(self._place.quiet_share, many), quiet, above)
+        second = self._some(TWICE_SHARE, many) * self._between(0.3, 1, many)
+        noise = self._noise(*tracks.shape) + second[:, None] * self._noise(*tracks.shape)
+        sound = FULL_SCALE * (speech + rustle[:, None] * noise)
+        return sound.clamp(-FULL_SCALE, FULL_SCALE - 1).to(torch.int16)
 
-    def _elsewhere(self, track: Wave) -> Wave:
-        """In a room, or not, by a microphone of some colour."""
-        rng = self._rng
-        response = self._response() if rng.random() < self._room_share else np.ones(1, np.float32)
-        size = 1 << (track.size + response.size).bit_length()
-        spectrum = np.fft.rfft(track, size) * np.fft.rfft(response, size) * self._colour(size)
-        return np.fft.irfft(spectrum, size)[: track.size]
+    def _elsewhere(self, tracks: torch.Tensor) -> torch.Tensor:
+        samples = tracks.shape[1]
+        size = 1 << (samples + self._responses.shape[1]).bit_length()
+        response = torch.fft.rfft(self._response(len(tracks)), size)
+        spectrum = torch.fft.rfft(tracks, size) * response * self._colour(len(tracks), size)
+        return torch.fft.irfft(spectrum, size)[:, :samples]
 
-    def _response(self) -> Wave:
-        """That of a room, of which now and then only the beginning is left."""
-        rng = self._rng
-        response = self._rooms[rng.integers(len(self._rooms))]
-        if rng.random() < 0.3:
-            soon = np.arange(response.size, dtype=np.float32) / np.float32(rng.uniform(400, 3000))
-            response = response * np.exp(-soon)
-            response /= np.sqrt(np.sum(response**2))
-        return response
+    def _response(self, many: int) -> torch.Tensor:
+        """That of a room, of which now and then only the beginning is left, or of none."""
+        which = torch.randint(1, len(self._responses), (many,), device=self._on)
+        found = self._responses[which * self._some(self._place.room_share, many)]
+        at = torch.arange(found.shape[1], device=self._on)
+        fading = torch.exp(-at / self._between(*CUT_SAMPLES, many)[:, None])
+        found = torch.where(self._some(CUT_SHARE, many)[:, None], found * fading, found)
+        return found / found.square().sum(1, keepdim=True).sqrt()
 
-    def _colour(self, size: int) -> Wave:
+    def _colour(self, many: int, size: int) -> torch.Tensor:
         """A tilt and a hump, as microphones and mouths differ."""
-        rng = self._rng
-        octaves = np.log2(np.maximum(np.fft.rfftfreq(513 * 2, 1 / RATE_HZ), 60) / 1000)
-        hump = rng.uniform(-6, 6) * np.exp(-(((octaves - rng.uniform(-2, 3)) / 0.7) ** 2))
-        coarse = 10 ** ((rng.uniform(-3, 3) * octaves + hump) / 20)
-        fine = np.linspace(0, coarse.size - 1, size // 2 + 1)
-        return np.interp(fine, np.arange(coarse.size), coarse).astype(np.float32)
+        hertz = torch.fft.rfftfreq(size, 1 / RATE_HZ, device=self._on)
+        octaves = (hertz.clamp(min=60) / 1000).log2()
+        tilt, high, at = (
+            self._between(*some, many)[:, None] for some in ((-3, 3), (-6, 6), (-2, 3))
+        )
+        hump = high * torch.exp(-(((octaves - at) / 0.7) ** 2))
+        return 10 ** ((tilt * octaves + hump) / 20)
 
-    def _noise(self, n: int) -> Wave:
-        """Some of it, from somewhere, now and then with a change of loudness."""
-        rng = self._rng
-        whole = self._noises[rng.integers(len(self._noises))]
-        start = rng.integers(whole.size - n)
-        some = whole[start : start + n]
-        if rng.random() < 0.3:
-            some = some * np.interp(
-                np.arange(n), np.linspace(0, n, 5), 10 ** (rng.uniform(-10, 4, 5) / 20)
-            )
-        return some[::-1] if rng.random() < 0.3 else some
+    def _noise(self, many: int, samples: int) -> torch.Tensor:
+        """Some of them, from somewhere, now and then with a change of loudness."""
+        which = torch.randint(len(self._noises), (many, 1), device=self._on)
+        first = torch.randint(self._noises.shape[1] - samples, (many, 1), device=self._on)
+        at = torch.arange(samples, device=self._on).expand(many, -1)
+        backwards = self._some(BACKWARDS_SHARE, many)[:, None]
+        found = self._noises[which, first + torch.where(backwards, at.flip(1), at)]
+        points = 10 ** (self._between(-10, 4, many * 5).view(many, 1, 5) / 20)
+        changing = interpolate(points, samples, mode="linear", align_corners=True)[:, 0]
+        return torch.where(self._some(CHANGES_SHARE, many)[:, None], found * changing, found)
+
+    def _between(self, least: float, most: float, many: int) -> torch.Tensor:
+        return torch.empty(many, device=self._on).uniform_(least, most)
+
+    def _some(self, share: float, many: int) -> torch.Tensor:
+        return torch.rand(many, device=self._on) < share
+
+
+def _voiced_power(sounds: torch.Tensor) -> torch.Tensor:
+    """What `acoustics.mixing.voiced_power` finds in each of these (sounds, samples)."""
+    power = sounds.unfold(1, _PIECE, _PIECE).square().mean(2)
+    voiced = power >= power.amax(1, keepdim=True) * _VOICED
+    return (power * voiced).sum(1) / voiced.sum(1)

@@ -11,6 +11,7 @@ from stop_words_rig import Half, Speaker, training_clips, voices
 import train_hearing_adapter
 from hearing_adapter import clips, texts, utterances
 from test_whisper_file import HALF, WEIGHTS, array, file_of
+from whisper_training import tracks
 
 from edgevox.voice.stt.adapter import ADAPTER_FILE, MODEL, SIZE
 from edgevox.voice.whisper_file import DOWN, FILE, UP, added_of
@@ -73,24 +74,36 @@ def test_half_of_what_is_learnt_is_talk_that_no_robot_was_meant_by(all_clips):
 @pytest.fixture
 def made(monkeypatch):
     Speaker(monkeypatch)
-    monkeypatch.setattr(utterances, "kinds", lambda _: ("white", "pink"))
-    monkeypatch.setattr(utterances, "BABBLE", "white")
     said = [clips.Clip("kokoro:af_heart", text) for text in ("Stop!", "Go home.", "x " * 40)]
     said[0] = clips.Clip("kokoro:af_heart", "Stop!", "stop")
-    maker = utterances.Utterances(said, 1)
-    return [maker.make() for _ in range(60)]
+    return utterances.Utterances(said, 1)
 
 
-def test_utterances_are_heard_as_long_as_they_are_said(made):
-    assert {one.said.shape == one.heard.shape for one in made} == {True}
-    assert max(one.heard.size for one in made) <= utterances.SHORT_S * 16_000
+def test_utterances_are_no_longer_than_what_whisper_transcribes_at_once(made):
+    some = [made.make() for _ in range(60)]
+
+    assert max(one.track.size for one in some) <= utterances.SHORT_S * 16_000
 
 
-def test_of_noise_alone_nothing_is_to_be_heard(made):
-    nobody = [one for one in made if not one.text]
+def test_now_and_then_nobody_speaks_and_nothing_is_to_be_heard(made):
+    nobody = [one for one in (made.make() for _ in range(60)) if not one.text]
 
     assert 0 < len(nobody) < 20
-    assert all(np.array_equal(one.said, one.heard) for one in nobody)
+    assert not any(np.any(one.track) for one in nobody)
+
+
+def test_voices_that_talk_at_once_fill_a_noise_of_the_loudness_of_the_others(made):
+    babble = made.babble()
+
+    assert babble.size == utterances.NOISE_S * 16_000
+    assert np.sqrt(np.mean(babble**2)) == pytest.approx(1, abs=1e-3)
+
+
+def test_numbers_are_drawn_as_often_as_their_weights_say():
+    drawn, rng = tracks.Drawn(np.array([1.0, 0.0, 3.0])), np.random.default_rng(1)
+    found = np.bincount([drawn.one(rng) for _ in range(2_000)], minlength=3) / 2_000
+
+    np.testing.assert_allclose(found, [0.25, 0, 0.75], atol=0.05)
 
 
 def test_a_prompt_has_what_was_said_among_it_only_sometimes():

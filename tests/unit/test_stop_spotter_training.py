@@ -11,6 +11,7 @@ from stop_words_rig import (
     Speaker,
     examples,
     installing,
+    outputs,
     train_stop_spotter,
     training_clips,
     voices,
@@ -29,28 +30,34 @@ def speaker(monkeypatch):
 
 
 @pytest.fixture
-def makes(monkeypatch):
-    monkeypatch.setattr(examples, "kinds", lambda _: ("white", "pink"))
+def makes():
     tone = (3000 * np.sin(np.arange(9_000) / 9)).astype(np.int16)
     sounds = [examples.Sound(tone, word, word == 3) for word in range(4)]
-
-    def made():
-        rng = np.random.default_rng(1)
-        return examples.Examples(sounds, examples.surroundings(rng), rng)
-
-    return made
+    return lambda: examples.Examples(sounds, np.random.default_rng(1))
 
 
 def test_the_same_seed_makes_the_same_examples(makes):
     one, other = makes(), makes()
 
     for _ in range(4):
-        np.testing.assert_array_equal(one.make().sound, other.make().sound)
+        np.testing.assert_array_equal(one.make().track, other.make().track)
 
 
-SAID = examples.Example(np.zeros(51_200, np.int16), 2, False, begins_s=1.5, ends_s=2.0)
-WITHIN = examples.Example(np.zeros(51_200, np.int16), 2, True, begins_s=1.0, ends_s=2.0)
-NONE = examples.Example(np.zeros(51_200, np.int16))
+def test_a_word_is_in_its_example_from_when_it_begins_to_when_it_ends(makes):
+    maker = makes()
+    with_word = [one for one in (maker.make() for _ in range(40)) if one.word]
+
+    assert with_word
+    for one in with_word:
+        begins, ends = (int(when * RATE_HZ) for when in (one.begins_s, one.ends_s))
+        assert ends - begins == pytest.approx(9_000, rel=0.2)
+        assert np.sqrt(np.mean(one.track[begins:ends] ** 2)) == pytest.approx(1, abs=0.05)
+
+
+NOTHING = examples.silence(examples.TRACK_S)
+SAID = examples.Example(NOTHING, 2, False, begins_s=1.5, ends_s=2.0)
+WITHIN = examples.Example(NOTHING, 2, True, begins_s=1.0, ends_s=2.0)
+NONE = examples.Example(NOTHING)
 
 
 @pytest.mark.parametrize(
@@ -86,7 +93,21 @@ def test_every_look_has_all_that_it_sees(makes):
 
     for example in (made.make() for _ in range(20)):
         whens = [when * RATE_HZ for when in example.times(rng)]
-        assert all(SAMPLES <= when <= example.sound.size for when in whens)
+        assert all(SAMPLES <= when <= example.track.size for when in whens)
+
+
+def test_each_engine_says_its_share_however_many_clips_of_it_there_are(speaker):
+    clip = training_clips.clip_of
+    voices_of = ["kokoro:af_heart", *["espeak:en-us+m1"] * 5, training_clips.PIPER]
+    said = [clip(voice, f"Stop {n}!") for n, voice in enumerate(voices_of)]
+    said += [clip("kokoro:af_heart", "Go home."), clip("espeak:en-us+m1", "Go away.")]
+
+    weights = [one.weight for one in outputs.sounds_of("en", said)]
+
+    shares = outputs.SHARES
+    assert weights[0] == shares["kokoro"]
+    assert sum(weights[1:6]) == pytest.approx(shares["espeak"])
+    assert weights[6:] == [shares["piper"], shares["kokoro"], shares["espeak"]]
 
 
 def test_it_learns_from_no_voice_that_tunes_or_tests(monkeypatch, tmp_path):
