@@ -55,6 +55,8 @@ class Unechoed:
     words: Samples
     cancelled: bool = False
     """Whether something of the robot's own voice may be left in all three."""
+    somebody: bool = False
+    """Whether a voice in `words` is somebody else's, then."""
 
 
 class EchoFilter(Protocol):
@@ -90,6 +92,8 @@ class EchoGate:
         self._loudest = 0.0
         self._open = 0
         self.coupling = LOUDEST
+        self.excess = 0.0
+        """How many times louder the last frame was than its echo is expected to be."""
 
     @property
     def playing(self) -> bool:
@@ -109,7 +113,8 @@ class EchoGate:
         if not played or not self._shut:
             return True
         heard = rms(samples)
-        through = heard > self._margin * self.coupling * played
+        self.excess = heard / (self.coupling * played)
+        through = self.excess > self._margin
         self._loudest = max(played, self._loudest * (1 - FRAME_S / LOUD_S))
         if played >= LEARNS_FROM * self._loudest:
             self._learn(min(heard / played, 1.0), through)

@@ -17,6 +17,10 @@ ONSET_WINDOW = 7
 """They must lie within so many frames."""
 PRE_ROLL_S = 0.3
 """Heard before the first voiced frame: consonants are quiet."""
+SURMISED_S = 0.8
+"""So much before it may be spoken already, where that is not known at once."""
+SURMISED_GAP = 3
+"""So many frames of it may hold no voice."""
 END_S = 0.6
 """So much silence ends an utterance: people pause for less within a sentence."""
 GOES_ON_S = 0.85
@@ -91,7 +95,8 @@ class Endpointer:
         """Forget everything, an utterance that has begun too."""
         self._speaking = False
         self._voiced: deque[bool] = deque(maxlen=ONSET_WINDOW)
-        self._before: deque[Frame] = deque(maxlen=self._pre_frames + ONSET_WINDOW)
+        most = self._pre_frames + ONSET_WINDOW + round(SURMISED_S / FRAME_S)
+        self._before: deque[tuple[Frame, bool]] = deque(maxlen=most)
         self._frames: list[Frame] = []
         self._began_s = self._ended_s = 0.0
         self._pause = 0
@@ -118,28 +123,33 @@ class Endpointer:
         """Whether an utterance has begun and is not over."""
         return self._speaking
 
-    def push(self, frame: Frame, probability: float) -> Signal | None:
-        """Take the next frame."""
-        return (
-            self._during(frame, probability) if self._speaking else self._idle(frame, probability)
-        )
+    def push(self, frame: Frame, probability: float, *, surmised: bool = False) -> Signal | None:
+        """Take the next frame. If a voice in it is `surmised`, what is said may have begun there,
+        once it is known that somebody speaks.
+        """
+        if self._speaking:
+            return self._during(frame, probability)
+        return self._idle(frame, probability, surmised)
 
     def finish(self) -> SpeechEnded | None:
         """There are no more frames: the utterance that was going on, if any."""
         return self._end(cut=True) if self._speaking and self._frames else None
 
-    def _idle(self, frame: Frame, probability: float) -> SpeechBegan | SpeechWentOn | None:
+    def _idle(
+        self, frame: Frame, probability: float, surmised: bool
+    ) -> SpeechBegan | SpeechWentOn | None:
         self._voiced.append(probability >= VOICED)
-        self._before.append(frame)
+        self._before.append((frame, surmised))
         if self._over:
             self._over_frames.append(frame)
             if frame.end_s - self._over.ended_s > GOES_ON_S + ONSET_WINDOW * FRAME_S:
                 self._over, self._over_frames = None, []
         if sum(self._voiced) < ONSET_FRAMES:
             return None
-        first = len(self._voiced) - list(self._voiced).index(True)  # frames since the first voiced
-        self._frames = list(self._before)[-(self._pre_frames + first) :]
-        self._began_s = self._before[-first].end_s - FRAME_S
+        before = [one for one, _ in self._before]
+        first = self._first()
+        self._frames = before[-(self._pre_frames + first) :]
+        self._began_s = before[-first].end_s - FRAME_S
         self._ended_s = frame.end_s
         self._speaking, self._pause = True, 0
         over, self._over = self._over, None
@@ -148,6 +158,18 @@ class Endpointer:
             self._over_frames = []
             return SpeechWentOn(over.ended_s)
         return SpeechBegan(self._began_s)
+
+    def _first(self) -> int:
+        """How many frames ago what is said began: where a voice is known first, or surmised."""
+        first = len(self._voiced) - list(self._voiced).index(True)
+        surmised = [one for _, one in reversed(self._before)]
+        latest = min(len(surmised), first + round(SURMISED_S / FRAME_S))
+        for ago in range(first, latest):
+            if surmised[ago]:
+                first = ago + 1
+            elif ago - first >= SURMISED_GAP:
+                break
+        return first
 
     def _during(self, frame: Frame, probability: float) -> SpeechPaused | SpeechEnded | None:
         self._frames.append(frame)

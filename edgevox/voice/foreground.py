@@ -58,6 +58,10 @@ class ForegroundVad:
         self._powers: deque[float] = deque(maxlen=SMOOTHED_FRAMES)
         self._remembered = np.zeros((2, REMEMBERED_FRAMES))
 
+    def another(self) -> "ForegroundVad":
+        """See `VoiceDetector`."""
+        return ForegroundVad(self._vad.another())
+
     def _behind(self) -> float | None:
         """The power of the voices that are always there; None where there are none."""
         known = min(self._seen, REMEMBERED_FRAMES)

@@ -81,6 +81,10 @@ class HearingMeter:
         """See `VoiceDetector.reset`; what was measured stays."""
         self._vad.reset()
 
+    def another(self) -> VoiceDetector:
+        """See `VoiceDetector`; nothing is measured of what it hears."""
+        return self._vad.another()
+
     def reading(self) -> HearingReading:
         """How it is now. Call it from the thread that gives the frames."""
         if not self._levels:

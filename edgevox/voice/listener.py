@@ -31,6 +31,7 @@ from edgevox.voice.stop_detector import StopDetector, StopWatch
 from edgevox.voice.stt.speech_to_text import SpeechToText
 from edgevox.voice.transcriber import Transcriber, TranscriptionJob
 from edgevox.voice.vad import VoiceDetector
+from edgevox.voice.voice_over_echo import VoiceOverEcho
 from edgevox.voice.wake_gate import WakeDecision, WakeGate
 from edgevox.voice.wakeword import WakeDetector
 
@@ -90,7 +91,7 @@ class Listener:
         clock: Clock | None = None,
     ) -> None:
         self._source = source
-        self._vad = vad
+        self._vad, self._voices = vad, VoiceOverEcho(vad)
         self._wakeword = wakeword
         self._submit = submit
         self._bus = bus
@@ -191,12 +192,13 @@ class Listener:
             self._addressed_s = frame.end_s
         self._meter.push(frame.samples)
         sound = self._echo.hear(frame)
-        probability = self._vad.probability(sound.voice)
+        probability, surmised = self._voices.of(sound)
         clean = Frame(sound.clean, frame.end_s)
         self._listen_for_stop_word(clean, loud=_is_somebody(sound, probability))
         self._listen_for_wake_word(clean, probability)
         self._wait_as_long_as_words_want()
-        match self._endpointer.push(Frame(sound.words, frame.end_s), probability):
+        words = Frame(sound.words, frame.end_s)
+        match self._endpointer.push(words, probability, surmised=surmised):
             case SpeechBegan(began_s=began_s):
                 self._interrupt_if_meant(began_s)
             case SpeechPaused(samples=samples, ended_s=ended_s):
@@ -289,7 +291,7 @@ class Listener:
         self._meter.reset()
         self._endpointer.reset()
         self._wake_gate.reset()
-        self._vad.reset()
+        self._voices.reset()
         if self._wakeword is not None:
             self._wakeword.reset()
 

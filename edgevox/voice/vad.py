@@ -1,8 +1,9 @@
 """Is somebody speaking? Silero's voice activity detector, a frame at a time."""
 
+import functools
 from importlib import util
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -31,6 +32,9 @@ class VoiceDetector(Protocol):
     def reset(self) -> None:
         """Forget the frames before: the next one does not follow on them."""
 
+    def another(self) -> "VoiceDetector":
+        """One like it, for other sound."""
+
 
 class SileroVad:
     """Silero VAD v6 on one thread, which sleeps between frames; 0.1 ms a frame.
@@ -39,14 +43,8 @@ class SileroVad:
     """
 
     def __init__(self, path: Path | None = None) -> None:
-        import onnxruntime
-
-        options = onnxruntime.SessionOptions()
-        options.intra_op_num_threads = options.inter_op_num_threads = 1
-        options.add_session_config_entry("session.intra_op.allow_spinning", "0")
-        self._session = onnxruntime.InferenceSession(
-            str(path or bundled_vad()), options, providers=["CPUExecutionProvider"]
-        )
+        self._path = path or bundled_vad()
+        self._session = _network(self._path)
         self._input = np.zeros((1, _CONTEXT + FRAME_SAMPLES), np.float32)
         self._h = self._c = np.zeros(_STATE, np.float32)
         self.any_voice = 0.0
@@ -63,6 +61,20 @@ class SileroVad:
     def reset(self) -> None:
         self._h = self._c = np.zeros(_STATE, np.float32)
         self._input[:] = 0
+
+    def another(self) -> "SileroVad":
+        return SileroVad(self._path)
+
+
+@functools.cache
+def _network(path: Path) -> Any:
+    """One for all who listen; it may be asked from any thread."""
+    import onnxruntime
+
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = options.inter_op_num_threads = 1
+    options.add_session_config_entry("session.intra_op.allow_spinning", "0")
+    return onnxruntime.InferenceSession(str(path), options, providers=["CPUExecutionProvider"])
 
 
 def bundled_vad() -> Path:

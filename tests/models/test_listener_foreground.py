@@ -3,7 +3,7 @@
 import numpy as np
 from listener_rig import frames, loud, says_espeak, silence
 
-from edgevox.voice.audio import RATE_HZ
+from edgevox.voice.audio import FRAME_S, RATE_HZ
 from edgevox.voice.endpoint import Endpointer, SpeechEnded
 from edgevox.voice.foreground import open_vad
 
@@ -50,3 +50,16 @@ def test_many_voices_alone_are_nobody_who_speaks_once_they_are_known():
     said = list(ended(canteen(int(12 * RATE_HZ)), endpointer))
     assert not endpointer.speaking
     assert [one for one in said if one.began_s > 2.0] == []
+
+
+def test_another_detector_like_it_hears_for_itself():
+    sound = frames(loud(says_espeak("Go to the kitchen, please."), LEVEL))
+    one, alone = open_vad(), open_vad()
+    other = one.another()
+
+    found, silent = [], []
+    for frame in sound:
+        silent.append(other.probability(silence(FRAME_S)))
+        found.append(one.probability(frame.samples))
+        assert found[-1] == alone.probability(frame.samples)
+    assert max(found) > 0.5 > max(silent)

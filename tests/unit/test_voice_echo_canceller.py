@@ -46,6 +46,7 @@ def test_the_robots_own_voice_is_taken_out_whatever_the_delay(played, delay_s):
     came = samples(heard)[LEARNT * FRAME_SAMPLES :]
     assert decibels(came, joined([one.voice for one in given])) > 20.0
     assert decibels(came, joined([one.words for one in given])) > 10.0
+    assert not any(one.somebody for one in given)
     assert echo.loss.enough
 
 
@@ -111,6 +112,7 @@ def test_what_is_louder_than_the_filter_leaves_is_a_person_unless_it_is_suppress
             few.append(one)
 
     assert echo.loss.enough
+    assert {one.somebody for one in few[5:]} == {given_on == "words"}
     found = [rms(one.voice) / rms(one.words) for one in few]
     assert np.median(found) == pytest.approx(1.0 if given_on == "words" else leaves, rel=0.3)
 

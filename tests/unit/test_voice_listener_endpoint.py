@@ -9,6 +9,7 @@ from edgevox.voice.endpoint import (
     MAX_S,
     ONSET_FRAMES,
     PRE_ROLL_S,
+    SURMISED_S,
     Endpointer,
     SpeechBegan,
     SpeechEnded,
@@ -17,19 +18,21 @@ from edgevox.voice.endpoint import (
 
 END_FRAMES = round(END_S / FRAME_S)
 PRE_FRAMES = round(PRE_ROLL_S / FRAME_S)
+SURMISED_FRAMES = round(SURMISED_S / FRAME_S)
 MAX_SAMPLES = int(MAX_S / FRAME_S) * FRAME_SAMPLES
 
 
-def run(probabilities, endpointer=None, *, pauses=False):
+def run(probabilities, endpointer=None, *, pauses=False, surmised=()):
     """What came of it: (number of the frame, signal); each frame is filled with its number.
 
-    With `pauses`, those too.
+    With `pauses`, those too; `surmised` has the numbers of frames.
     """
     endpointer = endpointer or Endpointer()
     found = []
     for number, probability in enumerate(probabilities):
         samples = np.full(FRAME_SAMPLES, number % 30000, np.int16)
-        signal = endpointer.push(Frame(samples, (number + 1) * FRAME_S), probability)
+        frame = Frame(samples, (number + 1) * FRAME_S)
+        signal = endpointer.push(frame, probability, surmised=number in surmised)
         if signal and (pauses or not isinstance(signal, SpeechPaused)):
             found.append((number, signal))
     return found
@@ -51,6 +54,29 @@ def test_the_sound_before_the_first_voiced_frame_is_kept():
     (_, _), (_, ended) = run([0.0] * 20 + [0.9] * 30 + [0.0] * 40)
 
     assert ended.samples[0] == 20 - PRE_FRAMES
+
+
+@pytest.mark.parametrize(
+    ("surmised", "begins"),
+    [
+        (range(30, 40), 30),
+        ((30, *range(34, 40)), 30),
+        ((30, *range(35, 40)), 35),
+        (range(40), 40 - SURMISED_FRAMES),
+        (range(20, 30), 40),
+        ((), 40),
+    ],
+    ids=["at once before", "with a gap", "a gap too long", "too long ago", "another", "none"],
+)
+def test_speech_begins_where_it_was_surmised_once_it_is_known(surmised, begins):
+    (_, began), (_, ended) = run([0.0] * 40 + [0.9] * 30 + [0.0] * 40, surmised=surmised)
+
+    assert began.began_s == pytest.approx(begins * FRAME_S)
+    assert ended.samples[0] == max(0, begins - PRE_FRAMES)
+
+
+def test_what_is_only_surmised_is_no_speech():
+    assert run([0.0] * 60, surmised=range(60)) == []
 
 
 def test_a_click_is_no_speech():
