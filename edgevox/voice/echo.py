@@ -93,7 +93,7 @@ class EchoGate:
         self._open = 0
         self.coupling = LOUDEST
         self.excess = 0.0
-        """How many times louder the last frame was than its echo is expected to be."""
+        """How many times louder the last frame was than its echo is expected to be, 0 without."""
 
     @property
     def playing(self) -> bool:
@@ -111,6 +111,7 @@ class EchoGate:
         played = max(self._played)
         self._open = max(0, self._open - 1)
         if not played or not self._shut:
+            self.excess = 0.0
             return True
         heard = rms(samples)
         self.excess = heard / (self.coupling * played)

@@ -4,9 +4,10 @@ Two cancellers side by side. WebRTC's AEC3 leaves nearly nothing of the echo and
 a person's words with it. An `AdaptiveFilter` takes out what it knows of the echo and leaves a
 person's words as they are: that is for speech to text. Whether somebody speaks is told by what AEC3
 gives, and, where both find a person, by what the filter leaves: it is louder than a gate has learnt
-to expect of it, and AEC3 has not suppressed it. Until AEC3 is measured to take the echo out, and
-where it does not (the reference is not what is played, the delay is longer than it can follow), the
-gate decides, on the sound as it came.
+to expect of it, and AEC3 has not suppressed it. One frame of that is looked at by itself; where
+several are found, a voice in all that the filter leaves is somebody's (`voice_over_echo`). Until
+AEC3 is measured to take the echo out, and where it does not (the reference is not what is played,
+the delay is longer than it can follow), the gate decides, on the sound as it came.
 """
 
 from collections import deque
