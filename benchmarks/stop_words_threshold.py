@@ -23,7 +23,7 @@ from stop_words_sounds import clips, words
 from edgevox.voice.stop_network import read_weights
 
 HALF = Half.TUNING
-ODDS = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5)
+ODDS = (0.01, 0.02, 0.05, 0.1, 0.14, 0.2, 0.5, 1.0)
 THRESHOLDS = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.93, 0.95, 0.97, 0.98, 0.99)
 CONDITIONS = (None, 10.0, 5.0)
 

@@ -1,10 +1,10 @@
 """Hears "stop", "halt" and "freeze" in running sound, without waiting for the end of what is said,
 and a few words of other languages where those are spoken.
 
-Where it thinks of an English one, Whisper is asked what was just said: the odds of the first times
-the likelihood that the second finds decide. English stop words count whatever language is spoken.
-It stops wherever one of them is said, as in "do not stop" too: when in doubt, it stops. What the
-network was trained on and how well it hears is in docs/stop-spotter.md.
+Where it thinks of an English one, Whisper is asked what was just said: the odds of the first,
+squared, times the likelihood that the second finds decide. English stop words count whatever
+language is spoken. It stops wherever one of them is said, as in "do not stop" too: when in doubt,
+it stops. What the network was trained on and how well it hears is in docs/stop-spotter.md.
 """
 
 import functools
@@ -36,13 +36,13 @@ SMOOTHED_LOOKS = 3
 """The mean of so many looks counts: no single one stops a robot."""
 REST_S = 0.6
 """After a word none counts for so long, so that one word is one stop."""
-ASKS_FROM, MOST_ASKED = 0.15, 8
+ASKS_FROM, MOST_ASKED = 0.3, 8
 """From this likelihood on it asks for a second look, so many times for what may be one word; and
 whenever the network is sure, as of who shouts "stop" again and again."""
-LEAST_ODDS = 0.02
-"""The odds of the network, as 3 for 0.75, times the likelihood of the second look: from here on a
-word counts. By it is chosen how much is heard, and how often it stops for nothing: see
-docs/stop-spotter.md."""
+LEAST_ODDS = 0.14
+"""The odds of the network, as 3 for 0.75, squared, times the likelihood of the second look: from
+here on a word counts. Squared, as Whisper finds words in voices that talk at once, too. By it is
+chosen how much is heard, and how often it stops for nothing: see docs/stop-spotter.md."""
 _UNSURE, _UNHEARD = 1e-3, 1e-4
 """How sure at most the network is believed to be, and how little the second look may find."""
 
@@ -109,7 +109,7 @@ class StopJudge:
         if found is None:
             return sure
         odds = (self.likelihood + _UNSURE) / (1 - self.likelihood + _UNSURE)
-        return odds * (found + _UNHEARD) >= self._least_odds
+        return odds**2 * (found + _UNHEARD) >= self._least_odds
 
     def rest(self) -> None:
         """Nobody speaks: what was looked at before does not count any more."""

@@ -12,7 +12,7 @@ from edgevox.voice.endpoint import VOICED
 from edgevox.voice.vad import VoiceDetector
 
 
-class Voice(NamedTuple):
+class FoundVoice(NamedTuple):
     """How likely a frame holds somebody's voice, 0 to 1, and whether it holds one that may be
     somebody's.
     """
@@ -29,12 +29,12 @@ class VoiceOverEcho:
         self._beside: VoiceDetector | None = None
         self._goes_on = False
 
-    def of(self, sound: Unechoed) -> Voice:
+    def of(self, sound: Unechoed) -> FoundVoice:
         """Of the next frame."""
         probability = self._vad.probability(sound.voice)
         if not sound.cancelled:
             self._goes_on = False
-            return Voice(probability, surmised=False)
+            return FoundVoice(probability, surmised=False)
         beside = self._beside = self._beside or self._vad.another()
         if not self._goes_on:
             beside.reset()
@@ -42,7 +42,7 @@ class VoiceOverEcho:
         surmised = beside.probability(sound.words)
         if sound.somebody:
             probability = max(probability, surmised)
-        return Voice(probability, surmised >= VOICED)
+        return FoundVoice(probability, surmised >= VOICED)
 
     def reset(self) -> None:
         """The next frame does not follow on those before."""

@@ -7,7 +7,7 @@ import pytest
 
 from edgevox.voice.audio import FRAME_SAMPLES
 from edgevox.voice.echo import Unechoed
-from edgevox.voice.voice_over_echo import Voice, VoiceOverEcho
+from edgevox.voice.voice_over_echo import FoundVoice, VoiceOverEcho
 
 
 class Ears:
@@ -48,14 +48,16 @@ def voices(ears):
 
 
 def test_where_nothing_is_cancelled_there_is_one_detector(voices, ears):
-    assert voices.of(sound(30, 90)) == Voice(0.3, surmised=False)
+    assert voices.of(sound(30, 90)) == FoundVoice(0.3, surmised=False)
     assert not ears.others
 
 
 def test_a_voice_in_what_is_left_is_surmised_until_it_is_known_to_be_somebodys(voices):
-    assert voices.of(sound(30, 90, cancelled=True)) == Voice(0.3, surmised=True)
-    assert voices.of(sound(30, 90, cancelled=True, somebody=True)) == Voice(0.9, surmised=True)
-    assert voices.of(sound(30, 20, cancelled=True, somebody=True)) == Voice(0.3, surmised=False)
+    assert voices.of(sound(30, 90, cancelled=True)) == FoundVoice(0.3, surmised=True)
+    assert voices.of(sound(30, 90, cancelled=True, somebody=True)) == FoundVoice(0.9, surmised=True)
+    assert voices.of(sound(30, 20, cancelled=True, somebody=True)) == FoundVoice(
+        0.3, surmised=False
+    )
 
 
 def test_the_second_detector_begins_anew_after_frames_that_it_did_not_hear(voices, ears):
