@@ -121,7 +121,7 @@ def test_noise_stops_nothing(kind, voice):
         ("pt", "Pare!", "Vá para a cozinha."),
         ("hi", "रुकिए!", "रसोई में जाओ।"),
         ("ja", "とまれ!", "だいどころにいって。"),
-        ("zh", "站住!", "去厨房。"),
+        ("zh", "停下!", "去厨房。"),
     ],
 )
 def test_words_of_another_language_are_heard_where_it_is_spoken(language, word, other):
