@@ -17,6 +17,7 @@ import argparse
 import hashlib
 import sys
 from collections.abc import Sequence
+from functools import partial
 from io import BytesIO
 from pathlib import Path
 
@@ -50,10 +51,10 @@ more commands of the voices that tune were right.
 def train(folder: Path, asked: argparse.Namespace) -> None:
     """Speak what is not there yet, then learn."""
     import torch
-    from hearing_adapter.batches import Babbles, Batches
+    from hearing_adapter.batches import Batches, babble
     from hearing_adapter.learning import Learning
     from whisper_training.making import all_made_beside, made_beside
-    from whisper_training.surroundings import Noises
+    from whisper_training.surroundings import noise_to_train
 
     torch.set_num_threads(1)
     folder.mkdir(parents=True, exist_ok=True)
@@ -64,8 +65,9 @@ def train(folder: Path, asked: argparse.Namespace) -> None:
     _told(f"{len(clips)} of {len(whole)} clips")
     model = locate(WHISPER)
     every = [*kinds(Half.TRAIN), BABBLE]  # babble twice
-    around = Noises(every, NOISES_OF_A_KIND, NOISE_S, SEED), Babbles(clips, NATURAL_BABBLES)
-    noises = torch.cat([all_made_beside(some, asked.processes) for some in around])
+    noise = partial(noise_to_train, every, NOISE_S, SEED)
+    around = (noise, len(every) * NOISES_OF_A_KIND), (partial(babble, clips), NATURAL_BABBLES)
+    noises = torch.cat([all_made_beside(*some, asked.processes) for some in around])
     start = {} if asked.anew else adapter_for(model)
     learning = Learning(model, folder, asked.steps, noises=noises, device=asked.device, start=start)
     made = Batches(model, clips, asked.utterances, learning.course.done)

@@ -22,6 +22,7 @@ it does not name are left out. `benchmarks/stop_words.py` tells how well they he
 import argparse
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -68,7 +69,7 @@ def train(folder: Path, asked: argparse.Namespace) -> None:
     from stop_spotter.learning import Learning
     from stop_spotter.looks import Looks
     from whisper_training.making import all_made_beside, made_beside
-    from whisper_training.surroundings import Noises
+    from whisper_training.surroundings import noise_to_train
 
     torch.set_num_threads(1)
     folder.mkdir(parents=True, exist_ok=True)
@@ -81,8 +82,9 @@ def train(folder: Path, asked: argparse.Namespace) -> None:
         told(f"{language}: {len(some)} of {len(clips[language])} clips")
     sounds = {language: sounds_of(language, some) for language, some in spoken.items()}
     outputs = Outputs(sorted(languages()))
-    around = Noises(kinds(Half.TRAIN), NOISES_OF_A_KIND, NOISE_S, SEED)
-    noises = all_made_beside(around, asked.processes)
+    every = kinds(Half.TRAIN)
+    noise = partial(noise_to_train, every, NOISE_S, SEED)
+    noises = all_made_beside(noise, len(every) * NOISES_OF_A_KIND, asked.processes)
     start = None if asked.anew else (read_weights(), read_language_weights())
     learning = Learning(
         locate(ENCODER), outputs, folder, asked.steps,

@@ -91,7 +91,7 @@ class Listener:
         clock: Clock | None = None,
     ) -> None:
         self._source = source
-        self._vad, self._voices = vad, VoiceOverEcho(vad)
+        self._voices = VoiceOverEcho(vad)
         self._wakeword = wakeword
         self._submit = submit
         self._bus = bus
@@ -226,7 +226,7 @@ class Listener:
     def _listen_for_stop_word(self, frame: Frame, *, loud: bool) -> None:
         """By what no gate has cut: the beginning of a word counts."""
         if self._stops and self._stops.heard(
-            frame.samples, self._vad.any_voice, playing=self._echo.playing, loud=loud
+            frame.samples, self._voices.any_voice, playing=self._echo.playing, loud=loud
         ):
             self._spotted = self._endpointer.speaking
             self._submit(StopSpotted(frame.end_s, self._stops.word, goes_on=self._spotted))

@@ -29,6 +29,11 @@ class VoiceOverEcho:
         self._beside: VoiceDetector | None = None
         self._goes_on = False
 
+    @property
+    def any_voice(self) -> float:
+        """See `VoiceDetector`; of the first detector."""
+        return self._vad.any_voice
+
     def of(self, sound: Unechoed) -> FoundVoice:
         """Of the next frame."""
         probability = self._vad.probability(sound.voice)

@@ -10,8 +10,8 @@ import torch
 from acoustics.clips import Clip
 from faster_whisper.tokenizer import Tokenizer
 from tokenizers import Tokenizer as Words
-from torch.utils.data import Dataset, IterableDataset, get_worker_info
-from whisper_training.tracks import Wave
+from torch.nn.utils.rnn import pad_sequence
+from torch.utils.data import IterableDataset, get_worker_info
 
 from edgevox.voice.stop_encoder import HOP_SAMPLES
 from hearing_adapter.utterances import Utterance, Utterances, prompt
@@ -58,20 +58,11 @@ class Batches(IterableDataset[Batch]):
             yield from maker.of(utterances)
 
 
-class Babbles(Dataset[torch.Tensor]):
-    """So many natural voices that talk at once, of these clips, each made when it is asked for."""
-
-    def __init__(self, clips: Sequence[Clip], many: int) -> None:
-        self._clips, self._many = [clip for clip in clips if clip.engine == "kokoro"], many
-
-    def __len__(self) -> int:
-        return self._many
-
-    def __getitem__(self, number: int) -> torch.Tensor:
-        if number >= self._many:
-            raise IndexError(number)
-        some = random.Random(number).choices(self._clips, k=OF_A_BABBLE)
-        return torch.from_numpy(Utterances(some, number).babble())
+def babble(clips: Sequence[Clip], number: int) -> torch.Tensor:
+    """The babble of this number, (samples,): natural voices of these clips that talk at once."""
+    natural = [clip for clip in clips if clip.engine == "kokoro"]
+    some = random.Random(number).choices(natural, k=OF_A_BABBLE)
+    return torch.from_numpy(Utterances(some, number).babble())
 
 
 class _Maker:
@@ -106,7 +97,7 @@ class _Maker:
             follow[row, len(before) - 1 : len(whole) - 1] = of_text
             follow[row, len(before) - 2] = AS_TAUGHT if one.text else words.no_speech
         return Batch(
-            _together([one.track for one in some]),
+            pad_sequence([torch.from_numpy(one.track) for one in some], batch_first=True).half(),
             torch.tensor([one.track.size for one in some]),
             rows,
             torch.from_numpy(tokens),
@@ -125,10 +116,3 @@ class _Maker:
 def tokens_of(file: str) -> Tokenizer:
     """Whisper's tokens of English."""
     return Tokenizer(Words.from_file(file), False, task="transcribe", language="en")
-
-
-def _together(tracks: Sequence[Wave]) -> torch.Tensor:
-    whole = np.zeros((len(tracks), max(one.size for one in tracks)), np.float16)
-    for row, one in zip(whole, tracks, strict=True):
-        row[: one.size] = one
-    return torch.from_numpy(whole)

@@ -12,10 +12,9 @@ import torch
 from torch.nn.functional import cross_entropy, kl_div, log_softmax
 from whisper_training.bands import Bands
 from whisper_training.course import Course
-from whisper_training.surroundings import Place, Surroundings
+from whisper_training.surroundings import Place, Surroundings, as_samples
 from whisper_training.whole_file import write_whole
 
-from edgevox.voice.level import FULL_SCALE
 from edgevox.voice.stt.adapter import ADAPTER_FILE
 from edgevox.voice.whisper_file import Added
 from hearing_adapter.batches import AS_TAUGHT, UNWANTED, Batch, tokens_of
@@ -106,5 +105,4 @@ class Learning:
 def _clean(tracks: torch.Tensor) -> torch.Tensor:
     """As they are said, by a microphone beside the mouth: int16."""
     rustle = 10 ** (FLOOR_DB / 20) * torch.randn(tracks.shape, device=tracks.device)
-    sound = FULL_SCALE * (10 ** (CLEAN_DB / 20) * tracks.float() + rustle)
-    return sound.clamp(-FULL_SCALE, FULL_SCALE - 1).to(torch.int16)
+    return as_samples(10 ** (CLEAN_DB / 20) * tracks.float() + rustle)

@@ -10,8 +10,8 @@ import torch
 from acoustics import Half
 from acoustics.noises import noise
 from acoustics.rooms import rooms
-from torch.nn.functional import interpolate, pad
-from torch.utils.data import Dataset
+from torch.nn.functional import interpolate
+from torch.nn.utils.rnn import pad_sequence
 
 from edgevox.voice.audio import RATE_HZ
 from edgevox.voice.level import FULL_SCALE
@@ -38,21 +38,15 @@ class Place:
     snr_db: tuple[float, float]
 
 
-class Noises(Dataset[torch.Tensor]):
-    """Noises to train with, so many of each of these kinds, each made when it is asked for."""
+def noise_to_train(kinds: Sequence[str], seconds: float, seed: int, number: int) -> torch.Tensor:
+    """The noise of this number, (samples,), of each kind in turn."""
+    kind = kinds[number % len(kinds)]
+    return torch.from_numpy(noise(kind, seconds, seed + number, Half.TRAIN)).float()
 
-    def __init__(self, kinds: Sequence[str], of_a_kind: int, seconds: float, seed: int) -> None:
-        self._kinds, self._many = kinds, len(kinds) * of_a_kind
-        self._seconds, self._seed = seconds, seed
 
-    def __len__(self) -> int:
-        return self._many
-
-    def __getitem__(self, number: int) -> torch.Tensor:
-        if number >= self._many:
-            raise IndexError(number)
-        kind, seed = self._kinds[number % len(self._kinds)], self._seed + number
-        return torch.from_numpy(noise(kind, self._seconds, seed, Half.TRAIN)).float()
+def as_samples(sounds: torch.Tensor) -> torch.Tensor:
+    """As a microphone gives them: int16, clipped; full scale is 1."""
+    return (FULL_SCALE * sounds).clamp(-FULL_SCALE, FULL_SCALE - 1).to(torch.int16)
 
 
 class Surroundings:
@@ -63,10 +57,8 @@ class Surroundings:
     def __init__(self, place: Place, noises: torch.Tensor) -> None:
         self._place, self._noises, self._on = place, noises, noises.device
         responses = [torch.from_numpy(room.response()).float() for room in rooms(Half.TRAIN, ROOMS)]
-        longest = max(len(one) for one in responses)
         here = torch.ones(1)  # no room
-        padded = [pad(one, (0, longest - len(one))) for one in (here, *responses)]
-        self._responses = torch.stack(padded).to(self._on)
+        self._responses = pad_sequence([here, *responses], batch_first=True).to(self._on)
 
     @torch.no_grad()
     def heard(self, tracks: torch.Tensor) -> torch.Tensor:
@@ -82,8 +74,7 @@ class Surroundings:
         rustle = torch.where(self._some(self._place.quiet_share, many), quiet, above)
         second = self._some(TWICE_SHARE, many) * self._between(0.3, 1, many)
         noise = self._noise(*tracks.shape) + second[:, None] * self._noise(*tracks.shape)
-        sound = FULL_SCALE * (speech + rustle[:, None] * noise)
-        return sound.clamp(-FULL_SCALE, FULL_SCALE - 1).to(torch.int16)
+        return as_samples(speech + rustle[:, None] * noise)
 
     def _elsewhere(self, tracks: torch.Tensor) -> torch.Tensor:
         samples = tracks.shape[1]
