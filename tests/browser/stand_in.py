@@ -256,9 +256,9 @@ class Robot:
         self._count += 1
         client = f"client-{self._count}"
         self._clients[client] = socket
-        await socket.send_json({**self.hello, "client": client, "lease": self._leased(client)})
-        await socket.send_json({"type": "scene", **self.scene})
-        await socket.send_json(STATUS)
+        hello = {**self.hello, "client": client, "lease": self._leased(client)}
+        for first in (hello, {"type": "scene", **self.scene}, STATUS):
+            await _send(socket, first)
         async for message in socket:
             if message.type is WSMsgType.TEXT:
                 await self._take(client, socket, json.loads(message.data))
@@ -286,13 +286,13 @@ class Robot:
             "resume": lambda: self._broadcast({"type": "stop", "engaged": False}),
         }
         if message["type"] == "ping":
-            await socket.send_json({"type": "pong", "t": message["t"]})
+            await _send(socket, {"type": "pong", "t": message["t"]})
         elif error := self.answers.get(message["type"]):
-            await socket.send_json({"type": "error", "reply_to": message["id"], **error})
+            await _send(socket, {"type": "error", "reply_to": message["id"], **error})
         else:
             if message["type"] in act:
                 await act[message["type"]]()
-            await socket.send_json({"type": "ok", "reply_to": message["id"]})
+            await _send(socket, {"type": "ok", "reply_to": message["id"]})
 
     def _leased(self, client: str) -> Message:
         return {
