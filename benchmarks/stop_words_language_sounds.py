@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import shared_with_tests  # noqa: F401 - finds the tests' modules
 from acoustics import Half
-from acoustics.clips import Clip
+from acoustics.clips import Clip, espeak_manner
 from acoustics.languages import (
     espeak_speakers_of,
     has_none,
@@ -70,10 +70,7 @@ def said_in(language: str, half: Half) -> Said:
 
 
 def _by_espeak(rng: random.Random, language: str, voice: str, text: str, word: str = "") -> Clip:
-    return Clip(
-        voice, read_aloud(text, language), word,
-        pitch=rng.randint(20, 85), words_a_minute=rng.randint(130, 220),
-    )  # fmt: skip
+    return Clip(voice, read_aloud(text, language), word, **espeak_manner(rng))
 
 
 def _sentences(language: str, half: Half) -> list[str]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from acoustics import Half
-from acoustics.clips import Clip
+from acoustics.clips import Clip, espeak_manner
 from acoustics.mixing import at_level, mixed
 from acoustics.noises import kinds, noise
 from acoustics.rooms import in_room, rooms
@@ -66,10 +66,7 @@ def words(half: Half) -> list[Clip]:
         for word in SAID:
             some = [one for one in (*ends, *within) if one[0] == word]
             for _, text, inside in rng.sample(some, 2):
-                found.append(
-                    Clip(voice, text, word, inside, pitch=rng.randint(20, 85),
-                         words_a_minute=rng.randint(130, 220))
-                )  # fmt: skip
+                found.append(Clip(voice, text, word, inside, **espeak_manner(rng)))
     return found
 
 
@@ -81,10 +78,9 @@ def talk(half: Half) -> list[Clip]:
         for voice in _in_turn(kokoro_voices(half), TALK[half]["kokoro"])
     ]
     return found + [
-        Clip(voice, rng.choice(known), pitch=rng.randint(20, 85),
-             words_a_minute=rng.randint(130, 220))
+        Clip(voice, rng.choice(known), **espeak_manner(rng))
         for voice in _in_turn(espeak_voices(half), TALK[half]["espeak"])
-    ]  # fmt: skip
+    ]
 
 
 def alike(half: Half) -> list[Clip]:

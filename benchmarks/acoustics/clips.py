@@ -1,5 +1,6 @@
 """Clips: who says what, how; spoken once, then kept."""
 
+import random
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -45,6 +46,11 @@ class Clip:
             "pitch": self.pitch,
             "words_a_minute": self.words_a_minute,
         }
+
+
+def espeak_manner(rng: random.Random, slowest: int = 130, fastest: int = 220) -> dict[str, int]:
+    """How high, and at how many words a minute, espeak-ng says a clip."""
+    return {"pitch": rng.randint(20, 85), "words_a_minute": rng.randint(slowest, fastest)}
 
 
 def speak(clips: Iterable[Clip], told: Callable[[str], None]) -> None:

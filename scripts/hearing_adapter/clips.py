@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from enum import Enum
 
 from acoustics import Half
-from acoustics.clips import Clip
+from acoustics.clips import Clip, espeak_manner
 from acoustics.voices import PIPER, espeak_voices, kokoro_voices
 from stop_spotter import clips as of_spotter
 from stop_spotter.texts import ALIKE, CHAT
@@ -82,8 +82,8 @@ def espeak_clips() -> list[Clip]:
 
     def one() -> Clip:
         text = _text(rng, 0.45)
-        pitch, speed = rng.randint(20, 85), rng.randint(125, 220)
-        return Clip(rng.choice(voices), text, pitch=pitch, words_a_minute=speed)
+        manner = espeak_manner(rng, 125, 220)
+        return Clip(rng.choice(voices), text, **manner)
 
     stops = rng.sample(of_spotter.espeak_clips(), ESPEAK_STOPS)
     return [

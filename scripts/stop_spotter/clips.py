@@ -10,7 +10,7 @@ from json import loads
 from pydoc_data.topics import topics
 
 from acoustics import Half
-from acoustics.clips import Clip
+from acoustics.clips import Clip, espeak_manner
 from acoustics.sentences import sentences
 from acoustics.voices import PIPER, espeak_voices, kokoro_voices
 
@@ -136,8 +136,7 @@ def piper_clips() -> list[Clip]:
 
 
 def _by_espeak(rng: random.Random) -> dict[str, int]:
-    """How high and how fast espeak-ng speaks."""
-    return {"pitch": rng.randint(20, 85), "words_a_minute": rng.randint(125, 240)}
+    return espeak_manner(rng, 125, 240)
 
 
 def espeak_clips() -> list[Clip]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from unicodedata import category
 
 from acoustics import Half
-from acoustics.clips import Clip
+from acoustics.clips import Clip, espeak_manner
 from acoustics.languages import (
     espeak_speakers_of,
     has_none,
@@ -107,7 +107,4 @@ def _reading(rng: random.Random, known: Sequence[str], language: str) -> str:
 def _espeak_clip(
     rng: random.Random, voice: str, text: str, word: str = "", within: bool = False
 ) -> Clip:
-    return Clip(
-        voice, text, word, within,
-        pitch=rng.randint(20, 85), words_a_minute=rng.randint(125, 230),
-    )  # fmt: skip
+    return Clip(voice, text, word, within, **espeak_manner(rng, 125, 230))
