@@ -1,6 +1,7 @@
 """Hearing a person through the robot's own voice: by the gate, and by the canceller before it.
 
-The robot speaks by Piper, people by Kokoro and espeak-ng, in six simulated ways from loudspeaker
+The robot speaks by Piper, people by the English ones of Kokoro's voices that nothing was tuned
+with, and by espeak-ng, in six simulated ways from loudspeaker
 to microphone (`echo_paths`): 20 to 250 ms, clocks up to 100 ppm apart, distorted, in rooms. Both
 ways of listening hear the same. It speaks without end, and in short answers with seconds of silence
 between, listening anew each minute: what is not learnt yet is where it goes wrong. Who speaks over
@@ -11,30 +12,32 @@ nothing but the share of a core.
 import itertools
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 import shared_with_tests  # noqa: F401 - finds the tests' modules
+from acoustics import Half
+from acoustics.voices import native_voices, say
 from duplex_room import Room, listen_in
 from echo_paths import PATHS, EchoPath, Sound, as_samples, at_level, noise_floor
 from figures import Figure, Measured, NotHere
-from listener_rig import frames, says_espeak, says_piper
+from listener_rig import frames, says_piper
+from listening import NoWords
 from voice_engines import words, wrong_words
-from voice_rig import says
 
 from edgevox.models import ModelMissing, locate
 from edgevox.voice.audio import RATE_HZ
 from edgevox.voice.echo_canceller import open_echo
 from edgevox.voice.level import rms
+from edgevox.voice.microwakeword import MicroWakeWord
 from edgevox.voice.played_sound import PlayedSound
 from edgevox.voice.stop_detector import StopDetector
 from edgevox.voice.stop_encoder import ENCODER
 from edgevox.voice.stop_spotter import open_stop_spotter
 from edgevox.voice.stt.speech_to_text import SpeechToText
 from edgevox.voice.stt.whisper import Whisper
-from edgevox.voice.tts.pool import VoicePool
 
 TABLE = "Hearing through its own voice"
 Way = Literal["gate", "cancel"]
@@ -79,8 +82,8 @@ COMMANDS = (
 SPOKE_S = {"person": (5.0, ""), "later": (20.0, ", once it has spoken for 20 s")}
 """How long it has spoken, since its start, when a person begins, and how that is told: the
 canceller learns meanwhile."""
-KOKORO = ("af_heart", "am_michael", "bf_emma", "am_puck", "af_bella")
-ESPEAK = "espeak-ng"
+VOICES = (*native_voices(Half.HELD_OUT), "espeak:en-us+m3")
+"""Of the people who speak over the robot."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +100,7 @@ def measure(quick: bool = False) -> Measured:
     """Who is heard, whether it hears itself, and what that costs."""
     try:
         stt = Whisper(lambda _: locate("whisper-tiny.en"), threads=2)
-        people = list(_people(KOKORO[:1] if quick else KOKORO))
+        people = list(_people(VOICES[:1] if quick else VOICES))
     except ModelMissing as error:
         raise NotHere(str(error)) from error
     minutes = 1.0 if quick else OWN_MINUTES
@@ -195,8 +198,8 @@ def _of_people(way: Way, person: str, told: str, tally: Tally) -> Iterator[Figur
         ("noticed", "who speaks over it is noticed", tally.noticed),
         ("understood", "and understood, word by word", tally.understood),
     ):
-        yield Figure.of(
-            f"{person}.{name}.{way}", TABLE, what + told, [100 * count / tally.of], "%",
+        yield Figure.share(
+            f"{person}.{name}.{way}", TABLE, what + told, count, tally.of,
             column=WAYS[way], more_is_better=True, wanted=90.0 if way == "cancel" else None,
         )  # fmt: skip
     if tally.took_s:
@@ -227,7 +230,27 @@ def _cancelled() -> Iterator[Figure]:
 
 
 def _costs(seconds: float) -> Iterator[Figure]:
-    """Share of a core while the robot speaks."""
+    """Share of a core while the robot speaks: of what hears through its voice, and of all that
+    listens, without recognising what is said.
+    """
+    yield from _cost_of_echo(seconds)
+    spotter = open_stop_spotter(locate(ENCODER))
+    spotter.warm_up()
+    wakeword = MicroWakeWord(locate("micro-wake-words") / "hey_jarvis.json")
+    for way, called in WAYS.items():
+        room = Room(own_voice(seconds), PATHS[2], np.zeros(0), 0.0, yields=False)
+        began_s = time.process_time()
+        listen_in(room, way, NoWords(), spotter, wakeword)
+        spent_s = time.process_time() - began_s
+        yield Figure.of(
+            f"core.everything.{way}", TABLE,
+            "the same of all that listens: for voices, stop words and a wake word, too",
+            [100 * spent_s / room.now_s], "%", column=called, wanted=8.0,
+        )  # fmt: skip
+    wakeword.close()
+
+
+def _cost_of_echo(seconds: float) -> Iterator[Figure]:
     path, played = PATHS[2], own_voice(seconds)
     heard = list(frames(as_samples(path.echo(played) + _floor(played, path))))
     for way, called in WAYS.items():
@@ -240,9 +263,8 @@ def _costs(seconds: float) -> Iterator[Figure]:
             echo.hear(frame)
             spent_s += time.thread_time() - began_s
         yield Figure.of(
-            f"core.{way}", TABLE, "share of a core while it speaks",
+            f"core.{way}", TABLE, "share of a core while it speaks, this alone",
             [100 * spent_s / (len(heard) * 0.032)], "%", column=called,
-            wanted=8.0,
         )  # fmt: skip
 
 
@@ -254,11 +276,6 @@ def _floor(played: Sound, path: EchoPath) -> Sound:
     return noise_floor(played.size, path.seed)
 
 
-def _people(names: tuple[str, ...]) -> Iterator[tuple[str, Sound]]:
-    pool = VoicePool()
-    for number, command in enumerate(COMMANDS * (len(names) + 1)):
-        name = (*names, ESPEAK)[number // len(COMMANDS)]
-        if name == ESPEAK:
-            yield command, says_espeak(command) / 32768.0
-            continue
-        yield command, says("en", name, command, pool) / 32768.0
+def _people(voices: Sequence[str]) -> Iterator[tuple[str, Sound]]:
+    for voice, command in itertools.product(voices, COMMANDS):
+        yield command, say(voice, command) / 32768.0

@@ -18,6 +18,7 @@ from edgevox.voice.listener import Listener
 from edgevox.voice.played_sound import PlayedSound
 from edgevox.voice.stop_detector import StopDetector
 from edgevox.voice.stt.speech_to_text import SpeechToText
+from edgevox.voice.wakeword import WakeDetector
 
 SILENT_AFTER_S = 0.1
 AHEAD_S = 0.1
@@ -109,7 +110,11 @@ class Room:
 
 
 def listen_in(
-    room: Room, echo: Echo, stt: SpeechToText, spotter: StopDetector | None = None
+    room: Room,
+    echo: Echo,
+    stt: SpeechToText,
+    spotter: StopDetector | None = None,
+    wakeword: WakeDetector | None = None,
 ) -> Happened:
     """All that happens in it, to the end.
 
@@ -124,6 +129,7 @@ def listen_in(
         language=lambda: "en",
         muted=lambda: False,
         audible=room.audible,
+        wakeword=wakeword,
         stop_detector=spotter,
         saying=lambda: "stop",
         played=room.played,

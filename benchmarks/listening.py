@@ -14,10 +14,11 @@ from edgevox.models import locate
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.foreground import open_vad
 from edgevox.voice.listener import Listener
+from edgevox.voice.played_sound import PlayedSound
 from edgevox.voice.sources.in_memory import InMemory
 from edgevox.voice.stop_encoder import ENCODER
 from edgevox.voice.stop_spotter import open_stop_spotter
-from edgevox.voice.stt.speech_to_text import SpeechToText
+from edgevox.voice.stt.speech_to_text import SpeechToText, Transcript
 from edgevox.voice.wakeword import WakeDetector
 
 
@@ -35,6 +36,17 @@ class Listening:
     @property
     def share_of_a_core(self) -> float:
         return self.cpu_s / self.sound_s
+
+
+class NoWords:
+    """Recognises nothing: what listening costs beside that."""
+
+    def transcribe(self, samples: Samples, language: str) -> Transcript:  # noqa: ARG002
+        return Transcript("")
+
+    def warm_up(self, language: str) -> None: ...
+
+    def close(self) -> None: ...
 
 
 def quiet_room(seconds: float) -> Samples:
@@ -68,6 +80,8 @@ def listen(
         audible=lambda: 0.0,
         wakeword=wakeword,
         stop_detector=spotter,
+        echo="cancel",
+        played=PlayedSound(),
         lossless=True,
     )
     listener.start()

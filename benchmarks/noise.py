@@ -2,7 +2,8 @@
 
 Each goes the way that sound goes: voice activity, the end of an utterance, Whisper as the product
 sets it up, and the interpreter without a language model. Voices, noises and the room are the held
-out halves of `acoustics`: nothing was tuned with them. "right" is done as meant, unasked; "asked"
+out halves of `acoustics`: nothing was tuned with them, and of some kinds of noise nothing was ever
+heard. An utterance is over after a fixed silence. "right" is done as meant, unasked; "asked"
 is asked back about what was meant; a wrong motion is begun unasked and was not meant. Voices behind
 the speaker make utterances of their own: each is a turn, as in the product, and all count.
 
@@ -22,7 +23,7 @@ import numpy as np
 import shared_with_tests  # noqa: F401 - finds the tests' modules
 from acoustics import Half
 from acoustics.mixing import at_level, mixed
-from acoustics.noises import BABBLE, noise
+from acoustics.noises import kinds, noise
 from acoustics.rooms import in_room, room_of
 from acoustics.voices import kokoro_voices, say
 from corpus_robots import is_right, skills_of_robots
@@ -50,6 +51,7 @@ from edgevox.voice.stt.whisper import Whisper
 
 MODEL = "whisper-tiny.en"
 TABLE = f"Plain commands in noise, {MODEL}"
+BY_KIND = f"Commands that are right beside each kind of noise, {MODEL}"
 NEARBY, NOTHING_SAID = "Talk in noise that is no order", "Noise without speech"
 A, E, H, P = "robot-apartment", "robot-external", "robot-humanoid", "robot-panda"
 COMMANDS: tuple[tuple[str, str, Call], ...] = (
@@ -70,7 +72,7 @@ COMMANDS: tuple[tuple[str, str, Call], ...] = (
     (P, "Pick up the red cube.", Call("grasp", {"object": "red_cube"})),
     (P, "Open your hand.", Call("release")),
 )
-KINDS = ("white", "pink", "motor", BABBLE)
+KINDS = kinds(Half.HELD_OUT)
 RT60_S = 0.4
 BEFORE_S, AFTER_S, LEVEL_DB = 4.0, 1.0, -26.0
 """What is around does not begin with what is said."""
@@ -114,15 +116,17 @@ def measure(quick: bool = False) -> Measured:
     """Every command by every voice in every condition and every kind of noise."""
     try:
         robots = {name: Robot(name) for name in skills_of_robots()}
-        voices = [v for v in kokoro_voices(Half.HELD_OUT) if v.split(":")[1][0] in "ab"]
+        voices = kokoro_voices(Half.HELD_OUT)
     except ModelMissing as error:
         raise NotHere(str(error)) from error
     figures: list[Figure] = []
     failed: list[str] = []
     for condition in CONDITIONS:
-        heard = _heard(robots, condition, voices[: 1 if quick else 4], quick)
-        figures += _figures(condition, [outcome for outcome, _ in heard])
-        failed += [line for outcome, line in heard if outcome is not Outcome.RIGHT]
+        heard = _heard(robots, condition, voices[: 1 if quick else None], quick)
+        figures += _figures(condition, [one.outcome for one in heard])
+        if condition.snr_db is not None:
+            figures += _by_kind(condition, heard)
+        failed += [one.line for one in heard if one.outcome is not Outcome.RIGHT]
         number = 4 if quick else SENTENCES
         moved = list(_moved_by_talk(robots, condition, voices, number))
         figures.append(
@@ -236,23 +240,39 @@ def _padded(sound: NDArray[Any]) -> NDArray[np.float64]:
     return np.pad(np.asarray(sound, np.float64), (int(BEFORE_S * RATE_HZ), int(AFTER_S * RATE_HZ)))
 
 
+@dataclass(frozen=True, slots=True)
+class HeardCommand:
+    """What became of a command beside a kind of noise; `line` says how it was heard."""
+
+    kind: str
+    outcome: Outcome
+    line: str
+
+
 def _heard(
     robots: dict[str, Robot], condition: Condition, voices: Sequence[str], quick: bool
-) -> list[tuple[Outcome, str]]:
-    """What became of each command, and a line that says how it was heard. In a quick run the kinds
-    of noise take turns.
+) -> list[HeardCommand]:
+    """Each command by each voice, beside every second kind of noise; in a quick run the kinds take
+    turns.
     """
     found, once = [], quick or condition.snr_db is None
-    every = itertools.product(range(len(COMMANDS)), voices, KINDS[: 1 if once else None])
-    for seed, (row, voice, each) in enumerate(every):
+    every = [
+        (row, voice, kind)
+        for row, voice in itertools.product(range(len(COMMANDS)), voices)
+        for kind in _kinds_beside(row + voices.index(voice), once)
+    ]
+    for seed, (row, voice, kind) in enumerate(every):
         robot, text, wanted = COMMANDS[row]
-        kind = KINDS[row % len(KINDS)] if once else each
         said = robots[robot].hear(spoken(voice, text, condition, kind, seed))
         outcome = robots[robot].does(said, wanted)
         words = " ".join(f"{one.text!r} {one.confidence:.2f}" for one in said)
         line = f"{condition.by(voice, kind)}: {text} {words}"
-        found.append((outcome, f"{line}: {outcome.value}"))
+        found.append(HeardCommand(kind, outcome, f"{line}: {outcome.value}"))
     return found
+
+
+def _kinds_beside(number: int, once: bool) -> Sequence[str]:
+    return KINDS[number % len(KINDS) :][:1] if once else KINDS[number % 2 :: 2]
 
 
 def _moved_by_talk(
@@ -278,6 +298,17 @@ def _figures(condition: Condition, outcomes: Sequence[Outcome]) -> Iterator[Figu
             unit="" if wrong else "%", n=len(outcomes), more_is_better=right,
             wanted=0 if wrong else condition.wanted if right else None,
         )  # fmt: skip
+
+
+def _by_kind(condition: Condition, heard: Sequence[HeardCommand]) -> Iterator[Figure]:
+    for kind in KINDS:
+        some = [one.outcome for one in heard if one.kind == kind]
+        if some:
+            yield Figure(
+                id=f"{condition.name}.kind.{kind}", table=BY_KIND, what=kind,
+                column=condition.about, value=round(100 * some.count(Outcome.RIGHT) / len(some), 1),
+                unit="%", n=len(some), more_is_better=True,
+            )  # fmt: skip
 
 
 def _words_of_noise(robot: Robot, seconds: float) -> Iterator[Transcript]:

@@ -158,7 +158,9 @@ def _crossing(figure: Figure | None, run: Run) -> str:
     if figure is None:
         return ""
     against = ratio(figure, run)
-    return f"{measured(figure)} ({against} times)" if against else measured(figure)
+    beside = [f"{against} times"] if against else []
+    beside += [f"wanted {wanted(figure)}"] if figure.missed else []
+    return measured(figure) + (f" ({', '.join(beside)})" if beside else "")
 
 
 def _joint(unit: str) -> str:

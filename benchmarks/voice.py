@@ -15,7 +15,7 @@ import shared_with_tests  # noqa: F401 - finds the tests' modules
 import voice_parts
 from figures import Figure, Measured, NotHere
 from listener_rig import chatter, loud
-from listening import listen, quiet_room
+from listening import NoWords, listen, quiet_room
 from voice_endurance import Endured, endure
 from voice_engines import words, wrong_words
 from voice_rig import VoiceRig
@@ -24,9 +24,8 @@ from voice_turns import Talk, Turn
 
 from edgevox.apps.queries import find_model
 from edgevox.models import ModelMissing, locate
-from edgevox.voice.audio import RATE_HZ, Samples
+from edgevox.voice.audio import RATE_HZ
 from edgevox.voice.microwakeword import MicroWakeWord
-from edgevox.voice.stt.speech_to_text import Transcript
 from edgevox.voice.stt.whisper import Whisper
 from edgevox.voice.voices import choose
 
@@ -150,17 +149,6 @@ def _long_answers(many: Sequence[Turn]) -> Iterator[Figure]:
         "long_to_floor_silence", f"{about}: with that silence / floor of everything", many,
         lambda x: x.ttfs_s / x.whole_floor_s,
     )  # fmt: skip
-
-
-class NoWords:
-    """Recognises nothing: what listening costs beside that."""
-
-    def transcribe(self, samples: Samples, language: str) -> Transcript:  # noqa: ARG002
-        return Transcript("")
-
-    def warm_up(self, language: str) -> None: ...
-
-    def close(self) -> None: ...
 
 
 def cost(seconds: float) -> Iterator[Figure]:

@@ -41,8 +41,8 @@ PATIENCE_S = 120.0
 GAP_S = 0.3
 """After a longer gap something else is said: the answer to who spoke over it."""
 TALK = "Answer in four short, plain sentences."
-PEOPLE = ("af_bella", "am_adam", "bf_emma", "bm_george")
-"""Kokoro's voices take turns in asking; Piper answers."""
+PEOPLE = ("af_nova", "am_eric", "bf_lily", "bm_george")
+"""Voices of Kokoro's that nothing was tuned with take turns in asking; Piper answers."""
 FOUR_SENTENCES = 'root ::= s s s s\ns ::= [A-Z] [A-Za-z, ]{20,90} ". "'
 CLOCK = SystemClock()
 

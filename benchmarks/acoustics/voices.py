@@ -52,6 +52,11 @@ def kokoro_voices(half: Half) -> tuple[str, ...]:
     return tuple(f"kokoro:{f.stem}" for f in files if f.stem not in others)
 
 
+def native_voices(half: Half) -> tuple[str, ...]:
+    """Those of Kokoro's voices whose language is English: of America (a) and of Britain (b)."""
+    return tuple(one for one in kokoro_voices(half) if one.partition(":")[2][0] in "ab")
+
+
 def espeak_voices(half: Half) -> tuple[str, ...]:
     """espeak-ng's speakers and accents: every third speaker is held out, with all accents, and
     every sixth tunes.

@@ -79,7 +79,10 @@ def listen(
     stack.callback(source.close)
     if isinstance(source, Pushed):
         _connect(stack, source, settings, ros_args)
-    view, bus = ListenView(write, live=live), Bus()
+    spotter = open_stop_detector(settings)
+    detectors = {"stop": spotter, "wake": wakeword}
+    here = {name: one for name, one in detectors.items() if one}
+    view, bus = ListenView(write, live=live, detectors=here), Bus()
     stack.callback(view.close)
     bus.subscribe(WakeWordHeard, view.woken)
     stop_words = SafetyWords(settings.language)
@@ -94,7 +97,7 @@ def listen(
         audible=lambda: 0.0,
         wakeword=wakeword,
         is_stop=lambda text: stop_words.find(text) is not None,
-        stop_detector=open_stop_detector(settings),
+        stop_detector=spotter,
         echo="none",
         lossless=isinstance(source, WavFiles),
     )

@@ -1,7 +1,8 @@
 """What `edgevox listen` shows: one line that is drawn anew on a terminal, else a line a second."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Protocol
 
 from edgevox.core.commands import Command, Heard, StopSpotted
 from edgevox.core.events import WakeWordHeard
@@ -14,31 +15,50 @@ REDRAWN_S, TOLD_S = 0.1, 1.0
 _CLEAR = "\r\x1b[K"
 
 
+class Detector(Protocol):
+    """What listens for a word by its sound: a `StopDetector`, a `WakeDetector`."""
+
+    @property
+    def likelihood(self) -> float:
+        """How likely it is that the word was just said, 0 to 1."""
+
+
 class ListenView:
     """Writes readings as they come, and above them what was understood. Any thread may use it.
 
-    `live` draws over the last reading.
+    `live` draws over the last reading. `detectors` stand in it by these names.
     """
 
-    def __init__(self, write: Callable[[str], object], *, live: bool) -> None:
+    def __init__(
+        self,
+        write: Callable[[str], object],
+        *,
+        live: bool,
+        detectors: Mapping[str, Detector] | None = None,
+    ) -> None:
         self._write = write
         self._live = live
+        self._detectors = detectors or {}
+        self._highest = dict.fromkeys(self._detectors, 0.0)
         self._every_s = REDRAWN_S if live else TOLD_S
         self._due_s = self._every_s
         self._lock = threading.Lock()
 
     def show(self, meter: HearingMeter) -> None:
-        """Show what was measured, if it is time."""
+        """Show what was measured, if it is time, and the most that each detector thought since."""
+        for name, detector in self._detectors.items():
+            self._highest[name] = max(self._highest[name], detector.likelihood)
         if meter.heard_s < self._due_s:
             return
         self._due_s = meter.heard_s + self._every_s - FRAME_S / 2
         reading = meter.reading()
         with self._lock:
-            line = as_line(reading)
+            line = as_line(reading, self._highest)
             if self._live:
                 self._write(f"{_CLEAR}{_bar(reading.level_db)} {line}")
             else:
                 self._write(f"{reading.heard_s:7.1f} s  {line}\n")
+        self._highest = dict.fromkeys(self._detectors, 0.0)
 
     def command(self, command: Command) -> None:
         """Tell what was understood, and the stop words that were known by their sound."""
@@ -61,8 +81,8 @@ class ListenView:
             self._write(f"{_CLEAR if self._live else ''}  {line}\n")
 
 
-def as_line(reading: HearingReading) -> str:
-    """A reading in words and figures."""
+def as_line(reading: HearingReading, detectors: Mapping[str, float]) -> str:
+    """A reading in words and figures, then what each detector thought at most."""
     noise = reading.signal_to_noise_db
     return "  ".join(
         (
@@ -70,7 +90,8 @@ def as_line(reading: HearingReading) -> str:
             f"floor {reading.floor_db:4.0f} dB",
             "signal/noise    - " if noise is None else f"signal/noise {noise:3.0f} dB",
             f"clipped {100 * reading.clipped_share:4.1f} %",
-            f"voice {reading.voice:4.2f}" + (" speech" if reading.voice >= VOICED else ""),
+            f"voice {reading.voice:4.2f} " + ("speech" if reading.voice >= VOICED else "      "),
+            *(f"{name} {likelihood:4.2f}" for name, likelihood in detectors.items()),
         )
     )
 

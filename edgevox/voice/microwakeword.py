@@ -55,16 +55,18 @@ class MicroWakeWord:
         self._cutoff = said.micro.probability_cutoff
         self._sleep = WakeSleep(always_awake=always_awake)
         self._once = OncePerWord(QUIET_S)
+        self.likelihood = 0.0
         self.reset()
 
     def heard(self, samples: Samples, probability: float) -> bool:
         awake = self._sleep.push(samples, probability)
-        found = bool(awake) and self._run(np.concatenate(awake)) > self._cutoff
-        return self._once.counts(found)
+        self.likelihood = self._run(np.concatenate(awake)) if awake else 0.0
+        return self._once.counts(self.likelihood > self._cutoff)
 
     def reset(self) -> None:
         self._sleep.reset()
         self._run(np.zeros(round(KEPT_S * RATE_HZ), np.int16))
+        self.likelihood = 0.0
 
     def close(self) -> None:
         self._network.close()

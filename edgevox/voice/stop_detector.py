@@ -29,6 +29,10 @@ class StopDetector(Protocol):
     def word(self) -> str:
         """The stop word that it heard last."""
 
+    @property
+    def likelihood(self) -> float:
+        """How likely one had just been said when its network was asked last, 0 to 1."""
+
     def heard(self, samples: Samples, probability: float, language: str) -> bool:
         """Whether a stop word has just been said, once for each; 512 samples of int16 at 16 kHz,
         how likely they hold a voice, and the ISO 639-1 code of the language that is spoken.

@@ -152,7 +152,7 @@ class StopSpotter:
 
     @property
     def likelihood(self) -> float:
-        """How likely a word was at the end of the last frame, 0 to 1."""
+        """See `StopDetector`: by the network alone, before the second look."""
         return max(judge.likelihood for judge in self._judges.values())
 
     def heard(self, samples: Samples, probability: float, language: str = ENGLISH) -> bool:

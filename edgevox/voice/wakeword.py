@@ -29,6 +29,10 @@ class WakeDetector(Protocol):
 
     phrase: str
 
+    @property
+    def likelihood(self) -> float:
+        """How likely the phrase had just ended when its networks were asked last, 0 to 1."""
+
     def heard(self, samples: Samples, probability: float) -> bool:
         """Take the next frame, with its probability of voice; True once for each time it is said.
 
@@ -59,6 +63,7 @@ class WakeWord:
         self._chunk: list[Samples] = []
         self._once = OncePerWord(QUIET_S)
         self._run(np.zeros(_CHUNK_SAMPLES, np.int16))
+        self.likelihood = 0.0
 
     def heard(self, samples: Samples, probability: float) -> bool:
         self._chunk += self._sleep.push(samples, probability)
@@ -68,6 +73,7 @@ class WakeWord:
         self._sleep.reset()
         self._chunk.clear()
         self._run(np.zeros(round(KEPT_S * RATE_HZ), np.int16))
+        self.likelihood = 0.0
 
     def close(self) -> None:
         self._features.close()
@@ -77,9 +83,9 @@ class WakeWord:
         """Whether the phrase ends in what was heard since the networks were asked last."""
         if len(self._chunk) * FRAME_SAMPLES < _CHUNK_SAMPLES:
             return False
-        highest = self._run(np.concatenate(self._chunk))
+        self.likelihood = self._run(np.concatenate(self._chunk))
         self._chunk.clear()
-        return highest >= THRESHOLD
+        return self.likelihood >= THRESHOLD
 
     def _run(self, samples: Samples) -> float:
         """The highest probability that the phrase ends in here."""

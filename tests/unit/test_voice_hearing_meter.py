@@ -1,5 +1,7 @@
 """What `edgevox listen` measures and shows, on sounds whose figures are known."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -120,12 +122,27 @@ def test_what_is_understood_stands_above_the_line():
 
 
 def test_a_line_has_every_figure(meter):
-    line = as_line(hears(meter, *([0.001] * 50 + [0.1] * 50)))
+    reading = hears(meter, *([0.001] * 50 + [0.1] * 50))
+    line = as_line(reading, {"stop": 0.871, "wake": 0.0})
     for part in (
         "level  -20 dB",
         "floor  -60 dB",
         "signal/noise  40 dB",
         "clipped  0.0 %",
         "speech",
+        "stop 0.87  wake 0.00",
     ):
         assert part in line
+
+
+def test_the_most_that_a_detector_thought_since_the_last_line_is_told():
+    lines, detector = [], SimpleNamespace(likelihood=0.0)
+    view = ListenView(lines.append, live=False, detectors={"stop": detector})
+    meter = HearingMeter(Ears(), view.show)
+
+    for likelihood in (0.2, 0.9, 0.1):
+        detector.likelihood = likelihood
+        hears(meter, *[0.1] * round(0.3 / FRAME_S))
+    hears(meter, *[0.1] * round(1.2 / FRAME_S))
+
+    assert [line.split()[-2:] for line in lines] == [["stop", "0.90"], ["stop", "0.10"]]
