@@ -62,6 +62,11 @@ def test_without_being_asked_nothing_is_kept(recording, tmp_path):
     assert sorted(os.listdir(tmp_path)) == before
 
 
+def thought(lines, detector):
+    """What a detector thought at most, line by line."""
+    return [float(line.split(f" {detector} ")[1].split()[0]) for line in lines if "level" in line]
+
+
 def test_the_wake_word_is_told(tmp_path):
     file = tmp_path / "said.wav"
     write_wav(file, np.concatenate([silence(1.5), says_piper("hey jarvis"), silence(1.0)]))
@@ -69,6 +74,7 @@ def test_the_wake_word_is_told(tmp_path):
     _, lines, errors = listen("--source", file, "--wakeword", "hey jarvis")
 
     assert '  wake word "hey jarvis"' in lines, errors
+    assert thought(lines, "wake")[0] < 0.1 < 0.9 < max(thought(lines, "wake"))
 
 
 def test_a_stop_word_that_is_known_by_its_sound_is_told(tmp_path):
@@ -78,6 +84,7 @@ def test_a_stop_word_that_is_known_by_its_sound_is_told(tmp_path):
     _, lines, errors = listen("--source", file)
 
     assert '  sounds like "stop"' in lines, errors
+    assert thought(lines, "stop")[0] < 0.1 < 0.8 < max(thought(lines, "stop"))
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ import wave
 import numpy as np
 import pytest
 
+from edgevox.core.commands import Hypothesis
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.voice.kept_audio import KeptAudio
 from edgevox.voice.stt.keeping import KeepingSpeechToText
@@ -102,7 +103,7 @@ class Words:
     def transcribe(self, samples, language):
         if self.error:
             raise self.error
-        return Transcript(self.text)
+        return Transcript(self.text, 0.871_9, (Hypothesis("shop", 0.25, 0.5),))
 
     def warm_up(self, language):
         """Nothing to load."""
@@ -123,6 +124,8 @@ def test_what_is_understood_is_kept_with_its_words(tmp_path):
 
     line = kept_line(tmp_path)
     assert (line["text"], line["language"], line["seconds"]) == ("stop", "en", 1.0)
+    assert line["confidence"] == 0.872
+    assert line["others"] == [{"text": "shop", "share": 0.25}]
 
 
 def test_what_cannot_be_understood_is_kept_with_the_reason(tmp_path):

@@ -31,7 +31,9 @@ class KeepingSpeechToText:
         except Exception as error:
             self._keep(samples, language, began_s, failed=" ".join(str(error).split()))
             raise
-        self._keep(samples, language, began_s, text=said.text)
+        others = [{"text": one.text, "share": round(one.share, 3)} for one in said.others]
+        sure = round(said.confidence, 3)
+        self._keep(samples, language, began_s, text=said.text, confidence=sure, others=others)
         return said
 
     def warm_up(self, language: str) -> None:
@@ -42,7 +44,7 @@ class KeepingSpeechToText:
         """See `SpeechToText.close`."""
         self._stt.close()
 
-    def _keep(self, samples: Samples, language: str, began_s: float, **said: str) -> None:
+    def _keep(self, samples: Samples, language: str, began_s: float, **said: object) -> None:
         about = {
             **said,
             "language": language,
