@@ -60,6 +60,7 @@ class SpeechPaused:
     """Somebody fell silent; if nothing more is said, this is what `SpeechEnded` will give."""
 
     samples: Samples
+    began_s: float
     ended_s: float
 
 
@@ -183,7 +184,7 @@ class Endpointer:
         if len(self._frames) >= self._max_frames:
             return self._cut(frame)
         if self._pause == self._early_frames and self._ended_s > self._began_s:
-            return SpeechPaused(self._kept(), self._ended_s)
+            return SpeechPaused(self._kept(), self._began_s, self._ended_s)
         return None
 
     def _fell_silent(self) -> SpeechEnded | None:

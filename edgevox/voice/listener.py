@@ -59,11 +59,11 @@ class Listener:
     at all, nor its level published. `audible()` is how loud the robot itself speaks now, `saying()`
     what, `played` its sound, for an `echo` that is cancelled. With a wake word only what follows it
     is taken, see `wake_gate`; `is_stop` tells whether words stop the robot, `ending` whether who
-    said them and fell silent has ended. Without it, and
-    in a file, a fixed silence ends an utterance. With it a plain command is `Heard` at once; if the
-    person speaks on within `GOES_ON_S`, `SpokenOn` takes that back, and the whole is `Heard` later.
-    To wait instead would make every command late for the few that go on; to do both parts would do
-    now what may be for later ("go to the kitchen, in ten minutes").
+    said them and fell silent has ended. Without it, in a file, and where nobody said the wake word,
+    a fixed silence ends an utterance. With it a plain command is `Heard` at once; if the person
+    speaks on within `GOES_ON_S`, `SpokenOn` takes that back, and the whole is `Heard` later. To
+    wait instead would make every command late for the few that go on; to do both parts would do now
+    what may be for later ("go to the kitchen, in ten minutes").
 
     `lossless` waits for the transcriber instead of refusing what it cannot keep up with: for files,
     never for a microphone.
@@ -201,9 +201,8 @@ class Listener:
         match self._endpointer.push(words, probability, surmised=surmised):
             case SpeechBegan(began_s=began_s):
                 self._interrupt_if_meant(began_s)
-            case SpeechPaused(samples=samples, ended_s=ended_s):
-                if self._is_addressed(ended_s - samples.size / RATE_HZ):
-                    self._guess(TranscriptionJob(samples, ended_s))
+            case SpeechPaused() as speech:
+                self._guess(speech)
             case SpeechWentOn(ended_s=ended_s):
                 self._submit(SpokenOn(ended_s))
             case SpeechEnded() as speech:
@@ -211,8 +210,9 @@ class Listener:
         if self._spotted and not self._endpointer.speaking:
             self._tell_spotted(frame.end_s)
 
-    def _guess(self, job: TranscriptionJob) -> None:
-        if self._transcriber.guess(job) and self._judges:
+    def _guess(self, speech: SpeechPaused) -> None:
+        job = self._job(speech)
+        if job and not job.only_stop and self._transcriber.guess(job) and self._judges:
             self._endpointer.end_after(ENDS_AFTER_S[Ending.OPEN])
 
     def _wait_as_long_as_words_want(self) -> None:
@@ -258,17 +258,26 @@ class Listener:
         return self._wakeword is None or self._addressed_s > began_s + FRAME_S / 2
 
     def _take(self, speech: SpeechEnded) -> None:
-        if self._wakeword is None or self._is_addressed(speech.began_s):
-            self._understand(TranscriptionJob(speech.samples, speech.ended_s))
+        job = self._job(speech)
+        if job is None:
             return
-        start_s = self._wake_gate.phrase_from(speech)
-        verdict = self._wake_gate.judge(speech)
-        if verdict is WakeDecision.TAKE:
-            phrase = "" if start_s is None else self._wakeword.phrase
-            samples = speech.samples[round((start_s or 0.0) * RATE_HZ) :]
-            self._understand(TranscriptionJob(samples, speech.ended_s, phrase))
-        elif verdict is WakeDecision.ONLY_STOP:
-            self._understand(TranscriptionJob(speech.samples, speech.ended_s, only_stop=True))
+        if not (job.only_stop or self._is_addressed(speech.began_s)):
+            self._wake_gate.take(speech)
+        self._understand(job)
+
+    def _job(self, speech: SpeechEnded | SpeechPaused) -> TranscriptionJob | None:
+        """What is to be understood of it, if it is over."""
+        if self._wakeword is None or self._is_addressed(speech.began_s):
+            return TranscriptionJob(speech.samples, speech.ended_s)
+        match self._wake_gate.judge(speech):
+            case WakeDecision.TAKE:
+                start_s = self._wake_gate.phrase_from(speech)
+                phrase = "" if start_s is None else self._wakeword.phrase
+                samples = speech.samples[round((start_s or 0.0) * RATE_HZ) :]
+                return TranscriptionJob(samples, speech.ended_s, phrase)
+            case WakeDecision.ONLY_STOP:
+                return TranscriptionJob(speech.samples, speech.ended_s, only_stop=True)
+        return None
 
     def _understand(self, job: TranscriptionJob) -> None:
         taken = self._transcriber.take(replace(job, spotted=self._spotted), wait=self._lossless)

@@ -7,7 +7,7 @@ word in it counts.
 
 from enum import Enum, auto
 
-from edgevox.voice.endpoint import SpeechEnded
+from edgevox.voice.endpoint import SpeechEnded, SpeechPaused
 
 FOLLOW_S = 8.0
 """So long after the wake word speech is meant for the robot."""
@@ -31,37 +31,49 @@ class WakeGate:
     """Tells for each utterance whether it is meant for the robot."""
 
     def __init__(self) -> None:
+        self.reset()
+
+    def reset(self) -> None:
+        """The wake word counts no longer."""
         self._woken_s: float | None = None
         self._until_s = 0.0
+        self._taken: tuple[float, float | None] | None = None
 
     def wake(self, now_s: float) -> None:
         """The wake word was heard; it ended about now."""
         self._woken_s = now_s
         self._until_s = now_s + FOLLOW_S
 
-    def reset(self) -> None:
-        """The wake word counts no longer."""
-        self._woken_s = None
-        self._until_s = 0.0
-
     def has(self, now_s: float) -> bool:
         """Whether what is said at this time is meant for the robot."""
         return self._woken_s is not None and now_s <= self._until_s
 
-    def judge(self, speech: SpeechEnded) -> WakeDecision:
-        """What to do with it. An utterance that is taken uses the wake word up."""
-        woken_s = self._woken_s
-        if woken_s is not None and self.has(speech.began_s):
-            if woken_s >= speech.began_s and speech.ended_s - woken_s < PHRASE_ALONE_S:
-                return WakeDecision.IGNORE  # the phrase alone; what is meant comes next
-            self.reset()
-            return WakeDecision.TAKE
+    def judge(self, speech: SpeechEnded | SpeechPaused) -> WakeDecision:
+        """What to do with it, if it is over."""
+        woken_s = self._woken_for(speech)
+        if woken_s is not None:
+            alone = woken_s >= speech.began_s and speech.ended_s - woken_s < PHRASE_ALONE_S
+            # After the phrase alone, what is meant comes next.
+            return WakeDecision.IGNORE if alone else WakeDecision.TAKE
         if speech.ended_s - speech.began_s <= SHORT_S:
             return WakeDecision.ONLY_STOP
         return WakeDecision.IGNORE
 
-    def phrase_from(self, speech: SpeechEnded) -> float | None:
+    def take(self, speech: SpeechEnded) -> None:
+        """It uses the wake word up: what else is said needs another, unless this goes on."""
+        taken = speech.began_s, self._woken_for(speech)
+        self.reset()
+        self._taken = taken
+
+    def phrase_from(self, speech: SpeechEnded | SpeechPaused) -> float | None:
         """Seconds into the utterance at which the wake word may begin; None if it is not in it."""
-        if self._woken_s is None or not speech.began_s <= self._woken_s <= speech.ended_s + 0.2:
+        woken_s = self._woken_for(speech)
+        if woken_s is None or not speech.began_s <= woken_s <= speech.ended_s + 0.2:
             return None
-        return max(0.0, self._woken_s - PHRASE_S - speech.began_s)
+        return max(0.0, woken_s - PHRASE_S - speech.began_s)
+
+    def _woken_for(self, speech: SpeechEnded | SpeechPaused) -> float | None:
+        """When the wake word was heard by which this is meant for the robot, if it is."""
+        if self._taken and self._taken[0] == speech.began_s:
+            return self._taken[1]
+        return self._woken_s if self.has(speech.began_s) else None

@@ -1,7 +1,7 @@
 """The end of an utterance by its words, in the endpointer and the listener, scripted."""
 
 import pytest
-from voice_script import VOICE, Script, Stt, Vad, Wake, spoken
+from voice_script import VOICE, WAKE, Script, Stt, Vad, Wake, spoken
 from waiting import wait_until
 
 from edgevox.core.bus import Bus
@@ -150,7 +150,53 @@ def test_a_file_is_heard_with_its_silences_whatever_is_said():
     assert texts == ["go to the", "kitchen"]
 
 
-def test_with_a_wake_word_a_fixed_silence_ends_an_utterance():
+def test_without_the_wake_word_a_fixed_silence_ends_an_utterance():
     rig = Rig("stop now", endings={"stop": Ending.FINAL}, wakeword=Wake())
 
     assert rig.hear(*SAID, *PAUSE, *silence(END_S - FRAME_S), *SAID, *LATER) == ["stop now"]
+    assert len(rig.stt.heard) == 1
+
+
+WOKEN = [VOICE] * 9 + [WAKE] + SAID
+"""The wake word and a command in one breath."""
+WOKEN_S = len(WOKEN) * FRAME_S
+
+
+def test_a_whole_command_after_the_wake_word_ends_at_once():
+    rig = Rig(
+        "Hey Jarvis, go to the kitchen",
+        endings={"go to the kitchen": Ending.WHOLE},
+        wakeword=Wake(),
+    )
+
+    texts = rig.hear(*WOKEN, *PAUSE, rig.judged(WOKEN_S), 0, rig.told(), *LATER)
+
+    assert texts == ["go to the kitchen"]
+    assert len(rig.stt.heard) == 1
+
+
+def test_who_speaks_on_after_it_is_heard_whole_and_then_needs_the_wake_word_again():
+    whole = "go to the kitchen, and then to the bedroom"
+    rig = Rig(
+        "Hey Jarvis, go to the kitchen", f"Hey Jarvis, {whole}", "we had lunch",
+        endings={"go to the kitchen": Ending.WHOLE}, wakeword=Wake(),
+    )  # fmt: skip
+
+    texts = rig.hear(
+        *WOKEN, *PAUSE, rig.judged(WOKEN_S), *silence(0.5), rig.told(), *SAID, *LATER,
+        *spoken(after=60),
+    )  # fmt: skip
+
+    assert texts == ["go to the kitchen", whole]
+    assert len(rig.of(SpokenOn)) == 1
+
+
+def test_what_breaks_off_after_the_wake_word_waits():
+    rig = Rig(
+        "Hey Jarvis, go to the", "Hey Jarvis, go to the kitchen",
+        endings={"go to the": Ending.BROKEN_OFF}, wakeword=Wake(),
+    )  # fmt: skip
+
+    texts = rig.hear(*WOKEN, *PAUSE, rig.judged(WOKEN_S), *silence(1.4), *SAID, *LATER)
+
+    assert texts == ["go to the kitchen"]

@@ -66,7 +66,18 @@ def test_the_wake_word_counts_once():
     wake_gate.wake(10.5)
 
     assert wake_gate.judge(said(10.0, 13.0)) is WakeDecision.TAKE
+    wake_gate.take(said(10.0, 13.0))
     assert wake_gate.judge(said(14.0, 15.0)) is WakeDecision.ONLY_STOP
+
+
+def test_the_wake_word_counts_for_what_an_utterance_goes_on_with():
+    wake_gate = WakeGate()
+    wake_gate.wake(10.5)
+    wake_gate.take(said(10.0, 13.0))
+
+    assert wake_gate.judge(said(10.0, 15.0)) is WakeDecision.TAKE
+    assert wake_gate.phrase_from(said(10.0, 15.0)) == 0.0
+    assert wake_gate.judge(said(13.7, 15.0)) is WakeDecision.ONLY_STOP
 
 
 def test_the_wake_word_alone_leaves_the_attention_on_what_comes_next():
