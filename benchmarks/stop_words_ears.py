@@ -17,6 +17,7 @@ from stop_words_sounds import LEVELS_DB, Track, at_speed, noise_of, responses, t
 
 from edgevox.models import locate
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Samples
+from edgevox.voice.noise_floor import NoiseFloor
 from edgevox.voice.stop_encoder import ENCODER, SAMPLES, Floats, StopEncoder
 from edgevox.voice.stop_network import StopWeights, likelihoods
 from edgevox.voice.stop_second_look import LOOKED_AT, SecondLook
@@ -40,13 +41,14 @@ class Listened:
     """What a spotter looked at in a sound: by frame how likely each word is, and when it slept.
 
     `own` is the same for the words of another language; `again` keeps, by frame, what a second look
-    told.
+    told. `voices` are the probabilities that there is one.
     """
 
     sound: Samples
     likely: Mapping[int, Floats]
     own: Mapping[int, Floats]
     awake: Sequence[bool]
+    voices: Sequence[float]
     again: dict[int, float] = field(default_factory=dict)
 
 
@@ -73,7 +75,8 @@ class Ears:
 
     def looks(self, sound: Samples) -> Listened:
         """What it looks at in a sound; there was silence before."""
-        awake = self._awake(sound)
+        voices = self._voices(sound)
+        awake = _awake(sound, voices)
         at = np.flatnonzero(awake)[LOOKS_EVERY - 1 :: LOOKS_EVERY]
         heard = np.concatenate([np.zeros(SAMPLES, np.int16), sound])
         likely: dict[int, Floats] = {}
@@ -85,7 +88,7 @@ class Ears:
             likely |= zip(some.tolist(), likelihoods(self.weights, encoded), strict=True)
             if self.own:
                 own |= zip(some.tolist(), likelihoods(self.own, encoded), strict=True)
-        return Listened(sound, likely, own, awake)
+        return Listened(sound, likely, own, awake, voices)
 
     def judged(
         self, looks: Listened, threshold: float | None = None, least_odds: float = LEAST_ODDS
@@ -95,15 +98,16 @@ class Ears:
         """
         judge = StopJudge(self.weights, threshold, least_odds)
         other = StopJudge(self.own) if self.own else None
-        judges = [judge, other] if other else [judge]
+        judges, noise = [judge, other] if other else [judge], NoiseFloor()
         for frame, awake in enumerate(looks.awake):
+            noise.push(_frame(looks.sound, frame), looks.voices[frame])
             if not awake:
                 for one in judges:
                     one.rest()
                 continue
             resting = any(one.resting for one in judges)
             again = partial(self._looked_again, looks, frame) if self.second else None
-            said = judge.said(looks.likely.get(frame), again)
+            said = judge.said(looks.likely.get(frame), again, lambda: noise.stands_out_db)
             own = other is not None and other.said(looks.own.get(frame))
             if (said or own) and not resting:
                 self.word = judge.word if said or not other else other.word
@@ -120,11 +124,19 @@ class Ears:
             looks.again[frame] = self.second(before[end - LOOKED_AT : end])
         return looks.again[frame]
 
-    def _awake(self, sound: Samples) -> list[bool]:
-        sleep = WakeSleep()
+    def _voices(self, sound: Samples) -> list[float]:
         self._vad.reset()
-        frames = sound[: sound.size // FRAME_SAMPLES * FRAME_SAMPLES].reshape(-1, FRAME_SAMPLES)
-        return [bool(sleep.push(frame, self._vad.probability(frame))) for frame in frames]
+        count = sound.size // FRAME_SAMPLES
+        return [self._vad.probability(_frame(sound, number)) for number in range(count)]
+
+
+def _awake(sound: Samples, voices: Sequence[float]) -> list[bool]:
+    sleep = WakeSleep()
+    return [bool(sleep.push(_frame(sound, number), one)) for number, one in enumerate(voices)]
+
+
+def _frame(sound: Samples, number: int) -> Samples:
+    return sound[number * FRAME_SAMPLES : (number + 1) * FRAME_SAMPLES]
 
 
 def ears_of(weights: StopWeights, own: StopWeights | None = None) -> Ears:

@@ -8,7 +8,8 @@ from edgevox.core.commands import Command, Heard, StopSpotted
 from edgevox.core.events import WakeWordHeard
 from edgevox.voice.audio import FRAME_S
 from edgevox.voice.endpoint import VOICED
-from edgevox.voice.hearing_meter import SILENT_DB, HearingMeter, HearingReading
+from edgevox.voice.hearing_meter import HearingMeter, HearingReading
+from edgevox.voice.noise_floor import SILENT_DB
 
 BAR = 24
 REDRAWN_S, TOLD_S = 0.1, 1.0
@@ -83,11 +84,11 @@ class ListenView:
 
 def as_line(reading: HearingReading, detectors: Mapping[str, float]) -> str:
     """A reading in words and figures, then what each detector thought at most."""
-    noise = reading.signal_to_noise_db
+    noise, floor = reading.signal_to_noise_db, reading.floor_db
     return "  ".join(
         (
             f"level {reading.level_db:4.0f} dB",
-            f"floor {reading.floor_db:4.0f} dB",
+            "floor    - " if floor is None else f"floor {floor:4.0f} dB",
             "signal/noise    - " if noise is None else f"signal/noise {noise:3.0f} dB",
             f"clipped {100 * reading.clipped_share:4.1f} %",
             f"voice {reading.voice:4.2f} " + ("speech" if reading.voice >= VOICED else "      "),

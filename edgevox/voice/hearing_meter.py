@@ -1,6 +1,5 @@
 """What a microphone hears, in figures: level, noise floor, signal to noise, clipping, voice."""
 
-import math
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,29 +8,24 @@ import numpy as np
 
 from edgevox.voice.audio import FRAME_S, Samples
 from edgevox.voice.endpoint import VOICED
-from edgevox.voice.level import rms
+from edgevox.voice.noise_floor import SILENT_DB, WINDOW_S, NoiseFloor
 from edgevox.voice.vad import VoiceDetector
 
-SILENT_DB = -96.0
-"""What 16 bits can hold least: nothing is quieter."""
-WINDOW_S = 10.0
-"""Floor, signal and clipping are told of the last so many seconds."""
-FLOOR_SHARE = 0.1
-"""The floor is the level that this share of the frames stays below."""
 CLIPPED_FROM = 32_700
 """A sample this large is at the end of what 16 bits can hold."""
 
 
 @dataclass(frozen=True, slots=True)
 class HearingReading:
-    """Levels in decibels of full scale. `signal_to_noise_db` is None until somebody spoke.
+    """Levels in decibels of full scale, of the last `WINDOW_S`. `floor_db` is None where nobody
+    fell silent, `signal_to_noise_db` where nobody spoke, too.
 
     `voice` is the highest probability of a voice since the reading before.
     """
 
     heard_s: float
     level_db: float
-    floor_db: float
+    floor_db: float | None
     signal_to_noise_db: float | None
     clipped_share: float
     voice: float
@@ -49,6 +43,7 @@ class HearingMeter:
         self._vad = vad
         self._show = show
         frames = round(WINDOW_S / FRAME_S)
+        self._noise = NoiseFloor()
         self._levels: deque[float] = deque(maxlen=frames)
         self._voices: deque[float] = deque(maxlen=frames)
         self._clipped: deque[float] = deque(maxlen=frames)
@@ -69,7 +64,7 @@ class HearingMeter:
         """See `VoiceDetector.probability`."""
         voice = self._vad.probability(samples)
         wide = samples.astype(np.int32)
-        self._levels.append(_decibels(rms(samples)))
+        self._levels.append(self._noise.push(samples, voice))
         self._voices.append(voice)
         self._voice = max(self._voice, voice)
         self._clipped.append(float(np.mean(np.abs(wide) >= CLIPPED_FROM)))
@@ -88,20 +83,17 @@ class HearingMeter:
     def reading(self) -> HearingReading:
         """How it is now. Call it from the thread that gives the frames."""
         if not self._levels:
-            return HearingReading(0.0, SILENT_DB, SILENT_DB, None, 0.0, 0.0)
+            return HearingReading(0.0, SILENT_DB, None, None, 0.0, 0.0)
         voice, self._voice = self._voice, 0.0
-        levels = np.array(self._levels)
-        floor_db = float(np.quantile(levels, FLOOR_SHARE))
+        levels, floor_db = np.array(self._levels), self._noise.floor_db
         spoken = levels[np.array(self._voices) >= VOICED]
         return HearingReading(
             heard_s=self.heard_s,
             level_db=float(levels[-1]),
             floor_db=floor_db,
-            signal_to_noise_db=float(np.median(spoken)) - floor_db if spoken.size else None,
+            signal_to_noise_db=(
+                None if floor_db is None or not spoken.size else float(np.median(spoken)) - floor_db
+            ),
             clipped_share=float(np.mean(self._clipped)),
             voice=voice,
         )
-
-
-def _decibels(level: float) -> float:
-    return max(SILENT_DB, 20 * math.log10(level)) if level > 0.0 else SILENT_DB

@@ -33,9 +33,13 @@ class StopDetector(Protocol):
     def likelihood(self) -> float:
         """How likely one had just been said when its network was asked last, 0 to 1."""
 
-    def heard(self, samples: Samples, probability: float, language: str) -> bool:
+    def heard(
+        self, samples: Samples, probability: float, language: str, *, playing: bool = False
+    ) -> bool:
         """Whether a stop word has just been said, once for each; 512 samples of int16 at 16 kHz,
         how likely they hold a voice, and the ISO 639-1 code of the language that is spoken.
+
+        While the robot itself may be audible, it is `playing`, any frame may hold a voice.
         """
 
     def forget(self) -> None:
@@ -68,21 +72,19 @@ class StopWatch:
 
         `playing`: the robot or its echo may be audible; `loud`: it is louder than that explains, as
         all is while nothing plays: then it takes a voice. What the probability is of may have been
-        cut out while it plays, so the detector is told of one.
+        cut out while it plays.
         """
         self._loud.append(loud and (playing or probability >= VOICED))
-        return self._detected(samples, 1.0 if playing else probability) and not (
-            playing and self._is_own()
-        )
+        return self._detected(samples, probability, playing) and not (playing and self._is_own())
 
     def forget(self) -> None:
         """The next frame does not follow on those before."""
         self._loud.clear()
         self._detector.forget()
 
-    def _detected(self, samples: Samples, probability: float) -> bool:
+    def _detected(self, samples: Samples, probability: float, playing: bool) -> bool:
         try:
-            return self._detector.heard(samples, probability, self._language())
+            return self._detector.heard(samples, probability, self._language(), playing=playing)
         except Exception:
             self._detector.forget()
             self.failed += 1

@@ -2,7 +2,8 @@
 and a few words of other languages where those are spoken.
 
 Where it thinks of an English one, Whisper is asked what was just said: the odds of the first,
-squared, times the likelihood that the second finds decide. English stop words count whatever
+squared, times the likelihood that the second finds decide. In quiet they must be higher than in
+noise, where fewer would be heard then. English stop words count whatever
 language is spoken. It stops wherever one of them is said, as in "do not stop" too: when in doubt,
 it stops. What the network was trained on and how well it hears is in docs/stop-spotter.md.
 """
@@ -16,6 +17,7 @@ import numpy as np
 
 from edgevox.core.log import get_logger, worth_a_line
 from edgevox.voice.audio import Samples
+from edgevox.voice.noise_floor import NoiseFloor
 from edgevox.voice.once_per_word import OncePerWord
 from edgevox.voice.stop_encoder import SAMPLES, Floats, StopEncoder
 from edgevox.voice.stop_network import (
@@ -43,6 +45,9 @@ LEAST_ODDS = 0.14
 """The odds of the network, as 3 for 0.75, squared, times the likelihood of the second look: from
 here on a word counts. Squared, as Whisper finds words in voices that talk at once, too. By it is
 chosen how much is heard, and how often it stops for nothing: see docs/stop-spotter.md."""
+NOISY_DB, QUIET_DB, QUIET_TIMES = 15.0, 25.0, 100.0
+"""Where what is said stands out by so much and less from what is around they are those; they rise
+from there, and are so many times as high where it stands out by so much and more."""
 _UNSURE, _UNHEARD = 1e-3, 1e-4
 """How sure at most the network is believed to be, and how little the second look may find."""
 
@@ -74,16 +79,22 @@ class StopJudge:
         self._left_over = False
         self._once = OncePerWord(REST_S)
 
-    def said(self, look: Floats | None, second: Callable[[], float | None] | None = None) -> bool:
+    def said(
+        self,
+        look: Floats | None,
+        second: Callable[[], float | None] | None = None,
+        stands_out: Callable[[], float | None] = lambda: None,
+    ) -> bool:
         """Whether one has just been said: the likelihoods of the words, or None between looks.
 
-        `second` says how likely one is at a second look; None where that failed.
+        `second` says how likely one is at a second look; None where that failed. `stands_out` says
+        by how many dB what is said is louder than what is around; None where nobody knows.
         """
         found = False
         if look is not None:
             self._recent.append(1 - float(look[0]))
             self.likelihood = sum(self._recent) / SMOOTHED_LOOKS
-            if found := self._is_one(second):
+            if found := self._is_one(second, stands_out):
                 self.word = self._words[1 + int(np.argmax(look[1:]))]
         counts = self._once.counts(found)
         self._left_over |= counts
@@ -94,7 +105,9 @@ class StopJudge:
         """Whether one was said so recently that none counts now."""
         return self._once.resting
 
-    def _is_one(self, second: Callable[[], float | None] | None) -> bool:
+    def _is_one(
+        self, second: Callable[[], float | None] | None, stands_out: Callable[[], float | None]
+    ) -> bool:
         if second is None:
             return self.likelihood >= self.threshold
         if self.likelihood < ASKS_FROM:
@@ -109,7 +122,7 @@ class StopJudge:
         if found is None:
             return sure
         odds = (self.likelihood + _UNSURE) / (1 - self.likelihood + _UNSURE)
-        return odds**2 * (found + _UNHEARD) >= self._least_odds
+        return odds**2 * (found + _UNHEARD) >= self._least_odds * _times(stands_out())
 
     def rest(self) -> None:
         """Nobody speaks: what was looked at before does not count any more."""
@@ -121,6 +134,14 @@ class StopJudge:
         """What comes next does not follow on what was before."""
         self.rest()
         self._once.forget()
+
+
+def _times(stands_out_db: float | None) -> float:
+    """How many times as high the odds must be as in noise."""
+    if stands_out_db is None:
+        return 1.0
+    quiet = (stands_out_db - NOISY_DB) / (QUIET_DB - NOISY_DB)
+    return float(QUIET_TIMES ** min(1.0, max(0.0, quiet)))
 
 
 class StopSpotter:
@@ -143,6 +164,7 @@ class StopSpotter:
         self._judges = {code: StopJudge(one, threshold) for code, one in self._weights.items()}
         self._second = second
         self._sleep = WakeSleep()
+        self._noise = NoiseFloor()
         self._sound = np.zeros(LOOKED_AT, np.int16)
         self._frames = 0
         self.word = ""
@@ -155,11 +177,20 @@ class StopSpotter:
         """See `StopDetector`: by the network alone, before the second look."""
         return max(judge.likelihood for judge in self._judges.values())
 
-    def heard(self, samples: Samples, probability: float, language: str = ENGLISH) -> bool:
-        """Whether a stop word has just been said; 512 samples of int16 at 16 kHz, in order, how
-        likely they hold a voice, and which language is spoken: it sleeps a second after the last.
-        """
-        awake = self._sleep.push(samples, probability)
+    def heard(
+        self,
+        samples: Samples,
+        probability: float,
+        language: str = ENGLISH,
+        *,
+        playing: bool = False,
+    ) -> bool:
+        """See `StopDetector`. It sleeps a second after the last frame that may hold a voice."""
+        if playing:  # what is left of its own voice comes and goes: nothing is quiet
+            self._noise.reset()
+        else:
+            self._noise.push(samples, probability)
+        awake = self._sleep.push(samples, 1.0 if playing else probability)
         if not awake:
             for judge in self._judges.values():
                 judge.rest()
@@ -182,6 +213,7 @@ class StopSpotter:
     def forget(self) -> None:
         """What comes next does not follow on what was before."""
         self._sleep.reset()
+        self._noise.reset()
         self._sound[:] = 0
         self._frames = 0
         for judge in self._judges.values():
@@ -198,7 +230,8 @@ class StopSpotter:
 
     def _said(self, language: str, look: Floats | None) -> bool:
         twice = language == ENGLISH and self._second is not None
-        return self._judges[language].said(look, self._looked_again if twice else None)
+        second = self._looked_again if twice else None
+        return self._judges[language].said(look, second, lambda: self._noise.stands_out_db)
 
     def _looked_again(self) -> float | None:
         """Where that fails, what the network is sure of stops the robot all the same."""

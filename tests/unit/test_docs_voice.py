@@ -7,11 +7,12 @@ import pytest
 
 from edgevox.agent.states import TRANSITIONS
 from edgevox.apps.wake_choice import phrases
+from edgevox.core.ending import Ending
 from edgevox.core.events import TurnMeasured
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.settings import Settings
 from edgevox.models.manifest import builtin_manifest
-from edgevox.voice.endpoint import END_S
+from edgevox.voice.listener import ENDS_AFTER_S
 from edgevox.voice.wake_gate import FOLLOW_S, SHORT_S
 
 PAGE = (Path(__file__).parents[2] / "docs" / "voice.md").read_text()
@@ -75,7 +76,8 @@ def test_every_wake_word_is_named():
 def test_the_times_on_the_page_are_those_of_the_code():
     assert f"within {FOLLOW_S:g} s" in PAGE
     assert f"up to {SHORT_S:g} s" in PAGE
-    assert f"{END_S:g} s of silence" in PAGE
+    for ending in (Ending.MAY_GO_ON, Ending.OPEN, Ending.BROKEN_OFF):
+        assert f"| {ENDS_AFTER_S[ending]:g} s |" in PAGE
 
 
 def test_every_flag_on_the_page_is_a_setting():

@@ -21,8 +21,12 @@ from edgevox.voice.stop_encoder import (
 from edgevox.voice.stop_network import WEIGHTS_FILE, likelihoods, read_weights, weights_of
 from edgevox.voice.stop_second_look import LOOKED_AT
 from edgevox.voice.stop_spotter import (
+    LEAST_ODDS,
     LOOKS_EVERY,
     MOST_ASKED,
+    NOISY_DB,
+    QUIET_DB,
+    QUIET_TIMES,
     REST_S,
     SMOOTHED_LOOKS,
     StopJudge,
@@ -34,6 +38,7 @@ from edgevox.voice.whisper_file import DOWN, UP
 NOTHING = np.array([1.0, 0.0, 0.0, 0.0], np.float32)
 HALT = np.array([0.04, 0.01, 0.94, 0.01], np.float32)
 MAYBE = np.array([0.4, 0.1, 0.4, 0.1], np.float32)
+LIKELY = np.array([0.1, 0.0, 0.9, 0.0], np.float32)
 HARDLY = np.array([0.7, 0.0, 0.3, 0.0], np.float32)
 WEIGHTS = Path(stop_network.__file__).with_name(WEIGHTS_FILE)
 LOOK_S = LOOKS_EVERY * FRAME_SAMPLES / RATE_HZ
@@ -235,6 +240,35 @@ def test_the_squared_odds_of_the_network_times_the_second_likelihood_decide(
 
     assert any(found) is stops
     assert judge.word == ("halt" if stops else "")
+
+
+@pytest.mark.parametrize(
+    ("stands_out_db", "times"),
+    [(None, 1), (0.0, 1), (NOISY_DB, 1), (QUIET_DB, QUIET_TIMES), (60.0, QUIET_TIMES)],
+)
+def test_in_quiet_the_odds_must_be_higher(judge, stands_out_db, times):
+    least = LEAST_ODDS * times / (LIKELY[1:].sum() / LIKELY[0]) ** 2
+
+    def stops(likely):
+        judge.forget()
+        said = [judge.said(LIKELY, lambda: likely, lambda: stands_out_db) for _ in range(5)]
+        return any(said)
+
+    assert not stops(0.8 * least)
+    assert stops(1.2 * least)
+
+
+@pytest.mark.parametrize("playing", [False, True])
+def test_while_the_robot_speaks_nothing_is_quiet(monkeypatch, playing):
+    silence, voice = (np.full(FRAME_SAMPLES, level, np.int16) for level in (3, 3_000))
+    monkeypatch.setattr(stop_spotter, "likelihoods", lambda *_: LIKELY[None])
+    spotter = StopSpotter(Encoder(), read_weights(), second=lambda _: 0.05)
+    for _ in range(20):
+        spotter.heard(silence, 0.01)
+
+    found = [spotter.heard(voice, 0.9, playing=playing) for _ in range(20)]
+
+    assert any(found) is playing
 
 
 def test_where_the_second_look_fails_the_threshold_decides(judge):

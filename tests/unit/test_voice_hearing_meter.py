@@ -9,7 +9,8 @@ from edgevox.apps.listen_view import ListenView, as_line
 from edgevox.core.commands import Heard, Transcribing
 from edgevox.core.events import WakeWordHeard
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES
-from edgevox.voice.hearing_meter import SILENT_DB, WINDOW_S, HearingMeter
+from edgevox.voice.hearing_meter import HearingMeter
+from edgevox.voice.noise_floor import SILENT_DB, WINDOW_S
 
 
 class Ears:

@@ -26,7 +26,7 @@ class Spotter:
         self.level, self.forgotten = level, 0
         self._once = OncePerWord(10 * FRAME_S)
 
-    def heard(self, samples, probability, language="en"):
+    def heard(self, samples, probability, language="en", *, playing=False):
         return self._once.counts(bool(samples[0] == self.level))
 
     def forget(self):
@@ -34,19 +34,19 @@ class Spotter:
 
 
 class Told(Spotter):
-    """Keeps how likely a voice was in each frame."""
+    """Keeps how likely a voice was in each frame, and whether the robot may be heard in it."""
 
     def __init__(self):
         super().__init__()
-        self.probabilities = []
+        self.told = []
 
-    def heard(self, samples, probability, language="en"):
-        self.probabilities.append(probability)
+    def heard(self, samples, probability, language="en", *, playing=False):
+        self.told.append((probability, playing))
         return super().heard(samples, probability)
 
 
 class Broken(Spotter):
-    def heard(self, samples, probability, language="en"):
+    def heard(self, samples, probability, language="en", *, playing=False):
         raise RuntimeError("bug")
 
 
@@ -165,14 +165,14 @@ def test_it_listens_whatever_language_is_spoken(speaks):
     assert len(spots(said)) == 1
 
 
-@pytest.mark.parametrize(("audible", "told"), [(0.0, {0.0, 1.0}), (0.5, {1.0})])
-def test_it_is_told_of_any_voice_and_always_of_one_while_the_robot_speaks(audible, told):
+@pytest.mark.parametrize(("audible", "told"), [(0.0, {(0.0, False), (1.0, False)}), (0.5, {True})])
+def test_it_is_told_of_any_voice_and_whether_the_robot_speaks(audible, told):
     """What is heard of a person may be cut out then."""
     spotter = Told()
 
     hear(Stt("go"), *[0] * 10, *spoken(), detector=spotter, audible=audible)
 
-    assert set(spotter.probabilities) == told
+    assert ({playing for _, playing in spotter.told} if audible else set(spotter.told)) == told
 
 
 def test_it_forgets_what_was_heard_when_something_is_missing():

@@ -1,0 +1,61 @@
+"""How loud it is where nobody speaks, and by how much a voice stands out of it."""
+
+import math
+from collections import deque
+
+import numpy as np
+
+from edgevox.voice.audio import FRAME_S, Samples
+from edgevox.voice.level import rms
+
+SILENT_DB = -96.0
+"""What 16 bits can hold least: nothing is quieter."""
+WINDOW_S = 10.0
+"""The floor is that of the last so many seconds."""
+NO_VOICE = 0.3
+"""Below this probability of a voice a frame tells of the floor."""
+FLOOR_SHARE = 0.75
+"""Of such frames so many stay below it: what knocks or beeps now and then is noise, too."""
+LEAST_FRAMES = 8
+"""From fewer frames without a voice nothing is known: where many talk at once there are none."""
+LOUD_S, LOUD_SHARE = 1.0, 0.9
+"""What is said is as loud as this share of the last so many seconds stays below."""
+
+
+class NoiseFloor:
+    """Told every frame of what is heard, it knows the floor, and what stands out of it now."""
+
+    def __init__(self) -> None:
+        self._quiet: deque[float | None] = deque(maxlen=round(WINDOW_S / FRAME_S))
+        self._levels: deque[float] = deque(maxlen=round(LOUD_S / FRAME_S))
+
+    def push(self, samples: Samples, probability: float) -> float:
+        """Take the next frame, and how likely it holds a voice; its level, in dB of full scale."""
+        level_db = decibels(rms(samples))
+        self._levels.append(level_db)
+        self._quiet.append(level_db if probability < NO_VOICE else None)
+        return level_db
+
+    def reset(self) -> None:
+        """What comes next does not follow on what was before."""
+        self._quiet.clear()
+        self._levels.clear()
+
+    @property
+    def floor_db(self) -> float | None:
+        """In dB of full scale; None where too little was heard without a voice."""
+        quiet = [level_db for level_db in self._quiet if level_db is not None]
+        return float(np.quantile(quiet, FLOOR_SHARE)) if len(quiet) >= LEAST_FRAMES else None
+
+    @property
+    def stands_out_db(self) -> float | None:
+        """By how much what was just said is louder than the floor; None where that is not known."""
+        floor_db = self.floor_db
+        if floor_db is None:
+            return None
+        return float(np.quantile(self._levels, LOUD_SHARE)) - floor_db
+
+
+def decibels(level: float) -> float:
+    """Of full scale, of a root mean square from 0 to 1."""
+    return max(SILENT_DB, 20 * math.log10(level)) if level > 0.0 else SILENT_DB
