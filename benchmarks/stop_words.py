@@ -9,11 +9,13 @@ were of one voice. All clips are there or nothing is measured:
 
 import argparse
 import itertools
+import multiprocessing
 import re
 import sys
 import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 from acoustics import Half
@@ -22,7 +24,6 @@ from acoustics.mixing import at_level
 from figures import Figure, Measured, NotHere
 from stop_words_ears import (
     SHARES,
-    Ears,
     FalseStops,
     Trial,
     ears_of,
@@ -69,36 +70,45 @@ def measure(quick: bool = False, only: str = "", every_note: bool = False) -> Me
     missing = sum(not clip.is_here for clip in whole)
     if missing:
         raise NotHere(f"{missing} of {len(whole)} clips are not spoken yet: {SPEAK}")
-    step, ears = QUICK if quick else 1, ears_of(read_weights())
-    figures, notes = [], {}
-    if only != "false":
-        said = words(HALF)[::step]
-        figures += _recall(ears, said, notes, every_note)
-        notes["Stop words"] = standing_on("stop words", said)
-    if only != "heard":
-        some, told = _false(ears, HOURS / step)
-        alarms, number = _alike(ears, alike(HALF)[::step])
-        figures += some
+    step = QUICK if quick else 1
+    hours = {what: share * HOURS / step for what, share in SHARES.items()}
+    like = alike(HALF)[::step] if only != "heard" else []
+    with ProcessPoolExecutor(mp_context=multiprocessing.get_context("spawn")) as pool:
+        without = [pool.submit(_taken_for_a_stop, what, hours[what]) for what in hours if like]
+        names = CONDITIONS if only != "false" else ()
+        heard = [pool.submit(_recall, name, step, every_note) for name in names]
+        alarms = _alike(like)
+        told = [one.result() for one in without]
+        recalled = [one.result() for one in heard]
+    figures = [one for some, _ in recalled for one in some]
+    notes = {heading: lines for _, some in recalled for heading, lines in some.items()}
+    if recalled:
+        notes["Stop words"] = standing_on("stop words", words(HALF)[::step])
+    if told:
+        figures += _false(told, HOURS / step)
         figures.append(
             Figure.share(
                 "false.alike", FALSE, "words that sound alike, taken for a stop", len(alarms),
-                number, wanted=1.0,
+                len(like), wanted=1.0,
             )
         )  # fmt: skip
         notes["Without a stop word"] = (
             *standing_on("sentences", [clip for one in told for clip in one.clips]),
-            *standing_on("words that sound alike", alike(HALF)[::step]),
+            *standing_on("words that sound alike", like),
         )
-        if every_note:
-            notes |= {
-                "Taken for a stop": tuple(line for one in told for line in one.wrong),
-                "Sounds alike": tuple(alarms),
-            }
+    if told and every_note:
+        notes["Taken for a stop"] = tuple(line for one in told for line in one.wrong)
+        notes["Sounds alike"] = tuple(alarms)
+    figures += _costs()
+    return Measured(figures=tuple(figures), notes=notes)
+
+
+def _costs() -> Iterator[Figure]:
+    ears = ears_of(read_weights())
     for key, what, voice, most in SHARES_OF_A_CORE:
         spotter = StopSpotter(ears.encoder, ears.weights, second=ears.second)
         share = share_of_a_core(spotter, voice)
-        figures.append(Figure.of(key, COST, what, [share], "%", wanted=most))
-    return Measured(figures=tuple(figures), notes=notes)
+        yield Figure.of(key, COST, what, [share], "%", wanted=most)
 
 
 def share_of_a_core(spotter: StopSpotter, voice: float) -> float:
@@ -112,25 +122,24 @@ def share_of_a_core(spotter: StopSpotter, voice: float) -> float:
 
 
 def _recall(
-    ears: Ears, said: Sequence[Clip], notes: dict[str, tuple[str, ...]], every_note: bool
-) -> Iterator[Figure]:
-    """What it hears in each condition, by engine and by word; what it missed goes to the notes."""
-    transcribed = Words()
-    for name, (snr_db, wanted) in CONDITIONS.items():
-        found = list(trials(HALF, ears, said, snr_db))
-        yield from _heard(name, found, wanted)
-        missed = [trial for trial in found if not trial.heard]
-        late = sum(transcribed.stop(trial.sound) for trial in missed)
-        yield Figure.share(
-            f"either.{_identifier(name)}", EITHER, name, len(found) - len(missed) + late,
-            len(found), wanted=wanted, more_is_better=True,
-        )  # fmt: skip
-        notes[f"Missed, {name}"] = (
-            tuple(f"{t.clip.voice}, {t.clip.text}, {t.noise}" for t in missed)
-            if every_note
-            else (_worst("voices", Counter(t.clip.voice for t in missed)),
-                  _worst("texts", Counter(t.clip.text for t in missed)))
-        )  # fmt: skip
+    name: str, step: int, every_note: bool
+) -> tuple[list[Figure], dict[str, tuple[str, ...]]]:
+    """What it hears in a condition, by engine and by word, and in notes what it missed."""
+    (snr_db, wanted), transcribed = CONDITIONS[name], Words()
+    found = list(trials(HALF, ears_of(read_weights()), words(HALF)[::step], snr_db))
+    missed = [trial for trial in found if not trial.heard]
+    late = sum(transcribed.stop(trial.sound) for trial in missed)
+    either = Figure.share(
+        f"either.{_identifier(name)}", EITHER, name, len(found) - len(missed) + late,
+        len(found), wanted=wanted, more_is_better=True,
+    )  # fmt: skip
+    note = (
+        tuple(f"{t.clip.voice}, {t.clip.text}, {t.noise}" for t in missed)
+        if every_note
+        else (_worst("voices", Counter(t.clip.voice for t in missed)),
+              _worst("texts", Counter(t.clip.text for t in missed)))
+    )  # fmt: skip
+    return [*_heard(name, found, wanted), either], {f"Missed, {name}": note}
 
 
 def _identifier(name: str) -> str:
@@ -170,28 +179,30 @@ def _heard(name: str, found: Sequence[Trial], wanted: float) -> Iterator[Figure]
         )  # fmt: skip
 
 
-def _false(ears: Ears, hours: float) -> tuple[list[Figure], list[FalseStops]]:
-    """How often it stops in so many hours, by what was heard, and at what."""
-    figures, told = [], []
-    for what, share in SHARES.items():
-        found = false_stops(ears, what, stretches(HALF, what, share * hours))
-        number, told = len(found.wrong), [*told, found]
+def _taken_for_a_stop(what: str, hours: float) -> FalseStops:
+    """What it does in so many hours of it."""
+    found = false_stops(ears_of(read_weights()), what, stretches(HALF, what, hours))
+    _told(f"{what}: {len(found.wrong)} false stops in {found.hours:.2f} h")
+    return found
+
+
+def _false(told: Sequence[FalseStops], hours: float) -> Iterator[Figure]:
+    """How often it stopped, by what was heard, and in all."""
+    for what, found in zip(SHARES, told, strict=True):
         identifier = f"false.{what.replace(' ', '_')}"
-        figures.append(Figure.of(identifier, FALSE, f"{what}, {found.hours:.2f} h", [number]))
-        _told(f"{what}: {number} false stops in {found.hours:.2f} h")
+        yield Figure.of(identifier, FALSE, f"{what}, {found.hours:.2f} h", [len(found.wrong)])
     wrong, total = sum(len(one.wrong) for one in told), sum(one.hours for one in told)
     wanted = WANTED_FALSE * hours / HOURS
-    figures.append(Figure.of("false.all", FALSE, f"all, {total:.2f} h", [wrong], wanted=wanted))
-    return figures, told
+    yield Figure.of("false.all", FALSE, f"all, {total:.2f} h", [wrong], wanted=wanted)
 
 
-def _alike(ears: Ears, said: Sequence[Clip]) -> tuple[list[str], int]:
-    """Which of the words that sound like a stop word stopped, and of how many."""
-    wrong = []
+def _alike(said: Sequence[Clip]) -> list[str]:
+    """Which of the words that sound like a stop word stopped."""
+    wrong, ears = [], ears_of(read_weights())
     for clip in said:
         sound = at_level(np.append(clip.samples, np.zeros(RATE_HZ // 2)), -26.0)
         wrong += [f"{clip.voice} {clip.text}" for _ in itertools.islice(ears.stops(sound), 1)]
-    return wrong, len(said)
+    return wrong
 
 
 def _told(line: str) -> None:
