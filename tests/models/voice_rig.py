@@ -60,8 +60,9 @@ class Room:
     """A source that hears what the test plays: as fast as it is read, or `paced` by the clock.
 
     Where the robot's own voice counts, which is played by the clock, the room must be paced too.
-    However fast it is read, a frame is as long after the last one as it is in sound: what is said
-    2 s after a stop word was not said within the same second.
+    However fast or slowly it is read, a frame is as long after the last one as it is in sound: what
+    is said 2 s after a stop word was not said within the same second, and who reads late has missed
+    nothing. What is played next comes later by the clock, too.
     """
 
     name = "room"
@@ -70,7 +71,7 @@ class Room:
         self._paced = paced
         self._frames = deque()
         self._changed = threading.Condition()
-        self._asked = self._closed = False
+        self._asked = self._closed = self._anew = False
         self._end_s = 0.0
 
     def start(self):
@@ -81,7 +82,7 @@ class Room:
         whole = sound[: sound.size // FRAME_SAMPLES * FRAME_SAMPLES]
         with self._changed:
             self._frames.extend(whole.reshape(-1, FRAME_SAMPLES))
-            self._asked = False
+            self._asked, self._anew = False, True
             self._changed.notify_all()
             assert self._changed.wait_for(lambda: self._asked, HUNG_S), (
                 "the listener does not listen"
@@ -98,7 +99,9 @@ class Room:
                 raise EndOfSound("room: over")
             if not self._frames:
                 return None
-            self._end_s = max(SystemClock().now(), self._end_s + FRAME_S)
+            self._end_s += FRAME_S
+            if self._paced or self._anew:
+                self._end_s, self._anew = max(SystemClock().now(), self._end_s), False
             return Frame(self._frames.popleft(), self._end_s)
 
     def close(self):
