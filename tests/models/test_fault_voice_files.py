@@ -9,14 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from guards import HUNG_S
-from listener_rig import loud, silence
-from voice_rig import VoiceRig, says
+from listener_rig import loud, says_piper, silence
+from voice_rig import VoiceRig
 
 from edgevox.core.commands import SetVoice
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import Responded
 from edgevox.models import locate
-from edgevox.voice.tts.pool import VoicePool
 
 STT, JOE = "whisper-tiny.en", "piper-en_US-joe-medium"
 QUESTION, ANSWER = "Where are you?", "I am in the living room"
@@ -25,8 +24,7 @@ DEAF = "I cannot understand speech right now: my hearing failed."
 
 @pytest.fixture(scope="module")
 def question():
-    spoken = says("en", "en_US-joe-medium", QUESTION, VoicePool())
-    return np.concatenate([silence(0.5), loud(spoken, 0.08), silence(2.0)])
+    return np.concatenate([silence(0.5), loud(says_piper(QUESTION), 0.08), silence(2.0)])
 
 
 @pytest.fixture
