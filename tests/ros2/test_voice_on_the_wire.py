@@ -1,6 +1,7 @@
 """The voice over ROS 2: another node is the robot's microphone, and one is its loudspeaker."""
 
 import json
+import re
 import threading
 
 import numpy as np
@@ -112,7 +113,8 @@ def test_what_a_microphone_node_hears_is_done_and_answered_on_a_speaker_node(voi
     level.wait_for_more(10)
     assert all(0.0 <= one.data <= 1.0 for one in level.messages)
     assert max(one.data for one in level.messages) > 0.02
-    assert heard_of(speech) == ["going", "to", "the", "kitchen"]
+    # Where the machine is slow it may have arrived by now, and say that, too.
+    assert heard_of(speech)[:4] == ["going", "to", "the", "kitchen"]
 
 
 def test_what_is_heard_is_under_the_policy_of_voice(voiced, tmp_path):
@@ -135,7 +137,7 @@ def heard_of(speech):
     sound = np.frombuffer(b"".join(bytes(one.data) for one in speech.messages), "<i2")
     padded = np.concatenate([quiet(0.3), sound.astype(np.int16), quiet(0.3)])
     words = Whisper(lambda _: locate("whisper-tiny.en")).transcribe(padded, "en").text
-    return words.lower().strip(".! ").split()
+    return re.findall(r"[a-z]+", words.lower())
 
 
 def test_with_a_wake_word_it_obeys_who_says_it_and_hears_nothing_while_muted(voiced):
