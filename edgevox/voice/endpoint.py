@@ -23,9 +23,9 @@ SURMISED_GAP = 3
 """So many frames of it may hold no voice."""
 END_S = 0.6
 """So much silence ends an utterance: people pause for less within a sentence."""
-GOES_ON_S = 0.85
+GOES_ON_S = 1.0
 """Who speaks again within so long after what was ended by its words speaks on: few pause for longer
-within a sentence."""
+than 0.8 s within a sentence, and what ends or begins softly is no voice for 0.1 s more."""
 POST_ROLL_S = 0.2
 """Silence that is kept at its end."""
 EARLY_S = 0.2
