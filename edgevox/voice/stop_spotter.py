@@ -3,9 +3,9 @@ and a few words of other languages where those are spoken.
 
 Where it thinks of an English one, Whisper is asked what was just said: the odds of the first,
 squared, times the likelihood that the second finds decide. In quiet they must be higher than in
-noise, where fewer would be heard then. English stop words count whatever
-language is spoken. It stops wherever one of them is said, as in "do not stop" too: when in doubt,
-it stops. What the network was trained on and how well it hears is in docs/stop-spotter.md.
+noise, where fewer would be heard then. English stop words count whatever language is spoken. It
+stops wherever one of them is said, as in "do not stop" too: when in doubt, it stops. What the
+network was trained on and how well it hears is in docs/stop-spotter.md.
 """
 
 import functools

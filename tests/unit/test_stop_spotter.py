@@ -259,6 +259,18 @@ def test_in_quiet_the_odds_must_be_higher(judge, stands_out_db, times):
 
 
 @pytest.mark.parametrize("playing", [False, True])
+def test_while_the_robot_speaks_it_never_sleeps(playing):
+    """What is heard of a person may be cut out of what the voice detector hears then."""
+    encoder = Encoder()
+    spotter = StopSpotter(encoder, read_weights())
+
+    for frame in hiss(10 * FRAME_SAMPLES).reshape(-1, FRAME_SAMPLES):
+        spotter.heard(frame, 0.0, playing=playing)
+
+    assert len(encoder.seen) == (10 // LOOKS_EVERY if playing else 0)
+
+
+@pytest.mark.parametrize("playing", [False, True])
 def test_while_the_robot_speaks_nothing_is_quiet(monkeypatch, playing):
     silence, voice = (np.full(FRAME_SAMPLES, level, np.int16) for level in (3, 3_000))
     monkeypatch.setattr(stop_spotter, "likelihoods", lambda *_: LIKELY[None])
