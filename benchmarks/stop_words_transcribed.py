@@ -1,6 +1,6 @@
 """Whether a stop word that the spotter missed stops the robot by its words, once they are known."""
 
-from noise import A, Robot
+from heard_robot import Robot
 
 from edgevox.agent.near_stop import NearStop
 from edgevox.agent.safety import SafetyWords
@@ -14,7 +14,7 @@ class Words:
     """
 
     def __init__(self) -> None:
-        self._robot = Robot(A)
+        self._robot = Robot("robot-apartment")
         self._safety = SafetyWords("en")
         phonemes = open_phonemes()
         self._near = NearStop("en", phonemes) if phonemes else None
