@@ -1,5 +1,8 @@
 """What the voices say is understood by a recogniser that knows nothing of it."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from voice_engines import hear, speak, voice, words, wrong_words
@@ -65,6 +68,29 @@ def test_espeak_refuses_a_language_that_it_does_not_have():
     for engine in (open_espeak(), EspeakCommand("espeak-ng")):
         with pytest.raises(SynthesisFailed):
             engine.speak("Hello.", "xx-none", CancelToken())
+
+
+OPENED_AT_ONCE = """
+from concurrent.futures import ThreadPoolExecutor
+from threading import Barrier
+from edgevox.voice.tts.espeak_library import espeak_library
+
+together = Barrier(8)
+
+def opened():
+    together.wait()
+    return espeak_library()
+
+with ThreadPoolExecutor(8) as threads:
+    futures = [threads.submit(opened) for _ in range(8)]
+print(len({id(one.result()) for one in futures}))
+"""
+
+
+def test_threads_that_open_espeak_at_once_share_the_one_there_is():
+    command = [sys.executable, "-c", OPENED_AT_ONCE]  # nothing is open yet in a new process
+    ran = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert ran.stdout.split() == ["1"]
 
 
 @pytest.mark.parametrize("name", ["en_US-joe-medium", "espeak-en"])

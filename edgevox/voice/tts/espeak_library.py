@@ -65,10 +65,14 @@ class EspeakLibrary:
             raise SynthesisFailed(f"espeak: it has no language {language!r}")
 
 
-@cache
+_loaded = cache(EspeakLibrary)
+_loading = threading.Lock()
+
+
 def espeak_library() -> EspeakLibrary:
-    """The library; its state is global, so there is one in a process.
+    """The library; its state is global, so there is one in a process, whichever thread asks first.
 
     Raises `OSError` or `SynthesisFailed` if it does not load.
     """
-    return EspeakLibrary()
+    with _loading:
+        return _loaded()
