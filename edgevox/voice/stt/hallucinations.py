@@ -73,7 +73,7 @@ class Segment:
 
 def plausible(segment: Segment, seconds: float) -> bool:
     """Whether this was said in a sound of so many seconds."""
-    plain = _plain(segment.text)
+    plain = plain_words(segment.text)
     if not plain or segment.compression > REPEATS or segment.log_probability < SURELY_GUESSED:
         return False
     if segment.no_speech > SURELY_NOISE and segment.log_probability < SURELY_SAID:
@@ -91,8 +91,8 @@ def parroted(segment: Segment, prompt: str) -> bool:
     """
     if segment.log_probability >= MAYBE_GUESSED:
         return False
-    shown = {_plain(one) for one in _SENTENCE_ENDS.split(prompt)}
-    return all(_plain(one) in shown for one in _SENTENCE_ENDS.split(segment.text.strip()))
+    shown = {plain_words(one) for one in _SENTENCE_ENDS.split(prompt)}
+    return all(plain_words(one) in shown for one in _SENTENCE_ENDS.split(segment.text.strip()))
 
 
 def transcript_of(hypotheses: Sequence[Segment], seconds: float, prompt: str) -> Transcript:
@@ -110,8 +110,8 @@ def transcript_of(hypotheses: Sequence[Segment], seconds: float, prompt: str) ->
         if real and text:
             sure = math.exp(one.log_probability) * _filled(text, seconds)
             new = Hypothesis(text, 0.0, sure)
-            known = said.setdefault(_plain(text), new)
-            said[_plain(text)] = replace(known, share=known.share + share)
+            known = said.setdefault(plain_words(text), new)
+            said[plain_words(text)] = replace(known, share=known.share + share)
     if not said:
         return Transcript("")
     first, *others = said.values()
@@ -143,10 +143,11 @@ def words_of(text: str) -> str:
     spoken = " ".join(_BRACKETED.sub(" ", text).split())
     said: list[str] = []
     for sentence in _SENTENCE_ENDS.split(spoken):
-        if not said or _plain(sentence) != _plain(said[-1]):
+        if not said or plain_words(sentence) != plain_words(said[-1]):
             said.append(sentence)
-    return " ".join(said) if _plain(spoken) else ""
+    return " ".join(said) if plain_words(spoken) else ""
 
 
-def _plain(text: str) -> str:
+def plain_words(text: str) -> str:
+    """A text's words without case, marks and remarks, to compare it with another's."""
     return " ".join(_NOT_WORDS.sub(" ", _BRACKETED.sub(" ", text).casefold()).split())

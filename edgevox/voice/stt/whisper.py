@@ -17,6 +17,7 @@ from edgevox.core.errors import EdgeVoxError
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.level import FULL_SCALE
 from edgevox.voice.stt.adapter import adapter_for
+from edgevox.voice.stt.expectation import doubted, is_doubtful
 from edgevox.voice.stt.hallucinations import Segment, transcript_of
 from edgevox.voice.stt.speech_to_text import Transcript
 from edgevox.voice.whisper_file import adapted_folder
@@ -73,16 +74,16 @@ class Whisper:
 
     def transcribe(self, samples: Samples, language: str) -> Transcript:
         prompt = self._prompt_of(language)
-        found = self.hypotheses(samples, language, prompt)
-        return transcript_of(found, samples.size / RATE_HZ, prompt)
+        with self._lock:
+            heard = self._heard(samples, language)
+            found = heard.hypotheses(prompt)
+            said = transcript_of(found, samples.size / RATE_HZ, prompt)
+            return doubted(said, heard.hypotheses()) if prompt and is_doubtful(said) else said
 
     def hypotheses(self, samples: Samples, language: str, prompt: str = "") -> list[Segment]:
         """What may have been said in the first 30 s, with Whisper's doubts; first the likeliest."""
-        path = self._paths.get(language) or self._model_of(language)
         with self._lock:
-            model = self._model(path)
-            self._paths[language] = path
-            return _hypotheses(model, samples, language, prompt)
+            return self._heard(samples, language).hypotheses(prompt)
 
     @property
     def loaded(self) -> tuple[Path, ...]:
@@ -93,6 +94,12 @@ class Whisper:
         """Forget the models."""
         with self._lock:
             self._models.clear()
+
+    def _heard(self, samples: Samples, language: str) -> "_Heard":
+        path = self._paths.get(language) or self._model_of(language)
+        model = self._model(path)
+        self._paths[language] = path
+        return _Heard(model, samples, language)
 
     def _model(self, path: Path) -> _LoadedModel:
         if path not in self._models:
@@ -114,41 +121,50 @@ class Whisper:
         return self._models[path]
 
 
-def _hypotheses(
-    loaded: _LoadedModel, samples: Samples, language: str, prompt: str
-) -> list[Segment]:
-    """As `WhisperModel.transcribe` does it, which keeps but one to itself."""
-    from faster_whisper.tokenizer import Tokenizer
-    from faster_whisper.transcribe import get_compression_ratio, get_suppressed_tokens
+class _Heard:
+    """A sound as the encoder of a model hears it, in a language."""
 
-    model = loaded.engine
-    tokenizer = Tokenizer(
-        model.hf_tokenizer, model.model.is_multilingual, task="transcribe", language=language
-    )
-    shown = tokenizer.encode(f" {prompt.strip()}") if prompt else []
-    start = model.get_prompt(tokenizer, shown, without_timestamps=True)
-    most = MORE_TOKENS + int(samples.size / RATE_HZ * TOKENS_PER_S)
-    features = model.feature_extractor(samples.astype(np.float32) / FULL_SCALE)[..., :-1]
-    sound = model.encode(as_listened_to(features, loaded.short))
-    suppressed = get_suppressed_tokens(tokenizer, [-1])
-    segments: dict[str, Segment] = {}
-    for width in WIDTHS.get(language, OTHER_WIDTHS):
-        found = model.model.generate(
-            sound,
-            [start],
-            beam_size=width,
-            num_hypotheses=width,
-            max_length=min(len(start) + most, model.max_length),
-            return_scores=True,
-            return_no_speech_prob=True,
-            suppress_tokens=suppressed,
-        )[0]
-        for tokens, score in zip(found.sequences_ids, found.scores, strict=True):
-            text, whole = tokenizer.decode(tokens), score * len(tokens)
-            mean = whole / (len(tokens) + 1)  # its last token, which ends it, counts
-            ratio = get_compression_ratio(text.strip())
-            segments.setdefault(text, Segment(text, found.no_speech_prob, mean, ratio, whole))
-    return [*segments.values()]
+    def __init__(self, loaded: _LoadedModel, samples: Samples, language: str) -> None:
+        from faster_whisper.tokenizer import Tokenizer
+
+        self._engine, self._language = loaded.engine, language
+        self._tokenizer = Tokenizer(
+            self._engine.hf_tokenizer,
+            self._engine.model.is_multilingual,
+            task="transcribe",
+            language=language,
+        )
+        sound = samples.astype(np.float32) / FULL_SCALE
+        features = self._engine.feature_extractor(sound)[..., :-1]
+        self._encoded = self._engine.encode(as_listened_to(features, loaded.short))
+        self._most_tokens = MORE_TOKENS + int(samples.size / RATE_HZ * TOKENS_PER_S)
+
+    def hypotheses(self, prompt: str = "") -> list[Segment]:
+        """As `WhisperModel.transcribe` finds them, which keeps but one to itself."""
+        from faster_whisper.transcribe import get_compression_ratio, get_suppressed_tokens
+
+        model, tokenizer = self._engine.model, self._tokenizer
+        shown = tokenizer.encode(f" {prompt.strip()}") if prompt else []
+        start = self._engine.get_prompt(tokenizer, shown, without_timestamps=True)
+        suppressed = get_suppressed_tokens(tokenizer, [-1])
+        segments: dict[str, Segment] = {}
+        for width in WIDTHS.get(self._language, OTHER_WIDTHS):
+            found = model.generate(
+                self._encoded,
+                [start],
+                beam_size=width,
+                num_hypotheses=width,
+                max_length=min(len(start) + self._most_tokens, self._engine.max_length),
+                return_scores=True,
+                return_no_speech_prob=True,
+                suppress_tokens=suppressed,
+            )[0]
+            for tokens, score in zip(found.sequences_ids, found.scores, strict=True):
+                text, whole = tokenizer.decode(tokens), score * len(tokens)
+                mean = whole / (len(tokens) + 1)  # its last token, which ends it, counts
+                ratio = get_compression_ratio(text.strip())
+                segments.setdefault(text, Segment(text, found.no_speech_prob, mean, ratio, whole))
+        return [*segments.values()]
 
 
 def as_listened_to(features: NDArray[np.float32], short: bool) -> NDArray[np.float32]:
