@@ -11,7 +11,7 @@ import numpy as np
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Heard
 from edgevox.models import locate
-from edgevox.voice.audio import RATE_HZ, Samples
+from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Samples
 from edgevox.voice.foreground import open_vad
 from edgevox.voice.listener import Listener
 from edgevox.voice.played_sound import PlayedSound
@@ -96,6 +96,18 @@ def listen(
         thread_growth=threading.active_count() - threads,
         slowest_stt_s=slowest[0],
     )
+
+
+def spotting(seconds: float, voice: float) -> float:
+    """Of a core, what the stop word spotter alone takes for sound that is so likely a voice."""
+    spotter = open_stop_spotter(locate(ENCODER))
+    spotter.warm_up()
+    frames = int(seconds / FRAME_S)
+    sound = np.random.default_rng(1).normal(0, 500, frames * FRAME_SAMPLES).astype(np.int16)
+    cpu_s = time.process_time()
+    for frame in np.split(sound, frames):
+        spotter.heard(frame, voice)
+    return (time.process_time() - cpu_s) / (frames * FRAME_S)
 
 
 def resident_kib() -> int:

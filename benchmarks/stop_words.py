@@ -12,7 +12,6 @@ import itertools
 import multiprocessing
 import re
 import sys
-import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -34,11 +33,10 @@ from stop_words_ears import (
 from stop_words_sounds import alike, clips, words
 from stop_words_transcribed import Words
 
-from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ
+from edgevox.voice.audio import RATE_HZ
 from edgevox.voice.stop_network import read_weights
-from edgevox.voice.stop_spotter import StopSpotter
 
-TABLE, FALSE, COST = "Stop words heard", "False stops", "What it costs"
+TABLE, FALSE = "Stop words heard", "False stops"
 EITHER = "Stop words heard by their sound or, later, by their words"
 CONDITIONS = {
     "quiet": (None, 99.5),
@@ -51,11 +49,6 @@ WANTED_FALSE = 2.0
 """At most, in 8 hours."""
 HALF = Half.HELD_OUT
 SPEAK = "python benchmarks/stop_words.py --speak"
-SHARES_OF_A_CORE = (
-    ("core", "share of a core while somebody speaks", 1.0, 7.0),
-    ("core.quiet", "share of a core while nobody does", 0.0, 1.0),
-)
-"""How likely there is a voice, and at most how much it should take: 8 % is for all of listening."""
 QUICK = 41
 """A quick run takes one of so many clips, which are no multiple of the texts of a voice."""
 
@@ -99,26 +92,7 @@ def measure(quick: bool = False, only: str = "", every_note: bool = False) -> Me
     if told and every_note:
         notes["Taken for a stop"] = tuple(line for one in told for line in one.wrong)
         notes["Sounds alike"] = tuple(alarms)
-    figures += _costs()
     return Measured(figures=tuple(figures), notes=notes)
-
-
-def _costs() -> Iterator[Figure]:
-    ears = ears_of(read_weights())
-    for key, what, voice, most in SHARES_OF_A_CORE:
-        spotter = StopSpotter(ears.encoder, ears.weights, second=ears.second)
-        share = share_of_a_core(spotter, voice)
-        yield Figure.of(key, COST, what, [share], "%", wanted=most)
-
-
-def share_of_a_core(spotter: StopSpotter, voice: float) -> float:
-    """Of the time of a frame, what it takes to hear it, so likely with a voice in it."""
-    spotter.warm_up()
-    sound = np.random.default_rng(1).normal(0, 500, 3_000 * FRAME_SAMPLES).astype(np.int16)
-    began = time.process_time()
-    for number in range(3_000):
-        spotter.heard(sound[number * FRAME_SAMPLES : (number + 1) * FRAME_SAMPLES], voice)
-    return 100 * (time.process_time() - began) / (3_000 * FRAME_S)
 
 
 def _recall(

@@ -15,7 +15,7 @@ import shared_with_tests  # noqa: F401 - finds the tests' modules
 import voice_parts
 from figures import Figure, Measured, NotHere
 from listener_rig import chatter, loud
-from listening import NoWords, listen, quiet_room
+from listening import NoWords, listen, quiet_room, spotting
 from voice_endurance import Endured, endure
 from voice_engines import words, wrong_words
 from voice_rig import VoiceRig
@@ -169,6 +169,12 @@ def cost(seconds: float) -> Iterator[Figure]:
         "listening to speech for a wake word and stop words, without recognising it",
         [100 * share], "% of a core", wanted=8.0,
     )  # fmt: skip
+    for name, voice, most in (("speech", 1.0, 7.0), ("else", 0.0, 1.0)):
+        about = "while somebody speaks" if voice else "while nobody does"
+        yield Figure.of(
+            f"spotting_{name}", LISTENING, f"of it the stop word spotter, {about}",
+            [100 * spotting(seconds, voice)], "% of a core", wanted=most,
+        )  # fmt: skip
     wakeword.close()
     stt.close()
 
