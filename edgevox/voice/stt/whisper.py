@@ -75,15 +75,15 @@ class Whisper:
     def transcribe(self, samples: Samples, language: str) -> Transcript:
         prompt = self._prompt_of(language)
         with self._lock:
-            heard = self._heard(samples, language)
-            found = heard.hypotheses(prompt)
+            sound = self._encoded(samples, language)
+            found = sound.hypotheses(prompt)
             said = transcript_of(found, samples.size / RATE_HZ, prompt)
-            return doubted(said, heard.hypotheses()) if prompt and is_doubtful(said) else said
+            return doubted(said, sound.hypotheses()) if prompt and is_doubtful(said) else said
 
     def hypotheses(self, samples: Samples, language: str, prompt: str = "") -> list[Segment]:
         """What may have been said in the first 30 s, with Whisper's doubts; first the likeliest."""
         with self._lock:
-            return self._heard(samples, language).hypotheses(prompt)
+            return self._encoded(samples, language).hypotheses(prompt)
 
     @property
     def loaded(self) -> tuple[Path, ...]:
@@ -95,11 +95,11 @@ class Whisper:
         with self._lock:
             self._models.clear()
 
-    def _heard(self, samples: Samples, language: str) -> "_Heard":
+    def _encoded(self, samples: Samples, language: str) -> "_EncodedSound":
         path = self._paths.get(language) or self._model_of(language)
         model = self._model(path)
         self._paths[language] = path
-        return _Heard(model, samples, language)
+        return _EncodedSound(model, samples, language)
 
     def _model(self, path: Path) -> _LoadedModel:
         if path not in self._models:
@@ -121,7 +121,7 @@ class Whisper:
         return self._models[path]
 
 
-class _Heard:
+class _EncodedSound:
     """A sound as the encoder of a model hears it, in a language."""
 
     def __init__(self, loaded: _LoadedModel, samples: Samples, language: str) -> None:
