@@ -169,8 +169,10 @@ def cost(seconds: float) -> Iterator[Figure]:
         "listening to speech for a wake word and stop words, without recognising it",
         [100 * share], "% of a core", wanted=8.0,
     )  # fmt: skip
-    for name, voice, most in (("speech", 1.0, 7.0), ("else", 0.0, 1.0)):
-        about = "while somebody speaks" if voice else "while nobody does"
+    for name, about, voice, most in (
+        ("speech", "while somebody speaks", 1.0, 7.0),
+        ("else", "while nobody does", 0.0, 1.0),
+    ):
         yield Figure.of(
             f"spotting_{name}", LISTENING, f"of it the stop word spotter, {about}",
             [100 * spotting(seconds, voice)], "% of a core", wanted=most,

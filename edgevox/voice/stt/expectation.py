@@ -12,17 +12,17 @@ from dataclasses import replace
 from edgevox.voice.stt.hallucinations import Segment, plain_words
 from edgevox.voice.stt.speech_to_text import Transcript
 
-ASKED_BELOW = 0.9
-"""Words that are at least so sure were heard; whoever made them need not listen again."""
+LISTEN_AGAIN_BELOW = 0.9
+"""Words that are at least so sure were heard."""
 AWAY = 2.0
-"""What is e to the power of this less likely than the likeliest is not thought of."""
+"""In nats: what is less likely than the likeliest by so much is not thought of."""
 DOUBT = 0.88
 """How much of the confidence is left of words that are not: a motion needs a yes then."""
 
 
 def is_doubtful(said: Transcript) -> bool:
     """Whether to listen again."""
-    return bool(said.text) and said.confidence < ASKED_BELOW
+    return bool(said.text) and said.confidence < LISTEN_AGAIN_BELOW
 
 
 def doubted(said: Transcript, alone: Sequence[Segment]) -> Transcript:
@@ -34,4 +34,4 @@ def doubted(said: Transcript, alone: Sequence[Segment]) -> Transcript:
         return 1.0 if plain_words(text) in heard else DOUBT
 
     others = (replace(one, confidence=one.confidence * kept(one.text)) for one in said.others)
-    return Transcript(said.text, said.confidence * kept(said.text), tuple(others))
+    return replace(said, confidence=said.confidence * kept(said.text), others=tuple(others))
