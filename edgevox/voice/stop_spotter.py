@@ -45,7 +45,7 @@ LEAST_ODDS = 0.14
 """The odds of the network, as 3 for 0.75, squared, times the likelihood of the second look: from
 here on a word counts. Squared, as Whisper finds words in voices that talk at once, too. By it is
 chosen how much is heard, and how often it stops for nothing: see docs/stop-spotter.md."""
-NOISY_DB, QUIET_DB, QUIET_TIMES = 15.0, 25.0, 100.0
+NOISY_DB, QUIET_DB, QUIET_TIMES = 15.0, 25.0, 30.0
 """Where what is said stands out by so much and less from what is around they are those; they rise
 from there, and are so many times as high where it stands out by so much and more."""
 _UNSURE, _UNHEARD = 1e-3, 1e-4

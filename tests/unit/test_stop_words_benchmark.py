@@ -261,7 +261,7 @@ def test_the_ears_of_the_benchmark_hear_what_the_spotter_hears(monkeypatch):
         if spotter.heard(frame, hears.probability(frame))
     ]
 
-    assert len(stopped) == 5
+    assert len(stopped) == 6
     assert list(ears.stops(sound.ravel())) == stopped
     assert len(asked[0]) > 4
     np.testing.assert_array_equal(asked[0], asked[1])
