@@ -6,7 +6,7 @@ import pytest
 
 from edgevox.agent.nlu.confidence import HEARD_FROM
 from edgevox.core.commands import Hypothesis
-from edgevox.voice.stt.expectation import doubted, is_doubtful
+from edgevox.voice.stt.expectation import LANGUAGES, doubted, is_doubtful
 from edgevox.voice.stt.hallucinations import Segment
 from edgevox.voice.stt.speech_to_text import Transcript
 
@@ -20,8 +20,14 @@ def alone(*texts):
     ("said", "again"), [("", False), ("Turn left.", True), ("Go to the kitchen.", True)]
 )
 def test_what_is_not_sure_is_listened_to_again(said, again):
-    assert is_doubtful(Transcript(said, 0.89)) is again
-    assert not is_doubtful(Transcript(said, 0.9))
+    assert is_doubtful(Transcript(said, 0.89), "en") is again
+    assert not is_doubtful(Transcript(said, 0.9), "en")
+
+
+@pytest.mark.parametrize("language", ["pt", "de"])
+def test_a_language_in_which_no_commands_are_expected_is_listened_to_once(language):
+    assert language not in LANGUAGES
+    assert not is_doubtful(Transcript("Pare.", 0.3), language)
 
 
 def test_what_is_heard_without_expecting_it_is_as_sure_as_before():

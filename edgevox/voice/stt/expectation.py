@@ -12,6 +12,8 @@ from dataclasses import replace
 from edgevox.voice.stt.hallucinations import Segment, plain_words
 from edgevox.voice.stt.speech_to_text import Transcript
 
+LANGUAGES = frozenset({"en"})
+"""In which the robot's own commands are shown. In others only how numbers are written is."""
 LISTEN_AGAIN_BELOW = 0.9
 """Words that are at least so sure were heard."""
 AWAY = 2.0
@@ -20,9 +22,9 @@ DOUBT = 0.88
 """How much of the confidence is left of words that are not: a motion needs a yes then."""
 
 
-def is_doubtful(said: Transcript) -> bool:
+def is_doubtful(said: Transcript, language: str) -> bool:
     """Whether to listen again."""
-    return bool(said.text) and said.confidence < LISTEN_AGAIN_BELOW
+    return language in LANGUAGES and bool(said.text) and said.confidence < LISTEN_AGAIN_BELOW
 
 
 def doubted(said: Transcript, alone: Sequence[Segment]) -> Transcript:

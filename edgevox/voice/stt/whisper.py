@@ -78,7 +78,8 @@ class Whisper:
             sound = self._encoded(samples, language)
             found = sound.hypotheses(prompt)
             said = transcript_of(found, samples.size / RATE_HZ, prompt)
-            return doubted(said, sound.hypotheses()) if prompt and is_doubtful(said) else said
+            again = prompt and is_doubtful(said, language)
+            return doubted(said, sound.hypotheses()) if again else said
 
     def hypotheses(self, samples: Samples, language: str, prompt: str = "") -> list[Segment]:
         """What may have been said in the first 30 s, with Whisper's doubts; first the likeliest."""
