@@ -41,11 +41,11 @@ class Outcome(Enum):
 class Robot:
     """What one robot hears and understands, as the product puts it together."""
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, model: str = MODEL) -> None:
         self._name = name
         self._skills = skills_of_robots()[name]
         prompt = hearing_prompt(self._skills.values(), phrasebook("en"))
-        self._path = locate(MODEL)
+        self._path = locate(model)
         self._whisper = Whisper(lambda _: self._path, prompt_of=lambda _: prompt)
         self._bus, self._clock = Bus(), SystemClock()
 

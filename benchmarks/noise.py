@@ -125,14 +125,22 @@ def measure(quick: bool = False) -> Measured:
     return Measured(figures=tuple(figures), notes=notes)
 
 
-def spoken(voice: str, text: str, condition: Condition, kind: str, seed: int) -> Samples:
+def spoken(
+    voice: str,
+    text: str,
+    condition: Condition,
+    kind: str,
+    seed: int,
+    *,
+    half: Half = Half.HELD_OUT,
+) -> Samples:
     """What the microphone hears of a sentence."""
     voiced: NDArray[Any] = say(voice, text)
     if condition.snr_db is None:
         return at_level(_padded(voiced), LEVEL_DB)
-    response = room_of(RT60_S, Half.HELD_OUT, seed).response()
+    response = room_of(RT60_S, half, seed).response()
     heard = _padded(in_room(voiced, response))
-    beside = noise(kind, heard.size / RATE_HZ + 0.1, seed, Half.HELD_OUT)
+    beside = noise(kind, heard.size / RATE_HZ + 0.1, seed, half)
     return at_level(mixed(heard, beside, condition.snr_db), LEVEL_DB)
 
 

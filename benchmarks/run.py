@@ -37,6 +37,7 @@ BENCHMARKS = {
     "shared_llm": "one language model for 1 to 50 robots, with and without a bound on its queue",
     "hearing": "speech to text beside plain faster-whisper",
     "noise": "plain commands in quiet and in noise, and what is heard out of noise alone",
+    "noise_ways": "noise suppression, gain control and a larger model, for commands in noise",
     "stop_words": "which stop words are heard by their sound, and what else is taken for one",
     "stop_words_languages": "English stop words by their sound where another language is spoken",
     "endings": "when an utterance counts as over, and how often within a sentence",
