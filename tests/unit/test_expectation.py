@@ -1,13 +1,18 @@
-"""Words that are only heard where they are expected are less sure, and a motion asks then."""
+"""Words that are only heard where they are expected are less sure, and a motion asks then; those
+that are heard without expecting them, too, are surer."""
 
 import math
 
 import pytest
 
 from edgevox.agent.nlu.confidence import HEARD_FROM
-from edgevox.core.commands import Hypothesis
-from edgevox.voice.stt.expectation import LANGUAGES, doubted, is_doubtful
-from edgevox.voice.stt.hallucinations import Segment
+from edgevox.voice.stt.expectation import LANGUAGES, heard_again, is_doubtful
+from edgevox.voice.stt.hallucinations import (
+    AROUND_S,
+    BYTES_A_SECOND,
+    Segment,
+    transcript_of,
+)
 from edgevox.voice.stt.speech_to_text import Transcript
 
 
@@ -30,9 +35,16 @@ def test_a_language_in_which_no_commands_are_expected_is_listened_to_once(langua
     assert not is_doubtful(Transcript("Pare.", 0.3), language)
 
 
-def test_what_is_heard_without_expecting_it_is_as_sure_as_before():
-    said = Transcript("Turn left.", 0.86)
-    assert doubted(said, alone("Turn the left.", " turn left!")) == said
+def test_what_is_heard_without_expecting_it_too_is_surer():
+    before = Segment("Turn left.", 0.1, math.log(0.64), 0.7)
+    for heard in (alone(" turn left!"), alone("Turn the left.", "Turn left")):
+        assert math.isclose(heard_again(heard)(before), 0.8)
+
+
+def test_what_is_only_thought_of_without_expecting_it_is_as_sure_as_before():
+    before = Segment("Turn left.", 0.1, math.log(0.64), 0.7)
+    heard = [*alone("Turn the left."), Segment("Turn left.", 0.1, -0.2, 0.7, -1.5)]
+    assert math.isclose(heard_again(heard)(before), 0.64)
 
 
 @pytest.mark.parametrize(
@@ -45,13 +57,25 @@ def test_what_is_heard_without_expecting_it_is_as_sure_as_before():
     ],
 )
 def test_a_motion_that_is_only_expected_needs_a_yes(heard):
-    assert doubted(Transcript("Turn left.", 0.899), alone(*heard)).confidence < HEARD_FROM
+    before = Segment("Turn left.", 0.1, math.log(0.899), 0.7)
+    assert heard_again(alone(*heard))(before) < HEARD_FROM
 
 
-def test_what_else_may_have_been_said_is_judged_by_itself():
-    others = (Hypothesis("Turn right.", 0.1, 0.8), Hypothesis("Turn it right.", 0.1, 0.7))
-    said = doubted(Transcript("Turn left.", 0.85, others), alone("Turn it right."))
+def test_each_thing_that_may_have_been_said_is_judged_by_itself():
+    found = alone("Turn left.", "Turn right.", "Turn it right.")
+    before = transcript_of(found, 1.0, "")
+    said = transcript_of(found, 1.0, "", heard_again(alone("Turn it right.")))
     right, it_right = said.others
-    assert right.confidence < others[0].confidence
-    assert it_right == others[1]
-    assert math.isclose(sum(one.share for one in said.others), 0.2)
+    assert right.confidence < before.others[0].confidence
+    assert it_right.confidence > before.others[1].confidence
+    assert [one.share for one in said.others] == [one.share for one in before.others]
+
+
+def test_words_that_are_too_few_for_the_sound_stay_less_sure_when_heard_twice():
+    found = [Segment("Walk.", 0.1, math.log(0.81), 0.7)]
+    whole = transcript_of(found, 0.9, "", heard_again(found))
+    half = transcript_of(
+        found, AROUND_S + 2 * len("Walk.") / BYTES_A_SECOND, "", heard_again(found)
+    )
+    assert math.isclose(whole.confidence, 0.9)
+    assert math.isclose(half.confidence, 0.45)

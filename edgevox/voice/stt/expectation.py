@@ -2,12 +2,12 @@
 
 Shown the robot's own commands before, Whisper understands far more of them in noise, and now and
 then takes one for another: "Turn around." beside a vacuum cleaner for "Turn left.". Where it is not
-sure of its words it listens again without having been shown anything. What it does not even think
-of then is less sure to have been said.
+sure of its words it listens again without having been shown anything. What it hears then, too, is
+surer to have been said, and what it does not even think of less sure.
 """
 
-from collections.abc import Sequence
-from dataclasses import replace
+import math
+from collections.abc import Callable, Sequence
 
 from edgevox.voice.stt.hallucinations import Segment, plain_words
 from edgevox.voice.stt.speech_to_text import Transcript
@@ -16,8 +16,9 @@ LANGUAGES = frozenset({"en"})
 """In which the robot's own commands are shown. In others only how numbers are written is."""
 LISTEN_AGAIN_BELOW = 0.9
 """Words that are at least so sure were heard."""
-AWAY = 2.0
-"""In nats: what is less likely than the likeliest by so much is not thought of."""
+NEAR, AWAY = 1.0, 2.0
+"""In nats: what is so much less likely than the likeliest was heard then too, or is not thought
+of."""
 DOUBT = 0.88
 """How much of the confidence is left of words that are not: a motion needs a yes then."""
 
@@ -27,13 +28,19 @@ def is_doubtful(said: Transcript, language: str) -> bool:
     return language in LANGUAGES and bool(said.text) and said.confidence < LISTEN_AGAIN_BELOW
 
 
-def doubted(said: Transcript, alone: Sequence[Segment]) -> Transcript:
-    """The same words, less sure where they are not among those heard without expecting any."""
+def heard_again(alone: Sequence[Segment]) -> Callable[[Segment], float]:
+    """How likely each of the hypotheses is, from 0 to 1, after these without expecting any: more
+    where it is one of them, too, and less where it is not even thought of.
+    """
     most = max((one.whole for one in alone), default=0.0)
-    heard = {plain_words(one.text) for one in alone if one.whole > most - AWAY}
+    below: dict[str, float] = {}
+    for one in alone:
+        below.setdefault(plain_words(one.text), most - one.whole)
 
-    def kept(text: str) -> float:
-        return 1.0 if plain_words(text) in heard else DOUBT
+    def likelihood(one: Segment) -> float:
+        away = below.get(plain_words(one.text), AWAY)
+        if away <= NEAR:
+            return math.sqrt(one.likelihood)
+        return one.likelihood if away < AWAY else one.likelihood * DOUBT
 
-    others = (replace(one, confidence=one.confidence * kept(one.text)) for one in said.others)
-    return replace(said, confidence=said.confidence * kept(said.text), others=tuple(others))
+    return likelihood

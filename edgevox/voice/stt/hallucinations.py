@@ -10,7 +10,7 @@ lay above -0.85.
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from edgevox.core.commands import Hypothesis
@@ -70,6 +70,11 @@ class Segment:
     compression: float
     whole: float = 0.0
 
+    @property
+    def likelihood(self) -> float:
+        """The geometric mean of its tokens' probabilities."""
+        return math.exp(self.log_probability)
+
 
 def plausible(segment: Segment, seconds: float) -> bool:
     """Whether this was said in a sound of so many seconds."""
@@ -95,11 +100,17 @@ def parroted(segment: Segment, prompt: str) -> bool:
     return all(plain_words(one) in shown for one in _SENTENCE_ENDS.split(segment.text.strip()))
 
 
-def transcript_of(hypotheses: Sequence[Segment], seconds: float, prompt: str) -> Transcript:
+def transcript_of(
+    hypotheses: Sequence[Segment],
+    seconds: float,
+    prompt: str,
+    likelihood: Callable[[Segment], float] = lambda one: one.likelihood,
+) -> Transcript:
     """What was said in a sound of so many seconds: the first hypothesis, and what else it may be.
 
     If that was not said nothing was, whatever follows. Spelled otherwise it is the same, and what
-    is hardly likely is left out. Words that are too few for the sound are less sure.
+    is hardly likely is left out. How sure one is of words is their `likelihood`, and less where
+    they are too few for the sound.
     """
     said: dict[str, Hypothesis] = {}
     for one, share in zip(hypotheses, _shares(hypotheses), strict=True):
@@ -108,7 +119,7 @@ def transcript_of(hypotheses: Sequence[Segment], seconds: float, prompt: str) ->
             break
         text = words_of(one.text)
         if real and text:
-            sure = math.exp(one.log_probability) * _filled(text, seconds)
+            sure = likelihood(one) * _filled(text, seconds)
             new = Hypothesis(text, 0.0, sure)
             known = said.setdefault(plain_words(text), new)
             said[plain_words(text)] = replace(known, share=known.share + share)

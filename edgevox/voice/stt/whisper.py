@@ -17,7 +17,7 @@ from edgevox.core.errors import EdgeVoxError
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.level import FULL_SCALE
 from edgevox.voice.stt.adapter import adapter_for
-from edgevox.voice.stt.expectation import doubted, is_doubtful
+from edgevox.voice.stt.expectation import heard_again, is_doubtful
 from edgevox.voice.stt.hallucinations import Segment, transcript_of
 from edgevox.voice.stt.speech_to_text import Transcript
 from edgevox.voice.whisper_file import adapted_folder
@@ -76,10 +76,11 @@ class Whisper:
         prompt = self._prompt_of(language)
         with self._lock:
             sound = self._encoded(samples, language)
-            found = sound.hypotheses(prompt)
-            said = transcript_of(found, samples.size / RATE_HZ, prompt)
-            again = prompt and is_doubtful(said, language)
-            return doubted(said, sound.hypotheses()) if again else said
+            found, seconds = sound.hypotheses(prompt), samples.size / RATE_HZ
+            said = transcript_of(found, seconds, prompt)
+            if not (prompt and is_doubtful(said, language)):
+                return said
+            return transcript_of(found, seconds, prompt, heard_again(sound.hypotheses()))
 
     def hypotheses(self, samples: Samples, language: str, prompt: str = "") -> list[Segment]:
         """What may have been said in the first 30 s, with Whisper's doubts; first the likeliest."""
