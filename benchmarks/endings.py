@@ -14,6 +14,7 @@ from acoustics import Half
 from acoustics.voices import espeak_voices, native_voices, say
 from corpus_robots import skills_of_robots
 from figures import Figure, Measured
+from listener_rig import frames
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.nlu.endings import Endings
@@ -24,7 +25,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
 from edgevox.core.ending import Ending
 from edgevox.models import locate
-from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Frame, Samples
+from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.endpoint import Endpointer, SpeechEnded, SpeechPaused, SpeechWentOn
 from edgevox.voice.foreground import open_vad
 from edgevox.voice.listener import ENDS_AFTER_S
@@ -67,7 +68,7 @@ def listen(sound: Samples, whisper: Whisper, ending: Callable[[str], Ending] | N
     """What the endpointer makes of it; with `ending`, by the words as the listener would."""
     vad, endpointer, found = open_vad(), Endpointer(), Heard()
     known: tuple[float, Ending, float] | None = None
-    for frame in _frames(sound):
+    for frame in frames(sound):
         if known and frame.end_s >= known[2] and endpointer.paused_at == known[0]:
             plain = known[1] in (Ending.WHOLE, Ending.MAY_GO_ON)
             endpointer.end_after(ENDS_AFTER_S[known[1]], revocable=plain)
@@ -136,12 +137,6 @@ def _padded(first: Samples, pause_s: float = 0.0, rest: Samples | None = None) -
 def _quiet(seconds: float) -> Samples:
     rng = np.random.default_rng(7)
     return rng.normal(0, 10, round(seconds * RATE_HZ)).astype(np.int16)
-
-
-def _frames(sound: Samples) -> Iterator[Frame]:
-    for number in range(sound.size // FRAME_SAMPLES):
-        start = number * FRAME_SAMPLES
-        yield Frame(sound[start : start + FRAME_SAMPLES], (number + 1) * FRAME_S)
 
 
 def _endings() -> Endings:

@@ -7,6 +7,7 @@ from functools import cached_property
 import shared_with_tests  # noqa: F401 - finds the tests' modules
 from corpus_robots import is_right, skills_of_robots
 from corpus_sentences import Calls, Sentence
+from listener_rig import frames
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.nlu.hearing_prompt import hearing_prompt
@@ -20,7 +21,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
 from edgevox.core.ways import Way
 from edgevox.models import locate
-from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Frame, Samples
+from edgevox.voice.audio import Samples
 from edgevox.voice.endpoint import Endpointer, SpeechEnded
 from edgevox.voice.foreground import open_vad
 from edgevox.voice.stt.speech_to_text import Transcript
@@ -105,8 +106,7 @@ class Robot:
 def utterances(sound: Samples) -> Iterator[Samples]:
     """What the listener would give to be understood."""
     vad, endpointer = open_vad(), Endpointer()
-    for at in range(0, sound.size - FRAME_SAMPLES + 1, FRAME_SAMPLES):
-        frame = Frame(sound[at : at + FRAME_SAMPLES], at / RATE_HZ + FRAME_S)
+    for frame in frames(sound):
         signal = endpointer.push(frame, vad.probability(frame.samples))
         if isinstance(signal, SpeechEnded):
             yield signal.samples
