@@ -8,9 +8,16 @@ from corpus_robots import skills_of_robots
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.llm.language_model import ChatMessage
-from edgevox.agent.nlu.confidence import ASK_FROM, SURE_FROM, read_head
+from edgevox.agent.nlu.confidence import (
+    ASK_FROM,
+    HEARD_FROM,
+    READ_FROM,
+    SURE_FROM,
+    read_head,
+)
 from edgevox.agent.nlu.decider import Decider, Readings
 from edgevox.agent.nlu.interpreter import Interpreter
+from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.nlu.packed_file import Floats
 from edgevox.agent.skills import Call
 from edgevox.agent.turn import Turn
@@ -161,3 +168,18 @@ def test_an_order_that_is_read_says_who_found_it_and_how_sure() -> None:
 
     assert meaning is not None
     assert (meaning.source, meaning.confidence >= ASK_FROM) == ("reading", True)
+
+
+@pytest.mark.parametrize(
+    ("source", "heard", "sure"),
+    [
+        ("template", HEARD_FROM, True),
+        ("template", HEARD_FROM - 0.01, False),
+        ("reading", READ_FROM, True),
+        ("reading", READ_FROM - 0.01, False),
+    ],
+)
+def test_what_was_read_into_words_needs_surer_ones_than_a_plain_command(source, heard, sure):
+    agent = Agent("robot", "", APARTMENT)
+    meaning = Meaning(agent, (Call("navigate_to", {"room": "kitchen"}),), source, 1.0)
+    assert meaning.heard(heard).sure is sure

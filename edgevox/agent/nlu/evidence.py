@@ -78,18 +78,27 @@ def is_denied(text: str, lexicon: Lexicon) -> bool:
 def is_doubted(reading: Reading, facts: Mapping[str, float], lexicon: Lexicon) -> bool:
     """Whether no word says that it is wanted, or may not say so.
 
-    A number goes on in a word that nobody knows, or nothing joins two orders, one of which may have
-    been taken back: "forward, back one metre".
+    Something is told of what is named: "the kitchen's over there". A number goes on in a word that
+    nobody knows, or nothing joins two orders, one of which may have been taken back: "forward, back
+    one metre".
     """
     joints = lexicon.index(tuple(lexicon.book.hearing.joints))
     if len(reading.parts) > 1 and not joints.starts(reading.tokens):
         return True
-    pairs = itertools.pairwise(reading.tokens)
+    pairs = list(itertools.pairwise(reading.tokens))
+    if any(_tells(a, b, lexicon) for a, b in pairs):
+        return True
     if any(is_number(a) and b.isalpha() and not lexicon.knows(b) for a, b in pairs):
         return True
     if not is_unsupported(facts, lexicon):
         return False
     return not (facts["urged"] or facts["asking"] or facts["wishing"] or facts["corrected"])
+
+
+def _tells(word: str, after: str, lexicon: Lexicon) -> bool:
+    """Whether what follows is told of a name that ends with this word."""
+    clitic = after in lexicon.function_words.clitics and not lexicon.in_a_name(after)
+    return clitic and lexicon.in_a_name(word.removesuffix("'"))
 
 
 def is_unsupported(facts: Mapping[str, float], lexicon: Lexicon) -> bool:

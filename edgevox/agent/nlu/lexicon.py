@@ -91,6 +91,10 @@ class Lexicon:
         """Whether it is a word of some skill, or means nothing to any."""
         return self.speaks(word) or word in self._functions or word in self._named
 
+    def in_a_name(self, word: str) -> bool:
+        """Whether it is a word of some name."""
+        return word in self._named
+
     def phrase(self, text: str) -> Words:
         """Words of the language's tables as they stand in sentences: "1st" for "first"."""
         if text not in self._phrases:
