@@ -85,20 +85,30 @@ def is_doubted(reading: Reading, facts: Mapping[str, float], lexicon: Lexicon) -
     joints = lexicon.index(tuple(lexicon.book.hearing.joints))
     if len(reading.parts) > 1 and not joints.starts(reading.tokens):
         return True
-    pairs = list(itertools.pairwise(reading.tokens))
-    if any(_tells(a, b, lexicon) for a, b in pairs):
+    wanted = facts["urged"] or facts["asking"] or facts["wishing"] or facts["corrected"]
+    if _is_told_of(reading.tokens, lexicon, bool(wanted)):
         return True
+    pairs = itertools.pairwise(reading.tokens)
     if any(is_number(a) and b.isalpha() and not lexicon.knows(b) for a, b in pairs):
         return True
-    if not is_unsupported(facts, lexicon):
-        return False
-    return not (facts["urged"] or facts["asking"] or facts["wishing"] or facts["corrected"])
+    return is_unsupported(facts, lexicon) and not wanted
 
 
-def _tells(word: str, after: str, lexicon: Lexicon) -> bool:
-    """Whether what follows is told of a name that ends with this word."""
-    clitic = after in lexicon.function_words.clitics and not lexicon.in_a_name(after)
-    return clitic and lexicon.in_a_name(word.removesuffix("'"))
+def _is_told_of(tokens: Words, lexicon: Lexicon, wanted: bool) -> bool:
+    """Whether a name stands beside a copula: "the dock is free", "over there's the dock".
+
+    Before it may stand what it is where that is `wanted`: "your next waypoint is the dock".
+    """
+    copulas, articles = lexicon.function_words.copulas, lexicon.book.hearing.articles
+    for at, one in enumerate(tokens):
+        if one not in copulas or lexicon.in_a_name(one):
+            continue
+        if at and lexicon.in_a_name(tokens[at - 1].removesuffix("'")):
+            return True
+        after = next((word for word in tokens[at + 1 :] if word not in articles), "")
+        if not wanted and lexicon.in_a_name(after):
+            return True
+    return False
 
 
 def is_unsupported(facts: Mapping[str, float], lexicon: Lexicon) -> bool:

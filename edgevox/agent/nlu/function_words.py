@@ -20,10 +20,9 @@ class FunctionWords:
     one that is put as a statement: "you' re needed". `reasons` open a clause that only says why.
     `reversals` say that the order of doing is not that of saying. `plans` are what the speaker or
     others do themselves, `pronouns` stand for a thing. `linking` stand between an axis and its
-    number, `gerunds` before a verb that stands for its order: "interpreter going". `clitics` are
-    what is left of "is" behind a name, of which something is told then: "the kitchen' s over
-    there". `misheard` are words as a recogniser of speech writes them down, with those that were
-    said.
+    number, `gerunds` before a verb that stands for its order: "interpreter going". `copulas` stand
+    beside a name of which something is told: "the kitchen' s over there". `misheard` are words as a
+    recogniser of speech writes them down, with those that were said.
     """
 
     fillers: tuple[str, ...] = ()
@@ -42,7 +41,7 @@ class FunctionWords:
     pronouns: tuple[str, ...] = ()
     linking: tuple[str, ...] = ()
     gerunds: tuple[str, ...] = ()
-    clitics: tuple[str, ...] = ()
+    copulas: tuple[str, ...] = ()
     misheard: Mapping[str, str] = field(default_factory=dict)
 
     def all(self) -> tuple[str, ...]:
