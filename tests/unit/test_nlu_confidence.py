@@ -11,7 +11,6 @@ from edgevox.agent.llm.language_model import ChatMessage
 from edgevox.agent.nlu.confidence import (
     ASK_FROM,
     HEARD_FROM,
-    READ_FROM,
     SURE_FROM,
     read_head,
 )
@@ -171,15 +170,17 @@ def test_an_order_that_is_read_says_who_found_it_and_how_sure() -> None:
 
 
 @pytest.mark.parametrize(
-    ("source", "heard", "sure"),
+    ("read", "heard", "sure"),
     [
-        ("template", HEARD_FROM, True),
-        ("template", HEARD_FROM - 0.01, False),
-        ("reading", READ_FROM, True),
-        ("reading", READ_FROM - 0.01, False),
+        (1.0, HEARD_FROM, True),
+        (1.0, HEARD_FROM - 0.01, False),
+        (0.88, 0.95, True),
+        (0.88, 0.9, False),
+        (SURE_FROM, 1.0, True),
+        (SURE_FROM, 0.98, False),
     ],
 )
-def test_what_was_read_into_words_needs_surer_ones_than_a_plain_command(source, heard, sure):
+def test_words_must_be_surer_where_their_meaning_is_less_sure(read, heard, sure):
     agent = Agent("robot", "", APARTMENT)
-    meaning = Meaning(agent, (Call("navigate_to", {"room": "kitchen"}),), source, 1.0)
+    meaning = Meaning(agent, (Call("navigate_to", {"room": "kitchen"}),), "reading", read)
     assert meaning.heard(heard).sure is sure

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 from edgevox.agent.agents import Agent
-from edgevox.agent.nlu.confidence import ASK_FROM, HEARD_FROM, READ_FROM, SURE_FROM
+from edgevox.agent.nlu.confidence import ASK_FROM, HEARD_FROM, SURE_FROM
 from edgevox.agent.programs.program import Program, calls_of
 from edgevox.agent.skills import Call
 
@@ -34,8 +34,8 @@ class Meaning:
         return None if self.source == "model" else self.confidence
 
     def heard(self, confidence: float) -> "Meaning":
-        """The same of words that are so sure to have been said: asked about if they are not."""
-        if confidence >= (READ_FROM if self.source == "reading" else HEARD_FROM):
+        """The same of words that are so sure to have been said: asked about if both are not sure."""
+        if self.confidence * confidence >= HEARD_FROM:
             return self
         return replace(self, confidence=min(self.confidence, ASK_FROM))
 
