@@ -34,7 +34,7 @@ class Meaning:
         return None if self.source == "model" else self.confidence
 
     def heard(self, confidence: float) -> "Meaning":
-        """The same of words that are so sure to have been said: asked about if both are not sure."""
+        """The same of words that are so sure to have been said: asked about if both are not."""
         if self.confidence * confidence >= HEARD_FROM:
             return self
         return replace(self, confidence=min(self.confidence, ASK_FROM))
