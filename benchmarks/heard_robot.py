@@ -7,6 +7,7 @@ from functools import cached_property
 import shared_with_tests  # noqa: F401 - finds the tests' modules
 from corpus_robots import is_right, skills_of_robots
 from corpus_sentences import Calls, Sentence
+from figures import Figure
 from listener_rig import frames
 
 from edgevox.agent.agents import Agent
@@ -37,6 +38,20 @@ class Outcome(Enum):
     RIGHT = "right"
     ASKED = "asked back"
     NOTHING = "nothing, or an answer"
+
+
+def outcome_figure(outcome: Outcome, number: int, of: int, **more: object) -> Figure:
+    """How many of so many commands ended so: wrong motions are counted, all else is a share."""
+    wrong = outcome is Outcome.WRONG
+    return Figure.model_validate(
+        {
+            "value": number if wrong else round(100 * number / of, 1),
+            "unit": "" if wrong else "%",
+            "n": of,
+            "more_is_better": outcome is Outcome.RIGHT,
+            **more,
+        }
+    )
 
 
 class Robot:

@@ -27,7 +27,7 @@ from acoustics.voices import kokoro_voices, say
 from corpus_robots import skills_of_robots
 from corpus_sentences import held_out
 from figures import Figure, Measured, NotHere
-from heard_robot import MODEL, Outcome, Robot
+from heard_robot import MODEL, Outcome, Robot, outcome_figure
 from numpy.typing import NDArray
 
 from edgevox.agent.skills import Call
@@ -198,13 +198,11 @@ def _moved_by_talk(
 
 def _figures(condition: Condition, outcomes: Sequence[Outcome]) -> Iterator[Figure]:
     for outcome in (Outcome.RIGHT, Outcome.ASKED, Outcome.NOTHING, Outcome.WRONG):
-        number = outcomes.count(outcome)
-        wrong, right = outcome is Outcome.WRONG, outcome is Outcome.RIGHT
-        yield Figure(
+        yield outcome_figure(
+            outcome, outcomes.count(outcome), len(outcomes),
             id=f"{condition.name}.{outcome.name.lower()}", table=TABLE, what=condition.about,
-            column=outcome.value, value=number if wrong else round(100 * number / len(outcomes), 1),
-            unit="" if wrong else "%", n=len(outcomes), more_is_better=right,
-            wanted=0 if wrong else condition.wanted if right else None,
+            column=outcome.value,
+            wanted={Outcome.WRONG: 0, Outcome.RIGHT: condition.wanted}.get(outcome),
         )  # fmt: skip
 
 

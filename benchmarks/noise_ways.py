@@ -17,7 +17,7 @@ from acoustics.noises import kinds
 from acoustics.voices import kokoro_voices
 from corpus_robots import skills_of_robots
 from figures import Figure, Measured, NotHere
-from heard_robot import MODEL, Outcome, Robot
+from heard_robot import MODEL, Outcome, Robot, outcome_figure
 from noise import COMMANDS, CONDITIONS, Condition, spoken
 
 from edgevox.models import ModelMissing
@@ -67,13 +67,10 @@ def _figures(condition: Condition, found: Counter[tuple[str, Outcome]]) -> Itera
     for number, way in enumerate(WAYS):
         of = sum(found[way, outcome] for outcome in Outcome)
         for outcome in (Outcome.RIGHT, Outcome.ASKED, Outcome.WRONG):
-            wrong = outcome is Outcome.WRONG
-            share = round(100 * found[way, outcome] / of, 1)
-            yield Figure(
+            yield outcome_figure(
+                outcome, found[way, outcome], of,
                 id=f"{condition.name}.{number}.{outcome.name.lower()}", table=TABLE, what=way,
                 column=f"{outcome.value}, {condition.about}",
-                value=found[way, outcome] if wrong else share, unit="" if wrong else "%", n=of,
-                more_is_better=outcome is Outcome.RIGHT,
             )  # fmt: skip
 
 

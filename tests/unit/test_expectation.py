@@ -6,7 +6,7 @@ import math
 import pytest
 
 from edgevox.agent.nlu.confidence import HEARD_FROM
-from edgevox.voice.stt.expectation import LANGUAGES, heard_again, is_doubtful
+from edgevox.voice.stt.expectation import SHOWN_COMMANDS, heard_again, is_doubtful
 from edgevox.voice.stt.hallucinations import (
     AROUND_S,
     BYTES_A_SECOND,
@@ -31,7 +31,7 @@ def test_what_is_not_sure_is_listened_to_again(said, again):
 
 @pytest.mark.parametrize("language", ["pt", "de"])
 def test_a_language_in_which_no_commands_are_expected_is_listened_to_once(language):
-    assert language not in LANGUAGES
+    assert language not in SHOWN_COMMANDS
     assert not is_doubtful(Transcript("Pare.", 0.3), language)
 
 

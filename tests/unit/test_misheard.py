@@ -15,6 +15,8 @@ from edgevox.agent.nlu.wordings import wordings
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import Call
 from edgevox.core.commands import Hypothesis, TextInput
+from edgevox.core.languages import LANGUAGES
+from edgevox.voice.stt.expectation import SHOWN_COMMANDS
 
 ASKED = "Shall I do this? Going to the kitchen."
 
@@ -179,6 +181,13 @@ def test_hearing_is_shown_the_names_that_there_are_now():
     learned.append("library")
 
     assert "Go to the library." in prompt_of("en")
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_hearing_listens_again_in_the_languages_in_which_it_is_shown_commands(code):
+    shown = HearingPrompts(Walker().skills)(code)
+
+    assert (shown != phrasebook(code).hearing.written) is (code in SHOWN_COMMANDS)
 
 
 def test_hearing_is_shown_no_more_than_it_reads_however_many_names_there_are():

@@ -85,8 +85,8 @@ def is_doubted(reading: Reading, facts: Mapping[str, float], lexicon: Lexicon) -
     joints = lexicon.index(tuple(lexicon.book.hearing.joints))
     if len(reading.parts) > 1 and not joints.starts(reading.tokens):
         return True
-    wanted = facts["urged"] or facts["asking"] or facts["wishing"] or facts["corrected"]
-    if _is_told_of(reading.tokens, lexicon, bool(wanted)):
+    wanted = any(facts[one] for one in ("urged", "asking", "wishing", "corrected"))
+    if _is_told_of(reading.tokens, lexicon, wanted):
         return True
     pairs = itertools.pairwise(reading.tokens)
     if any(is_number(a) and b.isalpha() and not lexicon.knows(b) for a, b in pairs):

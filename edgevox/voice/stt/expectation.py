@@ -12,8 +12,9 @@ from collections.abc import Callable, Sequence
 from edgevox.voice.stt.hallucinations import Segment, plain_words
 from edgevox.voice.stt.speech_to_text import Transcript
 
-LANGUAGES = frozenset({"en"})
-"""In which the robot's own commands are shown. In others only how numbers are written is."""
+SHOWN_COMMANDS = frozenset({"en"})
+"""Languages in which the robot's own commands are shown (`HearingPrompts` of the agent). In others
+only how numbers are written is."""
 LISTEN_AGAIN_BELOW = 0.9
 """Words that are at least so sure were heard."""
 NEAR, AWAY = 1.0, 2.0
@@ -25,7 +26,7 @@ DOUBT = 0.88
 
 def is_doubtful(said: Transcript, language: str) -> bool:
     """Whether to listen again."""
-    return language in LANGUAGES and bool(said.text) and said.confidence < LISTEN_AGAIN_BELOW
+    return language in SHOWN_COMMANDS and bool(said.text) and said.confidence < LISTEN_AGAIN_BELOW
 
 
 def heard_again(alone: Sequence[Segment]) -> Callable[[Segment], float]:
