@@ -92,10 +92,13 @@ class SkillExecutor:
 
     def stop(self, reason: Reason | str, turn: Turn | None) -> bool:
         """Cancel the turn, its goals, and all motion of the body. True if there was any of it."""
-        with self._gate:
-            cut = turn is not None and turn.token.cancel(reason)
-            ran = self._runner.cancel(reason)
-        moved = self._halt(str(reason))
+        cut = ran = False
+        try:
+            with self._gate:
+                cut = turn is not None and turn.token.cancel(reason)
+                ran = self._runner.cancel(reason)
+        finally:  # whatever breaks, the body is halted
+            moved = self._halt(str(reason))
         return cut or ran or moved
 
     def hush(self, reason: str, turn: Turn) -> bool:

@@ -3,7 +3,10 @@
 import threading
 from collections.abc import Callable
 
+from edgevox.core.log import get_logger
 from edgevox.core.reason import NO_REASON, Reason
+
+log = get_logger(__name__)
 
 
 class Cancelled(Exception):
@@ -49,7 +52,8 @@ class CancelToken:
     def cancel(self, reason: Reason | str = "cancelled") -> bool:
         """Turn the switch. True for the call that turned it, False for every later one.
 
-        Callbacks run on the calling thread, once.
+        Callbacks run on the calling thread, once. One that fails is logged, and keeps neither the
+        others nor the caller from what they do: who cancels may be stopping a robot.
         """
         with self._lock:
             if self._event.is_set():
@@ -59,7 +63,10 @@ class CancelToken:
             callbacks = list(self._callbacks.values())
             self._callbacks.clear()
         for callback in callbacks:
-            callback()
+            try:
+                callback()
+            except Exception:
+                log.exception("cancel_callback_failed")
         return True
 
     def wait(self, timeout_s: float | None = None) -> bool:

@@ -62,3 +62,24 @@ def test_check_raises_only_after_cancelling():
     token.cancel("enough")
     with pytest.raises(Cancelled, match="enough"):
         token.check()
+
+
+def test_a_callback_that_breaks_keeps_nobody_else_from_being_told(caplog):
+    token, heard = CancelToken(), []
+    token.on_cancel(lambda: 1 / 0)
+    token.on_cancel(lambda: heard.append("told"))
+
+    assert token.cancel("stop") is True
+
+    assert heard == ["told"]
+    assert "cancel_callback_failed" in caplog.text
+
+
+def test_a_child_whose_callback_breaks_keeps_its_parent_from_nothing():
+    parent, heard = CancelToken(), []
+    parent.child().on_cancel(lambda: 1 / 0)
+    parent.on_cancel(lambda: heard.append("told"))
+
+    parent.cancel("stop")
+
+    assert heard == ["told"]

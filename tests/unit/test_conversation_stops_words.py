@@ -2,13 +2,15 @@
 
 import threading
 
+import pytest
 from clocks import HeldClock
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
+from edgevox.agent.skill_executor import SkillExecutor
 from edgevox.agent.skills import SkillSet, skill
 from edgevox.core.bus import Bus
-from edgevox.core.commands import Heard, Interrupt, Reset, TextInput, Transcribing
+from edgevox.core.commands import Heard, Interrupt, Reset, StopSpotted, TextInput, Transcribing
 from edgevox.core.events import Responded, State, StateChanged, Transcribed
 
 
@@ -26,12 +28,21 @@ class Rig:
             self.busy.set()
             assert self.go_on.wait(60)
 
+        @skill(templates=["wander"], says="I wander.")
+        def wander(goal):
+            """Move until somebody stops it, and break when that happens."""
+            goal.token.on_cancel(lambda: 1 / 0)
+            self.busy.set()
+            goal.token.wait(60)
+            goal.token.check()
+
+        self.halted = []
         for kind in (Responded, StateChanged, Transcribed):
             self.bus.subscribe(kind, self.events.append)
         self.conversation = Conversation(
-            [Agent("robot", "Be brief.", SkillSet([say_hello, think]))],
+            [Agent("robot", "Be brief.", SkillSet([say_hello, think, wander]))],
             self.bus,
-            halt=lambda _: False,
+            halt=lambda reason: bool(self.halted.append(reason)),
             clock=HeldClock(100.0),
         )
 
@@ -46,6 +57,35 @@ class Rig:
     def __exit__(self, *_):
         self.go_on.set()
         self.conversation.close()
+
+
+@pytest.mark.parametrize("how", [TextInput("stop"), StopSpotted(99.0, "stop")])
+def test_the_body_is_halted_though_what_a_skill_does_when_it_is_stopped_breaks(how, caplog):
+    with Rig() as rig:
+        rig.conversation.submit(TextInput("wander"))
+        assert rig.busy.wait(60)
+
+        rig.conversation.submit(how)
+
+        assert len(rig.halted) == 1
+        assert "cancel_callback_failed" in caplog.text
+        assert rig.conversation.wait_idle(60)
+
+
+def test_the_body_is_halted_though_ending_the_turn_breaks():
+    class Broken:
+        class token:  # noqa: N801
+            @staticmethod
+            def cancel(reason):
+                raise ZeroDivisionError
+
+    halted = []
+    executor = SkillExecutor(Bus(), lambda reason: bool(halted.append(reason)), print)
+
+    with pytest.raises(ZeroDivisionError):
+        executor.stop("stop", Broken)
+
+    assert halted == ["stop"]
 
 
 def test_what_was_said_before_an_interrupt_and_is_understood_after_it_is_not_done():
