@@ -233,7 +233,7 @@ class Conversation:
         if isinstance(words, Heard):
             self._states.transcribed(words=(counts := self._stopping.counts(words)))
         if counts and not self._stopping.hears(words):
-            self._inbox.put(words)
+            self._stopping.queue(words)
 
     def _work(self) -> None:
         while not self._inbox.closed:

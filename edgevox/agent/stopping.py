@@ -83,11 +83,19 @@ class Stopping:
 
         Who waits is forgotten with a stop. One that was spotted in words that do not count is told.
         """
-        past = heard.ended_s < self._stopped_s or heard.ended_s == self._withdrawn_s
-        counts = bool(heard.text) and (not past or self.is_stop(heard.text))
+        counts = bool(heard.text) and (not self._is_past(heard) or self.is_stop(heard.text))
         if heard.spotted and not counts:
             self._tell_spotted(heard.text)
         return counts
+
+    def queue(self, words: TextInput | Heard) -> None:
+        """Let them wait for the conversation, unless a stop, or their taking back, was quicker."""
+        with self._inbox.gate:
+            if not (isinstance(words, Heard) and self._is_past(words)):
+                self._inbox.put(words)
+
+    def _is_past(self, heard: Heard) -> bool:
+        return heard.ended_s < self._stopped_s or heard.ended_s == self._withdrawn_s
 
     def is_stop(self, text: str) -> bool:
         """Whether these words would stop the robot."""
@@ -118,11 +126,12 @@ class Stopping:
     def _spotted(self, sound: StopSpotted) -> None:
         """Stop for the sound of a stop word; what ends with it was that word, whatever it reads.
 
-        Where nothing is going on the body is halted all the same, since others may drive it; but
-        words that only sound like a stop word are then as good as any.
+        Where nothing is going on the body is halted all the same, since others may drive it, and
+        what was said before and is still being transcribed is forgotten; but words that only sound
+        like a stop word are then as good as any.
         """
         going_on = bool(self._turn() or self._executor.moving or self._programs.kept)
-        when_s = sound.at_s + WORD_TAIL_S if going_on else float("-inf")
+        when_s = sound.at_s + (WORD_TAIL_S if going_on else -SAME_WORD_S)
         stopped, waited = self._stop(because("spotted_stop"), when_s)
         if going_on or stopped:
             self._spotted_s = sound.at_s

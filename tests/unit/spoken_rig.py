@@ -28,7 +28,7 @@ class Certain:
 class Rig:
     """A conversation with a robot that goes to rooms until it is stopped, and what it tells."""
 
-    def __init__(self):
+    def __init__(self, phonemes=None):
         self.bus, self.told, self.body = Bus(), Told(), FakeBody()
         for kind in (Responded, StateChanged, Transcribed, AgentEvent, TurnEnded):
             self.bus.subscribe(kind, self.told.add)
@@ -38,6 +38,7 @@ class Rig:
             halt=self.body.halt,
             clock=HeldClock(100.0),
             decider=Decider(Certain(), read_head()),
+            phonemes=phonemes,
         )
 
     def of(self, kind):

@@ -3,6 +3,7 @@
 import pytest
 from spoken_rig import AT_S, Rig
 
+from edgevox.agent.stopping import SAME_WORD_S
 from edgevox.core.agent_events import (
     Confirmation,
     ConfirmationStatus,
@@ -10,6 +11,7 @@ from edgevox.core.agent_events import (
     HeardBy,
     SafetyPreempted,
 )
+from edgevox.core.commands import Heard, Transcribing
 from edgevox.core.events import State, StateChanged
 
 WISH = "I'd be so glad to see you in the kitchen"
@@ -145,3 +147,36 @@ def test_stop_and_an_order_in_one_breath_stops_and_does_no_more(rig):
 
     assert rig.body.sent == ["kitchen"]
     assert rig.answers() == ["Stopped."]
+
+
+@pytest.mark.parametrize(
+    ("ended_s", "sent"), [(AT_S - SAME_WORD_S - 0.5, []), (AT_S - 0.2, ["bedroom"])]
+)
+def test_where_nothing_is_going_on_a_sound_still_forgets_what_was_said_before_it(
+    rig, ended_s, sent
+):
+    rig.body.arrive()
+    rig.conversation.submit(Transcribing())
+
+    rig.spot()
+    rig.conversation.submit(Heard("go to the bedroom", ended_s))
+
+    assert rig.conversation.wait_idle(60)
+    assert rig.body.sent == sent
+
+
+def test_a_stop_that_comes_while_words_are_looked_into_is_no_later_than_they_are():
+    def spells(text, _code):
+        if text == "go to bedroom":  # the listener hears the stop at this very moment
+            rig.spot(goes_on=False)
+        return text
+
+    rig = Rig(phonemes=spells)
+    rig.conversation.start()
+    rig.drive()
+
+    rig.hear("go to bedroom", AT_S - 0.5)
+
+    assert rig.body.sent == ["kitchen"]
+    rig.body.arrive()
+    rig.conversation.close()
