@@ -120,7 +120,8 @@ class Dialogue:
             said = next((one for one in self._exchanges if one.turn == asked), None)
             if said:
                 yes = self._of(turn)
-                yes.meant, yes.source, yes.confidence = said.words, said.source, said.confidence
+                yes.meant = said.meant or said.words
+                yes.source, yes.confidence = said.source, said.confidence
 
     def kept(self, turn: int, program: Program) -> None:
         """The words of this turn are a program, which is kept."""

@@ -5,6 +5,7 @@ from dialogue_rig import Walker
 from misheard_rig import LETTERS, Spoken
 
 from edgevox.agent.agents import Agent
+from edgevox.agent.asking import YES_FROM
 from edgevox.agent.near_stop import NearStop
 from edgevox.agent.nlu.hearing_prompt import MOST_CHARACTERS, HearingPrompts
 from edgevox.agent.nlu.hypotheses import is_contested
@@ -35,6 +36,24 @@ def test_a_command_that_is_nearly_heard_is_asked_about_and_done_after_a_yes(rig)
     rig.hears("yes")
 
     assert rig.body.moves == ["kitchen"]
+
+
+def test_a_yes_that_was_hardly_heard_is_asked_about_again(rig):
+    assert rig.hears("kitchen pleas") == ASKED
+
+    assert rig.hears("yes", confidence=YES_FROM - 0.1) == ASKED
+    assert rig.body.moves == []
+
+    rig.hears("yes", confidence=YES_FROM)
+    assert rig.body.moves == ["kitchen"]
+
+
+def test_a_no_counts_however_badly_it_was_heard(rig):
+    rig.hears("kitchen pleas")
+    rig.hears("no", confidence=0.3)
+    rig.hears("yes")
+
+    assert rig.body.moves == []
 
 
 def test_the_same_words_typed_are_not_repaired(rig):
