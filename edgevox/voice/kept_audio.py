@@ -20,6 +20,7 @@ MOST_UTTERANCES = 200
 MOST_BYTES = 100_000_000
 """The oldest are deleted first, so that there are never more, nor larger ones together."""
 
+_NUMBERS = 1_000_000
 _OURS = re.compile(r"heard-\d{8}T\d{6}Z-\d{6}\.(?:wav|json)")
 
 
@@ -50,14 +51,21 @@ class KeptAudio:
             raise InvalidValue("keep_audio", str(folder), reason) from None
 
     def keep(self, samples: Samples, about: Mapping[str, object]) -> Path:
-        """Write an utterance at 16 kHz and what is known of it; the WAV file. Raises `OSError`."""
+        """Write an utterance at 16 kHz and what is known of it; the WAV file.
+
+        Raises `OSError`; then nothing of it is left.
+        """
         with self._lock:
             self._number += 1
             now = datetime.now(UTC)
-            stem = f"heard-{now:%Y%m%dT%H%M%SZ}-{self._number % 1_000_000:06}"
+            stem = f"heard-{now:%Y%m%dT%H%M%SZ}-{self._number % _NUMBERS:06}"
             line = {"at": now.isoformat(timespec="milliseconds"), **about}
-            self._write(f"{stem}.json", (json.dumps(line, ensure_ascii=False) + "\n").encode())
-            path = self._write_wav(f"{stem}.wav", samples)
+            try:
+                self._write(f"{stem}.json", (json.dumps(line, ensure_ascii=False) + "\n").encode())
+                path = self._write_wav(f"{stem}.wav", samples)
+            except OSError:
+                self._delete(stem)
+                raise
             self._delete_oldest()
             return path
 
@@ -85,12 +93,19 @@ class KeptAudio:
             stem = name.partition(".")[0]
             stems[stem] = stems.get(stem, 0) + size
         total = sum(stems.values())
-        for stem in sorted(stems)[:-1]:  # the newest stays, however large it is
+        for stem in sorted(stems, key=self._age)[:0:-1]:  # the newest stays, however large it is
             if len(stems) <= self._most_utterances and total <= self._most_bytes:
                 return
-            for suffix in ("wav", "json"):
-                (self.folder / f"{stem}.{suffix}").unlink(missing_ok=True)
+            self._delete(stem)
             total -= stems.pop(stem)
+
+    def _delete(self, stem: str) -> None:
+        for suffix in ("wav", "json"):
+            (self.folder / f"{stem}.{suffix}").unlink(missing_ok=True)
+
+    def _age(self, stem: str) -> int:
+        """How many were kept since: a robot's clock may go back, its numbers do not."""
+        return (self._number - _number(stem)) % _NUMBERS
 
     def _names(self) -> list[str]:
         return [one.name for one in self.folder.iterdir() if _OURS.fullmatch(one.name)]

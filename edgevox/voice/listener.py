@@ -3,6 +3,7 @@
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
@@ -167,22 +168,32 @@ class Listener:
         try:
             frame = self._source.read(READ_S)
         except UtteranceOver as over:
-            end = self._forget if over.abandoned else self._finish
-            end()
-            return
+            attend = self._forget if over.abandoned else self._finish
+        else:
+            attend = partial(self._attend, frame)
+        if not self._went_well(attend):
+            self._went_well(self._forget)
+
+    def _went_well(self, attend: Callable[[], None]) -> bool:
+        """Whether it broke nothing; what did is counted and logged, and hearing goes on."""
+        try:
+            attend()
+        except Exception:
+            self.failed += 1
+            if worth_a_line(self.failed):
+                log.exception("frame_unheard", failed=self.failed)
+            return False
+        return True
+
+    def _attend(self, frame: Frame | None) -> None:
+        """Hear it; None where nothing came, which ends an utterance after a while."""
         if frame is None:
             if self._last_s is not None and self._clock.now() - self._last_s > STALLED_S:
                 self._finish()
         elif self._muted():
             self._forget()
         else:
-            try:
-                self._hear(frame)
-            except Exception:
-                self._forget()
-                self.failed += 1
-                if worth_a_line(self.failed):
-                    log.exception("frame_unheard", failed=self.failed)
+            self._hear(frame)
 
     def _hear(self, frame: Frame) -> None:
         if self._last_s is not None and frame.end_s - self._last_s > STALLED_S:
@@ -292,17 +303,17 @@ class Listener:
     def _forget(self) -> None:
         if self._last_s is None:
             return
-        if self._spotted:
-            self._tell_spotted(self._last_s)
+        heard_s, self._last_s = self._last_s, None
         if self._stops:
             self._stops.forget()
-        self._last_s = None
         self._meter.reset()
         self._endpointer.reset()
         self._wake_gate.reset()
         self._voices.reset()
         if self._wakeword is not None:
             self._wakeword.reset()
+        if self._spotted:
+            self._tell_spotted(heard_s)
 
 
 def _is_somebody(sound: Unechoed, probability: float) -> bool:

@@ -65,6 +65,7 @@ class MicroWakeWord:
 
     def reset(self) -> None:
         self._sleep.reset()
+        self._once.forget()
         self._run(np.zeros(round(KEPT_S * RATE_HZ), np.int16))
         self.likelihood = 0.0
 

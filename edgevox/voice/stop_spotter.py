@@ -198,8 +198,11 @@ class StopSpotter:
         self._sound = np.concatenate([self._sound, *awake])[-LOOKED_AT:]
         self._frames += 1
         looks = self._looks(language) if self._frames % LOOKS_EVERY == 0 else {}
-        resting = any(judge.resting for judge in self._judges.values())
-        found = [code for code in self._known(language) if self._said(code, looks.get(code))]
+        known = self._known(language)
+        for code in self._judges.keys() - known:  # what was heard in it is no part of this
+            self._judges[code].forget()
+        resting = any(self._judges[code].resting for code in known)
+        found = [code for code in known if self._said(code, looks.get(code))]
         if not found or resting:
             return False
         self.word = self._judges[found[0]].word

@@ -155,7 +155,11 @@ class Transcriber:
                 self._busy, self._guessing = job is not None, job is None
                 self._changed.notify_all()
             if job:
-                self._understand(job)
+                try:
+                    self._understand(job)
+                except Exception:  # whoever took the words broke: the next are understood
+                    self.failed += 1
+                    log.exception("words_untaken")
             elif early:
                 self._guess = self._judged(self._words(early))
 

@@ -71,6 +71,7 @@ class WakeWord:
 
     def reset(self) -> None:
         self._sleep.reset()
+        self._once.forget()
         self._chunk.clear()
         self._run(np.zeros(round(KEPT_S * RATE_HZ), np.int16))
         self.likelihood = 0.0

@@ -93,3 +93,12 @@ def test_files_that_are_no_network_are_refused(tmp_path, description, weights, r
 
     with pytest.raises(InvalidValue, match=reason):
         MicroWakeWord(tmp_path / "own.json")
+
+
+def test_after_a_reset_it_is_heard_again_at_once(hey_jarvis):
+    said = in_a_room(loud(says_piper("hey jarvis"), 0.2))[RATE_HZ:]
+    (at_s,) = heard_at(hey_jarvis, said)
+    until_then = said[: round((at_s + 0.1) * RATE_HZ)]
+
+    for _ in range(2):  # sooner than it would be heard again in one stretch of sound
+        assert len(heard_at(hey_jarvis, until_then)) == 1

@@ -258,3 +258,11 @@ def test_what_cannot_be_installed_changes_nothing(tmp_path, thresholds, why):
         installing.install_languages(SHIPPED, place, thresholds)
 
     assert place.read_bytes() == b"before"
+
+
+def test_a_word_right_before_the_language_changes_keeps_no_other_from_stopping(others):
+    spotter = StopSpotter(Encoder(), read_weights(), 0.9, others=others)
+    said, english = frames(OWN)[: 4 * LOOKS_EVERY], frames(ENGLISH)
+
+    assert words_heard(spotter, said, KNOWN[0]) == [others[KNOWN[0]].words[2]]
+    assert words_heard(spotter, english, "en") == [read_weights().words[2]]

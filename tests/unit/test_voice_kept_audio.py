@@ -1,5 +1,6 @@
 """Utterances that are kept: what lies in the folder, for whom, how much of it, and for how long."""
 
+import errno
 import json
 import stat
 import wave
@@ -144,3 +145,26 @@ def test_a_folder_that_is_gone_keeps_nobody_from_being_understood(tmp_path):
 
     assert stt.transcribe(SOUND, "en").text == "stop"
     assert stt.failed == 1
+
+
+def test_the_newest_stays_though_the_clock_has_gone_back(tmp_path):
+    for suffix in ("wav", "json"):
+        (tmp_path / f"heard-29991231T235959Z-000041.{suffix}").write_bytes(b"{}")
+    kept = KeptAudio(tmp_path, most_utterances=1)
+
+    newest = kept.keep(SOUND, {})
+
+    assert names(tmp_path) == [newest.name]
+
+
+def test_of_what_cannot_be_written_nothing_is_left(tmp_path, monkeypatch):
+    kept = KeptAudio(tmp_path)
+
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(wave, "open", full)
+    with pytest.raises(OSError, match="No space left"):
+        kept.keep(SOUND, {})
+
+    assert list(tmp_path.iterdir()) == []

@@ -308,3 +308,26 @@ def test_that_somebody_spoke_is_told_at_the_end_of_speech_not_of_the_guess(liste
     said, _, _ = listen(Slow("hello"), *steps, said=Said())
 
     assert [type(command) for command in said] == [Transcribing, Heard]
+
+
+class Refuses(list):
+    """Takes nothing the first time, by breaking; what its words were is not known afterwards."""
+
+    def __init__(self, kind):
+        super().__init__()
+        self.kind, self.broke = kind, False
+
+    def append(self, command):
+        if isinstance(command, self.kind) and not self.broke:
+            self.broke = True
+            raise RuntimeError("once")
+        super().append(command)
+
+
+@pytest.mark.parametrize("kind", [Transcribing, Heard])
+def test_whoever_breaks_on_what_was_said_hears_what_is_said_next(listen, caplog, kind):
+    said, _, listener = listen(Stt("first", "second"), *spoken(), *spoken(), said=Refuses(kind))
+
+    assert words(said)[-1] == "second"
+    assert listener.alive
+    assert "words_untaken" in caplog.text or "frame_unheard" in caplog.text

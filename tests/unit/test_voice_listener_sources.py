@@ -7,7 +7,7 @@ import pytest
 from clocks import HeldClock
 
 from edgevox.core.errors import InvalidValue
-from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, EndOfSound
+from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, EndOfSound, UtteranceOver
 from edgevox.voice.devices import Device, DeviceMissing, choose
 from edgevox.voice.framing import Framer
 from edgevox.voice.level import rms
@@ -110,6 +110,21 @@ def test_sound_that_nobody_reads_loses_its_oldest_and_counts_it():
         source.push(np.full(FRAME_SAMPLES, number, np.int16))
 
     assert source.dropped == 3
+    assert source.read(0.0).samples[0] == 3
+
+
+@pytest.mark.parametrize("first", ["end", "abandon"])
+def test_that_somebody_has_ended_is_not_lost_with_the_oldest_sound(first):
+    source = Pushed("test", HeldClock(100.0))
+    source.push(np.zeros(FRAME_SAMPLES, np.int16))
+    getattr(source, first)()
+    source.end()
+    for number in range(MAX_FRAMES + 3):
+        source.push(np.full(FRAME_SAMPLES, number, np.int16))
+
+    with pytest.raises(UtteranceOver) as over:
+        source.read(0.0)
+    assert over.value.abandoned is (first == "abandon")
     assert source.read(0.0).samples[0] == 3
 
 

@@ -45,7 +45,9 @@ ANSWER_TOKENS = 160
 
 
 class Interpreter:
-    """Holds the agents, what each understands, and what was said. Used from one thread."""
+    """Holds the agents, what each understands, and what was said. Used from one thread; `plain` may
+    be asked from any.
+    """
 
     def __init__(
         self,

@@ -12,7 +12,8 @@ from edgevox.voice.framing import Framer
 log = get_logger(__name__)
 
 MAX_FRAMES = 64
-"""2 s of sound may wait to be read; of more, the oldest is dropped and counted."""
+"""2 s of sound may wait to be read; of more, the oldest is dropped and counted. That somebody has
+ended is not."""
 
 
 class Pushed:
@@ -37,9 +38,10 @@ class Pushed:
             if self._closed or not frames:
                 return
             self._frames.extend(replace(one, addressed=addressed) for one in frames)
-            lost = max(0, len(self._frames) - MAX_FRAMES)
+            waiting = sum(isinstance(one, Frame) for one in self._frames)
+            lost = max(0, waiting - MAX_FRAMES)
             for _ in range(lost):
-                self._frames.popleft()
+                self._drop_oldest()
             self._arrived.notify()
         if lost:
             self._count(lost)
@@ -82,8 +84,17 @@ class Pushed:
                 return
             if over.abandoned:
                 self._frames.clear()
-            self._frames.append(over)
+            if not (self._frames and isinstance(self._frames[-1], UtteranceOver)):
+                self._frames.append(over)
             self._arrived.notify()
+
+    def _drop_oldest(self) -> None:
+        """Drop the oldest frame; who ended before it has ended all the same, once."""
+        over = None
+        while isinstance(first := self._frames.popleft(), UtteranceOver):
+            over = first if over is None or first.abandoned else over
+        if over:
+            self._frames.appendleft(over)
 
     def _count(self, lost: int) -> None:
         before, self.dropped = self.dropped, self.dropped + lost
