@@ -30,7 +30,7 @@ class Shown:
 
 ANSWERS = (
     Shown("latency", "plain_command"),
-    Shown("latency", "stop"),
+    Shown("latency", "stop", 'typed "stop" to zero velocity while the model generates'),
     Shown("latency", "first_token", "question to the first token of a long answer"),
     START := Shown("latency", "start", "start to ready, typed"),
     Shown("latency", "memory_bare"),
@@ -75,6 +75,13 @@ DECIDED = (
     Shown("corpus", "whole.held_out.time_reading"),
     Shown("corpus", "whole.held_out.p95", "time to decide, 95th percentile"),
 )
+IN_NOISE = (
+    Shown("stop_words", "either.room_noise_at_10_db", "spoken stop words heard, noise at 10 dB"),
+    Shown("stop_words", "heard.room_noise_at_10_db.all", "of them at once, by their sound"),
+    Shown("stop_words", "false.all", "false stops in 8 h of speech, babble and noise"),
+    Shown("noise", "db10.right", "spoken commands right, noise at 10 dB"),
+    Shown("noise", "db5.wrong", "wrong motions of 640 spoken commands, noise at 5 dB"),
+)
 CONTAINER = (
     Shown("image", "image.all", "image with models and all robots"),
     Shown("image", "slim.all", "slim image"),
@@ -84,6 +91,7 @@ FRONT = (
     *ANSWERS[:2],
     *STRANGERS,
     *(VOICE[at] for at in (1, 5)),
+    *IN_NOISE,
     START,
     MEMORY,
     IDLE,

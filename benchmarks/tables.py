@@ -159,6 +159,7 @@ def _crossing(figure: Figure | None, run: Run) -> str:
         return ""
     against = ratio(figure, run)
     beside = [f"{against} times"] if against else []
+    beside += [between] if (between := interval(figure, run)) else []
     beside += [f"wanted {wanted(figure)}"] if figure.missed else []
     return measured(figure) + (f" ({', '.join(beside)})" if beside else "")
 

@@ -78,5 +78,5 @@ def _metavar(name: str, info: FieldInfo) -> str:
     if get_origin(info.annotation) is Literal:
         return "|".join(word or "''" for word in get_args(info.annotation))
     if isinstance(info.annotation, UnionType) and Path in get_args(info.annotation):
-        return "FILE"
+        return "FOLDER" if (info.description or "").startswith("folder") else "FILE"
     return name.rpartition("_")[2].upper()
