@@ -46,12 +46,13 @@ class SpeechBegan:
 class SpeechEnded:
     """An utterance, from `began_s` to `ended_s`, the times of its first and last voiced sample.
 
-    `samples` has the pre-roll and the post-roll around them.
+    `samples` has the pre-roll and the post-roll around them. `cut` if it was as long as may be.
     """
 
     samples: Samples
     began_s: float
     ended_s: float
+    cut: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +134,7 @@ class Endpointer:
 
     def finish(self) -> SpeechEnded | None:
         """There are no more frames: the utterance that was going on, if any."""
-        return self._end() if self._speaking and self._frames else None
+        return self._end(cut=True) if self._speaking and self._frames else None
 
     def _idle(
         self, frame: Frame, probability: float, surmised: bool
@@ -189,21 +190,21 @@ class Endpointer:
     def _fell_silent(self) -> SpeechEnded | None:
         frames, revocable = self._frames, self._revocable
         nothing = self._ended_s <= self._began_s  # only silence followed on a cut
-        ended = self._end()
+        ended = self._end(cut=False)
         if revocable:
             self._over, self._over_frames = ended, frames
         return None if nothing else ended
 
     def _cut(self, frame: Frame) -> SpeechEnded:
         """The utterance is as long as may be; if the person speaks on, so does the next one."""
-        pause, ended = self._pause, self._end()
+        pause, ended = self._pause, self._end(cut=True)
         if not pause:
             self._speaking = True
             self._began_s = self._ended_s = frame.end_s
         return ended
 
-    def _end(self) -> SpeechEnded:
-        ended = SpeechEnded(self._kept(), self._began_s, self._ended_s)
+    def _end(self, *, cut: bool) -> SpeechEnded:
+        ended = SpeechEnded(self._kept(), self._began_s, self._ended_s, cut)
         self.reset()
         return ended
 
