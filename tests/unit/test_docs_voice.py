@@ -81,7 +81,8 @@ def test_the_times_on_the_page_are_those_of_the_code():
 
 
 def test_every_flag_on_the_page_is_a_setting():
-    flags = set(re.findall(r"--(?:no-)?([a-z][a-z0-9-]+)", re.sub(r"\npython3 .*|--once", "", PAGE)))
+    page = re.sub(r"\npython3 .*|--once", "", PAGE)
+    flags = set(re.findall(r"--(?:no-)?([a-z][a-z0-9-]+)", page))
     settings = {name.replace("_", "-") for name in Settings.model_fields}
     assert flags <= settings
 
