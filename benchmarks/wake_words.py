@@ -37,7 +37,7 @@ KOKORO = (
 ESPEAK = ("en-us", "en", "en-029", "en-gb-scotland", "en-gb-x-rp")
 SNR_DB = 10.0
 LEVEL = 0.05
-OTHER_H = {"micro": 4.0, "openwakeword": 0.4}
+OTHER_H = {"micro": 2.0, "openwakeword": 0.1}
 """Hours of speech without the phrases."""
 ENGINES: dict[str, Callable[[str], WakeDetector]] = {
     "micro": lambda phrase: MicroWakeWord(
