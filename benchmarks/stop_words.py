@@ -59,10 +59,7 @@ def measure(quick: bool = False, only: str = "", every_note: bool = False) -> Me
     What was missed and what was taken for a stop is counted in the notes, or told with
     `every_note`. Raises `NotHere` where a clip is missing.
     """
-    whole = clips(HALF)
-    missing = sum(not clip.is_here for clip in whole)
-    if missing:
-        raise NotHere(f"{missing} of {len(whole)} clips are not spoken yet: {SPEAK}")
+    need(clips(HALF))
     step = QUICK if quick else 1
     hours = {what: share * HOURS / step for what, share in SHARES.items()}
     like = alike(HALF)[::step] if only != "heard" else []
@@ -93,6 +90,13 @@ def measure(quick: bool = False, only: str = "", every_note: bool = False) -> Me
         notes["Taken for a stop"] = tuple(line for one in told for line in one.wrong)
         notes["Sounds alike"] = tuple(alarms)
     return Measured(figures=tuple(figures), notes=notes)
+
+
+def need(whole: Sequence[Clip]) -> None:
+    """Raise `NotHere` where one of these clips is missing."""
+    missing = sum(not clip.is_here for clip in whole)
+    if missing:
+        raise NotHere(f"{missing} of {len(whole)} clips are not spoken yet: {SPEAK}")
 
 
 def _recall(

@@ -15,7 +15,7 @@ from acoustics import Half
 from figures import Figure, Measured, NotHere
 from listener_rig import frames, says_espeak
 from listening import quiet_room
-from stop_words import SPEAK
+from stop_words import need
 from stop_words_ears import Stretch, joined
 from stop_words_sounds import talk, tracks
 from voice_rig import says
@@ -50,9 +50,7 @@ LABELS = {"micro": "microWakeWord (default)", "openwakeword": "openWakeWord"}
 
 def measure(quick: bool = False) -> Measured:
     """Both engines on the same calls. Raises `NotHere` without its models or clips."""
-    missing = sum(not clip.is_here for clip in talk(Half.HELD_OUT))
-    if missing:
-        raise NotHere(f"{missing} clips of speech are not spoken yet: {SPEAK}")
+    need(talk(Half.HELD_OUT))
     try:
         rng = np.random.default_rng(5)
         pool = VoicePool(len(KOKORO))

@@ -111,15 +111,17 @@ class Asking:
 
     def _ask(self, prepared: Prepared, turn: Turn) -> None:
         text = self._performer.question(prepared)
-        if self.question.ask(Question(prepared.meaning, text, turn.number)):
-            turn.say(text, Outcome.ASKED)
+        self._put(Question(prepared.meaning, text, turn.number), turn)
 
     def _ask_again(self, turn: Turn) -> None:
         """The same question: the yes was hardly heard."""
-        asked = self.question.asked
-        if asked and self.question.ask(replace(asked, turn=turn.number)):
+        if asked := self.question.asked:
             self._dialogue_skills.confirmed(turn.number, asked.turn)
-            turn.say(asked.text, Outcome.ASKED)
+            self._put(replace(asked, turn=turn.number), turn)
+
+    def _put(self, question: Question, turn: Turn) -> None:
+        if self.question.ask(question):
+            turn.say(question.text, Outcome.ASKED)
 
     def _counts(self, answer: Answer, text: str) -> bool:
         """Not where it is a command and no question waits: a robot that walks may "go ahead"."""

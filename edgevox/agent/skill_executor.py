@@ -92,7 +92,6 @@ class SkillExecutor:
 
     def stop(self, reason: Reason | str, turn: Turn | None) -> bool:
         """Cancel the turn, its goals, and all motion of the body. True if there was any of it."""
-        cut = ran = False
         try:
             with self._gate:
                 cut = turn is not None and turn.token.cancel(reason)
