@@ -108,7 +108,7 @@ class Transcriber:
         with self._changed:
             if self._guessing and not self._jobs and not job.only_stop:
                 self._told = True
-                self._submit(Transcribing())
+                self._tell(Transcribing())
             if wait:
                 self._changed.wait_for(lambda: len(self._jobs) < MAX_WAITING or self._closed)
             full = len(self._jobs) >= MAX_WAITING
@@ -155,17 +155,13 @@ class Transcriber:
                 self._busy, self._guessing = job is not None, job is None
                 self._changed.notify_all()
             if job:
-                try:
-                    self._understand(job)
-                except Exception:  # whoever took the words broke: the next are understood
-                    self.failed += 1
-                    log.exception("words_untaken")
+                self._understand(job)
             elif early:
                 self._guess = self._judged(self._words(early))
 
     def _understand(self, job: TranscriptionJob) -> None:
         if not job.only_stop and not self._told:
-            self._submit(Transcribing())
+            self._tell(Transcribing())
         self._told = False
         guess, self._guess = self._guess, None
         known = guess and (guess.ended_s, guess.language) == (job.ended_s, self._language())
@@ -182,7 +178,15 @@ class Transcriber:
                 confidence=told.confidence,
                 others=told.others,
             )
-            self._submit(heard)
+            self._tell(heard)
+
+    def _tell(self, command: Transcribing | Heard) -> None:
+        """Submit it; whoever takes it may break, and gets what follows nevertheless."""
+        try:
+            self._submit(command)
+        except Exception:
+            self.failed += 1
+            log.exception("words_untaken")
 
     def _judged(self, words: "_Words") -> "_Words":
         """With how they end; what cannot be judged is open."""
