@@ -4,9 +4,18 @@ from collections.abc import Iterator
 
 import pytest
 from browser_rig import DESK, PATIENCE_MS, Opens, stop_clock, take_the_turn
-from playwright.sync_api import Browser, BrowserContext, Page, Playwright, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, Playwright, expect, sync_playwright
 from sound_rig import launch
 from stand_in import CODE, Robot
+from steady_piper import steady_piper
+
+expect.set_options(timeout=PATIENCE_MS)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _steady() -> Iterator[None]:
+    with steady_piper():
+        yield
 
 
 @pytest.fixture(scope="module")

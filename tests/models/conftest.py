@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from steady_piper import steady_piper
 from voice_rig import VoiceRig
 
 from edgevox.agent.llm import tuning
@@ -15,6 +16,12 @@ from edgevox.models import locate
 
 # The endurance of the voice is tested as the benchmark measures it.
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _steady() -> Iterator[None]:
+    with steady_piper():
+        yield
 
 
 @pytest.fixture(scope="session")

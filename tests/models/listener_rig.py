@@ -5,7 +5,8 @@ import itertools
 from collections.abc import Iterator
 
 import numpy as np
-from piper import PiperVoice, SynthesisConfig
+from piper import PiperVoice
+from steady_piper import STEADY
 
 from edgevox.core.cancel import CancelToken
 from edgevox.models import locate
@@ -92,8 +93,7 @@ def says_espeak(text: str, language: str = "en") -> Samples:
 @functools.cache
 def says_piper(text: str) -> Samples:
     """Spoken by Piper's voice joe, at 16 kHz, without its randomness: each run hears the same."""
-    steady = SynthesisConfig(noise_scale=0.0, noise_w_scale=0.0)
-    chunks = list(piper().synthesize(text, steady))
+    chunks = list(piper().synthesize(text, STEADY))
     sound = np.concatenate([chunk.audio_int16_array for chunk in chunks])
     return resampled(sound, chunks[0].sample_rate, RATE_HZ)
 

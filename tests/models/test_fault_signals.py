@@ -157,7 +157,7 @@ def test_what_will_not_let_go_is_left_behind_in_time_and_named():
             "robot-apartment",
             "--text-mode",
             "--llm=none",
-            "--leave-s=1",
+            "--leave-s=10",
         ],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,

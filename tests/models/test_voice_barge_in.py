@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from guards import HUNG_S
 from listener_rig import loud, says_espeak
-from piper import PiperVoice, SynthesisConfig
 from voice_engines import voice
 
 from edgevox.core.bus import Bus
@@ -25,8 +24,6 @@ from edgevox.voice.speech_output import SpeechOutput
 from edgevox.voice.stt.speech_to_text import Transcript
 from edgevox.voice.tts.pool import VoicePool
 
-STEADY = SynthesisConfig(noise_scale=0.0, noise_w_scale=0.0)
-"""Each run hears the same; Piper draws how it speaks."""
 ANSWER = "I am on my way through the long corridor to the bedroom, and I will tell you more there."
 ECHO_DELAY_S = 0.06
 PERSON_AT_S = 2.0
@@ -111,10 +108,8 @@ class EchoingRoom:
 
 
 @pytest.fixture
-def speak_in(monkeypatch):
+def speak_in():
     """Speaks in a room until all is said, or somebody is heard; gives what was submitted."""
-    synthesize = PiperVoice.synthesize
-    monkeypatch.setattr(PiperVoice, "synthesize", lambda one, text: synthesize(one, text, STEADY))
 
     def run(room):
         token, said = CancelToken(), []

@@ -18,6 +18,8 @@ from edgevox.voice.sinks.wav_file import WavFile
 
 QUIET = silence(3.0)
 """So much of it, while the robot is heard, teaches the echo gate that nothing of it comes back."""
+SPEED = 0.2
+"""Of its world: the longest that hearing takes is shorter than a drive."""
 STORY = (
     "Once upon a time there was a robot in a house with four rooms and a corridor. ",
     "Every morning it went from one room to the next, and counted all the chairs. ",
@@ -58,7 +60,7 @@ def teller():
 
 @pytest.fixture(scope="module")
 def home_with(teller):
-    return {"aloud": True, "model": teller}
+    return {"aloud": True, "model": teller, "speed": SPEED}
 
 
 def states(rig):

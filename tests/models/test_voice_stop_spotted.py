@@ -9,6 +9,12 @@ from edgevox.core.agent_events import GoalChanged, HeardBy, SafetyPreempted
 from edgevox.core.events import Responded
 
 
+@pytest.fixture(scope="module")
+def home_with():
+    """A world in which the robot is on its way for longer than it takes to hear three words."""
+    return {"speed": 0.2}
+
+
 def drive(rig):
     rig.parts.conversation.start_goal("navigate_to", {"room": "bedroom"})
     rig.wait_for(GoalChanged, lambda event: event.status == "running")

@@ -111,9 +111,11 @@ class Room:
 
 
 class VoiceRig:
-    """The agent, what it told, and what it said aloud."""
+    """The agent, what it told, and what it said aloud. Its world's time passes at this speed."""
 
-    def __init__(self, patch, answers: Path, *, aloud: bool = False, robot="", model=None, **more):
+    def __init__(
+        self, patch, answers: Path, *, aloud=False, robot="", model=None, speed=1.0, **more
+    ):
         self.room = Room(paced=aloud)
         patch.setattr(voice_app, "open_source", lambda _: self.room)
         patch.setattr(
@@ -124,7 +126,7 @@ class VoiceRig:
         settings = Settings(audio_in="room", audio_out=str(answers), llm="none", **more)
         self._answers, self._heard = answers, 0
         self._stack = ExitStack()
-        self.body = build_body(robot, settings) if robot else None
+        self.body = build_body(robot, settings, speed) if robot else None
         self.parts = composition.build_parts(self._stack, settings, self.body)
         self._told = Heard()
         for kind in SEEN:
@@ -167,6 +169,10 @@ class VoiceRig:
     def wait_for(self, kind, wanted=lambda event: True):
         """The first event of this kind that is wanted; fails loudly if none comes."""
         return self._told.wait_for(lambda event: isinstance(event, kind) and wanted(event))
+
+    def wait_until(self, true):
+        """Until this is true of what it told."""
+        self._told.wait_until(true)
 
     def calls(self):
         """The skills that were called, with their arguments."""

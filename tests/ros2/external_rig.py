@@ -5,7 +5,6 @@ import os
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -54,12 +53,10 @@ class Velocities:
 
     def __init__(self, peer: Peer, topic: str) -> None:
         self.heard: list[tuple[float, float]] = []
-        self.times: list[float] = []
         subscription = peer.node.create_subscription(Twist, topic, self._hear, 100)
         wait_until(lambda: subscription.get_publisher_count() > 0, topic)
 
     def _hear(self, message: Twist) -> None:
-        self.times.append(time.monotonic())
         self.heard.append((message.linear.x, message.angular.z))
 
     @property

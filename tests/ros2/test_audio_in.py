@@ -12,20 +12,28 @@ from edgevox_msgs.msg import AudioData
 
 
 @pytest.fixture
-def robot(domain):
-    """A node that listens, and the source that it fills."""
-    robot = Peer(domain)
-    source = Pushed("audio_in")
-    yield AudioIn(robot.node, source), source
-    source.close()
-    robot.close()
+def node(domain):
+    peer = Peer(domain)
+    yield peer.node
+    peer.close()
 
 
 @pytest.fixture
-def microphone(domain):
+def robot(node):
+    """A node that listens, and the source that it fills."""
+    source = Pushed("audio_in")
+    yield AudioIn(node, source), source
+    source.close()
+
+
+@pytest.fixture
+def microphone(domain, node, robot):
+    """A publisher that the robot knows, too: what comes from others is lost."""
     microphone = Peer(domain)
     publisher = microphone.node.create_publisher(AudioData, "audio_in", SENSOR)
     wait_until(lambda: publisher.get_subscription_count() > 0, "audio_in")
+    (listening,) = (one for one in node.subscriptions if one.topic_name.endswith("audio_in"))
+    wait_until(lambda: listening.get_publisher_count() > 0, "the microphone")
     yield publisher
     microphone.close()
 

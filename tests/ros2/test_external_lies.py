@@ -3,7 +3,6 @@
 import contextlib
 import json
 import math
-import time
 
 import pytest
 import scraper
@@ -28,7 +27,6 @@ QUICK = ExternalSettings(
     obey_s=2.5,
 )
 NOT_SO = ("claim 1e300", "claim -10001", "claim nan", "length 3")
-STOPPED_S = 0.5
 
 
 class Rig:
@@ -37,20 +35,17 @@ class Rig:
     def __init__(self, robot: ExternalRobot, control, asked: Velocities) -> None:
         self.robot, self.asked, self._control = robot, asked, control
 
-    def tell(self, lie: str) -> float:
-        """Have the robot change; when that was."""
+    def tell(self, lie: str) -> None:
+        """Have the robot change."""
         self._control.send("do", lie)
-        return time.monotonic()
 
-    def zero_since(self, begin_s: float) -> None:
-        """Zero velocity is asked for, soon after that moment and from then on."""
-
-        def late() -> list[tuple[float, float]]:
-            pairs = zip(self.asked.times, self.asked.heard, strict=False)
-            return [asked for at_s, asked in pairs if at_s > begin_s + STOPPED_S]
-
-        wait_until(lambda: len(late()) >= 5, "a stream of zeros")
-        assert set(late()) == {(0.0, 0.0)}
+    def stands(self) -> None:
+        """From the first zero on, nothing but zero velocity is asked for."""
+        heard, since = self.asked.heard, len(self.asked.heard)
+        wait_until(lambda: (0.0, 0.0) in heard[since:], "a zero")
+        begin = heard.index((0.0, 0.0), since)
+        wait_until(lambda: len(heard) >= begin + 5, "a stream of zeros")
+        assert set(heard[begin:]) == {(0.0, 0.0)}
 
 
 @pytest.fixture
@@ -75,10 +70,10 @@ def test_odometry_that_cannot_be_true_stops_the_drive_and_says_why(rig, lie, cap
     one = rig()
     going = drive(one.robot, 5.0, 0.0)
     moving(one.robot)
-    told_s = one.tell(lie)
+    one.tell(lie)
     with pytest.raises(SkillFailed, match=ODOM):
         going.result()
-    one.zero_since(told_s)
+    one.stands()
     assert "odometry_impossible topic='/robot1/odom'" in caplog.text
     assert one.robot.fault == "what is heard on /robot1/odom cannot be true"
     assert one.robot.state()["pose"] is None
@@ -102,12 +97,12 @@ def test_a_jump_stops_the_drive_and_the_next_goal_is_driven_from_the_new_pose(ri
     one = rig()
     going = drive(one.robot, 4.0, 0.0)
     moving(one.robot)
-    told_s = one.tell(f"jump {metres}")
+    one.tell(f"jump {metres}")
     with pytest.raises(
         SkillFailed, match=rf"pose jumped by {abs(metres)}\.\d metres and 0 degrees"
     ):
         going.result()
-    one.zero_since(told_s)
+    one.stands()
     standing(one.robot)
     assert one.robot.fault == ""
     at = one.robot.pose()
@@ -156,10 +151,10 @@ def test_a_correction_beyond_all_measure_stops_the_drive(rig, metres, reason):
     wait_until(lambda: one.robot.state()["frame"] == "map", "the transform")
     going = drive(one.robot, 6.0, -2.0)
     moving(one.robot)
-    told_s = one.tell(f"correct {metres}")
+    one.tell(f"correct {metres}")
     with pytest.raises(SkillFailed, match=reason):
         going.result()
-    one.zero_since(told_s)
+    one.stands()
 
 
 def test_a_transform_that_can_be_none_moves_nobody(rig):
@@ -175,10 +170,10 @@ def test_nobody_is_steered_by_a_lidar_that_cannot_see(rig):
     wait_until(lambda: one.robot.state()["lidar"], "a scan")
     going = drive(one.robot, 5.0, 0.0)
     moving(one.robot)
-    told_s = one.tell("blind")
+    one.tell("blind")
     with pytest.raises(SkillFailed, match="What the robot says on /robot1/scan cannot be true"):
         going.result()
-    one.zero_since(told_s)
+    one.stands()
     one.tell("sighted")
     wait_until(lambda: one.robot.state()["lidar"], "a scan")
     standing(one.robot)
@@ -192,7 +187,7 @@ def test_a_robot_that_only_turns_is_given_up_and_stands(rig):
     going = drive(one.robot, 3.0, 0.0)
     with pytest.raises(SkillFailed, match="I am not getting closer"):
         going.result(20)
-    one.zero_since(time.monotonic())
+    one.stands()
     standing(one.robot)
 
 

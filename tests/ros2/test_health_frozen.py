@@ -91,7 +91,9 @@ def test_a_callback_that_blocks_the_executor_is_found_and_forgotten(node, peer):
 
     forget = parts.bus.subscribe(Answered, block)
     try:
-        peer().send("command", "list_languages")
+        asking = peer()
+        asking.listen("info")  # from then on the node knows of this peer, and takes what it sends
+        asking.send("command", "list_languages")
         assert entered.wait(HUNG_S)
         checks = answers(port, 503)
         assert checks["ros2"].startswith("has not moved for")

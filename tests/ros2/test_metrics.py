@@ -65,7 +65,7 @@ def test_what_happens_on_the_wire_is_counted(port, peer) -> None:
     for _ in range(5):
         drive.publish(twist(0.3))
         pause.wait(0.05)
-    said = scrape_until(port, lambda s: s["edgevox_watchdog_halts_total",] == 1)
+    said = scrape_until(port, lambda s: s["edgevox_watchdog_halts_total",] >= 1)
     assert said[("edgevox_refused_messages_total", "invalid", "set_language")] == 1
     assert said[("edgevox_refused_messages_total", "invalid", "text_input")] == 0
     assert said[("edgevox_refused_requests_total", "too_long")] == 0

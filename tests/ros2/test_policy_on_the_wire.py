@@ -21,14 +21,13 @@ from scraper import scrape_until as wait_for_metrics
 DENIED = "I cannot do that: I am not permitted to do that."
 NOTHING_BUT_A_SENTENCE = "rules: {'*': deny, text_input: {navigate_to: allow}}"
 CMD_VEL, GOAL_POSE = "/edgevox/cmd_vel", "/edgevox/goal_pose"
-PORT = free_port()
 
 
 class Robot:
     """An agent under a policy that a test writes, and everything that a peer sees of it."""
 
-    def __init__(self, process: Agent, peer: Peer, file: Path) -> None:
-        self.process, self.peer, self._file = process, peer, file
+    def __init__(self, process: Agent, peer: Peer, file: Path, port: int) -> None:
+        self.process, self.peer, self._file, self.port = process, peer, file, port
         self.events = peer.listen("agent_event")
         self.answers = peer.listen("response")
         self.odom = hear(peer, Odometry, "/edgevox/odom", qos_profile_sensor_data)
@@ -98,30 +97,33 @@ def other_about(file: Path) -> str:
 
 
 @pytest.fixture(scope="module")
-def _process(domain: int, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Agent, Path]]:
+def _process(
+    domain: int, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[tuple[Agent, Path, int]]:
     file = tmp_path_factory.mktemp("policy") / "policy.yaml"
     file.write_text("rules: {}", encoding="utf-8")
+    port = free_port()
     arguments = ("--text-mode", "--simple-ui", "--ros2", "--llm", "none", "--policy", str(file))
     one = Agent(
         "robot-apartment",
         *arguments,
         "--metrics-port",
-        str(PORT),
+        str(port),
         domain=domain,
         stdin=subprocess.PIPE,
     )
     try:
         one.wait_for_line(READY)
-        yield one, file
+        yield one, file, port
     finally:
         one.terminate()
         one.process.stdin.close()
 
 
 @pytest.fixture
-def robot(_process: tuple[Agent, Path], peer: Callable[[], Peer]) -> Iterator[Robot]:
-    process, file = _process
-    one = Robot(process, peer(), file)
+def robot(_process: tuple[Agent, Path, int], peer: Callable[[], Peer]) -> Iterator[Robot]:
+    process, file, port = _process
+    one = Robot(process, peer(), file, port)
     yield one
     one.under("rules: {}")
     one.peer.send("interrupt", "")
@@ -289,7 +291,7 @@ def test_a_broken_file_leaves_the_old_policy_in_force_and_is_a_warning_until_it_
     since = robot.from_now()
     ask_by_text_input(robot)
     assert since.answer() == DENIED
-    wait_for_metrics(PORT, lambda said: said["edgevox_policy_broken",] == 1)
+    wait_for_metrics(robot.port, lambda said: said["edgevox_policy_broken",] == 1)
     robot.under("rules: {text_input: allow}")
     robot.status(lambda one: one.level == DiagnosticStatus.OK)
     since = robot.from_now()
@@ -308,7 +310,8 @@ def test_a_refusal_is_counted_on_metrics_and_seen_on_diagnostics(robot):
     assert int(told["refused"]) >= 2
     assert told["last_refused"] == "command mute: policy_denied"
     said = wait_for_metrics(
-        PORT, lambda s: s.get(("edgevox_policy_refusals_total", "policy_denied", "text_input"), 0)
+        robot.port,
+        lambda s: s.get(("edgevox_policy_refusals_total", "policy_denied", "text_input"), 0),
     )
     assert said["edgevox_refused_messages_total", "forbidden", "command"] >= 1
 
