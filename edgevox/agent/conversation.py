@@ -223,7 +223,7 @@ class Conversation:
             left_s = None if deadline_s is None else max(0.0, deadline_s - self._clock.now())
             if not self._inbox.wait_idle(left_s):
                 return False
-            if not self._executor.busy and not self._inbox:
+            if not self._executor.busy and self._inbox.idle:
                 return True
             if not self._executor.wait_idle(left_s):
                 return False
@@ -239,7 +239,8 @@ class Conversation:
         while not self._inbox.closed:
             with self._inbox.gate:  # a stop finds it waiting or finds its turn
                 item = self._inbox.take(self._question.expires_in_s)
-                turn = self._turn = self._new_turn(item) if item else None
+                turn = self._new_turn(item) if item else None
+                self._turn = turn if item and inbox.can_be_stopped(item) else None
                 self._stopping.last = turn if isinstance(item, Heard) else self._stopping.last
             self._question.expire()
             if item and turn:

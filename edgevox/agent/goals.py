@@ -80,7 +80,10 @@ class Goal:
             if self._token.cancelled:
                 self.end(GoalStatus.CANCELLED, self._token.why)
                 return
-            self.status = GoalStatus.RUNNING
+            with self._ending:
+                if self.status in GOAL_ENDS:
+                    return
+                self.status = GoalStatus.RUNNING
             self._tell()
             self._call()
 

@@ -66,6 +66,7 @@ class TooLong:
 Item = TextInput | Heard | Speak | RunSkill | TooLong | Announce | Forget | Settle | SwitchLanguage
 
 _ASKED = TextInput | Heard | Speak | RunSkill
+_HOUSEKEEPING = Forget | Settle | SwitchLanguage
 
 
 class Inbox:
@@ -84,13 +85,16 @@ class Inbox:
         self._closed = False
         self.refusals = Counter({str(reason): 0 for reason in LIMITS})
 
-    def __bool__(self) -> bool:
-        return bool(self._items)
-
     @property
     def closed(self) -> bool:
         """Whether nothing is taken any more."""
         return self._closed
+
+    @property
+    def idle(self) -> bool:
+        """Whether nothing waits and nobody is at work."""
+        with self.gate:
+            return not (self._items or self._at_work)
 
     def put(self, item: Item) -> Refusal | None:
         """Let it wait; else why not, which is counted and logged.
@@ -130,7 +134,7 @@ class Inbox:
     def wait_idle(self, timeout_s: float | None = None) -> bool:
         """Block until nothing waits and nobody is at work; False after the timeout."""
         with self.gate:
-            return self.gate.wait_for(lambda: not (self._items or self._at_work), timeout_s)
+            return self.gate.wait_for(lambda: self.idle, timeout_s)
 
     def withdraw(self, ended_s: float) -> None:
         """Forget what was heard until then, if it still waits."""
@@ -170,6 +174,11 @@ class Inbox:
 def asked_in_words(item: Item) -> bool:
     """Whether somebody wants an answer to this."""
     return isinstance(item, TextInput | Heard) or (isinstance(item, TooLong) and item.asked)
+
+
+def can_be_stopped(item: Item) -> bool:
+    """Whether anything is said or done for it that a stop could end."""
+    return not isinstance(item, _HOUSEKEEPING)
 
 
 def way_of(item: Item) -> Way:

@@ -94,7 +94,6 @@ class Listener:
         self._source = source
         self._voices = VoiceOverEcho(vad)
         self._wakeword = wakeword
-        self._submit = submit
         self._bus = bus
         self._muted = muted
         self._lossless = lossless
@@ -113,6 +112,7 @@ class Listener:
             clock=self._clock,
             ending=ending or (lambda _: Ending.OPEN),
         )
+        self._tell = self._transcriber.tell
         self._judges = ending is not None and not lossless
         self._last_s: float | None = None
         self._addressed_s = float("-inf")
@@ -215,7 +215,7 @@ class Listener:
             case SpeechPaused() as speech:
                 self._guess(speech)
             case SpeechWentOn(ended_s=ended_s):
-                self._submit(SpokenOn(ended_s))
+                self._tell(SpokenOn(ended_s))
             case SpeechEnded() as speech:
                 self._take(speech)
         if self._spotted and not self._endpointer.speaking:
@@ -240,13 +240,13 @@ class Listener:
             frame.samples, self._voices.any_voice, playing=self._echo.playing, loud=loud
         ):
             self._spotted = self._endpointer.speaking
-            self._submit(StopSpotted(frame.end_s, self._stops.word, goes_on=self._spotted))
+            self._tell(StopSpotted(frame.end_s, self._stops.word, goes_on=self._spotted))
 
     def _tell_spotted(self, now_s: float) -> None:
         """The utterance in which a stop word was spotted is over, and nobody looks at its words."""
         self._spotted = False
-        self._submit(Transcribing())
-        self._submit(Heard("", now_s, spotted=True))
+        self._tell(Transcribing())
+        self._tell(Heard("", now_s, spotted=True))
 
     def _listen_for_wake_word(self, frame: Frame, probability: float) -> None:
         if self._wakeword is None:
@@ -257,12 +257,12 @@ class Listener:
             self._wake_gate.wake(frame.end_s)
             self._bus.publish(WakeWordHeard(self._wakeword.phrase))
             if self._echo.playing:
-                self._submit(Interrupt("heard the wake word", motion=False, cause=Cause.WAKE_WORD))
+                self._tell(Interrupt("heard the wake word", motion=False, cause=Cause.WAKE_WORD))
 
     def _interrupt_if_meant(self, began_s: float) -> None:
         meant = self._is_addressed(began_s) or self._wake_gate.has(began_s)
         if meant and self._echo.playing:
-            self._submit(Interrupt("spoken over", motion=False, cause=Cause.BARGE_IN))
+            self._tell(Interrupt("spoken over", motion=False, cause=Cause.BARGE_IN))
 
     def _is_addressed(self, began_s: float) -> bool:
         """Whether what is said since then needs no wake word."""

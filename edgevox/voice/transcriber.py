@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from edgevox.core.clock import Clock
-from edgevox.core.commands import Heard, Transcribing
+from edgevox.core.commands import Command, Heard, Transcribing
 from edgevox.core.ending import Ending
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.log import get_logger
@@ -57,7 +57,7 @@ class Transcriber:
     def __init__(
         self,
         stt: SpeechToText,
-        submit: Callable[[Transcribing | Heard], None],
+        submit: Callable[[Command], None],
         *,
         language: Callable[[], str],
         is_stop: Callable[[str], bool],
@@ -100,6 +100,14 @@ class Transcriber:
         if self._thread.is_alive():
             self._thread.join()
 
+    def tell(self, command: Command) -> None:
+        """Submit what was heard; whoever takes it may break, and gets what follows nevertheless."""
+        try:
+            self._submit(command)
+        except Exception:
+            self.failed += 1
+            log.exception("words_untaken")
+
     def take(self, job: TranscriptionJob, *, wait: bool = False) -> bool:
         """Queue an utterance; if too many wait already, refuse it, or `wait` until they do not.
 
@@ -108,7 +116,7 @@ class Transcriber:
         with self._changed:
             if self._guessing and not self._jobs and not job.only_stop:
                 self._told = True
-                self._tell(Transcribing())
+                self.tell(Transcribing())
             if wait:
                 self._changed.wait_for(lambda: len(self._jobs) < MAX_WAITING or self._closed)
             full = len(self._jobs) >= MAX_WAITING
@@ -154,14 +162,18 @@ class Transcriber:
                 job = self._jobs.popleft() if self._jobs else None
                 self._busy, self._guessing = job is not None, job is None
                 self._changed.notify_all()
-            if job:
-                self._understand(job)
-            elif early:
-                self._guess = self._judged(self._words(early))
+            try:
+                if job:
+                    self._understand(job)
+                elif early:
+                    self._guess = self._judged(self._words(early))
+            except Exception:  # a bug: what is said next is understood
+                self.failed += 1
+                log.exception("speech_to_text_broke")
 
     def _understand(self, job: TranscriptionJob) -> None:
         if not job.only_stop and not self._told:
-            self._tell(Transcribing())
+            self.tell(Transcribing())
         self._told = False
         guess, self._guess = self._guess, None
         known = guess and (guess.ended_s, guess.language) == (job.ended_s, self._language())
@@ -178,15 +190,7 @@ class Transcriber:
                 confidence=told.confidence,
                 others=told.others,
             )
-            self._tell(heard)
-
-    def _tell(self, command: Transcribing | Heard) -> None:
-        """Submit it; whoever takes it may break, and gets what follows nevertheless."""
-        try:
-            self._submit(command)
-        except Exception:
-            self.failed += 1
-            log.exception("words_untaken")
+            self.tell(heard)
 
     def _judged(self, words: "_Words") -> "_Words":
         """With how they end; what cannot be judged is open."""

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 from clocks import HeldClock
-from ports import free_port
 from waiting import wait_until
 
 from edgevox.apps import health as edgevox_health
@@ -22,7 +21,7 @@ def ask(rig: Rig) -> int:
     """The exit code of `edgevox-health`, as a container's health check asks."""
     health = Health(Components(rig.server))
     health.started()
-    served = HealthServer(health, "127.0.0.1", free_port())
+    served = HealthServer(health, "127.0.0.1", 0)
     served.start()
     try:
         return edgevox_health.main(["--ready", "--port", str(served.port)])

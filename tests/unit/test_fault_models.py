@@ -133,7 +133,7 @@ def asking(request):
         server = running.__enter__()
         request.addfinalizer(lambda: running.__exit__(None, None, None))
         clock = HeldClock()
-        shared = EndpointModel(Address(server.url, timeout_s=2.0))
+        shared = EndpointModel(Address(server.url, timeout_s=5.0))
         model = FallbackModel(shared, on_board, Breaker(clock))
         request.addfinalizer(model.close)
         bus = Bus()

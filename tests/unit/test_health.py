@@ -10,6 +10,7 @@ from types import SimpleNamespace
 
 import pytest
 from clocks import HeldClock
+from waiting import wait_until
 
 from edgevox.apps import health as command
 from edgevox.core.agent_events import DrainStatus
@@ -222,7 +223,7 @@ def test_a_step_that_blocks_is_a_stall_and_ends_with_it():
     released.set()
     sim_loop.advance(0.02)
     clock.now_s = 100.0
-    assert sim_loop.stalled_s == 0.0  # nothing to do, so it rests
+    wait_until(lambda: sim_loop.stalled_s == 0.0)  # nothing to do, so it rests
     sim_loop.close()
     assert sim_loop.stalled_s == 0.0
 

@@ -73,14 +73,14 @@ def test_a_listener_is_well_before_while_and_after_it_listens(listener):
 def test_a_listener_that_heard_all_there_is_is_well(listener, source):
     listener.start()
     end(source, EndOfSound("all of it was heard"))
-    assert listener.wait_over(10)
+    assert listener.wait_over(60)
     assert listener.alive
 
 
 def test_a_listener_that_lost_its_source_for_good_is_not(listener, source):
     listener.start()
     end(source, EdgeVoxError("the file is broken"))
-    assert listener.wait_over(10)
+    assert listener.wait_over(60)
     for thread in threading.enumerate():
         if thread.name == "edgevox-listener":
             thread.join(60)

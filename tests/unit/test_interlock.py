@@ -16,7 +16,7 @@ from edgevox.core.interlock import Holder, Interlock
 from edgevox.core.languages import LANGUAGES
 from edgevox.ros2.presence.sharing import NOT_IN_CHARGE
 
-WAIT_S = 10.0
+WAIT_S = 60.0
 REFUSED = "I cannot do that: Another agent is in charge of this robot."
 
 

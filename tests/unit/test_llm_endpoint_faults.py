@@ -122,7 +122,7 @@ def test_a_stream_that_stops_amid_the_answer_ends_with_the_timeout() -> None:
         reply.hang()
 
     with serving(stall) as server:
-        answer = server.model(timeout_s=2.0).generate(
+        answer = server.model(timeout_s=5.0).generate(
             CHAT, grammar=ROOMS, max_tokens=9, token=CancelToken()
         )
         assert next(answer) == "go "

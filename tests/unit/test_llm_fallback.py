@@ -74,7 +74,7 @@ def test_a_server_that_works_is_the_one_that_answers(rig, caplog) -> None:
 
 @pytest.mark.parametrize("chat", [never, failing(500), failing(401), failing(404)])
 def test_a_server_that_fails_is_replaced_and_then_left_alone(rig, caplog, chat: Chat) -> None:
-    one, server = rig(chat, on_board=OnBoard(), timeout_s=0.5 if chat is never else HUNG_S)
+    one, server = rig(chat, on_board=OnBoard(), timeout_s=3.0 if chat is never else HUNG_S)
 
     assert one.ask() == "on board"
     tried = len(server.asked)

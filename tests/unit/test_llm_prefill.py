@@ -5,6 +5,7 @@ import threading
 from guards import HUNG_S
 
 from edgevox.agent.llm.prefill import PromptPrefill
+from edgevox.core.cancel import CancelToken
 
 
 class Reader:
@@ -53,8 +54,16 @@ def test_it_reads_only_after_what_is_more_urgent():
     prefill.close()
 
 
-def test_closed_before_its_turn_it_reads_nothing():
+def test_closed_before_its_turn_it_reads_nothing(monkeypatch):
     reader, urgent, done = Reader(), threading.Event(), threading.Event()
+
+    class Telling(CancelToken):
+        def cancel(self, reason="cancelled"):
+            first = super().cancel(reason)
+            done.set()
+            return first
+
+    monkeypatch.setattr("edgevox.agent.llm.prefill.CancelToken", Telling)
 
     def after():
         urgent.set()
@@ -64,7 +73,6 @@ def test_closed_before_its_turn_it_reads_nothing():
     prefill.start()
     assert urgent.wait(HUNG_S)
 
-    threading.Timer(0.1, done.set).start()
     prefill.close()
 
     assert not reader.reads.is_set()

@@ -289,6 +289,7 @@ def test_whatever_stops_the_robot_ends_all_programs(talk, stop):
 def test_a_stop_that_ends_waiting_orders_says_so(talk):
     talk.say(LATER)
     assert talk.say("stop") == "Stopped. The orders that were waiting are off, too."
+    assert talk.conversation.wait_idle(HUNG_S)  # saying that is over, too
     assert talk.say("stop") == "I am standing still."
 
 

@@ -106,7 +106,7 @@ def test_as_much_time_passes_as_somebody_asks_for(speed: float | None) -> None:
     try:
         before = len(taken)
         sim_loop.advance(2.0)
-        assert 100 <= len(taken) - before <= 101
+        assert abs(len(taken) - before - 100) <= 1  # its first step may be on its way
     finally:
         sim_loop.close()
 

@@ -3,7 +3,7 @@
 import threading
 
 import pytest
-from voice_script import VOICE, WAKE, Script, Stt, Vad, Wake, spoken
+from voice_script import VOICE, WAKE, Refuses, Script, Stt, Vad, Wake, spoken
 
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Heard, Interrupt, Transcribing
@@ -40,7 +40,7 @@ def listen():
         )
         running.append(listener)
         listener.start()
-        assert listener.wait_over(10.0)
+        assert listener.wait_over(60)
         return said, events, listener
 
     yield run
@@ -129,7 +129,7 @@ def test_the_interrupt_comes_with_the_first_frames_of_the_voice(listen):
         audible=lambda: 0.1,
     )
     listener.start()
-    assert listener.wait_over(10.0)
+    assert listener.wait_over(60)
     listener.close()
 
     assert said_at[0] == (Interrupt, 10 + ONSET_FRAMES)
@@ -227,7 +227,7 @@ def test_a_frame_that_fails_is_survived_and_counted(listen, caplog):
         lossless=True,
     )
     listener.start()
-    assert listener.wait_over(10.0)
+    assert listener.wait_over(60)
     listener.close()
 
     assert words(said) == ["after"]
@@ -310,20 +310,6 @@ def test_that_somebody_spoke_is_told_at_the_end_of_speech_not_of_the_guess(liste
     assert [type(command) for command in said] == [Transcribing, Heard]
 
 
-class Refuses(list):
-    """Breaks at the first command of a kind, and takes what comes then."""
-
-    def __init__(self, kind):
-        super().__init__()
-        self.kind, self.broke = kind, threading.Event()
-
-    def append(self, command):
-        if isinstance(command, self.kind) and not self.broke.is_set():
-            self.broke.set()
-            raise RuntimeError("once")
-        super().append(command)
-
-
 def test_whoever_breaks_on_words_hears_what_is_said_next(listen, caplog):
     said, _, listener = listen(Stt("first", "second"), *spoken(), *spoken(), said=Refuses(Heard))
 
@@ -357,3 +343,42 @@ def test_and_gets_them_if_they_were_being_found_out_already(listen, caplog):
 
     assert words(said) == ["stop"]
     assert "words_untaken" in caplog.text
+
+
+def test_a_word_that_cannot_be_told_costs_no_utterance(listen, caplog):
+    said, _, _ = listen(Stt("wait"), *spoken(), audible=lambda: 0.1, said=Refuses(Interrupt))
+
+    assert words(said) == ["wait"]
+    assert "words_untaken" in caplog.text
+
+
+@pytest.mark.parametrize("broken", ["language", "is_stop"])
+def test_a_bug_amid_understanding_ends_nothing(broken, caplog):
+    said, broke = [], threading.Event()
+
+    def breaks(*_):
+        if not broke.is_set():
+            broke.set()
+            raise RuntimeError("bug")
+        return "en"
+
+    listener = Listener(
+        Script(*spoken(), *spoken()),
+        Vad(),
+        Stt("stop", "stop"),
+        submit=said.append,
+        bus=Bus(),
+        language=breaks if broken == "language" else lambda: "en",
+        muted=lambda: False,
+        audible=lambda: 0.0,
+        wakeword=Wake() if broken == "is_stop" else None,
+        is_stop=breaks,
+        lossless=True,
+    )
+    listener.start()
+    assert listener.wait_over(60)
+
+    assert listener.alive
+    assert words(said)[-1:] == ["stop"]
+    assert "speech_to_text_broke" in caplog.text
+    listener.close()

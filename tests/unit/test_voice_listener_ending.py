@@ -57,7 +57,7 @@ class Rig:
     def hear(self, *steps):
         self.script.steps = list(steps)
         self.listener.start()
-        assert self.listener.wait_over(10)
+        assert self.listener.wait_over(60)
         self.listener.close()
         return [one.text for one in self.of(Heard)]
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from voice_script import VOICE, Script, Stt, Vad, Wake, spoken
+from voice_script import VOICE, Refuses, Script, Stt, Vad, Wake, spoken
 
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Heard, StopSpotted, Transcribing
@@ -50,8 +50,8 @@ class Broken(Spotter):
         raise RuntimeError("bug")
 
 
-def hear(stt, *steps, detector=None, audible=0.0, speaks="en", **more):
-    said = []
+def hear(stt, *steps, detector=None, audible=0.0, speaks="en", said=None, **more):
+    said = [] if said is None else said
     listener = Listener(
         Script(*steps),
         Vad(),
@@ -67,7 +67,7 @@ def hear(stt, *steps, detector=None, audible=0.0, speaks="en", **more):
         **more,
     )
     listener.start()
-    assert listener.wait_over(10.0)
+    assert listener.wait_over(60)
     listener.close()
     return said
 
@@ -82,6 +82,13 @@ def test_a_stop_word_is_told_with_its_frame_and_its_utterance_says_that_it_was()
     assert [type(one) for one in said] == [StopSpotted, Transcribing, Heard]
     assert said[0] == StopSpotted(11 * FRAME_S, "halt", goes_on=True)
     assert said[2].spotted
+
+
+def test_a_stop_that_whoever_takes_it_broke_on_is_told_again_with_its_words():
+    said = hear(Stt("stop!"), *[VOICE] * 10, STOP, *spoken(), said=Refuses(StopSpotted))
+
+    assert [type(one) for one in said] == [Transcribing, Heard]
+    assert (said[1].text, said[1].spotted) == ("stop!", True)
 
 
 def test_the_next_utterance_does_not_say_so():
@@ -142,7 +149,7 @@ def test_an_utterance_that_is_refused_is_answered_all_the_same(monkeypatch):
         stop_detector=Spotter(),
     )
     listener.start()
-    assert listener.wait_over(10.0)
+    assert listener.wait_over(60)
     listener.close()
 
     assert said[-1].spotted

@@ -1,5 +1,7 @@
 """Everything around a listener, scripted: a voice is a frame whose samples are 8000."""
 
+import threading
+
 import numpy as np
 
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, EndOfSound, Frame
@@ -74,6 +76,20 @@ class Stt:
 
     def close(self):
         pass
+
+
+class Refuses(list):
+    """Breaks at the first command of a kind, and takes what comes then."""
+
+    def __init__(self, kind):
+        super().__init__()
+        self.kind, self.broke = kind, threading.Event()
+
+    def append(self, command):
+        if isinstance(command, self.kind) and not self.broke.is_set():
+            self.broke.set()
+            raise RuntimeError("once")
+        super().append(command)
 
 
 def spoken(frames=20, after=SILENCE_AFTER):
