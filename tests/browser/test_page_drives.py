@@ -1,14 +1,18 @@
 """The joystick: a beat while it is held, one zero when it is let go, nothing else."""
 
+import time
 from collections.abc import Callable
 
 from browser_rig import Opens
+from guards import HUNG_S
 from playwright.sync_api import Page
 from stand_in import Robot
 
 
 def until(page: Page, true: Callable[[], bool]) -> None:
+    deadline_s = time.monotonic() + HUNG_S
     while not true():
+        assert time.monotonic() < deadline_s, "it did not come"
         page.wait_for_timeout(20)
 
 

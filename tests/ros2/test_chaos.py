@@ -113,7 +113,7 @@ def robot(domain, peer, server, tmp_path, monkeypatch):
         one.files = files
         yield one
     finally:
-        agent.terminate(30.0)
+        agent.terminate()
 
 
 def run_chaos(actions, robot, killed, rng, journal, seconds):
