@@ -229,9 +229,12 @@ class Conversation:
                 return False
 
     def _take(self, words: TextInput | Heard) -> None:
-        counts = True
+        counts = isinstance(words, TextInput)
         if isinstance(words, Heard):
-            self._states.transcribed(words=(counts := self._stopping.counts(words)))
+            try:
+                counts = self._stopping.counts(words)
+            finally:
+                self._states.transcribed(words=counts)
         if counts and not self._stopping.hears(words):
             self._stopping.queue(words)
 

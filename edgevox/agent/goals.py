@@ -77,15 +77,21 @@ class Goal:
     def run(self) -> None:
         """Run the skill on the calling thread, to one of the ends. Never raises."""
         with bound(goal=self.id, turn=self.turn):
-            if self._token.cancelled:
+            if self._begins():
+                self._call()
+            else:
                 self.end(GoalStatus.CANCELLED, self._token.why)
-                return
-            with self._ending:
-                if self.status in GOAL_ENDS:
-                    return
-                self.status = GoalStatus.RUNNING
-            self._tell()
-            self._call()
+
+    def _begins(self) -> bool:
+        """Whether it may: it has not ended and was not cancelled, nor while that was told."""
+        if self._token.cancelled:
+            return False
+        with self._ending:
+            if self.status in GOAL_ENDS:
+                return False
+            self.status = GoalStatus.RUNNING
+        self._tell()
+        return not self._token.cancelled
 
     def _call(self) -> None:
         try:

@@ -152,6 +152,8 @@ class Stopping:
             self._bus.publish(Transcribed(clean(text)))
         if said and said != _STANDING:
             self._inbox.announce(self._phrases().say(said))
+        else:
+            self._inbox.put(inbox.Settle())
 
     def _stop_word(self, word: str, words: TextInput | Heard) -> None:
         said_s, spotted = self._clock.now(), False

@@ -44,7 +44,8 @@ class TurnHandler:
             self._do(item, turn, put_s)
         except Exception:
             log.exception("turn_failed")
-            turn.say(self._interpreter.phrases.say("broken"), Outcome.FAILED)
+            if inbox.can_be_stopped(item):
+                turn.say(self._interpreter.phrases.say("broken"), Outcome.FAILED)
 
     def _do(self, item: inbox.Item, turn: Turn, put_s: float) -> None:
         match item:

@@ -30,6 +30,7 @@ from edgevox.voice.meter import LevelMeter
 from edgevox.voice.played_sound import PlayedSound
 from edgevox.voice.stop_detector import StopDetector, StopWatch
 from edgevox.voice.stt.speech_to_text import SpeechToText
+from edgevox.voice.telling import Telling
 from edgevox.voice.transcriber import Transcriber, TranscriptionJob
 from edgevox.voice.vad import VoiceDetector
 from edgevox.voice.voice_over_echo import VoiceOverEcho
@@ -104,22 +105,22 @@ class Listener:
         self._wake_gate = WakeGate()
         self._stops = stop_detector and StopWatch(stop_detector, saying=saying, language=language)
         self._spotted = False
+        self._tell = Telling(submit)
         self._transcriber = Transcriber(
             stt,
-            submit,
+            self._tell,
             language=language,
             is_stop=is_stop,
             clock=self._clock,
             ending=ending or (lambda _: Ending.OPEN),
         )
-        self._tell = self._transcriber.tell
         self._judges = ending is not None and not lossless
         self._last_s: float | None = None
         self._addressed_s = float("-inf")
         self._closing = threading.Event()
         self._over = threading.Event()
         self._heard_all = False
-        self.failed = 0
+        self._unheard = 0
         self._thread = threading.Thread(target=self._listen, name="edgevox-listener")
 
     def start(self) -> None:
@@ -133,6 +134,11 @@ class Listener:
         """Whether its threads work, unless that is over by design or was not begun yet."""
         over = self._closing.is_set() or self._heard_all or self._thread.ident is None
         return (over or self._thread.is_alive()) and self._transcriber.alive
+
+    @property
+    def failed(self) -> int:
+        """How many pieces of sound were not heard, or heard and not taken, for a bug."""
+        return self._unheard + self._tell.failed
 
     @property
     def transcriber(self) -> Transcriber:
@@ -179,9 +185,9 @@ class Listener:
         try:
             attend()
         except Exception:
-            self.failed += 1
-            if worth_a_line(self.failed):
-                log.exception("frame_unheard", failed=self.failed)
+            self._unheard += 1
+            if worth_a_line(self._unheard):
+                log.exception("frame_unheard", failed=self._unheard)
             return False
         return True
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from edgevox.core.clock import Clock
-from edgevox.core.commands import Command, Heard, Transcribing
+from edgevox.core.commands import Heard, Transcribing
 from edgevox.core.ending import Ending
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.log import get_logger
@@ -51,13 +51,14 @@ class Transcriber:
 
     An utterance that may be over is understood while the silence lasts that ends it; if it was,
     its words are there already. One with `only_stop` submits `Heard` alone, and only if `is_stop`
-    finds a stop word in it; if one was spotted, without words if it does not.
+    finds a stop word in it; if one was spotted, without words if it does not. `submit`
+    never raises.
     """
 
     def __init__(
         self,
         stt: SpeechToText,
-        submit: Callable[[Command], None],
+        submit: Callable[[Transcribing | Heard], None],
         *,
         language: Callable[[], str],
         is_stop: Callable[[str], bool],
@@ -100,14 +101,6 @@ class Transcriber:
         if self._thread.is_alive():
             self._thread.join()
 
-    def tell(self, command: Command) -> None:
-        """Submit what was heard; whoever takes it may break, and gets what follows nevertheless."""
-        try:
-            self._submit(command)
-        except Exception:
-            self.failed += 1
-            log.exception("words_untaken")
-
     def take(self, job: TranscriptionJob, *, wait: bool = False) -> bool:
         """Queue an utterance; if too many wait already, refuse it, or `wait` until they do not.
 
@@ -116,7 +109,7 @@ class Transcriber:
         with self._changed:
             if self._guessing and not self._jobs and not job.only_stop:
                 self._told = True
-                self.tell(Transcribing())
+                self._submit(Transcribing())
             if wait:
                 self._changed.wait_for(lambda: len(self._jobs) < MAX_WAITING or self._closed)
             full = len(self._jobs) >= MAX_WAITING
@@ -170,10 +163,12 @@ class Transcriber:
             except Exception:  # a bug: what is said next is understood
                 self.failed += 1
                 log.exception("speech_to_text_broke")
+                if job and (job.spotted or not job.only_stop):
+                    self._submit(Heard("", job.ended_s, spotted=job.spotted))
 
     def _understand(self, job: TranscriptionJob) -> None:
         if not job.only_stop and not self._told:
-            self.tell(Transcribing())
+            self._submit(Transcribing())
         self._told = False
         guess, self._guess = self._guess, None
         known = guess and (guess.ended_s, guess.language) == (job.ended_s, self._language())
@@ -190,7 +185,7 @@ class Transcriber:
                 confidence=told.confidence,
                 others=told.others,
             )
-            self.tell(heard)
+            self._submit(heard)
 
     def _judged(self, words: "_Words") -> "_Words":
         """With how they end; what cannot be judged is open."""

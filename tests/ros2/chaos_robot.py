@@ -23,9 +23,9 @@ from waiting import wait_until
 
 from edgevox_msgs.action import ExecuteSkill
 
-ANSWER_S, STAND_S, ARRIVE_S, THINK_S = 60.0, 5.0, 120.0, 120.0
+ANSWER_S, STAND_S, ARRIVE_S, THINK_S = 60.0, 2.0, 120.0, 120.0
 """The longest that an answer, a stop, a drive and a sentence for the model may take, loaded as the
-machine may be. A drive goes on for longer than a stop may take."""
+machine may be."""
 WATCHDOG_S = 0.5
 PATIENCE_S = 5.0
 QUIET_S = 2.0

@@ -26,6 +26,8 @@ QUICK = ExternalSettings(
     steering_patience=Patience(unmoved_s=2.0, no_nearer_s=4.0),
     obey_s=2.5,
 )
+ON_THEIR_WAY = 40
+"""Velocities of two seconds: a peer on a busy machine may be so late."""
 NOT_SO = ("claim 1e300", "claim -10001", "claim nan", "length 3")
 
 
@@ -40,10 +42,11 @@ class Rig:
         self._control.send("do", lie)
 
     def stands(self) -> None:
-        """From the first zero on, nothing but zero velocity is asked for."""
+        """Soon nothing but zero velocity is asked for; what was on its way may still come."""
         heard, since = self.asked.heard, len(self.asked.heard)
         wait_until(lambda: (0.0, 0.0) in heard[since:], "a zero")
         begin = heard.index((0.0, 0.0), since)
+        assert begin - since <= ON_THEIR_WAY
         wait_until(lambda: len(heard) >= begin + 5, "a stream of zeros")
         assert set(heard[begin:]) == {(0.0, 0.0)}
 

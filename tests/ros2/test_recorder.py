@@ -228,11 +228,16 @@ steps:
     with: {room: bedroom}
   - wait: 1.5
   - expect: {state: {velocity.linear: {above: 0.2}}, event: {skill: navigate_to, status: running}}
+    within: 5
   - interrupt: true
   - expect: {state: {velocity.linear: {near: 0, by: 0.02}}, event: {kind: skill_cancelled}}
     within: 5
   - drive: {linear: 0.3, seconds: 0.8}
   - expect: {state: {velocity.linear: {above: 0.2}}}
+  - run: navigate_to
+    with: {room: bedroom}
+  - expect: {state: {velocity.linear: {above: 0.2}}}
+    within: 5
   - say: stop
   - expect: {answer: Stopped, state: {velocity.linear: {near: 0, by: 0.02}}}
     within: 5

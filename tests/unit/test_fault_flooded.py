@@ -13,8 +13,9 @@ ASKED = [TextInput("go"), Heard("go", 0.0), Speak("hello"), RunSkill("stop", {})
 
 def all_of(waiting):
     found = []
-    while waiting:
+    while not waiting.idle:
         found.append(waiting.take())
+        waiting.done()
     return found
 
 

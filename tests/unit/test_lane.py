@@ -100,6 +100,28 @@ def test_a_goal_ends_with_its_result(lane, goal, events, ended):
     assert ended == [one]
 
 
+def test_a_stop_while_its_begin_is_told_keeps_a_skill_from_beginning(lane, goal, bus):
+    began = threading.Event()
+
+    @skill()
+    def move(goal):
+        """Move before it looks whether it may."""
+        began.set()
+
+    one = goal(move)
+
+    def stop(event):
+        if event.status is GoalStatus.RUNNING:
+            one.token.cancel("stop")
+
+    bus.subscribe(GoalChanged, stop)
+    lane.replace(Plan([one]))
+
+    assert one.wait(60)
+    assert (one.status, one.error) == (GoalStatus.CANCELLED, "stop")
+    assert not began.is_set()
+
+
 def test_a_failure_carries_its_reason_and_stops_the_rest_of_the_plan(lane, goal, ended):
     first, second = goal(fail), goal(arrive, where="kitchen")
     lane.replace(Plan([first, second]))

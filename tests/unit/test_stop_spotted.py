@@ -180,3 +180,14 @@ def test_a_stop_that_comes_while_words_are_looked_into_is_no_later_than_they_are
     assert rig.body.sent == ["kitchen"]
     rig.body.arrive()
     rig.conversation.close()
+
+
+@pytest.mark.parametrize("goes_on", [True, False])
+def test_where_nothing_is_going_on_it_listens_again_after_a_sound(rig, goes_on):
+    rig.conversation.submit(Transcribing())
+
+    rig.spot(goes_on=goes_on)
+    rig.conversation.submit(Heard("", AT_S, spotted=goes_on))
+
+    assert rig.conversation.wait_idle(60)
+    assert rig.of(StateChanged)[-1].state is State.LISTENING
