@@ -2,9 +2,13 @@
 
 import functools
 import itertools
+import shutil
 from collections.abc import Iterator
+from tempfile import TemporaryDirectory
 
+import espeakng_loader
 import numpy as np
+import pytest
 from piper import PiperVoice
 from steady_piper import STEADY
 
@@ -13,7 +17,7 @@ from edgevox.models import locate
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Frame, Samples
 from edgevox.voice.foreground import open_vad
 from edgevox.voice.resample import resampled
-from edgevox.voice.tts.espeak import open_espeak
+from edgevox.voice.tts.espeak_library import EspeakLibrary
 from edgevox.voice.wakeword import WakeDetector
 
 CHATTER = """
@@ -74,19 +78,20 @@ Mijn zus speelt elke avond voor het eten piano.
 
 
 @functools.cache
-def espeak():
-    return open_espeak()
-
-
-@functools.cache
 def piper():
     return PiperVoice.load(locate("piper-en_US-joe-medium"))
 
 
 @functools.cache
 def says_espeak(text: str, language: str = "en") -> Samples:
-    """Spoken by espeak-ng, at 16 kHz."""
-    chunk = espeak().speak(text, language, CancelToken())
+    """Spoken by espeak-ng, at 16 kHz, by a copy of its library that has said nothing before.
+
+    What it has said changes how it says the next: so each run hears the same.
+    """
+    with TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
+        copy = shutil.copy(espeakng_loader.get_library_path(), folder)
+        patch.setattr(espeakng_loader, "get_library_path", lambda: copy)
+        chunk = EspeakLibrary().speak(text, language, CancelToken())
     return resampled(chunk.samples, chunk.rate_hz, RATE_HZ)
 
 

@@ -21,4 +21,4 @@ def test_five_minutes_of_talk_leave_no_thread_and_no_memory_and_make_it_no_slowe
     assert endured.turns == 10
     assert endured.thread_growth == 0
     assert endured.memory_growth_kib < 20_000
-    assert endured.last_work_s < 2 * endured.first_work_s
+    assert endured.last_work_s < 3 * endured.first_work_s

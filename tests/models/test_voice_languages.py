@@ -17,6 +17,12 @@ from edgevox.core.events import AudioLevel, Responded, Transcribed
 from edgevox.voice.tts.pool import VoicePool
 
 
+@pytest.fixture(scope="module")
+def home_with():
+    """A world in which a drive goes on for longer than it takes to hear and to answer."""
+    return {"speed": 0.2}
+
+
 class Spoken(NamedTuple):
     voice: str
     command: str
@@ -53,6 +59,7 @@ def test_it_obeys_answers_and_stops_in_a_language_and_after_a_switch_in_another(
     for language in (before, after):
         rig.parts.command_router.submit(SetLanguage(language))
         rig.forget()
+        rig.body.reset()
         spoken = SPOKEN[language]
 
         tell(rig, pool, language, spoken.command)

@@ -19,6 +19,8 @@ from edgevox.core.commands import TextInput
 from edgevox.core.events import Responded
 from edgevox.voice.stt.watched import WatchedSpeechToText
 
+SPEED = 0.2
+"""Of its world: a drive goes on for longer than it takes to hear a word."""
 KITCHEN = ("navigate_to", {"room": "kitchen"})
 
 
@@ -56,7 +58,9 @@ def reader():
 
 @pytest.fixture
 def rig(tmp_path, monkeypatch, reader):
-    made = VoiceRig(monkeypatch, tmp_path / "out.wav", robot="robot-apartment", model=reader)
+    made = VoiceRig(
+        monkeypatch, tmp_path / "out.wav", robot="robot-apartment", model=reader, speed=SPEED
+    )
     with made as started:
         yield started
 

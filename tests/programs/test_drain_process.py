@@ -31,7 +31,7 @@ drain = Drain(
     interlock, bus, halt=lambda _: say("halt"), stands=lambda: True, busy=lambda: what == "goal",
     reason=because("draining"), bound_s=0.2 if what != "goal" else 600.0, stand_s=0.2,
 )
-with ShutdownSignals(0.5, drain) as signals:
+with ShutdownSignals(10.0, drain) as signals:
     try:
         say("ready")  # a signal may come as soon as somebody has read this
         while True:

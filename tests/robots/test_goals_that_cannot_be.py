@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 
 import pytest
+from guards import HUNG_S
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
@@ -108,7 +109,7 @@ def test_a_sentence_that_asks_for_such_a_point_is_refused_before_it_is_acknowled
     try:
         talk.submit(TextInput("go to x 50, y 2"))
         talk.submit(RunSkill("navigate_xy", {"x": True, "y": 1}))
-        assert talk.wait_idle(20)
+        assert talk.wait_idle(HUNG_S)
     finally:
         talk.close()
     reason = "outside the apartment: x must be between 0 and 10, and y between 0 and 10"

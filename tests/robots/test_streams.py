@@ -7,12 +7,12 @@ import sys
 from pathlib import Path
 
 import pytest
+from guards import HUNG_S
 
 PROGRAMS = Path(sys.executable).parent
 AGENT = [str(PROGRAMS / "edgevox-agent"), "robot-apartment", "--text-mode", "--llm=none"]
 LOGGED = ["--log-level=info", "--log-format=json"]
 DRIVE = b"go to x 4.3 and y 2\n"
-HANG_S = 60
 ASCII = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
 """A locale that knows no language but English, with Python's own remedies for it switched off."""
 
@@ -29,7 +29,7 @@ def test_a_full_disk_under_its_output_ends_no_drive_and_is_said_once(flags):
             input=DRIVE,
             stdout=full,
             stderr=subprocess.PIPE,
-            timeout=HANG_S,
+            timeout=HUNG_S,
         )
     assert done.returncode == 0
     assert done.stderr.count(b"output_lost") == 1
@@ -44,7 +44,7 @@ def test_a_reader_who_leaves_ends_no_drive_and_is_said_once():
     )
     assert b"is ready" in agent.stdout.readline()
     agent.stdout.close()
-    _, log = agent.communicate(DRIVE, timeout=HANG_S)
+    _, log = agent.communicate(DRIVE, timeout=HUNG_S)
     assert agent.returncode == 0
     assert events(log).count("output_lost") == 1
     assert "goal_succeeded" in events(log)
@@ -57,7 +57,7 @@ def test_a_reader_who_sleeps_holds_up_nothing():
     agent.stdin.write(b"/map\n" * 200 + DRIVE)  # more than fits into a pipe
     agent.stdin.close()
     log = agent.stderr.read()  # until it has ended; what it wrote to stdout nobody has read yet
-    assert agent.wait(HANG_S) == 0
+    assert agent.wait(HUNG_S) == 0
     assert events(log).count("output_lost") == 1
     assert "goal_succeeded" in events(log)
     agent.stdout.close()
@@ -68,14 +68,14 @@ def test_without_streams_it_does_what_it_is_told(tmp_path, closed):
     picture = tmp_path / "robot.png"
     closing = " ".join(f"{number}>&-" for number in closed.split())
     command = ["sh", "-c", f'exec "$@" {closing}', "sh", *AGENT]
-    done = subprocess.run(command, input=DRIVE + f"/picture {picture}\n".encode(), timeout=HANG_S)
+    done = subprocess.run(command, input=DRIVE + f"/picture {picture}\n".encode(), timeout=HUNG_S)
     assert done.returncode == 0
     assert picture.is_file()
 
 
 def test_an_unwritable_log_does_not_keep_a_wrong_setting_from_its_exit_code():
     with open("/dev/full", "wb") as full:
-        done = subprocess.run([*AGENT, "--seed=-1"], stdout=full, stderr=full, timeout=HANG_S)
+        done = subprocess.run([*AGENT, "--seed=-1"], stdout=full, stderr=full, timeout=HUNG_S)
     assert done.returncode == 2
 
 
@@ -83,7 +83,7 @@ def test_nor_one_of_the_container():
     command = [sys.executable, "-m", "edgevox.apps.container.start"]
     wrong = {**os.environ, "EDGEVOX_AGENT": "robot-teapot"}
     with open("/dev/full", "wb") as full:
-        done = subprocess.run(command, env=wrong, stdout=full, stderr=full, timeout=HANG_S)
+        done = subprocess.run(command, env=wrong, stdout=full, stderr=full, timeout=HUNG_S)
     assert done.returncode == 64
 
 
@@ -97,7 +97,7 @@ def test_a_reader_who_has_seen_enough_ends_a_tool_quietly(command):
         [PROGRAMS / command[0], *command[1:]],
         stdout=writing,
         stderr=subprocess.PIPE,
-        timeout=HANG_S,
+        timeout=HUNG_S,
     )
     os.close(writing)
     assert (done.returncode, done.stderr) == (0, b"")
@@ -109,7 +109,7 @@ def test_a_tool_whose_answer_is_lost_has_failed_and_says_so_in_one_line():
             [PROGRAMS / "edgevox-models", "list"],
             stdout=full,
             stderr=subprocess.PIPE,
-            timeout=HANG_S,
+            timeout=HUNG_S,
         )
     assert done.returncode == 1
     assert done.stderr == b"edgevox-models: standard output: No space left on device\n"
@@ -125,7 +125,7 @@ def test_where_the_locale_knows_ascii_only_every_language_is_spoken(language, sa
         input=f"{said}\n".encode(),
         env={**os.environ, **ASCII},
         capture_output=True,
-        timeout=HANG_S,
+        timeout=HUNG_S,
     )
     shown = done.stdout.decode()
     assert (done.returncode, done.stderr) == (0, b"")

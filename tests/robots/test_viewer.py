@@ -1,5 +1,6 @@
 """The viewer on a real X server that has its screen in a file."""
 
+import contextlib
 import logging
 import os
 import shutil
@@ -28,11 +29,18 @@ RED, GREEN = (200, 30, 40), (20, 180, 60)
 def child_pids(pid: int) -> list[int]:
     """The processes that a process started."""
     found = Path(f"/proc/{pid}/task").glob("*/children")
-    return [int(child) for file in found for child in file.read_text().split()]
+    return [int(child) for file in found for child in read(file).split()]
 
 
 def command_line(pid: int) -> bytes:
-    return Path(f"/proc/{pid}/cmdline").read_bytes()
+    return read(Path(f"/proc/{pid}/cmdline"))
+
+
+def read(file: Path) -> bytes:
+    """What is in it; nothing of a thread or a process that is over by now."""
+    with contextlib.suppress(FileNotFoundError, ProcessLookupError):
+        return file.read_bytes()
+    return b""
 
 
 def children(pid: int) -> bytes:
