@@ -1,10 +1,11 @@
 """Ports for servers that cannot be made with 0."""
 
+import errno
 import random
 import socket
 
 BELOW = range(20_000, 32_000)
-"""Below those that the system gives to whoever asks for any, so that nobody gets it meanwhile."""
+"""Below those that Linux gives to whoever asks for any, so that nobody gets it meanwhile."""
 
 
 def free_port() -> int:
@@ -13,6 +14,8 @@ def free_port() -> int:
         port = random.SystemRandom().choice(BELOW)
         try:
             socket.create_server(("127.0.0.1", port)).close()
-        except OSError:
+        except OSError as error:
+            if error.errno != errno.EADDRINUSE:
+                raise
             continue
         return port

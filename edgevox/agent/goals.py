@@ -91,7 +91,7 @@ class Goal:
                 return False
             self.status = GoalStatus.RUNNING
         self._tell()
-        return not self._token.cancelled
+        return not self._token.cancelled and self.status is GoalStatus.RUNNING
 
     def _call(self) -> None:
         try:

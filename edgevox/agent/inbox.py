@@ -160,7 +160,7 @@ class Inbox:
         if isinstance(item, _ASKED) and len(self._items) >= MAX_WAITING:
             return self._refuse(Refusal.TOO_MANY)
         last = self._items[-1][0] if self._items else None
-        if isinstance(item, SwitchLanguage | Forget) and type(last) is type(item):
+        if isinstance(item, _HOUSEKEEPING) and type(last) is type(item):
             self._items.pop()  # of two on end only the last one counts
         bounded = _bounded(item)
         self._items.append((bounded, self._clock.now()))

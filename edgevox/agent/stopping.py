@@ -161,6 +161,7 @@ class Stopping:
             said_s, spotted = words.ended_s, words.spotted
             if not spotted and 0.0 <= self._spotted_s - said_s < SAME_WORD_S:
                 self._bus.publish(Transcribed(clean(words.text)))  # it has stopped for this word
+                self._inbox.put(inbox.Settle())
                 return
         why = because("heard_stop", word=word)
         stopped, waited = self._stop(why, said_s)  # before anybody is told: telling may block
@@ -172,6 +173,8 @@ class Stopping:
         if stopped or untold or not spotted:
             told = _weightier(untold, _told(stopped=stopped, waited=waited))
             self._inbox.announce(self._phrases().say(told))
+        else:
+            self._inbox.put(inbox.Settle())
 
     def interrupt(self, reason: str, cause: Cause, *, motion: bool) -> None:
         """Stop everything; without `motion` only what is said: somebody wants to be heard."""

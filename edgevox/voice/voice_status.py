@@ -35,7 +35,7 @@ class AudioComponent:
     ) -> None:
         self._source, self._sink, self._listener = source, sink, listener
         self._controls, self._gauges = controls, gauges
-        self._losing = RecentIncrease(clock)
+        self._losing, self._failing = RecentIncrease(clock), RecentIncrease(clock)
         self.checks = (
             HealthCheck("listener", lives(lambda: listener.alive)),
             HealthCheck("speech_output", lives(lambda: speech_output.alive)),
@@ -50,6 +50,9 @@ class AudioComponent:
         dropped = int(getattr(self._source, "dropped", 0))  # of one that can lose any
         if self._losing.grew(dropped):
             found.append(Finding(Level.WARN, f"frames are dropped unheard, {dropped} by now"))
+        if self._failing.grew(failed := self._listener.failed):
+            text = f"what was heard was lost for a fault, {failed} times by now; the log says why"
+            found.append(Finding(Level.ERROR, text))
         muted = self._controls.muted
         return Status.judged(
             self.name,
@@ -62,7 +65,7 @@ class AudioComponent:
             level=self._gauges.level,
             muted=muted,
             dropped_frames=dropped,
-            failed_frames=self._listener.failed,
+            failed_frames=failed,
         )
 
 

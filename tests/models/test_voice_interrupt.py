@@ -1,5 +1,6 @@
 """Interrupting the whole agent, in whatever state it is, with real speech in and out."""
 
+import math
 import threading
 
 import numpy as np
@@ -21,6 +22,8 @@ QUIET = silence(3.0)
 """So much of it, while the robot is heard, teaches the echo gate that nothing of it comes back."""
 SPEED = 0.2
 """Of its world: the longest that hearing takes is shorter than a drive."""
+BRAKES_M = 0.3
+"""From 0.8 m/s, at 2 m/s^2, and what passes until this looks where it is."""
 STORY = (
     "Once upon a time there was a robot in a house with four rooms and a corridor. ",
     "Every morning it went from one room to the next, and counted all the chairs. ",
@@ -174,9 +177,12 @@ def test_a_stop_while_it_speaks_and_drives_halts_both(rig, way, room, monkeypatc
     halted = rig.wait_for(AgentEvent, lambda event: event.kind == "safety_preempt")
     assert isinstance(halted, SafetyPreempted)
     assert (halted.word, halted.stopped) == ("stop", True)
+    at = rig.body.pose()
     rig.wait_for(AgentEvent, lambda event: event.kind == "skill_cancelled")
     assert rig.wait_for(Responded).cut
     rig.wait_for(Responded, lambda event: event.text == "Stopped.")
     assert rested(rig)
     assert rig.body.state()["goal"] is None
     wait_until(lambda: abs(rig.body.velocity().linear_m_s) < 0.01, "standing")
+    stood = rig.body.pose()
+    assert math.hypot(stood.x_m - at.x_m, stood.y_m - at.y_m) < BRAKES_M

@@ -67,5 +67,5 @@ def test_who_speaks_to_it_from_a_file_is_obeyed_and_answered_into_a_file(
     assert answered == answers
     aloud = hear([Chunk(what_is_said(whole_wav(file)), RATE_HZ)], "en")
     # Piper draws how it speaks, in a process of its own.
-    assert 2 * wrong_words(words(" ".join(answered)), aloud) <= len(words(" ".join(answered)))
+    assert 3 * wrong_words(words(" ".join(answered)), aloud) <= len(words(" ".join(answered)))
     assert done.stderr == ""

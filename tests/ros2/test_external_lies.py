@@ -26,8 +26,8 @@ QUICK = ExternalSettings(
     steering_patience=Patience(unmoved_s=2.0, no_nearer_s=4.0),
     obey_s=2.5,
 )
-ON_THEIR_WAY = 40
-"""Velocities of two seconds: a peer on a busy machine may be so late."""
+ON_THEIR_WAY = 100
+"""So many velocities wait for a peer that is late; more were not asked for before it stopped."""
 NOT_SO = ("claim 1e300", "claim -10001", "claim nan", "length 3")
 
 

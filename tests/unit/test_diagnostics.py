@@ -88,11 +88,11 @@ def test_what_happened_is_shown_for_a_while_and_then_over():
     assert increase.grew(3)
 
 
-def sound(clock, *, alive=True, muted=False, source_fault="", sink_fault="", dropped=0):
+def sound(clock, *, alive=True, muted=False, source_fault="", sink_fault="", dropped=0, failed=0):
     return AudioComponent(
         SimpleNamespace(name="a microphone", fault=source_fault, dropped=dropped),
         SimpleNamespace(name="a loudspeaker", fault=sink_fault),
-        SimpleNamespace(alive=alive, failed=0),
+        SimpleNamespace(alive=alive, failed=failed),
         SimpleNamespace(alive=alive),
         controls=SimpleNamespace(muted=muted),
         gauges=Gauges(Bus()),
@@ -113,6 +113,7 @@ def sound(clock, *, alive=True, muted=False, source_fault="", sink_fault="", dro
             "listener: its thread has ended; speech_output: its thread has ended",
         ),
         ({"dropped": 9}, Level.WARN, "9 by now"),
+        ({"failed": 2}, Level.ERROR, "lost for a fault, 2 times by now"),
     ],
 )
 def test_audio_says_what_is_wrong_with_its_devices(changed, level, said):

@@ -73,6 +73,7 @@ def test_the_words_of_an_utterance_that_was_over_before_the_sound_are_not_answer
 
     assert rig.answers() == ["Stopped."]
     assert rig.of(SafetyPreempted) == [STOPPED]
+    assert rig.of(StateChanged)[-1].state is State.LISTENING
 
 
 def test_a_stop_word_that_is_said_later_stops_by_its_words(rig):

@@ -22,7 +22,8 @@ COMPONENTS: tuple[ComponentRow, ...] = (
         "microphone and loudspeaker",
         "frames are dropped unheard",
         "a device is gone (a microphone is tried again every 3 s, a loudspeaker with the next"
-        " sentence), or a thread that hears or speaks has ended",
+        " sentence), a thread that hears or speaks has ended, or what was heard was lost for a"
+        " fault",
         "plug it in; `edgevox doctor --only sound` lists what is there",
     ),
     ComponentRow(
