@@ -17,5 +17,5 @@ def free_port() -> int:
         except OSError as error:
             if error.errno != errno.EADDRINUSE:
                 raise
-            continue
-        return port
+        else:
+            return port

@@ -150,8 +150,12 @@ class Stopping:
             said, self._untold = self._untold, ""
         if text:
             self._bus.publish(Transcribed(clean(text)))
-        if said and said != _STANDING:
-            self._inbox.announce(self._phrases().say(said))
+        self._answer("" if said == _STANDING else said)
+
+    def _answer(self, told: str) -> None:
+        """Say what became of a stop; where there is nothing to say, only listen again."""
+        if told:
+            self._inbox.announce(self._phrases().say(told))
         else:
             self._inbox.put(inbox.Settle())
 
@@ -161,7 +165,7 @@ class Stopping:
             said_s, spotted = words.ended_s, words.spotted
             if not spotted and 0.0 <= self._spotted_s - said_s < SAME_WORD_S:
                 self._bus.publish(Transcribed(clean(words.text)))  # it has stopped for this word
-                self._inbox.put(inbox.Settle())
+                self._answer("")
                 return
         why = because("heard_stop", word=word)
         stopped, waited = self._stop(why, said_s)  # before anybody is told: telling may block
@@ -170,11 +174,8 @@ class Stopping:
             untold, self._untold = self._untold, ""
         if stopped or not spotted or untold == _STANDING:
             self._bus.publish(SafetyPreempted(word, stopped))
-        if stopped or untold or not spotted:
-            told = _weightier(untold, _told(stopped=stopped, waited=waited))
-            self._inbox.announce(self._phrases().say(told))
-        else:
-            self._inbox.put(inbox.Settle())
+        tell = stopped or untold or not spotted
+        self._answer(_weightier(untold, _told(stopped=stopped, waited=waited)) if tell else "")
 
     def interrupt(self, reason: str, cause: Cause, *, motion: bool) -> None:
         """Stop everything; without `motion` only what is said: somebody wants to be heard."""

@@ -47,7 +47,7 @@ def page(browser: Browser, rig: Rig) -> Iterator[Page]:
 def test_stop_needs_no_turn_and_reaches_the_robot(page: Page, rig: Rig) -> None:
     page.keyboard.press("Space")
     assert rig.stop.engaged.wait(60)
-    expect(page.locator(".stopped")).to_be_visible(timeout=PATIENCE_MS)
+    expect(page.locator(".stopped")).to_be_visible()
 
 
 def test_words_reach_it_as_an_operators_and_come_back(page: Page, rig: Rig) -> None:
@@ -73,7 +73,7 @@ def test_the_stick_steers_and_letting_go_halts(page: Page, rig: Rig) -> None:
 
 
 def test_what_is_looked_at_comes(page: Page, rig: Rig) -> None:
-    expect(page.locator(".facts")).to_contain_text("1.0, 2.0 m", timeout=PATIENCE_MS)
+    expect(page.locator(".facts")).to_contain_text("1.0, 2.0 m")
 
 
 def test_a_browser_that_is_thrown_out_is_asked_for_a_code(page: Page, rig: Rig) -> None:
@@ -83,7 +83,7 @@ def test_a_browser_that_is_thrown_out_is_asked_for_a_code(page: Page, rig: Rig) 
 
 
 def test_the_log_of_this_turn_is_shown_and_no_words_of_people(page: Page, rig: Rig) -> None:
-    expect(page.locator(".facts")).to_contain_text("1.0, 2.0 m", timeout=PATIENCE_MS)  # it looks
+    expect(page.locator(".facts")).to_contain_text("1.0, 2.0 m")  # it looks
     log.warning("goal_failed", turn=1, skill="dance")
     log.warning("turn_slow", turn=2, text=Said("my secret"))
     log.warning("pairing", code="424242")

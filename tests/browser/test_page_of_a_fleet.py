@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 
 import pytest
-from browser_rig import DESK, PATIENCE_MS, PHONE, problems
+from browser_rig import DESK, PHONE, problems
 from playwright.sync_api import Browser, expect
 
 from edgevox.apps.fleet.robots_file import FleetRobot
@@ -44,11 +44,11 @@ def test_axe_finds_nothing(
     broken: list[str] = []
     page.on("pageerror", lambda error: broken.append(str(error)))
     page.goto(f"http://127.0.0.1:{served.port}")
-    expect(page.locator("tbody tr")).to_have_count(len(STATES), timeout=PATIENCE_MS)
+    expect(page.locator("tbody tr")).to_have_count(len(STATES))
     expect(page.locator("#summary")).to_have_text("1 of 4 are ready")
     assert problems(page) == []
     assert not broken
     served.close()
-    expect(page.locator("body")).to_have_class("stale", timeout=PATIENCE_MS)
+    expect(page.locator("body")).to_have_class("stale")
     assert problems(page) == []
     context.close()

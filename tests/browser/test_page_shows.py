@@ -6,7 +6,7 @@ import json
 import re
 
 import pytest
-from browser_rig import DESK, PATIENCE_MS, PHONE, Opens, problems
+from browser_rig import DESK, PHONE, Opens, problems
 from PIL import Image
 from playwright.sync_api import Browser, expect
 from stand_in import HELLO, PAGE, Robot
@@ -209,7 +209,7 @@ def test_the_next_picture_is_asked_for_when_one_is_shown_even_a_broken_one(
     robot.pictures = iter([jpeg(50), b"no picture", jpeg(200)])
     robot.hello = {**HELLO, "capabilities": {"picture": True, "map": False}}
     page = opens()
-    expect(page.locator(".picture")).to_be_visible(timeout=PATIENCE_MS)
+    expect(page.locator(".picture")).to_be_visible()
     until(page, lambda: robot.asked_pictures == 4)  # one more than there are: it waits
 
 
@@ -247,7 +247,7 @@ def test_an_arm_has_no_map_but_joints_a_hand_and_things(opens: Opens, robot: Rob
         "things": [{"name": "red cube", "x": 0.5, "y": 0.1, "z": 0.2, "held": True}],
     }
     page = opens()
-    expect(page.locator(".joint")).to_contain_text("0.50", timeout=PATIENCE_MS)
+    expect(page.locator(".joint")).to_contain_text("0.50")
     expect(page.locator(".facts")).to_contain_text("red cube")
     expect(page.locator(".map-card")).to_be_hidden()
 

@@ -8,6 +8,7 @@ import pytest
 from guards import HUNG_S
 from listener_rig import loud, says_espeak, silence
 from voice_engines import words
+from voice_rig import SLOWLY
 from waiting import wait_until
 
 from edgevox.agent.grammar import SAY
@@ -20,8 +21,6 @@ from edgevox.voice.sinks.wav_file import WavFile
 
 QUIET = silence(3.0)
 """So much of it, while the robot is heard, teaches the echo gate that nothing of it comes back."""
-SPEED = 0.2
-"""Of its world: the longest that hearing takes is shorter than a drive."""
 BRAKES_M = 0.3
 """From 0.8 m/s, at 2 m/s^2, and what passes until this looks where it is."""
 STORY = (
@@ -64,7 +63,7 @@ def teller():
 
 @pytest.fixture(scope="module")
 def home_with(teller):
-    return {"aloud": True, "model": teller, "speed": SPEED}
+    return {"aloud": True, "model": teller, "speed": SLOWLY}
 
 
 def states(rig):

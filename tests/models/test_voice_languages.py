@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from listener_rig import loud, silence
 from voice_engines import words, wrong_words
-from voice_rig import says
+from voice_rig import SLOWLY, says
 
 from edgevox.core.agent_events import AgentEvent
 from edgevox.core.commands import SetLanguage
@@ -19,8 +19,7 @@ from edgevox.voice.tts.pool import VoicePool
 
 @pytest.fixture(scope="module")
 def home_with():
-    """A world in which a drive goes on for longer than it takes to hear and to answer."""
-    return {"speed": 0.2}
+    return {"speed": SLOWLY}
 
 
 class Spoken(NamedTuple):

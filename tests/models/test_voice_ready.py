@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from guards import HUNG_S
 from listener_rig import loud, says_espeak, silence
-from voice_rig import VoiceRig
+from voice_rig import SLOWLY, VoiceRig
 
 from edgevox.agent.grammar import SAY
 from edgevox.apps import composition
@@ -19,8 +19,6 @@ from edgevox.core.commands import TextInput
 from edgevox.core.events import Responded
 from edgevox.voice.stt.watched import WatchedSpeechToText
 
-SPEED = 0.2
-"""Of its world: a drive goes on for longer than it takes to hear a word."""
 KITCHEN = ("navigate_to", {"room": "kitchen"})
 
 
@@ -59,7 +57,7 @@ def reader():
 @pytest.fixture
 def rig(tmp_path, monkeypatch, reader):
     made = VoiceRig(
-        monkeypatch, tmp_path / "out.wav", robot="robot-apartment", model=reader, speed=SPEED
+        monkeypatch, tmp_path / "out.wav", robot="robot-apartment", model=reader, speed=SLOWLY
     )
     with made as started:
         yield started

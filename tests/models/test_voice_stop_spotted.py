@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from guards import HUNG_S
 from listener_rig import loud, says_espeak, silence
+from voice_rig import SLOWLY
 
 from edgevox.core.agent_events import GoalChanged, HeardBy, SafetyPreempted
 from edgevox.core.events import Responded
@@ -11,8 +12,7 @@ from edgevox.core.events import Responded
 
 @pytest.fixture(scope="module")
 def home_with():
-    """A world in which the robot is on its way for longer than it takes to hear three words."""
-    return {"speed": 0.2}
+    return {"speed": SLOWLY}
 
 
 def drive(rig):

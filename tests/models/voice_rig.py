@@ -49,6 +49,8 @@ SEEN = (
 
 QUIET_S = 2.0
 """More silence than any utterance is waited for to go on."""
+SLOWLY = 0.2
+"""The speed of a world in which a drive goes on for longer than it takes to hear and to answer."""
 
 
 def whole_wav(path):

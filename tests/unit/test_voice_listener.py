@@ -350,37 +350,3 @@ def test_a_word_that_cannot_be_told_costs_no_utterance(listen, caplog):
 
     assert words(said) == ["wait"]
     assert "command_untaken" in caplog.text
-
-
-@pytest.mark.parametrize("broken", ["language", "is_stop"])
-def test_a_bug_amid_understanding_ends_nothing(broken, caplog):
-    said, broke = [], threading.Event()
-
-    def breaks(*_):
-        if not broke.is_set():
-            broke.set()
-            raise RuntimeError("bug")
-        return "en"
-
-    listener = Listener(
-        Script(*spoken(), *spoken()),
-        Vad(),
-        Stt("stop", "stop"),
-        submit=said.append,
-        bus=Bus(),
-        language=breaks if broken == "language" else lambda: "en",
-        muted=lambda: False,
-        audible=lambda: 0.0,
-        wakeword=Wake() if broken == "is_stop" else None,
-        is_stop=breaks,
-        lossless=True,
-    )
-    listener.start()
-    assert listener.wait_over(60)
-
-    assert listener.alive
-    assert words(said)[-1:] == ["stop"]
-    told = [one for one in said if isinstance(one, Transcribing)]
-    assert len(told) == (len(words(said)) if broken == "language" else 0)
-    assert "speech_to_text_broke" in caplog.text
-    listener.close()

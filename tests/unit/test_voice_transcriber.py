@@ -16,11 +16,24 @@ def breaks(*_):
     raise ZeroDivisionError("a bug")
 
 
+class Once:
+    """Breaks the first time, and says then that it is so."""
+
+    def __init__(self, answer):
+        self.answer, self.broke = answer, False
+
+    def __call__(self, *_):
+        if not self.broke:
+            self.broke = True
+            breaks()
+        return self.answer
+
+
 @pytest.fixture
-def transcribe():
+def transcribe(caplog):
     made = []
 
-    def run(*jobs, language=lambda: "en", is_stop=lambda _: False):
+    def run(*jobs, guessed=None, language=lambda: "en", is_stop=lambda _: False):
         told = Told()
         one = Transcriber(
             Stt(*["stop"] * len(jobs)),
@@ -31,10 +44,14 @@ def transcribe():
         )
         made.append(one)
         one.start()
+        if guessed:
+            assert one.guess(guessed)
+            assert one.wait_idle(60)
         for job in jobs:
             assert one.take(job)
         assert one.wait_idle(60)
         assert one.alive
+        assert "speech_to_text_broke" in caplog.text
         return told.messages, one.failed
 
     yield run
@@ -58,4 +75,24 @@ def test_a_bug_where_only_a_stop_would_count_tells_one_that_was_spotted(transcri
     )
 
     assert said == ([Heard("", 1.0, spotted=True)] if spotted else [])
+    assert failed == 1
+
+
+def test_a_bug_while_it_may_not_be_over_yet_costs_nothing_of_it(transcribe):
+    job = TranscriptionJob(SOUND, 1.0)
+
+    said, failed = transcribe(job, guessed=job, language=Once("en"))
+
+    assert said == [Transcribing(), Heard("stop", 1.0, said[-1].stt_s)]
+    assert failed == 1
+
+
+def test_after_a_bug_a_stop_without_the_wake_word_is_heard(transcribe):
+    said, failed = transcribe(
+        TranscriptionJob(SOUND, 1.0, only_stop=True),
+        TranscriptionJob(SOUND, 2.0, only_stop=True),
+        is_stop=Once(answer=True),
+    )
+
+    assert said == [Heard("stop", 2.0, said[-1].stt_s)]
     assert failed == 1
