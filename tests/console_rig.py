@@ -10,6 +10,7 @@ from typing import Any
 
 import aiohttp
 
+from edgevox.agent.reasons import because
 from edgevox.console.console_server import ConsoleServer
 from edgevox.console.context import ConsoleContext
 from edgevox.console.sessions import Role
@@ -18,6 +19,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
 from edgevox.core.commands import Command
 from edgevox.core.controls import Controls
+from edgevox.core.interlock import Interlock
 from edgevox.core.software_stop import StopState
 
 WAIT_S = 30.0
@@ -26,7 +28,8 @@ WAIT_S = 30.0
 class NotedStop:
     """A software stop that notes who pressed it, and on which thread."""
 
-    def __init__(self) -> None:
+    def __init__(self, interlock: Interlock) -> None:
+        self.interlock = interlock
         self.state = StopState()
         self.pressed: list[tuple[str, str]] = []
         self.engaged = threading.Event()
@@ -34,6 +37,8 @@ class NotedStop:
 
     def stop(self, who: str) -> None:
         self.pressed.append((who, threading.current_thread().name))
+        with self.interlock.stopping(because("software_stop")):
+            pass
         self._change(StopState(engaged=True, by=who, since=1.0))
         self.engaged.set()
 
@@ -57,6 +62,7 @@ class NotedRobot:
         self.steered: list[tuple[float, float] | str] = []
         self.halted = threading.Event()
         self.pictures = 0
+        self.lets_go = 0
 
     def scene(self) -> Mapping[str, Any]:
         return {"version": 1, "bounds": [0, 0, 1, 1]}
@@ -68,8 +74,11 @@ class NotedRobot:
         self.pictures += 1
         return b"\xff\xd8%d" % self.pictures
 
-    def drive(self, linear_m_s: float, angular_rad_s: float) -> None:
+    def drive(self, linear_m_s: float, angular_rad_s: float, mark: int | None = None) -> None:
         self.steered.append((linear_m_s, angular_rad_s))
+
+    def let_go(self) -> None:
+        self.lets_go += 1
 
     def halt(self) -> None:
         self.steered.append("halt")
@@ -157,13 +166,14 @@ def console(
     folder: Path, tls: Tls | None = None, clock: Clock | None = None, **changes: Any
 ) -> Iterator[Rig]:
     """A console that serves on a port of its own."""
-    bus, stop, robot = Bus(), NotedStop(), NotedRobot()
+    bus, interlock, robot = Bus(), Interlock(), NotedRobot()
+    stop = NotedStop(interlock)
     submitted: list[Command] = []
     hold = threading.Event()
     hold.set()
     began = threading.Event()
 
-    def submit(command: Command) -> None:
+    def submit(command: Command, mark: int | None = None) -> None:
         began.set()
         assert hold.wait(WAIT_S)
         submitted.append(command)
@@ -171,6 +181,7 @@ def console(
     given: dict[str, Any] = {
         "name": "apartment",
         "bus": bus,
+        "interlock": interlock,
         "submit": submit,
         "controls": Controls(bus, language="en", voices=lambda _: ()),
         "safety": stop,

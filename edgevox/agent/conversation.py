@@ -23,7 +23,7 @@ from edgevox.agent.programs.program_store import Timer
 from edgevox.agent.programs.senses import NO_SENSES, Senses
 from edgevox.agent.reasons import because
 from edgevox.agent.skill_executor import SkillExecutor
-from edgevox.agent.skills import Call
+from edgevox.agent.skills import STOP, Call
 from edgevox.agent.states import StateMachine
 from edgevox.agent.stopping import Stopping
 from edgevox.agent.turn import InputTiming, Turn
@@ -36,6 +36,7 @@ from edgevox.core.commands import (
     Heard,
     Interrupt,
     Reset,
+    RunSkill,
     SpokenOn,
     StopSpotted,
     TextInput,
@@ -44,6 +45,7 @@ from edgevox.core.commands import (
 from edgevox.core.events import State, TurnEnded
 from edgevox.core.interlock import Interlock
 from edgevox.core.log import bound
+from edgevox.core.reason import Reason
 from edgevox.core.settings import Confirm
 from edgevox.core.speech import TextToSpeech
 from edgevox.core.transforms import Pose2D
@@ -86,6 +88,7 @@ class Conversation:
             dialogue.agents, bus, self._clock, model, language, decider=decider, phonemes=phonemes
         )
         self._skills = skills_of(agents)
+        self._interlock = interlock = interlock or Interlock()
         self._executor = SkillExecutor(
             bus,
             halt,
@@ -127,6 +130,7 @@ class Conversation:
             states=self._states,
             executor=self._executor,
             programs=self.programs,
+            interlock=interlock,
             question=self._question,
             turn=lambda: self._turn,
             phrases=lambda: interpreter.phrases,
@@ -166,8 +170,13 @@ class Conversation:
         if self._thread.is_alive():
             self._thread.join()
 
-    def submit(self, command: ConversationCommand) -> None:
-        """Take a command, on the caller's thread: what cannot wait is done, the rest is queued."""
+    def submit(self, command: ConversationCommand, mark: int | None = None) -> None:
+        """Take a command, on the caller's thread: what cannot wait is done, the rest is queued.
+
+        `mark` is the interlock's when it was received, now by default: what was received before a
+        stop is no longer done. A stop always is.
+        """
+        mark = self._interlock.mark if mark is None else mark
         match command:
             case Interrupt(reason=reason, motion=motion, cause=cause):
                 self._stopping.interrupt(reason, cause, motion=motion)
@@ -180,9 +189,19 @@ class Conversation:
             case Transcribing():
                 self._states.transcribing()
             case TextInput() | Heard():
-                self._take(command)
+                self._take(command, mark)
+            case RunSkill(name=name) if name == STOP and name in self._skills:
+                self._stopping.call(lambda: self._begin_stop(command))
             case _:
-                self._inbox.put(command)
+                self._stopping.queue(command, mark)
+
+    def _begin_stop(self, asked: RunSkill) -> None:
+        call = Call(STOP, asked.arguments)
+        self._executor.begin(call, self._skills, None, asked.way, self._interlock.mark)
+
+    def stop(self, reason: Reason) -> None:
+        """Stop everything at once, without a word."""
+        self._stopping.stop(reason)
 
     def is_stop(self, text: str) -> bool:
         """Whether these words would stop the robot."""
@@ -197,9 +216,15 @@ class Conversation:
         """When somebody is asked before the robot drives, from the next sentence on."""
         self._asking.confirm = confirm
 
-    def check_goal(self, name: str, arguments: Mapping[str, Any], way: Way = Way.ACTION) -> None:
+    def check_goal(
+        self,
+        name: str,
+        arguments: Mapping[str, Any],
+        way: Way = Way.ACTION,
+        mark: int | None = None,
+    ) -> None:
         """Raise what `start_goal` would raise; but that a refusal is told, nothing happens."""
-        self._executor.check(Call(name, arguments), self._skills, way)
+        self._executor.check(Call(name, arguments), self._skills, way, mark=mark)
 
     def start_goal(
         self,
@@ -207,14 +232,18 @@ class Conversation:
         arguments: Mapping[str, Any],
         goal_id: str | None = None,
         way: Way = Way.ACTION,
+        mark: int | None = None,
     ) -> Goal:
         """Run one skill for a program, without a turn: it is seen on the bus and never spoken of.
 
         Whatever moves pre-empts whatever moves, asked for in words or not, and stop words end it.
-        A skill that moves nothing pre-empts nothing. Raises `InvalidValue` (`UnknownSkill` for the
-        name) or `SkillFailed` (too many wait, the policy forbids it); nothing has happened then.
+        A skill that moves nothing pre-empts nothing. `mark` is the interlock's when it was
+        received, now by default. Raises `InvalidValue` (`UnknownSkill` for the name) or
+        `SkillFailed` (too many wait, a stop came after it, the policy forbids it); nothing has
+        happened then.
         """
-        return self._executor.begin(Call(name, arguments), self._skills, goal_id, way)
+        mark = self._interlock.mark if mark is None else mark
+        return self._executor.begin(Call(name, arguments), self._skills, goal_id, way, mark)
 
     def wait_idle(self, timeout_s: float | None = None) -> bool:
         """Block until nothing is said, thought or done, goals too; False after the timeout."""
@@ -228,7 +257,7 @@ class Conversation:
             if not self._executor.wait_idle(left_s):
                 return False
 
-    def _take(self, words: TextInput | Heard) -> None:
+    def _take(self, words: TextInput | Heard, mark: int) -> None:
         counts = isinstance(words, TextInput)
         if isinstance(words, Heard):
             try:
@@ -236,7 +265,7 @@ class Conversation:
             finally:
                 self._states.transcribed(words=counts)
         if counts and not self._stopping.hears(words):
-            self._stopping.queue(words)
+            self._stopping.queue(words, mark)
 
     def _work(self) -> None:
         while not self._inbox.closed:
@@ -262,6 +291,7 @@ class Conversation:
             speech_output=self._speech_output,
             asked=InputTiming(item.ended_s, item.stt_s) if isinstance(item, Heard) else None,
             way=inbox.way_of(item),
+            mark=self._inbox.mark,
             plainly=isinstance(item, Heard) and item.spotted,
             hearing=item.confidence if isinstance(item, Heard) else 1.0,
             others=item.others if isinstance(item, Heard) else (),

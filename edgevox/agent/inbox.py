@@ -3,7 +3,7 @@
 import threading
 from collections import Counter, deque
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.commands import Heard, RunSkill, Speak, TextInput
@@ -65,6 +65,16 @@ class TooLong:
 
 Item = TextInput | Heard | Speak | RunSkill | TooLong | Announce | Forget | Settle | SwitchLanguage
 
+
+@dataclass(frozen=True, slots=True)
+class _Waiting:
+    """An item, the clock's time when it was put, and the interlock's mark when it was asked for."""
+
+    item: Item
+    put_s: float
+    mark: int
+
+
 _ASKED = TextInput | Heard | Speak | RunSkill
 _HOUSEKEEPING = Forget | Settle | SwitchLanguage
 
@@ -73,14 +83,16 @@ class Inbox:
     """A queue in the order of asking: anybody puts, one thread takes and is then at work.
 
     `gate` is held while it changes; hold it to do something together with a change. `since_s` is
-    the clock's time when what was taken last had been put.
+    the clock's time when what was taken last had been put, `mark` is what it was put with: the
+    mark of the interlock when it was asked for.
     """
 
     def __init__(self, clock: Clock | None = None) -> None:
         self.gate = threading.Condition()
         self.since_s = 0.0
+        self.mark = 0
         self._clock = clock or SystemClock()
-        self._items: deque[tuple[Item, float]] = deque()
+        self._items: deque[_Waiting] = deque()
         self._at_work = False
         self._closed = False
         self.refusals = Counter({str(reason): 0 for reason in LIMITS})
@@ -96,13 +108,13 @@ class Inbox:
         with self.gate:
             return not (self._items or self._at_work)
 
-    def put(self, item: Item) -> Refusal | None:
+    def put(self, item: Item, mark: int = 0) -> Refusal | None:
         """Let it wait; else why not, which is counted and logged.
 
         What is too long is told so in its turn.
         """
         with self.gate:
-            refusal = None if self._closed else self._put(item)
+            refusal = None if self._closed else self._put(item, mark)
             self.gate.notify_all()
         if refusal:
             log.warning("request_refused", reason=refusal, limit=LIMITS[refusal])
@@ -122,8 +134,9 @@ class Inbox:
             if self._closed or not self._items:
                 return None
             self._at_work = True
-            item, self.since_s = self._items.popleft()
-            return item
+            taken = self._items.popleft()
+            self.since_s, self.mark = taken.put_s, taken.mark
+            return taken.item
 
     def done(self) -> None:
         """What was taken is attended to."""
@@ -139,15 +152,20 @@ class Inbox:
     def withdraw(self, ended_s: float) -> None:
         """Forget what was heard until then, if it still waits."""
         with self.gate:
-            gone = [one for one in self._items if getattr(one[0], "ended_s", None) == ended_s]
+            gone = [one for one in self._items if getattr(one.item, "ended_s", None) == ended_s]
             for one in gone:
                 self._items.remove(one)
 
     def stop(self) -> None:
         """Forget all that is to be said and done; who is forgotten and what is spoken stays."""
         with self.gate:
-            kept = [one for one in self._items if isinstance(one[0], SwitchLanguage | Forget)]
-            self._items = deque({type(item): (item, at_s) for item, at_s in kept}.values())
+            kept = [one for one in self._items if isinstance(one.item, SwitchLanguage | Forget)]
+            self._items = deque({type(one.item): one for one in kept}.values())
+
+    def remark(self, mark: int) -> None:
+        """Let all that waits count as asked for at this mark: it came after what is done now."""
+        with self.gate:
+            self._items = deque(replace(one, mark=mark) for one in self._items)
 
     def close(self) -> None:
         """Forget everything, and take nothing any more."""
@@ -156,14 +174,14 @@ class Inbox:
             self._items.clear()
             self.gate.notify_all()
 
-    def _put(self, item: Item) -> Refusal | None:
+    def _put(self, item: Item, mark: int) -> Refusal | None:
         if isinstance(item, _ASKED) and len(self._items) >= MAX_WAITING:
             return self._refuse(Refusal.TOO_MANY)
-        last = self._items[-1][0] if self._items else None
+        last = self._items[-1].item if self._items else None
         if isinstance(item, _HOUSEKEEPING) and type(last) is type(item):
             self._items.pop()  # of two on end only the last one counts
         bounded = _bounded(item)
-        self._items.append((bounded, self._clock.now()))
+        self._items.append(_Waiting(bounded, self._clock.now(), mark))
         return self._refuse(Refusal.TOO_LONG) if isinstance(bounded, TooLong) else None
 
     def _refuse(self, reason: Refusal) -> Refusal:

@@ -33,9 +33,6 @@ class Follower(Protocol):
     def goal_ended(self, goal: Goal) -> None:
         """One that moved has ended, and that was said."""
 
-    def stop_called(self) -> None:
-        """The skill that stops is about to begin."""
-
     def motion_forbidden(self, reason: Reason) -> Tell:
         """Nothing may move from now on: let nothing begin to. What moves is about to be ended.
 
@@ -49,7 +46,8 @@ class SkillExecutor:
     `stop` and `perform` exclude each other, so no motion starts for a turn that was stopped.
     `phrases` gives the language to speak at the moment. While the `interlock` is engaged no motion
     starts, and what moved when it was engaged is cancelled, which is said. The `guard` is asked of
-    each call that is valid, whatever it would do. Who does `follow` hears of stops and of ends.
+    each call that is valid, whatever it would do. Who does `follow` hears of ends and of what may
+    not move any more; what `on_stop` is given does all that the skill `stop` stands for.
     """
 
     def __init__(
@@ -67,6 +65,7 @@ class SkillExecutor:
         self._announce = announce
         self._phrases = phrases
         self._followers: tuple[Follower, ...] = ()
+        self._stop_everything: Callable[[Turn | None], object] = lambda _: None
         self._gate = threading.Lock()
         self._runner = GoalRunner(on_end=self._ended)
         self._guard = guard or Guard(bus=bus)
@@ -76,6 +75,10 @@ class SkillExecutor:
     def follow(self, follower: Follower) -> None:
         """Tell it from now on; to be called before the start."""
         self._followers = (*self._followers, follower)
+
+    def on_stop(self, stop: Callable[[Turn | None], object]) -> None:
+        """Call it before the skill `stop` runs, with the turn if it was asked for in words."""
+        self._stop_everything = stop
 
     def start(self) -> None:
         self._runner.start()
@@ -115,33 +118,42 @@ class SkillExecutor:
         return cut or ended
 
     def check(
-        self, call: Call, skills: SkillSet, way: Way, turn: int = 0, *, confirmed: bool = False
+        self,
+        call: Call,
+        skills: SkillSet,
+        way: Way,
+        turn: int = 0,
+        *,
+        mark: int | None = None,
+        confirmed: bool = False,
     ) -> Mapping[str, Any]:
         """The arguments, checked. Raises where `begin` would; the policy tells what it refuses.
 
-        `confirmed`: somebody has said yes to it, in this `turn`.
+        `mark` is the interlock's when it was asked for, now by default. `confirmed`: somebody has
+        said yes to it, in this `turn`.
         """
         skill = skills[call.skill]
         arguments = skill.validate(call.arguments)
         asked = _asked(skill, arguments)
         self._guard.permit(way, [asked], turn, confirmed=confirmed)
-        if held := self._held([skill]):
+        if held := self._held([skill], self._interlock.mark if mark is None else mark):
             raise SkillFailed(held)
         if not skill.moves and self._runner.full:
             raise SkillFailed(because("goals_wait", skill=call.skill, count=str(MAX_BACKGROUND)))
         return arguments
 
-    def begin(self, call: Call, skills: SkillSet, goal_id: str | None, way: Way) -> Goal:
+    def begin(self, call: Call, skills: SkillSet, goal_id: str | None, way: Way, mark: int) -> Goal:
         """Run one call without a turn, and so without a word said about it.
 
-        One that moves pre-empts what moves; another waits for nothing but its like.
+        One that moves pre-empts what moves; another waits for nothing but its like. `mark` is the
+        interlock's when it was asked for.
         """
-        arguments = self.check(call, skills, way)
+        arguments = self.check(call, skills, way, mark=mark)
         goal = Goal(skills[call.skill], arguments, turn=0, bus=self._bus, goal_id=goal_id)
         self._tell(goal, "action")
         self._stopping([goal])
         with self._gate:
-            if held := self._held([goal.skill]):
+            if held := self._held([goal.skill], mark):
                 goal.drop(held)
             elif goal.skill.moves:
                 self._runner.move([goal])
@@ -156,7 +168,7 @@ class SkillExecutor:
         with self._gate:
             if not may():
                 return False
-            if held := self._held([goal.skill]):
+            if held := self._held([goal.skill], self._interlock.mark):
                 raise SkillFailed(held)
             if goal.skill.moves:
                 self._runner.move([goal])
@@ -165,12 +177,20 @@ class SkillExecutor:
         return True
 
     def step(
-        self, call: Call, skills: SkillSet, way: Way, turn: int, *, confirmed: bool = False
+        self,
+        call: Call,
+        skills: SkillSet,
+        way: Way,
+        turn: int,
+        *,
+        mark: int,
+        confirmed: bool = False,
     ) -> Goal:
         """A goal for a step of a program, checked now; who runs the program runs it."""
-        arguments = self.check(call, skills, way, turn, confirmed=confirmed)
+        arguments = self.check(call, skills, way, turn, mark=mark, confirmed=confirmed)
         goal = Goal(skills[call.skill], arguments, turn=turn, bus=self._bus)
         self._tell(goal, "program")
+        self._stopping([goal])
         return goal
 
     @property
@@ -222,7 +242,7 @@ class SkillExecutor:
         turn.acted()
         for goal in goals:
             self._tell(goal, source)
-        self._stopping(goals)
+        self._stopping(goals, turn)
         if any(goal.skill.moves for goal in goals):
             return self._run_beside(goals, turn)
         self._run_now(goals, turn)
@@ -238,13 +258,13 @@ class SkillExecutor:
         """Say what is going to be done, and begin: planning a way first would hold the words up."""
         moving = [goal for goal in goals if goal.skill.moves]
         phrases, skills = self._phrases(), [goal.skill for goal in goals]
-        if not turn.token.cancelled and not self._held(skills):
+        if not turn.token.cancelled and not self._held(skills, turn.mark):
             said = [phrases.acknowledge(goal.skill, goal.arguments) for goal in moving]
             turn.say(phrases.chained(said))
         with self._gate:
             if turn.token.cancelled:
                 return False
-            held = self._held(skills)
+            held = self._held(skills, turn.mark)
             if not held:
                 self._runner.move(goals)
         if held:
@@ -259,9 +279,13 @@ class SkillExecutor:
             phrases = self._phrases()
             turn.say(_report(phrases, goal), detail=detail(phrases, goal.reason))
 
-    def _held(self, skills: Sequence[Skill]) -> Reason:
-        """Why these may not run; none if they may."""
-        return self._interlock.reason if any(skill.drives for skill in skills) else NO_REASON
+    def _held(self, skills: Sequence[Skill], mark: int) -> Reason:
+        """Why these, asked for at this mark, may not run; none if they may. A stop always may."""
+        if any(skill.drives for skill in skills):
+            return self._interlock.refusal(mark)
+        if all(skill.name == STOP for skill in skills):
+            return NO_REASON
+        return self._interlock.outdated(mark)
 
     def _stand(self, reason: Reason) -> Tell:
         """End what moves; what this returns says why. Motion that begins after this is refused."""
@@ -278,10 +302,9 @@ class SkillExecutor:
 
         return tell
 
-    def _stopping(self, goals: Sequence[Goal]) -> None:
+    def _stopping(self, goals: Sequence[Goal], turn: Turn | None = None) -> None:
         if any(goal.skill.name == STOP for goal in goals):
-            for follower in self._followers:
-                follower.stop_called()
+            self._stop_everything(turn)
 
     def _tell(self, goal: Goal, source: str) -> None:
         self._bus.publish(ToolCalled(goal.skill.name, goal.arguments, source, goal.turn))

@@ -19,8 +19,12 @@ from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
 from edgevox.core.commands import Heard, SpokenOn, StopSpotted, TextInput
 from edgevox.core.events import Cause, Interrupted, State, Transcribed
+from edgevox.core.interlock import Interlock
+from edgevox.core.log import get_logger
 from edgevox.core.reason import Reason
 from edgevox.core.text import clean
+
+log = get_logger(__name__)
 
 WORD_TAIL_S = 0.4
 """What was said until so long after the spotter heard a stop word is that word: the voice detector
@@ -35,8 +39,9 @@ _TOLD = ("", _STANDING, "stopped", "program_stopped")
 class Stopping:
     """Acts on the calling thread, at once, and never waits for the conversation's.
 
-    It cancels the `turn` that runs and its `question`, forgets the utterances that wait or are
-    being transcribed, cancels the goals, halts the body, and ends all programs.
+    Every stop is the same (`_stop`): it cancels the `turn` that runs and its `question`, forgets
+    the utterances that wait or are being transcribed, cancels the goals, halts the body, ends all
+    programs, and has the `interlock` refuse whatever was asked for before and comes only now.
 
     A stop word may be heard twice: by the spotter, from its sound, and later by its words. Each
     stops; somebody is told once, and when the utterance is over.
@@ -51,6 +56,7 @@ class Stopping:
         states: StateMachine,
         executor: SkillExecutor,
         programs: Programs,
+        interlock: Interlock,
         question: OpenQuestion,
         turn: Callable[[], Turn | None],
         phrases: Callable[[], Phrasebook],
@@ -63,6 +69,8 @@ class Stopping:
         self._states = states
         self._executor = executor
         self._programs = programs
+        self._interlock = interlock
+        executor.on_stop(self._skill_called)
         self._question = question
         self._turn = turn
         self._phrases = phrases
@@ -88,14 +96,22 @@ class Stopping:
             self._tell_spotted(heard.text)
         return counts
 
-    def queue(self, words: TextInput | Heard) -> None:
-        """Let them wait for the conversation, unless a stop, or their taking back, was quicker."""
+    def queue(self, item: inbox.Item, mark: int) -> None:
+        """Let it wait for the conversation, unless a stop, or its taking back, was quicker."""
         with self._inbox.gate:
-            if not (isinstance(words, Heard) and self._is_past(words)):
-                self._inbox.put(words)
+            past = isinstance(item, Heard) and self._is_past(item)
+            if not past and not self._interlock.outdated(mark):
+                self._inbox.put(item, mark)
+                return
+        log.info("forgotten_for_a_stop", what=type(item).__name__)
 
     def _is_past(self, heard: Heard) -> bool:
-        return heard.ended_s < self._stopped_s or heard.ended_s == self._withdrawn_s
+        """Whether it was said before a stop, to which also belongs what was begun before it.
+
+        What follows a stop word in one breath was begun before it, and counts all the same.
+        """
+        whole = heard.ended_s if heard.spotted or heard.began_s is None else heard.began_s
+        return whole < self._stopped_s or heard.ended_s == self._withdrawn_s
 
     def is_stop(self, text: str) -> bool:
         """Whether these words would stop the robot."""
@@ -199,6 +215,29 @@ class Stopping:
                 self._states.enter(State.INTERRUPTED, turn)
         self._inbox.put(inbox.Settle())
 
+    def stop(self, reason: Reason) -> None:
+        """Stop everything, without a word."""
+        self._stop(reason, self._clock.now())
+        self._inbox.put(inbox.Settle())
+
+    def call(self, begin: Callable[[], object]) -> None:
+        """Stop everything, `begin` the skill `stop`, and say what became of it."""
+        stopped, waited = self._stop(because("called_off"), self._clock.now())
+        begin()
+        self._answer(_told(stopped=stopped, waited=waited))
+
+    def _skill_called(self, turn: Turn | None) -> None:
+        """The skill `stop` is as good as the word, whoever calls it.
+
+        Where it was called for in words of this `turn`, that turn goes on, and so does what was
+        said after it and waits.
+        """
+        if turn is None:
+            self._stop(because("called_off"), self._clock.now())
+            self._inbox.put(inbox.Settle())
+        elif turn is self._turn() and not turn.token.cancelled:
+            self._stop(because("called_off"), turn.asked_s, within=turn)
+
     def reset(self) -> None:
         """Stop everything, and forget what was said."""
         self._stop(because("reset"), self._clock.now())
@@ -211,21 +250,26 @@ class Stopping:
             if turn is not None and self._executor.hush(reason, turn):
                 self._states.enter(State.INTERRUPTED, turn)
 
-    def _stop(self, reason: Reason, when_s: float) -> tuple[bool, bool]:
+    def _stop(self, reason: Reason, when_s: float, within: Turn | None = None) -> tuple[bool, bool]:
         """Whether there was anything to stop, and whether programs waited for their time.
 
-        `when_s` is when it was asked for.
+        `when_s` is when it was asked for, `within` the turn that asked, which goes on.
         """
-        ended = self._programs.stop()
-        with self._inbox.gate:
-            self._inbox.stop()
-            self._stopped_s = max(self._stopped_s, when_s)
-            turn = self._turn()
-            asked = self._question.cancel(turn.number if turn else 0)
-        with self._states.gate:
-            stopped = self._executor.stop(reason, turn) or bool(ended)
-            if stopped or self._states.transcribes:
-                self._states.enter(State.INTERRUPTED, turn)
+        with self._interlock.stopping(reason):
+            ended = self._programs.stop()
+            with self._inbox.gate:
+                if within:
+                    within.mark = self._interlock.mark
+                    self._inbox.remark(within.mark)
+                else:
+                    self._inbox.stop()
+                self._stopped_s = max(self._stopped_s, when_s)
+                turn = None if within else self._turn()
+                asked = self._question.cancel(turn.number if turn else 0)
+            with self._states.gate:
+                stopped = self._executor.stop(reason, turn) or bool(ended)
+                if (stopped or self._states.transcribes) and not within:
+                    self._states.enter(State.INTERRUPTED, turn)
         self._question.tell_cancelled(asked)
         ended = [*ended, *self._programs.stop()]  # what was being kept when it was asked for
         self._programs.stopped(ended, reason)

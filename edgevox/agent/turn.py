@@ -38,7 +38,8 @@ class Turn:
 
     Sentences go onto the bus and, if there is one, to the speech output. `on_speech` is called when
     the first can be noticed: heard, or read where nothing is spoken. Nothing is said once the
-    token is cancelled. `way` is how it was asked for. `plainly`: only a plain order may move
+    token is cancelled. `way` is how it was asked for, `mark` the interlock's when it was: a stop or
+    a release since then forbids it to move anything. `plainly`: only a plain order may move
     anything without a question, since a stop word was heard in the same breath. `hearing` is how
     sure it is that its words were said, `others` what else may have been.
     """
@@ -53,12 +54,14 @@ class Turn:
         speech_output: TextToSpeech | None = None,
         asked: InputTiming | None = None,
         way: Way = Way.TEXT_INPUT,
+        mark: int = 0,
         plainly: bool = False,
         hearing: float = 1.0,
         others: Sequence[Hypothesis] = (),
     ) -> None:
         self.number = number
         self.way = way
+        self.mark = mark
         self.plainly = plainly
         self.hearing = hearing
         self.others = others

@@ -20,11 +20,12 @@ class CommandRouter:
         self._queries = queries
         self._bus = bus
 
-    def submit(self, command: Command) -> None:
+    def submit(self, command: Command, mark: int | None = None) -> None:
         """Take a command, on the caller's thread: what a part other than the conversation does.
 
         The conversation dispatches the rest by when it is done, at once or in its turn
         (`Conversation.submit`), and what waited for its turn by what is done (its own thread).
+        `mark` is the interlock's when the command was received, now by default.
         """
         match command:
             case SetLanguage(code=code):
@@ -38,4 +39,4 @@ class CommandRouter:
                     raise InvalidValue("query", name, "one of " + ", ".join(self._queries))
                 self._bus.publish(Answered(name, self._queries[name]()))
             case _:
-                self._conversation.submit(command)
+                self._conversation.submit(command, mark)

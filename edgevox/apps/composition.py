@@ -91,7 +91,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
         senses=senses_of(body) if body else NO_SENSES,
     )
     bus.subscribe(ControlChanged, lambda change: _follow(conversation, change))
-    software_stop = SoftwareStop(interlock, bus, halt, because("software_stop"))
+    software_stop = SoftwareStop(interlock, bus, conversation.stop, because("software_stop"))
     drain = build_drain(settings, interlock, bus, body, conversation)
     health.offer(drain)
     queries = build_queries(

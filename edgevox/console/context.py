@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edgevox.core.bus import Bus
-from edgevox.core.commands import Command
+from edgevox.core.commands import Command, Submit
 from edgevox.core.controls import Controls
+from edgevox.core.interlock import Interlock
 from edgevox.core.reason import Reason
 from edgevox.core.software_stop import SoftwareStop
 from edgevox.core.ways import Way
@@ -28,8 +29,15 @@ class ConsoleRobot(Protocol):
     def picture(self) -> bytes | None:
         """A JPEG of camera or view, None if there is none now. May take long: a worker thread."""
 
-    def drive(self, linear_m_s: float, angular_rad_s: float) -> None:
-        """Steer it, by policy, as an operator. Raises `EdgeVoxError`. Never waits."""
+    def drive(self, linear_m_s: float, angular_rad_s: float, mark: int | None = None) -> None:
+        """Steer it, by policy, as an operator. Raises `EdgeVoxError`. Never waits.
+
+        `mark` is the interlock's when it was asked for. After a stop it raises `StreamStopped`
+        until whoever drives has let go.
+        """
+
+    def let_go(self) -> None:
+        """Whoever drove has let go of the stick: what comes next begins anew."""
 
     def halt(self) -> None:
         """End what `drive` began, with one zero. Never waits, never is forbidden."""
@@ -93,13 +101,15 @@ class ConsoleContext:
     `name_place` make the command for a point of the map frame, in metres; None where the robot
     cannot. `describe` gives by language what a page is told once, `status` what it is told once a
     second while somebody looks. `follow_log` calls with each line of the log that belongs to a turn
-    and may be told, on any thread, and returns what ends that. `explain` says in a language why
+    and may be told, on any thread, and returns what ends that. `stops` says of a command whether it
+    stops the robot. `explain` says in a language why
     something was not done, of a `Reason` or of what was raised; empty where it has no sentence.
     """
 
     name: str
     bus: Bus
-    submit: Callable[[Command], None]
+    interlock: Interlock
+    submit: Submit
     controls: Controls
     safety: SoftwareStop
     describe: Callable[[str], Mapping[str, Any]]
@@ -107,8 +117,9 @@ class ConsoleContext:
     robot: ConsoleRobot | None = None
     sound: ConsoleSound | None = None
     recorder: ConsoleRecorder | None = None
-    answer: Callable[[bool, Way], None] | None = None
+    answer: Callable[[bool, Way, int], None] | None = None
     go_to: Callable[[float, float], Command] | None = None
     name_place: Callable[[str, float, float], Command] | None = None
     explain: Callable[[Reason | Exception, str], str] = lambda _why, _language: ""
+    stops: Callable[[Command], bool] = lambda _command: False
     follow_log: Callable[[Callable[[Mapping[str, Any]], None]], Callable[[], object]] | None = None

@@ -25,6 +25,7 @@ class Driving:
         self._robot = robot
         self._later = later
         self._page: object | None = None
+        self._holding: object | None = None
         self._timer: asyncio.TimerHandle | None = None
 
     @property
@@ -36,10 +37,11 @@ class Driving:
         """Whether no other page drives now."""
         return self._page in (None, page)
 
-    def steer(self, page: object, linear_m_s: float, angular_rad_s: float) -> None:
+    def steer(self, page: object, linear_m_s: float, angular_rad_s: float, mark: int) -> None:
         """Go on, or begin. Raises `EdgeVoxError`, and then it is halted if it drove."""
+        self._holding = page
         try:
-            self._robot.drive(linear_m_s, angular_rad_s)
+            self._robot.drive(linear_m_s, angular_rad_s, mark)
         except EdgeVoxError:
             self.halt()
             raise
@@ -55,6 +57,9 @@ class Driving:
         """A page lets go, or is gone; nothing where it does not drive."""
         if self._page is page:
             self.halt()
+        if self._holding is page:
+            self._holding = None
+            self._robot.let_go()
 
     def halt(self) -> None:
         """End it, with one zero; nothing where nothing drives."""

@@ -5,6 +5,7 @@ Belongs to the loop's thread, but for `tell_soon` and what hears the bus.
 
 import asyncio
 import json
+import threading
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -44,6 +45,9 @@ class OpenPage(Protocol):
     def hang_up(self, code: int) -> None:
         """Close its socket."""
 
+    def stopped(self, mark: int) -> None:
+        """Everything was stopped, or allowed again: the interlock is at `mark`."""
+
 
 class PageHub:
     """Made and used on the loop's thread, from `open` to `close`."""
@@ -55,8 +59,7 @@ class PageHub:
         self.pages: list[OpenPage] = []
         self.workers = ThreadPoolExecutor(6, thread_name_prefix="console-worker")
         self.driving: Driving | None = None
-        self.stops = object()
-        """Another one whenever somebody stops: what was asked for before is no longer done."""
+        self._thread = 0
         self._loop: asyncio.AbstractEventLoop | None = None
         self._forget: list[Callable[[], object]] = []
         self._told_lease = LeaseState()
@@ -64,12 +67,14 @@ class PageHub:
     def open(self, loop: asyncio.AbstractEventLoop) -> None:
         """Hear the bus and the stop from now on."""
         self._loop = loop
+        self._thread = threading.get_ident()
+        self.context.interlock.on_stop(self._stopped)
         if self.context.robot:
             self.driving = Driving(self.context.robot, loop.call_later)
         self._forget = [
             self.context.bus.subscribe(Shown, self._heard),
             self.context.bus.subscribe(ControlChanged, self._changed),
-            self.context.safety.listen(self._stop_changed),
+            self.context.safety.listen(lambda _: self._soon(self._tell_stop)),
         ]
         if self.context.follow_log:
             self._forget.append(self.context.follow_log(self._logged))
@@ -121,7 +126,6 @@ class PageHub:
 
     def stop(self, who: str) -> None:
         """The software stop: done before this returns. Raises what cannot be done."""
-        self.stops = object()
         try:
             self.context.safety.stop(who)
         except Exception:
@@ -231,10 +235,16 @@ class PageHub:
         """Everybody is told, whatever they look at: what they say is kept."""
         self.tell_soon({"type": "recording", "running": running}, "recording")
 
-    def _stop_changed(self, state: StopState) -> None:
-        if state.engaged:
-            self.stops = object()
-        self._soon(self._tell_stop)
+    def _stopped(self, mark: int) -> None:
+        """On any thread; a page that has just asked for this is told at once."""
+        if threading.get_ident() == self._thread:
+            self._mark_pages(mark)
+        else:
+            self._soon(partial(self._mark_pages, mark))
+
+    def _mark_pages(self, mark: int) -> None:
+        for page in self.pages:
+            page.stopped(mark)
 
     def _tell_stop(self) -> None:
         if self.driving and self.context.safety.state.engaged:

@@ -171,7 +171,8 @@ class Site:
 
     async def _control(self, request: web.Request) -> web.StreamResponse:
         session = self.own_session(request)
-        socket = await _socket(request, MOST_BYTES)
+        mark = self.hub.context.interlock.mark  # of what it may say as soon as it is let in
+        socket = await _socket(request, MOST_BYTES, autoping=False)
         transport = request.transport
         page = ControlPage(
             self.hub,
@@ -179,6 +180,7 @@ class Site:
             socket,
             self._limits,
             lambda: transport.abort() if transport else None,
+            mark=mark,
         )
         await page.run(request.query.get("language", self.hub.context.controls.language))
         return socket
@@ -204,9 +206,15 @@ class Site:
         return socket
 
 
-async def _socket(request: web.Request, most_bytes: int) -> web.WebSocketResponse:
+async def _socket(
+    request: web.Request, most_bytes: int, *, autoping: bool = True
+) -> web.WebSocketResponse:
     socket = web.WebSocketResponse(
-        max_msg_size=most_bytes, compress=False, heartbeat=20.0, writer_limit=MOST_BYTES
+        max_msg_size=most_bytes,
+        compress=False,
+        heartbeat=20.0,
+        autoping=autoping,
+        writer_limit=MOST_BYTES,
     )
     await socket.prepare(request)
     return socket

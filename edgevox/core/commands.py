@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 from edgevox.core.events import Cause
 from edgevox.core.ways import Way
@@ -38,7 +38,8 @@ class Hypothesis:
 class Heard:
     """Words that somebody spoke; empty if there were none in what was heard.
 
-    `ended_s` is the clock's time of the last voiced sample, `stt_s` how long the words took. If a
+    `began_s` and `ended_s` are the clock's times of the first and the last voiced sample, `stt_s`
+    is how long the words took; without `began_s`, it began where it ended. If a
     stop word was `spotted` in it, that has been acted on already. `confidence` is that these are
     the words, from 0 to 1; `others` are what else may have been said, the likeliest first.
     """
@@ -50,6 +51,7 @@ class Heard:
     spotted: bool = False
     confidence: float = 1.0
     others: tuple[Hypothesis, ...] = ()
+    began_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,3 +157,13 @@ ConversationCommand = (
 )
 """What the conversation takes."""
 Command = ConversationCommand | SetLanguage | SetVoice | SetMuted | Query
+
+
+class Submit(Protocol):
+    """Takes commands, from any thread, without waiting for what they ask for."""
+
+    def __call__(self, command: Command, mark: int | None = None) -> None:
+        """Take one. `mark` is the interlock's when it was received, now by default.
+
+        Raises `InvalidValue` for one that cannot be honoured.
+        """

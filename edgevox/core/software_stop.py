@@ -27,27 +27,27 @@ class StopState:
 class SoftwareStop:
     """Forbids all motion from `stop` to `resume`. Any thread may call both; neither can fail.
 
-    `halt` brakes the body, and is called at each press, also while it is stopped. Every change is
-    published as `SoftwareStopChanged`, before the call returns. `reason` is what whoever asks for
-    motion is told meanwhile.
+    Each press is a stop like any other first, also while it is engaged: `end_all` ends what moves,
+    what is said and what waits. Every change is published as `SoftwareStopChanged`, before the call
+    returns. `reason` is what whoever asks for motion is told meanwhile.
     """
 
     def __init__(
         self,
         interlock: Interlock,
         bus: Bus,
-        halt: Callable[[str], object],
+        end_all: Callable[[Reason], object],
         reason: Reason,
         now: Callable[[], float] = time.time,
     ) -> None:
         self._interlock = interlock
         self._bus = bus
-        self._halt = halt
+        self._end_all = end_all
         self._reason = reason
         self._now = now
         self._lock = threading.RLock()
         self._state = StopState()
-        interlock.on_engage(self._brake)
+        interlock.on_engage(self._engaged)
 
     @property
     def state(self) -> StopState:
@@ -56,10 +56,12 @@ class SoftwareStop:
 
     def stop(self, by: str) -> None:
         """Stand still from now on. `by` is who asks, for people."""
+        ended = False
         try:
-            self._interlock.engage(Holder.SOFTWARE_STOP, self._reason)
+            ended = self._interlock.engage(Holder.SOFTWARE_STOP, self._reason)
         finally:
-            self._halt(str(self._reason))  # a press brakes whatever the interlock's state was
+            if not ended:  # somebody else forbade motion already, or it broke
+                self._end_all(self._reason)
         with self._lock:
             self._interlock.engage(Holder.SOFTWARE_STOP, self._reason)  # not resumed in between
             if not self._state.engaged:
@@ -76,10 +78,10 @@ class SoftwareStop:
         """Call it with every new state, on any thread; returns a way to forget it."""
         return self._bus.subscribe(SoftwareStopChanged, lambda _: listener(self._state))
 
-    def _brake(self, reason: Reason) -> None:
-        """Before anybody is told: whoever steers by velocities runs no goal that would end."""
+    def _engaged(self, reason: Reason) -> None:
+        """Before anybody is told of what was ended: what is told after it waits to be said."""
         if reason is self._reason:
-            self._halt(str(reason))
+            self._end_all(reason)
 
     def _change(self, state: StopState) -> None:
         self._state = state

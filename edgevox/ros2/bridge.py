@@ -11,6 +11,7 @@ from edgevox.core.status import Component
 from edgevox.core.ways import Way
 from edgevox.robots.capabilities import Body
 from edgevox.robots.node_handle import OnRos2
+from edgevox.ros2.backlog import Backlog
 from edgevox.ros2.bridge_context import BridgeContext
 from edgevox.ros2.bridge_status import ExecutorComponent, ExecutorCounts
 from edgevox.ros2.contract import PARAMETERS
@@ -120,11 +121,13 @@ class RosBridge:
         controls.change({name: values[name] for name in ("language", "voice", "muted", "confirm")})
         robot = context.body.name if context.body else ""
         self._presence = Presence(node, robot, context.interlock, self._ticker)
+        backlog = Backlog(node, context.interlock)
         self._parts = [
+            backlog,
             self._presence,
             Rosout(node, self._ticker),
             Parameters(node, self._node.executor, controls, bus),
-            Topics(node, context, self._ticker),
+            Topics(node, context, self._ticker, backlog),
             QueryServices(node, context.queries),
         ]
         self._parts += _audio(node, context)
@@ -133,26 +136,31 @@ class RosBridge:
         if context.handle:
             context.handle.open(node)
             self._parts.append(context.handle)
-        if context.goals and (action := open_skill_action(node, bus, context.goals)):
+        if context.goals and (action := open_skill_action(node, bus, context.goals, backlog)):
             self._parts.append(action)
         if context.body and not isinstance(context.body, OnRos2):  # it has its own topics
-            self._parts.append(self._interop(context, context.body, values))
+            self._parts.append(self._interop(context, context.body, values, backlog))
 
     def _interop(
-        self, context: BridgeContext, body: Body, values: dict[str, str | bool]
+        self,
+        context: BridgeContext,
+        body: Body,
+        values: dict[str, str | bool],
+        backlog: Backlog,
     ) -> Interop:
-        def run_skill(name: str, arguments: Mapping[str, Any]) -> None:
+        def run_skill(name: str, arguments: Mapping[str, Any], mark: int) -> None:
             """At once, as a program's goal; where nobody runs those, as a command."""
             if context.goals:
-                context.goals.start_goal(name, arguments, way=Way.GOAL_POSE)
+                context.goals.start_goal(name, arguments, way=Way.GOAL_POSE, mark=mark)
             else:
-                context.submit(RunSkill(name, arguments, Way.GOAL_POSE))
+                context.submit(RunSkill(name, arguments, Way.GOAL_POSE), mark)
 
         return Interop(
             self._node.node,
             body,
             run_skill,
             self._ticker,
+            backlog,
             odom_frame=str(values["odom_frame"]),
             frame_prefix=str(values["frame_prefix"]),
             publish_clock=bool(values["publish_clock"]),

@@ -1,18 +1,17 @@
 """What a bridge is connected to, on EdgeVox's side. Knows nothing of rclpy."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from edgevox.agent.policy import Guard
 from edgevox.core.bus import Bus
+from edgevox.core.commands import Submit
 from edgevox.core.controls import Controls
 from edgevox.core.interlock import Interlock
 from edgevox.core.settings import Settings
 from edgevox.core.status import Components
 from edgevox.robots.capabilities import Body
 from edgevox.ros2.contract import Queries
-from edgevox.ros2.contract_rows import Incoming
 from edgevox.ros2.skill_requests import StartsGoals
 from edgevox.voice.sinks.relay import Relay
 from edgevox.voice.sources.pushed import Pushed
@@ -35,7 +34,7 @@ class BridgeContext:
 
     settings: Settings
     bus: Bus
-    submit: Callable[[Incoming], None]
+    submit: Submit
     controls: Controls
     queries: Queries
     body: Body | None = None

@@ -2,6 +2,7 @@
 
 import threading
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any
 
 from rclpy.action.server import (
@@ -30,6 +31,7 @@ from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import EdgeVoxError, shorten
 from edgevox.core.log import get_logger
 from edgevox.core.ways import Way
+from edgevox.ros2.backlog import Backlog
 from edgevox.ros2.client_watch import ClientWatch
 from edgevox.ros2.contract import ACTION
 from edgevox.ros2.json_text import write
@@ -57,6 +59,23 @@ class _ActionRun:
         self.told_s = 0.0
 
 
+class _Server(ActionServer):
+    """rclpy's, which can also be asked for a request that waits."""
+
+    def take_request(self) -> bool:
+        """Handle one request for a goal, as the executor would; False if none waits.
+
+        There is no public method for it.
+        """
+        with self._lock:
+            taken = self._handle.take_goal_request(self._action_type.Impl.SendGoalService.Request)
+        if not all(taken):
+            return False
+        with suppress(StopIteration):  # it awaits plain functions only, and so ends at once
+            self._execute_goal_request(taken).send(None)
+        return True
+
+
 class SkillAction:
     """Serves `execute_skill` on a node whose executor runs in one thread.
 
@@ -66,7 +85,14 @@ class SkillAction:
     """
 
     def __init__(
-        self, node: Node, bus: Bus, goals: StartsGoals, kind: Any, clock: Clock | None = None
+        self,
+        node: Node,
+        bus: Bus,
+        goals: StartsGoals,
+        kind: Any,
+        *,
+        backlog: Backlog,
+        clock: Clock | None = None,
     ) -> None:
         self._node = node
         self._bus = bus
@@ -76,7 +102,7 @@ class SkillAction:
         self._runs: dict[str, _ActionRun] = {}
         self._idle = threading.Event()
         self._idle.set()
-        self._server = ActionServer(
+        self._server = _Server(
             node,
             kind,
             NAME,
@@ -88,6 +114,7 @@ class SkillAction:
             cancel_service_qos_profile=REQUESTS,
             result_service_qos_profile=REQUESTS,
         )
+        self._queue = backlog.add(self._server.take_request, REQUESTS.depth)
         self._watch = ClientWatch(node, f"{NAME}/_action/get_result", self._client_gone)
         self._forget = bus.subscribe(GoalChanged | GoalCancelled, self._hear)
 
@@ -112,7 +139,9 @@ class SkillAction:
 
     def _judge(self, request: Any) -> GoalResponse:
         try:
-            self._goals.check_goal(request.skill_name, read_arguments(request.arguments_json))
+            with self._queue.served() as mark:
+                given = read_arguments(request.arguments_json)
+                self._goals.check_goal(request.skill_name, given, mark=mark)
         except EdgeVoxError as error:
             log.warning("action_goal_rejected", skill=request.skill_name[:80], reason=str(error))
             rejected = GoalRejected(
@@ -135,7 +164,10 @@ class SkillAction:
         self._watch.begin()
         try:
             arguments = read_arguments(handle.request.arguments_json)
-            run.goal = self._goals.start_goal(handle.request.skill_name, arguments, goal_id)
+            with self._queue.served() as mark:
+                run.goal = self._goals.start_goal(
+                    handle.request.skill_name, arguments, goal_id, mark=mark
+                )
         except EdgeVoxError as error:
             failed = GoalStatus.FAILED
             name = handle.request.skill_name
@@ -199,7 +231,9 @@ class SkillAction:
             self._node.executor.wake()  # a future that is set on another thread wakes nobody
 
 
-def open_skill_action(node: Node, bus: Bus, goals: StartsGoals) -> SkillAction | None:
+def open_skill_action(
+    node: Node, bus: Bus, goals: StartsGoals, backlog: Backlog
+) -> SkillAction | None:
     """The action, or None and a line in the log where its interface is not built."""
     try:
         # Where it is not built, the folder of its sources may answer to its name, without this.
@@ -209,7 +243,7 @@ def open_skill_action(node: Node, bus: Bus, goals: StartsGoals) -> SkillAction |
         reason = "edgevox_msgs is not built; make msgs" if missing else str(error)
         log.warning("action_off", action=NAME, reason=reason)
         return None
-    return SkillAction(node, bus, goals, ExecuteSkill)
+    return SkillAction(node, bus, goals, ExecuteSkill, backlog=backlog)
 
 
 def _result(end: GoalChanged | GoalCancelled) -> Mapping[str, Any]:

@@ -24,7 +24,13 @@ class RunningGoal(Protocol):
 class StartsGoals(Protocol):
     """Who runs skills; the conversation does. Both raise `EdgeVoxError` with the reason."""
 
-    def check_goal(self, name: str, arguments: Mapping[str, Any], way: Way = Way.ACTION) -> None:
+    def check_goal(
+        self,
+        name: str,
+        arguments: Mapping[str, Any],
+        way: Way = Way.ACTION,
+        mark: int | None = None,
+    ) -> None:
         """Raise what `start_goal` would raise; but that a refusal is told, nothing happens."""
 
     def start_goal(
@@ -33,8 +39,12 @@ class StartsGoals(Protocol):
         arguments: Mapping[str, Any],
         goal_id: str | None = None,
         way: Way = Way.ACTION,
+        mark: int | None = None,
     ) -> RunningGoal:
-        """Run a skill. Does not block; the bus tells of it under this id from now on."""
+        """Run a skill. Does not block; the bus tells of it under this id from now on.
+
+        `mark` is the interlock's when it was received, now by default.
+        """
 
 
 def read_arguments(text: str) -> dict[str, Any]:

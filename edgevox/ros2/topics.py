@@ -16,6 +16,7 @@ from edgevox.core.events import RobotState
 from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
 from edgevox.core.ways import Way
+from edgevox.ros2.backlog import Backlog
 from edgevox.ros2.bridge_context import BridgeContext
 from edgevox.ros2.contract import PUBLISHED, SUBSCRIBED
 from edgevox.ros2.contract_rows import STRING, Published, Subscribed
@@ -34,7 +35,9 @@ class Topics:
     `refusals` counts by topic and reason the messages that were no valid command, or forbidden.
     """
 
-    def __init__(self, node: Node, context: BridgeContext, ticker: Ticker) -> None:
+    def __init__(
+        self, node: Node, context: BridgeContext, ticker: Ticker, backlog: Backlog
+    ) -> None:
         self._node = node
         self._bus = context.bus
         self._submit = context.submit
@@ -49,7 +52,12 @@ class Topics:
             if body or published.event not in (RobotState, AgentEvent):
                 self._publish(published)
         for subscribed in SUBSCRIBED:
-            self._subscribe(subscribed)
+            backlog.subscribe(
+                String,
+                subscribed.topic,
+                partial(self._receive, subscribed),
+                profile(subscribed.qos),
+            )
         if body:
             self._forget.append(
                 ticker.every(
@@ -72,17 +80,12 @@ class Topics:
             )
         )
 
-    def _subscribe(self, row: Subscribed) -> None:
-        self._node.create_subscription(
-            String, row.topic, partial(self._receive, row), profile(row.qos)
-        )
-
-    def _receive(self, row: Subscribed, message: String) -> None:
+    def _receive(self, row: Subscribed, message: String, mark: int) -> None:
         try:
             command = row.decode(message.data)
             if row.verbs and not isinstance(command, Reset | CancelProgram):  # to end is free
                 self._guard.permit(Way.COMMAND, [CheckedCall(message.data.strip(), moves=False)])
-            self._submit(command)
+            self._submit(command, mark)
         except InvalidValue as error:
             self._refuse(row.topic, error.reason, error)
         except Denied as denied:

@@ -285,15 +285,17 @@ class Listener:
     def _job(self, speech: SpeechEnded | SpeechPaused) -> TranscriptionJob | None:
         """What is to be understood of it, if it is over."""
         if self._wakeword is None or self._is_addressed(speech.began_s):
-            return TranscriptionJob(speech.samples, speech.ended_s)
+            return TranscriptionJob(speech.samples, speech.began_s, speech.ended_s)
         match self._wake_gate.judge(speech):
             case WakeDecision.TAKE:
                 start_s = self._wake_gate.phrase_from(speech)
                 phrase = "" if start_s is None else self._wakeword.phrase
                 samples = speech.samples[round((start_s or 0.0) * RATE_HZ) :]
-                return TranscriptionJob(samples, speech.ended_s, phrase)
+                return TranscriptionJob(samples, speech.began_s, speech.ended_s, phrase)
             case WakeDecision.ONLY_STOP:
-                return TranscriptionJob(speech.samples, speech.ended_s, only_stop=True)
+                return TranscriptionJob(
+                    speech.samples, speech.began_s, speech.ended_s, only_stop=True
+                )
         return None
 
     def _understand(self, job: TranscriptionJob) -> None:

@@ -22,13 +22,14 @@ MAX_WAITING = 8
 
 @dataclass(frozen=True, slots=True)
 class TranscriptionJob:
-    """An utterance to understand. `ended_s` is the clock's time of its last voiced sample.
+    """An utterance to understand, with the clock's times of its first and last voiced sample.
 
     `phrase` is the wake word that stands at its beginning, if any; with `only_stop` it counts only
     if it tells the robot to stop. A stop word was `spotted` in it if its sound was heard.
     """
 
     samples: Samples
+    began_s: float
     ended_s: float
     phrase: str = ""
     only_stop: bool = False
@@ -184,6 +185,7 @@ class Transcriber:
                 spotted=job.spotted,
                 confidence=told.confidence,
                 others=told.others,
+                began_s=job.began_s,
             )
             self._submit(heard)
 

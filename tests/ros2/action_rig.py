@@ -16,6 +16,8 @@ from edgevox.core.agent_events import AgentEvent, as_json
 from edgevox.core.bus import Bus
 from edgevox.core.commands import TextInput
 from edgevox.core.events import Responded
+from edgevox.core.interlock import Interlock
+from edgevox.ros2.backlog import Backlog
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.skill_action import SkillAction
 from edgevox_msgs.action import ExecuteSkill
@@ -38,11 +40,18 @@ class ActionRig:
         self.agent_events, self.said = [], []
         self.bus.subscribe(AgentEvent, lambda e: self.agent_events.append(as_json(e)))
         self.bus.subscribe(Responded, lambda e: self.said.append(e.text))
+        interlock = Interlock()
         self.conversation = Conversation(
-            [Agent("robot", "", self.body.skills(*SKILLS))], self.bus, halt=self.body.halt
+            [Agent("robot", "", self.body.skills(*SKILLS))],
+            self.bus,
+            halt=self.body.halt,
+            interlock=interlock,
         )
         self.node = RosNode("/edgevox")
-        self.action = SkillAction(self.node.node, self.bus, self.conversation, ExecuteSkill)
+        backlog = Backlog(self.node.node, interlock)
+        self.action = SkillAction(
+            self.node.node, self.bus, self.conversation, ExecuteSkill, backlog=backlog
+        )
         self.node.start()
         self.conversation.start()
 

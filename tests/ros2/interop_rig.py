@@ -12,7 +12,9 @@ from peer import RELIABLE, Peer
 from rclpy.subscription import Subscription
 from waiting import Heard, wait_until
 
+from edgevox.core.interlock import Interlock
 from edgevox.robots.apartment import ApartmentRobot
+from edgevox.ros2.backlog import Backlog
 from edgevox.ros2.interop import Interop
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.ticker import MakeTicker, Ticker
@@ -43,6 +45,7 @@ class Offered:
         self, body: Any, ros_args: tuple[str, ...], time: HeldTime | None = None, **options: Any
     ) -> None:
         tickers: MakeTicker = time.ticker if time else Ticker
+        interlock = options.pop("interlock", None) or Interlock()
         self.body = body
         self.asked = Messages()
         self.ros = RosNode("/edgevox", ros_args)
@@ -50,9 +53,11 @@ class Offered:
         self.interop = Interop(
             self.ros.node,
             body,
-            lambda *asked: self.asked.add(asked),
+            lambda name, arguments, _: self.asked.add((name, arguments)),
             self.ticker,
+            Backlog(self.ros.node, interlock),
             tickers=tickers,
+            interlock=interlock,
             **options,
         )
         body.start()

@@ -14,6 +14,7 @@ from edgevox.console.url import console_url
 from edgevox.core.bus import Bus
 from edgevox.core.controls import Controls
 from edgevox.core.errors import InvalidValue
+from edgevox.core.interlock import Interlock
 from edgevox.core.settings import Settings, check_settings
 from tests.console_rig import NotedStop
 
@@ -88,10 +89,10 @@ def test_plain_is_for_loopback_or_where_it_is_asked_for(
 
 
 def test_a_port_that_is_taken_and_a_bad_certificate_name_their_settings(tmp_path: Path) -> None:
-    bus = Bus()
+    bus, interlock = Bus(), Interlock()
+    controls = Controls(bus, language="en", voices=lambda _: ())
     context = ConsoleContext(
-        "robot", bus, print, Controls(bus, language="en", voices=lambda _: ()), NotedStop(),
-        lambda _: {}, dict,
+        "robot", bus, interlock, print, controls, NotedStop(interlock), lambda _: {}, dict,
     )  # fmt: skip
     bad = tmp_path / "bad.pem"
     bad.write_text("nothing")

@@ -308,7 +308,7 @@ def test_why_something_was_refused_is_told_each_page_in_its_own_language(tmp_pat
     def explain(why: object, language: str) -> str:
         return f"{language}: {why}"
 
-    def cannot(_: object) -> None:
+    def cannot(_: object, __: object) -> None:
         raise InvalidValue("skill", "fly", "one that there is")
 
     async def ask(rig: Rig) -> None:

@@ -172,7 +172,7 @@ def test_diagnostics_warn_from_its_beginning_on(rig):
     said = InterlockComponent(rig.interlock).status()
     assert said.level is Level.WARN
     assert "taken out of service" in said.message
-    assert said.values == {"engaged": True, "holders": "drain"}
+    assert said.values == {"engaged": True, "holders": "drain", "streams_ended": 0}
 
 
 @pytest.mark.parametrize("code", LANGUAGES)

@@ -122,7 +122,11 @@ def test_its_component_warns_for_as_long_and_names_who_holds_it(rig):
     said = component.status()
     assert said.level is Level.WARN
     assert "I was stopped" in said.message
-    assert said.values == {"engaged": True, "holders": "software_stop, presence"}
+    assert said.values == {
+        "engaged": True,
+        "holders": "software_stop, presence",
+        "streams_ended": 0,
+    }
     assert not component.checks, "a stopped robot is healthy: nobody is to restart it"
 
 

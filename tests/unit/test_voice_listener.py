@@ -176,7 +176,7 @@ def test_the_wake_word_is_forgotten_after_a_while(listen):
 def test_a_stop_without_the_wake_word_is_heard(listen):
     said, _, _ = listen(Stt("no, stop!"), *spoken(), wakeword=Wake())
 
-    assert said == [Heard("no, stop!", said[0].ended_s, said[0].stt_s)]
+    assert said == [Heard("no, stop!", said[0].ended_s, said[0].stt_s, began_s=said[0].began_s)]
 
 
 def test_long_talk_without_the_wake_word_is_not_even_looked_into(listen):

@@ -61,7 +61,7 @@ def transcribe(caplog):
 
 def test_a_bug_amid_an_utterance_ends_it_with_no_words(transcribe):
     said, failed = transcribe(
-        TranscriptionJob(SOUND, 1.0), TranscriptionJob(SOUND, 2.0), language=breaks
+        TranscriptionJob(SOUND, 0.0, 1.0), TranscriptionJob(SOUND, 0.0, 2.0), language=breaks
     )
 
     assert said == [Transcribing(), Heard("", 1.0), Transcribing(), Heard("", 2.0)]
@@ -71,7 +71,7 @@ def test_a_bug_amid_an_utterance_ends_it_with_no_words(transcribe):
 @pytest.mark.parametrize("spotted", [True, False])
 def test_a_bug_where_only_a_stop_would_count_tells_one_that_was_spotted(transcribe, spotted):
     said, failed = transcribe(
-        TranscriptionJob(SOUND, 1.0, only_stop=True, spotted=spotted), is_stop=breaks
+        TranscriptionJob(SOUND, 0.0, 1.0, only_stop=True, spotted=spotted), is_stop=breaks
     )
 
     assert said == ([Heard("", 1.0, spotted=True)] if spotted else [])
@@ -79,20 +79,20 @@ def test_a_bug_where_only_a_stop_would_count_tells_one_that_was_spotted(transcri
 
 
 def test_a_bug_while_it_may_not_be_over_yet_costs_nothing_of_it(transcribe):
-    job = TranscriptionJob(SOUND, 1.0)
+    job = TranscriptionJob(SOUND, 0.0, 1.0)
 
     said, failed = transcribe(job, guessed=job, language=Once("en"))
 
-    assert said == [Transcribing(), Heard("stop", 1.0, said[-1].stt_s)]
+    assert said == [Transcribing(), Heard("stop", 1.0, said[-1].stt_s, began_s=0.0)]
     assert failed == 1
 
 
 def test_after_a_bug_a_stop_without_the_wake_word_is_heard(transcribe):
     said, failed = transcribe(
-        TranscriptionJob(SOUND, 1.0, only_stop=True),
-        TranscriptionJob(SOUND, 2.0, only_stop=True),
+        TranscriptionJob(SOUND, 0.0, 1.0, only_stop=True),
+        TranscriptionJob(SOUND, 0.0, 2.0, only_stop=True),
         is_stop=Once(answer=True),
     )
 
-    assert said == [Heard("stop", 2.0, said[-1].stt_s)]
+    assert said == [Heard("stop", 2.0, said[-1].stt_s, began_s=0.0)]
     assert failed == 1

@@ -109,7 +109,7 @@ class Programs:
 
     def keep(self, program: Program, turn: Turn, *, confirmed: bool = False) -> bool:
         """Keep what `may_keep` allowed and say so; else why not is said, as motion is forbidden."""
-        kept = Kept(uuid.uuid4().hex, program, turn.number, turn.way, confirmed)
+        kept = Kept(uuid.uuid4().hex, program, turn.number, turn.way, turn.mark, confirmed)
         try:
             self._permission.check(kept)
             if not self._store.put(kept, turn.token):
@@ -126,10 +126,6 @@ class Programs:
     def forget(self, some: Sequence[Kept], reason: Reason) -> None:
         """End these, and what moves for them."""
         self.stopped([one for one in some if self._store.take(one)], reason)
-
-    def stop_called(self) -> None:
-        """End all of them: to stop is to stop all that was ordered for later, too."""
-        self.stopped(self.stop(), because("called_off"))
 
     def motion_forbidden(self, reason: Reason) -> Tell:
         """Take all of them: none begins to move by itself when motion is allowed again.

@@ -19,13 +19,15 @@ class Kept:
 
     `program` is what is left of it: without the delay, once that is over. `due_s` is the clock's
     time when it goes on by itself, `goal` what runs its steps, `round` how often they were begun.
-    `way` is how it was asked for, in which `turn`, and `confirmed` whether somebody said yes to it.
+    `way` is how it was asked for, in which `turn` and at which `mark` of the interlock, and
+    `confirmed` whether somebody said yes to it.
     """
 
     id: str
     program: Program
     turn: int
     way: Way
+    mark: int
     confirmed: bool = False
     due_s: float | None = None
     round: int | None = None

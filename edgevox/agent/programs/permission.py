@@ -32,12 +32,26 @@ class Hands(Protocol):
         """Goals of these calls; none where one may not be, which is said."""
 
     def check(
-        self, call: Call, skills: SkillSet, way: Way, turn: int = 0, *, confirmed: bool = False
+        self,
+        call: Call,
+        skills: SkillSet,
+        way: Way,
+        turn: int = 0,
+        *,
+        mark: int | None = None,
+        confirmed: bool = False,
     ) -> Mapping[str, Any]:
         """Raise for a call that may not be made."""
 
     def step(
-        self, call: Call, skills: SkillSet, way: Way, turn: int, *, confirmed: bool = False
+        self,
+        call: Call,
+        skills: SkillSet,
+        way: Way,
+        turn: int,
+        *,
+        mark: int,
+        confirmed: bool = False,
     ) -> Goal:
         """A goal for a call, checked now."""
 
@@ -74,8 +88,17 @@ class Permission:
         """Raise for one that may not be now."""
         check_bounds(kept.program, self._senses, self._skills.values())
         for call in calls_of(kept.program):
-            self._hands.check(call, self._skills, kept.way, kept.turn, confirmed=kept.confirmed)
+            self._hands.check(
+                call,
+                self._skills,
+                kept.way,
+                kept.turn,
+                mark=kept.mark,
+                confirmed=kept.confirmed,
+            )
 
     def step(self, kept: Kept, call: Call) -> Goal:
         """The goal of a step that begins now. Raises for one that may not be."""
-        return self._hands.step(call, self._skills, kept.way, kept.turn, confirmed=kept.confirmed)
+        return self._hands.step(
+            call, self._skills, kept.way, kept.turn, mark=kept.mark, confirmed=kept.confirmed
+        )

@@ -9,6 +9,7 @@ from edgevox.agent.failures import SkillFailed, reason_of
 from edgevox.agent.going import TO_POINT
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.phrasebook import Phrasebook
+from edgevox.agent.skills import STOP
 from edgevox.agent.wrong_arguments import WrongArgument
 from edgevox.apps.agent_parts import AgentParts
 from edgevox.apps.console.offered_skills import offered
@@ -17,6 +18,7 @@ from edgevox.apps.console.shown_robot import ShownRobot
 from edgevox.console.context import ConsoleContext, ConsoleSound
 from edgevox.core.commands import Command, RunSkill, TextInput
 from edgevox.core.events import TurnMeasured
+from edgevox.core.interlock import StreamStopped
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.reason import Reason
 from edgevox.core.settings import CONFIRM
@@ -56,6 +58,7 @@ class _OfAgent:
         return ConsoleContext(
             name=parts.name,
             bus=parts.bus,
+            interlock=parts.interlock,
             submit=parts.command_router.submit,
             controls=parts.controls,
             safety=parts.software_stop,
@@ -69,6 +72,7 @@ class _OfAgent:
             name_place=_name_place if names else None,
             follow_log=_follow_log,
             explain=self._explain,
+            stops=self._stops,
         )
 
     def _describe(self, language: str) -> Mapping[str, Any]:
@@ -93,7 +97,9 @@ class _OfAgent:
 
     def _explain(self, why: Reason | Exception, language: str) -> str:
         """Why it was not done; empty for what the phrasebooks have no sentence of."""
-        if isinstance(why, SkillFailed | WrongArgument):
+        if isinstance(why, StreamStopped):
+            why = why.reason
+        elif isinstance(why, SkillFailed | WrongArgument):
             why = reason_of(why)
         return self._phrases(language).reason(why) if isinstance(why, Reason) else ""
 
@@ -120,11 +126,17 @@ class _OfAgent:
             **({"recording": self._recorder.state()} if self._recorder else {}),
         }
 
-    def _answer(self, yes: bool, way: Way) -> None:
+    def _answer(self, yes: bool, way: Way, mark: int | None = None) -> None:
         """Say yes or no in the language that is spoken: it counts as if it had been typed."""
         words = phrasebook(self._parts.controls.language).answers
         said = (words.yes if yes else words.no)[0]
-        self._parts.command_router.submit(TextInput(said, way))
+        self._parts.command_router.submit(TextInput(said, way), mark)
+
+    def _stops(self, command: Command) -> bool:
+        """Whether it stops the robot, by a word or by the skill."""
+        if isinstance(command, TextInput):
+            return self._parts.conversation.is_stop(command.text)
+        return isinstance(command, RunSkill) and command.name == STOP
 
     def _label(self, name: str) -> str:
         said = str(phrasebook(self._parts.controls.language).word(name))

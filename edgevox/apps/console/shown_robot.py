@@ -98,16 +98,21 @@ class ShownRobot:
         )
         return file.getvalue()
 
-    def drive(self, linear_m_s: float, angular_rad_s: float) -> None:
+    def drive(self, linear_m_s: float, angular_rad_s: float, mark: int | None = None) -> None:
         """Steer it, as interlock and policy permit. Raises `EdgeVoxError`."""
         if self._steering is None:
             raise InvalidValue("drive", self._body.name, "a robot that takes velocities")
-        self._steering.steer(linear_m_s, angular_rad_s)
+        self._steering.steer(linear_m_s, angular_rad_s, mark)
 
     def halt(self) -> None:
         """End what `drive` began, with one zero."""
         if self._steering:
             self._steering.steer(0.0, 0.0)
+
+    def let_go(self) -> None:
+        """Whoever steered has let go of the stick."""
+        if self._steering:
+            self._steering.let_go()
 
     @property
     def capabilities(self) -> Mapping[str, Any]:

@@ -24,6 +24,8 @@ export class Driver {
     this.unanswered = 0;
     /** @type {ReturnType<typeof setInterval> | undefined} */
     this.beat = undefined;
+    /** A stop has ended what is held: nothing is sent until it is let go. */
+    this.ended = false;
   }
 
   /** Whether it may drive now. */
@@ -34,6 +36,7 @@ export class Driver {
   /** @param {number} right @param {number} ahead */
   push(right, ahead) {
     if (Math.hypot(right, ahead) < DEAD) return this.release();
+    if (this.ended) return;
     this.stick = [right, ahead];
     if (this.beat !== undefined) return;
     this.send();
@@ -41,7 +44,8 @@ export class Driver {
   }
 
   release() {
-    if (this.beat === undefined) return;
+    if (this.beat === undefined && !this.ended) return;
+    this.ended = false;
     clearInterval(this.beat);
     this.beat = undefined;
     this.stick = [0, 0];
@@ -64,7 +68,10 @@ export class Driver {
     const round = (/** @type {number} */ v) => Math.round(v * 1000) / 1000 + 0;
     this.link.send({ type: "drive", linear: round(linear), angular: round(angular) }).then(done, (error) => {
       done();
-      if (this.beat !== undefined) tellRefusal(error);
+      if (this.beat !== undefined) {
+        tellRefusal(error);
+        this.ended = error.code === "let_go";
+      }
       clearInterval(this.beat);
       this.beat = undefined;
     });

@@ -1,12 +1,16 @@
 """The socket `/ws`: what a page asks for and what it is told, as JSON.
 
-The stop is done as soon as it is read, on the loop's thread: nothing is before it. So are the
-stick and what resumes. Everything else waits its turn on a worker, and is no longer done once
-somebody has pressed stop.
+A stop is done as soon as it is read, on the loop's thread, be it the button, the word or the skill:
+nothing is before it. So are the stick and what resumes. Everything else waits its turn on a worker.
+
+What a page had sent before a stop is void, also where it is read only after it. A page is therefore
+pinged when something stops: the pong comes behind all that was sent before, and only what comes
+after it counts as asked for after the stop. Every WebSocket answers a ping by itself.
 """
 
 import asyncio
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,9 +22,10 @@ from edgevox.console.page_hub import FLOOD, SLOW, PageHub, encode
 from edgevox.console.page_messages import Message
 from edgevox.console.rate_limit import PageRateLimit
 from edgevox.console.sessions import Role, Session
-from edgevox.console.sockets.page_commands import act
+from edgevox.console.sockets.page_commands import NotHere, act, command_of
 from edgevox.core.clock import Clock
 from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.interlock import StreamStopped
 from edgevox.core.log import get_logger
 
 log = get_logger(__name__)
@@ -55,7 +60,10 @@ class SocketLimits:
 
 
 class ControlPage:
-    """One page on `/ws`, from `run` until it is gone."""
+    """One page on `/ws`, from `run` until it is gone.
+
+    `mark` is the interlock's from before the page could say anything.
+    """
 
     def __init__(
         self,
@@ -64,6 +72,8 @@ class ControlPage:
         socket: web.WebSocketResponse,
         limits: SocketLimits,
         abort: Callable[[], None],
+        *,
+        mark: int,
     ) -> None:
         self.session = session
         self.looks: frozenset[str] = frozenset()
@@ -73,7 +83,10 @@ class ControlPage:
         self._limits = limits
         self._abort = abort
         self._closing: asyncio.Task[Any] | None = None
-        self._waiting: asyncio.Queue[tuple[Message, object]] = asyncio.Queue(MOST_WAITING)
+        self._waiting: asyncio.Queue[tuple[Message, int]] = asyncio.Queue(MOST_WAITING)
+        self._mark = mark
+        self._asks = False
+        self._pings: set[asyncio.Task[Any]] = set()
         self.outbox = Outbox(lambda: self.hang_up(SLOW))
 
     def hang_up(self, code: int) -> None:
@@ -85,24 +98,53 @@ class ControlPage:
         """Answer it until it is gone."""
         hub = self._hub
         hub.enter(self)
+        if self._mark != hub.context.interlock.mark:
+            self.stopped(hub.context.interlock.mark)
         tasks = [
             asyncio.create_task(self._send(language)),
             asyncio.create_task(self._work()),
         ]
         try:
             async for told in self._socket:
-                if told.type is not WSMsgType.TEXT:
+                if told.type is WSMsgType.PING:
+                    await self._socket.pong(told.data)
+                elif told.type is WSMsgType.PONG:
+                    self._answered(told.data)
+                elif told.type is WSMsgType.TEXT:
+                    self.take(told.data)
+                else:
                     break
-                self.take(told.data)
                 if self._closing:
                     break
         finally:
             hub.leave(self)
+            tasks += self._pings
             for task in tasks:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
             if self._closing:
                 await self._closing
+
+    def stopped(self, mark: int) -> None:
+        """Everything was stopped, or allowed again: the interlock is at `mark`.
+
+        What this page itself asked for so comes before all that it says from now on.
+        """
+        if self._asks and self._mark == mark - 1:
+            self._mark = mark
+            return
+        ping = asyncio.create_task(self._ping(mark))
+        self._pings.add(ping)
+        ping.add_done_callback(self._pings.discard)
+
+    async def _ping(self, mark: int) -> None:
+        with suppress(OSError, RuntimeError):  # it is gone: it says nothing more
+            await self._socket.ping(b"%d" % mark)
+
+    def _answered(self, payload: bytes) -> None:
+        """A pong: what it answers was sent with this mark, or by a heartbeat without one."""
+        if payload.isdigit():
+            self._mark = max(self._mark, min(int(payload), self._hub.context.interlock.mark))
 
     async def _send(self, language: str) -> None:
         """Greet it, then send what there is; meanwhile it may say stop."""
@@ -120,6 +162,13 @@ class ControlPage:
 
     def take(self, text: str) -> None:
         """Do, or put in line, what it says. Never waits."""
+        self._asks = True
+        try:
+            self._read(text)
+        finally:
+            self._asks = False
+
+    def _read(self, text: str) -> None:
         try:
             message = page_messages.read(text)
         except InvalidValue as error:
@@ -128,7 +177,10 @@ class ControlPage:
             return
         if isinstance(message, page_messages.Stop):
             self._stop(message)
-        if not self._is_within(self._limits.flood) or isinstance(message, page_messages.Stop):
+            stops = True
+        elif stops := self._stops(message):
+            self._answer(message, lambda: self._stop_by(message))
+        if not self._is_within(self._limits.flood) or stops:
             return
         self._answer(message, lambda: self._take(message))
 
@@ -166,6 +218,18 @@ class ControlPage:
         else:
             self._say({"type": "ok", "reply_to": message.id})
 
+    def _stops(self, message: Message) -> bool:
+        """Whether it stops the robot by the word or the skill; nobody needs a right to that."""
+        try:
+            command = command_of(self._hub.context, self.session, message)
+        except NotHere:
+            return False
+        return command is not None and self._hub.context.stops(command)
+
+    def _stop_by(self, message: Message) -> bool:
+        act(self._hub.context, self.session, message, self._mark)
+        return True
+
     def _authorise(self, message: Message) -> None:
         """Raises `NotPermitted` unless this page may, now."""
         if message.needs == "session":
@@ -200,23 +264,27 @@ class ControlPage:
             raise NotPermitted("stopped", "the software stop is engaged")
         if not self._hub.driving.is_free_for(self):  # a browser's tabs share its turn
             raise NotPermitted("busy", "another page of this browser drives")
-        self._hub.driving.steer(self, linear_m_s, angular_rad_s)
+        try:
+            self._hub.driving.steer(self, linear_m_s, angular_rad_s, self._mark)
+        except StreamStopped as error:
+            raise NotPermitted("let_go", "stopped: release the stick") from error
 
     def _wait(self, message: Message) -> None:
         try:
-            self._waiting.put_nowait((message, self._hub.stops))
+            self._waiting.put_nowait((message, self._mark))
         except asyncio.QueueFull:
             raise NotPermitted("rate", "too much waits to be done") from None
 
     async def _work(self) -> None:
         """Do what waits, one after another; who may do it is asked again when it is done."""
         while True:
-            message, stops = await self._waiting.get()
+            message, mark = await self._waiting.get()
             try:
-                if stops is not self._hub.stops:
-                    raise NotPermitted("stopped", "the software stop came first")
+                if self._hub.context.interlock.outdated(mark):
+                    code = "stopped" if self._hub.context.safety.state.engaged else "outdated"
+                    raise NotPermitted(code, "a stop came first")
                 self._authorise(message)
-                await self._hub.work(act, self._hub.context, self.session, message)
+                await self._hub.work(act, self._hub.context, self.session, message, mark)
                 self._say({"type": "ok", "reply_to": message.id})
             except (NotPermitted, EdgeVoxError, OSError) as error:
                 self._tell_refusal(message.id, error)

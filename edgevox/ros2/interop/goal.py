@@ -7,7 +7,6 @@ from dataclasses import astuple
 from typing import Any
 
 from geometry_msgs.msg import PoseStamped
-from rclpy.node import Node
 
 from edgevox.agent.policy import Denied
 from edgevox.core.errors import EdgeVoxError, InvalidValue
@@ -15,6 +14,7 @@ from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
 from edgevox.core.transforms import OFF_UNIT, Pose3D, compose, unit
 from edgevox.robots.capabilities import Body, HasEndEffector, HasPose
+from edgevox.ros2.backlog import Backlog
 from edgevox.ros2.interop.frames import Frames
 from edgevox.ros2.messages import pose_of
 from edgevox.ros2.qos import profile
@@ -24,8 +24,11 @@ from edgevox.ros2.tf_buffer import TfBuffer
 
 log = get_logger(__name__)
 
-RunSkill = Callable[[str, Mapping[str, Any]], None]
-"""Starts a skill, by name and with arguments, without waiting. May raise `EdgeVoxError`."""
+RunSkill = Callable[[str, Mapping[str, Any], int], None]
+"""Starts a skill, by name, with arguments and the interlock's mark when it was asked for.
+
+Does not wait. May raise `EdgeVoxError`.
+"""
 
 DRIVE, REACH = "navigate_xy", "move_to"
 """The skills that a goal becomes: on the floor for what drives, in space for what has a hand."""
@@ -51,7 +54,7 @@ class GoalInput:
     """
 
     def __init__(
-        self, node: Node, skill: str, frames: Frames, tf_buffer: TfBuffer, run_skill: RunSkill
+        self, backlog: Backlog, skill: str, frames: Frames, tf_buffer: TfBuffer, run_skill: RunSkill
     ) -> None:
         self._skill, self._frames, self._tf = skill, frames, tf_buffer
         self._run_skill = run_skill
@@ -59,19 +62,17 @@ class GoalInput:
             dict.fromkeys((Refusal.INVALID, Refusal.NOT_FINITE, Refusal.FORBIDDEN), 0)
         )
         self._open = True
-        node.create_subscription(
-            PoseStamped, "goal_pose", self._take, profile(STANDARD["goal_pose"].qos)
-        )
+        backlog.subscribe(PoseStamped, "goal_pose", self._take, profile(STANDARD["goal_pose"].qos))
 
     def close(self) -> None:
         """Take no more."""
         self._open = False
 
-    def _take(self, message: PoseStamped) -> None:
+    def _take(self, message: PoseStamped, mark: int) -> None:
         if not self._open:
             return
         try:
-            self._run_skill(self._skill, self._arguments(message))
+            self._run_skill(self._skill, self._arguments(message), mark)
         except EdgeVoxError as error:
             why = _refusal(error)
             self.refusals[why] += 1

@@ -16,6 +16,7 @@ from edgevox.robots.capabilities import (
     HasPose,
     TakesVelocity,
 )
+from edgevox.ros2.backlog import Backlog
 from edgevox.ros2.interop.broadcast import broadcast_fixed
 from edgevox.ros2.interop.camera import Camera
 from edgevox.ros2.interop.clock_publisher import ClockPublisher
@@ -40,10 +41,11 @@ _TICKS_PER_SCAN = round(TF_HZ / SCAN_HZ)
 class Interop:
     """Offers on a node exactly what a body's capabilities allow, until `close`.
 
-    `run_skill` asks for a skill and must not block. `ticker`, not yet started, gives the rates; the
-    camera has one of its own, which `tickers` makes. `odom_frame` and `frame_prefix` are explained
-    in `frames`, `publish_clock` in `stamps`. Raises `InvalidValue` for a frame that cannot be.
-    While the `interlock` is engaged no velocity but zero is taken; the `guard` is asked of each.
+    `run_skill` asks for a skill and must not block; orders wait in the `backlog`. `ticker`, not yet
+    started, gives the rates; the camera has one of its own, which `tickers` makes. `odom_frame` and
+    `frame_prefix` are explained in `frames`, `publish_clock` in `stamps`. Raises `InvalidValue` for
+    a frame that cannot be. While the `interlock` is engaged no velocity but zero is taken; the
+    `guard` is asked of each.
     """
 
     def __init__(
@@ -52,6 +54,7 @@ class Interop:
         body: Body,
         run_skill: RunSkill,
         ticker: Ticker,
+        backlog: Backlog,
         *,
         odom_frame: str = "",
         frame_prefix: str = "",
@@ -70,9 +73,11 @@ class Interop:
         self._scanner = self._offer_scans()
         self._camera = self._offer_pictures(tickers)
         self._velocity = (
-            VelocityInput(node, body, interlock, guard) if isinstance(body, TakesVelocity) else None
+            VelocityInput(backlog, body, interlock, guard)
+            if isinstance(body, TakesVelocity)
+            else None
         )
-        self._goal = self._take_goals(run_skill)
+        self._goal = self._take_goals(run_skill, backlog)
         self._place_sensors()
         self._forget = self._tick_on(ticker)
         if self._camera:
@@ -138,9 +143,9 @@ class Interop:
         ticker = tickers("edgevox-camera")
         return Camera(self._node, self._body, self._frames, self._stamps, ticker)
 
-    def _take_goals(self, run_skill: RunSkill) -> GoalInput | None:
+    def _take_goals(self, run_skill: RunSkill, backlog: Backlog) -> GoalInput | None:
         skill = goal_skill(self._body)
-        return GoalInput(self._node, skill, self._frames, self._tf, run_skill) if skill else None
+        return GoalInput(backlog, skill, self._frames, self._tf, run_skill) if skill else None
 
     def _place_sensors(self) -> None:
         placed: list[FramePose] = []

@@ -10,15 +10,15 @@ import math
 from collections import Counter
 
 from geometry_msgs.msg import Twist
-from rclpy.node import Node
 
 from edgevox.agent.policy import Guard
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.errors import EdgeVoxError, InvalidValue
-from edgevox.core.interlock import Interlock
+from edgevox.core.interlock import Interlock, StreamStopped
 from edgevox.core.log import get_logger
 from edgevox.core.refusals import Refusal
 from edgevox.robots.velocity_steering import Steerable, Steering
+from edgevox.ros2.backlog import Backlog
 from edgevox.ros2.qos import profile
 from edgevox.ros2.standard_topics import STANDARD
 
@@ -29,14 +29,15 @@ class VelocityInput:
     """Hands velocities to the body: `linear.x` and `angular.z`, the two it can follow.
 
     `refusals` counts by reason messages that held a NaN or an infinity, or any motion while the
-    `interlock` is engaged or that the policy forbids: none of their numbers is used, and the body's
-    watchdog runs on. What is faster than the policy permits is slowed, both numbers by the same
-    factor; what is beyond the body's limits the body clamps.
+    `interlock` is engaged, after a stop has ended the stream and before it pauses, or that the
+    policy forbids: none of their numbers is used, and the body's watchdog runs on. What is faster
+    than the policy permits is slowed, both numbers by the same factor; what is beyond the body's
+    limits the body clamps.
     """
 
     def __init__(
         self,
-        node: Node,
+        backlog: Backlog,
         body: Steerable,
         interlock: Interlock | None = None,
         guard: Guard | None = None,
@@ -46,13 +47,13 @@ class VelocityInput:
             dict.fromkeys((Refusal.INVALID, Refusal.NOT_FINITE, Refusal.FORBIDDEN), 0)
         )
         self._open = True
-        node.create_subscription(Twist, "cmd_vel", self._take, profile(STANDARD["cmd_vel"].qos))
+        backlog.subscribe(Twist, "cmd_vel", self._take, profile(STANDARD["cmd_vel"].qos))
 
     def close(self) -> None:
         """Take no more."""
         self._open = False
 
-    def _take(self, message: Twist) -> None:
+    def _take(self, message: Twist, mark: int) -> None:
         if not self._open:
             return
         one, two = message.linear, message.angular
@@ -61,7 +62,9 @@ class VelocityInput:
             self._refuse(wrong, Refusal.NOT_FINITE)
             return
         try:
-            self._steering.steer(one.x, two.z)
+            self._steering.steer(one.x, two.z, mark)
+        except StreamStopped:  # which was logged once, when the stop ended the stream
+            self.refusals[Refusal.FORBIDDEN] += 1
         except SkillFailed as error:  # of the policy's `Denied`, too
             self._refuse(error, Refusal.FORBIDDEN)
         except InvalidValue as error:

@@ -1,0 +1,142 @@
+"""What waits in the middleware's queues when the robot is stopped is void, as all that came before.
+
+Neither a time nor a number in a message can say what came before a stop: clocks differ between
+hosts, and rclpy gives a request for an action without any time. The order of a queue can. All
+callbacks run on the executor's thread, so this is what that thread knows: what it takes from a
+queue after a stop, and before it has emptied that queue once, may have been there before the stop;
+what it takes later has come since. So each queue has a mark, the interlock's when the queue was
+last found empty, and whatever is taken from it carries that mark. A stop empties the queues at
+once, and so what is sent after the stop was told counts again. Nothing can overtake this: the
+emptying and the callbacks are on one thread.
+"""
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rclpy.subscription import Subscription
+
+from edgevox.core.interlock import Interlock
+from edgevox.core.log import get_logger
+
+log = get_logger(__name__)
+
+Receive = Callable[[Any, int], None]
+"""Takes a message and its mark."""
+
+
+class Queue:
+    """One queue of orders. `take` handles one that waits; False if none does.
+
+    `depth` is how many it holds at most: after so many are taken, none of those that were there is
+    left, however fast others come.
+    """
+
+    def __init__(self, backlog: "Backlog", take: Callable[[], bool], depth: int, mark: int) -> None:
+        self.take = take
+        self.depth = depth
+        self.mark = mark
+        self._backlog = backlog
+
+    @contextmanager
+    def served(self) -> Iterator[int]:
+        """Whatever runs inside handles one order from this queue; gives its mark."""
+        with self._backlog.serving(self):
+            yield self.mark
+
+
+class Backlog:
+    """The queues of one node whose executor runs in one thread, from its making to `close`."""
+
+    def __init__(self, node: Node, interlock: Interlock) -> None:
+        self._node = node
+        self._interlock = interlock
+        self._queues: list[Queue] = []
+        self._serving: Queue | None = None
+        self._thread = 0
+        self._emptying = False
+        self._open = True
+        interlock.on_stop(self._stopped)
+
+    def close(self) -> None:
+        """Empty nothing any more."""
+        self._open = False
+
+    def subscribe(self, kind: Any, topic: str, receive: Receive, qos: QoSProfile) -> None:
+        """Have each message of a topic received with its mark."""
+
+        def serve(message: Any) -> None:
+            with queue.served() as mark:
+                receive(message, mark)
+
+        subscription = self._node.create_subscription(kind, topic, serve, qos)
+        queue = self.add(partial(_take_message, subscription, serve), qos.depth)
+
+    def add(self, take: Callable[[], bool], depth: int) -> Queue:
+        """A queue that a stop has emptied by `take`."""
+        queue = Queue(self, take, depth, self._interlock.mark)
+        self._queues.append(queue)
+        return queue
+
+    @contextmanager
+    def serving(self, queue: Queue) -> Iterator[None]:
+        """An order from this queue is handled, on the executor's thread."""
+        before, self._serving = self._serving, queue
+        self._thread = threading.get_ident()
+        try:
+            yield
+        finally:
+            self._serving = before
+
+    def _stopped(self, mark: int) -> None:
+        """Everything was stopped, or allowed again, on any thread; the interlock is at `mark`."""
+        if not self._open or (self._emptying and self._is_here()):
+            return  # whoever empties looks again
+        if self._serving is not None and self._is_here():
+            if self._serving.mark == mark - 1:
+                self._serving.mark = mark  # what waits behind the order that stopped came after it
+            self._empty(but=self._serving)
+        elif self._node.executor:
+            self._node.executor.create_task(self._empty)
+
+    def _is_here(self) -> bool:
+        return threading.get_ident() == self._thread
+
+    def _empty(self, but: Queue | None = None) -> None:
+        """Handle all that waits, with the mark that it has; on the executor's thread."""
+        self._emptying, self._thread = True, threading.get_ident()
+        try:
+            while self._open:
+                mark = self._interlock.mark
+                behind = [one for one in self._queues if one is not but and one.mark != mark]
+                if not behind:
+                    break
+                for queue in behind:
+                    _empty_one(queue)
+                    queue.mark = mark
+        finally:
+            self._emptying = False
+        if but and but.mark != self._interlock.mark and self._node.executor:
+            self._node.executor.create_task(self._empty)
+
+
+def _empty_one(queue: Queue) -> None:
+    for _ in range(queue.depth):
+        try:
+            if not queue.take():
+                return
+        except Exception:  # one order that breaks must not keep the others from being void
+            log.exception("ros_callback_failed")
+
+
+def _take_message(subscription: Subscription, receive: Callable[[Any], None]) -> bool:
+    with subscription.handle:
+        taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
+    if taken is None:
+        return False
+    receive(taken[0])
+    return True
