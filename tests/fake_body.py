@@ -45,6 +45,11 @@ class FakeBody:
         with self._changed:
             assert self._changed.wait_for(lambda: len(self.sent) >= count, HUNG_S), self.sent
 
+    def starts_until_driving(self, where: Any) -> None:
+        """Wait until it has begun to drive there."""
+        with self._changed:
+            assert self._changed.wait_for(lambda: where in self.sent, HUNG_S), self.sent
+
     def arrive(self, times: float = math.inf) -> None:
         """Let so many drives come to their end, those that begin later too: all of them."""
         with self._changed:

@@ -110,8 +110,10 @@ class Stopping:
 
         What follows a stop word in one breath was begun before it, and counts all the same.
         """
-        whole = heard.ended_s if heard.spotted or heard.began_s is None else heard.began_s
-        return whole < self._stopped_s or heard.ended_s == self._withdrawn_s
+        if heard.ended_s < self._stopped_s or heard.ended_s == self._withdrawn_s:
+            return True
+        began_s = None if heard.spotted else heard.began_s
+        return began_s is not None and began_s <= self._stopped_s
 
     def is_stop(self, text: str) -> bool:
         """Whether these words would stop the robot."""
