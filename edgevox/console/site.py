@@ -123,11 +123,16 @@ class Site:
             raise web.HTTPTooManyRequests(text="wait a minute")
         told, work = await _code(request), self.hub.work  # disks are slow: a stop must not wait
         async with self._pairs:  # of two at once with the same code one is let in
-            role = await work(self.pairing.redeem, told)
-        if role is None:
-            log.warning("console_pairing_refused", address=address)
-            raise web.HTTPForbidden(text="not the code")
-        session, cookie = await work(self.hub.sessions.begin, role, _browser(request), address)
+            try:
+                role = await work(self.pairing.redeem, told)
+                if role is None:
+                    log.warning("console_pairing_refused", address=address)
+                    raise web.HTTPForbidden(text="not the code")
+                begun = await work(self.hub.sessions.begin, role, _browser(request), address)
+            except OSError as error:
+                log.error("console_unsaved", error=error.strerror or str(error))  # noqa: TRY400
+                raise web.HTTPServiceUnavailable(text="the robot cannot write that down") from None
+        session, cookie = begun
         log.info("console_paired", session=session.id, role=str(role), address=address)
         answer = web.json_response(_me(session))
         answer.set_cookie(
