@@ -112,7 +112,8 @@ class SkillAction:
 
     def _judge(self, request: Any) -> GoalResponse:
         try:
-            self._goals.check_goal(request.skill_name, read_arguments(request.arguments_json))
+            name = request.skill_name
+            self._goals.check_goal(name, read_arguments(request.arguments_json, name))
         except EdgeVoxError as error:
             log.warning("action_goal_rejected", skill=request.skill_name[:80], reason=str(error))
             rejected = GoalRejected(
@@ -134,8 +135,9 @@ class SkillAction:
         handle.execute()
         self._watch.begin()
         try:
-            arguments = read_arguments(handle.request.arguments_json)
-            run.goal = self._goals.start_goal(handle.request.skill_name, arguments, goal_id)
+            name = handle.request.skill_name
+            arguments = read_arguments(handle.request.arguments_json, name)
+            run.goal = self._goals.start_goal(name, arguments, goal_id)
         except EdgeVoxError as error:
             failed = GoalStatus.FAILED
             name = handle.request.skill_name
