@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from edgevox.apps.agent_parts import AgentParts
 from edgevox.apps.console_command import shown_code
 from edgevox.apps.folders import console_folder, recordings_folder
+from edgevox.apps.streams import show
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.extras import install_extra
 from edgevox.core.log import get_logger
@@ -79,10 +80,10 @@ def _offer(parts: AgentParts, server: "ConsoleServer", folder: Path) -> None:
         log.error("console_codeless", reason=reason)  # noqa: TRY400 - the reason says it all
         _tell(parts, f"No pairing code: {reason}")
         return
-    print(shown_code(server.url, code.code, code.shown, str(code.role)), flush=True)
+    show(shown_code(server.url, code.code, code.shown, str(code.role)))
     parts.notes.append(f"{address}  (once, for ten minutes; edgevox-console pair makes another)")
 
 
 def _tell(parts: AgentParts, line: str) -> None:
     parts.notes.append(line)
-    print(line, flush=True)
+    show(line)
