@@ -8,6 +8,7 @@ from pathlib import Path
 
 from aiohttp import web
 
+from edgevox.console.bad_requests import BadRequests, ServerLog
 from edgevox.console.context import ConsoleContext
 from edgevox.console.door import Door
 from edgevox.console.liveness import Liveness
@@ -63,9 +64,10 @@ class ConsoleServer:
         self.sessions = Sessions(folder, state=self._state)
         self.pairing = Pairing(folder, state=self._state)
         clock = clock or SystemClock()
+        self.bad = BadRequests()
         self._hub = PageHub(context, self.sessions, clock)
         authority = tls.authority.read_bytes() if tls and tls.authority else None
-        self._site = Site(self._hub, self.pairing, clock, tls is not None, authority)
+        self._site = Site(self._hub, self.pairing, clock, tls is not None, self.bad, authority)
         self._loop = asyncio.new_event_loop()
         self._closed = asyncio.Event()
         self._started = threading.Event()
@@ -131,12 +133,14 @@ class ConsoleServer:
             pages=len(self._hub.pages),
             connections=len(self._site.door or ()),
             commander=self._hub.commander,
+            bad_requests=self.bad.total,
         )
 
     # On its own thread
 
     def _serve(self) -> None:
         asyncio.set_event_loop(self._loop)
+        self._loop.set_exception_handler(self.bad.loop_failed)
         try:
             self._loop.run_until_complete(self._answer_until_closed())
         finally:
@@ -147,6 +151,7 @@ class ConsoleServer:
             self._site.application(),
             handle_signals=False,
             access_log=None,
+            logger=ServerLog(self.bad),
             keepalive_timeout=15.0,
             shutdown_timeout=1.0,
             max_line_size=4096,
@@ -154,7 +159,9 @@ class ConsoleServer:
         )
         await runner.setup()
         assert runner.server is not None  # noqa: S101 - setup has made it
-        door = self._site.door = Door(self._socket, runner.server, tls=self._current_tls)
+        door = self._site.door = Door(
+            self._socket, runner.server, tls=self._current_tls, bad=self.bad
+        )
         self._hub.open(self._loop)
         work = [door.serve(), sample(self._hub), self._liveness.beat()]
         if self._current_tls:

@@ -73,7 +73,7 @@ class Pairing:
         if not code:
             return None
         plain = told.upper().replace("-", "").replace(" ", "")
-        if not hmac.compare_digest(code.code.encode(), plain.encode()):
+        if not hmac.compare_digest(code.code.encode(), plain.encode("utf-8", "replace")):
             self._count_wrong(code)
             return None
         self._file.unlink(missing_ok=True)

@@ -65,6 +65,8 @@ def _open(own: ExitStack, parts: AgentParts) -> "ConsoleServer":
         own.callback(server.close)
     except OSError as error:
         raise _FolderUnusable(f"console_folder: {folder}: {error.strerror or error}") from None
+    if parts.metrics is not None:
+        parts.metrics.read("edgevox_console_bad_requests_total", lambda: server.bad.counts)
     server.start()
     _tell(parts, f"Console: {server.url}")
     _offer(parts, server, folder)
