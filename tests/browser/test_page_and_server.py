@@ -110,9 +110,8 @@ FORGET = {
 def test_what_forgets_chooses_nothing_by_itself_and_asks_first(browser: Browser, tmp_path) -> None:
     told = {"capabilities": {}, "skills": [FORGET]}
     with console(tmp_path, describe=lambda _: told) as rig:
-        page = browser.new_context(
-            locale="en-GB", viewport={"width": 1440, "height": 900}
-        ).new_page()
+        context = browser.new_context(locale="en-GB", viewport={"width": 1440, "height": 900})
+        page = context.new_page()
         page.set_default_timeout(PATIENCE_MS)
         let_in(page, rig.server.offer_code()[1])
         take_the_turn(page)
