@@ -101,12 +101,12 @@ def _revoke(arguments: argparse.Namespace, _settings: Settings, folder: Path) ->
 
 def _ca(arguments: argparse.Namespace, settings: Settings, folder: Path) -> bool:
     from edgevox.console.certificates import own_tls
-    from edgevox.console.open_console import names_of
+    from edgevox.console.open_console import found_names, names_of
 
     if arguments.new:
         for name in ("ca.crt", "ca.key", "console.crt", "console.key"):
             (folder / name).unlink(missing_ok=True)
-    authority = own_tls(folder, names_of(settings)).authority
+    authority = own_tls(folder, names_of(settings), spare=found_names(settings)).authority
     if authority:
         show(authority.read_text("utf-8").removesuffix("\n"))
     return True

@@ -6,7 +6,7 @@ that it was made with: whoever steals its key cannot pretend to be somebody's ba
 """
 
 import socket
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from datetime import UTC, datetime, timedelta
 from ipaddress import IPv4Address, IPv6Address, ip_address, ip_network
 from pathlib import Path
@@ -48,12 +48,19 @@ def utc_now() -> datetime:
 
 
 def own_tls(
-    folder: Path, names: Sequence[str], now: Now = utc_now, state: StateFiles | None = None
+    folder: Path,
+    names: Sequence[str],
+    now: Now = utc_now,
+    state: StateFiles | None = None,
+    *,
+    spare: Collection[str] = (),
 ) -> Tls:
     """Authority and certificate for these names and addresses, made where they are not there yet.
 
     Files that cannot be used are kept aside, and others are made. The result's `renew` makes the
-    certificate again where it ends soon by then; it never makes another authority.
+    certificate again where it ends soon by then; it never makes another authority. Of names that
+    are `spare` the certificate has those for which the authority may vouch: a machine may be called
+    otherwise by now, as a container is at each start.
     Raises `InvalidValue` for a name that the authority may not vouch for, and `OSError`.
     """
     state = state or StateFiles()
@@ -64,6 +71,7 @@ def own_tls(
         for file in (folder / "ca.crt", folder / "ca.key"):
             state.keep_aside(file, f"{file}: expected a certificate and a key that fit")
         authority, signs = _make_authority(folder, names, now())
+    names = [name for name in names if name not in spare or _vouches(authority, name)]
     _check(authority, names)
     certificate, key = folder / "console.crt", folder / "console.key"
     leaf, own = state.read(certificate, _leaf), state.read(key, _key, secret=True)
@@ -73,7 +81,7 @@ def own_tls(
     def renew() -> None:
         _authority(read_text(folder / "ca.crt", "console_folder"))
         _key(read_text(folder / "ca.key", "console_folder"))
-        own_tls(folder, names, now, state)
+        own_tls(folder, names, now, state, spare=spare)
 
     return Tls(certificate, key, folder / "ca.crt", renew)
 
@@ -212,16 +220,19 @@ def _usage(*, authority: bool) -> x509.KeyUsage:
 
 
 def _check(authority: x509.Certificate, names: Sequence[str]) -> None:
-    found = authority.extensions.get_extension_for_class(x509.NameConstraints).value
-    permitted = found.permitted_subtrees or []
     for name in names:
-        if not any(_permits(one, _general(name)) for one in permitted):
+        if not _vouches(authority, name):
             raise InvalidValue(
                 "console_names",
                 name,
                 "a name that the own authority was made for; `edgevox-console ca --new` makes "
                 "another one, which each browser has to take",
             )
+
+
+def _vouches(authority: x509.Certificate, name: str) -> bool:
+    found = authority.extensions.get_extension_for_class(x509.NameConstraints).value
+    return any(_permits(one, _general(name)) for one in found.permitted_subtrees or [])
 
 
 def _permits(subtree: x509.GeneralName, name: x509.DNSName | x509.IPAddress) -> bool:

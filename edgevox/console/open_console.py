@@ -26,7 +26,7 @@ def open_console(context: ConsoleContext, settings: Settings, folder: Path) -> C
 def tls_of(settings: Settings, folder: Path, state: StateFiles | None = None) -> Tls | None:
     """How it is encrypted; None for plain HTTP. Raises `InvalidValue`, and `OSError`."""
     if settings.console_tls == "own":
-        return own_tls(folder, names_of(settings), state=state)
+        return own_tls(folder, names_of(settings), state=state, spare=found_names(settings))
     if settings.console_tls == "files":
         if not settings.console_certificate or not settings.console_key:
             raise InvalidValue(
@@ -45,8 +45,17 @@ def tls_of(settings: Settings, folder: Path, state: StateFiles | None = None) ->
 
 def names_of(settings: Settings) -> tuple[str, ...]:
     """What the own certificate says the console is called."""
+    return local_names(_asked(settings))
+
+
+def found_names(settings: Settings) -> frozenset[str]:
+    """Those of them that this machine has by itself now, and nobody asked for."""
+    return frozenset(local_names()) - set(_asked(settings))
+
+
+def _asked(settings: Settings) -> list[str]:
     more = [one.strip().lower() for one in settings.console_names.split(",")]
-    return local_names([one for one in more if one])
+    return [one for one in more if one]
 
 
 def is_loopback(host: str) -> bool:
