@@ -212,7 +212,8 @@ class Conversation:
 
         Whatever moves pre-empts whatever moves, asked for in words or not, and stop words end it.
         A skill that moves nothing pre-empts nothing. Raises `InvalidValue` (`UnknownSkill` for the
-        name) or `SkillFailed` (too many wait, the policy forbids it); nothing has happened then.
+        name) or `SkillFailed` (too many wait, the policy forbids it); nothing has happened then but
+        that the bus tells of a `GoalRejected`.
         """
         return self._executor.begin(Call(name, arguments), self._skills, goal_id, way)
 
