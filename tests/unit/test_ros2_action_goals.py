@@ -70,7 +70,7 @@ def rig():
         ("drive", {"speed": 1}, InvalidValue),
     ],
 )
-def test_a_goal_that_cannot_be_changes_nothing_and_is_told_as_a_rejection(rig, name, arguments, error):
+def test_a_goal_that_cannot_be_is_rejected_and_changes_nothing(rig, name, arguments, error):
     running = rig.conversation.start_goal("drive", {})
     assert rig.began.acquire(timeout=60)
     seen = len(rig.events)
