@@ -15,6 +15,7 @@ from fake_body import FakeBody
 from guards import HUNG_S
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, precondition, rule
+from programs_rig import HeldTime
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
@@ -42,7 +43,6 @@ from edgevox.core.ways import Way
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.command_mux import WATCHDOG_S
 from edgevox.robots.velocity_steering import Steering
-from programs_rig import HeldTime
 
 HELD = st.booleans()
 """Whether an order is received later than it is sent."""

@@ -240,7 +240,7 @@ class Conversation:
         A skill that moves nothing pre-empts nothing. `mark` is the interlock's when it was
         received, now by default. Raises `InvalidValue` (`UnknownSkill` for the name) or
         `SkillFailed` (too many wait, a stop came after it, the policy forbids it); nothing has
-        happened then.
+        happened then but that the bus tells of a `GoalRejected`.
         """
         mark = self._interlock.mark if mark is None else mark
         return self._executor.begin(Call(name, arguments), self._skills, goal_id, way, mark)

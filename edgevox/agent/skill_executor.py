@@ -1,5 +1,6 @@
 """Executes calls of skills: checked, acknowledged, run as goals, and reported when they end."""
 
+import json
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -15,9 +16,9 @@ from edgevox.agent.skills import STOP, Call, Skill, SkillFailed, SkillSet, reaso
 from edgevox.agent.spoken_lists import detail
 from edgevox.agent.turn import Turn
 from edgevox.agent.wrong_arguments import too_many_calls
-from edgevox.core.agent_events import GoalStatus, ToolCalled
+from edgevox.core.agent_events import GoalRejected, GoalStatus, ToolCalled
 from edgevox.core.bus import Bus
-from edgevox.core.errors import InvalidValue
+from edgevox.core.errors import EdgeVoxError, InvalidValue, shorten
 from edgevox.core.events import Outcome
 from edgevox.core.interlock import Interlock, Tell
 from edgevox.core.reason import NO_REASON, Reason
@@ -148,7 +149,12 @@ class SkillExecutor:
         One that moves pre-empts what moves; another waits for nothing but its like. `mark` is the
         interlock's when it was asked for.
         """
-        arguments = self.check(call, skills, way, mark=mark)
+        try:
+            arguments = self.check(call, skills, way, mark=mark)
+        except EdgeVoxError as error:
+            if not isinstance(error, Denied) or way is Way.ACTION:  # else the policy has told
+                self._reject(call, reason_of(error), way)
+            raise
         goal = Goal(skills[call.skill], arguments, turn=0, bus=self._bus, goal_id=goal_id)
         self._tell(goal, "action")
         self._stopping([goal])
@@ -234,11 +240,16 @@ class SkillExecutor:
             why, phrases = error.reason, self._phrases()
             turn.say(phrases.failure(why), Outcome.REFUSED, detail=detail(phrases, why))
         else:
-            return goals
+            if not (held := self._held([goal.skill for goal in goals], turn.mark)):
+                return goals
+            self._refuse(goals, held, turn)
         return ()
 
     def run(self, goals: Sequence[Goal], turn: Turn, source: str) -> bool:
         """Acknowledge and run them in order; False if nothing may move, which is said."""
+        if held := self._held([goal.skill for goal in goals], turn.mark):
+            self._refuse(goals, held, turn)
+            return False
         turn.acted()
         for goal in goals:
             self._tell(goal, source)
@@ -251,8 +262,16 @@ class SkillExecutor:
     def _goals(self, calls: Sequence[Call], skills: SkillSet, turn: Turn) -> list[Goal]:
         if len(calls) > MAX_CALLS:
             raise too_many_calls(len(calls), MAX_CALLS)
-        checked = [(skills[c.skill], skills[c.skill].validate(c.arguments)) for c in calls]
-        return [Goal(skill, args, turn=turn.number, bus=self._bus) for skill, args in checked]
+        goals = []
+        for call in calls:
+            try:
+                skill = skills[call.skill]
+                arguments = skill.validate(call.arguments)
+            except EdgeVoxError as error:
+                self._reject(call, reason_of(error), turn.way, turn.number)
+                raise
+            goals.append(Goal(skill, arguments, turn=turn.number, bus=self._bus))
+        return goals
 
     def _run_beside(self, goals: Sequence[Goal], turn: Turn) -> bool:
         """Say what is going to be done, and begin: planning a way first would hold the words up."""
@@ -267,9 +286,21 @@ class SkillExecutor:
             held = self._held(skills, turn.mark)
             if not held:
                 self._runner.move(goals)
-        if held:
+        if held:  # since they were told of, just now
+            for goal in goals:
+                goal.drop(held)
             turn.say(phrases.refusal(held), Outcome.REFUSED)
         return not held
+
+    def _refuse(self, goals: Sequence[Goal], reason: Reason, turn: Turn) -> None:
+        """Say why none of them is done, and tell of each that it is not."""
+        for goal in goals:
+            self._reject(Call(goal.skill.name, goal.arguments), reason, turn.way, turn.number)
+        turn.say(self._phrases().refusal(reason), Outcome.REFUSED)
+
+    def _reject(self, call: Call, reason: Reason, way: Way, turn: int = 0) -> None:
+        arguments = shorten(json.dumps(dict(call.arguments), default=str))
+        self._bus.publish(GoalRejected(call.skill[:80], arguments, reason, str(way), turn))
 
     def _run_now(self, goals: Sequence[Goal], turn: Turn) -> None:
         for goal in goals:

@@ -4,7 +4,9 @@ from edgevox.agent.name_rules import check_skills
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.apps.robots import about
 from edgevox.apps.skill_setup import gather_skills
+from edgevox.apps.streams import show
 from edgevox.core.settings import Settings
+from edgevox.core.text import one_line
 from edgevox.robots.capabilities import Body
 
 SHORT = 60
@@ -19,11 +21,11 @@ def check_robot(body: Body, settings: Settings) -> bool:
     check_skills(body.skills)
     skills = gather_skills(body, settings).skills
     if itself := about(body):
-        print(itself)
+        show(one_line(itself))
     english = phrasebook(ENGLISH)
-    print(f"{body.name} has {len(skills)} skills:")
+    show(f"{body.name} has {len(skills)} skills:")
     for one in skills:
         templates = map(english.written_out, english.templates(one))
         said = [sentence for sentence in templates if len(sentence) <= SHORT]
-        print(f"  {one.name}: {one.description} {said[0] if said else ''}".rstrip())
+        show(one_line(f"  {one.name}: {one.description} {said[0] if said else ''}".rstrip()))
     return True

@@ -22,6 +22,7 @@ from edgevox.apps.policy_setup import build_guard
 from edgevox.apps.queries import available_voices, build_queries, deafness
 from edgevox.apps.robots import build_agents
 from edgevox.apps.skill_setup import gather_skills
+from edgevox.apps.streams import show
 from edgevox.apps.voice import build_listener, build_voice, endings, warm_up_hearing
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Speak
@@ -160,13 +161,13 @@ def start_parts(stack: ExitStack, parts: AgentParts, ros_args: Sequence[str] = (
         parts.components.add(*bridge.components)
         read_bridge(parts, bridge)
         start(stack, bridge)
-        print(f"ROS 2: {bridge.where}", flush=True)
+        show(f"ROS 2: {bridge.where}")
     if parts.settings.serves_console:
         serve_console(stack, parts)
     prefill = _prefill(stack, parts)
     start(stack, parts.conversation)  # after the bridge, so that its first state is heard there
     if parts.voice and parts.listener:
-        print("warming up ...", flush=True)
+        show("warming up ...")
         warm_up_hearing(parts.voice, parts.controls.language)
         start(stack, parts.listener)
         parts.voice.speech_output.prepare()

@@ -14,10 +14,11 @@ from edgevox.apps.flags import add_flags, given_flags
 from edgevox.apps.fleet import FLEET_PORT, serve_fleet
 from edgevox.apps.folders import console_folder
 from edgevox.apps.run_program import run_program
-from edgevox.apps.streams import with_streams
+from edgevox.apps.streams import show, with_streams
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.extras import install_extra
 from edgevox.core.settings import Settings, load_settings
+from edgevox.core.text import one_line
 
 SETTINGS = ("console_host", "console_port", "console_tls", "console_names", "console_folder")
 
@@ -56,7 +57,7 @@ def _pair(arguments: argparse.Namespace, settings: Settings, folder: Path) -> bo
     code = Pairing(folder).offer(role)
     host, port, names = settings.console_host, settings.console_port, settings.console_names
     url = console_url(host, port, settings.console_tls != "off", names)
-    print(shown_code(url, code.code, code.shown, str(role)))
+    show(shown_code(url, code.code, code.shown, str(role)))
     return True
 
 
@@ -79,7 +80,8 @@ def _list(_arguments: argparse.Namespace, _settings: Settings, folder: Path) -> 
 
     for one in Sessions(folder).all():
         began = datetime.fromtimestamp(one.began_s, UTC)
-        print(f"{one.id}  {one.role:8}  {began:%Y-%m-%d %H:%M}Z  {one.address:15}  {one.name}")
+        line = f"{one.id}  {one.role:8}  {began:%Y-%m-%d %H:%M}Z  {one.address:15}  {one.name}"
+        show(one_line(line))
     return True
 
 
@@ -99,14 +101,14 @@ def _revoke(arguments: argparse.Namespace, _settings: Settings, folder: Path) ->
 
 def _ca(arguments: argparse.Namespace, settings: Settings, folder: Path) -> bool:
     from edgevox.console.certificates import own_tls
-    from edgevox.console.open_console import names_of
+    from edgevox.console.open_console import found_names, names_of
 
     if arguments.new:
         for name in ("ca.crt", "ca.key", "console.crt", "console.key"):
             (folder / name).unlink(missing_ok=True)
-    authority = own_tls(folder, names_of(settings)).authority
+    authority = own_tls(folder, names_of(settings), spare=found_names(settings)).authority
     if authority:
-        print(authority.read_text("utf-8"), end="")
+        show(authority.read_text("utf-8").removesuffix("\n"))
     return True
 
 

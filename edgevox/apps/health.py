@@ -10,11 +10,11 @@ import http.client
 import ipaddress
 import json
 import os
-import sys
 import time
 from collections.abc import Sequence
 
-from edgevox.apps.streams import with_streams
+from edgevox.apps.streams import show, with_streams
+from edgevox.core.text import one_line
 
 WELL, UNWELL, USAGE_ERROR = 0, 1, 2
 PORT, HOST = "EDGEVOX_HEALTH_PORT", "EDGEVOX_HEALTH_HOST"
@@ -32,15 +32,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Ask; the process's exit code."""
     arguments = _parser().parse_args(argv)
     if not 0 < arguments.port < 1 << 16:
-        print(f"edgevox-health: {PORT} or --port: a port from 1 to 65535", file=sys.stderr)
+        show(f"edgevox-health: {PORT} or --port: a port from 1 to 65535", error=True)
         return USAGE_ERROR
     look = _drain if arguments.path == DRAIN else _ask
     try:
         status, text = look(reachable(arguments.host), arguments.port, arguments.path)
     except (OSError, http.client.HTTPException) as error:
-        print(f"edgevox-health: {arguments.host}:{arguments.port}: {error}", file=sys.stderr)
+        show(f"edgevox-health: {arguments.host}:{arguments.port}: {error}", error=True)
         return UNWELL
-    print(_readable(text))
+    show(one_line(_readable(text)))
     return WELL if status == http.client.OK else UNWELL
 
 

@@ -6,6 +6,7 @@ from typing import Protocol
 
 from edgevox.core.commands import Command, Heard, StopSpotted
 from edgevox.core.events import WakeWordHeard
+from edgevox.core.text import one_line
 from edgevox.voice.audio import FRAME_S
 from edgevox.voice.endpoint import VOICED
 from edgevox.voice.hearing_meter import HearingMeter, HearingReading
@@ -79,7 +80,7 @@ class ListenView:
 
     def _tell(self, line: str) -> None:
         with self._lock:
-            self._write(f"{_CLEAR if self._live else ''}  {line}\n")
+            self._write(f"{_CLEAR if self._live else ''}  {one_line(line)}\n")
 
 
 def as_line(reading: HearingReading, detectors: Mapping[str, float]) -> str:

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from edgevox.agent.llm.absent import AbsentModel
 from edgevox.agent.llm.language_model import LanguageModel
+from edgevox.apps.streams import show
 from edgevox.core.settings import NO_LLM, Settings
 from edgevox.models import locate
 
@@ -49,7 +50,7 @@ def _beside_server(settings: Settings, on_board: LanguageModel | None) -> Langua
 def _load(settings: Settings, weights: Path) -> LanguageModel:
     from edgevox.agent.llm.factory import load_model
 
-    print(f"loading {weights.name} ...", flush=True)
+    show(f"loading {weights.name} ...")
     return load_model(
         weights,
         backend=settings.llm_backend,

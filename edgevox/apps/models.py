@@ -5,7 +5,7 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from edgevox.apps.streams import with_streams
+from edgevox.apps.streams import show, with_streams
 from edgevox.core.errors import EdgeVoxError
 from edgevox.models import Store, UnknownModel, fetch
 from edgevox.models.fetch import OFFLINE_VARIABLE
@@ -41,11 +41,11 @@ def list_models(_: argparse.Namespace, store: Store) -> int:
         models = [manifest.models[member] for member in members]
         here = sum(not store.missing(model) for model in models)
         size = megabytes(sum(model.size for model in models))
-        print(f"{name}: {size}, {here} of {len(models)} here")
+        show(f"{name}: {size}, {here} of {len(models)} here")
         for model in models:
-            print(f"  {model.id} (see above)" if model.id in told else _described(model, store))
+            show(f"  {model.id} (see above)" if model.id in told else _described(model, store))
         told.update(members)
-    print(f"in {store.root}")
+    show(f"in {store.root}")
     return OK
 
 
@@ -88,7 +88,7 @@ def verify_models(options: argparse.Namespace, store: Store) -> int:
         wrong = store.verify(model)
         result = FAILED if wrong else result
         said = ", ".join(f"{file.name} is missing or damaged" for file in wrong) or "right"
-        print(f"{model.id}: {said}")
+        show(f"{model.id}: {said}")
     return result
 
 
@@ -96,20 +96,20 @@ def print_path(options: argparse.Namespace, store: Store) -> int:
     """Print where a model is."""
     if options.name in store.manifest.sets:
         raise UnknownModel(options.name, store.manifest.models)
-    print(store.locate(options.name))
+    show(str(store.locate(options.name)))
     return OK
 
 
 def print_licences(_: argparse.Namespace, store: Store) -> int:
     """Print whose each model is and what its licence forbids."""
     for model in store.manifest.models.values():
-        print(f"{model.id}\n    {model.publisher}\n    {model.copyright}")
+        show(f"{model.id}\n    {model.publisher}\n    {model.copyright}")
         for licence in (store.manifest.licences[key] for key in model.licences):
-            print(f"    {licence.name}, {licence.url}")
+            show(f"    {licence.name}, {licence.url}")
         if not store.manifest.allows_commercial_use(model):
-            print("    Not for commercial use.")
+            show("    Not for commercial use.")
         if model.caution:
-            print(f"    {model.caution}")
+            show(f"    {model.caution}")
     return OK
 
 
@@ -143,7 +143,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _say(error: object, status: int) -> int:
-    print(f"edgevox-models: {error}", file=sys.stderr)
+    show(f"edgevox-models: {error}", error=True)
     return status
 
 

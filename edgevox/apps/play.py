@@ -9,6 +9,7 @@ from typing import Any
 from edgevox.apps.composition import build_parts, start_parts
 from edgevox.apps.conversation_harness import ConversationHarness
 from edgevox.apps.snapshot import check_picture, write_picture
+from edgevox.apps.streams import show
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import NO_LLM, Settings
 from edgevox.robots.capabilities import Body
@@ -75,4 +76,4 @@ def play(
 
 
 def _write(text: str) -> None:
-    print(text, flush=True)
+    show(text)

@@ -12,7 +12,7 @@ from edgevox.apps.metrics import serve_recorders_metrics
 from edgevox.apps.recorder_arguments import RecorderArguments, parse_arguments
 from edgevox.apps.run_program import run_program, secure_ros2, set_up_logs
 from edgevox.apps.shutdown_signals import ShutdownSignals, Terminated
-from edgevox.apps.streams import with_streams
+from edgevox.apps.streams import show, with_streams
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.extras import install_extra
 from edgevox.core.settings import Settings
@@ -38,7 +38,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         "edgevox-recorder", lambda: _prepare(sys.argv[1:] if argv is None else argv, lost)
     )
     for text in lost:
-        print(f"edgevox-recorder: {text}", file=sys.stderr)
+        show(f"edgevox-recorder: {text}", error=True)
     return code or (NOT_ALL_RECORDED if lost else code)
 
 
@@ -76,7 +76,7 @@ def _record(asked: RecorderArguments, scenario: Scenario | None, lost: list[str]
             play = _stage(stack, recorder, asked, scenario) if scenario else None
             recorder.start()
             health.started()
-            print(f"recording {len(recorder.topics)} topics of {namespace} to {folder}", flush=True)
+            show(f"recording {len(recorder.topics)} topics of {namespace} to {folder}")
             if play:
                 return play()
             recorder.full.wait(asked.duration_s)
@@ -95,17 +95,17 @@ def _stage(
     def play() -> bool:
         stack.callback(harness.close)
         harness.wait_for_robot(scenario, asked.wait_s)
-        print(heading(scenario, asked.scenario.name if asked.scenario else "", harness.name))
+        show(heading(scenario, asked.scenario.name if asked.scenario else "", harness.name))
         if scenario.settings:
-            print("its settings are not made: the robot runs with its own")
+            show("its settings are not made: the robot runs with its own")
         last: list[StepResult] = []
 
         def tell(outcome: StepResult) -> None:
             last[:] = [outcome]
-            print(line(outcome), flush=True)
+            show(line(outcome))
 
         passed = run_scenario(scenario, harness, tell)
-        print(summary(scenario, last[0] if last else None), flush=True)
+        show(summary(scenario, last[0] if last else None))
         return passed
 
     return play
@@ -121,7 +121,7 @@ def _serve_health(stack: ExitStack, settings: Settings, health: Health) -> None:
 
 
 def _conclude(recorder: "Recorder", folder: Path, lost: list[str]) -> None:
-    print(f"{recorder.written} messages in {recorder.files} files in {folder}", flush=True)
+    show(f"{recorder.written} messages in {recorder.files} files in {folder}")
     dropped = recorder.dropped
     if dropped or recorder.fault:
         most = ", ".join(f"{count} of {name}" for name, count in list(dropped.items())[:5])

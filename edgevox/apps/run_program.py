@@ -1,11 +1,11 @@
 """What all programs here have in common: how they log, how they end, and with which exit code."""
 
-import sys
 from collections.abc import Callable
 
 from edgevox import __version__
 from edgevox.apps.dds_security import secure_process
 from edgevox.apps.shutdown_signals import Terminated
+from edgevox.apps.streams import show
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
@@ -67,5 +67,5 @@ def _fail(name: str, error: EdgeVoxError, code: int) -> int:
     if writes_json():
         log.critical("program_failed", program=name, reason=str(error))
     else:
-        print(f"{name}: {error}", file=sys.stderr)
+        show(f"{name}: {error}", error=True)
     return code

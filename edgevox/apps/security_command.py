@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from edgevox import __version__
 from edgevox.apps.dds_security import domain_of
 from edgevox.apps.run_program import run_program
-from edgevox.apps.streams import with_streams
+from edgevox.apps.streams import show, with_streams
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.extras import install_extra
 from edgevox.core.settings import check_settings
@@ -58,7 +58,7 @@ def _create(arguments: argparse.Namespace) -> bool:
 
     made = Keystore.create(arguments.keystore, utc_now(), arguments.days or AUTHORITY_DAYS)
     ends = made.authority.not_valid_after_utc
-    print(f"{arguments.keystore}: made; its authority ends {ends:%Y-%m-%d}")
+    show(f"{arguments.keystore}: made; its authority ends {ends:%Y-%m-%d}")
     return True
 
 
@@ -80,7 +80,7 @@ def _add(arguments: argparse.Namespace) -> bool:
     role = EnclaveRole(arguments.role)
     enclave = arguments.enclave or graph.at(node_name(role))
     store.add(enclave, Purpose(role, graph, _domain(arguments), arguments.days or DAYS), utc_now())
-    print(_line(store, enclave))
+    show(_line(store, enclave))
     return True
 
 
@@ -88,12 +88,12 @@ def _list(arguments: argparse.Namespace) -> bool:
     """List enclaves and when they end; fails if one has ended, or does within --warn-days."""
     store = _open(arguments)
     ends = store.authority.not_valid_after_utc
-    print(f"{'authority':40}  {'':8}  {'':10}  until {ends:%Y-%m-%d}")
+    show(f"{'authority':40}  {'':8}  {'':10}  until {ends:%Y-%m-%d}")
     for enclave in store.names():
-        print(_line(store, enclave))
+        show(_line(store, enclave))
     late = _late(store, arguments.warn_days)
     for said in late:
-        print(f"edgevox-security: {said}", file=sys.stderr)
+        show(f"edgevox-security: {said}", error=True)
     return not late
 
 
@@ -109,7 +109,7 @@ def _renew(arguments: argparse.Namespace) -> bool:
         store.purpose(enclave)  # all are there, before one is changed
     for enclave in chosen:
         store.renew(enclave, utc_now(), arguments.days)
-        print(_line(store, enclave))
+        show(_line(store, enclave))
     return True
 
 
@@ -122,10 +122,10 @@ def _revoke(arguments: argparse.Namespace) -> bool:
         store.at(enclave)
     for enclave in dict.fromkeys(arguments.enclave):
         store.revoke(enclave, utc_now())
-        print(f"{enclave}: revoked")
+        show(f"{enclave}: revoked")
     left = " ".join(store.names())
     if left:
-        print(f"It is kept out by whoever is exported again and started again: {left}")
+        show(f"It is kept out by whoever is exported again and started again: {left}")
     return True
 
 
@@ -138,10 +138,10 @@ def _export(arguments: argparse.Namespace) -> bool:
     if bool(arguments.dir) == arguments.kubernetes:
         raise InvalidValue("DIR", str(arguments.dir or ""), "a folder, or --kubernetes without one")
     if arguments.kubernetes:
-        print(secret(files, arguments.enclave, arguments.name), end="")
+        show(secret(files, arguments.enclave, arguments.name).removesuffix("\n"))
         return True
     write_export(files, arguments.enclave, arguments.dir)
-    print(f"{arguments.dir}: {arguments.enclave}")
+    show(f"{arguments.dir}: {arguments.enclave}")
     return True
 
 

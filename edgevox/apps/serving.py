@@ -6,6 +6,7 @@ from contextlib import ExitStack
 
 from edgevox.apps.composition import build_parts, start, start_parts
 from edgevox.apps.shutdown_signals import ShutdownSignals
+from edgevox.apps.streams import show
 from edgevox.apps.terminal import run_terminal
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
@@ -24,7 +25,7 @@ def serve(settings: Settings, body: Body | None, ros_args: Sequence[str]) -> boo
             start_parts(stack, parts, ros_args)
             if settings.render and has_display() and isinstance(body, HasPicture):
                 start(stack, Viewer(body.picture, f"EdgeVox: {body.name}"))
-            print(f"{parts.name} is ready. /help shows what can be typed.", flush=True)
+            show(f"{parts.name} is ready. /help shows what can be typed.")
             log.info("ready", agent=parts.name, after_s=round(time.monotonic() - began_s, 1))
             try:
                 run_terminal(parts, shutdown)

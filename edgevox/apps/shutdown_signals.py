@@ -8,6 +8,7 @@ import threading
 from collections.abc import Callable
 from types import FrameType, TracebackType
 
+from edgevox.apps.streams import show
 from edgevox.core.drain import Drain
 from edgevox.core.log import get_logger
 
@@ -97,7 +98,7 @@ class ShutdownSignals:
         if logging.getLogger().handlers:
             log.critical("leaving_late", waited_s=waited_s, threads=held)
         else:  # the program itself is over, and its log with it
-            print(f"leaving without what does not end: {', '.join(held)}", file=sys.stderr)
+            show(f"leaving without what does not end: {', '.join(held)}", error=True)
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(STUCK)

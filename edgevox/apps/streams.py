@@ -14,6 +14,7 @@ from functools import wraps
 from typing import ParamSpec, TextIO, cast
 
 from edgevox.core.output_stream import OutputStream, Tell
+from edgevox.core.text import printable
 
 P = ParamSpec("P")
 FAILED = 1
@@ -38,12 +39,21 @@ def with_streams(
             sys.stdout.flush()
             if not (results and lost):
                 return code
-            print(f"{program}: standard output: {lost[0]}", file=sys.stderr)
+            show(f"{program}: standard output: {lost[0]}", error=True)
             return code or FAILED
 
         return started
 
     return around
+
+
+def show(text: str, *, error: bool = False) -> None:
+    """Print this for the person at the terminal: the one way there for all programs here.
+
+    It may have several lines. What of it is another's has gone through `one_line` before, else it
+    could look like a line of ours; nothing in it steers the terminal.
+    """
+    print(printable(text), file=sys.stderr if error else sys.stdout, flush=True)
 
 
 def open_streams(tell: Tell, *, waits: bool) -> None:

@@ -6,12 +6,13 @@ that it was made with: whoever steals its key cannot pretend to be somebody's ba
 """
 
 import socket
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from datetime import UTC, datetime, timedelta
 from ipaddress import IPv4Address, IPv6Address, ip_address, ip_network
 from pathlib import Path
 
 from cryptography import x509
+from cryptography.exceptions import UnsupportedAlgorithm
 from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
@@ -19,6 +20,8 @@ from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 from edgevox.console.tls import Tls
 from edgevox.core.atomic_file import PRIVATE, PUBLIC, write_atomically
 from edgevox.core.errors import InvalidValue
+from edgevox.core.state_files import StateFiles
+from edgevox.core.user_file import read_text
 
 AUTHORITY_DAYS = 3650
 DAYS = 390
@@ -44,22 +47,43 @@ def utc_now() -> datetime:
     return datetime.now(UTC)
 
 
-def own_tls(folder: Path, names: Sequence[str], now: Now = utc_now) -> Tls:
+def own_tls(
+    folder: Path,
+    names: Sequence[str],
+    now: Now = utc_now,
+    state: StateFiles | None = None,
+    *,
+    spare: Collection[str] = (),
+) -> Tls:
     """Authority and certificate for these names and addresses, made where they are not there yet.
 
-    Its `renew` does the same again, for a certificate that ends soon by then.
+    Files that cannot be used are kept aside, and others are made. The result's `renew` makes the
+    certificate again where it ends soon by then; it never makes another authority. Of names that
+    are `spare` the certificate has those for which the authority may vouch: a machine may be called
+    otherwise by now, as a container is at each start.
     Raises `InvalidValue` for a name that the authority may not vouch for, and `OSError`.
     """
+    state = state or StateFiles()
     folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-    files = folder / "ca.crt", folder / "ca.key"
-    certificate, key = folder / "console.crt", folder / "console.key"
-    if not all(file.exists() for file in files):
-        _make_authority(*files, names, now())
-    authority = _load(files[0])
+    authority = state.read(folder / "ca.crt", _authority)
+    signs = state.read(folder / "ca.key", _key, secret=True)
+    if not authority or not signs or authority.public_key() != signs.public_key():
+        for file in (folder / "ca.crt", folder / "ca.key"):
+            state.keep_aside(file, f"{file}: expected a certificate and a key that fit")
+        authority, signs = _make_authority(folder, names, now())
+    names = [name for name in names if name not in spare or _vouches(authority, name)]
     _check(authority, names)
-    if not _fits(certificate, key, authority, names, now()):
-        _make_leaf(files, certificate, key, names, now())
-    return Tls(certificate, key, files[0], lambda: own_tls(folder, names, now))
+    certificate, key = folder / "console.crt", folder / "console.key"
+    leaf, own = state.read(certificate, _leaf), state.read(key, _key, secret=True)
+    if not leaf or not own or not _fits(leaf, own, authority, names, now()):
+        _make_leaf((authority, signs), certificate, key, names, now())
+
+    def renew() -> None:
+        _authority(read_text(folder / "ca.crt", "console_folder"))
+        _key(read_text(folder / "ca.key", "console_folder"))
+        own_tls(folder, names, now, state, spare=spare)
+
+    return Tls(certificate, key, folder / "ca.crt", renew)
 
 
 def local_names(more: Sequence[str] = ()) -> tuple[str, ...]:
@@ -106,7 +130,9 @@ def _general(name: str) -> x509.DNSName | x509.IPAddress:
         raise InvalidValue("console_names", name, "host names and addresses") from None
 
 
-def _make_authority(certificate: Path, key: Path, names: Sequence[str], now: datetime) -> None:
+def _make_authority(
+    folder: Path, names: Sequence[str], now: datetime
+) -> tuple[x509.Certificate, ec.EllipticCurvePrivateKey]:
     private = ec.generate_private_key(ec.SECP256R1())
     called = x509.Name(
         [x509.NameAttribute(NameOID.COMMON_NAME, f"EdgeVox of {socket.gethostname()}"[:64])]
@@ -120,8 +146,9 @@ def _make_authority(certificate: Path, key: Path, names: Sequence[str], now: dat
         .add_extension(x509.SubjectKeyIdentifier.from_public_key(public), critical=False)
         .sign(private, hashes.SHA256())
     )
-    _write_key(key, private)
-    _write_certificate(certificate, made)
+    _write_key(folder / "ca.key", private)
+    _write_certificate(folder / "ca.crt", made)
+    return made, private
 
 
 def _constraints(names: Sequence[str]) -> x509.NameConstraints:
@@ -138,16 +165,13 @@ def _constraints(names: Sequence[str]) -> x509.NameConstraints:
 
 
 def _make_leaf(
-    authority: tuple[Path, Path],
+    authority: tuple[x509.Certificate, ec.EllipticCurvePrivateKey],
     certificate: Path,
     key: Path,
     names: Sequence[str],
     now: datetime,
 ) -> None:
-    issuer = _load(authority[0])
-    signs = serialization.load_pem_private_key(authority[1].read_bytes(), None)
-    if not isinstance(signs, ec.EllipticCurvePrivateKey):
-        raise InvalidValue("console_folder", str(authority[1]), "the key of an own authority")
+    issuer, signs = authority
     private = ec.generate_private_key(ec.SECP256R1())
     called = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "EdgeVox console")])
     server = x509.ExtendedKeyUsage([ExtendedKeyUsageOID.SERVER_AUTH])
@@ -196,16 +220,19 @@ def _usage(*, authority: bool) -> x509.KeyUsage:
 
 
 def _check(authority: x509.Certificate, names: Sequence[str]) -> None:
-    found = authority.extensions.get_extension_for_class(x509.NameConstraints).value
-    permitted = found.permitted_subtrees or []
     for name in names:
-        if not any(_permits(one, _general(name)) for one in permitted):
+        if not _vouches(authority, name):
             raise InvalidValue(
                 "console_names",
                 name,
                 "a name that the own authority was made for; `edgevox-console ca --new` makes "
                 "another one, which each browser has to take",
             )
+
+
+def _vouches(authority: x509.Certificate, name: str) -> bool:
+    found = authority.extensions.get_extension_for_class(x509.NameConstraints).value
+    return any(_permits(one, _general(name)) for one in found.permitted_subtrees or [])
 
 
 def _permits(subtree: x509.GeneralName, name: x509.DNSName | x509.IPAddress) -> bool:
@@ -218,26 +245,53 @@ def _permits(subtree: x509.GeneralName, name: x509.DNSName | x509.IPAddress) -> 
 
 
 def _fits(
-    certificate: Path, key: Path, authority: x509.Certificate, names: Sequence[str], now: datetime
+    leaf: x509.Certificate,
+    key: ec.EllipticCurvePrivateKey,
+    authority: x509.Certificate,
+    names: Sequence[str],
+    now: datetime,
 ) -> bool:
     """Whether the certificate that is there will do: this authority's, for these names, in time."""
-    if not certificate.exists() or not key.exists():
-        return False
-    made = _load(certificate)
-    known_as = made.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
+    known_as = leaf.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
     try:
-        made.verify_directly_issued_by(authority)
+        leaf.verify_directly_issued_by(authority)
     except Exception:  # noqa: BLE001 - of whatever kind: another authority's
         return False
-    lasts = made.not_valid_after_utc - now > timedelta(days=RENEW_DAYS)
-    return lasts and set(known_as) == {_general(name) for name in names}
+    lasts = leaf.not_valid_after_utc - now > timedelta(days=RENEW_DAYS)
+    own = leaf.public_key() == key.public_key()
+    return own and lasts and set(known_as) == {_general(name) for name in names}
 
 
-def _load(file: Path) -> x509.Certificate:
+def _authority(text: str) -> x509.Certificate:
+    """The certificate of an own authority. Raises whatever is wrong with the text."""
+    made = _load(text)
+    made.extensions.get_extension_for_class(x509.NameConstraints)
+    return made
+
+
+def _leaf(text: str) -> x509.Certificate:
+    """The console's certificate. Raises whatever is wrong with the text."""
+    made = _load(text)
+    made.extensions.get_extension_for_class(x509.SubjectAlternativeName)
+    return made
+
+
+def _load(text: str) -> x509.Certificate:
     try:
-        return x509.load_pem_x509_certificate(file.read_bytes())
+        return x509.load_pem_x509_certificate(text.encode())
     except ValueError:
-        raise InvalidValue("console_folder", str(file), "a certificate in PEM") from None
+        raise InvalidValue("console_folder", "a text", "a certificate in PEM") from None
+
+
+def _key(text: str) -> ec.EllipticCurvePrivateKey:
+    """A key of ours. Its text stands in no error."""
+    try:
+        key = serialization.load_pem_private_key(text.encode(), None)
+    except (ValueError, TypeError, UnsupportedAlgorithm):
+        raise InvalidValue("console_folder", "a text", "a private key in PEM") from None
+    if not isinstance(key, ec.EllipticCurvePrivateKey):
+        raise InvalidValue("console_folder", "another key", "a key on an elliptic curve")
+    return key
 
 
 def _write_key(file: Path, key: ec.EllipticCurvePrivateKey) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from aiohttp import web
 
+from edgevox.console.bad_requests import BadRequests, ServerLog
 from edgevox.console.context import ConsoleContext
 from edgevox.console.door import Door
 from edgevox.console.liveness import Liveness
@@ -21,6 +22,7 @@ from edgevox.console.url import console_url
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
 from edgevox.core.log import get_logger, worth_a_line
+from edgevox.core.state_files import StateFiles
 from edgevox.core.status import Finding, HealthCheck, Level, Status
 
 log = get_logger(__name__)
@@ -36,8 +38,8 @@ class ConsoleServer:
     """Listens from its making on. Raises `InvalidValue` where it cannot.
 
     `folder` keeps who was let in; the first of `names`, with commas between, is in its address
-    where it listens everywhere. Without `tls` it speaks plain HTTP; whoever makes it has decided
-    that this may be.
+    where it listens everywhere. `state` knows which of its files were damaged. Without `tls` it
+    speaks plain HTTP; whoever makes it has decided that this may be.
     """
 
     def __init__(
@@ -50,18 +52,22 @@ class ConsoleServer:
         tls: Tls | None = None,
         names: str = "",
         clock: Clock | None = None,
+        state: StateFiles | None = None,
     ) -> None:
         self._tls = tls
         self._host = host
         self._names = names
         self._current_tls = CurrentTls(tls) if tls else None
         self._socket = _listen(host, port)
-        self.sessions = Sessions(folder)
-        self.pairing = Pairing(folder)
+        self._state = state or StateFiles()
+        self._codeless = ""
+        self.sessions = Sessions(folder, state=self._state)
+        self.pairing = Pairing(folder, state=self._state)
         clock = clock or SystemClock()
+        self.bad = BadRequests()
         self._hub = PageHub(context, self.sessions, clock)
         authority = tls.authority.read_bytes() if tls and tls.authority else None
-        self._site = Site(self._hub, self.pairing, clock, tls is not None, authority)
+        self._site = Site(self._hub, self.pairing, clock, tls is not None, self.bad, authority)
         self._loop = asyncio.new_event_loop()
         self._closed = asyncio.Event()
         self._started = threading.Event()
@@ -80,7 +86,12 @@ class ConsoleServer:
 
     def offer_code(self, role: Role = Role.OPERATOR) -> tuple[Code, str]:
         """A new pairing code, and the address that pairs with it. Raises `OSError`."""
-        code = self.pairing.offer(role)
+        try:
+            code = self.pairing.offer(role)
+        except OSError as error:
+            self._codeless = f"no pairing code could be written ({error.strerror or error})"
+            raise
+        self._codeless = ""
         return code, f"{self.url}/#pair={code.code}"
 
     def start(self) -> None:
@@ -111,20 +122,25 @@ class ConsoleServer:
 
     def status(self) -> Status:
         """How many pages and connections there are, and where."""
-        dead = self._liveness.why_not()
+        dead, worse = self._liveness.why_not(), (self._codeless, self._state.fault)
         return Status.judged(
             NAME,
-            [Finding(Level.ERROR, dead)] if dead else (),
+            [
+                *([Finding(Level.ERROR, dead)] if dead else ()),
+                *(Finding(Level.WARN, one) for one in worse if one),
+            ],
             url=self.url,
             pages=len(self._hub.pages),
             connections=len(self._site.door or ()),
             commander=self._hub.commander,
+            bad_requests=self.bad.total,
         )
 
     # On its own thread
 
     def _serve(self) -> None:
         asyncio.set_event_loop(self._loop)
+        self._loop.set_exception_handler(self.bad.loop_failed)
         try:
             self._loop.run_until_complete(self._answer_until_closed())
         finally:
@@ -135,6 +151,7 @@ class ConsoleServer:
             self._site.application(),
             handle_signals=False,
             access_log=None,
+            logger=ServerLog(self.bad),
             keepalive_timeout=15.0,
             shutdown_timeout=1.0,
             max_line_size=4096,
@@ -142,7 +159,9 @@ class ConsoleServer:
         )
         await runner.setup()
         assert runner.server is not None  # noqa: S101 - setup has made it
-        door = self._site.door = Door(self._socket, runner.server, tls=self._current_tls)
+        door = self._site.door = Door(
+            self._socket, runner.server, tls=self._current_tls, bad=self.bad
+        )
         self._hub.open(self._loop)
         work = [door.serve(), sample(self._hub), self._liveness.beat()]
         if self._current_tls:

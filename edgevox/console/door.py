@@ -1,14 +1,17 @@
 """The door: how many connections there may be, before a handshake or a request is waited for.
 
-Whoever holds many, or none of whose requests shows a session, makes room for the others.
+Whoever holds many, or none of whose requests shows a session, makes room for the others: a browser
+that comes new always gets in, and no crowd of strangers shuts out who was let in.
 """
 
 import asyncio
 import socket
+from collections import Counter
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 
+from edgevox.console.bad_requests import BadRequest, BadRequests
 from edgevox.console.tls import CurrentTls
 from edgevox.core.log import get_logger
 
@@ -16,6 +19,10 @@ log = get_logger(__name__)
 
 MOST = 64
 """Connections in all."""
+MOST_OF_SESSION = 16
+"""Connections of one session; of more, its oldest is ended. A page holds three."""
+FEW = 3
+"""Whoever holds no more than this never makes room for others: a page needs them."""
 MOST_UNKNOWN = 24
 """Connections of one address, of those that have shown no session: some browsers' at once."""
 UNKNOWN_S = 30.0
@@ -30,7 +37,8 @@ SEND_BYTES = 64 * 1024
 @dataclass(eq=False)
 class _Guest:
     address: str
-    known: bool = False
+    session: str = ""
+    """Whose it is; empty while no request has shown that."""
     transport: asyncio.BaseTransport | None = None
     task: "asyncio.Task[None] | None" = field(default=None, repr=False)
 
@@ -41,7 +49,7 @@ class _Guest:
             self.transport.abort()
 
     def leave_if_unknown(self) -> None:
-        if not self.known:
+        if not self.session:
             self.leave()
 
     @property
@@ -60,7 +68,9 @@ class Door:
         protocol: Callable[[], asyncio.Protocol],
         *,
         tls: CurrentTls | None,
+        bad: BadRequests | None = None,
     ) -> None:
+        self._bad = bad or BadRequests()
         self._listening = listening
         self._protocol = protocol
         self._tls = tls
@@ -72,11 +82,16 @@ class Door:
         self._forget()
         return len(self._guests)
 
-    def knows(self, protocol: asyncio.BaseProtocol | None) -> None:
-        """A request on this connection has shown a session."""
+    def knows(self, protocol: asyncio.BaseProtocol | None, session: str) -> None:
+        """A request on this connection has shown this session, which may hold so many."""
         guest = self._guests.get(protocol)
-        if guest:
-            guest.known = True
+        if not guest:
+            return
+        guest.session = session
+        self._forget()
+        own = [one for one, other in self._guests.items() if other.session == session]
+        for one in own[:-MOST_OF_SESSION]:
+            self._end(one)
 
     async def serve(self) -> None:
         """Let connections in."""
@@ -127,23 +142,33 @@ class Door:
                 ssl_handshake_timeout=HANDSHAKE_S if self._tls else None,
             )
         except OSError:  # of TLS, too: who does not speak it is not let in
+            self._bad.count(BadRequest.TLS if self._tls else BadRequest.CONNECTION)
             connection.close()
         except asyncio.CancelledError:
             connection.close()
             raise
 
     def _make_room(self, address: str) -> bool:
-        """Whether one more of this address fits; an older unknown one is ended for it."""
+        """Whether one more of this address fits; an older one of whoever holds most is ended."""
         self._forget()
-        unknown = [one for one, guest in self._guests.items() if not guest.known]
+        unknown = [one for one, guest in self._guests.items() if not guest.session]
         same = [one for one in unknown if self._guests[one].address == address]
         crowded = len(same) >= MOST_UNKNOWN
         if not crowded and len(self._guests) < MOST:
             return True
-        if not unknown:
+        if unknown:
+            self._end(same[0] if crowded else unknown[0])
+            return True
+        held = Counter(guest.session for guest in self._guests.values())
+        most, count = held.most_common(1)[0]
+        if count <= FEW:
             return False
-        self._guests.pop(same[0] if crowded else unknown[0]).leave()
+        self._end(next(one for one, guest in self._guests.items() if guest.session == most))
         return True
+
+    def _end(self, one: asyncio.BaseProtocol | None) -> None:
+        self._bad.count(BadRequest.CROWD)
+        self._guests.pop(one).leave()
 
     def _forget(self) -> None:
         self._guests = {one: guest for one, guest in self._guests.items() if guest.is_there}

@@ -9,6 +9,7 @@ from edgevox.console.context import ConsoleContext
 from edgevox.console.tls import Tls
 from edgevox.core.errors import InvalidValue
 from edgevox.core.settings import Settings
+from edgevox.core.state_files import StateFiles
 
 
 def open_console(context: ConsoleContext, settings: Settings, folder: Path) -> ConsoleServer:
@@ -16,15 +17,16 @@ def open_console(context: ConsoleContext, settings: Settings, folder: Path) -> C
 
     `folder` is the robot's own: who was let in, and its keys.
     """
-    tls = tls_of(settings, folder)
+    state = StateFiles()
+    tls = tls_of(settings, folder, state)
     host, port, names = settings.console_host, settings.console_port, settings.console_names
-    return ConsoleServer(context, folder, host, port, tls=tls, names=names)
+    return ConsoleServer(context, folder, host, port, tls=tls, names=names, state=state)
 
 
-def tls_of(settings: Settings, folder: Path) -> Tls | None:
+def tls_of(settings: Settings, folder: Path, state: StateFiles | None = None) -> Tls | None:
     """How it is encrypted; None for plain HTTP. Raises `InvalidValue`, and `OSError`."""
     if settings.console_tls == "own":
-        return own_tls(folder, names_of(settings))
+        return own_tls(folder, names_of(settings), state=state, spare=found_names(settings))
     if settings.console_tls == "files":
         if not settings.console_certificate or not settings.console_key:
             raise InvalidValue(
@@ -43,8 +45,17 @@ def tls_of(settings: Settings, folder: Path) -> Tls | None:
 
 def names_of(settings: Settings) -> tuple[str, ...]:
     """What the own certificate says the console is called."""
+    return local_names(_asked(settings))
+
+
+def found_names(settings: Settings) -> frozenset[str]:
+    """Those of them that this machine has by itself now, and nobody asked for."""
+    return frozenset(local_names()) - set(_asked(settings))
+
+
+def _asked(settings: Settings) -> list[str]:
     more = [one.strip().lower() for one in settings.console_names.split(",")]
-    return local_names([one for one in more if one])
+    return [one for one in more if one]
 
 
 def is_loopback(host: str) -> bool:

@@ -13,6 +13,8 @@ from pathlib import Path
 
 from edgevox.console.sessions import Role
 from edgevox.core.atomic_file import write_atomically
+from edgevox.core.json_reader import read_json_object
+from edgevox.core.state_files import StateFiles
 
 LAST_S = 600.0
 MOST_WRONG = 10
@@ -39,14 +41,23 @@ class Code:
 class Pairing:
     """The one code there is, if there is one."""
 
-    def __init__(self, folder: Path, now: Callable[[], float] = time.time) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        now: Callable[[], float] = time.time,
+        state: StateFiles | None = None,
+    ) -> None:
         self._file = folder / "pairing.json"
         self._now = now
+        self._state = state or StateFiles()
         self._wrong: tuple[str, int] = ("", 0)
 
     def offer(self, role: Role = Role.OPERATOR) -> Code:
         """Make a code in place of the one there was. Raises `OSError`."""
         self._file.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        self._state.read(
+            self._file, _code, secret=True
+        )  # what is no file there is kept aside first
         code = Code(
             "".join(secrets.choice(_ALPHABET) for _ in range(_LENGTH)), role, self._now() + LAST_S
         )
@@ -54,12 +65,15 @@ class Pairing:
         return code
 
     def redeem(self, told: str) -> Role | None:
-        """The role that this code gives, which it does once; None if it is not the code."""
+        """The role that this code gives, which it does once; None if it is not the code.
+
+        Raises `OSError` where it cannot be struck out: then it lets nobody in.
+        """
         code = self._read()
         if not code:
             return None
         plain = told.upper().replace("-", "").replace(" ", "")
-        if not hmac.compare_digest(code.code.encode(), plain.encode()):
+        if not hmac.compare_digest(code.code.encode(), plain.encode("utf-8", "replace")):
             self._count_wrong(code)
             return None
         self._file.unlink(missing_ok=True)
@@ -72,9 +86,11 @@ class Pairing:
             self._file.unlink(missing_ok=True)
 
     def _read(self) -> Code | None:
-        try:
-            told = json.loads(self._file.read_text("utf-8"))
-            code = Code(str(told["code"]), Role(told["role"]), float(told["until_s"]))
-        except (OSError, ValueError, TypeError, KeyError):
-            return None
-        return code if self._now() < code.until_s else None
+        code = self._state.read(self._file, _code, secret=True)
+        return code if code and self._now() < code.until_s else None
+
+
+def _code(text: str) -> Code:
+    """Raises `ValueError`, `TypeError`, `KeyError` or `InvalidValue` for a text that holds none."""
+    told = read_json_object(text, "pairing")
+    return Code(str(told["code"]), Role(told["role"]), float(told["until_s"]))

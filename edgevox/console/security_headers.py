@@ -39,5 +39,8 @@ async def add_headers(_request: web.Request, response: web.StreamResponse) -> No
 
 def is_own_origin(request: web.BaseRequest) -> bool:
     """Whether a page of this server asks: its `Origin` is there, and is the host it asks."""
-    origin = urlsplit(request.headers.get("Origin", ""))
+    try:
+        origin = urlsplit(request.headers.get("Origin", ""))
+    except ValueError:  # half an address
+        return False
     return origin.scheme in ("http", "https") and origin.netloc.lower() == request.host.lower()

@@ -16,7 +16,9 @@ from enum import StrEnum
 from pathlib import Path
 
 from edgevox.core.atomic_file import write_atomically
+from edgevox.core.json_reader import is_number, read_json_object
 from edgevox.core.log import get_logger
+from edgevox.core.state_files import StateFiles
 from edgevox.core.ways import Way
 
 log = get_logger(__name__)
@@ -52,13 +54,19 @@ class Session:
 class Sessions:
     """The sessions of a folder. Cheap to ask: whether one is still there is asked all the time."""
 
-    def __init__(self, folder: Path, now: Callable[[], float] = time.time) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        now: Callable[[], float] = time.time,
+        state: StateFiles | None = None,
+    ) -> None:
         self._folder = folder / "sessions"
         self._now = now
+        self._state = state or StateFiles()
 
     def begin(self, role: Role, name: str, address: str) -> tuple[Session, str]:
         """Let somebody in: the session, and the cookie that proves it. Raises `OSError`."""
-        self._folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+        self._state.make_folder(self._folder)
         secret = secrets.token_urlsafe(32)
         session = Session(secrets.token_hex(8), name, role, _hash(secret), self._now(), address)
         write_atomically(self._file(session.id), json.dumps(asdict(session)))
@@ -106,16 +114,24 @@ class Sessions:
         return self._now() - session.began_s < LAST_S
 
     def _read(self, file: Path) -> Session | None:
+        """A session that may not be read counts as none, as one that is damaged does."""
         try:
-            told = json.loads(file.read_text("utf-8"))
-            session = Session(**{**told, "role": Role(told["role"])})
-            return session if self._is_young(session) else None
-        except FileNotFoundError:
-            return None
-        except (OSError, ValueError, TypeError, KeyError) as error:
+            session = self._state.read(file, _session, secret=True)
+        except OSError as error:
             log.warning("console_session_unreadable", file=file.name, error=repr(error))
             return None
+        return session if session and self._is_young(session) else None
+
+
+def _session(text: str) -> Session:
+    """Raises `ValueError`, `TypeError` or `InvalidValue` for a text that holds none."""
+    told = read_json_object(text, "session")
+    session = Session(**{**told, "role": Role(told["role"])})
+    words = (session.id, session.name, session.hash, session.address)
+    if not all(isinstance(word, str) for word in words) or not is_number(session.began_s):
+        raise TypeError("expected texts, and a number for began_s")
+    return session
 
 
 def _hash(secret: str) -> str:
-    return hashlib.sha256(secret.encode()).hexdigest()
+    return hashlib.sha256(secret.encode("utf-8", "replace")).hexdigest()

@@ -9,6 +9,7 @@ from urllib.parse import quote
 
 from aiohttp import web
 
+from edgevox.console.bad_requests import UNREADABLE, BadRequest, BadRequests
 from edgevox.console.door import Door
 from edgevox.console.page_hub import PageHub
 from edgevox.console.page_messages import MOST_BYTES
@@ -42,13 +43,14 @@ class Site:
     pairing: Pairing
     clock: Clock
     secure: bool
+    bad: BadRequests
     authority: bytes | None = None
     door: Door | None = None
 
     def __post_init__(self) -> None:
         self._tries = PageRateLimit(self.clock, PAIR_TRIES / 60, PAIR_TRIES)
         self._downloads = PageRateLimit(self.clock, DOWNLOADS_PER_S, DOWNLOADS)
-        self._limits = SocketLimits.usual(self.clock)
+        self._limits = SocketLimits.usual(self.clock, self.bad)
         self._pairs = asyncio.Lock()
         self.cookie = "__Host-edgevox" if self.secure else "edgevox"
         robot = self.hub.context.robot
@@ -83,6 +85,7 @@ class Site:
     def own_session(self, request: web.Request) -> Session:
         """The same, of a request that this server's own page makes. Raises 403 for another's."""
         if not is_own_origin(request):
+            self.bad.count(BadRequest.ORIGIN)
             raise web.HTTPForbidden(text="another page asks")
         return self.session(request)
 
@@ -91,12 +94,21 @@ class Site:
         self, request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
     ) -> web.StreamResponse:
         """Who shows a session is known at the door, also by what asks for a part of the page."""
-        session = self.hub.sessions.of_cookie(request.cookies.get(self.cookie, ""))
+        shown = _cookie(request, self.cookie)
+        session = self.hub.sessions.of_cookie(shown)
         if session:
             request[_SESSION] = session
             if self.door:
-                self.door.knows(request.protocol)
-        return await handler(request)
+                self.door.knows(request.protocol, session.id)
+        elif shown:
+            self.bad.count(BadRequest.COOKIE)
+        try:
+            return await handler(request)
+        except web.HTTPException:
+            raise
+        except UNREADABLE:
+            self.bad.count(BadRequest.HTTP)
+            raise web.HTTPBadRequest(text="expected another request") from None
 
     # The page
 
@@ -117,17 +129,24 @@ class Site:
 
     async def _pair(self, request: web.Request) -> web.Response:
         if not is_own_origin(request):
+            self.bad.count(BadRequest.ORIGIN)
             raise web.HTTPForbidden(text="another page asks")
         address = request.remote or ""
         if not self._tries.allows(address):
             raise web.HTTPTooManyRequests(text="wait a minute")
         told, work = await _code(request), self.hub.work  # disks are slow: a stop must not wait
         async with self._pairs:  # of two at once with the same code one is let in
-            role = await work(self.pairing.redeem, told)
-        if role is None:
-            log.warning("console_pairing_refused", address=address)
-            raise web.HTTPForbidden(text="not the code")
-        session, cookie = await work(self.hub.sessions.begin, role, _browser(request), address)
+            try:
+                role = await work(self.pairing.redeem, told)
+                if role is None:
+                    self.bad.count(BadRequest.CODE)
+                    log.warning("console_pairing_refused", address=address)
+                    raise web.HTTPForbidden(text="not the code")
+                begun = await work(self.hub.sessions.begin, role, _browser(request), address)
+            except OSError as error:
+                log.error("console_unsaved", error=error.strerror or str(error))  # noqa: TRY400
+                raise web.HTTPServiceUnavailable(text="the robot cannot write that down") from None
+        session, cookie = begun
         log.info("console_paired", session=session.id, role=str(role), address=address)
         answer = web.json_response(_me(session))
         answer.set_cookie(
@@ -209,6 +228,8 @@ class Site:
 async def _socket(
     request: web.Request, most_bytes: int, *, autoping: bool = True
 ) -> web.WebSocketResponse:
+    if "Sec-WebSocket-Protocol" in request.headers:  # aiohttp would log what it asks for
+        raise web.HTTPBadRequest(text="expected no protocol")
     socket = web.WebSocketResponse(
         max_msg_size=most_bytes,
         compress=False,
@@ -220,6 +241,16 @@ async def _socket(
     return socket
 
 
+def _cookie(request: web.Request, name: str) -> str:
+    """What it shows as this cookie; aiohttp would log the names of others that it cannot read."""
+    for header in request.headers.getall("Cookie", ()):
+        for part in header.split(";"):
+            called, _, value = part.strip().partition("=")
+            if called == name:
+                return value
+    return ""
+
+
 def _attachment(name: str) -> dict[str, str]:
     return {
         "Content-Disposition": f"attachment; filename*=UTF-8''{quote(name, safe='')}",
@@ -229,8 +260,8 @@ def _attachment(name: str) -> dict[str, str]:
 
 async def _code(request: web.Request) -> str:
     try:
-        return str(json.loads(await request.text())["code"])[:64]
-    except (ValueError, TypeError, KeyError, RecursionError):
+        return str(json.loads(await request.read())["code"])[:64]
+    except (ValueError, TypeError, LookupError, RecursionError):
         raise web.HTTPBadRequest(text="expected a code") from None
 
 

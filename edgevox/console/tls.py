@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from edgevox.core.errors import InvalidValue
+from edgevox.core.user_file import LARGEST_TEXT_BYTES, open_file
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,11 +48,16 @@ class CurrentTls:
         return True
 
     def _digest(self) -> bytes:
-        try:
-            files = self._tls.certificate.read_bytes(), self._tls.key.read_bytes()
-        except OSError as error:
-            raise _unfit(self._tls, error) from None
+        files = (
+            _bytes(self._tls.certificate, "console_certificate"),
+            _bytes(self._tls.key, "console_key"),
+        )
         return hashlib.sha256(b"\0".join(files)).digest()
+
+
+def _bytes(file: Path, field: str) -> bytes:
+    with open_file(file, field, LARGEST_TEXT_BYTES) as stream:
+        return stream.read(LARGEST_TEXT_BYTES)
 
 
 def _context(tls: Tls) -> ssl.SSLContext:

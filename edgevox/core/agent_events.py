@@ -91,7 +91,7 @@ class GoalCancelled:
 
 @dataclass(frozen=True, slots=True)
 class GoalRejected:
-    """A goal that cannot be, or that the policy refuses. It has no id; `turn` is 0 without one.
+    """A goal that cannot be or may not, whichever way it came. It has no id and no `tool_call`.
 
     Its arguments are as they came, and `way` is how.
     """

@@ -24,7 +24,8 @@ def write_atomically(file: Path, text: str, mode: int = PRIVATE) -> None:
 
 
 def _write(file: Path, data: bytes, mode: int) -> None:
-    flags = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_NOFOLLOW | os.O_CLOEXEC
+    file.unlink(missing_ok=True)  # whatever it is: a pipe would be waited for
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
     with open(os.open(file, flags, mode), "wb") as stream:
         stream.write(data)
         stream.flush()

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from edgevox.core.agent_events import DrainChanged, DrainStatus
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.errors import EdgeVoxError
 from edgevox.core.interlock import Holder, Interlock
 from edgevox.core.log import get_logger
 from edgevox.core.reason import Reason
@@ -51,6 +52,7 @@ class Drain:
         self._stand_s = stand_s
         self._clock = clock or SystemClock()
         self._pause = pause
+        self._unknown = ""
         self._lock = threading.Lock()
         self._status: DrainStatus | None = None
         self._over = threading.Event()
@@ -103,9 +105,11 @@ class Drain:
     def _finish(self, by: str) -> None:
         ended = DrainStatus.NOT_STANDING
         try:
-            self.stand()
+            self._stand_as_told()
             if self._wait_until(self._stands, self._stand_s):
                 ended = DrainStatus.DRAINED
+            elif self._unknown:
+                log.warning("drain_unsure", reason=self._unknown)
         except Exception:
             log.exception("drain_failed")
         finally:
@@ -113,10 +117,26 @@ class Drain:
             self._bus.publish(DrainChanged(ended, by, 0.0))  # before who waits takes ROS 2 away
             self._over.set()
 
+    def _stand_as_told(self) -> None:
+        try:
+            self.stand()
+        except EdgeVoxError as error:  # the body says why; whether it stands is looked at anyway
+            self._unknown = str(error)
+
     def _wait_until(self, so: Callable[[], bool], within_s: float) -> bool:
         until_s = self._clock.now() + within_s
-        while not so():
+        while not self._is_known(so):
             if self._clock.now() >= until_s:
                 return False
             self._pause(LOOK_S)
         return True
+
+    def _is_known(self, so: Callable[[], bool]) -> bool:
+        """Whether it is so; not while the body cannot tell, its odometry being silent for one."""
+        try:
+            known = so()
+        except EdgeVoxError as error:
+            self._unknown = str(error)
+            return False
+        self._unknown = ""
+        return known

@@ -3,6 +3,7 @@
 import math
 
 from edgevox.core.refusals import Refusal
+from edgevox.core.text import one_line
 
 
 class EdgeVoxError(Exception):
@@ -23,7 +24,7 @@ class InvalidValue(EdgeVoxError):
         self.field = field
         self.value = value
         self.expected = expected
-        super().__init__(f"{field}: got {shorten(value)}, expected {expected}")
+        super().__init__(f"{one_line(field)}: got {shorten(value)}, expected {one_line(expected)}")
 
 
 def finite(field: str, value: float) -> float:

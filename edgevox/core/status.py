@@ -121,15 +121,16 @@ class Component(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Off:
-    """A component that was not asked for, which is well."""
+    """A component that was not asked for, which is well; `level` is worse where it was."""
 
     name: str
     why: str
     checks: tuple[HealthCheck, ...] = ()
+    level: Level = Level.OK
 
     def status(self) -> Status:
         """That it is off."""
-        return Status(self.name, Level.OK, f"off: {self.why}")
+        return Status(self.name, self.level, f"off: {self.why}")
 
 
 class Components:

@@ -1,4 +1,7 @@
-"""Text from outside, made safe to handle: bounded, on one line, without hidden characters."""
+"""Text from outside, made safe to handle: bounded, on one line, without hidden characters.
+
+What others sent reaches a terminal or a log through `one_line` or `printable` only.
+"""
 
 import re
 import unicodedata
@@ -8,6 +11,9 @@ MAX_CHARACTERS = 2000
 
 _REPLACEMENT = "\N{REPLACEMENT CHARACTER}"  # what a decoder leaves where bytes were not UTF-8
 _TERMINAL_CODE = re.compile(r"\x1b\[[0-?]*[ -/]*[@-~]")
+_COLOUR = re.compile(r"(\x1b\[[0-9;]*m)")
+_JOINERS = "\N{ZERO WIDTH NON-JOINER}\N{ZERO WIDTH JOINER}"
+"""Words of some languages are written with them."""
 _APOSTROPHES = str.maketrans(
     dict.fromkeys(
         "`\N{ACUTE ACCENT}\N{LEFT SINGLE QUOTATION MARK}\N{RIGHT SINGLE QUOTATION MARK}"
@@ -43,6 +49,32 @@ def without_hidden(text: str, instead: str = "") -> str:
     if text.isprintable():
         return text
     return "".join(instead if _is_hidden(c) else c for c in text)
+
+
+def one_line(text: str) -> str:
+    """The same text with what would break the line, steer a terminal or hide written as a code.
+
+    The codes are Python's.
+    """
+    if text.isprintable():
+        return text
+    return "".join(map(_coded, text))
+
+
+def printable(text: str) -> str:
+    """As `one_line`, of a text that may have several lines of its own."""
+    return "\n".join(map(one_line, text.split("\n")))
+
+
+def printable_in_colour(line: str) -> str:
+    """As `one_line`, of a line that may have colours, and nothing else that steers a terminal."""
+    return "".join(one if _COLOUR.fullmatch(one) else one_line(one) for one in _COLOUR.split(line))
+
+
+def _coded(character: str) -> str:
+    if character.isprintable() or character in _JOINERS or unicodedata.category(character) == "Zs":
+        return character
+    return repr(character)[1:-1]
 
 
 def _is_hidden(character: str) -> bool:

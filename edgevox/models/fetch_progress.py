@@ -8,6 +8,7 @@ import rich.console
 import rich.progress
 
 from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.text import one_line
 
 
 class FetchProgress(Protocol):
@@ -69,7 +70,7 @@ class ProgressLines:
 
     def note(self, text: str) -> None:
         """A line."""
-        self._out.write(f"{text}\n")
+        self._out.write(f"{one_line(text)}\n")
         self._out.flush()
 
 
@@ -97,7 +98,7 @@ class ProgressBars:
 
     def note(self, text: str) -> None:
         """A line above the bars."""
-        self._progress.console.print(text, markup=False, highlight=False)
+        self._progress.console.print(one_line(text), markup=False, highlight=False)
 
 
 @contextmanager

@@ -5,7 +5,9 @@ import json
 from contextlib import suppress
 from pathlib import Path
 
+from edgevox.core.errors import InvalidValue
 from edgevox.core.log import get_logger
+from edgevox.core.user_file import read_text
 from edgevox.models.manifest import ModelFile
 
 log = get_logger(__name__)
@@ -59,7 +61,7 @@ def _stamp(path: Path, file: ModelFile) -> str:
 
 def _read_stamps(folder: Path) -> dict[str, str]:
     try:
-        stamps = json.loads((folder / STAMPS).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        stamps = json.loads(read_text(folder / STAMPS, STAMPS))
+    except (InvalidValue, ValueError, RecursionError):  # then they are made again
         return {}
     return stamps if isinstance(stamps, dict) else {}

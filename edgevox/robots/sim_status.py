@@ -4,7 +4,14 @@ from edgevox.core.clock import Clock
 from edgevox.core.fault import fault_of
 from edgevox.core.recent_increase import RecentIncrease
 from edgevox.core.status import ComponentName, Finding, HealthCheck, Level, Status, moves, stall
-from edgevox.robots.capabilities import Body, CountsHalts, HasBattery, KeepsPace, TellsStalls
+from edgevox.robots.capabilities import (
+    Body,
+    CountsHalts,
+    HasBattery,
+    KeepsPace,
+    RemembersPlaces,
+    TellsStalls,
+)
 
 SLOW = 0.9
 """A world that keeps less than this part of its pace is slow."""
@@ -34,6 +41,8 @@ class SimComponent:
         battery = body.battery() if isinstance(body, HasBattery) and not found else None
         if fault := fault_of(body):
             found.append(Finding(Level.ERROR, fault))
+        if isinstance(body, RemembersPlaces) and (fault := body.place_memory.fault):
+            found.append(Finding(Level.WARN, fault))
         if self._breaking.grew(breaks):
             text = f"its numbers broke and it was put back, {breaks} times by now"
             found.append(Finding(Level.ERROR, text))

@@ -140,8 +140,9 @@ class SkillAction:
     def _judge(self, request: Any) -> GoalResponse:
         try:
             with self._queue.served() as mark:
-                given = read_arguments(request.arguments_json)
-                self._goals.check_goal(request.skill_name, given, mark=mark)
+                name = request.skill_name
+                given = read_arguments(request.arguments_json, name)
+                self._goals.check_goal(name, given, mark=mark)
         except EdgeVoxError as error:
             log.warning("action_goal_rejected", skill=request.skill_name[:80], reason=str(error))
             rejected = GoalRejected(
@@ -163,11 +164,10 @@ class SkillAction:
         handle.execute()
         self._watch.begin()
         try:
-            arguments = read_arguments(handle.request.arguments_json)
+            name = handle.request.skill_name
+            arguments = read_arguments(handle.request.arguments_json, name)
             with self._queue.served() as mark:
-                run.goal = self._goals.start_goal(
-                    handle.request.skill_name, arguments, goal_id, mark=mark
-                )
+                run.goal = self._goals.start_goal(name, arguments, goal_id, mark=mark)
         except EdgeVoxError as error:
             failed = GoalStatus.FAILED
             name = handle.request.skill_name

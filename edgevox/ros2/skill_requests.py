@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, Protocol
 
+from edgevox.agent.skills import STOP
 from edgevox.core.agent_events import AgentEvent, as_json
 from edgevox.core.cancel import CancelToken
 from edgevox.core.json_reader import read_json_object
@@ -47,8 +48,13 @@ class StartsGoals(Protocol):
         """
 
 
-def read_arguments(text: str) -> dict[str, Any]:
-    """The arguments in `arguments_json`; empty means none. Raises `InvalidValue`."""
+def read_arguments(text: str, skill: str = "") -> dict[str, Any]:
+    """The arguments in `arguments_json`; empty means none. Raises `InvalidValue`.
+
+    Of the `skill` that stops nothing is read: a stop with wrong arguments is still a stop.
+    """
+    if skill == STOP:
+        return {}
     if len(text) <= MAX_ARGUMENTS_BYTES and not text.strip():
         return {}
     return read_json_object(text, "arguments_json", largest_bytes=MAX_ARGUMENTS_BYTES)

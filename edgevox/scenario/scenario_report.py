@@ -1,12 +1,13 @@
 """What a person reads of a scenario: a line a step, and why the last one failed."""
 
+from edgevox.core.text import one_line
 from edgevox.scenario.run_scenario import StepResult
 from edgevox.scenario.scenario import Scenario
 
 
 def heading(scenario: Scenario, file: str, robot: str) -> str:
     """What is played, by whom."""
-    return f"{file} on {robot}" + (f": {scenario.about}" if scenario.about else "")
+    return one_line(f"{file} on {robot}" + (f": {scenario.about}" if scenario.about else ""))
 
 
 def line(outcome: StepResult) -> str:
@@ -17,7 +18,7 @@ def line(outcome: StepResult) -> str:
     verdict = "PASS" if outcome.passed else "FAIL"
     times = f"{outcome.time_s:9.2f} s {outcome.real_s:8.2f} s real"
     said = f"{verdict} {outcome.number:3} {times}  {outcome.step}"
-    return "\n".join([said, *(f"{'':36}{why}" for why in outcome.why)])
+    return "\n".join(map(one_line, [said, *(f"{'':36}{why}" for why in outcome.why)]))
 
 
 def summary(scenario: Scenario, last: StepResult | None) -> str:

@@ -8,7 +8,7 @@ from console_rig import Rig, console
 from playwright.sync_api import Browser, Page, expect
 from test_page_drives import hold, until
 
-from edgevox.core.commands import TextInput
+from edgevox.core.commands import RunSkill, TextInput
 from edgevox.core.events import Decided, Responded, Transcribed
 from edgevox.core.log import Said, get_logger
 from edgevox.core.ways import Way
@@ -93,3 +93,58 @@ def test_the_log_of_this_turn_is_shown_and_no_words_of_people(page: Page, rig: R
     expect(lines).to_have_count(2)
     expect(lines.nth(0)).to_contain_text("goal_failed  skill=walk")
     expect(lines.nth(1)).to_contain_text("turn_slow  text=<9 characters>")
+
+
+FORGET = {
+    "name": "forget_place",
+    "label": "forget a place",
+    "lasting": True,
+    "schema": {
+        "type": "object",
+        "properties": {"place": {"enum": ["charger", "shelf"]}},
+        "required": ["place"],
+    },
+}
+
+
+def test_what_forgets_chooses_nothing_by_itself_and_asks_first(browser: Browser, tmp_path) -> None:
+    told = {"capabilities": {}, "skills": [FORGET]}
+    with console(tmp_path, describe=lambda _: told) as rig:
+        context = browser.new_context(locale="en-GB", viewport={"width": 1440, "height": 900})
+        page = context.new_page()
+        page.set_default_timeout(PATIENCE_MS)
+        let_in(page, rig.server.offer_code()[1])
+        take_the_turn(page)
+        page.locator(".side-switch:visible .tab[data-panel=do]").click()
+        run = page.get_by_role("button", name="Do it: forget a place")
+        asked = page.get_by_role("alertdialog")
+        expect(page.get_by_label("place", exact=True)).to_have_value("")
+        run.click()
+        expect(asked).to_have_count(0)
+        page.get_by_label("place", exact=True).select_option(label="shelf")
+        run.click()
+        expect(asked).to_contain_text("forget a place shelf? This cannot be undone.")
+        asked.get_by_role("button", name="No").click()
+        assert rig.submitted == []
+        run.click()
+        asked.get_by_role("button", name="Yes").click()
+        until(page, lambda: bool(rig.submitted))
+        assert rig.submitted == [RunSkill("forget_place", {"place": "shelf"}, Way.CONSOLE_OPERATOR)]
+        expect(page.locator(".recent button")).to_have_count(0)
+        context.close()
+
+
+def test_the_pairing_of_this_browser_is_given_up_only_when_it_was_asked(
+    page: Page, rig: Rig
+) -> None:
+    page.locator(".tab[data-panel=settings]:visible").first.click()
+    leave = page.get_by_role("button", name="Log out")
+    leave.click()
+    asked = page.get_by_role("alertdialog")
+    expect(asked.get_by_role("button", name="No")).to_be_focused()
+    page.keyboard.press("Enter")
+    expect(leave).to_be_focused()
+    assert len(rig.server.sessions.all()) == 1
+    leave.click()
+    asked.get_by_role("button", name="Yes").click()
+    until(page, lambda: rig.server.sessions.all() == [])

@@ -62,14 +62,15 @@ def test_it_is_begun_ended_taken_home_and_removed(
     assert (tmp_path / "home.mcap").read_bytes() == b"whole"
     assert problems(page) == []
     page.get_by_role("button", name="Delete edgevox-20261123-140000_0.mcap").click()
-    page.get_by_text("Delete edgevox-20261123-140000_0.mcap").click()
+    page.get_by_role("alertdialog").get_by_role("button", name="Yes").click()
     expect(page.get_by_role("link", name="edgevox-20261123-140000_0.mcap")).to_have_count(0)
     assert recorder.files() == []
     page.context.close()
 
 
-def test_one_press_beside_a_file_deletes_nothing(
-    browser: Browser, rig: Rig, recorder: RobotRecorder
+@pytest.mark.parametrize("then", ["Tab Tab", "Enter", "Enter Enter Enter", "Escape"])
+def test_no_press_beside_a_file_deletes_it_nor_does_a_key_that_is_held(
+    browser: Browser, rig: Rig, recorder: RobotRecorder, then: str
 ) -> None:
     recorder.start()
     wait_until(lambda: list(recorder.kept.folder.glob("*/*.mcap")))
@@ -77,13 +78,15 @@ def test_one_press_beside_a_file_deletes_nothing(
     page = opened(browser, rig, Role.OPERATOR)
     take_the_turn(page)
     (name,) = (one.name for one in recorder.files())
-    cross, sure = page.locator(f'[aria-label="Delete {name}"]'), page.get_by_text(f"Delete {name}")
+    cross, asked = page.locator(f'[aria-label="Delete {name}"]'), page.get_by_role("alertdialog")
     cross.click()
-    expect(sure).to_be_focused()
+    expect(asked).to_contain_text(f"Delete {name}? This cannot be undone.")
+    expect(asked.get_by_role("button", name="No")).to_be_focused()
     expect(cross).to_be_hidden()
-    page.keyboard.press("Tab")
-    expect(cross).to_be_visible()
-    expect(sure).to_be_hidden()
+    assert problems(page) == []
+    for key in then.split():
+        page.keyboard.press(key)
+    asked.or_(cross).first.wait_for()
     assert [one.name for one in recorder.files()] == [name]
     page.context.close()
 

@@ -7,11 +7,15 @@ from contextlib import ExitStack
 import aiohttp
 import pytest
 from ports import free_port
+from small_disk import small_disk
 from waiting import wait_until
 
 from edgevox.apps.composition import build_parts, start_parts
+from edgevox.console.certificates import local_names, own_tls
+from edgevox.console.sessions import Role, Sessions
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.settings import load_settings
+from edgevox.core.status import Level
 from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.capabilities import Twist2D
 
@@ -40,11 +44,35 @@ def test_it_prints_the_address_and_a_code_and_is_listed_as_a_component(start, ca
     assert console.values["url"] == f"http://127.0.0.1:{port}"
 
 
-def test_a_folder_that_cannot_be_written_is_named(start, tmp_path):
+@pytest.mark.parametrize(("tls", "said"), [("off", "No pairing code"), ("own", "No console")])
+def test_a_folder_that_cannot_be_written_costs_the_robot_its_console_at_most(
+    start, tmp_path, capsys, tls, said
+):
     file = tmp_path / "file"
     file.write_text("")
-    with pytest.raises(EdgeVoxError, match="console_folder"):
-        start(console_port=free_port(), console_folder=str(file))
+
+    parts = start(console_port=free_port(), console_folder=str(file), console_tls=tls)
+
+    assert f"{said}: console_folder: {file}" in capsys.readouterr().out
+    assert parts.conversation.alive
+    (console,) = parts.components.statuses({"console"})
+    assert console.level > Level.OK
+
+
+def test_on_a_full_disk_the_robot_starts_and_who_is_paired_stops_it(start, tmp_path, capsys):
+    with small_disk(tmp_path / "disk") as disk:
+        folder = disk.path / "console"
+        _, cookie = Sessions(folder).begin(Role.OPERATOR, "phone", "127.0.0.1")
+        own_tls(folder, local_names())
+        disk.fill()
+
+        parts = start(console_port=free_port(), console_folder=str(folder), console_tls="own")
+
+        assert "No pairing code: console_folder" in capsys.readouterr().out
+        (console,) = parts.components.statuses({"console"})
+        assert "No space left" in console.message
+        assert Sessions(folder).of_cookie(cookie)
+        assert parts.conversation.alive
 
 
 def test_a_taken_port_ends_the_agent_of_who_asked_for_the_console(start):

@@ -13,8 +13,15 @@ from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.apps.composition import build_parts, start_parts
-from edgevox.core.agent_events import GoalChanged, ProgramChanged, SoftwareStopChanged
+from edgevox.core.agent_events import (
+    GoalChanged,
+    GoalRejected,
+    ProgramChanged,
+    SoftwareStopChanged,
+    ToolCalled,
+)
 from edgevox.core.commands import Interrupt, RunSkill, SetLanguage, TextInput
+from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Responded
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.settings import load_settings
@@ -45,6 +52,9 @@ class Agent:
         bus.subscribe(GoalChanged, lambda goal: goal.feedback is None or self.runs.set())
         bus.subscribe(ProgramChanged, lambda one: self.programs.append(str(one.status)))
         bus.subscribe(SoftwareStopChanged, self.changes.append)
+        self.called, self.rejected = [], []
+        bus.subscribe(ToolCalled, self.called.append)
+        bus.subscribe(GoalRejected, self.rejected.append)
         start_parts(stack, self.parts)
 
     def say(self, text):
@@ -169,6 +179,38 @@ def test_whatever_would_move_it_is_refused_with_the_reason(agent, way):
     WAYS[way](agent)
     assert agent.stays()
     assert not agent.talk.programs.kept
+
+
+@pytest.mark.parametrize("way", [way for way in WAYS if way != "cmd_vel"])
+def test_a_refusal_is_told_as_a_rejection_and_not_as_a_call(agent, way):
+    agent.stop.stop("a phone")
+    WAYS[way](agent)
+    assert agent.called == []
+    assert {one.reason.code for one in agent.rejected} == {STOPPED.code}
+
+
+@pytest.mark.parametrize(
+    "calls", [("navigate_xy", {"x": 999.0, "y": 0.0}), ("fly", {}), ("navigate_to", {"room": 1})]
+)
+@pytest.mark.parametrize("way", [Way.GOAL_POSE, Way.CONSOLE_OPERATOR, Way.COMMAND])
+def test_a_call_that_cannot_be_is_told_as_a_rejection_and_not_as_a_call(agent, way, calls):
+    agent.parts.command_router.submit(RunSkill(*calls, way))
+    with agent.news:
+        assert agent.news.wait_for(lambda: agent.said, HUNG_S)
+    with pytest.raises(EdgeVoxError):
+        agent.talk.start_goal(*calls, way=way)
+    assert agent.called == []
+    assert [(one.skill, one.way) for one in agent.rejected] == [(calls[0], str(way))] * 2
+
+
+@pytest.mark.parametrize("arguments", [{"x": 1}, {"": None}, {"reason": "now" * 100}])
+@pytest.mark.parametrize("way", [Way.ACTION, Way.COMMAND, Way.CONSOLE_OPERATOR])
+def test_a_stop_with_wrong_arguments_is_still_a_stop(agent, way, arguments):
+    agent.drive()
+    agent.talk.check_goal("stop", arguments, way)
+    agent.talk.start_goal("stop", arguments, way=way)
+    agent.robot.advance(BRAKED_S)
+    assert agent.stays()
 
 
 def test_it_answers_and_heeds_stop_words_and_interrupts_meanwhile(agent):

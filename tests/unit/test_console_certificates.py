@@ -10,8 +10,10 @@ import pytest
 
 from edgevox.console import console_server
 from edgevox.console.certificates import DAYS, RENEW_DAYS, local_names, own_tls, utc_now
+from edgevox.console.open_console import tls_of
 from edgevox.console.tls import CurrentTls, Tls
 from edgevox.core.errors import InvalidValue
+from edgevox.core.settings import check_settings
 from tests.console_rig import console
 
 NAMES = ("localhost", "robot.local", "127.0.0.1")
@@ -92,6 +94,24 @@ def test_the_authority_vouches_for_no_name_that_it_was_not_made_for(
     own_tls(tmp_path, NAMES)
     with pytest.raises(InvalidValue, match="console_names"):
         own_tls(tmp_path, (*NAMES, name))
+
+
+def test_a_machine_that_has_another_name_by_now_keeps_its_authority(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    settings = check_settings({"console_tls": "own", "console_names": "robot.local"})
+    monkeypatch.setattr("socket.gethostname", lambda: "a1b2c3")
+    first = tls_of(settings, tmp_path)
+    assert first
+    assert first.authority
+    kept = first.authority.read_bytes()
+    monkeypatch.setattr("socket.gethostname", lambda: "d4e5f6")
+
+    now = tls_of(settings, tmp_path)
+
+    assert now
+    assert CurrentTls(now).context
+    assert first.authority.read_bytes() == kept
 
 
 def test_this_machine_has_names_that_a_certificate_can_bear(tmp_path: Path) -> None:

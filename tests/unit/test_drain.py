@@ -1,5 +1,6 @@
 """A drain lets goals end within its bound, begins nothing new, and leaves the robot standing."""
 
+import math
 import threading
 
 import pytest
@@ -7,6 +8,7 @@ from clocks import HeldClock
 
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.reasons import because
+from edgevox.agent.skills import SkillFailed
 from edgevox.core.agent_events import DrainChanged, DrainStatus
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import CancelToken
@@ -19,6 +21,7 @@ from edgevox.core.status import Level
 DRAINING = because("draining")
 BOUND_S, STAND_S = 20.0, 2.0
 WAIT_S = 60.0
+UNTRUE = "what is heard on odom cannot be true"
 
 
 class Rig:
@@ -35,7 +38,7 @@ class Rig:
             self.bus,
             halt=self.halt,
             busy=lambda: self.busy,
-            stands=lambda: not self.moving,
+            stands=self.known,
             reason=DRAINING,
             bound_s=bound_s,
             stand_s=STAND_S,
@@ -62,6 +65,9 @@ class Rig:
         elif self.moving:
             self.clock.at(self.clock.now_s + self.stands_after_s, self.brakes)
 
+    def known(self):
+        return not self.moving
+
     def brakes(self):
         self.moving = False
 
@@ -85,6 +91,43 @@ class Rig:
         self.happened.append(event)
         if event.status is not DrainStatus.DRAINING:
             self.over.set()
+
+
+class Blind(Rig):
+    """Its odometry cannot be true, so that nobody knows whether it stands, until `sees_s`."""
+
+    def __init__(self, sees_s=math.inf, *, halts=True):
+        self.sees_s, self.halts = sees_s, halts
+        super().__init__()
+
+    def known(self):
+        if self.clock.now_s < self.sees_s:
+            raise SkillFailed(UNTRUE)
+        return not self.moving
+
+    def halt(self, reason):
+        super().halt(reason)
+        if not self.halts:
+            raise SkillFailed(UNTRUE)
+
+
+@pytest.mark.parametrize("halts", [True, False])
+@pytest.mark.parametrize(
+    ("sees_s", "ended"),
+    [(math.inf, DrainStatus.NOT_STANDING), (BOUND_S + 1.0, DrainStatus.DRAINED)],
+)
+def test_a_robot_that_does_not_know_whether_it_stands_is_halted_and_told_of_in_one_line(
+    caplog, halts, sees_s, ended
+):
+    rig = Blind(sees_s, halts=halts)
+    rig.drives(stands_s=0.5)
+
+    assert rig.drained() is ended
+
+    assert rig.when("halt") == pytest.approx(BOUND_S, abs=0.1)
+    assert "Traceback" not in caplog.text
+    assert caplog.text.count("drain_unsure") == (ended is DrainStatus.NOT_STANDING)
+    assert "drain_failed" not in caplog.text
 
 
 def test_a_goal_that_ends_in_time_is_not_cancelled(rig):

@@ -137,7 +137,7 @@ def test_a_file_that_cannot_be_read_is_named_with_its_field_and_kept_aside(
     one.remember("charger", HERE, "map")
 
     told = caplog.text + "".join(capsys.readouterr())
-    assert "places_kept_aside" in told
+    assert "state_kept_aside" in told
     assert str(tmp_path / "places.json") in told
     assert field in told
     assert (tmp_path / "places.json.broken-1").read_text() == text

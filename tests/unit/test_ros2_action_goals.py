@@ -8,7 +8,7 @@ from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.goal_runner import MAX_BACKGROUND
 from edgevox.agent.skills import SkillFailed, SkillSet, UnknownSkill, skill
-from edgevox.core.agent_events import AgentEvent, GoalStatus, as_json
+from edgevox.core.agent_events import AgentEvent, GoalRejected, GoalStatus, as_json
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import Cancelled
 from edgevox.core.commands import Interrupt, RunSkill
@@ -70,14 +70,15 @@ def rig():
         ("drive", {"speed": 1}, InvalidValue),
     ],
 )
-def test_a_goal_that_cannot_be_changes_nothing(rig, name, arguments, error):
+def test_a_goal_that_cannot_be_is_rejected_and_changes_nothing(rig, name, arguments, error):
     running = rig.conversation.start_goal("drive", {})
     assert rig.began.acquire(timeout=60)
     seen = len(rig.events)
     for refuse in (rig.conversation.check_goal, rig.conversation.start_goal):
         with pytest.raises(error):
             refuse(name, arguments)
-    assert len(rig.events) == seen
+    (told,) = rig.events[seen:]
+    assert isinstance(told, GoalRejected)
     assert running.status is GoalStatus.RUNNING
     rig.go_on.set()
     assert running.wait(60)

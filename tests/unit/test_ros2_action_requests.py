@@ -27,6 +27,11 @@ def test_no_arguments_may_be_said_in_three_ways(text):
     assert read_arguments(text) == {}
 
 
+@pytest.mark.parametrize("text", ['{"x": 1}', "{", "null", '{"x": NaN}', "\0", "x" * 100_000])
+def test_a_stop_with_wrong_arguments_is_still_a_stop(text):
+    assert read_arguments(text, "stop") == {}
+
+
 @given(st.text())
 def test_any_text_is_an_object_or_refused_by_name(text):
     try:

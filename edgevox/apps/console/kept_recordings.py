@@ -84,7 +84,7 @@ class KeptRecordings:
         raise EdgeVoxError(f"record: {name!r} is no recording")
 
     def _found(self) -> Iterator[Path]:
-        return self.folder.glob("edgevox-*/*.mcap")
+        return (file for file in self.folder.glob("edgevox-*/*.mcap") if file.is_file())
 
     def _room(self) -> int:
         near = next(one for one in (self.folder, *self.folder.parents) if one.exists())

@@ -23,6 +23,7 @@ def offered(
             "description": one.description,
             "schema": limited(one.schema, file.limits) if one.drives else one.schema,
             "moves": one.drives,
+            "lasting": one.lasting,
             "allowed": one.name == STOP or file.rule(way, one.name) is not Rule.DENY,
         }
         for one in skills

@@ -9,7 +9,7 @@ from edgevox.apps.container.discovery_servers import with_server_addresses
 from edgevox.apps.container.static_peers import with_addresses
 from edgevox.apps.container.variables import NO_ROBOT
 from edgevox.apps.dds_security import secured
-from edgevox.apps.streams import with_streams
+from edgevox.apps.streams import show, with_streams
 from edgevox.core.cgroup import usable_cpus
 from edgevox.core.errors import InvalidValue
 
@@ -53,7 +53,7 @@ def command_of(arguments: Sequence[str], environment: Mapping[str, str]) -> list
 
 
 def _say(text: str) -> None:
-    print(f"edgevox: {text}", file=sys.stderr, flush=True)
+    show(f"edgevox: {text}", error=True)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from edgevox.apps.doctor.report import as_json, print_table, worst
 from edgevox.apps.doctor.runner import ask
 from edgevox.apps.flags import add_flags, given_flags
 from edgevox.apps.robots import ROBOTS
-from edgevox.apps.streams import with_streams
+from edgevox.apps.streams import show, with_streams
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.old_names import ENV_PREFIX
 from edgevox.core.settings import Settings, check_settings, load_settings
@@ -33,7 +33,7 @@ def main(argv: Sequence[str] | None = None, program: str = PROGRAM) -> int:
     situation = Situation(settings, dict(os.environ), agent, arguments.quick, refused)
     answers = ask(_chosen(arguments.only), situation)
     if arguments.json:
-        print(as_json(answers))
+        show(as_json(answers))
     else:
         print_table(answers)
     limit = Level.WARN if arguments.strict else Level.ERROR

@@ -9,6 +9,7 @@ from rich.text import Text
 
 from edgevox.apps.doctor.check import CheckAnswer
 from edgevox.core.status import Level
+from edgevox.core.text import one_line, printable
 
 WIDTH = 110
 """Where there is no terminal, whose own width it would be."""
@@ -39,7 +40,10 @@ def print_table(answers: Sequence[CheckAnswer]) -> None:
         verdict = answer.verdict
         word, style = _SHOWN[verdict.level]
         table.add_row(
-            Text(word, style=style), answer.check, Text(verdict.found), Text(verdict.advice)
+            Text(word, style=style),
+            one_line(answer.check),
+            Text(printable(verdict.found)),
+            Text(printable(verdict.advice)),
         )
     console.print(table)
     console.print(_counted(answers))

@@ -9,6 +9,7 @@ from pathlib import Path
 from edgevox.apps.fleet.robots_file import load_fleet
 from edgevox.apps.fleet.watch import FleetWatch
 from edgevox.apps.shutdown_signals import ShutdownSignals
+from edgevox.apps.streams import show
 from edgevox.core.settings import Settings
 from edgevox.ops.http_server import HttpServer, Page, json_page
 
@@ -32,7 +33,7 @@ def serve_fleet(robots: Path, port: int, settings: Settings) -> bool:
         for part in (watch, server):
             stack.callback(part.close)
             part.start()
-        print(f"{len(watch.as_json())} robots on http://localhost:{server.port}", flush=True)
+        show(f"{len(watch.as_json())} robots on http://localhost:{server.port}")
         threading.Event().wait()
     return True
 

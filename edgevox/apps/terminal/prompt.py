@@ -1,5 +1,6 @@
 """The interactive prompt: Ctrl-C once interrupts, twice leaves."""
 
+import sys
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 
@@ -10,6 +11,7 @@ from prompt_toolkit.patch_stdout import patch_stdout
 from prompt_toolkit.styles import Style
 
 from edgevox.apps.shutdown_signals import ShutdownSignals
+from edgevox.apps.streams import show
 from edgevox.apps.terminal.double_interrupt import DoubleInterrupt
 from edgevox.apps.terminal.slash_commands import Leave, SlashContext, is_slow, run_command
 from edgevox.apps.terminal.view import View
@@ -18,6 +20,7 @@ from edgevox.core.clock import Clock
 from edgevox.core.commands import Interrupt, TextInput
 from edgevox.core.events import Cause
 from edgevox.core.log import get_logger
+from edgevox.core.text import printable_in_colour
 from edgevox.core.ways import Way
 
 log = get_logger(__name__)
@@ -36,7 +39,7 @@ class Prompt:
         self._session: PromptSession[str] = PromptSession(
             "> ", bottom_toolbar=self._toolbar, style=_STYLE
         )
-        self._view = View(bus, print, self._session.app.invalidate)
+        self._view = View(bus, show, self._session.app.invalidate)
 
     def run(self, shutdown: ShutdownSignals, typed: Sequence[str] = ()) -> None:
         """Do what was `typed` before, then read lines until the person leaves, or a signal says so.
@@ -47,7 +50,7 @@ class Prompt:
 
         shutdown.gently = self._leave
         try:
-            with patch_stdout(raw=True), stderr_as_lines(print):  # above the prompt, not into it
+            with patch_stdout(raw=True), stderr_as_lines(_log_line):  # above the prompt
                 going_on = all(self._take(line.strip()) for line in typed)
                 while going_on and self._step():
                     pass
@@ -79,7 +82,7 @@ class Prompt:
     def _run_slash(self, line: str) -> bool:
         """Print its answer; False if the person wants to leave."""
         try:
-            print(run_command(line, self._slash_context))
+            show(run_command(line, self._slash_context))
         except Leave:
             return False
         except Exception:
@@ -90,7 +93,7 @@ class Prompt:
         if self._ctrl_c.pressed():
             return False
         self._slash_context.conversation.submit(Interrupt("Ctrl-C", cause=Cause.TERMINAL))
-        print("  [Ctrl-C once more to leave]")
+        show("  [Ctrl-C once more to leave]")
         return True
 
     def _leave(self) -> bool:
@@ -104,3 +107,9 @@ class Prompt:
         app = get_app_or_none()
         width = app.output.get_size().columns if app else 80
         return self._view.status[: width - 1]
+
+
+def _log_line(line: str) -> None:
+    """A line that was written to stderr, with its colours."""
+    sys.stdout.write(printable_in_colour(line) + "\n")
+    sys.stdout.flush()

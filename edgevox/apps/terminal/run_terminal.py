@@ -7,6 +7,7 @@ import time
 
 from edgevox.apps.agent_parts import AgentParts
 from edgevox.apps.shutdown_signals import ShutdownSignals
+from edgevox.apps.streams import show
 from edgevox.apps.terminal.script import run_script
 from edgevox.apps.terminal.slash_commands import SlashContext, is_stop
 from edgevox.apps.terminal.typeahead import typed_ahead
@@ -71,4 +72,4 @@ def _has_input() -> bool:
 
 
 def _write(line: str) -> None:
-    print(line, flush=True)
+    show(line)

@@ -11,6 +11,7 @@ from edgevox.apps.snapshot import check_picture, write_picture
 from edgevox.core.commands import Interrupt, Reset
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Cause
+from edgevox.core.text import one_line, printable
 from edgevox.robots.capabilities import Body, HasMap
 
 MAP_COLUMNS = 60
@@ -62,7 +63,7 @@ def _state(context: SlashContext) -> str:
 
 def _skills(context: SlashContext) -> str:
     return "\n".join(
-        f"  {s.name}({', '.join(s.arguments_model.model_fields)})  {s.description}"
+        one_line(f"  {s.name}({', '.join(s.arguments_model.model_fields)})  {s.description}")
         for s in context.skills
     )
 
@@ -136,10 +137,10 @@ def run_command(line: str, context: SlashContext) -> str:
     name, rest = _split(line)
     command = COMMANDS.get(name)
     if command is None:
-        return f"/{name}: no such command; expected one of /{', /'.join(COMMANDS)}"
+        return f"/{one_line(name)}: no such command; expected one of /{', /'.join(COMMANDS)}"
     if rest and not command.takes:
         return f"/{name}: got {rest!r}, expected nothing after it"
-    return command.run(context, rest) if command.takes else command.run(context)
+    return printable(command.run(context, rest) if command.takes else command.run(context))
 
 
 def _split(line: str) -> tuple[str, str]:

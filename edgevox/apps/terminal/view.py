@@ -12,7 +12,7 @@ from edgevox.core.events import (
     TokenGenerated,
     Transcribed,
 )
-from edgevox.core.text import clean
+from edgevox.core.text import clean, one_line
 
 BAR_WIDTH = 20
 
@@ -20,14 +20,14 @@ BAR_WIDTH = 20
 class View:
     """Turns events into lines and one status line.
 
-    `write` gets whole lines. `status` is what is being generated or done at this moment; `changed`
-    is called whenever it may have changed.
+    `write` gets whole lines, in which nothing steers a terminal. `status` is what is being
+    generated or done at this moment; `changed` is called whenever it may have changed.
     """
 
     def __init__(
         self, bus: Bus, write: Callable[[str], None], changed: Callable[[], None] = lambda: None
     ) -> None:
-        self._write = write
+        self._write_line = write
         self._changed = changed
         self._lock = threading.Lock()
         self._typed: Counter[str] = Counter()
@@ -50,7 +50,10 @@ class View:
     def status(self) -> str:
         """One line: the answer as far as it is generated, or the running skill's progress."""
         with self._lock:
-            return self._partial.strip() or self._progress
+            return one_line(self._partial.strip() or self._progress)
+
+    def _write(self, line: str) -> None:
+        self._write_line(one_line(line))
 
     def expect(self, text: str) -> None:
         """Do not show this text again: it was typed here and stands on the screen already."""

@@ -8,6 +8,7 @@ from typing import Any
 from rich.text import Text
 
 from edgevox.core.events import State, TurnMeasured
+from edgevox.core.text import one_line
 
 WIDTH = 26
 MOST_UNREAD = 1000
@@ -64,7 +65,7 @@ def machine(models: Mapping[str, Any], hardware: Mapping[str, Any]) -> Text:
         "gpu": gpu,
         "ram": f"{hardware['ram_gb']:.0f} GB" if hardware.get("ram_gb") else "?",
     }
-    return Text("\n".join(f"{name} {value}"[:WIDTH] for name, value in rows.items()))
+    return Text("\n".join(one_line(f"{name} {value}")[:WIDTH] for name, value in rows.items()))
 
 
 def _join(*words: str | None) -> str:

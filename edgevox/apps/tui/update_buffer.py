@@ -16,6 +16,7 @@ from edgevox.core.events import (
     TurnMeasured,
     WakeWordHeard,
 )
+from edgevox.core.text import one_line, printable_in_colour
 
 TURNS = 5
 """How many of the last turns are remembered."""
@@ -77,13 +78,13 @@ class UpdateBuffer:
     def write(self, line: str) -> None:
         """One more line of the transcript."""
         with self._lock:
-            self._lines.append(line)
+            self._lines.append(one_line(line))
         self._tell()
 
     def log(self, line: str) -> None:
         """One more line of the log, which may bring its own colours."""
         with self._lock:
-            self._log_lines.append(line)
+            self._log_lines.append(printable_in_colour(line))
         self._tell()
 
     def take(self) -> ScreenUpdate:

@@ -22,6 +22,7 @@ export function doPanel(store, link) {
   const run = (/** @type {Call} */ call) =>
     link.send({ type: "skill", name: call.name, arguments: call.arguments }).then(() => {
       const same = JSON.stringify(call);
+      if (store.skills.find((one) => one.name === call.name)?.lasting) return; // one tap would not ask
       recent = [call, ...recent.filter((one) => JSON.stringify(one) !== same)].slice(0, RECENT);
       showRecent();
     }, tellRefusal);

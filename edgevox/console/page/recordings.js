@@ -1,4 +1,5 @@
 /** Recordings: begun, ended, taken home and deleted by who commands; that one runs, everybody sees. */
+import { question } from "./ask.js";
 import { h, section, sign } from "./dom.js";
 import { tellRefusal, toast } from "./notices.js";
 import { language, number, say } from "./words.js";
@@ -68,16 +69,11 @@ export function recordingPart(store, link) {
 function recordingRow(one, store, link) {
   const begun = one.begun && new Date(1000 * one.begun).toLocaleString(language(), { dateStyle: "medium", timeStyle: "medium" });
   const words = say("record_delete", { name: one.name });
-  const sure = h("button", { type: "button", hidden: true, onblur: () => ask(false),
-    onclick: () => link.send({ type: "delete_recording", name: one.name }).catch(tellRefusal) }, words);
-  const button = h("button", { type: "button", "aria-label": words, disabled: !store.commands, onclick: () => ask(true) }, sign("close"));
-  /** One press never deletes: it shows what the next one would. @param {boolean} asked */
-  const ask = (asked) => {
-    sure.hidden = !asked;
-    button.hidden = asked;
-    if (asked) sure.focus();
-  };
+  const button = h("button", { type: "button", "aria-label": words, disabled: !store.commands }, sign("close"));
+  const { element, ask } = question(button, () => words, () =>
+    link.send({ type: "delete_recording", name: one.name }).catch(tellRefusal));
+  button.addEventListener("click", ask);
   return h("li", {}, h("div", { class: "row tight" },
-    h("a", { class: "fill", href: `/api/recording/${encodeURIComponent(one.name)}`, download: one.name }, one.name), button), sure,
+    h("a", { class: "fill", href: `/api/recording/${encodeURIComponent(one.name)}`, download: one.name }, one.name), button), element,
     h("p", { class: "quiet" }, [begun, `${megabytes(one.bytes)} MB`].filter(Boolean).join(" \u00b7 ")));
 }

@@ -1,4 +1,5 @@
 /** The robot's settings that can change while it runs, and the language of this page. */
+import { question } from "./ask.js";
 import { certificateLink } from "./certificate.js";
 import { h } from "./dom.js";
 import { onlyWithTurn } from "./lease.js";
@@ -30,11 +31,13 @@ export function settingsPanel(store, link) {
   for (const type of ["hello", "controls"]) store.on(type, show);
   onlyWithTurn(store, fields);
   const page = choice(say("page_language"), Object.keys(LANGUAGES), language(), named, chooseLanguage);
-  const leave = h("button", { type: "button", onclick: () =>
-    fetch("/api/logout", { method: "POST" }).finally(() => location.reload()) }, say("log_out"));
+  const leave = h("button", { type: "button" }, say("log_out"));
+  const { element: sure, ask } = question(leave, () => say("log_out"), () =>
+    fetch("/api/logout", { method: "POST" }).finally(() => location.reload()));
+  leave.addEventListener("click", ask);
   return h("section", { class: "card settings-card scroll stack", tabindex: "0", "aria-label": say("settings") },
     h("h2", {}, say("robot")), fields, h("h2", {}, say("this_page")), page,
-    certificateLink(), leave);
+    certificateLink(), leave, sure);
 }
 
 /**

@@ -1,4 +1,5 @@
 /** A small form made of a skill's JSON schema; the limits in it are the policy's. */
+import { question } from "./ask.js";
 import { h } from "./dom.js";
 import { say } from "./words.js";
 
@@ -27,7 +28,7 @@ export function skillForm(skill, run) {
   const label = skill.label || skill.name.replaceAll("_", " ");
   const needed = new Set(skill.schema.required ?? []);
   const fields = Object.entries(skill.schema.properties ?? {}).map(([name, schema]) =>
-    field(name, plain(schema, skill.schema), needed.has(name)));
+    field(name, plain(schema, skill.schema), needed.has(name), Boolean(skill.lasting)));
   const allowed = skill.allowed !== false;
   const button = h("button", { class: "small primary", type: "submit", disabled: !allowed, "aria-label": `${say("run")}: ${label}` }, say("run"));
   const form = h("form", { class: "skill", autocomplete: "off" },
@@ -35,18 +36,23 @@ export function skillForm(skill, run) {
     skill.description ? h("p", { class: "quiet small-text" }, skill.description) : null,
     fields.length ? h("div", { class: "fields" }, ...fields.map((one) => one.element)) : null,
     allowed ? null : h("p", { class: "small-text warn-text" }, skill.why || say("policy_forbids")));
+  const filled = () => Object.fromEntries(
+    fields.map((one) => [one.name, one.value()]).filter(([, value]) => value !== undefined));
+  const { element, ask } = question(button, () => [label, ...Object.values(filled())].join(" "), () =>
+    run({ name: skill.name, label, arguments: filled() }));
+  form.append(element);
   form.addEventListener("submit", (event) => {
     event.preventDefault();
-    const values = fields.map((one) => [one.name, one.value()]).filter(([, value]) => value !== undefined);
-    run({ name: skill.name, label, arguments: Object.fromEntries(values) });
+    if (skill.lasting) ask();
+    else run({ name: skill.name, label, arguments: filled() });
   });
   return form;
 }
 
-/** @param {string} name @param {Schema} schema @param {boolean} required */
-function field(name, schema, required) {
+/** @param {string} name @param {Schema} schema @param {boolean} required @param {boolean} lasting */
+function field(name, schema, required, lasting) {
   const words = schema.title || name.replaceAll("_", " ");
-  const input = inputFor(schema, required, words);
+  const input = inputFor(schema, required, lasting, words);
   const limits = limitsOf(schema);
   const element = h("label", { class: "field" }, h("span", {}, words, limits ? h("small", { class: "quiet" }, ` ${limits}`) : null), input);
   return { name, element, value: () => read(input.value, schema) };
@@ -60,12 +66,12 @@ function limitsOf(schema) {
   return `${low ?? ""} … ${high ?? ""}`;
 }
 
-/** @param {Schema} schema @param {boolean} required @param {string} words */
-function inputFor(schema, required, words) {
+/** Nothing is chosen before somebody chooses, where what is done stays. @param {Schema} schema @param {boolean} required @param {boolean} lasting @param {string} words */
+function inputFor(schema, required, lasting, words) {
   const choices = schema.enum ?? (schema.type === "boolean" ? [true, false] : null);
   if (choices) {
     const options = choices.map((one) => h("option", { value: JSON.stringify(one), selected: one === schema.default }, choiceWords(one)));
-    return h("select", { required, "aria-label": words }, required ? null : h("option", { value: "" }, "–"), ...options);
+    return h("select", { required, "aria-label": words }, required && !lasting ? null : h("option", { value: "" }, "–"), ...options);
   }
   const given = schema.default ?? "";
   if (schema.type === "number" || schema.type === "integer")

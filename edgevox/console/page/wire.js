@@ -21,7 +21,7 @@
  *   maxLength?: number, default?: any, anyOf?: Schema[], allOf?: Schema[], $ref?: string,
  *   properties?: Record<string, Schema>, required?: string[], $defs?: Record<string, Schema>}} Schema
  * @typedef {{name: string, label?: string, description?: string, schema: Schema, moves?: boolean,
- *   allowed?: boolean, why?: string}} Skill
+ *   lasting?: boolean, allowed?: boolean, why?: string}} Skill
  * @typedef {{linear?: number, angular?: number}} DriveLimits  m/s, rad/s
  * @typedef {{picture?: boolean, drive?: boolean | DriveLimits, sound?: boolean, map?: boolean,
  *   goto?: boolean, name_place?: boolean,

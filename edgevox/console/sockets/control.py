@@ -17,6 +17,7 @@ from typing import Any
 from aiohttp import WSMsgType, web
 
 from edgevox.console import page_messages
+from edgevox.console.bad_requests import BadRequest, BadRequests
 from edgevox.console.outbox import Outbox
 from edgevox.console.page_hub import FLOOD, SLOW, PageHub, encode
 from edgevox.console.page_messages import Message
@@ -46,16 +47,17 @@ class NotPermitted(Exception):
 
 @dataclass(frozen=True)
 class SocketLimits:
-    """How much pages may say, by client."""
+    """How much pages may say, by client; what is no message is `bad`, and counted."""
 
     commands: PageRateLimit
     flood: PageRateLimit
+    bad: BadRequests
 
     @classmethod
-    def usual(cls, clock: Clock) -> "SocketLimits":
+    def usual(cls, clock: Clock, bad: BadRequests) -> "SocketLimits":
         """As much as a person with a stick needs."""
         return cls(
-            PageRateLimit(clock, PER_S, BURST), PageRateLimit(clock, FLOOD_PER_S, FLOOD_BURST)
+            PageRateLimit(clock, PER_S, BURST), PageRateLimit(clock, FLOOD_PER_S, FLOOD_BURST), bad
         )
 
 
@@ -172,6 +174,7 @@ class ControlPage:
         try:
             message = page_messages.read(text)
         except InvalidValue as error:
+            self._limits.bad.count(BadRequest.MESSAGE)
             if self._is_within(self._limits.flood):
                 self._refuse(None, "invalid", str(error), error)
             return

@@ -5,6 +5,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import BinaryIO, Self
 
+from edgevox.core.errors import InvalidValue
+from edgevox.core.user_file import read_text
+
 
 class Joined:
     """Appends parts to one file; beside it stands how many are whole, and up to which byte.
@@ -46,9 +49,9 @@ class Joined:
 
     def _known(self) -> tuple[int, int]:
         try:
-            entry = json.loads(self._ledger.read_text(encoding="utf-8"))
+            entry = json.loads(read_text(self._ledger, self._ledger.name))
             parts, size = int(entry["parts"]), int(entry["size"])
             fits = entry["origin"] == self._origin and self._path.stat().st_size >= size
-        except (OSError, ValueError, KeyError, TypeError):
+        except (OSError, InvalidValue, ValueError, KeyError, TypeError, RecursionError):
             return 0, 0
         return (parts, size) if fits else (0, 0)

@@ -50,7 +50,8 @@ COMPONENTS: tuple[ComponentRow, ...] = (
     ComponentRow(
         ComponentName.SIM,
         "the robot, simulated or not",
-        "it keeps less than 90 % of its pace, stands still for 1 s, or its battery is below 15 %",
+        "it keeps less than 90 % of its pace, stands still for 1 s, its battery is below 15 %, or"
+        " its remembered places could not be read",
         "it stands still for 6 s, its numbers broke, its odometry is silent, its battery is empty",
         "give the machine fewer other things to do; look after the robot",
     ),
@@ -80,8 +81,8 @@ COMPONENTS: tuple[ComponentRow, ...] = (
     ComponentRow(
         ComponentName.CONSOLE,
         "the page for browsers: where it is, how many are open, who commands",
-        "",
-        "",
+        "a file of its own was damaged and kept aside, or no pairing code could be written",
+        "its folder can be neither read nor written, or its thread has ended",
         "health says `console` where its thread has ended; nothing else depends on it",
     ),
     ComponentRow(

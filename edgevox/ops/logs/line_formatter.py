@@ -15,7 +15,8 @@ from structlog.contextvars import get_contextvars
 from structlog.dev import ConsoleRenderer, plain_traceback
 
 from edgevox.core.log import LogLine
-from edgevox.ops.logs.values import one_line, plain, trace
+from edgevox.core.text import one_line
+from edgevox.ops.logs.values import plain, trace
 
 Fields = MutableMapping[str, Any]
 Render = Callable[[Any, str, Fields], str | bytes]
@@ -61,7 +62,11 @@ class LineFormatter(logging.Formatter):
 def json_lines(*, speech: bool) -> LineFormatter:
     """One JSON object a line, in UTF-8."""
     encode = json.JSONEncoder(ensure_ascii=False, separators=(",", ":")).encode
-    return LineFormatter(_UtcStamp(), lambda _logger, _name, fields: encode(fields), speech=speech)
+
+    def render(_logger: object, _method: str, fields: Fields) -> str:
+        return _json_coded(encode(fields))
+
+    return LineFormatter(_UtcStamp(), render, speech=speech)
 
 
 def console_lines(*, speech: bool, in_colour: Callable[[], bool]) -> LineFormatter:
@@ -93,6 +98,13 @@ def _console(*, colors: bool) -> ConsoleRenderer:
         sort_keys=False,
         exception_formatter=plain_traceback,
     )
+
+
+def _json_coded(text: str) -> str:
+    """The same JSON with what would steer a terminal in JSON's own code: `jq -r` has it back."""
+    if text.isprintable():
+        return text
+    return "".join(one if one.isprintable() else json.dumps(one)[1:-1] for one in text)
 
 
 def _shown(value: Any) -> Any:

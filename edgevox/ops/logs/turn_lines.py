@@ -5,9 +5,10 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from edgevox.core.log import ROOT, LogLine
+from edgevox.core.text import one_line
 from edgevox.ops.logs.limit import RateLimit
 from edgevox.ops.logs.line_formatter import IDS
-from edgevox.ops.logs.values import one_line, plain
+from edgevox.ops.logs.values import plain
 
 MOST_CHARACTERS = 400
 """Of the fields of one line; the rest is in the log itself."""

@@ -7,10 +7,12 @@ from types import TracebackType
 from typing import Any
 
 from edgevox.core.log import Said
+from edgevox.core.text import printable
 
 MOST_CHARACTERS = 8000
 """Longer values are cut in their middle: container engines break lines at 16 KiB."""
 _MOST_ITEMS = 64
+_INDENT = "  "
 
 ExcInfo = tuple[type[BaseException], BaseException, TracebackType | None]
 
@@ -41,16 +43,13 @@ def cut(text: str) -> str:
     return f"{text[:half]} ... {text[-half:]}"
 
 
-def one_line(text: str) -> str:
-    """Without line breaks, and without what would steer a terminal."""
-    if text.isprintable():
-        return text
-    return "".join(one if one.isprintable() else repr(one)[1:-1] for one in text)
-
-
 def trace(error: ExcInfo) -> str:
-    """A traceback, its last lines if it is endless."""
-    return cut("".join(_lines(error)).rstrip())
+    """A traceback, its last lines if it is endless.
+
+    Its lines stand further in: what an exception quotes never looks like a line of the log.
+    """
+    text = cut("".join(_lines(error)).rstrip())
+    return "\n".join(f"{_INDENT}{line}" for line in printable(text).split("\n"))
 
 
 def _lines(error: ExcInfo) -> Iterable[str]:

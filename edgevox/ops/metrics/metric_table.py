@@ -22,6 +22,7 @@ PARTS = (
     "camera",
     "metrics",
 )
+BAD_REQUESTS = ("http", "tls", "connection", "cookie", "origin", "code", "message", "crowd")
 MODELS = ("stt", "llm", "tts")
 
 SIMULATED, MOVES = "a simulated body", "an agent with a body"
@@ -188,6 +189,14 @@ _READ = (
         Kind.COUNTER,
         "What the policy refused, by the way in and the code of the reason",
         {"way": tuple(Way), "code": "a code that begins with policy_ or needs_"},
+        read=True,
+    ),
+    Metric(
+        "edgevox_console_bad_requests_total",
+        Kind.COUNTER,
+        "Requests that the console did not take, by what was wrong with them",
+        {"kind": BAD_REQUESTS},
+        of="an agent with a console",
         read=True,
     ),
     Metric(

@@ -28,6 +28,7 @@ class PlaceMemory:
         self._world = world
         self._robot = ""
         self._store: PlaceStore | None = None
+        self._unread = ""
         self._changing = threading.Lock()
         self._places: Mapping[str, Place] = MappingProxyType({})
 
@@ -38,10 +39,17 @@ class PlaceMemory:
         """
         with self._changing:
             self._robot, self._store = robot, store
+            self._unread = ""
             try:
                 self._take(store.load())
             except OSError as error:
+                self._unread = f"{store.file.name} cannot be read ({error.strerror or error})"
                 log.error("places_unread", file=str(store.file), reason=str(error))  # noqa: TRY400 - the reason says it all
+
+    @property
+    def fault(self) -> str:
+        """Why places that were remembered may be missing; empty if none are."""
+        return self._unread or (self._store.fault if self._store else "")
 
     def names(self) -> tuple[str, ...]:
         """What is remembered, the oldest first."""

@@ -10,6 +10,7 @@ changes only places of its own robot and world. A name is data in it, never a pa
 import fcntl
 import json
 import os
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,14 +21,14 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from edgevox.core.atomic_file import write_atomically
 from edgevox.core.errors import InvalidValue
 from edgevox.core.json_reader import read_json_object
-from edgevox.core.log import get_logger
+from edgevox.core.state_files import StateFiles
 from edgevox.core.user_file import LARGEST_TEXT_BYTES, read_text
 from edgevox.core.validation import dotted, explain
-
-log = get_logger(__name__)
+from edgevox.robots.places.naming import MOST_PLACES
 
 NAME = "places.json"
 _LOCK = ".places.lock"
+_EXPECTED = f"at most {MOST_PLACES} places"
 _Number = Annotated[float, Field(allow_inf_nan=False, ge=-1e6, le=1e6)]
 _Text = Annotated[str, Field(min_length=1, max_length=200)]
 
@@ -64,18 +65,30 @@ class PlaceStore:
 
     def __init__(self, folder: Path) -> None:
         self.file = folder.expanduser().absolute() / NAME
+        self._state = StateFiles()
+
+    @property
+    def fault(self) -> str:
+        """What could not be read and was kept aside; empty if nothing was."""
+        return self._state.fault
 
     def load(self) -> Sequence[Place]:
-        """All that is remembered; nothing where there is no file yet.
+        """All that is remembered; nothing where there is no file yet, or none that can be used.
 
-        A file that is none of ours is kept aside and named in the log, with its first wrong field.
-        Raises `OSError` where that cannot be done, or nothing can be read.
+        Such a file is kept aside and named in the log, with its first wrong field. Raises `OSError`
+        where nothing can be read.
         """
+        if not os.path.lexists(self.file):
+            return ()
         try:
-            return self._parse()
+            return self._parse(read_text(self.file, str(self.file)))
         except InvalidValue:
+            pass  # whoever renames a file holds the lock: it may be another by now
+        try:
             with self._locked():
-                return self._read()
+                return self._read() or ()
+        except OSError:  # a disk that takes no lock takes no other name for the file, either
+            return self._read() or ()
 
     def change(self, change: Change) -> Sequence[Place]:
         """Put what `change` makes of the places into their place; what there is then.
@@ -84,7 +97,12 @@ class PlaceStore:
         """
         self.file.parent.mkdir(parents=True, exist_ok=True)
         with self._locked():
-            places = change(self._read())
+            known = self._read()
+            if known is None and os.path.lexists(self.file):
+                raise OSError(f"{NAME} is damaged and could not be kept aside")
+            places = change(known or ())
+            if _too_many(places):
+                raise OSError(f"{NAME} would hold more: expected {_EXPECTED} of one robot")
             data = {"version": 1, "places": [one.model_dump() for one in places]}
             text = json.dumps(data, ensure_ascii=False, indent=1) + "\n"
             if len(text.encode()) > LARGEST_TEXT_BYTES:
@@ -92,32 +110,27 @@ class PlaceStore:
             write_atomically(self.file, text)
             return places
 
-    def _read(self) -> Sequence[Place]:
-        """As it is, by who holds the lock."""
+    def _read(self) -> Sequence[Place] | None:
+        """As it is, by whoever holds the lock; None where there is none. Raises `OSError`."""
+        return self._state.read(self.file, self._parse)
+
+    def _parse(self, text: str) -> Sequence[Place]:
+        """Raises `InvalidValue` naming the file and the field."""
+        data = read_json_object(text, str(self.file), largest_bytes=LARGEST_TEXT_BYTES)
         try:
-            return self._parse()
-        except InvalidValue as error:
-            log.error("places_kept_aside", file=str(self._keep_aside()), reason=str(error))  # noqa: TRY400 - the reason says it all
-            return ()
-
-    def _parse(self) -> Sequence[Place]:
-        """Raises `OSError`, or `InvalidValue` naming the file and the field."""
-        if not self.file.exists():
-            return ()
-        self.file.open("rb").close()  # what cannot be read need not be wrong
-        return _parse(read_text(self.file, str(self.file)), self.file)
-
-    def _keep_aside(self) -> Path:
-        """Rename what cannot be read to a name that nothing has."""
-        names = (self.file.with_name(f"{NAME}.broken-{number}") for number in range(1, 10_000))
-        aside = next(name for name in names if not os.path.lexists(name))
-        os.rename(self.file, aside)
-        return aside
+            places = tuple(_File.model_validate_json(json.dumps(data)).places)
+        except ValidationError as error:
+            raise explain(error, lambda place: f"{self.file}: {dotted(place)}") from None
+        if most := _too_many(places):
+            raise InvalidValue(f"{self.file}: places", f"{most} of one robot and world", _EXPECTED)
+        return places
 
     @contextmanager
     def _locked(self) -> Iterator[None]:
+        lock = self.file.with_name(_LOCK)
+        self._state.read(lock, str)  # what is no file there is kept aside, too
         flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
-        number = os.open(self.file.with_name(_LOCK), flags, 0o600)
+        number = os.open(lock, flags, 0o600)
         try:
             fcntl.flock(number, fcntl.LOCK_EX)
             yield
@@ -125,10 +138,8 @@ class PlaceStore:
             os.close(number)
 
 
-def _parse(text: str, file: Path) -> Sequence[Place]:
-    """Raises `InvalidValue` naming the file and the field."""
-    data = read_json_object(text, str(file), largest_bytes=LARGEST_TEXT_BYTES)
-    try:
-        return tuple(_File.model_validate_json(json.dumps(data)).places)
-    except ValidationError as error:
-        raise explain(error, lambda place: f"{file}: {dotted(place)}") from None
+def _too_many(places: Sequence[Place]) -> int:
+    """How many places one robot has of one world, where that is more than it may have; else 0."""
+    each = Counter((one.robot, one.world) for one in places)
+    most = max(each.values(), default=0)
+    return most if most > MOST_PLACES else 0

@@ -13,6 +13,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.log import ROOT, LogLine
+from edgevox.core.text import one_line
 from edgevox.ops.logs import RateLimit
 from edgevox.ros2.logs.rcutils import OF_RCUTILS
 from edgevox.ros2.ticker import Ticker
@@ -105,7 +106,7 @@ def _message(record: logging.LogRecord, node: str) -> Log:
         stamp=Time(sec=int(second), nanosec=int(part * 1e9)),
         level=record.levelno,
         name=node + record.name.removeprefix(ROOT),
-        msg=record.getMessage(),
+        msg=one_line(record.getMessage()),
         file=record.pathname,
         function=record.funcName or "",
         line=record.lineno,
