@@ -137,7 +137,7 @@ class SkillExecutor:
         One that moves pre-empts what moves; another waits for nothing but its like.
         """
         arguments = self.check(call, skills, way)
-        goal = Goal(skills[call.skill], arguments, turn=0, bus=self._bus, goal_id=goal_id)
+        goal = self._goal(skills[call.skill], arguments, 0, way, goal_id=goal_id)
         self._tell(goal, "action")
         self._stopping([goal])
         with self._gate:
@@ -169,7 +169,7 @@ class SkillExecutor:
     ) -> Goal:
         """A goal for a step of a program, checked now; who runs the program runs it."""
         arguments = self.check(call, skills, way, turn, confirmed=confirmed)
-        goal = Goal(skills[call.skill], arguments, turn=turn, bus=self._bus)
+        goal = self._goal(skills[call.skill], arguments, turn, way, confirmed=confirmed)
         self._tell(goal, "program")
         return goal
 
@@ -200,7 +200,7 @@ class SkillExecutor:
         Raises `NeedsConfirmation` if the policy wants a yes and nobody has `confirmed` them.
         """
         try:
-            goals = self._goals(calls, skills, turn)
+            goals = self._goals(calls, skills, turn, confirmed=confirmed)
             asked = [_asked(one.skill, one.arguments) for one in goals]
             self._guard.check(turn.way, asked, turn.number, confirmed=confirmed)
         except NeedsConfirmation:
@@ -228,11 +228,30 @@ class SkillExecutor:
         self._run_now(goals, turn)
         return True
 
-    def _goals(self, calls: Sequence[Call], skills: SkillSet, turn: Turn) -> list[Goal]:
+    def _goals(
+        self, calls: Sequence[Call], skills: SkillSet, turn: Turn, *, confirmed: bool
+    ) -> list[Goal]:
         if len(calls) > MAX_CALLS:
             raise too_many_calls(len(calls), MAX_CALLS)
         checked = [(skills[c.skill], skills[c.skill].validate(c.arguments)) for c in calls]
-        return [Goal(skill, args, turn=turn.number, bus=self._bus) for skill, args in checked]
+        return [
+            self._goal(skill, arguments, turn.number, turn.way, confirmed=confirmed)
+            for skill, arguments in checked
+        ]
+
+    def _goal(
+        self,
+        skill: Skill,
+        arguments: Mapping[str, Any],
+        turn: int,
+        way: Way,
+        *,
+        confirmed: bool = False,
+        goal_id: str | None = None,
+    ) -> Goal:
+        """A goal that is judged again when it begins: it may have waited."""
+        leave = self._guard.leave(way, _asked(skill, arguments), confirmed=confirmed)
+        return Goal(skill, arguments, turn=turn, bus=self._bus, goal_id=goal_id, leave=leave)
 
     def _run_beside(self, goals: Sequence[Goal], turn: Turn) -> bool:
         """Say what is going to be done, and begin: planning a way first would hold the words up."""
@@ -310,4 +329,6 @@ def _report(phrases: Phrasebook, goal: Goal) -> str:
 
 def _asked(skill: Skill, arguments: Mapping[str, Any]) -> CheckedCall:
     """As the policy judges it."""
-    return CheckedCall(skill.name, arguments, skill.drives, skill.confirm)
+    return CheckedCall(
+        skill.name, arguments, skill.drives, skill.confirm, towards_rad=skill.towards_rad
+    )

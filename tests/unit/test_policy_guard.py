@@ -227,7 +227,10 @@ def test_names_that_the_robot_does_not_know_are_a_warning(file):
     around = PolicyContext(lambda: {"kitchen": (0.0, 0.0)})
     status = policy_status(Guard(file, around=around))
     assert status.level is Level.WARN
-    assert status.message == "names that this robot does not know: cellar, grap"
+    assert status.message == (
+        "names that this robot does not know: grap: no such skill; did you mean grasp?, "
+        "cellar: no such place"
+    )
 
 
 def test_without_a_file_everything_is_permitted_and_the_status_says_so():
@@ -253,7 +256,7 @@ def test_what_is_around_a_robot_is_its_places_and_where_it_is():
     around = policy_context(robot)
     x_m, y_m = around.places()["kitchen"]
     assert around.place_at(x_m, y_m) == "kitchen"
-    assert around.here() == (robot.pose().x_m, robot.pose().y_m)
+    assert around.here() == robot.pose()
     assert policy_context(None).here() is None
 
 

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from edgevox.agent.policy import Policy, PolicyContext, Rule
 from edgevox.agent.policy.format import parse_policy
+from edgevox.core.transforms import Pose2D
 from edgevox.core.ways import Way
 
 SPEEDS = st.floats(min_value=-1e9, max_value=1e9)
@@ -20,7 +21,7 @@ def rooms(x_m, _y_m):
     return "kitchen" if x_m > 5 else "living_room" if x_m < 4 else None
 
 
-AROUND = PolicyContext(lambda: PLACES, rooms, lambda: (2.0, 2.0))
+AROUND = PolicyContext(lambda: PLACES, rooms, lambda: Pose2D(2.0, 2.0, 0.0))
 
 
 def policy(limits, rules="{}"):
