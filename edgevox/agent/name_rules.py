@@ -159,11 +159,24 @@ def _heard_anywhere() -> Mapping[str, tuple[str, ...]]:
 
 @dataclass(frozen=True, slots=True)
 class _SpokenTemplate:
-    """A template without rules, and the words that stand in it."""
+    """A template without rules, its slots, and the words that stand in it.
+
+    Where words are written without spaces, these are its letters.
+    """
 
     template: str
     words: frozenset[str]
+    slots: frozenset[str]
     _kept: list[Sentence] = field(default_factory=list)
+
+    def may_be(self, words: frozenset[str], *, holds: bool, numbered: bool) -> bool:
+        """Whether a name of these words may be one of its sentences; rules out most at once."""
+        if not self.slots:
+            return words <= self.words
+        fits = bool(words & self.words)
+        if self.slots & _PLACE_SLOTS:
+            fits = fits and holds
+        return fits and (numbered or not self.slots & _NUMBER_SLOTS)
 
     @property
     def parsed(self) -> Sentence:
@@ -176,15 +189,16 @@ class _SpokenTemplate:
 def _is_said_in(code: str, name: str, places: Collection[str]) -> bool:
     book = phrasebook(code)
     plain = key(name)
-    if _is_said(code, plain, places):
+    holds = _holds_one(plain, places)
+    if _is_said(code, plain, places, holds=holds):
         return True
-    if not _holds_one(plain, places):
+    if not holds:
         return False
     go = book.programs.go.replace("{place}", name)
     joints = "|".join(re.escape(key(one)) for one in (*book.hearing.joints, *book.programs.between))
     edge = r"\b" if book.hearing.spaced else ""
     parts = re.split(f"{edge}(?:{joints}){edge}", plain) if joints else []
-    return bool(go and _is_said(code, key(go), places)) or (
+    return bool(go and _is_said(code, key(go), places, holds=True)) or (
         len(parts) > 1 and any(name_form(part) in places for part in parts)
     )
 
@@ -197,11 +211,13 @@ def _holds_one(plain: str, places: Collection[str]) -> bool:
     return any(name_form(space.join(words[start:end])) in places for start, end in ends)
 
 
-def _is_said(code: str, plain: str, places: Collection[str]) -> bool:
+def _is_said(code: str, plain: str, places: Collection[str], *, holds: bool) -> bool:
+    """`holds`: a part of it is the name of one of the places."""
     spaced = phrasebook(code).hearing.spaced
     text = plain if spaced else plain.replace(" ", "")
-    words = set(plain.split())
-    fitting = [one for one in _sentences(code) if not spaced or one.words & words]
+    words = frozenset(plain.split() if spaced else text)
+    numbered = any(one.isdigit() for one in digits(text, code))
+    fitting = [one for one in _sentences(code) if one.may_be(words, holds=holds, numbered=numbered)]
     if not fitting:
         return False
     data = IntentData([], slot_lists={name: WildcardSlotList(name) for name in _SLOTS})
@@ -239,10 +255,15 @@ def _sentences(code: str) -> tuple[_SpokenTemplate, ...]:
     ]
     spelled = (folded(separated(one_form(one))) for one in said)
     return tuple(
-        _SpokenTemplate(one, frozenset(key(_SYNTAX.sub(" ", _SLOT.sub(" ", one))).split()))
+        _SpokenTemplate(one, _literals(one, spaced=book.hearing.spaced), frozenset(slots))
         for one in spelled
-        if _SLOTS.issuperset(_SLOT.findall(one))
+        if _SLOTS.issuperset(slots := _SLOT.findall(one))
     )
+
+
+def _literals(template: str, *, spaced: bool) -> frozenset[str]:
+    text = key(_SYNTAX.sub(" ", _SLOT.sub(" ", template)))
+    return frozenset(text.split() if spaced else text)
 
 
 @cache

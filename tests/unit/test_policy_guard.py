@@ -277,3 +277,28 @@ def test_a_skill_that_wants_a_yes_gets_one_whatever_the_policy_allows(file, rule
     assert type(caught.value) is expected
     if expected is NeedsConfirmation:
         guard.check(way, asked, confirmed=True)
+
+
+def test_a_goal_is_judged_again_as_it_begins_and_when_another_policy_comes(file):
+    file.write_text(ALLOW)
+    bus, told = Bus(), []
+    bus.subscribe(GoalRejected, told.append)
+    guard = Guard(file, bus)
+    leave = guard.leave(Way.VOICE, GO[0])
+    leave.begin()
+    leave.go_on()
+    file.write_text(DENY)
+    with pytest.raises(Denied):
+        leave.go_on()
+    with pytest.raises(Denied):
+        guard.leave(Way.VOICE, GO[0], confirmed=True).begin()
+    assert guard.refusals == {("voice", "policy_denied"): 2}
+    assert told == []  # the goal tells of it as it ends
+
+
+def test_a_goal_that_was_confirmed_begins_where_another_needs_a_yes(file):
+    file.write_text(CONFIRM)
+    guard = Guard(file)
+    guard.leave(Way.VOICE, GO[0], confirmed=True).begin()
+    with pytest.raises(NeedsConfirmation):
+        guard.leave(Way.VOICE, GO[0]).begin()
