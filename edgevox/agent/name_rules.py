@@ -190,7 +190,8 @@ def _is_said_in(code: str, name: str, places: Collection[str]) -> bool:
     book = phrasebook(code)
     plain = key(name)
     holds = _holds_one(plain, places)
-    if _is_said(code, plain, places, holds=holds):
+    verb, _, _ = book.programs.go.partition(" ")  # "go", so that no place is called "back"
+    if any(_is_said(code, said, places, holds=holds) for said in (plain, key(f"{verb} {name}"))):
         return True
     if not holds:
         return False

@@ -4,6 +4,7 @@
 one shuts, the articles and the plurals of all languages count, whichever is spoken.
 """
 
+import difflib
 import unicodedata
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
@@ -16,6 +17,8 @@ from edgevox.core.text import without_hidden
 
 _SHORTEST = 3
 """So many letters stay at least where an ending or a single letter is taken away."""
+_SHORTEST_SLIP, _NEAR = 5, 0.85
+"""How long a name must be, and how alike another, to be a slip for it."""
 _MOST_SINGULARS = 256
 _DASHES = str.maketrans(dict.fromkeys("-_/.\N{EN DASH}\N{EM DASH}\N{MINUS SIGN}", " "))
 _LOOKALIKES = str.maketrans(
@@ -55,6 +58,19 @@ def names_meant(name: str, known: Mapping[str, str]) -> tuple[str, ...]:
     others = _other_forms(name)
     near = [word for one, said, word in forms if one in others or form in _other_forms(said)]
     return tuple(dict.fromkeys(near))
+
+
+def names_near(name: str, known: Mapping[str, str]) -> tuple[str, ...]:
+    """Which of these words a name may be a slip of the pen or of the ear for: "kichen".
+
+    A name with a digit in it is none: "dock 2" is not "dock".
+    """
+    form = name_form(name)
+    if len(form) < _SHORTEST_SLIP or any(one.isdigit() for one in form):
+        return ()
+    forms = {name_form(one): word for one, word in known.items()}
+    near = difflib.get_close_matches(form, forms, n=1, cutoff=_NEAR)
+    return tuple(forms[one] for one in near)
 
 
 def is_same_name(one: str, other: str) -> bool:

@@ -242,6 +242,7 @@ def test_a_policy_names_a_room_as_people_do(tmp_path, name) -> None:
         "kit chen", "kit_chen", "kitchen's", "our kitchens", "die Küche", "kitchen now",
         "kitchen and office", "to the kitchen", "go to the kitchen", "home", "go back",
         "go home", "where are you", "geh in die Küche", "去厨房",
+        "kichen", "back", "my own kitchen", "kitchen here", "mutfağım", "dapurku",
     ],
 )  # fmt: skip
 def test_no_taught_name_is_read_as_a_room_of_the_map_or_as_an_order(tmp_path, name) -> None:

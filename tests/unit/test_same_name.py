@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from edgevox.agent.choices import OneOf
-from edgevox.agent.same_name import is_same_name, name_form, names_meant
+from edgevox.agent.same_name import is_same_name, name_form, names_meant, names_near
 from edgevox.agent.skills import skill
 from edgevox.core.errors import InvalidValue
 from edgevox.robots.world import parse_world
@@ -53,6 +53,11 @@ def test_any_text_has_one_form_which_is_that_of_itself(text: str) -> None:
     assert name_form(text.upper().lower()) == name_form(text.lower())
     assert " " not in form
     assert not form or is_same_name(text, text)
+
+
+@pytest.mark.parametrize(("name", "near"), [("kichen", True), ("dock 2", False), ("duck", False)])
+def test_a_slip_is_near_a_name_and_a_number_is_none(name, near) -> None:
+    assert bool(names_near(name, {"kitchen": "kitchen", "dock": "dock"})) is near
 
 
 def test_a_name_of_the_same_form_counts_before_its_singular() -> None:

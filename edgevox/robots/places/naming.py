@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from edgevox.agent.name_rules import check_name, is_clause_word, is_sentence
 from edgevox.agent.reasons import because
-from edgevox.agent.same_name import name_form, names_meant
+from edgevox.agent.same_name import name_form, names_meant, names_near
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.errors import InvalidValue
 from edgevox.robots.name_fields import LONGEST_PLACE, speakable
@@ -27,7 +27,7 @@ def check_new_name(name: str, own: Mapping[str, str]) -> None:
         raise SkillFailed(because("place_name_reserved", name=name)) from None
     if is_clause_word(name) or not name_form(name):
         raise SkillFailed(because("place_name_reserved", name=name))
-    if rooms := names_meant(name, own):
+    if rooms := names_meant(name, own) or names_near(name, own):
         raise SkillFailed(because("place_of_the_map", place=rooms[0].replace("_", " ")))
     if is_sentence(name, own):
         raise SkillFailed(because("place_name_reserved", name=name))
