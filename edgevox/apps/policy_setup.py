@@ -68,7 +68,7 @@ def strange_names(guard: Guard, skills: Iterable[Skill]) -> list[str]:
 def log_strange_names(guard: Guard, skills: Iterable[Skill]) -> None:
     """Say so in the log; to be called at the start."""
     for one in strange_names(guard, skills):
-        log.warning("policy_names_unknown", text=one)
+        log.warning("policy_names_unknown", reason=one)
 
 
 def _forbidden_places(guard: Guard) -> frozenset[str]:

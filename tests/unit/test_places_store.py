@@ -234,4 +234,4 @@ def test_a_name_in_the_file_that_could_not_be_given_now_stays_there_unused_and_i
     assert [each["name"] for each in written(tmp_path)] == names
     (told,) = (record.msg for record in caplog.records if record.msg["event"] == "places_unused")
     assert told["count"] == 7
-    assert "my nests" in told["names"]
+    assert "my nests" in told["said"].text

@@ -11,7 +11,7 @@ from edgevox.agent.reasons import because
 from edgevox.agent.same_name import names_meant
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.errors import shorten
-from edgevox.core.log import get_logger
+from edgevox.core.log import Said, get_logger
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.places.naming import MOST_PLACES, check_new_name, is_fit
 from edgevox.robots.places.place_store import Place, PlaceStore
@@ -135,7 +135,7 @@ class PlaceMemory:
                 fit[name] = one
         if unused := [one for one in mine if one not in fit]:
             names = ", ".join(map(shorten, unused[:_MOST_TOLD]))
-            log.warning("places_unused", world=self._world, count=len(unused), names=names)
+            log.warning("places_unused", world=self._world, count=len(unused), said=Said(names))
         self._places = MappingProxyType(fit)
 
 
