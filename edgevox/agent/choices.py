@@ -7,6 +7,8 @@ from typing import Any
 
 from pydantic_core import PydanticKnownError, core_schema
 
+from edgevox.agent.same_name import name_form
+
 MOST_HINTS = 6
 """How many of the words that an argument takes a model is shown in examples."""
 
@@ -35,8 +37,8 @@ OwnNames = Mapping[str, Mapping[str, OwnName]]
 class OneOf:
     """Annotates a string argument that takes one of some words, known only when the robot is.
 
-    `aliases` are other things people say for a word ("fridge": "kitchen"). Matching ignores case,
-    underscores against spaces, and a leading article. They count in every language; `names` are
+    `aliases` are other things people say for a word ("fridge": "kitchen"). Matching goes by the
+    form of a name: see `same_name`. They count in every language; `names` are
     what a word is called in one: said, and understood while that is spoken. `learned` gives the
     words that came while the robot runs; it is quick, and asked from any thread.
     """
@@ -58,7 +60,12 @@ class OneOf:
         }
 
     def _pick(self, value: Any) -> str:
-        word = self.spoken().get(_plain(value)) if isinstance(value, str) else None
+        spoken = self.spoken()
+        word = spoken.get(_plain(value)) if isinstance(value, str) else None
+        if word is None and isinstance(value, str):
+            form = name_form(value)
+            same = {meant for said, meant in spoken.items() if name_form(said) == form}
+            word = same.pop() if len(same) == 1 else None
         if word is None:
             *others, last = [repr(one) for one in self.words] or ["a word that was learned before"]
             expected = f"{', '.join(others)} or {last}" if others else last

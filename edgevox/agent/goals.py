@@ -4,7 +4,7 @@ import json
 import threading
 import uuid
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Protocol
 
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import Skill, SkillFailed, reason_of
@@ -22,10 +22,33 @@ log = get_logger(__name__)
 _MOST_REASON = 200
 
 
+class GoalLeave(Protocol):
+    """Whether a goal may begin, and go on. Both raise `SkillFailed` with the reason why not."""
+
+    def begin(self) -> None:
+        """Asked once, as it begins, on the thread that runs it."""
+
+    def go_on(self) -> None:
+        """Asked as it reports how far it is."""
+
+
+class _AnyLeave:
+    """For a goal that was judged by whatever made it."""
+
+    def begin(self) -> None:
+        """It may."""
+
+    def go_on(self) -> None:
+        """It may."""
+
+
+_MAY = _AnyLeave()
+
+
 class Goal:
     """Is the `GoalHandle` that the skill's function sees. Only what runs it changes it.
 
-    `turn` is 0 for a goal that nobody asked for in words.
+    `turn` is 0 for a goal that nobody asked for in words. It has `leave` to begin and to go on.
     """
 
     def __init__(
@@ -36,6 +59,7 @@ class Goal:
         turn: int,
         bus: Bus,
         goal_id: str | None = None,
+        leave: GoalLeave = _MAY,
     ) -> None:
         self.id = goal_id or uuid.uuid4().hex
         self.skill = skill
@@ -46,6 +70,8 @@ class Goal:
         self.result: Mapping[str, Any] = {}
         self.reason = NO_REASON
         self._bus = bus
+        self._leave = leave
+        self._forbidden = NO_REASON
         self._token = CancelToken()
         self._ending = threading.Lock()
         self._ended = threading.Event()
@@ -65,6 +91,15 @@ class Goal:
         self.feedback = feedback
         if self.status is GoalStatus.RUNNING:
             self._tell(feedback=feedback)
+            self._ask()
+
+    def _ask(self) -> None:
+        """End what may not go on: cancelled as by anybody, so that the body halts at once."""
+        try:
+            self._leave.go_on()
+        except SkillFailed as error:
+            self._forbidden = error.reason
+            self._token.cancel(error.reason)
 
     def wait(self, timeout_s: float | None = None) -> bool:
         """Block until the goal has ended; False if it had not within the timeout."""
@@ -95,9 +130,13 @@ class Goal:
 
     def _call(self) -> None:
         try:
+            self._leave.begin()
             result = _as_json(self.skill.function(self, **self.arguments))
         except Cancelled as cancelled:
-            self.end(GoalStatus.CANCELLED, self._token.why or cancelled.why)
+            if self._forbidden and self._token.why == self._forbidden:
+                self.end(GoalStatus.FAILED, self._forbidden)
+            else:
+                self.end(GoalStatus.CANCELLED, self._token.why or cancelled.why)
         except (SkillFailed, WrongArgument) as error:  # what people may hear, and nothing else
             self.end(GoalStatus.FAILED, reason_of(error))
         except BaseException as error:

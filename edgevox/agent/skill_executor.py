@@ -155,7 +155,7 @@ class SkillExecutor:
             if not isinstance(error, Denied) or way is Way.ACTION:  # else the policy has told
                 self._reject(call, reason_of(error), way)
             raise
-        goal = Goal(skills[call.skill], arguments, turn=0, bus=self._bus, goal_id=goal_id)
+        goal = self._goal(skills[call.skill], arguments, 0, way, goal_id=goal_id)
         self._tell(goal, "action")
         self._stopping([goal])
         with self._gate:
@@ -194,7 +194,7 @@ class SkillExecutor:
     ) -> Goal:
         """A goal for a step of a program, checked now; who runs the program runs it."""
         arguments = self.check(call, skills, way, turn, mark=mark, confirmed=confirmed)
-        goal = Goal(skills[call.skill], arguments, turn=turn, bus=self._bus)
+        goal = self._goal(skills[call.skill], arguments, turn, way, confirmed=confirmed)
         self._tell(goal, "program")
         self._stopping([goal])
         return goal
@@ -226,7 +226,7 @@ class SkillExecutor:
         Raises `NeedsConfirmation` if the policy wants a yes and nobody has `confirmed` them.
         """
         try:
-            goals = self._goals(calls, skills, turn)
+            goals = self._goals(calls, skills, turn, confirmed=confirmed)
             asked = [_asked(one.skill, one.arguments) for one in goals]
             self._guard.check(turn.way, asked, turn.number, confirmed=confirmed)
         except NeedsConfirmation:
@@ -259,7 +259,9 @@ class SkillExecutor:
         self._run_now(goals, turn)
         return True
 
-    def _goals(self, calls: Sequence[Call], skills: SkillSet, turn: Turn) -> list[Goal]:
+    def _goals(
+        self, calls: Sequence[Call], skills: SkillSet, turn: Turn, *, confirmed: bool
+    ) -> list[Goal]:
         if len(calls) > MAX_CALLS:
             raise too_many_calls(len(calls), MAX_CALLS)
         goals = []
@@ -270,8 +272,23 @@ class SkillExecutor:
             except EdgeVoxError as error:
                 self._reject(call, reason_of(error), turn.way, turn.number)
                 raise
-            goals.append(Goal(skill, arguments, turn=turn.number, bus=self._bus))
+            goal = self._goal(skill, arguments, turn.number, turn.way, confirmed=confirmed)
+            goals.append(goal)
         return goals
+
+    def _goal(
+        self,
+        skill: Skill,
+        arguments: Mapping[str, Any],
+        turn: int,
+        way: Way,
+        *,
+        confirmed: bool = False,
+        goal_id: str | None = None,
+    ) -> Goal:
+        """A goal that is judged again when it begins: it may have waited."""
+        leave = self._guard.leave(way, _asked(skill, arguments), confirmed=confirmed)
+        return Goal(skill, arguments, turn=turn, bus=self._bus, goal_id=goal_id, leave=leave)
 
     def _run_beside(self, goals: Sequence[Goal], turn: Turn) -> bool:
         """Say what is going to be done, and begin: planning a way first would hold the words up."""
@@ -364,4 +381,6 @@ def _report(phrases: Phrasebook, goal: Goal) -> str:
 
 def _asked(skill: Skill, arguments: Mapping[str, Any]) -> CheckedCall:
     """As the policy judges it."""
-    return CheckedCall(skill.name, arguments, skill.drives, skill.confirm)
+    return CheckedCall(
+        skill.name, arguments, skill.drives, skill.confirm, towards_rad=skill.towards_rad
+    )

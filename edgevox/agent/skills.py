@@ -100,7 +100,8 @@ class Skill:
 
     `moves`: it uses the body, so it runs beside the conversation and pre-empts whatever moves; a
     skill that does not is answered on the spot. `relative`: it moves by so much, not to somewhere,
-    so that it can go on further. `lasting`: what it changes stays when it is over, as when a place
+    so that it can go on further; a `distance` leads straight on `towards_rad` from where it looks,
+    counter-clockwise. `lasting`: what it changes stays when it is over, as when a place
     is forgotten, so that it is asked about where it was not plainly said. `confirm`: somebody has
     to say yes to it, as if the policy wanted that. `says` acknowledges the call, `done` reports
     success, `action` ends a question that begins "Shall I"; all are formatted with the arguments,
@@ -125,6 +126,7 @@ class Skill:
     phrases: Mapping[str, SkillPhrases] = field(default_factory=dict)
     check: Callable[..., None] | None = None
     relative: bool = False
+    towards_rad: float = 0.0
     lasting: bool = False
     entry: str = ""
     confirm: bool = False
@@ -203,6 +205,7 @@ def skill(
     phrases: Mapping[str, SkillPhrases] | None = None,
     check: Callable[..., None] | None = None,
     relative: bool = False,
+    towards_rad: float = 0.0,
     lasting: bool = False,
     entry: str = "",
 ) -> Callable[[Callable[..., Result | None]], Skill]:
@@ -223,6 +226,7 @@ def skill(
             phrases=phrases or {},
             check=check,
             relative=relative,
+            towards_rad=towards_rad,
             lasting=lasting,
             entry=entry,
         )

@@ -8,14 +8,12 @@ from edgevox.apps.agent_arguments import AgentArguments, parse_arguments
 from edgevox.apps.check_robot import check_robot
 from edgevox.apps.play import play, read_script
 from edgevox.apps.plugins import Plugins, bring_plugins, plugins_folder
-from edgevox.apps.policy_setup import build_guard
 from edgevox.apps.robots import build_body, learn_robots, open_places
 from edgevox.apps.run_program import run_program, secure_ros2, set_up_logs
 from edgevox.apps.serving import serve
 from edgevox.apps.shutdown_signals import ShutdownSignals, Terminated
 from edgevox.apps.snapshot import take_snapshot
 from edgevox.apps.streams import with_streams
-from edgevox.core.bus import Bus
 from edgevox.core.settings import load_settings
 
 IN_THE_HAND = 0.0
@@ -45,7 +43,6 @@ def _prepare(argv: Sequence[str]) -> Callable[[], bool]:
         return lambda: take_snapshot(drawn, snapshot)
     if asked.check:
         checked = build_body(asked.robot, settings, IN_THE_HAND)
-        build_guard(settings, Bus(), checked)
         return lambda: check_robot(checked, settings)
     body = build_body(asked.robot, settings)
     open_places(body, settings)

@@ -18,7 +18,7 @@ from edgevox.apps.drain_setup import build_drain
 from edgevox.apps.free_text import free_text
 from edgevox.apps.metrics import read_bridge, read_parts, serve_metrics
 from edgevox.apps.model_choice import find_weights, open_model, open_without
-from edgevox.apps.policy_setup import build_guard
+from edgevox.apps.policy_setup import build_guard, log_strange_names
 from edgevox.apps.queries import available_voices, build_queries, deafness
 from edgevox.apps.robots import build_agents
 from edgevox.apps.skill_setup import gather_skills
@@ -54,6 +54,7 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
     bus = Bus()
     guard = build_guard(settings, bus, body)
     robot_skills = gather_skills(body, settings)
+    log_strange_names(guard, robot_skills.skills)
     agents = build_agents(body, robot_skills.skills)
     stack.callback(BusLog(bus, free_text(agents)).close)
     metrics = serve_metrics(stack, settings, bus, components, health, skills=robot_skills.skills)

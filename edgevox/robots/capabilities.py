@@ -5,7 +5,7 @@ positive); poses in the ``map`` frame, whose x is east and y is north (REP 105).
 called from any thread.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from math import isfinite
 from typing import Any, Literal, Protocol, runtime_checkable
@@ -141,6 +141,14 @@ class LimitsSpeed(Protocol):
 
     def limit_speed(self, limit: SpeedLimit) -> None:
         """From now on, steer drives by no velocity but what this permits."""
+
+
+@runtime_checkable
+class AvoidsPlaces(Protocol):
+    """Plans its own ways, and none through a place that somebody else forbids."""
+
+    def avoid_places(self, forbidden: Callable[[], Collection[str]]) -> None:
+        """From now on, drive round the places that this names; it is asked again and again."""
 
 
 @runtime_checkable

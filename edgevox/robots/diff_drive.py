@@ -1,7 +1,7 @@
 """A robot on two wheels in a flat world: what both 2D bodies are, whatever simulates them."""
 
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import cached_property, lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -28,7 +28,7 @@ from edgevox.robots.shapes import Point
 from edgevox.robots.sim_loop import BROKE, SimLoop, SteppedBySimLoop
 from edgevox.robots.simulated_body import SimulatedBody
 from edgevox.robots.text_map import draw
-from edgevox.robots.world_model import World
+from edgevox.robots.world_model import Room, World
 
 if TYPE_CHECKING:
     from edgevox.robots.picture import Painter
@@ -68,6 +68,7 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
             on_halt=lambda *_: self._run.ramp.brake(),
         )
         self._planner = PathPlanner(world)
+        self._forbidden: Callable[[], Collection[str]] = tuple
         self._room_at = lru_cache(maxsize=1)(world.room_at)  # a robot at rest is asked all the time
         self._places = MappingProxyType({room.name: room.goal for room in world.rooms})
         self._ticks = 0
@@ -166,6 +167,10 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
         with self._lock:
             self._mux.limit = limit
 
+    def avoid_places(self, forbidden: Callable[[], Collection[str]]) -> None:
+        """Drive by itself round the rooms that this names whenever it is asked."""
+        self._forbidden = forbidden
+
     def halt(self, reason: str) -> bool:
         with self._lock:
             moved = self._run.busy or self._run.moving
@@ -180,11 +185,12 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
     def drive_to(self, x_m: float, y_m: float, *, token: CancelToken, report: Report) -> None:
         """Block until there. Raises `SkillFailed` with a reason, `Cancelled` if it was ended.
 
-        A halt, a velocity or another drive ends it. One that is refused disturbs nothing.
+        A halt, a velocity or another drive ends it. One that is refused disturbs nothing. Its way
+        goes round forbidden rooms, also round those that become forbidden while it drives.
         """
         goal = (finite("x", x_m), finite("y", y_m))
         token.check()
-        drive = self._begin(goal)
+        drive = self._begin(goal, self._forbidden_rooms())
         self._mux.carry_out(drive, token, lambda: self._report(drive, report))
 
     def state(self) -> Mapping[str, Any]:
@@ -241,14 +247,19 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
         """Block until this much of the world's time has passed."""
         self._sim_loop.advance(seconds)
 
-    def _begin(self, goal: Point) -> NavigationMotion:
+    def _begin(self, goal: Point, forbidden: Sequence[Room]) -> NavigationMotion:
         with self._lock:
-            drive = self._mux.start(lambda: self._plan(goal))
+            drive = self._mux.start(lambda: self._plan(goal, forbidden))
             self._run.ramp.brake()
         self._sim_loop.wake()
         return drive
 
-    def _plan(self, goal: Point) -> NavigationMotion:
+    def _forbidden_rooms(self) -> Sequence[Room]:
+        """Asked without the lock: whoever tells it may read a file."""
+        names = frozenset(self._forbidden())
+        return tuple(room for room in self.world.rooms if room.name in names)
+
+    def _plan(self, goal: Point, forbidden: Sequence[Room]) -> NavigationMotion:
         if not self._sim_loop.running:
             raise SkillFailed(because("switched_off"))
         if self._run.battery.empty:
@@ -261,6 +272,7 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
             time_s=self.time_s,
             pose=self._run.motion.pose,
             movable=self._engine.movable_poses(),
+            forbidden=forbidden,
         )
 
     def _give_up(self) -> None:
@@ -268,7 +280,9 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
         self._mux.halt(SkillFailed(BROKE))
 
     def _report(self, drive: NavigationMotion, report: Report) -> None:
+        forbidden = self._forbidden_rooms()
         with self._lock:
+            drive.avoid(forbidden)
             progress, pose = drive.progress(), self._run.motion.pose
         report(
             progress=round(progress.part, 3),

@@ -69,13 +69,14 @@ def check_told_apart(
     entries: Mapping[str, tuple[Iterable[str], NamesByCode]],
     place: Callable[[str, str], Place] = lambda word, code: (word, "names", code),
 ) -> None:
-    """Raise what a validator raises where two of these are called the same in one language.
+    """Raise what a validator raises where two of these are called the same, by `same_name`.
 
     `entries` are the aliases and the names of words; `place` is where the names of one are.
     """
     if clash := name_clash(entries):
         word, code, said, other = clash
-        raise wrong(place(word, code), said, f"a name that {other!r} does not have")
+        at = place(word, code) if code else (word,)
+        raise wrong(at, said, f"a name that {other!r} does not have")
 
 
 def _of_language(code: Any, given: Any) -> OwnName:

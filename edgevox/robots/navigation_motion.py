@@ -12,7 +12,7 @@ from edgevox.robots.motion import Motion, Progress
 from edgevox.robots.path_follower import PathFollower
 from edgevox.robots.path_planner import PathPlanner
 from edgevox.robots.shapes import Point
-from edgevox.robots.world_model import RobotSpec
+from edgevox.robots.world_model import RobotSpec, Room
 
 PATIENCE_S = 2.0
 """How long the robot may stand still on its way before it plans again."""
@@ -37,11 +37,16 @@ class NavigationMotion(Motion):
         time_s: float,
         pose: Pose2D,
         movable: Sequence[Pose2D],
+        forbidden: Sequence[Room] = (),
     ) -> None:
-        """`cruise_m_s` is how fast it will get on. Raises `SkillFailed` if no way leads there."""
+        """`cruise_m_s` is how fast it will get on, `forbidden` what it drives round.
+
+        Raises `SkillFailed` if no way leads there.
+        """
         super().__init__()
         self.goal = goal
         self._planner, self._limits = planner, limits
+        self._forbidden, self._detour = tuple(forbidden), False
         self._follow(pose, movable)
         self._whole_m = max(self._follower.length_m, 1e-6)
         self._last_try_s = time_s + 60.0 + 4.0 * self._whole_m / cruise_m_s
@@ -50,7 +55,7 @@ class NavigationMotion(Motion):
 
     def steer(self, time_s: float, motion: MotionState, movable: Sequence[Pose2D]) -> Twist2D:
         """The velocity to ask for now; ends the drive on arrival or when it is stuck."""
-        if time_s >= self._look_at_s:
+        if self._detour or time_s >= self._look_at_s:
             self._look_at_s = time_s + _LOOK_EVERY_S
             self._look(time_s, motion.pose, movable)
         if self.done:
@@ -59,6 +64,11 @@ class NavigationMotion(Motion):
         if self._follower.arrived and abs(motion.twist.linear_m_s) < _STOPPED_M_S:
             self.end(None)
         return twist
+
+    def avoid(self, forbidden: Sequence[Room]) -> None:
+        """Drive round these from now on: with the next step it plans again, or ends."""
+        if tuple(room.name for room in forbidden) != tuple(one.name for one in self._forbidden):
+            self._forbidden, self._detour = tuple(forbidden), True
 
     def progress(self) -> Progress:
         """How far it is."""
@@ -71,7 +81,7 @@ class NavigationMotion(Motion):
         return self._follower.ahead()
 
     def _follow(self, pose: Pose2D, movable: Sequence[Pose2D]) -> None:
-        path = self._planner.plan((pose.x_m, pose.y_m), self.goal, movable)
+        path = self._planner.plan((pose.x_m, pose.y_m), self.goal, movable, self._forbidden)
         self._follower = PathFollower(path, self._limits)
         self._planned_with = tuple(movable)
 
@@ -86,7 +96,8 @@ class NavigationMotion(Motion):
         if stalled:
             self._tries_left -= 1
             self._since_s = time_s
-        if stalled or self._shifted(movable):
+        if stalled or self._detour or self._shifted(movable):
+            self._detour = False
             try:
                 self._follow(pose, movable)
             except SkillFailed as refusal:

@@ -11,8 +11,8 @@ from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.grid import Grid, cell_size
-from edgevox.robots.shapes import Point, bounds, distance, place
-from edgevox.robots.world_model import Thing, World
+from edgevox.robots.shapes import Point, bounds, distance, inside, place
+from edgevox.robots.world_model import Room, Thing, World
 
 CLEARANCE_M = 0.05
 """Kept from everything, always; more where large cells make the grid vague."""
@@ -20,6 +20,10 @@ COMFORT_M = 0.2
 """Kept from everything where there is room; closer costs three times as much."""
 _ESCAPE_M = 0.5
 """How far a robot that stands too close to something may look for a free place."""
+
+_ENDLESS = np.iinfo(np.int32).max
+"""How far a cell is that no way leads to."""
+_SAMPLES = 200
 
 Costs = NDArray[np.int8]
 
@@ -37,19 +41,30 @@ class PathPlanner:
         self._comfort_m = max(self._radius_m + COMFORT_M - cell_m, self._least_m)
         self._fixed = Grid(world, self._comfort_m + cell_m).add(fixed)
 
-    def plan(self, start: Point, goal: Point, movable: Sequence[Pose2D]) -> tuple[Point, ...]:
-        """Corners of a path from start to goal, both included.
+    def plan(
+        self,
+        start: Point,
+        goal: Point,
+        movable: Sequence[Pose2D],
+        forbidden: Sequence[Room] = (),
+    ) -> tuple[Point, ...]:
+        """Corners of a path from start to goal, both included, round the rooms that are forbidden.
 
-        Raises `SkillFailed` with a reason that a person may hear.
+        A robot that stands in one of them leaves it by the shortest way. Raises `SkillFailed` with
+        a reason that a person may hear.
         """
         loose = [_Solid(*both) for both in zip(self._world.movable, movable, strict=True)]
         self._check_goal(goal, [*self._solid, *loose])
+        if there := _rooms_at(goal, forbidden):
+            raise SkillFailed(because("policy_place", place=there[0].spoken))
         shapes = [shape for solid in loose for shape in solid.shapes]
-        path = self._search(self._fixed.add(shapes), start, goal)
-        if path:
+        cluttered = self._fixed.add(shapes)
+        if path := self._around(cluttered, start, goal, forbidden):
             return path
-        if shapes and self._search(self._fixed, start, goal):
+        if shapes and self._around(self._fixed, start, goal, forbidden):
             raise SkillFailed(because("furniture"))
+        if forbidden and (path := self._search(cluttered, start, goal)):
+            raise SkillFailed(because("policy_way", place=_crossed(path, forbidden)))
         raise SkillFailed(because("no_way"))
 
     def _check_goal(self, goal: Point, solids: Sequence["_Solid"]) -> None:
@@ -69,25 +84,87 @@ class PathPlanner:
         x, y = goal
         return min(x - world.x_min_m, world.x_max_m - x, y - world.y_min_m, world.y_max_m - y)
 
+    def _around(
+        self, grid: Grid, start: Point, goal: Point, forbidden: Sequence[Room]
+    ) -> tuple[Point, ...]:
+        """The path round these rooms, which are as solid as walls; empty if there is none."""
+        shut = grid.add(room.outline for room in forbidden) if forbidden else grid
+        left = [room.name for room in _rooms_at(start, forbidden)]
+        if not left:
+            return self._search(shut, start, goal)
+        others = grid.add(room.outline for room in forbidden if room.name not in left)
+        return self._leave(others, shut, start, goal)
+
+    def _leave(self, within: Grid, shut: Grid, start: Point, goal: Point) -> tuple[Point, ...]:
+        """The path out of a forbidden room by the shortest way, and on from there."""
+        costs = self._cost(within), self._cost(shut)
+        begin = _free(within, costs[0], start, _ESCAPE_M)
+        end = _free(shut, costs[1], goal, 3 * shut.cell_m)
+        if begin is None or end is None:
+            return ()
+        out, on = _finder(costs[0], within.cell(begin)), _finder(costs[1], shut.cell(end))
+        far = np.where((costs[1] > 0) & (on.distance < _ENDLESS), out.distance, _ENDLESS)
+        row, column = np.unravel_index(int(far.argmin()), far.shape)
+        if far[row, column] >= _ENDLESS:
+            return ()
+        door = int(row), int(column)
+        first = _middles(within, out.path_to(door))
+        second = _middles(shut, on.path_from(door))
+        corners = [*_straightened(within, costs[0], first), *_straightened(shut, costs[1], second)]
+        return _joined(start, corners, goal)
+
     def _search(self, grid: Grid, start: Point, goal: Point) -> tuple[Point, ...]:
         """The path, empty if there is none."""
-        cost = np.ones(grid.clearance_m.shape, dtype=np.int8)
-        cost[grid.clearance_m < self._comfort_m] = 3
-        cost[grid.clearance_m < self._least_m] = 0
+        cost = self._cost(grid)
         ends = [_free(grid, cost, start, _ESCAPE_M), _free(grid, cost, goal, 3 * grid.cell_m)]
         if ends[0] is None or ends[1] is None:
             return ()
-        finder = tcod.path.Pathfinder(tcod.path.SimpleGraph(cost=cost, cardinal=5, diagonal=7))
-        finder.add_root(grid.cell(ends[0]))
+        finder = _pathfinder(cost, grid.cell(ends[0]))
         cells = finder.path_to(grid.cell(ends[1]))
         if len(cells) == 1 and grid.cell(ends[0]) != grid.cell(ends[1]):
             return ()
-        middle = [grid.center(row, column) for row, column in cells.tolist()]
+        middle = _middles(grid, cells)
         if grid.cell(start) == grid.cell(ends[0]):
             middle[0] = start
         if grid.cell(goal) == grid.cell(ends[1]):
             middle[-1] = goal
         return _joined(start, _straightened(grid, cost, middle), goal)
+
+    def _cost(self, grid: Grid) -> Costs:
+        """What each cell costs to pass; 0 for one that cannot be."""
+        cost = np.ones(grid.clearance_m.shape, dtype=np.int8)
+        cost[grid.clearance_m < self._comfort_m] = 3
+        cost[grid.clearance_m < self._least_m] = 0
+        return cost
+
+
+def _pathfinder(cost: Costs, root: tuple[int, int]) -> tcod.path.Pathfinder:
+    finder = tcod.path.Pathfinder(tcod.path.SimpleGraph(cost=cost, cardinal=5, diagonal=7))
+    finder.add_root(root)
+    return finder
+
+
+def _finder(cost: Costs, root: tuple[int, int]) -> tcod.path.Pathfinder:
+    """One that knows how far every cell is."""
+    finder = _pathfinder(cost, root)
+    finder.resolve()
+    return finder
+
+
+def _middles(grid: Grid, cells: NDArray[np.intc]) -> list[Point]:
+    return [grid.center(row, column) for row, column in cells.tolist()]
+
+
+def _rooms_at(point: Point, rooms: Sequence[Room]) -> list[Room]:
+    where = np.array([point])
+    return [room for room in rooms if inside(room.outline, where)[0]]
+
+
+def _crossed(path: Sequence[Point], forbidden: Sequence[Room]) -> str:
+    """The names of the rooms that a path crosses; of all of them where it only comes near."""
+    points = np.vstack([np.linspace(a, b, _SAMPLES) for a, b in pairwise(path)])
+    crossed = [room for room in forbidden if inside(room.outline, points).any()]
+    return ", ".join(room.spoken for room in crossed or forbidden)
 
 
 class _Solid:

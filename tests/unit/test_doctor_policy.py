@@ -6,12 +6,12 @@ from edgevox.agent.policy.policy_status import NO_FILE
 from edgevox.apps.doctor.permitted import judge_policy, probe_policy
 
 
-def told(tmp_path, text):
+def told(tmp_path, text, agent=""):
     """The verdicts on a policy of this text."""
     file = tmp_path / "policy.yaml"
     if text is not None:
         file.write_text(text)
-    asked = situation(policy=str(file))
+    asked = situation(agent, policy=str(file))
     said = judge_policy(probe_policy(asked), asked)
     return said if isinstance(said, list) else [said]
 
@@ -48,5 +48,14 @@ def test_a_missing_file_is_an_error(tmp_path):
 def test_a_skill_that_no_robot_has_is_a_warning(tmp_path):
     said = told(tmp_path, "rules: {voice: {grap: deny, grasp: deny, mute: deny}}")
     assert [one.found for one in said if one.level is WARNING] == [
-        "no robot that comes with EdgeVox has the skill grap"
+        "grap: no such skill; did you mean grasp?"
+    ]
+
+
+def test_a_place_that_the_robot_has_not_is_a_warning_with_the_nearest(tmp_path):
+    text = "limits: {places: {never: [Bed_Rom, Bed_Room, Schlafzimmer], only: [Küchen, moon]}}"
+    said = told(tmp_path, text, agent="robot-apartment")
+    assert [one.found for one in said if one.level is WARNING] == [
+        "Bed_Rom: no such place; did you mean bedroom?",
+        "moon: no such place",
     ]

@@ -208,3 +208,30 @@ def test_many_threads_and_robots_remember_at_once_and_nothing_is_lost(tmp_path):
 
     assert len(written(tmp_path)) == 40
     assert all(len(memory(tmp_path, f"robot {n}").names()) == 10 for n in range(4))
+
+
+def test_a_name_in_the_file_that_could_not_be_given_now_stays_there_unused_and_is_named(
+    tmp_path, caplog
+):
+    names = [
+        "nest",
+        "my nests",
+        "the kitchen",
+        "kit-chen",
+        "go back",
+        "home",
+        "Küche",
+        "stop",
+        "bay",
+    ]
+    place = {"robot": ROBOT, "world": WORLD, "x": 1.0, "y": 2.0, "yaw": None, "frame": "map"}
+    file = {"version": 1, "places": [place | {"name": name} for name in names]}
+    (tmp_path / "places.json").write_text(json.dumps(file), "utf-8")
+
+    one = memory(tmp_path)
+
+    assert one.names() == ("nest", "bay")
+    assert [each["name"] for each in written(tmp_path)] == names
+    (told,) = (record.msg for record in caplog.records if record.msg["event"] == "places_unused")
+    assert told["count"] == 7
+    assert "my nests" in told["said"].text

@@ -227,7 +227,10 @@ def test_names_that_the_robot_does_not_know_are_a_warning(file):
     around = PolicyContext(lambda: {"kitchen": (0.0, 0.0)})
     status = policy_status(Guard(file, around=around))
     assert status.level is Level.WARN
-    assert status.message == "names that this robot does not know: cellar, grap"
+    assert status.message == (
+        "names that this robot does not know: grap: no such skill; did you mean grasp?, "
+        "cellar: no such place"
+    )
 
 
 def test_without_a_file_everything_is_permitted_and_the_status_says_so():
@@ -253,7 +256,7 @@ def test_what_is_around_a_robot_is_its_places_and_where_it_is():
     around = policy_context(robot)
     x_m, y_m = around.places()["kitchen"]
     assert around.place_at(x_m, y_m) == "kitchen"
-    assert around.here() == (robot.pose().x_m, robot.pose().y_m)
+    assert around.here() == robot.pose()
     assert policy_context(None).here() is None
 
 
@@ -274,3 +277,28 @@ def test_a_skill_that_wants_a_yes_gets_one_whatever_the_policy_allows(file, rule
     assert type(caught.value) is expected
     if expected is NeedsConfirmation:
         guard.check(way, asked, confirmed=True)
+
+
+def test_a_goal_is_judged_again_as_it_begins_and_when_another_policy_comes(file):
+    file.write_text(ALLOW)
+    bus, told = Bus(), []
+    bus.subscribe(GoalRejected, told.append)
+    guard = Guard(file, bus)
+    leave = guard.leave(Way.VOICE, GO[0])
+    leave.begin()
+    leave.go_on()
+    file.write_text(DENY)
+    with pytest.raises(Denied):
+        leave.go_on()
+    with pytest.raises(Denied):
+        guard.leave(Way.VOICE, GO[0], confirmed=True).begin()
+    assert guard.refusals == {("voice", "policy_denied"): 2}
+    assert told == []  # the goal tells of it as it ends
+
+
+def test_a_goal_that_was_confirmed_begins_where_another_needs_a_yes(file):
+    file.write_text(CONFIRM)
+    guard = Guard(file)
+    guard.leave(Way.VOICE, GO[0], confirmed=True).begin()
+    with pytest.raises(NeedsConfirmation):
+        guard.leave(Way.VOICE, GO[0]).begin()

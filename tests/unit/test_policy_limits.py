@@ -1,5 +1,6 @@
 """Limits hold for whatever moves: when, where to, how far, how fast."""
 
+import math
 from datetime import datetime, timedelta
 
 import pytest
@@ -8,6 +9,7 @@ from hypothesis import strategies as st
 
 from edgevox.agent.policy import Policy, PolicyContext, Rule
 from edgevox.agent.policy.format import parse_policy
+from edgevox.core.transforms import Pose2D
 from edgevox.core.ways import Way
 
 SPEEDS = st.floats(min_value=-1e9, max_value=1e9)
@@ -20,7 +22,7 @@ def rooms(x_m, _y_m):
     return "kitchen" if x_m > 5 else "living_room" if x_m < 4 else None
 
 
-AROUND = PolicyContext(lambda: PLACES, rooms, lambda: (2.0, 2.0))
+AROUND = PolicyContext(lambda: PLACES, rooms, lambda: Pose2D(2.0, 2.0, 0.0))
 
 
 def policy(limits, rules="{}"):
@@ -160,3 +162,68 @@ def test_a_velocity_is_slowed_to_the_limit_on_the_same_arc(linear, angular):
 def test_one_speed_may_be_limited_alone():
     assert policy("{speed: {angular_rad_s: 0.5}}").slowed(9.0, 0.5) == (9.0, 0.5)
     assert policy("{speed: {angular_rad_s: 0.5}}").slowed(8.0, -1.0) == (4.0, -0.5)
+
+
+TAUGHT = {"nest": (8.0, 2.0), "corner": (1.0, 1.0), "gap": (4.5, 2.0)}
+TOLD = PolicyContext(lambda: PLACES, rooms, lambda: Pose2D(3.0, 2.0, 0.0), taught=lambda: TAUGHT)
+
+
+@pytest.mark.parametrize(
+    ("limits", "arguments", "code"),
+    [
+        ("{places: {never: [kitchen]}}", {"room": "nest"}, "policy_place"),
+        ("{places: {never: [kitchen]}}", {"room": "The  NEST"}, "policy_place"),
+        ("{places: {never: [kitchen]}}", {"rounds": ["corner", "nest"]}, "policy_place"),
+        ("{places: {never: [kitchen]}}", {"room": "corner"}, ""),
+        ("{places: {never: [corner]}}", {"room": "corner"}, "policy_place"),
+        ("{places: {only: [kitchen]}}", {"room": "nest"}, ""),
+        ("{places: {only: [kitchen]}}", {"room": "corner"}, "policy_place"),
+        ("{places: {only: [kitchen]}}", {"room": "gap"}, "policy_nowhere"),
+        ("{places: {only: [living_room, nest]}}", {"room": "nest"}, "policy_place"),
+        ("{distance_m: 3}", {"room": "nest"}, "policy_distance"),
+        ("{goals: {x: {max: 5}}}", {"room": "nest"}, "policy_area"),
+        ("{places: {never: [kitchen]}}", {"points": [{"x": 8.0, "y": 2.0}]}, "policy_place"),
+        ("{goals: {x: {max: 5}}}", {"goal": {"x": 8.0, "y": 2.0}}, "policy_area"),
+    ],
+)
+def test_a_taught_place_is_its_point_and_its_name_permits_nothing(limits, arguments, code):
+    assert judged(limits, "go", TOLD, **arguments) == code
+
+
+@pytest.mark.parametrize(
+    ("limits", "distance", "towards_rad", "code"),
+    [
+        ("{places: {never: [kitchen]}}", 2.5, 0.0, "policy_place"),
+        ("{places: {never: [kitchen]}}", 1.5, 0.0, ""),
+        ("{places: {never: [kitchen]}}", 2.5, math.pi, ""),
+        ("{places: {never: [kitchen]}}", -2.5, math.pi, "policy_place"),
+        ("{places: {never: [kitchen]}}", 100.0, 0.0, "policy_place"),
+        ("{places: {never: [living_room]}}", 0.5, 0.0, "policy_place"),
+        ("{places: {never: [living_room]}}", 2.5, 0.0, ""),
+        ("{places: {only: [living_room]}}", 0.5, 0.0, ""),
+        ("{places: {only: [living_room]}}", 1.5, 0.0, "policy_nowhere"),
+        ("{goals: {x: {max: 5}}}", 2.5, 0.0, "policy_area"),
+        ("{goals: {x: {max: 5}}}", 1.5, 0.0, ""),
+    ],
+)
+def test_a_straight_way_is_judged_by_what_it_crosses_and_where_it_ends(
+    limits, distance, towards_rad, code
+):
+    arguments = {"distance": distance}
+    verdict = policy(limits).judge(
+        Way.VOICE, "walk", arguments, around=TOLD, now=MONDAY, towards_rad=towards_rad
+    )
+    assert verdict.reason.code == code
+
+
+def test_who_does_not_know_where_it_is_walks_nowhere_where_places_are_limited():
+    lost = PolicyContext(lambda: PLACES, rooms)
+    assert judged("{places: {never: [kitchen]}}", "go", lost, distance=1.0) == "policy_lost"
+    assert judged("{goals: {x: {max: 5}}}", "go", lost, distance=1.0) == "policy_lost"
+
+
+@pytest.mark.parametrize("name", ["Navigate_To", "navigateto", "NAVIGATE_TO"])
+def test_a_rule_is_for_a_skill_however_its_name_is_written(name):
+    file = parse_policy(f"rules: {{voice: {{'*': allow, {name}: deny}}}}", "p.yaml")
+    assert Policy(file).judge(Way.VOICE, "navigate_to", {}).rule is Rule.DENY
+    assert Policy(file).judge(Way.VOICE, "navigate_xy", {}).rule is Rule.ALLOW

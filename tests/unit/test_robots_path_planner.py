@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.path_planner import PathPlanner
-from edgevox.robots.shapes import Point, distance, place
+from edgevox.robots.shapes import Point, distance, inside, place
 from edgevox.robots.world import load_world, parse_world
 from edgevox.robots.world_model import World
 
@@ -129,3 +129,38 @@ obstacle:
 
     assert "no way leads there" in reason(world, (300.0, 200.0))
     assert PathPlanner(world).plan((100.0, 200.0), (190.0, 10.0), ())[-1] == (190.0, 10.0)
+
+
+ROOMS = {room.name: room for room in APARTMENT.rooms}
+
+
+def crossed(path: tuple[Point, ...], room: str) -> list[bool]:
+    """Whether each point of a path is in a room."""
+    points = np.vstack([np.linspace(a, b, 200) for a, b in pairwise(path)])
+    return [bool(one) for one in inside(ROOMS[room].outline, points)]
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.sampled_from(sorted(ROOMS)), st.floats(0, 10), st.floats(0, 10))
+def test_no_path_enters_a_forbidden_room_and_one_that_begins_there_leaves_it_for_good(
+    room: str, x: float, y: float
+) -> None:
+    for start in (one.goal for one in ROOMS.values()):
+        try:
+            path = PLANNER.plan(start, (x, y), MOVABLE, [ROOMS[room]])
+        except SkillFailed:
+            continue
+        there = crossed(path, room)
+        begins = there[0]
+        assert not any(there[there.index(False) :] if begins else there)
+
+
+def test_a_goal_in_a_forbidden_room_is_refused_and_so_is_one_behind_it() -> None:
+    forbidden = [ROOMS["bedroom"], ROOMS["kitchen"]]
+    for goal, code in (
+        (ROOMS["bedroom"].goal, "policy_place"),
+        (ROOMS["office"].goal, "policy_way"),
+    ):
+        with pytest.raises(SkillFailed) as caught:
+            PLANNER.plan(START, goal, MOVABLE, forbidden)
+        assert caught.value.reason.code == code

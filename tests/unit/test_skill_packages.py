@@ -188,6 +188,22 @@ def test_help_names_the_packages_and_what_is_broken(install, capsys):
     )
 
 
+def test_a_check_tells_what_the_policy_names_and_the_robot_has_not(install, capsys, tmp_path):
+    install(greeter=wave())
+    file = tmp_path / "policy.yaml"
+    file.write_text(
+        "rules: {voice: {wave_hand: deny, waves_hands: deny}}\n"
+        "limits: {places: {never: [the kitchens, kichen]}}"
+    )
+    settings = load_settings({"policy": str(file)})
+    assert check_robot(build_body("robot-apartment", settings, 0.0), settings)
+    told = [line for line in capsys.readouterr().out.splitlines() if "names what" in line]
+    assert [line.rpartition("has not: ")[2] for line in told] == [
+        "waves_hands: no such skill; did you mean wave_hand?",
+        "kichen: no such place; did you mean kitchen?",
+    ]
+
+
 def test_a_check_shows_the_skills_of_packages(install, capsys):
     install(greeter=wave())
     settings = load_settings({})

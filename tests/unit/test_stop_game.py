@@ -1,4 +1,4 @@
-"""A small part of the stop game, always the same; `make games` plays it for as long as is wanted."""
+"""A small part of the stop game, always the same; `make games` plays it for as long as you want."""
 
 from hypothesis import settings
 from hypothesis.stateful import run_state_machine_as_test

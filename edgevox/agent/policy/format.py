@@ -1,6 +1,7 @@
 """The format of a policy file, validated: nothing in it is guessed, nothing is left out."""
 
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -9,6 +10,7 @@ from pydantic import BeforeValidator, Field, StringConstraints
 from edgevox.agent.policy.limits import PolicyLimits
 from edgevox.agent.policy.part import PolicyPart
 from edgevox.agent.policy.policy_verdict import Rule
+from edgevox.agent.same_name import name_form
 from edgevox.core.errors import InvalidValue
 from edgevox.core.user_file import read_text
 from edgevox.core.yaml_file import YamlFile
@@ -72,12 +74,25 @@ class PolicyFile(PolicyPart):
     def rule(self, way: str, skill: str) -> Rule:
         """What becomes of a skill that is asked for by this way."""
         own, every = self.of_way(way), self.of_way(ANY)
-        if skill in own:
-            return Rule(own[skill])
-        fitting = [Rule(found) for found in (own.get(ANY), every.get(skill)) if found]
+        if found := _entry(own, skill):
+            return Rule(found)
+        fitting = [Rule(word) for word in (own.get(ANY), _entry(every, skill)) if word]
         if fitting:
             return max(fitting, key=list(Rule).index)
         return Rule(every.get(ANY, Rule.ALLOW))
+
+
+def _entry(entry: Mapping[str, str], skill: str) -> str | None:
+    """What an entry says of a skill, however its name is written; the strictest of several."""
+    if skill in entry:
+        return entry[skill]
+    said = [Rule(word) for name, word in entry.items() if name != ANY and _is(name, skill)]
+    return max(said, key=list(Rule).index, default=None)
+
+
+@lru_cache(maxsize=4096)
+def _is(name: str, skill: str) -> bool:
+    return name_form(name) == name_form(skill)
 
 
 def read_policy_file(file: Path) -> PolicyFile:

@@ -30,13 +30,15 @@ TELL_EVERY_S = 1.0
 class CheckedCall:
     """One call of a skill, its arguments checked; `moves`: it sets the robot in motion.
 
-    `confirm`: the skill itself wants a yes, also where the policy does not.
+    `confirm`: the skill itself wants a yes, also where the policy does not. `towards_rad`: which
+    way a distance leads from where the robot looks.
     """
 
     skill: str
     arguments: Mapping[str, Any] = field(default_factory=dict)
     moves: bool = True
     confirm: bool = False
+    towards_rad: float = 0.0
 
 
 class Guard:
@@ -106,26 +108,38 @@ class Guard:
         Else `NeedsConfirmation`, if one needs a yes: whoever cannot ask gives it to `refuse`. Where
         somebody has `confirmed` them, that is enough.
         """
-        policy, now = self.look(), self._now()
         unsure: NeedsConfirmation | None = None
         for one in calls:
-            verdict = policy.judge(
-                way,
-                one.skill,
-                one.arguments,
-                moves=one.moves,
-                confirm=one.confirm,
-                around=self.around,
-                now=now,
-            )
-            if verdict.rule is Rule.DENY:
-                denied = Denied(verdict.reason, way, one.skill, one.arguments)
+            try:
+                self.judge(way, one)
+            except NeedsConfirmation as found:
+                unsure = unsure or found
+            except Denied as denied:
                 self.refuse(denied, turn)
-                raise denied
-            if verdict.rule is Rule.CONFIRM and unsure is None:
-                unsure = NeedsConfirmation(verdict.reason, way, one.skill, one.arguments)
+                raise
         if unsure and not confirmed:
             raise unsure
+
+    def leave(self, way: Way, call: CheckedCall, *, confirmed: bool = False) -> "PolicyLeave":
+        """What a goal of this call is asked by when it begins, and while it goes on."""
+        return PolicyLeave(self, way, call, confirmed=confirmed)
+
+    def judge(self, way: Way, call: CheckedCall) -> None:
+        """Raise `Denied` or `NeedsConfirmation` for one call; nothing is counted or told."""
+        verdict = self.look().judge(
+            way,
+            call.skill,
+            call.arguments,
+            moves=call.moves,
+            confirm=call.confirm,
+            towards_rad=call.towards_rad,
+            around=self.around,
+            now=self._now(),
+        )
+        if verdict.rule is Rule.DENY:
+            raise Denied(verdict.reason, way, call.skill, call.arguments)
+        if verdict.rule is Rule.CONFIRM:
+            raise NeedsConfirmation(verdict.reason, way, call.skill, call.arguments)
 
     def permit(
         self, way: Way, calls: Sequence[CheckedCall], turn: int = 0, *, confirmed: bool = False
@@ -155,14 +169,14 @@ class Guard:
         self.slowed += permitted != (linear_m_s, angular_rad_s)
         return permitted
 
-    def refuse(self, denied: Denied, turn: int = 0) -> None:
-        """Count a refusal, and tell of it on the bus and in the log."""
+    def refuse(self, denied: Denied, turn: int = 0, *, told: bool = False) -> None:
+        """Count a refusal, and tell of it in the log, and on the bus unless it is `told` there."""
         self._count(denied)
         if denied.skill == VELOCITY and not self._due():
             return
         code = denied.reason.code
         log.info("policy_refused", way=str(denied.way), skill=denied.skill, code=code)
-        if denied.way is not Way.ACTION:  # which tells of every goal that it rejects
+        if not told and denied.way is not Way.ACTION:  # which tells of every goal that it rejects
             self._bus.publish(_rejected(denied, turn))
 
     def _count(self, denied: Denied) -> None:
@@ -178,6 +192,42 @@ class Guard:
             if due:
                 self._told_s = now_s
         return due
+
+
+class PolicyLeave:
+    """The leave of one goal: given when it was asked for, and asked again as it begins.
+
+    Meanwhile the policy, the places and the robot itself may have moved. While it goes on, only
+    another policy is asked again. A refusal is counted and logged; the goal tells of it as it ends.
+    """
+
+    def __init__(self, guard: Guard, way: Way, call: CheckedCall, *, confirmed: bool) -> None:
+        self._guard, self._way, self._call = guard, way, call
+        self._confirmed = confirmed
+        self._policy: Policy | None = None
+
+    def begin(self) -> None:
+        """Raise `Denied` if it may not begin."""
+        self._policy = self._guard.look()
+        self._ask()
+
+    def go_on(self) -> None:
+        """Raise `Denied` if another policy is in force now, and forbids it."""
+        policy = self._guard.look()
+        if policy is not self._policy:
+            self._policy = policy
+            self._ask()
+
+    def _ask(self) -> None:
+        try:
+            self._guard.judge(self._way, self._call)
+        except NeedsConfirmation as unsure:
+            if not self._confirmed:
+                self._guard.refuse(unsure, told=True)
+                raise
+        except Denied as denied:
+            self._guard.refuse(denied, told=True)
+            raise
 
 
 def _rejected(denied: Denied, turn: int) -> GoalRejected:

@@ -1,7 +1,7 @@
 """Limits of a policy: where to, how far, how fast, when. They hold for whatever moves."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
 from typing import Annotated, Any, Literal, Self
 
@@ -10,9 +10,11 @@ from pydantic import Field, model_validator
 from edgevox.agent.policy.hours import Interval
 from edgevox.agent.policy.part import PolicyPart
 from edgevox.agent.policy.policy_context import PolicyContext
-from edgevox.agent.policy.targets import distance_in, places_in, plain, point_in
+from edgevox.agent.policy.targets import distance_in, places_in, points_in
 from edgevox.agent.reasons import because
+from edgevox.agent.same_name import is_same_name
 from edgevox.core.reason import NO_REASON, Reason
+from edgevox.core.transforms import Pose2D
 
 Names = Annotated[
     tuple[Annotated[str, Field(min_length=1, max_length=64)], ...],
@@ -21,6 +23,7 @@ Names = Annotated[
 Metres = Annotated[float, Field(ge=-10_000, le=10_000)]
 Fast = Annotated[float, Field(gt=0, le=50)]
 AXES = ("x", "y", "z")
+_STEP_M, _MOST_STEPS = 0.25, 400
 
 
 class Span(PolicyPart):
@@ -82,15 +85,25 @@ class Places(PolicyPart):
 
     @property
     def names(self) -> frozenset[str]:
-        """All that are named, as they are compared."""
-        return frozenset(map(plain, (*(self.only or ()), *(self.never or ()))))
+        """All that are named, as they are written."""
+        return frozenset((*(self.only or ()), *(self.never or ())))
 
-    def permits(self, place: str) -> bool:
+    def forbids(self, place: str, around: PolicyContext) -> bool:
+        """Whether `never` names it."""
+        return _named(place, self.never or (), around)
+
+    def permits(self, place: str, around: PolicyContext) -> bool:
         """Whether it may go there."""
-        name = plain(place)
-        if any(name == plain(one) for one in self.never or ()):
+        if self.forbids(place, around):
             return False
-        return self.only is None or any(name == plain(one) for one in self.only)
+        return self.only is None or _named(place, self.only, around)
+
+
+def _named(place: str, names: Sequence[str], around: PolicyContext) -> bool:
+    """Whether one of these names, as somebody wrote them, is that of the place."""
+    known = around.place_meant(place) or place
+    meant = ((one, around.place_meant(one)) for one in names)
+    return any(own == known if own else is_same_name(one, known) for one, own in meant)
 
 
 class Speed(PolicyPart):
@@ -138,31 +151,82 @@ class PolicyLimits(PolicyPart):
             return NO_REASON
         return because("policy_hours", hours=", ".join(map(str, self.hours)))
 
-    def against(self, arguments: Mapping[str, Any], around: PolicyContext) -> Reason:
-        """Why a skill may not be called with these arguments; none if it may."""
-        places = around.places() if self.places or self.goals or self.distance_m else {}
-        named = places_in(arguments, places)
-        spots = [places[name] for name in named if name in places]
-        point = point_in(arguments)
+    def against(
+        self, arguments: Mapping[str, Any], around: PolicyContext, towards_rad: float = 0.0
+    ) -> Reason:
+        """Why a skill may not be called with these arguments; none if it may.
+
+        A goal is judged by where it is: a place that was taught is a point as any other. So is the
+        end of a straight way of some distance, `towards_rad` from where the robot looks.
+        """
+        if not (self.places or self.goals or self.hand or self.distance_m):
+            return NO_REASON
+        own, taught = around.places(), around.taught()
+        named = places_in(arguments, (*own, *taught))
+        points = [*points_in(arguments), *(taught[name] for name in named if name in taught)]
+        goals = [*(own[name] for name in named if name in own), *points]
+        straight = self._straight(arguments, goals, around, towards_rad)
+        if straight is None:
+            return because("policy_lost")
+        floor = [point for point in points if len(point) == 2]
         return (
-            self._off_limits(named, point, around)
-            or self._outside([*spots, point] if point else spots)
-            or self._too_far(arguments, [*spots, point] if point else spots, around)
+            self._off_limits(named, taught, around)
+            or self._in_place(floor, around)
+            or self._passing(straight, around)
+            or self._outside([*goals, *straight[-1:]])
+            or self._too_far(arguments, goals, around)
         )
 
     def _off_limits(
-        self, named: Sequence[str], point: Sequence[float] | None, around: PolicyContext
+        self, named: Sequence[str], taught: Collection[str], around: PolicyContext
     ) -> Reason:
-        """By name, and where a point of the floor lies in a place."""
+        """By name; what a place is called that was taught permits nothing."""
         if self.places is None:
             return NO_REASON
-        there = around.place_at(*point) if point and len(point) == 2 else None
-        for name in (*named, *((there,) if there else ())):
-            if not self.places.permits(name):
-                return because("policy_place", place=name.replace("_", " "))
-        if self.places.only and point and len(point) == 2 and there is None:
-            return because("policy_nowhere")
+        for name in named:
+            own = name not in taught
+            if self.places.forbids(name, around) or (own and not self.places.permits(name, around)):
+                return _there(name)
         return NO_REASON
+
+    def _in_place(self, points: Sequence[Sequence[float]], around: PolicyContext) -> Reason:
+        """By the place of the map that a point of the floor lies in."""
+        if self.places is None:
+            return NO_REASON
+        for point in points:
+            there = around.place_at(point[0], point[1])
+            if there is None and self.places.only:
+                return because("policy_nowhere")
+            if there is not None and not self.places.permits(there, around):
+                return _there(there)
+        return NO_REASON
+
+    def _passing(self, straight: Sequence[Sequence[float]], around: PolicyContext) -> Reason:
+        """A straight way may cross no place of `never`, and end where it is permitted."""
+        if self.places is None:
+            return NO_REASON
+        for point in straight:
+            there = around.place_at(point[0], point[1])
+            if there is not None and self.places.forbids(there, around):
+                return _there(there)
+        return self._in_place(straight[-1:], around) if around.places() else NO_REASON
+
+    def _straight(
+        self,
+        arguments: Mapping[str, Any],
+        goals: Sequence[Sequence[float]],
+        around: PolicyContext,
+        towards_rad: float,
+    ) -> Sequence[tuple[float, float]] | None:
+        """The points of a way that is told by its length alone, None while nobody knows them.
+
+        Of the place that the robot stands in none counts: it may leave it.
+        """
+        told = distance_in(arguments)
+        if told is None or goals or not (self.goals or (self.places and around.places())):
+            return ()
+        here = around.here()
+        return None if here is None else _leaving(_along(here, told, towards_rad), here, around)
 
     def _outside(self, spots: Sequence[Sequence[float]]) -> Reason:
         for spot in spots:
@@ -177,13 +241,34 @@ class PolicyLimits(PolicyPart):
         if self.distance_m is None:
             return NO_REASON
         told = distance_in(arguments)
-        far = [told] if told is not None else []
+        far = [abs(told)] if told is not None else []
         on_the_floor = [spot for spot in spots if len(spot) == 2]
         if on_the_floor:
             here = around.here()
             if here is None:
                 return because("policy_lost")
-            far += [math.dist(here, spot) for spot in on_the_floor]
+            far += [math.dist((here.x_m, here.y_m), spot) for spot in on_the_floor]
         if max(far, default=0.0) > self.distance_m:
             return because("policy_distance", most=f"{self.distance_m:g}")
         return NO_REASON
+
+
+def _there(place: str) -> Reason:
+    return because("policy_place", place=place.replace("_", " "))
+
+
+def _along(here: Pose2D, distance_m: float, towards_rad: float) -> list[tuple[float, float]]:
+    """Points of a straight way, at most a quarter of a metre apart, its end last."""
+    steps = min(max(1, math.ceil(abs(distance_m) / _STEP_M)), _MOST_STEPS)
+    yaw = here.yaw_rad + towards_rad
+    ahead = [distance_m * step / steps for step in range(1, steps + 1)]
+    return [(here.x_m + one * math.cos(yaw), here.y_m + one * math.sin(yaw)) for one in ahead]
+
+
+def _leaving(
+    way: Sequence[tuple[float, float]], here: Pose2D, around: PolicyContext
+) -> Sequence[tuple[float, float]]:
+    """The way from where it leaves the place in which the robot stands; its end always counts."""
+    start = around.place_at(here.x_m, here.y_m)
+    out = next((n for n, one in enumerate(way) if around.place_at(*one) != start), len(way) - 1)
+    return way[out:] if start is not None else way

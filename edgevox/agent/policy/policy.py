@@ -43,14 +43,15 @@ class Policy:
         *,
         moves: bool = True,
         confirm: bool = False,
+        towards_rad: float = 0.0,
         around: PolicyContext = NOWHERE,
         now: datetime | None = None,
     ) -> Verdict:
         """What becomes of a skill, with checked arguments, asked for by this way.
 
         `moves` says whether it sets the robot in motion; limits are for what does. `confirm` says
-        that the skill wants a yes where the file allows it. Where nobody can be asked, what needs a
-        yes is refused.
+        that the skill wants a yes where the file allows it, `towards_rad` which way a distance
+        leads. Where nobody can be asked, what needs a yes is refused.
         """
         if skill == STOP:
             return ALLOWED
@@ -59,7 +60,9 @@ class Policy:
             return Verdict(rule, because("policy_denied", way=way, skill=skill))
         if moves:
             limits = self.file.limits
-            reason = limits.closed(now or local_time()) or limits.against(arguments, around)
+            reason = limits.closed(now or local_time()) or limits.against(
+                arguments, around, towards_rad
+            )
             if reason:
                 return Verdict(Rule.DENY, reason)
         if rule is Rule.ALLOW and not confirm:

@@ -2,43 +2,59 @@
 
 So skills that nobody here knows are limited, too: `x` and `y` (and `z` for a hand) are a point,
 `distance` is metres, `room`, `location`, `place` and `target` are places, as is every text that is
-the name of one.
+the name of one. What stands within an argument counts as well, such as a list of points.
 """
 
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
+from edgevox.agent.same_name import name_form
+
 PLACES = ("room", "location", "place", "target")
-
-
-def plain(name: str) -> str:
-    """A name as it is compared: without case, underscores as spaces."""
-    return " ".join(name.casefold().replace("_", " ").split())
 
 
 def places_in(arguments: Mapping[str, Any], known: Collection[str]) -> tuple[str, ...]:
     """The places that are named; `known` are those of the robot, whose spelling is kept."""
-    spelled = {plain(name): name for name in known}
+    spelled = {name_form(name): name for name in known}
     return tuple(
-        spelled.get(plain(text), text)
-        for name, value in arguments.items()
+        spelled.get(name_form(text), text)
+        for name, value in _each(arguments)
         for text in _texts(value)
-        if name in PLACES or plain(text) in spelled
+        if name in PLACES or name_form(text) in spelled
     )
 
 
-def point_in(arguments: Mapping[str, Any]) -> tuple[float, ...] | None:
-    """The point that is named, if any: on the floor, or in space."""
-    x, y, z = (_number(arguments.get(axis)) for axis in ("x", "y", "z"))
+def points_in(arguments: Mapping[str, Any]) -> tuple[tuple[float, ...], ...]:
+    """The points that are named: on the floor, or in space."""
+    found = (_point(part) for part in _parts(arguments))
+    return tuple(point for point in found if point)
+
+
+def distance_in(arguments: Mapping[str, Any]) -> float | None:
+    """How far it is to go, in metres, if that is said; back where it is less than nothing."""
+    return _number(arguments.get("distance"))
+
+
+def _point(part: Mapping[str, Any]) -> tuple[float, ...] | None:
+    x, y, z = (_number(part.get(axis)) for axis in ("x", "y", "z"))
     if x is None or y is None:
         return None
     return (x, y) if z is None else (x, y, z)
 
 
-def distance_in(arguments: Mapping[str, Any]) -> float | None:
-    """How far it is to go, in metres, if that is said."""
-    metres = _number(arguments.get("distance"))
-    return None if metres is None else abs(metres)
+def _parts(value: Any) -> Iterator[Mapping[str, Any]]:
+    """The arguments, and what stands in them: a list of points, say."""
+    if isinstance(value, Mapping):
+        yield value
+    inner = value.values() if isinstance(value, Mapping) else value
+    if isinstance(inner, Collection) and not isinstance(inner, str | bytes):
+        for one in inner:
+            yield from _parts(one)
+
+
+def _each(arguments: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    for part in _parts(arguments):
+        yield from part.items()
 
 
 def _texts(value: Any) -> Iterator[str]:

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from edgevox.agent.phrasebook import Phrasebook
-from edgevox.agent.policy import Guard, Rule
+from edgevox.agent.policy import Guard, PolicyContext, Rule
 from edgevox.agent.policy.limits import PolicyLimits
 from edgevox.agent.policy.targets import PLACES
 from edgevox.agent.skills import STOP, Skill
@@ -21,7 +21,7 @@ def offered(
             "name": one.name,
             "label": phrases.can(one),
             "description": one.description,
-            "schema": limited(one.schema, file.limits) if one.drives else one.schema,
+            "schema": limited(one.schema, file.limits, guard.around) if one.drives else one.schema,
             "moves": one.drives,
             "lasting": one.lasting,
             "allowed": one.name == STOP or file.rule(way, one.name) is not Rule.DENY,
@@ -30,19 +30,26 @@ def offered(
     ]
 
 
-def limited(schema: Mapping[str, Any], limits: PolicyLimits) -> dict[str, Any]:
+def limited(
+    schema: Mapping[str, Any], limits: PolicyLimits, around: PolicyContext
+) -> dict[str, Any]:
     """The schema of what is permitted. What it cannot say, the policy refuses when it is asked."""
     fields = schema.get("properties", {})
     return {
         **schema,
-        "properties": {name: _field(name, one, limits) for name, one in fields.items()},
+        "properties": {name: _field(name, one, limits, around) for name, one in fields.items()},
     }
 
 
-def _field(name: str, field: Mapping[str, Any], limits: PolicyLimits) -> dict[str, Any]:
+def _field(
+    name: str, field: Mapping[str, Any], limits: PolicyLimits, around: PolicyContext
+) -> dict[str, Any]:
     found = dict(field)
     if limits.places and name in PLACES and "enum" in found:
-        found["enum"] = [word for word in found["enum"] if limits.places.permits(word)]
+        lasting = limits.model_copy(update={"distance_m": None})
+        found["enum"] = [
+            word for word in found["enum"] if not lasting.against({name: word}, around)
+        ]
     if limits.distance_m and name == "distance":
         found["maximum"] = min(limits.distance_m, found.get("maximum", limits.distance_m))
     area = limits.goals

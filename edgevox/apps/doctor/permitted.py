@@ -5,12 +5,16 @@ from pathlib import Path
 from edgevox.agent.policy.explain import explain
 from edgevox.agent.policy.format import PolicyFile, read_policy_file
 from edgevox.agent.policy.policy import local_time
-from edgevox.agent.policy.policy_status import NO_FILE
+from edgevox.agent.policy.policy_status import NO_FILE, unknown_names
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, warning
-from edgevox.apps.policy_setup import known_names
-from edgevox.core.errors import InvalidValue
+from edgevox.apps.policy_setup import known_names, policy_context
+from edgevox.apps.robots import ROBOTS, build_body
+from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.settings import Settings
 from edgevox.ros2.robot_file.load import load_robot_file
+
+_IN_THE_HAND = 0.0
+"""A speed of the world: nothing moves in it."""
 
 
 def probe_policy(situation: Situation) -> Facts:
@@ -24,10 +28,21 @@ def probe_policy(situation: Situation) -> Facts:
     closed = str(policy.limits.closed(local_time()))
     return {
         "lines": explain(policy),
-        "unknown": sorted(policy.skills - known_names(())),
+        "unknown": _unknown(policy, situation),
         "now": f"{local_time():%a %H:%M %Z}" if policy.limits.hours else "",
         "closed": closed,
     }
+
+
+def _unknown(policy: PolicyFile, situation: Situation) -> list[str]:
+    """What the robot has not; without one only the skills are looked at, of all robots."""
+    if situation.agent not in ROBOTS:
+        return unknown_names(policy, known_names(()))
+    try:
+        body = build_body(situation.agent, situation.settings, _IN_THE_HAND)
+    except EdgeVoxError:  # what is wrong with it is said elsewhere
+        return unknown_names(policy, known_names(()))
+    return unknown_names(policy, known_names(body.skills), policy_context(body))
 
 
 def _policy_of(settings: Settings) -> PolicyFile | None:
@@ -47,7 +62,7 @@ def judge_policy(facts: Facts, _: Situation) -> CheckVerdict | list[CheckVerdict
     said = [ok(line) for line in facts["lines"]]
     if facts["now"]:
         said.append(ok(f"it is {facts['now']}: it may {'not ' if facts['closed'] else ''}move"))
-    if unknown := facts["unknown"]:
-        found = f"no robot that comes with EdgeVox has the skill {', '.join(unknown)}"
-        said.append(warning(found, "correct it, unless a robot of your own has it"))
+    said += [
+        warning(one, "correct it, unless a robot of your own has it") for one in facts["unknown"]
+    ]
     return said

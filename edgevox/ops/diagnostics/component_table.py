@@ -89,7 +89,7 @@ COMPONENTS: tuple[ComponentRow, ...] = (
         ComponentName.POLICY,
         "what the policy file permits; its values say how much was refused, and what last",
         "the file cannot be used and the policy before it is in force, or it names a skill or a"
-        " place that this robot does not have",
+        " place that this robot does not have; it says which is the nearest",
         "",
         "`edgevox doctor --only policy` says which line; a mended file counts at once",
     ),

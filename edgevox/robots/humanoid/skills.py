@@ -55,7 +55,7 @@ def _walk_forward(body: WalkingBody) -> Skill:
 
 
 def _walk_backward(body: WalkingBody) -> Skill:
-    @skill(relative=True)
+    @skill(relative=True, towards_rad=math.pi)
     def walk_backward(goal: GoalHandle, distance: Distance = 1.0) -> Result:
         """Walk straight back for a distance in metres."""
         return _walk(body, goal, -distance)

@@ -2,25 +2,31 @@
 
 import threading
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from types import MappingProxyType
 
 from edgevox.agent.choices import OneOf
-from edgevox.agent.name_rules import word_meant
+from edgevox.agent.name_rules import names_of, word_meant
 from edgevox.agent.reasons import because
+from edgevox.agent.same_name import names_meant
 from edgevox.agent.skills import SkillFailed
-from edgevox.core.log import get_logger
+from edgevox.core.errors import shorten
+from edgevox.core.log import Said, get_logger
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.places.naming import MOST_PLACES, check_new_name, is_fit
 from edgevox.robots.places.place_store import Place, PlaceStore
 
 log = get_logger(__name__)
 
+_MOST_TOLD = 5
+"""Of the places that cannot be used, so many are named in the log."""
+
 
 class PlaceMemory:
     """Places by name, beside those that the world has by itself (`own`, and what they are called).
 
-    Until a file is opened it remembers for as long as it lives. `names` and `find` may be called
-    from any thread and never wait; what changes something waits for the disk.
+    Until a file is opened it remembers for as long as it lives. `names`, `points` and `find` may be
+    called from any thread and never wait; what changes something waits for the disk.
     """
 
     def __init__(self, world: str, own: OneOf) -> None:
@@ -35,7 +41,8 @@ class PlaceMemory:
     def open(self, store: PlaceStore, robot: str) -> None:
         """Take in what this robot remembers of this world, and write there from now on.
 
-        A place whose name has become the world's, or may not be one, stays in the file unused.
+        A place whose name has become the world's, may not be one, or is that of another place,
+        stays in the file unused, and is named in the log.
         """
         with self._changing:
             self._robot, self._store = robot, store
@@ -55,15 +62,17 @@ class PlaceMemory:
         """What is remembered, the oldest first."""
         return tuple(self._places)
 
+    def points(self) -> Mapping[str, tuple[float, float]]:
+        """Where they are, by name; metres."""
+        return {name: (one.x, one.y) for name, one in self._places.items()}
+
     def find(self, name: str) -> Place | None:
         """The place of exactly this name."""
         return self._places.get(name)
 
     def check(self, name: str) -> None:
         """Raise `SkillFailed` with the reason why nothing may be called so now."""
-        check_new_name(name)
-        if room := word_meant(name, self.own):
-            raise SkillFailed(because("place_of_the_map", place=_said(room)))
+        check_new_name(name, self._said_for_own)
         known = word_meant(name, OneOf(self.names()))
         if known and (place := self.find(known)):
             point = {"x": f"{place.x:.1f}", "y": f"{place.y:.1f}"}
@@ -99,6 +108,10 @@ class PlaceMemory:
                 raise SkillFailed(because("place_unknown", place=_said(name)))
             self._change(name, None)
 
+    @cached_property
+    def _said_for_own(self) -> Mapping[str, str]:
+        return names_of(self.own)
+
     def _change(self, name: str, place: Place | None) -> None:
         known = [one for one in self._places.values() if one.name != name]
         written = {*self._places, name}
@@ -123,13 +136,14 @@ class PlaceMemory:
 
     def _take(self, places: Sequence[Place]) -> None:
         mine = {one.name: one for one in places if self._mine(one)}
-        fit = {
-            name: one
-            for name, one in mine.items()
-            if is_fit(name) and word_meant(name, self.own) is None
-        }
-        if fit.keys() != mine.keys():
-            log.warning("places_unused", world=self._world, count=len(mine) - len(fit))
+        fit: dict[str, Place] = {}
+        for name, one in mine.items():
+            known = name in self._places or is_fit(name, self._said_for_own)
+            if known and not names_meant(name, {other: other for other in fit}):
+                fit[name] = one
+        if unused := [one for one in mine if one not in fit]:
+            names = ", ".join(map(shorten, unused[:_MOST_TOLD]))
+            log.warning("places_unused", world=self._world, count=len(unused), said=Said(names))
         self._places = MappingProxyType(fit)
 
 

@@ -7,7 +7,7 @@ Metres and radians (counter-clockwise from x) in the map frame; `yaw` is the way
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -80,11 +80,6 @@ def parse_locations(text: str, name: str) -> Mapping[str, Location]:
 def read_locations(file: YamlFile) -> Mapping[str, Location]:
     """The locations of a file, or of a part of one. Raises as `load_locations`."""
     entries = file.read(LocationsFile, file.data).root
-    owners: dict[str, str] = {}
-    for owner, said in _names(entries):
-        plain = " ".join(said.casefold().replace("_", " ").split())
-        if owners.setdefault(plain, owner) != owner:
-            raise file.wrong((owner,), said, f"a name that {owners[plain]!r} does not have")
     return {key: _location(file, key, entry) for key, entry in entries.items()}
 
 
@@ -92,9 +87,3 @@ def _location(file: YamlFile, name: str, entry: LocationEntry) -> Location:
     if entry.x is None or entry.y is None:
         raise file.wrong((name, "x" if entry.x is None else "y"), None, "metres, map frame")
     return Location(entry.x, entry.y, entry.yaw, entry.aliases, entry.names)
-
-
-def _names(entries: Mapping[str, LocationEntry]) -> Iterator[tuple[str, str]]:
-    """Whose, and what is said, as matching ignores case and underscores."""
-    for name, entry in entries.items():
-        yield from ((name, said) for said in (name, *entry.aliases))
