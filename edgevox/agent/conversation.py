@@ -260,6 +260,7 @@ class Conversation:
     def _take(self, words: TextInput | Heard, mark: int) -> None:
         counts = isinstance(words, TextInput)
         if isinstance(words, Heard):
+            mark = self._stopping.mark_of(words)
             try:
                 counts = self._stopping.counts(words)
             finally:

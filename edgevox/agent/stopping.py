@@ -1,5 +1,6 @@
 """What stops the robot: a stop word, an interrupt, a reset. At once, and whatever is under way."""
 
+from collections import deque
 from collections.abc import Callable
 
 from edgevox.agent import inbox
@@ -31,6 +32,8 @@ WORD_TAIL_S = 0.4
 hears its echo, and the spotter may be sure before its last sound."""
 SAME_WORD_S = 1.0
 """The spotter may hear a word so long after the voice detector heard its end."""
+KNOWN_MARKS = 64
+"""So many stops and releases are remembered with their times: more than come while one speaks."""
 _STANDING = "standing"
 _TOLD = ("", _STANDING, "stopped", "program_stopped")
 """What is said after a stop; of two, the later in this row."""
@@ -71,6 +74,8 @@ class Stopping:
         self._programs = programs
         self._interlock = interlock
         executor.on_stop(self._skill_called)
+        self._marks = deque([(float("-inf"), interlock.mark)], maxlen=KNOWN_MARKS)
+        interlock.on_stop(lambda mark: self._marks.append((clock.now(), mark)))
         self._question = question
         self._turn = turn
         self._phrases = phrases
@@ -95,6 +100,16 @@ class Stopping:
         if heard.spotted and not counts:
             self._tell_spotted(heard.text)
         return counts
+
+    def mark_of(self, heard: Heard) -> int:
+        """The interlock's mark when this was begun to be said.
+
+        What was said before a stop is known by its time (`counts`), as a spoken stop counts from
+        when it was said. What is left is what was said while all motion was forbidden.
+        """
+        began_s = heard.ended_s if heard.began_s is None else heard.began_s
+        then = [mark for at_s, mark in list(self._marks) if at_s <= began_s]
+        return max(self._interlock.stopped, then[-1] if then else 0)
 
     def queue(self, item: inbox.Item, mark: int) -> None:
         """Let it wait for the conversation, unless a stop, or its taking back, was quicker."""

@@ -80,6 +80,11 @@ class Interlock:
         """What an order that is received now carries."""
         return self._mark
 
+    @property
+    def stopped(self) -> int:
+        """The mark that the last stop has made."""
+        return self._stopped
+
     def outdated(self, mark: int) -> Reason:
         """Why an order with this mark is void, as a stop came after it; no reason if it is not."""
         return self._why_stopped if mark < self._stopped else NO_REASON
