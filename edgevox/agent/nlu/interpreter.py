@@ -127,20 +127,24 @@ class Interpreter:
         for agent in self._active_first():
             found = self._recognisers[agent.name].recognise(text)
             if isinstance(found, Understood):
-                return Meaning(agent, found.calls, "template")
+                sure = ASK_FROM if found.nearly else 1.0
+                return Meaning(agent, found.calls, "template", sure)
             if isinstance(found, RefusedCommand):
                 return found
         return None
 
     def _plain_calls(self, text: str) -> Sequence[Call] | RefusedCommand | None:
-        """What `plain` finds, for a program to hold."""
+        """What `plain` finds and is sure of, for a program to hold."""
         plain = self.plain(text)
         if isinstance(plain, Meaning):
-            return None if _goes_back_from_there(plain) else plain.calls
+            return plain.calls if plain.sure and not _goes_back_from_there(plain) else None
         return plain
 
     def _free_calls(self, text: str) -> Sequence[Call] | RefusedCommand | None:
         """The same, or what a reading finds that is sure."""
+        plain = self.plain(text)
+        if isinstance(plain, Meaning) and not _goes_back_from_there(plain):
+            return plain.calls
         found = self._plain_calls(text)
         decided = None if isinstance(found, Sequence) else self._decide(text)
         return decided[1].calls if decided and decided[1].sure else found
@@ -181,8 +185,12 @@ class Interpreter:
         return None
 
     def _is_held_back(self, text: str) -> bool:
-        judged = (self._readings[agent.name].of(text) for agent in self._active_first())
-        return any(one is not None and one.held_back for one in judged)
+        """Whether something in these words says that they are no order, or not for now."""
+        for readings in (self._readings[agent.name] for agent in self._active_first()):
+            judged = readings.of(text)
+            if readings.hold_back(text) or (judged is not None and judged.held_back):
+                return True
+        return False
 
     def _decide(self, text: str) -> tuple[Agent, Decision] | None:
         if self._decider is None:
