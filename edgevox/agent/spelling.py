@@ -72,11 +72,12 @@ def is_same_name(said: str, name: str, *, inflected: bool) -> bool:
 
     Names of languages that are `inflected` may end otherwise.
     """
+    whole = len(said.split()) == len(name.split())
     said, name = (_UMLAUT.sub(r"\1", one.replace(" ", "")) for one in (said, name))
     pairs = zip(said, name, strict=False)
     shared = sum(1 for _ in itertools.takewhile(lambda pair: pair[0] == pair[1], pairs))
     least = max(_SHORTEST_STEM, max(len(said), len(name)) - ENDING)
-    return said == name or (inflected and shared >= least)
+    return said == name or (inflected and whole and shared >= least)
 
 
 @lru_cache(maxsize=4096)

@@ -225,6 +225,9 @@ class Interpreter:
             calls = self._generate(model, protocol, text, turn, ordered=ordered)
             handoffs = [call for call in calls if call.skill == HANDOFF]
             if calls and not handoffs:
+                if self._leaves_out(calls, text):
+                    self._say_not_understood(turn)
+                    return None
                 return Meaning(self.active, tuple(calls), "model", ASK_FROM)
             if not calls:
                 if not turn.text and not turn.token.cancelled:  # it called what it may not
@@ -233,6 +236,16 @@ class Interpreter:
             self._hand_over(self._agents[str(handoffs[0].arguments["agent"])], turn)
         turn.say(self.phrases.say("nobody"), Outcome.FAILED)
         return None
+
+    def _leaves_out(self, calls: Sequence[Call], text: str) -> bool:
+        """Whether a model's calls would do something without what holds it back or changes it."""
+        skills = self.active.every_skill
+        if not any(skills[call.skill].drives or skills[call.skill].lasting for call in calls):
+            return False
+        for call in calls:
+            for value in call.arguments.values():
+                text = text.replace(str(value), " ")
+        return self._readings[self.active.name].hold_back(text)
 
     def _say_unclear(self, turn: Turn) -> None:
         turn.say(self.phrases.say("program_unclear"), Outcome.NOT_UNDERSTOOD)

@@ -109,9 +109,13 @@ class Lexicon:
         return self._phrases[text]
 
     def as_written(self, phrases: tuple[str, ...]) -> PhraseIndex:
-        """The same as `index`, of words whose numbers stay words: "metre" is no "1 metre"."""
+        """The same as `index`, of words whose numbers stay words as well.
+
+        "Metre" is no "1 metre", and "in a second" also "in a 2nd" where it has several words.
+        """
         if phrases not in self._written:
-            self._written[phrases] = PhraseIndex(map(self.tokenize, phrases))
+            several = (one for one in map(self.phrase, phrases) if len(one) > 2)
+            self._written[phrases] = PhraseIndex((*map(self.tokenize, phrases), *several))
         return self._written[phrases]
 
     def index(self, phrases: tuple[str, ...]) -> PhraseIndex:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from edgevox.agent.nlu.clauses import ClauseReading
 from edgevox.agent.nlu.lexicon import Lexicon
+from edgevox.agent.nlu.mentions import find_names
 from edgevox.agent.nlu.tokens import Words, is_mark, is_number, plain
 
 SPEAKS = 0.4
@@ -54,10 +55,10 @@ def _taken(tokens: Words, lexicon: Lexicon, parts: Sequence[ClauseReading]) -> _
     skills = [lexicon.words[part.call.skill] for part in parts]
     units = frozenset(itertools.chain(*(u for one in skills for u in one.units.values())))
     units |= frozenset(itertools.chain(*(one.measures for one in skills)))
-    words = frozenset(itertools.chain(*(one.weights for one in skills))) - units
+    words = frozenset(word for one in skills for word in one.weights if word not in one.shown)
     after = {at + 1 for at, token in enumerate(tokens) if is_number(token)}
     places = {at for at in after if at < len(tokens) and tokens[at] in units}
-    return _Taken(units, words, frozenset(places))
+    return _Taken(units, words - units, frozenset(places))
 
 
 def _spared(tokens: Words, lexicon: Lexicon) -> dict[int, int]:
@@ -137,10 +138,11 @@ def _is_unsaid(part: ClauseReading, lexicon: Lexicon) -> bool:
 def _is_anothers(part: ClauseReading, tokens: Words, lexicon: Lexicon) -> bool:
     """Whether it begins with a word of another skill: "remember the point x 7, y 2"."""
     small = lexicon.index(lexicon.function_words.all()).places(tokens)
+    named = {at for one in find_names(lexicon, tokens) for at in range(one.start, one.end)}
     own = lexicon.words[part.call.skill].weights
     for at in range(part.start, part.end):
         word = tokens[at]
-        if at in small or is_mark(word) or is_number(word):
+        if at in small or at in named or is_mark(word) or is_number(word):
             continue
         if not lexicon.speaks(word) or word in lexicon.common:
             continue

@@ -23,7 +23,15 @@ from edgevox.agent.phrase_file import ENGLISH
 from edgevox.agent.phrase_hearing import Hearing
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.skills import NO_SKILLS, Call, Skill, SkillSet
-from edgevox.agent.spelling import NUMBER, folded, is_same_name, key, separated, unpunctuated
+from edgevox.agent.spelling import (
+    ENDING,
+    NUMBER,
+    folded,
+    is_same_name,
+    key,
+    separated,
+    unpunctuated,
+)
 from edgevox.agent.spoken_lists import brief, whole
 from edgevox.core.text import one_form
 
@@ -194,11 +202,19 @@ class _TemplateReader:
                 )
             spoken = {key(one): word for one, word in self._book.heard(choices).items()}
             near = difflib.get_close_matches(key(said), spoken, n=1, cutoff=_NEAR)
-            if not near or not _alike_word_by_word(key(said), near[0]):
+            inflected = self._book.fallback is not None
+            same = bool(near) and is_same_name(key(said), near[0], inflected=inflected)
+            if not near or not (same or self._is_alike(key(said), near[0])):
                 return refused(self._answers, "unknown_word", name, choices.words, said)
-            nearly |= not is_same_name(key(said), near[0], inflected=bool(self._book.fallback))
+            nearly |= not same
             arguments[name] = spoken[near[0]]
         return Understood((Call(call.skill, arguments),), nearly)
+
+    def _is_alike(self, said: str, known: str) -> bool:
+        """Whether it may be this name misheard, and not another word that holds it."""
+        extra = len(said) - len(known)
+        longer = known in said and extra > (ENDING if self._book.hearing.spaced else 0)
+        return not longer and _alike_word_by_word(said, known)
 
     def _without_articles(self, said: str) -> str:
         articles = {key(separated(article)) for article in self._book.hearing.articles}
@@ -207,10 +223,10 @@ class _TemplateReader:
 
 
 def _alike_word_by_word(said: str, known: str) -> bool:
-    """Whether no word is quite another one: shelf B is not shelf A, however alike they are."""
+    """Whether no word is quite another one: shelf B is no shelf A, and "kitchen ft" no kitchen."""
     pairs = list(zip(said.split(), known.split(), strict=False))
     ratios = (difflib.SequenceMatcher(None, *pair).ratio() for pair in pairs)
-    return len(said.split()) != len(known.split()) or all(one >= _WORD_NEAR for one in ratios)
+    return len(said.split()) == len(known.split()) and all(one >= _WORD_NEAR for one in ratios)
 
 
 def refused(
