@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from edgevox.agent.nlu.decider import Judged, Readings
 from edgevox.agent.nlu.function_words import words_of
+from edgevox.agent.nlu.remainder import may_ask_whether
 from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.numbers import is_exact
 from edgevox.agent.phrase_file import phrasebook
@@ -127,6 +128,7 @@ def test_a_part_of_a_number_a_unit_or_a_time_that_no_value_takes_leaves_no_order
         ("humanoid", "walk forward point five meters"),
         ("humanoid", "walk forward a few meters"),
         ("humanoid", "walk forward at 50 percent"),
+        ("humanoid", "walk forward two metres per second"),
         ("apartment", "later go to the kitchen"),
         ("apartment", "maybe head over to the office some time"),
         ("apartment", "in a moment go to the kitchen"),
@@ -243,6 +245,23 @@ CHANGED = (
     *(f"{mark}5" for mark in "/*+~^#$<>\u00b1"),
     *(f"5{mark}" for mark in "'\"/*+~^#$<>\u00b1\u2032\u2033"),
 )
+
+
+@pytest.mark.parametrize(
+    ("code", "text", "asks"),
+    [
+        ("en", "can you walk backwards", True),
+        ("en", "can you walk backwards, please", False),
+        ("en", "could you walk backwards", False),
+        ("de", "kannst du rückwärts gehen", True),
+        ("de", "kannst du bitte rückwärts gehen", False),
+        ("es", "puedes caminar hacia atrás", True),
+        ("zh", "你能后退吗", True),
+    ],
+)
+def test_a_question_about_what_it_can_is_no_plain_order(code: str, text: str, asks: bool) -> None:
+    assert may_ask_whether((Call("walk_backward"),), text, code) is asks
+    assert not may_ask_whether((Call("walk_backward", {"distance": 2.0}),), text, code)
 
 
 @given(st.sampled_from(CHANGED))

@@ -24,7 +24,8 @@ class FunctionWords:
     beside a name of which something is told: "the kitchen' s over there". `misheard` are words as a
     recogniser of speech writes them down, with those that were said.
 
-    `amounts` are parts of numbers, units and times: one that no value took leaves no order.
+    `abilities` may ask what somebody can do, and not for it. `amounts` are parts of numbers, units
+    and times: one that no value took leaves no order.
     `number_marks` are so only beside a number: "two point five". `put_off` say that an order is not
     for now; one that ends in " ." must end the sentence, and one that begins with ". " begin it.
     """
@@ -46,6 +47,7 @@ class FunctionWords:
     linking: tuple[str, ...] = ()
     gerunds: tuple[str, ...] = ()
     copulas: tuple[str, ...] = ()
+    abilities: tuple[str, ...] = ()
     amounts: tuple[str, ...] = ()
     number_marks: tuple[str, ...] = ()
     put_off: tuple[str, ...] = ()

@@ -16,6 +16,7 @@ from edgevox.agent.nlu.decider import Decider, Decision, Readings
 from edgevox.agent.nlu.hypotheses import is_contested, likeliest
 from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.nlu.near_commands import NearCommands
+from edgevox.agent.nlu.remainder import may_ask_whether
 from edgevox.agent.nlu.sounds import Phonemes
 from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood
 from edgevox.agent.own_names import phrasebook_of
@@ -73,6 +74,7 @@ class Interpreter:
     def set_language(self, code: str) -> None:
         """Understand and answer in this language from now on; `phrases` are its sentences."""
         agents = self._agents.values()
+        self._code = code
         self.phrases = phrasebook_of(code, self._every_skill())
         self._recognisers = {a.name: Recogniser(a.skills, code, a.dialogue_skills) for a in agents}
         self._readings = {a.name: Readings(a.skills, code) for a in agents}
@@ -127,8 +129,8 @@ class Interpreter:
         for agent in self._active_first():
             found = self._recognisers[agent.name].recognise(text)
             if isinstance(found, Understood):
-                sure = ASK_FROM if found.nearly else 1.0
-                return Meaning(agent, found.calls, "template", sure)
+                asks = found.nearly or may_ask_whether(found.calls, text, self._code)
+                return Meaning(agent, found.calls, "template", ASK_FROM if asks else 1.0)
             if isinstance(found, RefusedCommand):
                 return found
         return None
@@ -154,7 +156,9 @@ class Interpreter:
         if decided := self._decide(text):
             agent, decision = decided
             self._hand_over(agent, turn)
-            return Meaning(agent, decision.calls, "reading", decision.confidence)
+            asks = may_ask_whether(decision.calls, text, self._code)
+            sure = min(decision.confidence, ASK_FROM) if asks else decision.confidence
+            return Meaning(agent, decision.calls, "reading", sure)
         return None
 
     def as_heard(self, meaning: Meaning, turn: Turn) -> Meaning:

@@ -114,7 +114,7 @@ class Lexicon:
         "Metre" is no "1 metre", and "in a second" also "in a 2nd" where it has several words.
         """
         if phrases not in self._written:
-            several = (one for one in map(self.phrase, phrases) if len(one) > 2)
+            several = (one for one in map(self.phrase, phrases) if len(one) > 1)
             self._written[phrases] = PhraseIndex((*map(self.tokenize, phrases), *several))
         return self._written[phrases]
 

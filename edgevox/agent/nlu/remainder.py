@@ -11,9 +11,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from edgevox.agent.nlu.clauses import ClauseReading
+from edgevox.agent.nlu.function_words import words_of
 from edgevox.agent.nlu.lexicon import Lexicon
 from edgevox.agent.nlu.mentions import find_names
 from edgevox.agent.nlu.tokens import Words, is_mark, is_number, plain
+from edgevox.agent.skills import Call
+from edgevox.core.stop_words import STOP_WORDS
 
 SPEAKS = 0.4
 """What a word weighs at least that opens an order."""
@@ -21,6 +24,21 @@ _ORDINAL = re.compile(r"\d+[a-z]+")
 _PER_CENT = "%"
 _AT_AN_END = "."
 """Begins or ends a phrase that puts off only at this end of a sentence: "depois ."."""
+
+
+def may_ask_whether(calls: Sequence[Call], text: str, code: str) -> bool:
+    """Whether this may ask what you can do: "can you walk backwards".
+
+    It does not where you say a value or a courtesy: "can you walk backwards, please".
+    """
+    words, said = words_of(code), f" {plain(text)} "
+    asked = [plain(one) for one in words.abilities if plain(one) in said]
+    if len(calls) != 1 or calls[0].arguments or not asked:
+        return False
+    for one in asked:
+        said = said.replace(one, " ")
+    bare = "".join(one if one.isalnum() else " " for one in said)
+    return not any(f" {plain(urge)} " in f" {bare} " for urge in STOP_WORDS[code].courtesies)
 
 
 @dataclass(frozen=True, slots=True)
