@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from edgevox.agent.answers import Answers
-from edgevox.agent.numbers import digits
+from edgevox.agent.numbers import digits, is_exact
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.skills import Call, Skill
 from edgevox.core.json_reader import is_number
@@ -20,7 +20,7 @@ def correct(call: Call, one: Skill, text: str, answers: Answers, book: Phraseboo
     Words are those that the skill's templates know for the argument in this language; numbers
     replace all of the call's, so there must be as many.
     """
-    if not answers.may_correct(text):
+    if not answers.may_correct(text) or not is_exact(text, book.code):
         return None
     found = [*_words(call, one, text, answers, book)]
     if len(found) == 1:

@@ -3,6 +3,7 @@
 It begins with the one form of each character that `core.text` gives any text from outside.
 """
 
+import itertools
 import re
 import unicodedata
 from collections.abc import Mapping
@@ -22,6 +23,10 @@ TYPED_ALIKE: Mapping[str, str] = {
 }
 """Letters that have no accent to take away, and are typed for each other all the same."""
 _TYPED_ALIKE = str.maketrans(dict(TYPED_ALIKE))
+ENDING = 2
+"""How many letters an ending may add to a name."""
+_SHORTEST_STEM = 4
+_UMLAUT = re.compile("([aou])e")
 _APOSTROPHE = re.compile(r"(?<=\w)' ?(?=\w)")
 _LONG_HYPHEN = "\N{NON-BREAKING HYPHEN}"
 _HYPHEN = re.compile(rf"(?<=[^\W\d])[-{_LONG_HYPHEN}](?=[^\W\d])")
@@ -60,6 +65,19 @@ def key(text: str) -> str:
     """What two spellings of one word have in common."""
     plain = folded(separated(one_form(text.replace("_", " "))))
     return unpunctuated(plain.casefold())
+
+
+def is_same_name(said: str, name: str, *, inflected: bool) -> bool:
+    """Whether these keys are one name and not only alike: "living room", "livingroom", "kueche".
+
+    Names of languages that are `inflected` may end otherwise.
+    """
+    whole = len(said.split()) == len(name.split())
+    said, name = (_UMLAUT.sub(r"\1", one.replace(" ", "")) for one in (said, name))
+    pairs = zip(said, name, strict=False)
+    shared = sum(1 for _ in itertools.takewhile(lambda pair: pair[0] == pair[1], pairs))
+    least = max(_SHORTEST_STEM, max(len(said), len(name)) - ENDING)
+    return said == name or (inflected and whole and shared >= least)
 
 
 @lru_cache(maxsize=4096)

@@ -27,6 +27,11 @@ _IGNORABLE = re.compile(
 """What Unicode calls default-ignorable, beside the format characters."""
 
 
+_JOINED = re.compile("(?<=\\d)(?=[\u00bc-\u00be\u2150-\u215f\u2189])")
+_RAISED = re.compile("(?<=\\d)(?=[\u00b2\u00b3\u00b9\u2070-\u2079\u2080-\u2089])")
+"""Fractions and powers right behind a number, which would become digits of it."""
+
+
 def clean(text: str) -> str:
     """One line of visible characters, each in one form; looks at a bounded part only."""
     bounded = text[: 2 * MAX_CHARACTERS].replace(_REPLACEMENT, " ")
@@ -34,10 +39,14 @@ def clean(text: str) -> str:
 
 
 def one_form(text: str) -> str:
-    """Letters and their accents as one character, wide ones as narrow ones, one apostrophe."""
+    """Letters and their accents as one character, wide ones as narrow ones, one apostrophe.
+
+    "2\u00bd" becomes 2 and a fraction, and a power stays one: neither is a number of more digits.
+    """
     if text.isascii():  # in one form already, but for an accent that stands for an apostrophe
         return text.replace("`", "'")
-    return unicodedata.normalize("NFKC", text.translate(_APOSTROPHES))
+    text = _RAISED.sub("^", _JOINED.sub(" ", text.translate(_APOSTROPHES)))
+    return unicodedata.normalize("NFKC", text)
 
 
 def without_hidden(text: str, instead: str = "") -> str:

@@ -8,7 +8,7 @@ from typing import Any
 from edgevox.agent.arguments import check_arguments
 from edgevox.agent.nlu.lexicon import Lexicon, SkillWords
 from edgevox.agent.nlu.mentions import Name, Number
-from edgevox.agent.nlu.tokens import Words, is_mark, is_number
+from edgevox.agent.nlu.tokens import Words, is_mark, is_number, plain
 from edgevox.agent.skills import STOP, Call
 from edgevox.core.errors import InvalidValue
 
@@ -25,18 +25,21 @@ number is said that it takes, and for all else."""
 class ClauseReading:
     """One call of a reading, and how well the words from `start` to `end` speak for it.
 
-    `support` are the weights of the words that speak for its skill, `rival` those for the next one,
-    `grounded` how many values were said, `strange` the words that no skill and no courtesy knows.
+    `support` are the weights of the words that speak for its skill, `told` those of its templates
+    alone, `rival` those for the next one, `grounded` how many values were said, `strange` the words
+    that no skill and no courtesy knows. `guessed`: one of its values was said in other letters.
     """
 
     call: Call
     start: int
     end: int
     support: float
+    told: float
     rival: float
     grounded: int
     strange: int
     nearly: bool
+    guessed: bool
     unitless: bool
     unfilled: int
 
@@ -62,6 +65,7 @@ class Clauses:
         self._filled = filled
         self._unsaid = unsaid  # words that only take something back
         functions = lexicon.function_words.fillers
+        self._fillers = frozenset((*map(plain, functions), *lexicon.common))
         self._pronouns = frozenset(lexicon.function_words.pronouns)
         self._filled_words = {at for at, token in enumerate(tokens) if token in functions}
 
@@ -133,6 +137,8 @@ class Clauses:
         numbers: Sequence[Number],
     ) -> Iterator[ClauseReading]:
         units = frozenset().union(*words.units.values()) if words.units else frozenset()
+        if not self._may_be_a_point(numbers):
+            return
         for arguments, unitless in _assigned(words, tuple(names), tuple(numbers)):
             try:
                 check_arguments(words.skill.name, words.skill.arguments_model, arguments)
@@ -151,13 +157,30 @@ class Clauses:
                 start,
                 end,
                 sum(seen.values()),
+                sum(weight for token, weight in seen.items() if token not in words.shown),
                 0.0,
                 len(arguments),
                 self.strange(start, end, words),
                 any(one.nearly for one in names),
+                any(one.guessed for one in names),
                 unitless,
                 len(words.skill.choices.keys() - arguments.keys()),
             )
+
+    def _may_be_a_point(self, numbers: Sequence[Number]) -> bool:
+        """Whether something says so where several numbers have no axes: "to 3, 4", not "3 by 4"."""
+        if len(numbers) < 2 or any(one.axis for one in numbers):
+            return True
+        joints = frozenset({plain(self._lexicon.book.hearing.pair)})
+        for one, other in itertools.pairwise(numbers):
+            between = self.tokens[one.end : other.start]
+            if not all(is_mark(token) or token in joints for token in between):
+                return False
+        first = numbers[0].start
+        before = self.tokens[first - 1] if first else ""
+        if is_mark(before):
+            before = self.tokens[first - 2] if first > 1 else ""
+        return before in self._fillers or self._lexicon.says_a_point(before)
 
 
 def _assigned(

@@ -9,7 +9,9 @@ from edgevox.agent.nlu.encoder import SentenceReader
 from edgevox.agent.nlu.evidence import evidence, is_denied, is_doubted, is_unsupported
 from edgevox.agent.nlu.lexicon import Lexicon
 from edgevox.agent.nlu.readings import CallReader, Reading
-from edgevox.agent.numbers import digits
+from edgevox.agent.nlu.remainder import is_denied_inside, is_left_over, is_unsaid
+from edgevox.agent.nlu.tokens import Words
+from edgevox.agent.numbers import digits, is_exact
 from edgevox.agent.own_names import phrasebook_of
 from edgevox.agent.phrase_file import ENGLISH
 from edgevox.agent.skills import Call, SkillSet
@@ -44,6 +46,10 @@ class Judged:
     held_back: bool
     doubted: bool
     """No word says that it is wanted, or a number may go on in a word that nobody knows."""
+    unsaid: bool
+    """It rests on a name among words that nobody knows: see `is_unsaid`."""
+    loses: bool
+    """Something would last or be let go of, for which only a template is plain enough."""
     unsupported: bool
     """The words of the skills alone do not say that they are wanted."""
 
@@ -58,7 +64,12 @@ class Readings:
         self._readers: list[tuple[Lexicon, CallReader]] = []
 
     def of(self, text: str) -> Judged | None:
-        """The first reading of a sentence, in the language spoken or in English."""
+        """The first reading of a sentence, in the language spoken or in English.
+
+        None where a number is written so that none can be read: see `is_exact`.
+        """
+        if not is_exact(text, self._language):
+            return None
         self._renew()
         plain = " ".join(text.split())
         for lexicon, reader in self._readers:
@@ -67,15 +78,43 @@ class Readings:
                 facts = evidence(reading, lexicon, text)
                 spoken = self._readers[0][0]
                 denied = lexicon is not spoken and is_denied(plain, spoken)
-                held_back = denied or _held_back(reading, facts)
+                left = self._is_left(reading, lexicon, plain)
+                held_back = denied or left or _held_back(reading, facts)
                 return Judged(
                     reading,
                     facts,
                     held_back,
                     doubted=is_doubted(reading, facts, lexicon),
-                    unsupported=is_unsupported(facts, lexicon),
+                    unsaid=is_unsaid(reading.parts, lexicon),
+                    loses=any(lexicon.skills[one.skill].lasting for one in reading.calls),
+                    unsupported=is_unsupported(reading, facts, lexicon),
                 )
         return None
+
+    def hold_back(self, text: str) -> bool:
+        """Whether these words say something that changes an order, whatever else they say."""
+        self._renew()
+        plain = " ".join(text.split())
+        return not is_exact(text, self._language) or any(
+            is_denied_inside(plain, lexicon)
+            or is_left_over(_tokens(plain, lexicon), lexicon, denials=True)
+            for lexicon, _ in self._readers
+        )
+
+    def _is_left(self, reading: Reading, lexicon: Lexicon, text: str) -> bool:
+        """Whether a reading that would do something leaves out what changes it.
+
+        English ones are words of the language spoken, too.
+        """
+        skills = [lexicon.skills[call.skill] for call in reading.calls]
+        if not any(one.drives or one.lasting for one in skills):
+            return False
+        if is_left_over(reading.tokens, lexicon, reading.parts):
+            return True
+        if is_denied_inside(text, lexicon) and not reading.corrected:
+            return True
+        spoken = self._readers[0][0]
+        return lexicon is not spoken and is_left_over(_tokens(text, spoken), spoken, reading.parts)
 
     def _renew(self) -> None:
         """The words of arguments may change while the robot runs: places are remembered."""
@@ -89,6 +128,10 @@ class Readings:
             self._words = words
 
 
+def _tokens(text: str, lexicon: Lexicon) -> Words:
+    return lexicon.tokenize(digits(text, lexicon.book.code))
+
+
 class Decider:
     """Judges readings by what an encoder makes of the sentence. Used from one thread."""
 
@@ -99,7 +142,7 @@ class Decider:
 
     def decide(self, judged: Judged | None, text: str) -> Decision | None:
         """What to do, or to ask whether to; None where nobody asks for anything."""
-        if judged is None or judged.held_back:
+        if judged is None or judged.held_back or judged.unsaid:
             return None
         order = self._order(text)
         confidence = self._head.confidence(self._head.likelihood(order, judged.evidence))
@@ -125,12 +168,13 @@ def _is_doubtful(judged: Judged, order: float) -> bool:
     is spoken to or will move.
     """
     facts = judged.evidence
-    if facts["strange_alone"]:
+    guessed = any(part.guessed for part in judged.reading.parts)
+    if facts["strange_alone"] or guessed or judged.loses:
         return True
     if not facts["moves"]:
         return False
     unwanted = judged.doubted or (order < 0 and judged.unsupported)
-    unread = facts["strange_inside"] or facts["half_filled"] or judged.reading.unread
+    unread = facts["strange_inside"] or facts["half_filled"]
     return bool(unwanted or unread or facts["asks"] or facts["plans"] or facts["addressed"])
 
 
@@ -140,7 +184,7 @@ def _held_back(reading: Reading, facts: Mapping[str, float]) -> bool:
     That is a denial, a report, a question, a word that nobody knows where a value is missing, and
     words that speak for two skills alike.
     """
-    if facts["denied"] or facts["strange_unfilled"]:
+    if facts["denied"] or facts["strange_unfilled"] or (facts["moves"] and reading.unread):
         return True
     if facts["moves"] and (facts["opens_as_question"] or facts["reports"]):
         return True

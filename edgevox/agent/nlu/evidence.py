@@ -91,7 +91,7 @@ def is_doubted(reading: Reading, facts: Mapping[str, float], lexicon: Lexicon) -
     pairs = itertools.pairwise(reading.tokens)
     if any(is_number(a) and b.isalpha() and not lexicon.knows(b) for a, b in pairs):
         return True
-    return is_unsupported(facts, lexicon) and not wanted
+    return is_unsupported(reading, facts, lexicon) and not wanted
 
 
 def _is_told_of(tokens: Words, lexicon: Lexicon, wanted: bool) -> bool:
@@ -111,10 +111,11 @@ def _is_told_of(tokens: Words, lexicon: Lexicon, wanted: bool) -> bool:
     return False
 
 
-def is_unsupported(facts: Mapping[str, float], lexicon: Lexicon) -> bool:
+def is_unsupported(reading: Reading, facts: Mapping[str, float], lexicon: Lexicon) -> bool:
     """Whether the words of the skills alone do not say that they are wanted."""
-    least = facts["least_support"]
-    return least <= 0 if lexicon.book.code == ENGLISH else least < _SAYS_SO
+    if lexicon.book.code == ENGLISH:
+        return facts["least_support"] <= 0
+    return min(part.told for part in reading.parts) < _SAYS_SO
 
 
 @dataclass(frozen=True, slots=True)

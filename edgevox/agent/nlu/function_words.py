@@ -23,6 +23,11 @@ class FunctionWords:
     number, `gerunds` before a verb that stands for its order: "interpreter going". `copulas` stand
     beside a name of which something is told: "the kitchen' s over there". `misheard` are words as a
     recogniser of speech writes them down, with those that were said.
+
+    `abilities` may ask what somebody can do, and not for it. `amounts` are parts of numbers, units
+    and times: one that no value took leaves no order.
+    `number_marks` are so only beside a number: "two point five". `put_off` say that an order is not
+    for now; one that ends in " ." must end the sentence, and one that begins with ". " begin it.
     """
 
     fillers: tuple[str, ...] = ()
@@ -42,6 +47,10 @@ class FunctionWords:
     linking: tuple[str, ...] = ()
     gerunds: tuple[str, ...] = ()
     copulas: tuple[str, ...] = ()
+    abilities: tuple[str, ...] = ()
+    amounts: tuple[str, ...] = ()
+    number_marks: tuple[str, ...] = ()
+    put_off: tuple[str, ...] = ()
     misheard: Mapping[str, str] = field(default_factory=dict)
 
     def all(self) -> tuple[str, ...]:
@@ -49,7 +58,7 @@ class FunctionWords:
         return (
             *self.fillers, *self.urges, *self.negations, *self.corrections, *self.reports,
             *self.conditions, *self.doubts, *self.questions, *self.asking, *self.wishes,
-            *self.reasons, *self.reversals,
+            *self.reasons, *self.reversals, *self.amounts, *self.number_marks, *self.put_off,
         )  # fmt: skip
 
 

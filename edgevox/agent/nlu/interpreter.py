@@ -16,6 +16,7 @@ from edgevox.agent.nlu.decider import Decider, Decision, Readings
 from edgevox.agent.nlu.hypotheses import is_contested, likeliest
 from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.nlu.near_commands import NearCommands
+from edgevox.agent.nlu.remainder import may_ask_whether
 from edgevox.agent.nlu.sounds import Phonemes
 from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood
 from edgevox.agent.own_names import phrasebook_of
@@ -73,6 +74,7 @@ class Interpreter:
     def set_language(self, code: str) -> None:
         """Understand and answer in this language from now on; `phrases` are its sentences."""
         agents = self._agents.values()
+        self._code = code
         self.phrases = phrasebook_of(code, self._every_skill())
         self._recognisers = {a.name: Recogniser(a.skills, code, a.dialogue_skills) for a in agents}
         self._readings = {a.name: Readings(a.skills, code) for a in agents}
@@ -127,20 +129,24 @@ class Interpreter:
         for agent in self._active_first():
             found = self._recognisers[agent.name].recognise(text)
             if isinstance(found, Understood):
-                return Meaning(agent, found.calls, "template")
+                asks = found.nearly or may_ask_whether(found.calls, text, self._code)
+                return Meaning(agent, found.calls, "template", ASK_FROM if asks else 1.0)
             if isinstance(found, RefusedCommand):
                 return found
         return None
 
     def _plain_calls(self, text: str) -> Sequence[Call] | RefusedCommand | None:
-        """What `plain` finds, for a program to hold."""
+        """What `plain` finds and is sure of, for a program to hold."""
         plain = self.plain(text)
         if isinstance(plain, Meaning):
-            return None if _goes_back_from_there(plain) else plain.calls
+            return plain.calls if plain.sure and not _goes_back_from_there(plain) else None
         return plain
 
     def _free_calls(self, text: str) -> Sequence[Call] | RefusedCommand | None:
         """The same, or what a reading finds that is sure."""
+        plain = self.plain(text)
+        if isinstance(plain, Meaning) and not _goes_back_from_there(plain):
+            return plain.calls
         found = self._plain_calls(text)
         decided = None if isinstance(found, Sequence) else self._decide(text)
         return decided[1].calls if decided and decided[1].sure else found
@@ -150,7 +156,9 @@ class Interpreter:
         if decided := self._decide(text):
             agent, decision = decided
             self._hand_over(agent, turn)
-            return Meaning(agent, decision.calls, "reading", decision.confidence)
+            asks = may_ask_whether(decision.calls, text, self._code)
+            sure = min(decision.confidence, ASK_FROM) if asks else decision.confidence
+            return Meaning(agent, decision.calls, "reading", sure)
         return None
 
     def as_heard(self, meaning: Meaning, turn: Turn) -> Meaning:
@@ -181,8 +189,12 @@ class Interpreter:
         return None
 
     def _is_held_back(self, text: str) -> bool:
-        judged = (self._readings[agent.name].of(text) for agent in self._active_first())
-        return any(one is not None and one.held_back for one in judged)
+        """Whether something in these words says that they are no order, or not for now."""
+        for readings in (self._readings[agent.name] for agent in self._active_first()):
+            judged = readings.of(text)
+            if readings.hold_back(text) or (judged is not None and judged.held_back):
+                return True
+        return False
 
     def _decide(self, text: str) -> tuple[Agent, Decision] | None:
         if self._decider is None:
@@ -217,6 +229,9 @@ class Interpreter:
             calls = self._generate(model, protocol, text, turn, ordered=ordered)
             handoffs = [call for call in calls if call.skill == HANDOFF]
             if calls and not handoffs:
+                if self._leaves_out(calls, text):
+                    self._say_not_understood(turn)
+                    return None
                 return Meaning(self.active, tuple(calls), "model", ASK_FROM)
             if not calls:
                 if not turn.text and not turn.token.cancelled:  # it called what it may not
@@ -225,6 +240,16 @@ class Interpreter:
             self._hand_over(self._agents[str(handoffs[0].arguments["agent"])], turn)
         turn.say(self.phrases.say("nobody"), Outcome.FAILED)
         return None
+
+    def _leaves_out(self, calls: Sequence[Call], text: str) -> bool:
+        """Whether a model's calls would do something without what holds it back or changes it."""
+        skills = self.active.every_skill
+        if not any(skills[call.skill].drives or skills[call.skill].lasting for call in calls):
+            return False
+        for call in calls:
+            for value in call.arguments.values():
+                text = text.replace(str(value), " ")
+        return self._readings[self.active.name].hold_back(text)
 
     def _say_unclear(self, turn: Turn) -> None:
         turn.say(self.phrases.say("program_unclear"), Outcome.NOT_UNDERSTOOD)

@@ -20,6 +20,7 @@ from edgevox.agent.skills import Skill, SkillSet
 
 _SYNTAX = re.compile(r"[()\[\]|{}<>]")
 _SLOT = re.compile(r"\{(\w+)\}")
+_BEHIND_SLOT = re.compile(r"\{\w+\}\s*(\([^()]*\)|\[[^\[\]]*\]|[^\s\[\](){}|]+)")
 _NAME_WORDS = re.compile(r"[a-z]+")
 _WORD = re.compile(WORD)
 _FILLER_WEIGHT = 0.1
@@ -35,11 +36,16 @@ _EVERYWHERE = 0.6
 
 @dataclass(frozen=True, slots=True)
 class SkillWords:
-    """What is known of one skill's language: words with their weights, and the units of numbers."""
+    """What is known of one skill's language: words with their weights, and the units of numbers.
+
+    `shown` are the words that only its examples hold, `measures` the `amounts` of its templates.
+    """
 
     skill: Skill
     weights: Mapping[str, float]
     units: Mapping[str, frozenset[str]]
+    shown: frozenset[str]
+    measures: frozenset[str]
 
     @property
     def numbers(self) -> tuple[str, ...]:
@@ -68,6 +74,7 @@ class Lexicon:
         self.tokenize = Tokenizer(book, known)
         self._phrases: dict[str, Words] = {}
         self._indices: dict[tuple[str, ...], PhraseIndex] = {}
+        self._written: dict[tuple[str, ...], PhraseIndex] = {}
         self._functions = {part for one in self.function_words.all() for part in self.phrase(one)}
         self._misheard = [
             (self.tokenize(written), self.tokenize(said))
@@ -100,6 +107,16 @@ class Lexicon:
         if text not in self._phrases:
             self._phrases[text] = self.tokenize(digits(text, self.book.code))
         return self._phrases[text]
+
+    def as_written(self, phrases: tuple[str, ...]) -> PhraseIndex:
+        """The same as `index`, of words whose numbers stay words as well.
+
+        "Metre" is no "1 metre", and "in a second" also "in a 2nd" where it has several words.
+        """
+        if phrases not in self._written:
+            several = (one for one in map(self.phrase, phrases) if len(one) > 1)
+            self._written[phrases] = PhraseIndex((*map(self.tokenize, phrases), *several))
+        return self._written[phrases]
 
     def index(self, phrases: tuple[str, ...]) -> PhraseIndex:
         """What finds these in sentences."""
@@ -134,6 +151,13 @@ class Lexicon:
         near = (one for one in self._orders.values() if len(one) >= _SHORTEST_SLIP)
         return next((one for one in near if _is_one_off(word, one)), word)
 
+    def says_a_point(self, word: str) -> bool:
+        """Whether it is a word of skills that take several numbers, and of no other ones."""
+        knowing = [one for one in self.words.values() if word in one.weights]
+        several = [one for one in knowing if len(one.numbers) > 1]
+        others = [one for one in knowing if one.skill.choices or len(one.numbers) == 1]
+        return bool(several) and not others
+
     def speaks(self, word: str) -> bool:
         """Whether it speaks for some skill."""
         return word in self.common or any(word in one.weights for one in self.words.values())
@@ -156,10 +180,21 @@ class Lexicon:
                     if word not in common and (word not in in_names or word in _parts(name))
                 },
                 _units(self.skills[name], self.book),
+                frozenset(word for word, weight in chunk.items() if weight == _EXAMPLE_WEIGHT),
+                self._measures(self.skills[name]),
             )
             for name, chunk in chunks.items()
         }
         return common, words
+
+    def _measures(self, one: Skill) -> frozenset[str]:
+        """The units that stand right behind a number in its templates."""
+        texts = (plain(self.book.written_out(one)) for one in self.book.templates(one))
+        written = [found[1] for text in texts for found in _BEHIND_SLOT.finditer(text)]
+        words = {plain(amount) for amount in self.function_words.amounts}
+        if not self.book.hearing.spaced:
+            return frozenset(word for word in words if any(word in text for text in written))
+        return frozenset(words & {word for text in written for word in _WORD.findall(text)})
 
     def _name_words(self, chunks: Mapping[str, Mapping[str, float]]) -> dict[str, int]:
         """The words of skills' names that tell skills apart, and how many names hold each.

@@ -7,7 +7,7 @@ here decides whether the speaker wants it done: `decider` does that.
 
 import itertools
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from edgevox.agent.nlu.clauses import ClauseReading, Clauses
 from edgevox.agent.nlu.lexicon import Lexicon
@@ -64,13 +64,14 @@ class CallReader:
 
     def read(self, text: str) -> Reading | None:
         """The best reading; None where no skill could be meant."""
-        tokens = self._lexicon.spelled(self._lexicon.tokenize(text))
+        written = self._lexicon.tokenize(text)
+        tokens = self._lexicon.spelled(written)
         if not tokens or len(tokens) > MAX_TOKENS:
             return None
         joining = self._joints.places(tokens)
         said = [
             one
-            for one in find_names(self._lexicon, tokens)
+            for one in _as_written(find_names(self._lexicon, tokens), tokens, written)
             if one.start not in joining and not self._is_article(tokens, one)
         ]
         names, denied = self._take_back(tokens, said)
@@ -195,6 +196,13 @@ class CallReader:
         if first_words & set(opening):
             return second, parts[0]
         return parts
+
+
+def _as_written(names: Sequence[Name], tokens: Words, written: Words) -> Iterator[Name]:
+    """The names; one that only a corrected spelling made is a guess."""
+    for one in names:
+        said = set(tokens[one.start : one.end]) <= set(written)
+        yield one if said else replace(one, guessed=True)
 
 
 def _once(parts: tuple[ClauseReading, ...]) -> tuple[ClauseReading, ...]:

@@ -17,13 +17,21 @@ from edgevox.agent.nlu.template_compiler import (
     word_list,
     written,
 )
-from edgevox.agent.numbers import digits
+from edgevox.agent.numbers import digits, is_exact
 from edgevox.agent.own_names import phrasebook_of
 from edgevox.agent.phrase_file import ENGLISH
 from edgevox.agent.phrase_hearing import Hearing
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.skills import NO_SKILLS, Call, Skill, SkillSet
-from edgevox.agent.spelling import NUMBER, folded, key, separated, unpunctuated
+from edgevox.agent.spelling import (
+    ENDING,
+    NUMBER,
+    folded,
+    is_same_name,
+    key,
+    separated,
+    unpunctuated,
+)
 from edgevox.agent.spoken_lists import brief, whole
 from edgevox.core.text import one_form
 
@@ -42,9 +50,10 @@ _MAX_UNKNOWN_CHARACTERS = 8
 
 @dataclass(frozen=True, slots=True)
 class Understood:
-    """The utterance is these calls."""
+    """The utterance is these calls; `nearly`: a word of it is only like the one that it became."""
 
     calls: tuple[Call, ...]
+    nearly: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +91,7 @@ class Recogniser:
 
     def recognise(self, text: str) -> Understood | RefusedCommand | None:
         """Calls, a refusal, or None when this is not a plain command."""
-        if len(text) > MAX_CHARACTERS:
+        if len(text) > MAX_CHARACTERS or not is_exact(text, self._language):
             return None
         self._learn()
         plain = digits(" ".join(one_form(text).split()), self._language)
@@ -131,24 +140,25 @@ class _TemplateReader:
         """What `Recogniser.recognise` returns, of a text in digits."""
         plain = digits(text, self._book.code)
         whole = self._one(plain)
-        if isinstance(whole, Call):
-            return Understood((whole,))
+        if isinstance(whole, Understood):
+            return whole
         parts = [part for part in self._joints.split(plain) if part.strip()]
         if len(parts) > 1:
             found = [self._one(part) for part in parts]
-            calls = tuple(part for part in found if isinstance(part, Call))
-            if len(calls) == len(parts):
-                return Understood(calls)
+            known = [part for part in found if isinstance(part, Understood)]
+            if len(known) == len(parts):
+                calls = tuple(call for part in known for call in part.calls)
+                return Understood(calls, nearly=any(part.nearly for part in known))
             refusals = [part for part in found if isinstance(part, RefusedCommand)]
-            return refusals[0] if refusals and len(calls) + len(refusals) == len(parts) else None
+            return refusals[0] if refusals and len(known) + len(refusals) == len(parts) else None
         return whole
 
-    def _one(self, part: str) -> Call | RefusedCommand | None:
+    def _one(self, part: str) -> Understood | RefusedCommand | None:
         """The call that this sentence is; two bare numbers side by side are read as "x and y"."""
         paired = _PAIR.sub(rf"\1 {self._book.hearing.pair} ", part)
         sentence = written(unpunctuated(separated(paired)), self._book.hearing)
         for call in self._matches(sentence, self._strict):
-            return call
+            return Understood((call,))
         if key(sentence) in self._reserved:
             return None
         for call in self._matches(sentence, self._loose):
@@ -177,9 +187,9 @@ class _TemplateReader:
             return not any(word in said for word in hearing.clause_words for said in given)
         return all(hearing.clause_words.isdisjoint(map(key, said.split())) for said in given)
 
-    def _repair(self, call: Call) -> Call | RefusedCommand | None:
+    def _repair(self, call: Call) -> Understood | RefusedCommand | None:
         """Correct near misses among the words of a loose match, or say what is wrong."""
-        arguments = dict(call.arguments)
+        arguments, nearly = dict(call.arguments), False
         for name, choices in self._skills[call.skill].choices.items():
             said = self._without_articles(str(arguments.get(name, "")))
             if said in ("", _NOTHING) and choices.words:
@@ -192,10 +202,19 @@ class _TemplateReader:
                 )
             spoken = {key(one): word for one, word in self._book.heard(choices).items()}
             near = difflib.get_close_matches(key(said), spoken, n=1, cutoff=_NEAR)
-            if not near or not _alike_word_by_word(key(said), near[0]):
+            inflected = self._book.fallback is not None
+            same = bool(near) and is_same_name(key(said), near[0], inflected=inflected)
+            if not near or not (same or self._is_alike(key(said), near[0])):
                 return refused(self._answers, "unknown_word", name, choices.words, said)
+            nearly |= not same
             arguments[name] = spoken[near[0]]
-        return Call(call.skill, arguments)
+        return Understood((Call(call.skill, arguments),), nearly)
+
+    def _is_alike(self, said: str, known: str) -> bool:
+        """Whether it may be this name misheard, and not another word that holds it."""
+        extra = len(said) - len(known)
+        longer = known in said and extra > (ENDING if self._book.hearing.spaced else 0)
+        return not longer and _alike_word_by_word(said, known)
 
     def _without_articles(self, said: str) -> str:
         articles = {key(separated(article)) for article in self._book.hearing.articles}
@@ -204,10 +223,10 @@ class _TemplateReader:
 
 
 def _alike_word_by_word(said: str, known: str) -> bool:
-    """Whether no word is quite another one: shelf B is not shelf A, however alike they are."""
+    """Whether no word is quite another one: shelf B is no shelf A, and "kitchen ft" no kitchen."""
     pairs = list(zip(said.split(), known.split(), strict=False))
     ratios = (difflib.SequenceMatcher(None, *pair).ratio() for pair in pairs)
-    return len(said.split()) != len(known.split()) or all(one >= _WORD_NEAR for one in ratios)
+    return len(said.split()) == len(known.split()) and all(one >= _WORD_NEAR for one in ratios)
 
 
 def refused(

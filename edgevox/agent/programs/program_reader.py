@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from edgevox.agent.nlu.templates import MAX_CHARACTERS, RefusedCommand
+from edgevox.agent.numbers import is_exact
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.programs.patterns import marks_of, number, patterns_of, spelled
@@ -50,6 +51,7 @@ class ProgramReader:
     """Reads the sentences of one language, and English ones."""
 
     def __init__(self, language: str = ENGLISH) -> None:
+        self._language = language
         codes = dict.fromkeys((language, ENGLISH))
         self._languages = [_ProgramLanguage(phrasebook(code)) for code in codes]
 
@@ -69,7 +71,7 @@ class ProgramReader:
 
     def read(self, text: str, plain: Plain) -> Read:
         """The program that a sentence is; None for none. It is no plain command by itself."""
-        if len(text) > MAX_CHARACTERS:
+        if len(text) > MAX_CHARACTERS or not is_exact(text, self._language):
             return None
         found: Read = None
         for language in self._languages:

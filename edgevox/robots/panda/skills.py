@@ -84,7 +84,7 @@ def _carrying(body: Manipulator) -> tuple[Skill, ...]:
         placed = body.place(name, target, token=goal.token, report=goal.report)
         return {**body.describe_hand(), "object": placed}
 
-    @skill()
+    @skill(lasting=True)
     def release(goal: GoalHandle) -> Result:
         """Open the hand and let go of whatever it holds."""
         held = body.release(token=goal.token, report=goal.report)

@@ -1,0 +1,193 @@
+"""What was said and stands in no call: one guard behind every recogniser.
+
+A part of a number, a unit, a time, a word that puts an order off or one that denies it changes what
+is asked for. Where a reading took it into no value, the rest of the sentence is another order than
+the one that was given: nothing is done, and nothing is asked.
+"""
+
+import itertools
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from edgevox.agent.nlu.clauses import ClauseReading
+from edgevox.agent.nlu.function_words import words_of
+from edgevox.agent.nlu.lexicon import Lexicon
+from edgevox.agent.nlu.mentions import find_names
+from edgevox.agent.nlu.tokens import Words, is_mark, is_number, plain
+from edgevox.agent.skills import Call
+from edgevox.core.stop_words import STOP_WORDS
+
+SPEAKS = 0.4
+"""What a word weighs at least that opens an order."""
+_ORDINAL = re.compile(r"\d+[a-z]+")
+_PER_CENT = "%"
+_AT_AN_END = "."
+"""Begins or ends a phrase that puts off only at this end of a sentence: "depois ."."""
+
+
+def may_ask_whether(calls: Sequence[Call], text: str, code: str) -> bool:
+    """Whether this may ask what you can do: "can you walk backwards".
+
+    It does not where you say a value or a courtesy: "can you walk backwards, please".
+    """
+    words, said = words_of(code), f" {plain(text)} "
+    asked = [plain(one) for one in words.abilities if plain(one) in said]
+    if len(calls) != 1 or calls[0].arguments or not asked:
+        return False
+    for one in asked:
+        said = said.replace(one, " ")
+    bare = "".join(one if one.isalnum() else " " for one in said)
+    return not any(f" {plain(urge)} " in f" {bare} " for urge in STOP_WORDS[code].courtesies)
+
+
+@dataclass(frozen=True, slots=True)
+class _Taken:
+    """What a reading took of a sentence: its words, its units, and where its units stand."""
+
+    units: frozenset[str]
+    words: frozenset[str]
+    places: frozenset[int]
+
+
+def is_left_over(
+    tokens: Words, lexicon: Lexicon, parts: Sequence[ClauseReading] = (), *, denials: bool = False
+) -> bool:
+    """Whether something that changes an order stands in none of these parts.
+
+    Without parts nothing was taken: any number is left over. `denials`: words that deny count as
+    well; a reading weighs these itself, since it knows what they deny.
+    """
+    taken = _taken(tokens, lexicon, parts)
+    spared = _spared(tokens, lexicon)
+    return (
+        _is_amount_left(tokens, lexicon, taken, spared)
+        or _is_put_off(tokens, lexicon, spared)
+        or (not parts and any(map(is_number, tokens)))
+        or (denials and _is_denied(tokens, lexicon))
+        or any(_is_anothers(part, tokens, lexicon) for part in parts)
+    )
+
+
+def _taken(tokens: Words, lexicon: Lexicon, parts: Sequence[ClauseReading]) -> _Taken:
+    skills = [lexicon.words[part.call.skill] for part in parts]
+    units = frozenset(itertools.chain(*(u for one in skills for u in one.units.values())))
+    units |= frozenset(itertools.chain(*(one.measures for one in skills)))
+    words = frozenset(word for one in skills for word in one.weights if word not in one.shown)
+    after = {at + 1 for at, token in enumerate(tokens) if is_number(token)}
+    places = {at for at in after if at < len(tokens) and tokens[at] in units}
+    return _Taken(units, words - units, frozenset(places))
+
+
+def _spared(tokens: Words, lexicon: Lexicon) -> dict[int, int]:
+    """The places of names and of courtesies of several words, with how long the longest is."""
+    spared = {at: len(tokens) for at, token in enumerate(tokens) if lexicon.in_a_name(token)}
+    words = lexicon.function_words
+    for start, one in lexicon.index((*words.fillers, *words.asking, *words.wishes)).find(tokens):
+        for at in range(start, start + len(one)) if len(one) > 1 else ():
+            spared[at] = max(spared.get(at, 0), len(one))
+    return spared
+
+
+def _is_amount_left(tokens: Words, lexicon: Lexicon, taken: _Taken, spared: dict[int, int]) -> bool:
+    if any(_ORDINAL.fullmatch(t) and not lexicon.knows(t) for t in tokens):
+        return True
+    if _PER_CENT in tokens and _PER_CENT not in taken.units:
+        return True
+    for places in _found(tokens, lexicon, lexicon.function_words.amounts, spared):
+        words = {tokens[at] for at in places}
+        if not (taken.places.issuperset(places) or words <= taken.words):
+            return True
+    if not lexicon.book.hearing.spaced:
+        marks = _marks(lexicon)
+        if any({one, other} <= marks for one, other in itertools.pairwise(tokens)):
+            return True  # a number that nothing read
+    return any(_changes(tokens, at, lexicon, taken) for at, t in enumerate(tokens) if is_number(t))
+
+
+def _marks(lexicon: Lexicon) -> frozenset[str]:
+    marks = lexicon.function_words.number_marks
+    return frozenset(word for one in marks for word in lexicon.tokenize(one))
+
+
+def _changes(tokens: Words, at: int, lexicon: Lexicon, taken: _Taken) -> bool:
+    """Whether a word beside the number at this place goes on with it: "2 metres five"."""
+    marks = _marks(lexicon)
+    before = tokens[at - 1] if at else ""
+    behind = at + 1 + (at + 1 in taken.places)
+    after = tokens[behind] if behind < len(tokens) else ""
+    unknown = after.isalpha() and not lexicon.knows(after)
+    if unknown and behind == at + 1 and lexicon.book.hearing.spaced:
+        return True  # perhaps a unit
+    return after in marks or (before in marks and before not in taken.words)
+
+
+def _is_put_off(tokens: Words, lexicon: Lexicon, spared: dict[int, int]) -> bool:
+    phrases = lexicon.function_words.put_off
+    ends = [one for one in phrases if one.startswith(_AT_AN_END) or one.endswith(_AT_AN_END)]
+    anywhere = tuple(one for one in phrases if one not in ends)
+    if next(_found(tokens, lexicon, anywhere, spared), None):
+        return True
+    said = [token for token in tokens if not is_mark(token)]
+    for one in ends:
+        words = list(lexicon.tokenize(one.strip(f"{_AT_AN_END} ")))
+        opens = one.startswith(_AT_AN_END)
+        if (said[: len(words)] if opens else said[-len(words) :]) == words:
+            return True
+    return False
+
+
+def is_unsaid(parts: Sequence[ClauseReading], lexicon: Lexicon) -> bool:
+    """Whether one of these rests on a name among words that are not all known.
+
+    "Light up the kitchen" is no order to go there. What loses something must be said in known words
+    and names alone.
+    """
+    return any(_is_unsaid(part, lexicon) for part in parts)
+
+
+def _is_unsaid(part: ClauseReading, lexicon: Lexicon) -> bool:
+    unsaid = part.told < SPEAKS
+    if lexicon.skills[part.call.skill].lasting:
+        return part.guessed or part.strange > 0 or unsaid
+    return part.strange > 0 and unsaid
+
+
+def _is_anothers(part: ClauseReading, tokens: Words, lexicon: Lexicon) -> bool:
+    """Whether it begins with a word of another skill: "remember the point x 7, y 2"."""
+    small = lexicon.index(lexicon.function_words.all()).places(tokens)
+    named = {at for one in find_names(lexicon, tokens) for at in range(one.start, one.end)}
+    own = lexicon.words[part.call.skill].weights
+    for at in range(part.start, part.end):
+        word = tokens[at]
+        if at in small or at in named or is_mark(word) or is_number(word):
+            continue
+        if not lexicon.speaks(word) or word in lexicon.common:
+            continue
+        others = (one.weights.get(word, 0.0) for one in lexicon.words.values())
+        return own.get(word, 0.0) < SPEAKS <= max(others)
+    return False
+
+
+def is_denied_inside(text: str, lexicon: Lexicon) -> bool:
+    """Whether a word denies something where no space parts it from others: 行かないで."""
+    if lexicon.book.hearing.spaced:
+        return False
+    functions, said = lexicon.function_words, plain(text)
+    for one in sorted((*functions.asking, *functions.fillers, *functions.wishes), key=len)[::-1]:
+        said = said.replace(plain(one), " ") if len(one) > 1 else said
+    return any(plain(one) in said for one in functions.negations if len(one) > 1)
+
+
+def _is_denied(tokens: Words, lexicon: Lexicon) -> bool:
+    return bool(lexicon.index(lexicon.function_words.negations).starts(tokens))
+
+
+def _found(
+    tokens: Words, lexicon: Lexicon, phrases: tuple[str, ...], spared: dict[int, int]
+) -> Iterator[range]:
+    """Where these phrases stand, but for those inside of a name or of a longer courtesy."""
+    for start, one in lexicon.as_written(phrases).find(tokens):
+        places = range(start, start + len(one))
+        if not all(spared.get(at, 0) > len(one) for at in places):
+            yield places
