@@ -159,6 +159,13 @@ class StopGame(RuleBasedStateMachine):
     def forbidden(self) -> bool:
         return self.software_stop.state.engaged
 
+    def has_begun(self, order: int) -> bool:
+        """Whether anything moved for it, once all that was received is thought through."""
+        self.body.arrive()
+        assert self.conversation.wait_idle(HUNG_S)
+        self.body.drive_on()
+        return any(order == one for one, _ in self.body.begun)
+
     def check(self) -> None:
         """No motion began after a stop for an order that had been sent before it."""
         late = [
@@ -328,13 +335,13 @@ class StopGame(RuleBasedStateMachine):
         self.conversation.submit(TextInput("no, stop"))
 
     def say_a_stop_word(self) -> None:
-        self.time.advance(0.5)
+        self.time.advance(0.3)
         now_s = self.time.now()
         self.conversation.submit(Transcribing())
         self.conversation.submit(Heard("stop", now_s, began_s=now_s - 0.3))
 
     def say_one_that_is_known_by_its_sound(self) -> None:
-        self.time.advance(0.5)
+        self.time.advance(0.3)
         self.conversation.submit(StopSpotted(self.time.now(), "stop"))
 
     def say_one_of_another_language(self) -> None:
