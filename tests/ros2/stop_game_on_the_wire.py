@@ -19,6 +19,8 @@ PATROL = {
 }
 WORDS = {"en": ("stop", "halt", "freeze"), "de": ("stopp", "halt", "stop")}
 YES = {"en": "yes", "de": "ja"}
+WATCHED_S = 3.5
+"""What is due in two seconds would move it by then."""
 
 
 class StopGameOnTheWire:
@@ -78,7 +80,7 @@ class StopGameOnTheWire:
         since = len(robot.state.messages)
         self._stop()
         try:
-            robot.stays()
+            robot.stays(WATCHED_S)
         except AssertionError:
             if robot.was_steady(since) or not self._streams:
                 raise

@@ -3,7 +3,10 @@
 And what comes after it counts. The robot's own velocity is the witness.
 """
 
+import signal
+
 import pytest
+from std_msgs.msg import String
 from watched_robot import (
     BUTTON,
     LET_GO_S,
@@ -32,8 +35,11 @@ def robot(home):
     return home
 
 
-@ALL_WAYS
-@pytest.mark.parametrize("number", [3, 10, 20])
+@pytest.mark.parametrize(
+    ("number", "way"),
+    [(3, "text_input"), (3, "interrupt"), (20, "text_input"), (20, "interrupt")]
+    + [(10, way) for way in STOPS],
+)
 def test_no_goal_of_a_burst_begins_after_the_stop_that_follows_it(robot, number, way):
     robot.send_goals(number)
 
@@ -124,7 +130,35 @@ def test_text_typed_on_a_page_while_it_is_stopped_is_not_obeyed_after_resume(rob
     robot.moves()
 
 
+@pytest.mark.parametrize(
+    "stops",
+    [
+        lambda robot: robot.peer.send("text_input", "stop"),
+        lambda robot: robot.interrupt.publish(String()),
+        lambda robot: robot.page.send(type="text", text="stop"),
+        lambda robot: robot.page.send(type="stop"),
+    ],
+    ids=["text_input", "interrupt", "a word on the page", BUTTON],
+)
+def test_nothing_that_lies_in_the_queues_of_a_robot_that_hangs_is_done_after_the_stop(robot, stops):
+    robot.agent.process.send_signal(signal.SIGSTOP)
+    try:
+        robot.send_goals(10)
+        for _ in range(5):
+            robot.peer.send("text_input", robot.sentence_to())
+            robot.send_pose()
+            robot.page.send(type="goto", **robot.target())
+        stops(robot)
+    finally:
+        robot.agent.process.send_signal(signal.SIGCONT)
+    robot.has_heard_all()
+
+    robot.stays()
+    resume(robot)
+    robot.drives()
+
+
 def _counts_again(robot, way):
     if way == BUTTON:
         resume(robot)
-        robot.stays(2.0)
+        robot.stays()

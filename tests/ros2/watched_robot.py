@@ -27,8 +27,8 @@ LET_GO_S = 0.8
 """Longer than a stream must pause to count again, also by clocks that run a little differently."""
 STEADY_S = 0.4
 """Whoever was silent for so long may have been taken to have let go."""
-WATCHED_S = 3.5
-"""What is due in two seconds has begun by then, had it not been stopped."""
+WATCHED_S = 2.0
+"""Whatever is on its way when it is stopped would move it by then."""
 
 
 class WatchedRobot(Robot):
