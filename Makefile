@@ -9,6 +9,7 @@ PYTHON ?= python3
 AGENT ?= robot-apartment
 ARGS ?=
 WORKERS ?= 3
+SECONDS ?= 60
 SECURE_DDS ?= $(wildcard ../shared/secure-dds)
 IMAGE ?= $(or $(EDGEVOX_IMAGE),edgevox-ros2:local)
 MODELS ?=
@@ -68,6 +69,10 @@ test: ## Run all tests, or those that ARGS names; ARGS goes to pytest.
 .PHONY: unit
 unit: $(DONE)/dev ## Run what needs no model, no container, no node, and starts nothing large: in a minute.
 	@$(BIN)/python -m pytest -n 4 --dist loadfile tests/unit $(ARGS)  # a third of it waits
+
+.PHONY: games
+games: $(DONE)/dev $(NEEDS_ros2) ## Play the stop game, in one process and on ROS 2, for SECONDS=60 each; it prints its seeds.
+	@STOP_GAME_S=$(SECONDS) $(BIN)/python -m pytest tests/unit/test_stop_game.py tests/ros2/test_stop_game_on_the_wire.py $(ARGS)
 
 .PHONY: cluster
 cluster: $(DONE)/dev ## Hold the chart against Kubernetes, and run it on a node, as root; HYPERKUBE=... names it.

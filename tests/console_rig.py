@@ -11,6 +11,7 @@ from typing import Any
 import aiohttp
 
 from edgevox.agent.reasons import because
+from edgevox.agent.skills import SkillFailed
 from edgevox.console.console_server import ConsoleServer
 from edgevox.console.context import ConsoleContext
 from edgevox.console.sessions import Role
@@ -19,7 +20,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
 from edgevox.core.commands import Command
 from edgevox.core.controls import Controls
-from edgevox.core.interlock import Interlock
+from edgevox.core.interlock import Holder, Interlock
 from edgevox.core.software_stop import StopState
 
 WAIT_S = 30.0
@@ -38,11 +39,12 @@ class NotedStop:
     def stop(self, who: str) -> None:
         self.pressed.append((who, threading.current_thread().name))
         with self.interlock.stopping(because("software_stop")):
-            pass
+            self.interlock.engage(Holder.SOFTWARE_STOP, because("software_stop"))
         self._change(StopState(engaged=True, by=who, since=1.0))
         self.engaged.set()
 
     def resume(self, who: str) -> None:
+        self.interlock.release(Holder.SOFTWARE_STOP)
         self._change(StopState())
 
     def listen(self, listener: Any) -> Any:
@@ -56,9 +58,11 @@ class NotedStop:
 
 
 class NotedRobot:
-    """A body that notes how it is steered."""
+    """A body that notes how it is steered, and what of it was refused."""
 
-    def __init__(self) -> None:
+    def __init__(self, interlock: Interlock) -> None:
+        self.interlock = interlock
+        self.refused: list[tuple[float, float]] = []
         self.steered: list[tuple[float, float] | str] = []
         self.halted = threading.Event()
         self.pictures = 0
@@ -75,6 +79,9 @@ class NotedRobot:
         return b"\xff\xd8%d" % self.pictures
 
     def drive(self, linear_m_s: float, angular_rad_s: float, mark: int | None = None) -> None:
+        if held := self.interlock.reason:
+            self.refused.append((linear_m_s, angular_rad_s))
+            raise SkillFailed(held)
         self.steered.append((linear_m_s, angular_rad_s))
 
     def let_go(self) -> None:
@@ -166,7 +173,8 @@ def console(
     folder: Path, tls: Tls | None = None, clock: Clock | None = None, **changes: Any
 ) -> Iterator[Rig]:
     """A console that serves on a port of its own."""
-    bus, interlock, robot = Bus(), Interlock(), NotedRobot()
+    bus, interlock = Bus(), Interlock()
+    robot = NotedRobot(interlock)
     stop = NotedStop(interlock)
     submitted: list[Command] = []
     hold = threading.Event()

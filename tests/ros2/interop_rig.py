@@ -138,7 +138,7 @@ def tell(
 
 
 class Stream:
-    """Publishes one message again and again, until it is ended."""
+    """Publishes one message at once, and again and again until it is ended."""
 
     def __init__(self, say: Callable[[Any], None], message: Any, hertz: float = 20.0) -> None:
         self._ending = threading.Event()
@@ -147,6 +147,7 @@ class Stream:
             while not self._ending.wait(1.0 / hertz):
                 say(message)
 
+        say(message)
         self._thread = threading.Thread(target=work, name="stream")
         self._thread.start()
 

@@ -54,12 +54,12 @@ class Thinker:
 class Robot:
     """A running agent with a model that never comes to an end, and a peer that talks to it."""
 
-    def __init__(self, domain, state_hz=50):
+    def __init__(self, domain, *options, state_hz=50):
         self.thinker = Thinker()
         self.agent = Agent(
             *("robot-apartment", "--text-mode", "--ros2", "--llm", "none"),
             *("--ros2-state-hz", str(state_hz), "--llm-endpoint", self.thinker.server.url),
-            *("--llm-endpoint-timeout", "600"),
+            *("--llm-endpoint-timeout", "600", *options),
             domain=domain,
             stdin=subprocess.PIPE,
         )

@@ -168,6 +168,7 @@ def test_nothing_is_driven_while_stopped(rig: Rig) -> None:
             return [refused.get("reason", ""), done["type"]]
 
     assert asyncio.run(drive()) == ["stopped", "ok"]
+    assert rig.robot.refused == [(0.2, 0.0)], "a stick that is held has not paused"
 
 
 def test_what_is_wrong_is_answered_with_its_field(rig: Rig) -> None:

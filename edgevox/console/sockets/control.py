@@ -263,14 +263,16 @@ class ControlPage:
     def _drive(self, linear_m_s: float, angular_rad_s: float) -> None:
         if self._hub.driving is None:
             raise NotPermitted("invalid", "this robot is not driven")
-        if self._hub.context.safety.state.engaged:
-            raise NotPermitted("stopped", "the software stop is engaged")
         if not self._hub.driving.is_free_for(self):  # a browser's tabs share its turn
             raise NotPermitted("busy", "another page of this browser drives")
         try:
             self._hub.driving.steer(self, linear_m_s, angular_rad_s, self._mark)
         except StreamStopped as error:
             raise NotPermitted("let_go", "stopped: release the stick") from error
+        except EdgeVoxError as error:  # it was asked all the same: a held stick has not paused
+            if self._hub.context.safety.state.engaged:
+                raise NotPermitted("stopped", "the software stop is engaged") from error
+            raise
 
     def _wait(self, message: Message) -> None:
         try:
