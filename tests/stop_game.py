@@ -138,7 +138,6 @@ class StopGame(RuleBasedStateMachine):
         self.said = ""
         self.bus.subscribe(Responded, lambda event: self.hear(event.text))
         self.probes = self.stops = self.orders = 0
-        self.just_stopped = False
         self.waiting: list[Callable[[], object]] = []
         """What was sent and is not received yet: calls that hand it over."""
         self.sent_after: dict[int, int] = {}
@@ -160,6 +159,13 @@ class StopGame(RuleBasedStateMachine):
     def forbidden(self) -> bool:
         return self.software_stop.state.engaged
 
+    def has_begun(self, order: int) -> bool:
+        """Whether anything moved for it, once all that was received is thought through."""
+        self.body.arrive()
+        assert self.conversation.wait_idle(HUNG_S)
+        self.body.drive_on()
+        return any(order == one for one, _ in self.body.begun)
+
     def check(self) -> None:
         """No motion began after a stop for an order that had been sent before it."""
         late = [
@@ -172,7 +178,6 @@ class StopGame(RuleBasedStateMachine):
     def stopped(self, stop: Callable[[], object]) -> None:
         """Stop so, and see that nothing lasts."""
         self.stops += 1
-        self.just_stopped = True
         stop()
         self.body.finished = self.stops
         drives_for = self.body.drives_for
@@ -273,11 +278,10 @@ class StopGame(RuleBasedStateMachine):
     def receive_one(self, which: int) -> None:
         self.waiting.pop(which % len(self.waiting))()
 
-    @precondition(lambda self: self.waiting or self.just_stopped)
+    @precondition(lambda self: self.waiting)
     @rule(seconds=st.sampled_from([0.0, 1.0, 5.0]))
     def receive_all(self, seconds: float) -> None:
         """What was on its way comes, is thought through, said yes to, and waits for its time."""
-        self.just_stopped = False
         while self.waiting:
             self.waiting.pop(0)()
         self.settle()
@@ -327,38 +331,55 @@ class StopGame(RuleBasedStateMachine):
 
     # Stops
 
-    @rule(word=st.sampled_from(["stop", "halt!", "no, stop", "freeze"]))
-    def type_a_stop_word(self, word: str) -> None:
-        self.stopped(lambda: self.conversation.submit(TextInput(word)))
+    def type_a_stop_word(self) -> None:
+        self.conversation.submit(TextInput("no, stop"))
 
-    @rule()
     def say_a_stop_word(self) -> None:
-        self.time.advance(0.5)
+        self.time.advance(0.3)
         now_s = self.time.now()
         self.conversation.submit(Transcribing())
-        self.stopped(lambda: self.conversation.submit(Heard("stop", now_s, began_s=now_s - 0.3)))
+        self.conversation.submit(Heard("stop", now_s, began_s=now_s - 0.3))
 
-    @rule()
-    def say_a_stop_word_that_is_known_by_its_sound(self) -> None:
-        self.time.advance(0.5)
-        self.stopped(lambda: self.conversation.submit(StopSpotted(self.time.now(), "stop")))
-        self.time.advance(0.5)
+    def say_one_that_is_known_by_its_sound(self) -> None:
+        self.time.advance(0.3)
+        self.conversation.submit(StopSpotted(self.time.now(), "stop"))
 
-    @rule(cause=st.sampled_from([Cause.TOPIC, Cause.TERMINAL]))
-    def interrupt(self, cause: Cause) -> None:
-        self.stopped(lambda: self.conversation.submit(Interrupt(cause=cause)))
+    def say_one_of_another_language(self) -> None:
+        self.conversation.set_language("de")
+        self.conversation.submit(TextInput("halt an"))
+        self.conversation.set_language("en")
 
-    @rule()
+    def interrupt(self) -> None:
+        self.conversation.submit(Interrupt(cause=Cause.TOPIC))
+
     def reset(self) -> None:
-        self.stopped(lambda: self.conversation.submit(Reset()))
+        self.conversation.submit(Reset())
 
-    @rule()
     def call_the_skill_by_the_action(self) -> None:
-        self.stopped(lambda: self.conversation.start_goal("stop", {}))
+        self.conversation.start_goal("stop", {})
 
-    @rule(way=st.sampled_from([Way.COMMAND, Way.CONSOLE_OPERATOR]))
-    def call_the_skill_as_a_command(self, way: Way) -> None:
-        self.stopped(lambda: self.conversation.submit(RunSkill("stop", {}, way)))
+    def call_the_skill_as_a_command(self) -> None:
+        self.conversation.submit(RunSkill("stop", {}, Way.CONSOLE_OPERATOR))
+
+    @rule(
+        way=st.sampled_from(
+            [
+                type_a_stop_word,
+                say_a_stop_word,
+                say_one_that_is_known_by_its_sound,
+                say_one_of_another_language,
+                interrupt,
+                reset,
+                call_the_skill_by_the_action,
+                call_the_skill_as_a_command,
+            ]
+        ),
+        then_receive=st.booleans(),
+    )
+    def stop(self, way: Callable[["StopGame"], object], then_receive: bool) -> None:
+        self.stopped(lambda: way(self))
+        if then_receive:
+            self.receive_all(5.0)
 
     @rule(resumes=st.booleans(), asks=st.booleans())
     def press_stop(self, resumes: bool, asks: bool) -> None:

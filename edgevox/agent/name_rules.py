@@ -4,18 +4,18 @@ The language can change while a robot runs, so every language counts, whichever 
 """
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from itertools import product
+from itertools import chain, product
 
 from hassil import Intents, recognize_all
 from hassil.expression import (
     Alternative,
     Expression,
+    Group,
     RuleReference,
     Sentence,
-    Sequence,
     TextChunk,
 )
 from hassil.intents import Intent, IntentData, WildcardSlotList
@@ -30,12 +30,11 @@ from edgevox.agent.safety import find_stop_word
 from edgevox.agent.same_name import name_form, names_meant
 from edgevox.agent.skills import OneOf, Skill
 from edgevox.agent.spelling import folded, key, separated
+from edgevox.agent.template_words import TemplateScanner, TemplateWords
 from edgevox.core.errors import InvalidValue
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.text import one_form
 
-_SLOT = re.compile(r"\{(?:\w+:)?(\w+)\}")
-_SYNTAX = re.compile(r"[()\[\]|<>]")
 _PLACE_SLOTS = frozenset({"room", "location", "place", "target", "value"})
 _NUMBER_SLOTS = frozenset({"distance", "degrees", "x", "y", "z", "count", "percent"})
 _NAME_SLOTS = frozenset({"name"})
@@ -104,7 +103,9 @@ def is_sentence(name: str, places: Mapping[str, str]) -> bool:
     now", "kitchen and office". The places are as `names_of` gives them.
     """
     forms = frozenset(map(name_form, places))
-    return any(_is_said_in(code, name, forms) for code in LANGUAGES)
+    plain = key(name)
+    held = _places_in(plain, forms)
+    return any(_is_said_in(code, plain, forms, held) for code in LANGUAGES)
 
 
 def is_clause_word(name: str, languages: Iterable[str] = tuple(LANGUAGES)) -> bool:
@@ -159,66 +160,75 @@ def _heard_anywhere() -> Mapping[str, tuple[str, ...]]:
 
 @dataclass(frozen=True, slots=True)
 class _SpokenTemplate:
-    """A template without rules, its slots, and the words that stand in it.
-
-    Where words are written without spaces, these are its letters.
-    """
+    """A template with the rules that it names, and its words: it is parsed when it may fit."""
 
     template: str
-    words: frozenset[str]
-    slots: frozenset[str]
+    rules: Mapping[str, str]
+    its: TemplateWords
     _kept: list[Sentence] = field(default_factory=list)
 
-    def may_be(self, words: frozenset[str], *, holds: bool, numbered: bool) -> bool:
-        """Whether a name of these words may be one of its sentences; rules out most at once."""
-        if not self.slots:
-            return words <= self.words
-        fits = bool(words & self.words)
-        if self.slots & _PLACE_SLOTS:
-            fits = fits and holds
-        return fits and (numbered or not self.slots & _NUMBER_SLOTS)
+    def may_be(self, words: frozenset[str], held: str) -> bool:
+        """Whether a name of these words may be one of its sentences; rules out most at once.
+
+        `held` are the parts of it that are names of places.
+        """
+        slots = self.its.slots
+        if any(one.isdisjoint(words) for one in self.its.needs):
+            return False
+        if not slots <= _PLACE_SLOTS:
+            return bool(held) or not slots & _PLACE_SLOTS
+        return all(one in self.its.words or (slots and one in held) for one in words)
 
     @property
     def parsed(self) -> Sentence:
         """As hassil has it; parsed when it is first needed."""
         if not self._kept:
-            self._kept.append(parse_sentence(self.template, keep_text=True))
+            spelled = folded(separated(one_form(written_out(self.template, self.rules))))
+            self._kept.append(parse_sentence(spelled, keep_text=True))
         return self._kept[0]
 
 
-def _is_said_in(code: str, name: str, places: Collection[str]) -> bool:
+def _is_said_in(code: str, plain: str, places: Collection[str], held: str) -> bool:
+    """`held` are its parts that are the names of some of the places."""
     book = phrasebook(code)
-    plain = key(name)
-    holds = _holds_one(plain, places)
-    verb, _, _ = book.programs.go.partition(" ")  # "go", so that no place is called "back"
-    if any(_is_said(code, said, places, holds=holds) for said in (plain, key(f"{verb} {name}"))):
-        return True
-    if not holds:
-        return False
-    go = book.programs.go.replace("{place}", name)
+    words = plain.split() if book.hearing.spaced else plain
+    if not _vocabulary(code).isdisjoint(words) or all(one in held for one in words):
+        verb, _, _ = book.programs.go.partition(" ")  # "go", so that no place is called "back"
+        go = book.programs.go.replace("{place}", plain) if held else ""
+        said = dict.fromkeys((plain, key(f"{verb} {plain}"), key(go)))
+        if any(one and _is_said(code, one, places, held) for one in said):
+            return True
+    parts = _joint(code).split(plain) if held else []
+    return len(parts) > 1 and any(name_form(part) in places for part in parts)
+
+
+@cache
+def _joint(code: str) -> re.Pattern[str]:
+    """What joins two orders in this language."""
+    book = phrasebook(code)
     joints = "|".join(re.escape(key(one)) for one in (*book.hearing.joints, *book.programs.between))
     edge = r"\b" if book.hearing.spaced else ""
-    parts = re.split(f"{edge}(?:{joints}){edge}", plain) if joints else []
-    return bool(go and _is_said(code, key(go), places, holds=True)) or (
-        len(parts) > 1 and any(name_form(part) in places for part in parts)
-    )
+    return re.compile(f"{edge}(?:{joints}){edge}" if joints else r"(?!)")
 
 
-def _holds_one(plain: str, places: Collection[str]) -> bool:
-    """Whether a part of it is the name of a place."""
+def _places_in(plain: str, places: Collection[str]) -> str:
+    """The parts of it that are names of places, one after the other."""
     words = plain.split() if " " in plain else plain
     space = " " if " " in plain else ""
     ends = ((start, end) for end in range(1, len(words) + 1) for start in range(end))
-    return any(name_form(space.join(words[start:end])) in places for start, end in ends)
+    parts = (space.join(words[start:end]) for start, end in ends)
+    return " ".join(part for part in parts if name_form(part) in places)
 
 
-def _is_said(code: str, plain: str, places: Collection[str], *, holds: bool) -> bool:
-    """`holds`: a part of it is the name of one of the places."""
+def _is_said(code: str, plain: str, places: Collection[str], held: str) -> bool:
     spaced = phrasebook(code).hearing.spaced
     text = plain if spaced else plain.replace(" ", "")
     words = frozenset(plain.split() if spaced else text)
-    numbered = any(one.isdigit() for one in digits(text, code))
-    fitting = [one for one in _sentences(code) if one.may_be(words, holds=holds, numbered=numbered)]
+    templates = _templates(code)
+    likely = (one for word in (*words, "") for one in templates.get(word, ()))
+    fitting = [one for one in likely if one.may_be(words, held)]
+    if any(one.its.slots & _NUMBER_SLOTS for one in fitting) and not _has_number(text, code):
+        fitting = [one for one in fitting if not one.its.slots & _NUMBER_SLOTS]
     if not fitting:
         return False
     data = IntentData([], slot_lists={name: WildcardSlotList(name) for name in _SLOTS})
@@ -234,37 +244,50 @@ def _fills(code: str, slot: str, text: str, places: Collection[str]) -> bool:
     """Whether this is what stands in such a slot."""
     if slot in _PLACE_SLOTS:
         return name_form(text) in places
-    if slot in _NUMBER_SLOTS:
-        return any(one.isdigit() for one in digits(text, code))
-    return slot in _NAME_SLOTS
+    return _has_number(text, code) if slot in _NUMBER_SLOTS else slot in _NAME_SLOTS
+
+
+def _has_number(text: str, code: str) -> bool:
+    return any(one.isdigit() for one in digits(text, code))
 
 
 @cache
-def _sentences(code: str) -> tuple[_SpokenTemplate, ...]:
-    """All that skills, questions and programs are asked for by in this language."""
+def _vocabulary(code: str) -> frozenset[str]:
+    """The words, or letters, of all these templates: each takes one of them at least."""
     book = phrasebook(code)
-    said = [
-        written_out(template, book.rules)
-        for entries in (book.skills, book.dialogue)
-        for one in entries.values()
-        for template in one.templates
+    parts = [*book.skills.values(), *book.dialogue.values()]
+    texts = [
+        *chain.from_iterable(one.templates for one in parts),
+        *chain.from_iterable(book.programs.templates.values()),
+        *book.rules.values(),
+        *book.programs.rules.values(),
     ]
-    said += [
-        written_out(template, book.programs.rules)
-        for templates in book.programs.templates.values()
-        for template in templates
-    ]
-    spelled = (folded(separated(one_form(one))) for one in said)
-    return tuple(
-        _SpokenTemplate(one, _literals(one, spaced=book.hearing.spaced), frozenset(slots))
-        for one in spelled
-        if _SLOTS.issuperset(slots := _SLOT.findall(one))
-    )
+    text = key(" ".join(texts))
+    return frozenset(text.split() if book.hearing.spaced else text)
 
 
-def _literals(template: str, *, spaced: bool) -> frozenset[str]:
-    text = key(_SYNTAX.sub(" ", _SLOT.sub(" ", template)))
-    return frozenset(text.split() if spaced else text)
+@cache
+def _templates(code: str) -> Mapping[str, Sequence[_SpokenTemplate]]:
+    """All that skills, questions and programs are asked for by in this language.
+
+    They are kept by the words of which one must be said for them; by "" where none must.
+    """
+    book = phrasebook(code)
+    programs = chain.from_iterable(book.programs.templates.values())
+    spoken = (one.templates for part in (book.skills, book.dialogue) for one in part.values())
+    found: dict[str, list[_SpokenTemplate]] = {}
+    for rules, templates in (
+        (book.rules, chain.from_iterable(spoken)),
+        (book.programs.rules, programs),
+    ):
+        scanner = TemplateScanner(rules, spaced=book.hearing.spaced)
+        for template in templates:
+            its = scanner.scan(template)
+            if its.slots <= _SLOTS:
+                one = _SpokenTemplate(template, rules, its)
+                for word in min(its.needs, key=len, default=("",)):
+                    found.setdefault(word, []).append(one)
+    return found
 
 
 @cache
@@ -290,7 +313,7 @@ def _shortest(part: Expression, rules: Mapping[str, str]) -> Iterator[str]:
         case Alternative():
             for item in part.items:
                 yield from _shortest(item, rules)
-        case Sequence():
+        case Group():
             for parts in product(*(tuple(_shortest(item, rules)) for item in part.items)):
                 yield "".join(parts)
         case RuleReference(rule_name=rule):

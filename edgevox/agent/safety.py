@@ -1,17 +1,31 @@
-"""Stop words: what halts a robot at once, whatever a model is doing."""
+"""Stop words: what halts a robot at once, whatever a model is doing.
+
+Those of the language that is spoken and English ones count wherever they stand; those of all other
+languages where they are said alone or first, unless they are words of the language that is spoken.
+"""
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import chain
 
 from edgevox.agent.stop_spelling import SpelledWord, readings, spelled_out, words
+from edgevox.core.languages import LANGUAGES
 from edgevox.core.stop_words import STOP_SIGNS, STOP_WORDS, StopWords
 from edgevox.core.text import one_form
 
 MAX_CHARACTERS = 4000
-"""How much of an utterance is searched at each end; what is longer is never done."""
+"""How much of an utterance is searched in one go."""
+OVERLAP = 200
+"""What two parts that are searched share: a stop word and what makes it innocent fit into it."""
+WHOLE_PARTS = 5
+"""So many parts at each end of a long text are searched for whatever may stop."""
+MOST_FOUND = 64
+"""A long text with so many stop words between stops the robot, whatever stands around them."""
+_ALONE_MIN = 5
+"""A word of another language that is shorter counts only as it is written, with its accents."""
+_UNSPACED = ("ja", "zh")
 _SPELLED_MIN = 3
 _CLAUSE_END = "."
 
@@ -47,10 +61,13 @@ class SafetyWords:
 
 def find_stop_word(code: str, text: str) -> str | None:
     """The same for once, of any language: what a stop needs is made ready when one is found."""
-    for part in _ends(text):
+    for part in _parts(text, code):
         for reading in readings(part):
             if found := _rules(code).find(reading):
                 return found
+    for reading in readings(text[:MAX_CHARACTERS]):
+        if found := _foreign(code).find(reading):
+            return found
     return None
 
 
@@ -58,7 +75,8 @@ class _Rules:
     """The rows of a language and of English, ready to be looked up."""
 
     def __init__(self, code: str) -> None:
-        tables = [STOP_WORDS[c] for c in dict.fromkeys((code, "en"))]
+        own = STOP_WORDS[code]
+        tables = [own] if code == "en" else [own, _without(STOP_WORDS["en"], own.ordinary)]
         self._others = {other.casefold() for table in tables for other in table.others}
         self._anywhere = _index([*(table.anywhere for table in tables), STOP_SIGNS])
         self._last = _index(table.last for table in tables)
@@ -164,6 +182,48 @@ class _Rules:
         )
 
 
+class _Foreign:
+    """The stop words of all other languages, which count alone or first."""
+
+    def __init__(self, code: str) -> None:
+        known = {word.casefold() for word in (*STOP_WORDS[code].all, *STOP_WORDS[code].ordinary)}
+        self._unspaced = code in _UNSPACED
+        self._phrases: dict[str, list[tuple[Phrase, str]]] = defaultdict(list)
+        for other in LANGUAGES:
+            if other in (code, "en"):
+                continue
+            table = STOP_WORDS[other]
+            for rows in (table.anywhere, table.last):
+                for said, phrase in zip(rows, _phrases(rows), strict=True):
+                    if said.casefold() not in known:
+                        self._phrases[phrase[0].bare].append((phrase, said))
+
+    def find(self, reading: Phrase) -> str | None:
+        """The stop word with which this begins."""
+        for phrase, said in self._phrases.get(reading[0].bare, ()) if reading else ():
+            end = len(phrase)
+            if end > len(reading) or any(word.breaks for word in reading[1:end]):
+                continue
+            whole = not (self._unspaced or len(said) == 1) or _ends_clause(reading, end)
+            if whole and all(map(_is_as_written, reading[:end], phrase)):
+                return said
+        return None
+
+
+def _is_as_written(word: SpelledWord, wanted: SpelledWord) -> bool:
+    """Whether it is this word; a long one may lack its accents."""
+    return word.exact == wanted.exact or (word.bare == wanted.bare and len(word.bare) >= _ALONE_MIN)
+
+
+def _without(table: StopWords, ordinary: Sequence[str]) -> StopWords:
+    """A table of another language without what are ordinary words of the one that is spoken."""
+    left = {
+        name: tuple(one for one in getattr(table, name) if one not in ordinary)
+        for name in ("anywhere", "last", "alone")
+    }
+    return replace(table, **left)
+
+
 _Index = dict[str, list[tuple[Phrase, str]]]
 _Innocent = dict[tuple[str, ...], list[tuple[Phrase, bool]]]
 
@@ -180,6 +240,11 @@ class _Excused:
 @lru_cache
 def _rules(code: str) -> _Rules:
     return _Rules(code)
+
+
+@lru_cache
+def _foreign(code: str) -> _Foreign:
+    return _Foreign(code)
 
 
 def _index(listed: Iterable[tuple[str, ...]]) -> _Index:
@@ -265,10 +330,40 @@ def _ends_clause(reading: Phrase, end: int) -> bool:
     return end == len(reading) or reading[end].breaks
 
 
-def _ends(text: str) -> tuple[str, ...]:
-    """The text, or its two ends; one character may be written as eighteen."""
-    if len(text) > 2 * MAX_CHARACTERS:
-        return (*_ends(text[:MAX_CHARACTERS]), *_ends(text[-MAX_CHARACTERS:]))
-    if len(folded := one_form(text)) > 2 * MAX_CHARACTERS:
-        return (folded[:MAX_CHARACTERS], folded[-MAX_CHARACTERS:])
-    return (text,)
+def _parts(text: str, code: str) -> Iterator[str]:
+    """The text, or what is searched of one that is too long to be done, in parts that overlap.
+
+    One character may be written as eighteen. The beginning and the end are searched as any text is;
+    of what lies between, only where a stop word stands as the table spells it.
+    """
+    if len(text) <= 2 * MAX_CHARACTERS:
+        folded = one_form(text)
+        if len(folded) <= 2 * MAX_CHARACTERS:
+            yield text
+            return
+        text = folded
+    begins = range(0, len(text), MAX_CHARACTERS)
+    ends = (
+        begins
+        if len(begins) <= 2 * WHOLE_PARTS
+        else (*begins[:WHOLE_PARTS], *begins[-WHOLE_PARTS:])
+    )
+    for begin in ends:
+        yield text[max(0, begin - OVERLAP) : begin + MAX_CHARACTERS]
+    if ends is not begins:
+        yield from _near_stop_words(text[begins[WHOLE_PARTS] : begins[-WHOLE_PARTS]], code)
+
+
+def _near_stop_words(text: str, code: str) -> Iterator[str]:
+    """Where stop words stand, with what is around; of very many, the words alone, which stop."""
+    folded = text.casefold()
+    words = dict.fromkeys(said.casefold() for c in (code, "en") for said in STOP_WORDS[c].anywhere)
+    for word in words:
+        begin, count = folded.find(word), 0
+        while begin >= 0:
+            count += 1
+            around = OVERLAP if count < MOST_FOUND else 0
+            yield folded[max(0, begin - around) : begin + len(word) + around]
+            if not around:
+                break
+            begin = folded.find(word, begin + len(word))

@@ -34,6 +34,7 @@ _LOOKALIKES = str.maketrans(
 """Letters that are read as others, and letters whose stroke no decomposition takes away."""
 
 
+@lru_cache(maxsize=8192)
 def name_form(name: str) -> str:
     """The one form of a name: all that are the same name have it.
 

@@ -98,7 +98,7 @@ def _drain(host: str, port: int, path: str) -> tuple[int, str]:
 def _within_s(text: str) -> float:
     try:
         return float(json.loads(text)["within_s"])
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, RecursionError):
         return 0.0
 
 
@@ -118,5 +118,5 @@ def _readable(text: str) -> str:
         report = json.loads(text)
         checks = ", ".join(f"{k} {v}" for k, v in report.get("checks", {}).items())
         return f"{report['status']}: {checks}" if checks else str(report["status"])
-    except (ValueError, KeyError, TypeError, AttributeError):
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return text.strip()[:500]

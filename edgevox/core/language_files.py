@@ -4,8 +4,10 @@ Each is read when something first asks for it: reading all of them takes longer 
 need to start. `every_language.toml` holds what is of no single language.
 """
 
+import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from functools import cache
 from importlib import resources
 from types import MappingProxyType
@@ -16,6 +18,8 @@ from edgevox.core.errors import EdgeVoxError, InvalidValue
 _HERE = resources.files("edgevox.core")
 _FOLDER = _HERE / "languages"
 _ENDING = ".toml"
+_TABLE = re.compile(r"^\[", re.MULTILINE)
+"""Where the next table begins."""
 _NEEDED = ("name", "signs", "stt", "tts", "espeak", "stop")
 """What a robot cannot be spoken to without. All else has an answer in English, or is left out."""
 
@@ -63,6 +67,24 @@ def language_file(code: str) -> Mapping[str, Any]:
         if one not in tables:
             raise UnusableLanguage(code, f"it has no {one!r}, which en{_ENDING} explains")
     return MappingProxyType(tables)
+
+
+@cache
+def language_table(code: str, name: str) -> Mapping[str, Any]:
+    """One table of a file, without reading the rest where it stands by itself; raises likewise.
+
+    Some tables are wanted of all languages, such as what stops a robot, and at once.
+    """
+    header = f"\n[{name}]\n"
+    text = (_FOLDER / f"{code}{_ENDING}").read_text("utf-8") if code in CODES else ""
+    begin = text.find(header)
+    if begin >= 0:
+        end = _TABLE.search(text, begin + len(header))
+        with suppress(ValueError):  # the whole file says what is wrong
+            found = tomllib.loads(text[begin : end.start() if end else len(text)])
+            return MappingProxyType(found[name])
+    table: Mapping[str, Any] = language_file(code)[name]
+    return table
 
 
 class ByLanguage(Mapping[str, _Kept], Generic[_Kept]):

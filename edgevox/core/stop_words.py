@@ -7,7 +7,7 @@ from edgevox.core.language_files import (
     EVERY_LANGUAGE,
     ByLanguage,
     UnusableLanguage,
-    language_file,
+    language_table,
 )
 
 
@@ -21,6 +21,7 @@ class StopWords:
     courtesies: tuple[str, ...] = ()
     innocent: tuple[str, ...] = ()
     others: tuple[str, ...] = ()
+    ordinary: tuple[str, ...] = ()
 
     @property
     def all(self) -> tuple[str, ...]:
@@ -29,7 +30,7 @@ class StopWords:
 
 
 def _words(code: str) -> StopWords:
-    table = language_file(code)["stop"]
+    table = language_table(code, "stop")
     known = {one.name for one in fields(StopWords)}
     if "anywhere" not in table or not table.keys() <= known:
         raise UnusableLanguage(code, f"[stop] has anywhere, and at most {', '.join(sorted(known))}")

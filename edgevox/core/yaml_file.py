@@ -16,7 +16,10 @@ from edgevox.core.validation import Place, dotted, explain
 M = TypeVar("M", bound=BaseModel)
 
 MOST_OPEN = 200
+LONGEST_NUMBER = 100
+"""Characters: YAML has numbers to the base of 60, whose powers take minutes."""
 _MERGE = "tag:yaml.org,2002:merge"
+_NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
 _EXPECTED = {
     **dict.fromkeys(
         ("model_type", "dataclass_type", "dict_type"),
@@ -42,7 +45,28 @@ class _KeyTwice(Exception):
 
 
 class _EachKeyOnce(yaml.SafeLoader):
-    """YAML's usual loader lets the second of two equal keys win, without a word."""
+    """YAML's usual loader lets the second of two equal keys win, without a word.
+
+    It also takes all time and memory for what `<<` multiplies, and fails in its own ways at a
+    value that is not what its tag says, as `!!int ""`.
+    """
+
+    def __init__(self, stream: str) -> None:
+        super().__init__(stream)
+        self._pairs: dict[int, int] = {}
+        self._merged = 0
+
+    def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
+        kind = node.tag.rpartition(":")[2]
+        if node.tag in _NUMBERS and len(node.value) > LONGEST_NUMBER:
+            said = f"a number of more than {LONGEST_NUMBER} characters"
+            raise yaml.constructor.ConstructorError(None, None, said, node.start_mark)
+        try:
+            return super().construct_object(node, deep)
+        except (ArithmeticError, AttributeError, LookupError):
+            raise yaml.constructor.ConstructorError(
+                None, None, f"this is no {kind}", node.start_mark
+            ) from None
 
     def compose_mapping_node(self, anchor: dict[Any, yaml.Node]) -> yaml.MappingNode:
         # Looked at as it is written: what `<<` merges may be overridden.
@@ -54,7 +78,19 @@ class _EachKeyOnce(yaml.SafeLoader):
                 if value in lines:
                     raise _KeyTwice(value, lines[value], line)
                 lines[value] = line
+        self._count_merged(node)
         return node
+
+    def _count_merged(self, node: yaml.MappingNode) -> None:
+        """Refuse what grows without end: each may merge several that have merged several."""
+        values = [value for key, value in node.value if key.tag == _MERGE]
+        parts = [one.value if isinstance(one, yaml.SequenceNode) else [one] for one in values]
+        merged = sum(self._pairs.get(id(part), 0) for inner in parts for part in inner)
+        self._pairs[id(node)] = len(node.value) + merged
+        self._merged += merged
+        if self._merged > LARGEST_TEXT_BYTES:
+            said = "merges that multiply"
+            raise yaml.constructor.ConstructorError(None, None, said, node.start_mark)
 
 
 def parse_yaml(text: str, name: str) -> Any:

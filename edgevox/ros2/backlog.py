@@ -8,10 +8,15 @@ what it takes later has come since. So each queue has a mark, the interlock's wh
 last found empty, and whatever is taken from it carries that mark. A stop empties the queues at
 once, and so what is sent after the stop was told counts again. Nothing can overtake this: the
 emptying and the callbacks are on one thread.
+
+What was lost on the way and is repeated by the middleware comes later still. For that the time at
+which a message says that it was sent is looked at, too, but only to refuse: within `LATE_S` before
+the stop it is void, so that a host whose clock is wrong is not deaf for longer than that.
 """
 
 import threading
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from typing import Any
@@ -25,6 +30,8 @@ from edgevox.core.log import get_logger
 
 log = get_logger(__name__)
 
+LATE_S = 3.0
+"""So late a reliable sender repeats what was lost, seen with Fast DDS."""
 Receive = Callable[[Any, int], None]
 """Takes a message and its mark."""
 
@@ -43,9 +50,12 @@ class Queue:
         self._backlog = backlog
 
     @contextmanager
-    def served(self) -> Iterator[int]:
-        """Whatever runs inside handles one order from this queue; gives its mark."""
-        with self._backlog.serving(self):
+    def served(self, sent_ns: int = 0) -> Iterator[int]:
+        """Whatever runs inside handles one order from this queue; gives its mark.
+
+        `sent_ns` is the Unix time at which it says that it was sent, 0 where that is not known.
+        """
+        with self._backlog.serving(self, sent_ns):
             yield self.mark
 
 
@@ -60,6 +70,7 @@ class Backlog:
         self._thread = 0
         self._emptying = False
         self._open = True
+        self._sent_ns = self._stopped_ns = 0
         interlock.on_stop(self._stopped)
 
     def close(self) -> None:
@@ -69,11 +80,12 @@ class Backlog:
     def subscribe(self, kind: Any, topic: str, receive: Receive, qos: QoSProfile) -> None:
         """Have each message of a topic received with its mark."""
 
-        def serve(message: Any) -> None:
-            with queue.served() as mark:
-                receive(message, mark)
+        def serve(message: Any, info: Mapping[str, int]) -> None:
+            with queue.served(info["source_timestamp"]) as mark:
+                receive(message, min(mark, self._interlock.mark - 1) if self._is_late() else mark)
 
-        subscription = self._node.create_subscription(kind, topic, serve, qos)
+        callback: Any = serve  # whoever takes two arguments is also given what is known of it
+        subscription = self._node.create_subscription(kind, topic, callback, qos)
         queue = self.add(partial(_take_message, subscription, serve), qos.depth)
 
     def add(self, take: Callable[[], bool], depth: int) -> Queue:
@@ -83,25 +95,32 @@ class Backlog:
         return queue
 
     @contextmanager
-    def serving(self, queue: Queue) -> Iterator[None]:
+    def serving(self, queue: Queue, sent_ns: int) -> Iterator[None]:
         """An order from this queue is handled, on the executor's thread."""
-        before, self._serving = self._serving, queue
+        before = self._serving, self._sent_ns
+        self._serving, self._sent_ns = queue, sent_ns
         self._thread = threading.get_ident()
         try:
             yield
         finally:
-            self._serving = before
+            self._serving, self._sent_ns = before
 
     def _stopped(self, mark: int) -> None:
         """Everything was stopped, or allowed again, on any thread; the interlock is at `mark`."""
         if not self._open or (self._emptying and self._is_here()):
             return  # whoever empties looks again
-        if self._serving is not None and self._is_here():
+        here = self._serving is not None and self._is_here()
+        self._stopped_ns = (here and self._sent_ns) or time.time_ns()
+        if self._serving is not None and here:
             if self._serving.mark == mark - 1:
                 self._serving.mark = mark  # what waits behind the order that stopped came after it
             self._empty(but=self._serving)
         elif self._node.executor:
             self._node.executor.create_task(self._empty)
+
+    def _is_late(self) -> bool:
+        """Whether what is served says that it was sent shortly before the last stop."""
+        return self._sent_ns > 0 and 0 < self._stopped_ns - self._sent_ns < LATE_S * 1e9
 
     def _is_here(self) -> bool:
         return threading.get_ident() == self._thread
@@ -133,10 +152,10 @@ def _empty_one(queue: Queue) -> None:
             log.exception("ros_callback_failed")
 
 
-def _take_message(subscription: Subscription, receive: Callable[[Any], None]) -> bool:
+def _take_message(subscription: Subscription, receive: Callable[[Any, Any], None]) -> bool:
     with subscription.handle:
         taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
     if taken is None:
         return False
-    receive(taken[0])
+    receive(*taken)
     return True

@@ -54,14 +54,28 @@ def make_authority(name: str, now: datetime, days: int) -> Identity:
 
 
 def make_identity(authority: Identity, enclave: str, now: datetime, days: int) -> Identity:
-    """A participant's, by the name of its enclave; it ends no later than the authority."""
+    """A participant's, by the name of its enclave; it ends no later than the authority.
+
+    Raises `EdgeVoxError` where that has ended.
+    """
     key = ec.generate_private_key(ec.SECP256R1())
     signer = authority.certificate
+    if signer.not_valid_after_utc <= now:
+        ended = f"{signer.not_valid_after_utc:%Y-%m-%d}"
+        raise EdgeVoxError(f"authority: it ended {ended}, expected a keystore made anew")
     issuer = x509.AuthorityKeyIdentifier.from_issuer_public_key(authority.key.public_key())
     left_days = (signer.not_valid_after_utc - now).days
     builder = _builder(_name(enclave), signer.subject, key, now, min(days, left_days))
     builder = _extended(builder.add_extension(issuer, critical=False), authority=False)
     return Identity(builder.sign(authority.key, hashes.SHA256()), key)
+
+
+def read_certificate(data: bytes, name: str) -> x509.Certificate:
+    """From PEM. Raises `EdgeVoxError`, naming the file, where it is none."""
+    try:
+        return x509.load_pem_x509_certificate(data)
+    except ValueError:
+        raise EdgeVoxError(f"{name}: no certificate in PEM") from None
 
 
 def read_identity(certificate: bytes, key: bytes) -> Identity:
@@ -103,9 +117,12 @@ def revocation_list(authority: Identity, serials: Iterable[int], now: datetime) 
     return builder.sign(authority.key, hashes.SHA256()).public_bytes(Encoding.PEM).decode()
 
 
-def revoked_serials(text: bytes) -> set[int]:
-    """The serial numbers on a list in PEM."""
-    return {one.serial_number for one in x509.load_pem_x509_crl(text)}
+def revoked_serials(data: bytes, name: str) -> set[int]:
+    """The serial numbers on a list in PEM. Raises `EdgeVoxError`, naming the file."""
+    try:
+        return {one.serial_number for one in x509.load_pem_x509_crl(data)}
+    except ValueError:
+        raise EdgeVoxError(f"{name}: no list of revoked certificates in PEM") from None
 
 
 def utc_now() -> datetime:

@@ -12,12 +12,14 @@ from cryptography import x509
 
 from edgevox.core.atomic_file import PRIVATE, PUBLIC, write_atomically
 from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.user_file import read_text
 from edgevox.security.documents import governance, permissions
 from edgevox.security.enclave_certificates import (
     LONGEST_NAME,
     Identity,
     make_authority,
     make_identity,
+    read_certificate,
     read_identity,
     revocation_list,
     revoked_serials,
@@ -53,8 +55,9 @@ class Keystore:
         self._public, self._private = folder / "public", folder / "private"
         if not (self._private / "ca.key.pem").is_file() or not self.enclaves.is_dir():
             raise InvalidValue("KEYSTORE", str(folder), "a folder that `create` made")
-        certificate = (self._public / "ca.cert.pem").read_bytes()
-        self._authority = read_identity(certificate, (self._private / "ca.key.pem").read_bytes())
+        self._authority = read_identity(
+            _read(self._public / "ca.cert.pem"), _read(self._private / "ca.key.pem")
+        )
 
     @classmethod
     def create(cls, folder: Path, now: datetime, days: int = AUTHORITY_DAYS) -> "Keystore":
@@ -82,14 +85,19 @@ class Keystore:
 
     def certificate(self, enclave: str) -> x509.Certificate:
         """Who the enclave is, and until when."""
-        return x509.load_pem_x509_certificate((self.at(enclave) / _CERTIFICATE).read_bytes())
+        file = self.at(enclave) / _CERTIFICATE
+        return read_certificate(_read(file), str(file))
 
     def purpose(self, enclave: str) -> Purpose:
         """What the enclave is for. Raises `InvalidValue` for one that another tool made."""
         file = self.at(enclave) / _PURPOSE
         if not file.is_file():
             raise InvalidValue("ENCLAVE", enclave, "one that edgevox-security added")
-        return Purpose.read(file.read_text("utf-8"))
+        text = read_text(file, _PURPOSE)
+        try:
+            return Purpose.read(text)
+        except ValueError:
+            raise InvalidValue(_PURPOSE, str(file), "what edgevox-security wrote there") from None
 
     def at(self, enclave: str) -> Path:
         """The folder of an enclave that is there."""
@@ -124,7 +132,8 @@ class Keystore:
     def revoke(self, enclave: str, now: datetime) -> None:
         """Take an enclave away, and put its certificate on the list of those that do not count."""
         folder = self.at(enclave)
-        serials = revoked_serials((self._public / _CRL).read_bytes())
+        crl = self._public / _CRL
+        serials = revoked_serials(_read(crl), str(crl))
         serials.add(self.certificate(enclave).serial_number)
         _write_list(self._public, self._authority, serials, now)
         for file in folder.iterdir():
@@ -136,10 +145,10 @@ class Keystore:
     def export(self, enclave: str) -> dict[str, bytes]:
         """What a participant needs of it, by the files' names; nothing of the authority's key."""
         folder = self.at(enclave)
-        try:
-            return {name: (folder / name).read_bytes() for name in OF_AN_ENCLAVE}
-        except FileNotFoundError as error:
-            raise EdgeVoxError(f"{error.filename}: missing, expected of every enclave") from None
+        for name in OF_AN_ENCLAVE:
+            if not (folder / name).exists():
+                raise EdgeVoxError(f"{folder / name}: missing, expected of every enclave")
+        return {name: _read(folder / name) for name in OF_AN_ENCLAVE}
 
     def _issue(self, enclave: str, purpose: Purpose, now: datetime) -> None:
         rights = rights_of(purpose.role, purpose.graph, enclave)
@@ -151,6 +160,10 @@ class Keystore:
         write_atomically(folder / _PURPOSE, purpose.written(), PUBLIC)
         write_atomically(folder / _KEY, made.key_pem, PRIVATE)
         write_atomically(folder / _CERTIFICATE, made.certificate_pem, PUBLIC)
+
+
+def _read(file: Path) -> bytes:
+    return read_text(file, file.name).encode()
 
 
 def _write_authority(folder: Path, authority: Identity) -> None:

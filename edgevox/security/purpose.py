@@ -2,7 +2,8 @@
 
 import json
 from dataclasses import asdict, dataclass, replace
-from pathlib import Path
+
+from pydantic import TypeAdapter
 
 from edgevox.security.roles import EnclaveRole, Graph
 
@@ -26,12 +27,5 @@ class Purpose:
 
     @classmethod
     def read(cls, text: str) -> "Purpose":
-        """From what was `written`."""
-        said = json.loads(text)
-        graph = said.pop("graph")
-        file = graph.pop("robot_file")
-        return cls(
-            EnclaveRole(said.pop("role")),
-            Graph(**graph, robot_file=Path(file) if file else None),
-            **said,
-        )
+        """From what was `written`. Raises `ValueError` for what was not."""
+        return TypeAdapter(cls).validate_json(text)

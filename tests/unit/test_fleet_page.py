@@ -1,5 +1,6 @@
 """The page of a fleet: what it says of each robot, and that it can do nothing to one."""
 
+import contextlib
 import http.client
 import json
 import re
@@ -7,6 +8,7 @@ import socket
 import subprocess
 import sys
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -104,7 +106,10 @@ def test_where_nobody_answers_it_is_gone():
     assert problems["network"]
 
 
-@pytest.mark.parametrize("body", [b"<html>", b"[]", b"{}", b'{"checks": 7}', b""])
+@pytest.mark.parametrize(
+    "body",
+    [b"<html>", b"[]", b"{}", b'{"checks": 7}', b"", b"[" * 60_000, b'{"checks": {"a": 1e999}}'],
+)
 def test_what_is_no_health_is_no_robot(body):
     with socket.create_server(("127.0.0.1", 0)) as one:
         robot = FleetRobot(health=f"http://127.0.0.1:{one.getsockname()[1]}")
@@ -113,6 +118,29 @@ def test_what_is_no_health_is_no_robot(body):
         state, _ = ask_health(robot)
         answering.join()
     assert state == "gone"
+
+
+def test_a_robot_that_drips_its_answer_keeps_nobody_waiting():
+    over = threading.Event()
+
+    def drip(listening: socket.socket) -> None:
+        client, _ = listening.accept()
+        with client, contextlib.suppress(OSError):
+            client.sendall(b"HTTP/1.0 200 OK\r\n")
+            while not over.wait(0.1):
+                client.sendall(b"x: y\r\n")
+
+    with socket.create_server(("127.0.0.1", 0)) as one:
+        robot = FleetRobot(health=f"http://127.0.0.1:{one.getsockname()[1]}")
+        dripping = threading.Thread(target=drip, args=(one,))
+        dripping.start()
+        asking = ThreadPoolExecutor(1)
+        try:
+            assert asking.submit(ask_health, robot).result(HUNG_S)[0] == "gone"
+        finally:
+            over.set()
+            dripping.join()
+            asking.shutdown()
 
 
 def _answer_once(listening: socket.socket, body: bytes) -> None:

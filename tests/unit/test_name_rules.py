@@ -1,15 +1,22 @@
 """No place, room, thing or skill takes a name that people need for something else."""
 
+import re
+from itertools import islice
 from pathlib import Path
 from typing import Annotated
 
 import pytest
 import yaml
+from hassil.parse_expression import parse_sentence
+from hassil.sample import sample_expression
 from phrasebook_bodies import BODIES
 
+from edgevox.agent import name_rules
 from edgevox.agent.name_rules import check_name, check_skills
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import OneOf, skill
+from edgevox.agent.spelling import key
+from edgevox.agent.template_words import TemplateScanner
 from edgevox.core.errors import InvalidValue
 from edgevox.core.languages import LANGUAGES
 from edgevox.robots.name_fields import read_name
@@ -172,3 +179,32 @@ def test_our_own_worlds_and_locations_are_free() -> None:
             parse_world(text, file.name)
         elif all(isinstance(one, dict) and "x" in one for one in read.values()):
             parse_locations(text, file.name)
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_what_a_template_must_hold_is_found_without_compiling_it(code) -> None:
+    book = phrasebook(code)
+    scanner = TemplateScanner(book.rules, spaced=book.hearing.spaced)
+    rules = {name: parse_sentence(rule) for name, rule in book.rules.items()}
+    for one in book.skills.values():
+        for template in one.templates:
+            its = scanner.scan(template)
+            parsed = parse_sentence(template).expression
+            samples = sample_expression(parsed, expansion_rules=rules, expand_lists=False)
+            for said in islice(samples, 20):
+                text = key(re.sub(r"\{[^}]*\}", " ", said))
+                words = text.split() if book.hearing.spaced else text.replace(" ", "")
+                assert its.words.issuperset(words), (template, said)
+                assert all(not one.isdisjoint(words) for one in its.needs), (template, said)
+
+
+def test_names_of_places_are_no_sentences_without_a_template_compiled(monkeypatch) -> None:
+    """A robot that has remembered hundreds of places is ready at once."""
+
+    def compiled(*_: object, **__: object) -> None:
+        raise AssertionError("a template was compiled")
+
+    monkeypatch.setattr(name_rules, "parse_sentence", compiled)
+
+    for name in ("red shelf", "north rack", "Annas Schreibtisch", "étagère bleue", "倉庫", "Tor 4"):
+        assert not name_rules.is_sentence(name, {"hangar": "hangar"})

@@ -171,6 +171,32 @@ def test_a_broken_one_is_told_by_name_and_the_others_are_there(folder):
     assert "project.name" in plugins.broken["nameless"]
 
 
+def test_one_whose_files_cannot_be_read_hides_no_other_package(folder):
+    about = f"[project]\nname = 'p'\n[project.entry-points.'{GROUP}']\n'a\\nb' = 'x:y'\n"
+    (folder / "lines").mkdir()
+    (folder / "lines" / "pyproject.toml").write_text(about.replace("'a\\nb'", '"a\\nb"'))
+    for name, about in {"binary": b"\xff\xfe", "pointless": b"Name: q\nVersion: 1\n\n"}.items():
+        info = folder / name / f"{name}-1.dist-info"
+        info.mkdir(parents=True)
+        (info / "METADATA").write_bytes(about)
+        (info / "entry_points.txt").write_text(f"[{GROUP}]\nno point\n")
+    (folder / "pipe" / "pipe-1.dist-info").mkdir(parents=True)
+    os.mkfifo(folder / "pipe" / "pipe-1.dist-info" / "METADATA")
+    locked = wheel(folder, "locked_one")
+    data = bytearray(locked.read_bytes())
+    for mark, flags in ((b"PK\1\2", 8), (b"PK\3\4", 6)):  # says that it is encrypted
+        at = data.find(mark)
+        while at >= 0:
+            data[at + flags] |= 1
+            at = data.find(mark, at + 1)
+    locked.write_bytes(data)
+    wheel(folder, "open_one")
+    plugins = bring_plugins(folder)
+    assert plugins.broken.keys() == {"binary", "lines", locked.name, "pipe", "pointless"}
+    assert loaded(plugins) == [("open_one", "1.2")]
+    assert robot_of("open_one")
+
+
 def test_it_takes_the_place_of_nothing_that_is_installed(folder):
     for name in ("edgevox", "yaml"):
         place = folder / name
@@ -206,9 +232,21 @@ def misspell(folder):
     (folder / "plugins.sha256").write_text("abc guarded\n")
 
 
+def lead_nowhere(folder):
+    (folder / "plugins.sha256").unlink()
+    (folder / "plugins.sha256").symlink_to("nowhere")
+
+
+def link_to_itself(folder):
+    for name in ("a", "b"):
+        (folder / "guarded" / name).symlink_to(".")
+
+
 @pytest.mark.parametrize(
     ("tamper", "said"),
     [
+        (lead_nowhere, "plugins.sha256: got .* a file that can be read"),
+        (link_to_itself, "plugins: guarded/[ab]: got .* each folder once"),
         (change, r"plugins: guarded/guarded.py: got '\w+…\w+', expected [0-9a-f]{64}, as "),
         (change, "as plugins.sha256 says"),
         (add, "plugins: guarded/more.py: got .* no file that plugins.sha256 does not name"),

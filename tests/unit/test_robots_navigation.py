@@ -175,7 +175,6 @@ def test_what_a_body_lacks_it_is_not_asked_for() -> None:
         Call("navigate_to", {}),
         Call("navigate_xy", {"x": "nan", "y": 1}),
         Call("navigate_xy", {"x": 1}),
-        Call("stop", {"now": True}),
     ],
 )
 def test_calls_with_wrong_arguments_are_refused_by_name(call: Call, apartment_skills) -> None:

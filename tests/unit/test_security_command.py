@@ -190,6 +190,46 @@ def test_what_makes_no_sense_is_one_line_that_names_it(
     assert text_of(store) == before
 
 
+@pytest.mark.parametrize("data", [b"garbage", b"", b"{}", b"[]", b"[" * 9999, b"\xff\xfe"])
+@pytest.mark.parametrize(
+    ("file", "commands"),
+    [
+        ("private/ca.key.pem", ["list"]),
+        ("public/ca.cert.pem", ["list"]),
+        ("public/crl.pem", ["revoke"]),
+        ("enclaves/edgevox/listener/cert.pem", ["list", "revoke"]),
+        ("enclaves/edgevox/listener/edgevox.json", ["renew"]),
+    ],
+)
+def test_a_file_of_a_keystore_that_is_damaged_is_one_line_and_nothing_is_changed(
+    store: Path, capsys: CAPSYS, file: str, commands: list[str], data: bytes
+) -> None:
+    (store / file).write_bytes(data)
+    before = {one: one.read_bytes() for one in store.rglob("*") if one.is_file()}
+    capsys.readouterr()
+    for command in commands:
+        enclave = [] if command == "list" else [LISTENER]
+        assert main([command, str(store), *enclave]) != 0
+        (line,) = capsys.readouterr().err.splitlines()
+        assert line.startswith("edgevox-security: ")
+    assert {one: one.read_bytes() for one in store.rglob("*") if one.is_file()} == before
+
+
+def test_a_purpose_that_is_damaged_hides_no_other_enclave(store: Path, capsys: CAPSYS) -> None:
+    (store / "enclaves/edgevox/listener/edgevox.json").write_text("{}")
+    capsys.readouterr()
+    assert main(["list", str(store)]) == 0
+    assert LISTENER in (told := capsys.readouterr().out)
+    assert "/edgevox/edgevox" in told
+
+
+def test_an_authority_that_has_ended_signs_nothing(tmp_path: Path, capsys: CAPSYS) -> None:
+    now = datetime.now(UTC).replace(microsecond=0)
+    Keystore.create(tmp_path / "old", now - timedelta(days=10), days=3)
+    assert main(["add", str(tmp_path / "old"), "robot"]) == 1
+    assert "authority: it ended" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("arguments", [["--domain", "233"], ["--days", "0"], ["--days", "x"]])
 def test_numbers_have_bounds(store: Path, arguments: list[str], capsys: CAPSYS) -> None:
     with pytest.raises(SystemExit) as ended:

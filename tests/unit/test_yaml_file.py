@@ -46,3 +46,20 @@ def test_the_same_key_may_stand_in_several_mappings_and_override_what_is_merged(
         "c": {"x": 3, "y": 1},
         "d": {"x": 2, "y": 1},
     }
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["a: !!int ''", "a: !!bool maybe", "a: !!timestamp now", "a: 1" + ":59" * 400 + ".5"],
+)
+def test_a_value_that_is_not_what_its_tag_says_is_refused_with_its_line(text) -> None:
+    with pytest.raises(InvalidValue, match="line 1"):
+        parse_yaml(text, "home.yaml")
+
+
+def test_numbers_and_merges_that_multiply_are_refused_before_they_take_the_memory() -> None:
+    merged = ["a0: &a0 {" + ", ".join(f"k{i}: 1" for i in range(10)) + "}"]
+    merged += [f"a{i}: &a{i} {{<<: [{', '.join([f'*a{i - 1}'] * 10)}]}}" for i in range(1, 30)]
+    for text, why in {"\n".join(merged): "multiply", "a: 1" + ":59" * 9999: "characters"}.items():
+        with pytest.raises(InvalidValue, match=why):
+            parse_yaml(text, "home.yaml")

@@ -1,16 +1,19 @@
 """How each robot of a fleet is: its health is asked for, again and again, all of them at once."""
 
 import http.client
-import json
+import socket
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import Literal
 from urllib.parse import urlsplit
 
 from edgevox.apps.fleet.robots_file import FleetRobot
 from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.errors import InvalidValue
+from edgevox.core.json_reader import read_json
 
 ASK_EVERY_S = 2.0
 ANSWER_WITHIN_S = 2.0
@@ -36,17 +39,37 @@ def ask_health(robot: FleetRobot) -> tuple[State, Mapping[str, str]]:
         address.hostname or "", address.port or 80, timeout=ANSWER_WITHIN_S
     )
     try:
-        connection.request("GET", "/ready")
-        answer = connection.getresponse()
-        checks = json.loads(answer.read(MOST_BYTES))["checks"]
+        connection.connect()
+        with _hung_up_in_time(connection.sock):
+            connection.request("GET", "/ready")
+            answer = connection.getresponse()
+            said = answer.read(MOST_BYTES)
+        checks = read_json(said, "health")["checks"]
         problems = {str(name): str(said) for name, said in checks.items() if said != "ok"}
     except (OSError, http.client.HTTPException) as failed:
         return "gone", {"network": str(failed) or type(failed).__name__}
-    except (ValueError, KeyError, TypeError, AttributeError):
+    except (InvalidValue, ValueError, KeyError, TypeError, AttributeError):
         return "gone", {"health": "what answers there is not a robot's health"}
     finally:
         connection.close()
     return ("ready" if answer.status == http.client.OK else "unwell"), problems
+
+
+@contextmanager
+def _hung_up_in_time(sock: socket.socket) -> Iterator[None]:
+    """Its timeout is for each byte: one that drips them would keep the page from all others."""
+
+    def hang_up() -> None:
+        with suppress(OSError):
+            sock.shutdown(socket.SHUT_RDWR)
+
+    timer = threading.Timer(ANSWER_WITHIN_S, hang_up)
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+        timer.join()
 
 
 class FleetWatch:

@@ -88,36 +88,53 @@ def bring_plugins(folder: Path | None, *, load: bool = True) -> Plugins:
         raise InvalidValue("plugins", str(folder), "a folder")
     folder = folder.absolute()
     check_hashes(folder)
-    loaded: list[Plugin] = []
+    loaded: list[tuple[Plugin, Distribution]] = []
     broken: dict[str, str] = {}
     for item in sorted(folder.iterdir()):
         if item.name.startswith(".") or item.name == HASHES:
             continue
         try:
-            loaded += [_plugin(item.name, package) for package in _bring(item, load)]
-        except (EdgeVoxError, OSError, zipfile.BadZipFile) as error:
+            place, packages = _found(item, load)
+            plugins = [(_plugin(item.name, package), package) for package in packages]
+        except (EdgeVoxError, OSError) as error:
             broken[item.name] = str(error)
-    for one in loaded:
-        if missing := _missing(one.name):
+        except Exception as error:  # noqa: BLE001 - zipfile and importlib raise what they like
+            broken[item.name] = f"{type(error).__name__}: {error}"
+        else:
+            _put(place, packages)
+            loaded += plugins
+    for one, package in loaded:
+        if missing := _missing(package):
             broken[one.file] = f"{one.name} needs {', '.join(missing)}: nothing is fetched"
-    return Plugins(tuple(one for one in loaded if one.file not in broken), broken)
+    return Plugins(tuple(one for one, _ in loaded if one.file not in broken), broken)
 
 
-def _bring(item: Path, load: bool) -> list[Distribution]:
-    """Put one on the path; the packages in it. Raises `EdgeVoxError` for what is no plug-in."""
+def _found(item: Path, load: bool) -> tuple[Path, Sequence[Distribution]]:
+    """Where its modules are, and the packages in it. Raises what it likes for what is no plug-in.
+
+    Nothing is put on the path yet: there, one that cannot be read would hide all others.
+    """
     if item.is_file() and item.suffix == ".whl":
         if not item.name.endswith("-none-any.whl"):
             raise EdgeVoxError(f"expected {_COMPILED}")
         about = [one for one in zipfile.Path(item).iterdir() if one.name.endswith(_INFO)]
         place = _unpacked(item) if load and _has_data(item) else item
-        return _put(place, [PathDistribution(one) for one in about])
+        return place, _expected([PathDistribution(one) for one in about])
     if item.is_dir() and (infos := sorted(item.glob("*.dist-info"))):
-        return _put(item, [PathDistribution(one) for one in infos])
+        for file in (one for info in infos for one in info.iterdir()):
+            if not (file.is_file() or file.is_dir()):  # a pipe would be waited for
+                raise EdgeVoxError(f"{file.name} is no file")
+        return item, [PathDistribution(one) for one in infos]
     if item.is_dir() and (item / PROJECT).is_file():
         package = SourcePackage(item)
-        SourceFinder.installed().packages.append(package)
-        return _put(package.import_path, [package])
+        return package.import_path, [package]
     raise EdgeVoxError(f"expected {EXPECTED}")
+
+
+def _expected(packages: list[Distribution]) -> list[Distribution]:
+    if not packages:
+        raise EdgeVoxError(f"expected {EXPECTED}")
+    return packages
 
 
 def _has_data(wheel: Path) -> bool:
@@ -136,27 +153,29 @@ def _unpacked(wheel: Path) -> Path:
     return folder
 
 
-def _put(place: Path, packages: list[Distribution]) -> list[Distribution]:
+def _put(place: Path, packages: Sequence[Distribution]) -> None:
     """At the end of the path: a plug-in takes the place of nothing that is installed."""
-    if not packages:
-        raise EdgeVoxError(f"expected {EXPECTED}")
     if str(place) not in sys.path:
         sys.path.append(str(place))
-    return packages
+    sources = [one for one in packages if isinstance(one, SourcePackage)]
+    if sources:
+        SourceFinder.installed().packages.extend(sources)
 
 
 def _plugin(file: str, package: Distribution) -> Plugin:
     name = package.metadata["Name"]
     if not name:
         raise EdgeVoxError("expected a package with a name in its metadata")
+    for _ in (*package.entry_points, *(package.requires or ())):
+        pass  # what Python asks of all packages at once can be read
     return Plugin(file, name, package.version)
 
 
-def _missing(name: str) -> list[str]:
+def _missing(package: Distribution) -> list[str]:
     """The packages that one needs and that are not here, but for those under a condition."""
 
     def needed() -> Iterator[str]:
-        for need in distribution(name).requires or ():
+        for need in package.requires or ():
             parts = _NAME.fullmatch(need)
             if parts and not parts[3]:
                 yield parts[1]

@@ -20,7 +20,7 @@ def check_hashes(folder: Path) -> None:
     A file that it does not name is refused as well: Python would run one that was put there.
     """
     listing = folder / HASHES
-    if not listing.exists():
+    if not os.path.lexists(listing):  # one that leads nowhere is there, and cannot be read
         return
     wanted = _wanted(listing)
     found = set(_files(folder))
@@ -47,8 +47,14 @@ def _wanted(listing: Path) -> dict[str, str]:
 
 def _files(folder: Path) -> Iterator[str]:
     """What can be loaded; not `..data` and the like, which Kubernetes keeps beside its mounts."""
+    seen: set[tuple[int, int]] = set()
     for place, folders, names in os.walk(folder, followlinks=True):
         here = Path(place)
+        identity = here.stat().st_dev, here.stat().st_ino
+        if identity in seen:  # followed for ever, or twice as often at each level
+            field = f"plugins: {here.relative_to(folder).as_posix()}"
+            raise InvalidValue(field, str(folder), "each folder once, by one name")
+        seen.add(identity)
         folders[:] = [one for one in folders if here != folder or not one.startswith(".")]
         for name in names:
             relative = (here / name).relative_to(folder)

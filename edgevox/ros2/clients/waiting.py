@@ -104,12 +104,17 @@ class Newest:
                 self._waiting = [one for one in self._waiting if one is not waits]
 
     def _next(self, waits: "deque[Any]", token: CancelToken, until_s: float) -> bool:
-        """Whether there is a message; else it was awake for nothing."""
+        """Whether there is a message; else it was awake for nothing.
+
+        A flood of messages that do not fit keeps nobody from a stop, nor beyond the time.
+        """
+        token.check()
         with self._changed:
+            left_s = until_s - self._clock.now()
+            if left_s <= 0:
+                self._waiting = [one for one in self._waiting if one is not waits]
             if waits:
                 return True
-            token.check()
-            left_s = until_s - self._clock.now()
             if left_s <= 0:
                 raise TookTooLong
             self._changed.wait(left_s)

@@ -1,11 +1,13 @@
 """Reads fields out of messages by their path: ``status.battery.percent`` or ``ranges[0]``."""
 
 import re
+from math import isfinite
 from typing import Any
 
 from edgevox.core.errors import InvalidValue
 from edgevox.ros2.robot_file.interfaces import fields_of, interface, is_primitive, listed
 
+LONGEST_TEXT, LONGEST_LIST = 200, 50
 _PART = re.compile(r"([a-z][a-z0-9_]*)((?:\[\d+\])*)")
 _INDEX = re.compile(r"\[(\d+)\]")
 
@@ -46,4 +48,22 @@ def _plain(value: Any) -> Any:
     """A number, a truth or a text as JSON has it; others as they are."""
     if isinstance(value, bytes):
         return value[0] if len(value) == 1 else list(value)
-    return value.item() if hasattr(value, "item") else value
+    return value.item() if getattr(value, "shape", None) == () else value
+
+
+def brief(value: Any) -> Any:
+    """A value of a message as JSON has it, with the beginning of each text and list in it.
+
+    To write out all of what may be 10 MB keeps every thread from its work for seconds, that of a
+    stop, too.
+    """
+    value = _plain(value)
+    if isinstance(value, str):
+        return value[:LONGEST_TEXT]
+    if isinstance(value, float):
+        return value if isfinite(value) else None
+    if hasattr(value, "get_fields_and_field_types"):
+        return {name: brief(getattr(value, name)) for name in fields_of(value)}
+    if hasattr(value, "__len__"):
+        return [brief(one) for one in value[:LONGEST_LIST]]
+    return value
