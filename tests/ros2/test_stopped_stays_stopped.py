@@ -54,6 +54,8 @@ def test_no_goal_of_a_burst_begins_after_the_stop_that_follows_it(robot, number,
 def test_a_sentence_that_waits_behind_a_long_answer_is_void(robot, way):
     robot.think()
     robot.peer.send("text_input", robot.sentence_to())
+    robot.type(robot.sentence_to())
+    robot.type(robot.sentence_to())
 
     stop(robot, way)
 
@@ -148,6 +150,7 @@ def test_nothing_that_lies_in_the_queues_of_a_robot_that_hangs_is_done_after_the
             robot.peer.send("text_input", robot.sentence_to())
             robot.send_pose()
             robot.page.send(type="goto", **robot.target())
+            robot.type(robot.sentence_to())
         stops(robot)
     finally:
         robot.agent.process.send_signal(signal.SIGCONT)

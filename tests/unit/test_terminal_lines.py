@@ -9,8 +9,10 @@ from guards import HUNG_S
 from hypothesis import given
 from hypothesis import strategies as st
 
+from edgevox.agent.reasons import because
 from edgevox.apps.terminal.lines import MAX_AHEAD_BYTES, MAX_LINE_BYTES, InputLines, Splitter
 from edgevox.apps.terminal.typeahead import typed_ahead
+from edgevox.core.interlock import Interlock
 
 
 def is_stop(line):
@@ -24,11 +26,23 @@ class Pipe:
         self.stops, self.stopped = [], threading.Event()
         reading, self.writing = os.pipe()
         self.reading = reading
-        self.lines = InputLines(reading, is_stop=is_stop, on_stop=self._stop)
+        self.interlock = Interlock()
+        self.lines = InputLines(
+            reading, is_stop=is_stop, on_stop=self._stop, interlock=self.interlock
+        )
 
     def _stop(self, line, dropped):
         self.stops.append((line, dropped))
         self.stopped.set()
+
+    def is_stopped_elsewhere(self):
+        def stop():
+            with self.interlock.stopping(because("interrupted")):
+                """Nothing moves here."""
+
+        elsewhere = threading.Thread(target=stop)
+        elsewhere.start()
+        elsewhere.join()
 
     def write(self, text):
         os.write(self.writing, text.encode())
@@ -38,7 +52,7 @@ class Pipe:
 
     def rest(self):
         """All lines until the end."""
-        return list(iter(lambda: self.lines.take(lambda _: None), None))
+        return list(iter(lambda: self.lines.take(lambda *_: None), None))
 
 
 @contextmanager
@@ -66,12 +80,51 @@ def test_a_stop_that_comes_later_forgets_what_waits_from_before():
     with a_pipe() as pipe:
         pipe.lines.start()
         pipe.write("go to the kitchen\nwhere are you\n")
-        assert pipe.lines.take(lambda _: None) == "go to the kitchen"
+        assert pipe.lines.take(lambda *_: None) == "go to the kitchen"
         pipe.write("stop\n")
         assert pipe.stopped.wait(HUNG_S)
         pipe.end()
         assert pipe.stops == [("stop", 1)]
         assert pipe.rest() == []
+
+
+def test_what_was_written_before_somebody_elses_stop_is_older_than_it_and_what_comes_after_is_not():
+    with a_pipe() as pipe:
+        taken = []
+        pipe.lines.start()
+        pipe.write("go to the kitchen\nwhere are you\n")
+        pipe.lines.take(lambda *line: taken.append(line))
+        pipe.is_stopped_elsewhere()
+        pipe.write("what do you see\n")
+        for _ in range(2):
+            pipe.lines.take(lambda *line: taken.append(line))
+
+    outdated = [bool(pipe.interlock.outdated(mark)) for _, mark in taken]
+    assert outdated == [True, True, False]
+
+
+def test_what_waits_behind_a_line_that_stops_comes_after_that_stop():
+    with a_pipe() as pipe:
+        taken = []
+        pipe.lines.start()
+        pipe.write("wait here\nwhere are you\n")
+        pipe.lines.take(lambda *line: taken.append(line))
+        with pipe.interlock.stopping(because("called_off")):
+            """As `/restart` does, on this thread."""
+        pipe.lines.take(lambda *line: taken.append(line))
+
+    assert [bool(pipe.interlock.outdated(mark)) for _, mark in taken] == [True, False]
+
+
+def test_what_lies_in_the_pipe_when_somebody_else_stops_is_older_than_the_stop():
+    with a_pipe() as pipe:
+        pipe.write("go to the kitchen\n")
+        pipe.is_stopped_elsewhere()
+        pipe.lines.start()
+        taken = []
+        pipe.lines.take(lambda _, mark: taken.append(mark))
+
+    assert pipe.interlock.outdated(taken[0])
 
 
 def test_of_two_stops_the_last_one_counts_for_what_is_before_it():
@@ -88,7 +141,7 @@ def test_no_stop_comes_between_a_line_and_its_beginning():
         pipe.lines.start()
         pipe.write("go to the kitchen\n")
 
-        def begin(_):
+        def begin(*_):
             pipe.write("stop\n")
             assert not pipe.stopped.wait(0.05)
 
@@ -108,7 +161,7 @@ def test_it_can_be_closed_while_too_much_waits():
         line = "a" * 4095 + "\n"
         for _ in range(MAX_AHEAD_BYTES // 4095 + 1):
             pipe.write(line)
-        assert pipe.lines.take(lambda _: None) == line[:-1]
+        assert pipe.lines.take(lambda *_: None) == line[:-1]
 
 
 def test_a_last_line_needs_no_end():

@@ -6,6 +6,8 @@ import threading
 from collections import deque
 from collections.abc import Callable, Sequence
 
+from edgevox.core.interlock import Interlock
+
 MAX_LINE_BYTES = 1 << 20
 """A line is read up to this length; what follows is a line of its own."""
 MAX_AHEAD_BYTES = 1 << 20
@@ -43,22 +45,35 @@ class InputLines:
     `is_stop` says which lines cannot wait. Lines that are there at one moment are looked at
     together: those before the last stop among them, and all that wait from earlier, are forgotten,
     and `on_stop` gets that line and how many those are, on the reading thread.
+
+    Others may stop the robot, too. Each line has the interlock's mark from when there was last
+    nothing to read, so one that was written before such a stop has an older one.
     """
 
     def __init__(
-        self, fd: int, *, is_stop: Callable[[str], bool], on_stop: Callable[[str, int], None]
+        self,
+        fd: int,
+        *,
+        is_stop: Callable[[str], bool],
+        on_stop: Callable[[str, int], None],
+        interlock: Interlock,
     ) -> None:
         self._fd = fd
+        self._interlock = interlock
+        self._marking = threading.Lock()
+        self._mark = interlock.mark
+        self._takes = 0
         self._is_stop, self._on_stop = is_stop, on_stop
         self._splitter = Splitter()
         self._changed = threading.Condition()
-        self._waiting: deque[str] = deque()
+        self._waiting: deque[tuple[str, int]] = deque()
         self._ended = False
         self._closed = False
         self._wake_out, self._wake_in = os.pipe()
         self._thread = threading.Thread(target=self._read, name="edgevox-lines")
         self.count = 0
         """How many lines there were until now."""
+        interlock.on_stop(self._stopped)
 
     def start(self) -> None:
         self._thread.start()
@@ -74,26 +89,54 @@ class InputLines:
         os.close(self._wake_in)
         os.close(self._wake_out)
 
-    def take(self, begin: Callable[[str], None]) -> str | None:
+    def take(self, begin: Callable[[str, int], None]) -> str | None:
         """Wait for the next line and begin it; the line, or None after the last one.
 
-        `begin` must not block: no stop is told while it works, so none can come between a line
-        and its beginning.
+        `begin` is given its mark, too. It must not block: no stop is told while it works, so none
+        can come between a line and its beginning.
         """
+        self._takes = threading.get_ident()
         with self._changed:
             self._changed.wait_for(lambda: self._waiting or self._ended)
             if not self._waiting:
                 return None
-            line = self._waiting.popleft()
+            line, mark = self._waiting.popleft()
             self._changed.notify_all()
-            begin(line)
+            begin(line, mark)
             return line
+
+    def keep(self) -> None:
+        """A line that was taken has stopped the robot: what waits comes after that stop."""
+        mark = self._interlock.mark
+        with self._changed:
+            self._waiting = deque((line, mark) for line, _ in self._waiting)
+        self._raise(mark)
+
+    def _stopped(self, mark: int) -> None:
+        """Everything was stopped, or allowed again, on any thread; the interlock is at `mark`."""
+        if self._closed:
+            return
+        if threading.get_ident() in (self._takes, self._thread.ident):
+            self.keep()
+        elif not self._has_more():
+            self._raise(mark)
+
+    def _has_more(self) -> bool:
+        return bool(select.select([self._fd], [], [], 0.0)[0])
+
+    def _raise(self, mark: int) -> None:
+        with self._marking:
+            self._mark = max(self._mark, mark)
 
     def _read(self) -> None:
         try:
-            while self._may_read() and (data := os.read(self._fd, _READ_BYTES)):
-                self._arrived(self._splitter.add(data))
-            self._arrived(self._splitter.add(b""))
+            mark = self._mark
+            while self._may_read():
+                mark = self._mark  # before the bytes are gone: `_stopped` sees them, or this
+                if not (data := os.read(self._fd, _READ_BYTES)):
+                    break
+                self._arrived(self._splitter.add(data), mark)
+            self._arrived(self._splitter.add(b""), mark)
         finally:
             with self._changed:
                 self._ended = True
@@ -103,14 +146,16 @@ class InputLines:
         """Wait for something to read and for room; False once it is closed."""
         with self._changed:
             self._changed.wait_for(lambda: self._closed or self._has_room())
-        if not self._closed:
+        mark = self._interlock.mark
+        if not self._closed and not self._has_more():
+            self._raise(mark)
             select.select([self._fd, self._wake_out], [], [])
         return not self._closed
 
     def _has_room(self) -> bool:
-        return sum(map(len, self._waiting)) < MAX_AHEAD_BYTES
+        return sum(len(line) for line, _ in self._waiting) < MAX_AHEAD_BYTES
 
-    def _arrived(self, lines: Sequence[str]) -> None:
+    def _arrived(self, lines: Sequence[str], mark: int) -> None:
         over = after_last_stop(lines, self._is_stop)
         with self._changed:
             self.count += len(lines)
@@ -118,5 +163,6 @@ class InputLines:
                 dropped = len(self._waiting) + over - 1
                 self._waiting.clear()
                 self._on_stop(lines[over - 1], dropped)
-            self._waiting.extend(lines[over:])
+                mark = self._mark  # which this stop has raised
+            self._waiting.extend((line, mark) for line in lines[over:])
             self._changed.notify_all()

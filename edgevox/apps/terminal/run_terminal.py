@@ -38,7 +38,9 @@ def run_terminal(parts: AgentParts, shutdown: ShutdownSignals) -> None:
         from edgevox.apps.tui import run_tui
 
         run_tui(parts, shutdown, typed)
-    elif not (_has_input() and run_script(sys.stdin.fileno(), parts.bus, context, _write)):
+    elif not (
+        _has_input() and run_script(sys.stdin.fileno(), parts.bus, context, _write, parts.interlock)
+    ):
         _run_alone(parts)
 
 
