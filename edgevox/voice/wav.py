@@ -14,8 +14,11 @@ from edgevox.core.user_file import regular
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.resample import Resampler
 
+LEAST_HZ, MOST_HZ = 1000, 768_000
+"""What a header may say of the rate: memory is taken by it."""
 HEADER_BYTES = 44
 """Before the samples, in what most programs write."""
+_WIDTHS = (1, 2, 3, 4)
 
 
 def check_wav(path: Path, field: str = "audio_in") -> None:
@@ -45,8 +48,13 @@ def _opened(path: Path, field: str) -> Iterator[wave.Wave_read]:
         try:
             data = stack.enter_context(open(path, "rb", opener=regular))
             file = stack.enter_context(wave.open(data))
-        except (wave.Error, EOFError, OSError) as error:
+        except (wave.Error, EOFError, OSError, RuntimeError) as error:  # it seeks beyond a chunk
             raise InvalidValue(field, str(path), f"a WAV file of PCM ({error})") from None
+        if not LEAST_HZ <= (rate_hz := file.getframerate()) <= MOST_HZ:
+            expected = f"a WAV file of {LEAST_HZ} to {MOST_HZ} samples a second, not {rate_hz}"
+            raise InvalidValue(field, str(path), expected)
+        if (width := file.getsampwidth()) not in _WIDTHS:
+            raise InvalidValue(field, str(path), f"a WAV file of 8 to 32 bits, not {8 * width}")
         yield file
 
 

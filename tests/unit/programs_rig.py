@@ -61,21 +61,23 @@ class HeldTime:
 
 
 class Drives(FakeBody):
-    """It drives to rooms and points, and has a battery."""
+    """It drives to rooms, to places that it `learned` and to points, and has a battery."""
 
     def __init__(self) -> None:
         super().__init__()
         self.battery = 0.9
+        self.learned: tuple[str, ...] = ()
 
     def known_skills(self) -> SkillSet:
         """What it can be asked for."""
+        rooms = OneOf(ROOMS.fixed, learned=lambda: self.learned)
 
         @skill(
             templates=["[please] (go|drive) to [the] {room} [please]"],
             says="Going to the {room}.",
             done="I am in the {room}.",
         )
-        def navigate_to(goal, room: Annotated[str, ROOMS]):
+        def navigate_to(goal, room: Annotated[str, rooms]):
             """Drive to a room."""
             self.drive(goal, room)
 

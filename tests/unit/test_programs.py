@@ -286,6 +286,31 @@ def test_whatever_stops_the_robot_ends_all_programs(talk, stop):
     assert talk.statuses()[-3:] == ["cancelled"] * 3
 
 
+@pytest.mark.parametrize(
+    "stop", ["stop", "skill", Interrupt(), Reset(), CancelProgram(""), Holder.PRESENCE]
+)
+def test_what_stops_the_robot_ends_programs_whose_place_was_forgotten_meanwhile(talk, stop):
+    talk.body.learned = ("den",)
+    talk.say("in five minutes, go to the den")
+    talk.say("patrol between the kitchen and the den until I say stop")
+    talk.body.starts_until(1)
+    talk.body.learned = ()
+    assert len(talk.conversation.programs.listed()["programs"]) == 2
+    if stop == "skill":
+        talk.conversation.start_goal("stop", {})
+    elif isinstance(stop, Holder):
+        talk.interlock.engage(stop, Reason("another agent is in charge"))
+    elif isinstance(stop, str):
+        assert talk.say(stop).startswith("Stopped.")
+    else:
+        talk.conversation.submit(stop)
+    talk.ended()
+    assert not talk.conversation.programs.kept
+    assert not talk.body.moving
+    talk.time.advance(LONGEST_WAIT_S)
+    assert talk.body.sent == ["kitchen"]
+
+
 def test_a_stop_that_ends_waiting_orders_says_so(talk):
     talk.say(LATER)
     assert talk.say("stop") == "Stopped. The orders that were waiting are off, too."

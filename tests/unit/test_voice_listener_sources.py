@@ -1,4 +1,5 @@
 import contextlib
+import struct
 import threading
 import wave
 
@@ -16,7 +17,7 @@ from edgevox.voice.sources.nothing import Nothing
 from edgevox.voice.sources.open_source import open_source
 from edgevox.voice.sources.pushed import MAX_FRAMES, Pushed
 from edgevox.voice.sources.soundcard import SoundCard
-from edgevox.voice.wav import stream_wav
+from edgevox.voice.wav import check_wav, stream_wav
 
 
 def write_wav(path, samples, rate_hz=RATE_HZ, width=2, channels=1):
@@ -250,3 +251,15 @@ def test_what_cannot_be_heard_is_refused_with_its_reason(tmp_path):
         with pytest.raises(InvalidValue, match=expected) as refusal:
             open_source(str(spec))
         assert refusal.value.field == "audio_in"
+
+
+@pytest.mark.parametrize(
+    ("rate_hz", "bits"), [(0, 16), (1, 16), (4_000_000_000, 16), (16_000, 128)]
+)
+def test_a_wav_file_whose_header_lies_is_refused_before_memory_is_taken(tmp_path, rate_hz, bits):
+    header = struct.pack("<HHIIHH", 1, 1, rate_hz, 32_000, 2, bits)
+    chunks = b"WAVEfmt " + struct.pack("<I", len(header)) + header + b"data" + struct.pack("<I", 64)
+    file = tmp_path / "lies.wav"
+    file.write_bytes(b"RIFF" + struct.pack("<I", len(chunks) + 64) + chunks + bytes(64))
+    with pytest.raises(InvalidValue, match="audio_in: got"):
+        check_wav(file)

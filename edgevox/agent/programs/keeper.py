@@ -147,9 +147,10 @@ class Programs:
 
     def stopped(self, ended: Sequence[Kept], reason: Reason) -> None:
         """These were taken: end what moves for them, and say so on the bus."""
-        for one in ended:
+        for one in ended:  # all of them, before anybody is told of one
             if one.goal is not None:
                 one.goal.token.cancel(reason)
+        for one in ended:
             self._store.tell(one, ProgramStatus.CANCELLED, reason)
 
     def goal_ended(self, goal: Goal) -> None:
@@ -157,10 +158,11 @@ class Programs:
         self._waits.goal_ended(goal)
 
     def _forbidden(self, ended: Sequence[Kept], reason: Reason) -> None:
-        waiting = [self.told(one) for one in ended if one.goal is None]
+        waiting = [one for one in ended if one.goal is None]
         self.stopped(ended, reason)
         if waiting:
-            self._announce(self._phrases().say("program_forgotten", orders=" ".join(waiting)))
+            orders = " ".join(map(self.told, waiting))
+            self._announce(self._phrases().say("program_forgotten", orders=orders))
 
     def _begin(self, kept: Kept) -> None:
         """Let its time come, or what it waits for; else run it."""

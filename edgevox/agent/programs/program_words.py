@@ -15,6 +15,7 @@ from edgevox.agent.programs.program import (
     When,
 )
 from edgevox.agent.skills import Call, SkillSet
+from edgevox.core.errors import EdgeVoxError
 
 _UNITS = (("hours", "hour", 3600), ("minutes", "minute", 60), ("seconds", "second", 1))
 _MOST_UNITS = 2
@@ -65,6 +66,8 @@ def _part(program: Program, phrases: Phrasebook, skills: SkillSet) -> str:
 
 def _call(call: Call, phrases: Phrasebook, skills: SkillSet) -> str:
     one = skills[call.skill]
-    return phrases.acknowledge(one, one.validate(call.arguments)) or phrases.say(
-        "program_action", action=phrases.can(one)
-    )
+    try:
+        said = phrases.acknowledge(one, one.validate(call.arguments))
+    except EdgeVoxError:  # its place may have been forgotten since: that is told when it is due
+        said = ""
+    return said or phrases.say("program_action", action=phrases.can(one))
