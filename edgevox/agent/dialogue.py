@@ -1,5 +1,6 @@
 """What was heard, who understood it, what was called and how it ended: the last exchanges only."""
 
+import math
 import threading
 from collections import deque
 from collections.abc import Callable, Collection, Mapping
@@ -26,6 +27,8 @@ MOST_EXCHANGES = 8
 """So many exchanges are remembered, and as many motions."""
 REMEMBERED_S = 600.0
 """What is older is forgotten: nobody asks of it, and nobody drives back to where it began."""
+_ELSEWHERE_M = 0.15
+"""Nearer to where it stands a body has not come from: a drive ends so near to its goal."""
 REPEATABLE_S = 60.0
 """So long after it ended something can be meant by "again": who says it then is another person."""
 
@@ -154,10 +157,22 @@ class Dialogue:
 
     def moved(self) -> MotionRecord | None:
         """What used the body last, or uses it."""
+        return next(iter(self._ran()), None)
+
+    def came_from(self) -> Pose2D | None:
+        """Where the last motion began; if it came to its end, the last that began elsewhere."""
+        ran, here = self._ran(), self._where()
+        if not ran or here is None or ran[0].status is not GoalStatus.SUCCEEDED:
+            return ran[0].start if ran else None
+        starts = (one.start for one in ran if one.start)
+        return next((one for one in starts if _distance_m(one, here) > _ELSEWHERE_M), None)
+
+    def _ran(self) -> list[MotionRecord]:
+        """What used the body not too long ago, the last first."""
         begun_s = self._clock.now() - REMEMBERED_S
         with self._lock:
             ran = [one for one in self._motions if one.began and one.last_s >= begun_s]
-            return ran[-1] if ran else None
+        return ran[::-1]
 
     def _last(self, fits: Callable[[DialogueExchange], bool]) -> DialogueExchange | None:
         begun_s = self._clock.now() - REMEMBERED_S
@@ -235,6 +250,10 @@ class Dialogue:
                 self._motions = deque(live, MOST_EXCHANGES)
         elif event.cause not in _HUSHED:
             self._on_stop()
+
+
+def _distance_m(one: Pose2D, other: Pose2D) -> float:
+    return math.hypot(one.x_m - other.x_m, one.y_m - other.y_m)
 
 
 def _part(progress: Any) -> float | None:

@@ -61,13 +61,13 @@ class References:
         return calls[-1:]
 
     def back(self) -> Sequence[Call]:
-        """To where the body was when its last motion began."""
+        """To where the body was when its last motion began, unless it is there."""
         if TO_POINT not in self._skills:
             raise SkillFailed(no_way_back(self._skills.values()))
-        moved = self._dialogue.moved()
-        if moved is None or moved.start is None:
+        start = self._dialogue.came_from()
+        if start is None:
             raise SkillFailed(because("no_way_back"))
-        x, y = round(moved.start.x_m, _CENTIMETRES), round(moved.start.y_m, _CENTIMETRES)
+        x, y = round(start.x_m, _CENTIMETRES), round(start.y_m, _CENTIMETRES)
         return (Call(TO_POINT, {"x": x, "y": y}),)
 
     def other(self) -> Sequence[Call]:

@@ -26,12 +26,16 @@ _LOOKALIKES = str.maketrans(
         **dict(zip("аеорсухкмтнвіјѕԁӏ", "aeopcyxkmthbijsdl", strict=True)),
         **dict(zip("αορνικτυχ", "aopviktux", strict=True)),
         **dict(zip("øłđħı", "oldhi", strict=True)),
+        **dict(zip("ʙᴄᴅᴇɢʜɪᴊᴋʟᴍɴᴏᴘʀᴛᴜᴠᴡʏᴢ", "bcdeghijklmnoprtuvwyz", strict=True)),
+        **{chr(one): chr(one + 0x60) for one in range(0x3041, 0x3097)},  # hiragana as katakana
+        **{chr(one): "" for one in (*range(0x64B, 0x656), 0x670)},  # short vowels of Arabic
         "œ": "oe",
         "æ": "ae",
         "ـ": "",
     }
 )
-"""Letters that are read as others, and letters whose stroke no decomposition takes away."""
+"""Letters that are read as others, whose stroke no decomposition takes away, or which people leave
+out."""
 
 
 @lru_cache(maxsize=8192)

@@ -143,6 +143,17 @@ def test_back_is_where_the_last_motion_began(rig):
     assert rig.say("Go back to where you were!") == "Going to x 2, y 0."
 
 
+def test_back_is_no_drive_to_where_the_body_stands(rig):
+    rig.say("go to the kitchen")
+    rig.say("go to the office")
+    rig.say("again")
+
+    assert rig.say("go back") == "Going to x 1, y 0."
+    rig.say("again")
+    assert rig.body.moves[-1] == rig.body.moves[-2] == (1.0, 0.0)
+    assert rig.say("go back") == "Going to x 2, y 0."
+
+
 def test_back_turns_a_drive_round_and_also_works_after_a_stop(rig):
     rig.say("go to the kitchen")
     rig.begin("go to the office")

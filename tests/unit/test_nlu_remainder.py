@@ -106,6 +106,23 @@ def test_a_part_of_a_number_a_unit_or_a_time_that_no_value_takes_leaves_no_order
         assert is_nothing("apartment", code, text), text
 
 
+@pytest.mark.parametrize("code", CODES)
+def test_a_bound_is_no_value(code: str) -> None:
+    """ "At least two metres" says neither how far to go nor how far it may."""
+    walks = {
+        "ar": "امش إلى الأمام 2 متر", "de": "geh 2 Meter vor", "en": "walk forward 2 metres",
+        "es": "avanza 2 metros", "fr": "avance de 2 mètres", "hi": "2 मीटर आगे चलो",
+        "id": "jalan maju 2 meter", "it": "vai avanti di 2 metri", "ja": "2メートル進んで",
+        "nl": "loop 2 meter vooruit", "pl": "idź 2 metry do przodu",
+        "pt": "anda 2 metros para a frente", "ru": "пройди 2 метра вперёд",
+        "tr": "2 metre ileri yürü", "vi": "đi tới 2 mét", "zh": "前进2米",
+    }  # fmt: skip
+    assert calls("humanoid", code, walks[code]) == (Call("walk_forward", {"distance": 2.0}),)
+    for bound in words_of(code).bounds:
+        text = walks[code].replace("2", joined(code, bound, "2"))
+        assert is_nothing("humanoid", code, text), text
+
+
 @pytest.mark.parametrize(
     ("robot", "text"),
     [
@@ -129,6 +146,12 @@ def test_a_part_of_a_number_a_unit_or_a_time_that_no_value_takes_leaves_no_order
         ("humanoid", "walk forward a few meters"),
         ("humanoid", "walk forward at 50 percent"),
         ("humanoid", "walk forward two metres per second"),
+        ("humanoid", "walk forward at least two metres"),
+        ("humanoid", "walk two metres at most forward"),
+        ("humanoid", "walk forward no more than two metres"),
+        ("humanoid", "turn left up to 30 degrees"),
+        ("apartment", "turn off the lamp in the bedroom"),
+        ("apartment", "put the light on in the kitchen and wash it"),
         ("apartment", "later go to the kitchen"),
         ("apartment", "maybe head over to the office some time"),
         ("apartment", "in a moment go to the kitchen"),
@@ -169,6 +192,12 @@ def test_what_no_value_took_leaves_no_order(robot: str, text: str) -> None:
         ("apartment", "zh", "一分半钟后去厨房"),
         ("apartment", "ja", "一分半後に台所に行って"),
         ("apartment", "de", "mach die Schlafzimmerlampe an"),
+        ("apartment", "de", "mach die Lampe im Schlafzimmer an"),
+        ("apartment", "de", "geh in die Küche und spül das Geschirr"),
+        ("apartment", "es", "ve a la cocina y lava los platos"),
+        ("apartment", "ar", "اذهب إلى المطبخ واغسل الصحون"),
+        ("apartment", "ja", "台所に行って皿を洗って"),
+        ("apartment", "vi", "tiếp tục phim trong phòng khách"),
         ("apartment", "nl", "zet de slaapkamerlamp aan"),
         ("apartment", "es", "pon música en la sala de estar"),
         ("apartment", "ja", "寝室の電気をつけて"),

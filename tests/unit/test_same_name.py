@@ -26,7 +26,7 @@ SAME = [
     ("mutfaklar", "mutfak"), ("benim mutfak", "mutfak"), ("المطبخ", "مطبخ"),
     ("मेरी रसोई", "रसोई"), ("dapur saya", "dapur"), ("dapur-dapur", "dapur"),
     ("nhà bếp của tôi", "nhà bếp"), ("我的厨房", "厨房"), ("私の台所", "台所"), ("do_ck", "dock"),
-    ("la-b", "lab"),
+    ("la-b", "lab"), ("ʙᴇᴅʀᴏᴏᴍ", "bedroom"), ("きっちん", "キッチン"), ("مَطْبَخ", "مطبخ"),
 ]  # fmt: skip
 DIFFERENT = [
     ("shelf A", "shelf B"), ("Gate A1", "Gate I1"), ("A 1", "O 1"), ("Maria", "Mario"),

@@ -26,8 +26,9 @@ class FunctionWords:
 
     `abilities` may ask what somebody can do, and not for it. `amounts` are parts of numbers, units
     and times: one that no value took leaves no order.
-    `number_marks` are so only beside a number: "two point five". `put_off` say that an order is not
-    for now; one that ends in " ." must end the sentence, and one that begins with ". " begin it.
+    `number_marks` are so only beside a number: "two point five". So are `bounds`: "at least two".
+    `put_off` say that an order is not for now; one that ends in " ." must end the sentence, and one
+    that begins with ". " begin it.
     """
 
     fillers: tuple[str, ...] = ()
@@ -50,6 +51,7 @@ class FunctionWords:
     abilities: tuple[str, ...] = ()
     amounts: tuple[str, ...] = ()
     number_marks: tuple[str, ...] = ()
+    bounds: tuple[str, ...] = ()
     put_off: tuple[str, ...] = ()
     misheard: Mapping[str, str] = field(default_factory=dict)
 
@@ -58,7 +60,8 @@ class FunctionWords:
         return (
             *self.fillers, *self.urges, *self.negations, *self.corrections, *self.reports,
             *self.conditions, *self.doubts, *self.questions, *self.asking, *self.wishes,
-            *self.reasons, *self.reversals, *self.amounts, *self.number_marks, *self.put_off,
+            *self.reasons, *self.reversals, *self.amounts, *self.number_marks, *self.bounds,
+            *self.put_off,
         )  # fmt: skip
 
 

@@ -51,6 +51,7 @@ class CallReader:
         courtesies = (one for one in words.fillers if len(lexicon.phrase(one)) > 2)
         linked = (one for one in joints if len(lexicon.phrase(one)) > 1)
         self._joints = lexicon.index(joints)
+        self._prefixes = tuple(one for one in joints if len(one) == 1 and one > "z")
         self._courtesies = lexicon.index((*courtesies, *words.asking, *words.wishes, *linked))
         self._filling = lexicon.index((*words.fillers, *words.urges, *joints, *words.corrections))
         self._negations = lexicon.index(words.negations)
@@ -90,6 +91,8 @@ class CallReader:
         strange = sum(sentence.strange(a, b) for a, b in _gaps(parts, len(tokens)))
         strange += sum(part.strange for part in parts)
         unread = any(a in joining and sentence.strange(a, b) for a, b in _gaps(parts, len(tokens)))
+        taken = gone | {at for one in said for at in range(one.start, one.end)}
+        unread = unread or any(self._is_half_read(part, sentence, taken) for part in parts)
         parts = self._meant(parts)
         if self._takes_back(parts, tokens):
             parts, corrected, denied = parts[1:], True, False
@@ -101,6 +104,33 @@ class CallReader:
             corrected,
             denied,
             unread,
+        )
+
+    def _is_half_read(self, part: ClauseReading, sentence: Clauses, taken: set[int]) -> bool:
+        """Whether unknown words in a call are perhaps another order, or a thing that it takes not.
+
+        That is what a joint opens ("and wash it"), what stands behind the verb of a language
+        without spaces, and what an article stands before: "turn off the lamp in the bedroom".
+        """
+        tokens, end = sentence.tokens, part.end
+        words = self._lexicon.words[part.call.skill]
+        strange = [at for at in range(part.start, end) if sentence.strange(at, at + 1, words)]
+        values = [at for at in range(part.start, end) if at in taken]
+        if not (strange and values):
+            return False
+        behind = [at for at in strange if at > values[-1]]
+        joints = self._joints.starts(tokens)
+        if behind and not self._lexicon.book.hearing.spaced:
+            return any(tokens[at] in words.weights for at in range(values[-1] + 1, behind[0]))
+        if any(values[-1] < at <= one for one in behind for at in joints):
+            return True
+        if any(tokens[at].startswith(self._prefixes) for at in behind):
+            return True
+        return any(
+            (tokens[at - 1],) in self._articles
+            and any(one not in strange for one in range(at + 1, values[0]))
+            for at in strange
+            if part.start < at < values[0]
         )
 
     def _is_article(self, tokens: Words, one: Name) -> bool:

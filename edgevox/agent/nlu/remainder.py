@@ -98,6 +98,11 @@ def _is_amount_left(tokens: Words, lexicon: Lexicon, taken: _Taken, spared: dict
         words = {tokens[at] for at in places}
         if not (taken.places.issuperset(places) or words <= taken.words):
             return True
+    for places in _found(tokens, lexicon, lexicon.function_words.bounds, spared):
+        before, after = places.start - 1, places.stop
+        ends = before >= 0 and (is_number(tokens[before]) or before in taken.places)
+        if ends or (after < len(tokens) and is_number(tokens[after])):
+            return True
     if not lexicon.book.hearing.spaced:
         marks = _marks(lexicon)
         if any({one, other} <= marks for one, other in itertools.pairwise(tokens)):
