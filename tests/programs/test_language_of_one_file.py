@@ -75,7 +75,8 @@ def test_it_is_stopped_by_the_words_of_that_file_and_by_english_ones(copied, wor
     found = "from edgevox.agent.safety import SafetyWords as S; import sys; a = sys.argv[1];"
     done = run(copied, f"{found} print(bool(S('xx').find(a)), bool(S('en').find(a)))", word)
 
-    assert done.stdout.split() == ["True", str(word == "halt")]
+    elsewhere = not word.startswith("zorp")  # another language's counts there alone or first
+    assert done.stdout.split() == ["True", str(elsewhere)]
 
 
 def test_it_answers_a_stop_in_its_own_words(copied):

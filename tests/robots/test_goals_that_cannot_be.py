@@ -8,7 +8,7 @@ from guards import HUNG_S
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.skills import SkillFailed, SkillSet
-from edgevox.core.agent_events import AgentEvent
+from edgevox.core.agent_events import AgentEvent, AgentEventKind
 from edgevox.core.bus import Bus
 from edgevox.core.commands import RunSkill, TextInput
 from edgevox.core.errors import EdgeVoxError, InvalidValue
@@ -114,7 +114,9 @@ def test_a_sentence_that_asks_for_such_a_point_is_refused_before_it_is_acknowled
         talk.close()
     reason = "outside the apartment: x must be between 0 and 10, and y between 0 and 10"
     assert said == [
+        AgentEventKind.SKILL_GOAL,  # that it is rejected
         f"I could not do that: That point is {reason}.",
+        AgentEventKind.SKILL_GOAL,
         "I cannot do that: x must be a number, and True is none.",
     ]
     assert ended == [Outcome.REFUSED, None]

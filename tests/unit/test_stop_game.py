@@ -11,21 +11,17 @@ from stop_game import StopGame
 
 SECONDS = float(os.environ.get("STOP_GAME_S", "0"))
 """How long it is played with seeds of its own, instead; `STOP_GAME_SEED` names the first."""
-STEPS = 30
+SAME = settings(max_examples=60, stateful_step_count=30)
+ANY = settings(SAME, derandomize=False)
 
 
-@pytest.mark.skipif(SECONDS > 0, reason="it is played longer")
-def test_no_motion_lasts_or_begins_after_a_stop_unless_what_was_sent_after_it_asked_for_it():
-    run_state_machine_as_test(
-        StopGame, settings=settings(max_examples=60, stateful_step_count=STEPS)
-    )
-
-
-@pytest.mark.skipif(SECONDS == 0, reason="STOP_GAME_S says for how many seconds it is played")
-def test_whatever_seed_it_is_played_with(request):
+def test_no_motion_lasts_or_begins_after_a_stop_unless_what_was_sent_after_it_asked_for_it(
+    request: pytest.FixtureRequest,
+) -> None:
+    if not SECONDS:
+        run_state_machine_as_test(StopGame, settings=SAME)
     begun_s, asked = time.monotonic(), os.environ.get("STOP_GAME_SEED")
-    anything = settings(max_examples=50, stateful_step_count=STEPS, derandomize=False)
     while time.monotonic() - begun_s < SECONDS:
         number = int(asked) if asked else random.SystemRandom().randrange(1 << 32)
         request.config.get_terminal_writer().line(f"STOP_GAME_SEED={number}")
-        run_state_machine_as_test(seed(number)(StopGame), settings=anything)
+        run_state_machine_as_test(seed(number)(StopGame), settings=ANY)
