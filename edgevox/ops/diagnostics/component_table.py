@@ -73,7 +73,7 @@ COMPONENTS: tuple[ComponentRow, ...] = (
         ComponentName.INTERLOCK,
         "who forbids all motion at the moment, if anybody does",
         "motion is forbidden: the software stop is pressed, another agent is in charge, or a drain"
-        " has begun",
+        " has begun; or a stop has just ended velocities that went on",
         "",
         "look that nobody is in the way, then resume where it was stopped; `presence` says who"
         " else is there",
