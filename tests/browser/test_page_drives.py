@@ -208,3 +208,25 @@ def test_a_stick_pressed_during_a_stop_drives_only_when_it_is_pressed_again(
     move(page)
     quiet(page, robot)
     assert not any(d["linear"] or d["angular"] for d in robot.commands("drive"))
+
+
+def test_a_stop_from_elsewhere_says_to_let_go_and_the_stick_drives_when_it_is_pressed_again(
+    opens: Opens, robot: Robot
+) -> None:
+    page = opens()
+    hold(page)
+    drives(page, robot)
+    robot.answers["drive"] = {"reason": "let_go", "message": "stopped: release the stick"}
+    page.locator(".toast", has_text="Stopped: release the stick.").first.wait_for()
+    quiet(page, robot)
+    count = len(robot.commands("drive"))
+    move(page)
+    quiet(page, robot)
+    assert len(robot.commands("drive")) == count, "it is held on, and sends nothing"
+
+    del robot.answers["drive"]
+    page.mouse.up()
+    until(page, lambda: not robot.commands("drive")[-1]["linear"])
+    count = len(robot.commands("drive"))
+    hold(page)
+    until(page, lambda: any(d["linear"] for d in robot.commands("drive")[count:]))
