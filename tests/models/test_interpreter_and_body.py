@@ -111,7 +111,7 @@ def test_an_indirect_wish_moves_the_robot(home):
 
 def test_a_wish_that_it_is_less_sure_of_is_asked_about_first(home):
     one = home()
-    one.talk("I'd really appreciate it if you went to the kitchen now")
+    one.talk("My dear, go over into the kitchen")
     assert one.answers()[-1].text == "Shall I go to the kitchen?"
     assert not one.agent_events("tool_call")
     one.talk("yes, please")
