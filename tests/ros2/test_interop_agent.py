@@ -69,7 +69,8 @@ def test_a_goal_pose_outside_the_world_is_refused_and_the_robot_stands(agent, pe
     line = process.wait_for_line("goal_pose_refused")
     assert "That point is outside the apartment: x must be between 0 and 10" in line
     robot_state.wait_for(standing, since=len(robot_state.messages))
-    assert not agent_event.messages
+    agent_event.wait_for(lambda said: json.loads(said)["status"] == "rejected")
+    assert len(agent_event.messages) == 1, "no call, and one refusal"
 
 
 def test_a_goal_in_an_unknown_frame_is_refused_in_a_line_that_says_why(agent, peer):
