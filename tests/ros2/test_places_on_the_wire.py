@@ -100,14 +100,14 @@ def test_any_ros_2_robot_finds_back_and_looks_as_it_did(rig, domain):
         wait_until(lambda: robot.located()[1] == "map", "the map")
         with pytest.raises(SkillFailed, match="I know no place|forget"):
             skill(robot, "forget_place", location="dock")
-        assert skill(robot, "remember_place", name="charger")["frame"] == "map"
+        assert skill(robot, "remember_place", name="bookshelf")["frame"] == "map"
         drive(robot, -0.5, -0.2).result()
         robot.close()
 
         again = rig()
         heard(again)
         wait_until(lambda: again.located()[1] == "map", "the map")
-        skill(again, "navigate_to", location="charger")
+        skill(again, "navigate_to", location="bookshelf")
         pose = again.pose()
         assert math.dist((pose.x_m, pose.y_m), (0.5, 0.2)) < 0.15
         assert pose.yaw_rad == pytest.approx(1.0, abs=0.15)
@@ -116,12 +116,12 @@ def test_any_ros_2_robot_finds_back_and_looks_as_it_did(rig, domain):
 def test_a_robot_without_a_map_or_on_its_way_or_unheard_is_told_why(rig, domain, peer):
     robot = rig()
     with pytest.raises(SkillFailed) as unheard:
-        skill(robot, "remember_place", name="charger")
+        skill(robot, "remember_place", name="bookshelf")
     assert unheard.value.reason.code == "robot_unheard"
     with wheels(domain=domain, namespace="/robot1"):
         do = peer().node.create_publisher(String, "/robot1/do", 10)
         heard(robot)
-        assert skill(robot, "remember_place", name="charger")["frame"] == "odom"
+        assert skill(robot, "remember_place", name="bookshelf")["frame"] == "odom"
         going = drive(robot, 3.0, 0.0)
         moving(robot)
         with pytest.raises(SkillFailed) as on_its_way:
@@ -135,14 +135,14 @@ def test_a_robot_without_a_map_or_on_its_way_or_unheard_is_told_why(rig, domain,
             skill(robot, "remember_place", name="shelf")
     assert on_its_way.value.reason.code == "place_while_moving"
     assert silent.value.reason.code == "lost"
-    assert robot.place_memory.names() == ("charger",)
+    assert robot.place_memory.names() == ("bookshelf",)
 
 
 def test_a_place_of_another_frame_is_not_driven_to(rig, domain):
     with wheels(domain=domain, namespace="/robot1"):
         robot = rig()
         heard(robot)
-        robot.place_memory.remember("charger", robot.pose(), "map")
+        robot.place_memory.remember("bookshelf", robot.pose(), "map")
         with pytest.raises(SkillFailed) as refused:
-            skill(robot, "navigate_to", location="charger")
+            skill(robot, "navigate_to", location="bookshelf")
     assert refused.value.reason.code == "place_elsewhere"
