@@ -174,8 +174,13 @@ def test_after_five_minutes_of_chaos_it_answers_drives_and_stops_as_before(
                 f"{what}: {first}, then {robot.taken()}",
                 GIVEN_UP_S,
             )
-        broken = [line for line in robot.agent.lines if re.match(r"\s*Traceback", line)]
-        assert not broken, f"{len(broken)} times something broke that nobody expected"
+        assert not (broken := tracebacks(robot.agent.lines)), "\n\n".join(broken)
+
+
+def tracebacks(lines):
+    """What broke that nobody expected, each with what was logged before and after it."""
+    begins = [at for at, line in enumerate(lines) if re.match(r"\s*Traceback", line)]
+    return ["\n".join(lines[max(0, at - 3) : at + TAIL]) for at in begins]
 
 
 def rest(robot, server, killed):
