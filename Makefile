@@ -60,11 +60,17 @@ TESTED := $(if $(filter tests tests/,$(ARGS)),$(PARTS),$(or $(filter $(PARTS),$(
 BESIDE := -n $(WORKERS) --dist loadfile --no-loadscope-reorder
 
 .PHONY: test
-test: ## Run all tests, or those that ARGS names; ARGS goes to pytest.
-	@PYTHON=$(PYTHON) scripts/check_machine $(TESTED)
-	@$(MAKE) --no-print-directory $(DONE)/dev
-	@$(MAKE) --no-print-directory -j2 $(DONE)/dev $(sort $(foreach part,$(TESTED),$(NEEDS_$(part))))
-	@$(BIN)/python -m pytest $(if $(NAMED),,$(BESIDE)) $(ARGS)
+test: ## Run the tests, or those that ARGS names; install what they need; ALL=1 fails where a part cannot run.
+	@PYTHON=$(PYTHON) PARTS="$(TESTED)" NAMED="$(NAMED)" ALL=$(ALL) LONG=$(LONG) \
+	  scripts/run_tests --durations=20 $(if $(NAMED),,$(BESIDE)) $(ARGS)
+
+.PHONY: test-all
+test-all: ## Run the tests, then those that take long, too.
+	@$(MAKE) --no-print-directory test LONG=1
+
+.PHONY: test-needs
+test-needs:
+	@echo $(sort $(foreach part,$(TESTED),$(NEEDS_$(part))))
 
 .PHONY: unit
 unit: $(DONE)/dev ## Run what needs no model, no container, no node, and starts nothing large: in a minute.

@@ -4,6 +4,7 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from typing import Protocol
 
 from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.errors import EdgeVoxError
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.log import Said, get_logger, worth_a_line
 from edgevox.voice.audio import Chunk
@@ -110,10 +111,10 @@ class SentenceSynthesiser:
     def _load(self, choice: VoiceChoice) -> Synthesiser | None:
         try:
             engine = self._pool.get(choice)
-        except Exception:
+        except EdgeVoxError as error:
             self.failures += 1
             if worth_a_line(self.failures):
-                log.exception("voice_not_loaded", voice=choice.name)
+                log.error("voice_not_loaded", voice=choice.name, reason=str(error))  # noqa: TRY400
             return None
         self.last = (choice, engine.sample_rate_hz)
         return engine

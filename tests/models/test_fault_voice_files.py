@@ -13,9 +13,13 @@ from listener_rig import loud, says_piper, silence
 from voice_rig import VoiceRig
 
 from edgevox.core.commands import SetVoice
-from edgevox.core.errors import InvalidValue
+from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.events import Responded
+from edgevox.core.languages import LANGUAGES
 from edgevox.models import locate
+from edgevox.voice.stt.whisper import Whisper
+from edgevox.voice.tts.pool import VoicePool
+from edgevox.voice.voices import VoiceChoice
 
 STT, JOE = "whisper-tiny.en", "piper-en_US-joe-medium"
 QUESTION, ANSWER = "Where are you?", "I am in the living room"
@@ -107,3 +111,22 @@ def test_a_voice_that_is_cut_short_is_refused_and_another_one_speaks(rig, store,
     ask(one, question, ANSWER)
     assert voice_of(one) == "espeak"
     assert one.answer().size
+
+
+@pytest.mark.parametrize("name", ["model.bin", "tokenizer.json"])
+@pytest.mark.parametrize("fault", [cut_short, Path.unlink])
+def test_hearing_with_a_file_that_is_cut_short_or_gone_fails_with_a_reason(store, name, fault):
+    fault(store / STT / name)
+
+    with pytest.raises(EdgeVoxError, match="cannot load"):
+        Whisper(lambda _: store / STT).warm_up("en")
+
+
+@pytest.mark.parametrize("fault", [cut_short, Path.unlink])
+@pytest.mark.parametrize("name", ["en_US-joe-medium.onnx", "en_US-joe-medium.onnx.json"])
+def test_a_voice_whose_file_goes_away_while_it_is_chosen_fails_with_a_reason(store, name, fault):
+    (voice,) = (one for one in LANGUAGES["en"].voices if one.models == (JOE,))
+    fault(store / JOE / name)
+
+    with pytest.raises(EdgeVoxError, match="en_US-joe-medium"):
+        VoicePool().get(VoiceChoice("en", voice, (store / JOE / "en_US-joe-medium.onnx",)))

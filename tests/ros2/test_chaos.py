@@ -140,6 +140,7 @@ def run_chaos(actions, robot, killed, rng, journal, seconds):
     return stops
 
 
+@pytest.mark.long
 @pytest.mark.alone
 def test_after_five_minutes_of_chaos_it_answers_drives_and_stops_as_before(
     machine, robot, server, killed, domain, capsys, tmp_path

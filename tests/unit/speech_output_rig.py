@@ -7,6 +7,7 @@ import numpy as np
 from guards import HUNG_S
 
 from edgevox.core.cancel import CancelToken
+from edgevox.core.errors import EdgeVoxError
 from edgevox.core.languages import Voice
 from edgevox.voice.audio import Chunk, Samples
 from edgevox.voice.voices import VoiceChoice
@@ -78,6 +79,8 @@ class Voices:
 
     def get(self, choice: VoiceChoice) -> Beeper:
         self.loaded.append(choice.name)
+        if choice.name not in self.voices:
+            raise EdgeVoxError(f"voice {choice.name}: its file is gone")
         return self.voices[choice.name]
 
 

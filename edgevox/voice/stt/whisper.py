@@ -117,7 +117,7 @@ class Whisper:
                         cpu_threads=self._threads,
                         local_files_only=True,
                     )
-            except (RuntimeError, ValueError, OSError, MemoryError) as error:
+            except Exception as error:  # its libraries raise whatever they like for a file
                 raise EdgeVoxError(f"speech to text: cannot load {path}: {error}") from error
             self._models[path] = _LoadedModel(engine, short=bool(added))
         return self._models[path]

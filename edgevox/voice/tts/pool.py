@@ -4,6 +4,7 @@ from collections import OrderedDict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from edgevox.core.errors import EdgeVoxError
 from edgevox.voice.tts.synthesiser import Synthesiser
 from edgevox.voice.voices import VoiceChoice
 
@@ -27,11 +28,14 @@ class VoicePool:
         """Those of the voices that are loaded. May be read from any thread."""
 
     def get(self, choice: VoiceChoice) -> Synthesiser:
-        """The voice, loaded and warm. Raises what its engine raises."""
+        """The voice, loaded and warm. Raises `EdgeVoxError` if it cannot be loaded."""
         found = self._loaded.pop(choice, None)
         if found is None:
-            found = self._load(choice)
-            found.warm_up()
+            try:
+                found = self._load(choice)
+                found.warm_up()
+            except Exception as error:  # its libraries raise whatever they like for a file
+                raise EdgeVoxError(f"voice {choice.name}: cannot load it: {error}") from error
         self._loaded[choice] = found
         while len(self._loaded) > self._most:
             self._loaded.popitem(last=False)
