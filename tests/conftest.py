@@ -1,5 +1,6 @@
 """What holds for all tests: on whatever machine, and beside others in workers of pytest-xdist."""
 
+import ctypes
 import gc
 import itertools
 import os
@@ -14,6 +15,8 @@ import pytest
 from beside import Room, Scheduling, in_turns
 from failed_subscribers import FAILED, FailedSubscribers
 from hypothesis import HealthCheck, settings
+
+from edgevox.ops.allocator import return_memory
 
 # How long an example takes is the machine's business; what must be quick is a benchmark.
 SLOW = [HealthCheck.too_slow]
@@ -35,6 +38,7 @@ PARTICIPANTS = 4
 
 def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "alone: no other test runs meanwhile; it measures time")
+    return_memory()  # as our programs do: what is freed goes back
     config.addinivalue_line("markers", "long: `make test-all` runs it, `make test` does not")
 
 
@@ -57,6 +61,14 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Scheduling | None:
     return Scheduling(config, log) if config.getoption("dist") == "loadfile" else None
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _memory_of_a_file_is_given_back() -> Iterator[None]:
+    """A worker runs many files: what one has loaded must not stay until the end."""
+    yield
+    gc.collect()
+    ctypes.CDLL(None).malloc_trim(0)
 
 
 @pytest.fixture(autouse=True)
