@@ -23,6 +23,7 @@ from edgevox.agent.policy import Guard
 from edgevox.agent.programs.senses import Senses
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import Call, GoalHandle, SkillFailed, SkillSet, skill
+from edgevox.core.agent_events import AgentEvent, Confirmation, ConfirmationStatus
 from edgevox.core.bus import Bus
 from edgevox.core.commands import (
     CancelProgram,
@@ -141,6 +142,10 @@ class StopGame(RuleBasedStateMachine):
         self.waiting: list[Callable[[], object]] = []
         """What was sent and is not received yet: calls that hand it over."""
         self.sent_after: dict[int, int] = {}
+        self.spoken: set[int] = set()
+        self.asked: tuple[int, int] | None = None
+        """The order that is asked about, and after how many stops."""
+        self.bus.subscribe(AgentEvent, self.be_asked_about)
         self.stream_after = 0
         self.steered_s = float("-inf")
         self.goals: list[Any] = []
@@ -253,7 +258,9 @@ class StopGame(RuleBasedStateMachine):
     @rule(held=HELD)
     def speak(self, held: bool) -> None:
         """The words are known later, and were begun now."""
-        text, began_s = f"go to x {self.order()}, y 1", self.time.now()
+        order, began_s = self.order(), self.time.now()
+        text = f"go to x {order}, y 1"
+        self.spoken.add(order)
         self.conversation.submit(Transcribing())
 
         def hear() -> None:
@@ -271,6 +278,7 @@ class StopGame(RuleBasedStateMachine):
 
     @rule(held=HELD)
     def say_yes(self, held: bool) -> None:
+        self.yes_is_sent()
         self.say("yes", held=held)
 
     @precondition(lambda self: self.waiting)
@@ -285,6 +293,7 @@ class StopGame(RuleBasedStateMachine):
         while self.waiting:
             self.waiting.pop(0)()
         self.settle()
+        self.yes_is_sent()
         self.conversation.submit(TextInput("yes"))
         self.settle()
         self.time_passes(seconds)
@@ -296,6 +305,22 @@ class StopGame(RuleBasedStateMachine):
         self.conversation.submit(Speak(text))
         with self.heard:
             assert self.heard.wait_for(lambda: text in self.said, HUNG_S)
+
+    def be_asked_about(self, event: AgentEvent) -> None:
+        """Note which order is asked about."""
+        if isinstance(event, Confirmation):
+            asked = event.status is ConfirmationStatus.ASKED
+            self.asked = (event.calls[0].arguments["x"], self.stops) if asked else None
+
+    def yes_is_sent(self) -> None:
+        """Who says yes to words that were doubted since the last stop orders it now.
+
+        Only spoken words may be asked about after a stop that came while they were said: all else
+        that was sent before it is void.
+        """
+        order, stops = self.asked or (0, 0)
+        if order in self.spoken and stops == self.stops and not self.forbidden:
+            self.sent_after[order] = self.stops
 
     def hear(self, text: str) -> None:
         with self.heard:

@@ -96,7 +96,8 @@ class Asking:
             return False
         if prepared is None:
             return True
-        unsure = not meaning.sure or (turn.plainly and meaning.source != "template")
+        plain = meaning.sure and (meaning.source == "template" or not turn.plainly)
+        unsure = turn.doubted or not plain
         asks = self.confirm == "always" or (unsure and self.confirm == "unsure")
         drives = self._performer.drives(prepared)
         lasts = unsure and self._performer.lasts(prepared)

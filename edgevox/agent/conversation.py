@@ -294,6 +294,7 @@ class Conversation:
             way=inbox.way_of(item),
             mark=self._inbox.mark,
             plainly=isinstance(item, Heard) and item.spotted,
+            doubted=isinstance(item, Heard) and self._stopping.doubts(item),
             hearing=item.confidence if isinstance(item, Heard) else 1.0,
             others=item.others if isinstance(item, Heard) else (),
         )

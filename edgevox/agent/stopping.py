@@ -82,6 +82,7 @@ class Stopping:
         self._phonemes = phonemes
         self.set_language(language)
         self._stopped_s = self._spotted_s = self._withdrawn_s = float("-inf")
+        self._heard_idle_s = float("-inf")
         self._untold = ""
         self.last: Turn | None = None
         """The last turn that somebody spoke for."""
@@ -130,6 +131,17 @@ class Stopping:
         began_s = None if heard.spotted else heard.began_s
         return began_s is not None and began_s <= self._stopped_s
 
+    def doubts(self, heard: Heard) -> bool:
+        """Whether these words may have been taken back by a stop word that only its sound told.
+
+        The robot stood still, so the words may have sounded like one themselves. Whoever said them
+        is asked before anything moves.
+        """
+        if heard.ended_s < self._heard_idle_s + WORD_TAIL_S:
+            return True
+        began_s = None if heard.spotted else heard.began_s
+        return began_s is not None and began_s <= self._heard_idle_s
+
     def is_stop(self, text: str) -> bool:
         """Whether these words would stop the robot."""
         return self._safety.find(text) is not None
@@ -160,11 +172,13 @@ class Stopping:
         """Stop for the sound of a stop word; what ends with it was that word, whatever it reads.
 
         Where nothing is going on the body is halted all the same, since others may drive it, and
-        what was said before and is still being transcribed is forgotten; but words that only sound
-        like a stop word are then as good as any.
+        what was said before and is still being transcribed is forgotten; but words that may only
+        have sounded like a stop word are asked about (`doubts`).
         """
         going_on = bool(self._turn() or self._executor.moving or self._programs.kept)
         when_s = sound.at_s + (WORD_TAIL_S if going_on else -SAME_WORD_S)
+        if not going_on:
+            self._heard_idle_s = sound.at_s
         stopped, waited = self._stop(because("spotted_stop"), when_s)
         if going_on or stopped:
             self._spotted_s = sound.at_s

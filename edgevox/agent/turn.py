@@ -40,8 +40,9 @@ class Turn:
     the first can be noticed: heard, or read where nothing is spoken. Nothing is said once the
     token is cancelled. `way` is how it was asked for, `mark` the interlock's when it was: a stop or
     a release since then forbids it to move anything. `plainly`: only a plain order may move
-    anything without a question, since a stop word was heard in the same breath. `hearing` is how
-    sure it is that its words were said, `others` what else may have been.
+    anything without a question, since a stop word was heard in the same breath. `doubted`: nothing
+    may, since one was heard at their end or right after them. `hearing` is how sure it is that its
+    words were said, `others` what else may have been.
     """
 
     def __init__(
@@ -56,6 +57,7 @@ class Turn:
         way: Way = Way.TEXT_INPUT,
         mark: int = 0,
         plainly: bool = False,
+        doubted: bool = False,
         hearing: float = 1.0,
         others: Sequence[Hypothesis] = (),
     ) -> None:
@@ -63,6 +65,7 @@ class Turn:
         self.way = way
         self.mark = mark
         self.plainly = plainly
+        self.doubted = doubted
         self.hearing = hearing
         self.others = others
         self.token = CancelToken()

@@ -114,14 +114,16 @@ def test_a_plain_order_in_the_rest_of_the_utterance_is_done(rig):
     assert rig.answers() == ["I am in the bedroom."]
 
 
-def test_where_nothing_is_going_on_words_are_not_lost_for_a_sound(rig):
+def test_where_nothing_is_going_on_words_that_sounded_like_a_stop_are_asked_about(rig):
     rig.body.arrive()
 
     rig.spot()
     rig.hear("go to the bedroom", AT_S, spotted=True)
 
-    assert rig.body.sent == ["bedroom"]
+    assert rig.body.sent == []
     assert rig.of(SafetyPreempted) == []
+    rig.hear("yes", 101.0)
+    assert rig.body.sent == ["bedroom"]
 
 
 def test_the_rest_of_the_utterance_is_asked_about_if_it_is_no_plain_order(rig):
@@ -151,19 +153,24 @@ def test_stop_and_an_order_in_one_breath_stops_and_does_no_more(rig):
 
 
 @pytest.mark.parametrize(
-    ("ended_s", "sent"), [(AT_S - SAME_WORD_S - 0.5, []), (AT_S - 0.2, ["bedroom"])]
+    ("began_s", "ended_s", "asked"),
+    [
+        (None, AT_S - SAME_WORD_S - 0.5, False),
+        (None, AT_S - 0.2, True),
+        (AT_S - 0.3, AT_S + 5.0, True),
+    ],
 )
-def test_where_nothing_is_going_on_a_sound_still_forgets_what_was_said_before_it(
-    rig, ended_s, sent
+def test_where_nothing_is_going_on_a_sound_still_takes_back_what_was_said_before_it(
+    rig, began_s, ended_s, asked
 ):
-    rig.body.arrive()
     rig.conversation.submit(Transcribing())
 
     rig.spot()
-    rig.conversation.submit(Heard("go to the bedroom", ended_s))
+    rig.conversation.submit(Heard("go to the bedroom", ended_s, began_s=began_s))
 
     assert rig.conversation.wait_idle(60)
-    assert rig.body.sent == sent
+    assert rig.body.sent == []
+    assert [one.status for one in rig.of(Confirmation)] == [ConfirmationStatus.ASKED] * asked
 
 
 def test_a_stop_that_comes_while_words_are_looked_into_is_no_later_than_they_are():
