@@ -48,7 +48,7 @@ run: $(DONE)/$(if $(ROS2),msgs,run) ## Start the agent, aloud, on ROS 2 and with
 	@exec $(BIN)/edgevox-agent $(AGENT) $(if $(ROS2),--ros2) $(CONSOLE) $(ARGS)
 
 # The parts of the tests, and what each needs that is fetched or built first. ARGS may name some.
-PARTS := unit programs robots models ros2 docs browser compose
+PARTS := unit wrong programs robots models ros2 docs browser compose
 NEEDS_robots := test-models
 NEEDS_models := test-models $(DONE)/llama-cpp
 NEEDS_ros2 := test-models $(DONE)/msgs
@@ -74,7 +74,7 @@ test-needs:
 
 .PHONY: unit
 unit: $(DONE)/dev ## Run what needs no model, no container, no node, and starts nothing large: in a minute.
-	@$(BIN)/python -m pytest -n 4 --dist loadfile tests/unit $(ARGS)  # a third of it waits
+	@$(BIN)/python -m pytest -n 4 --dist loadfile tests/unit tests/wrong $(ARGS)  # a third of it waits
 
 .PHONY: games
 games: $(DONE)/dev $(NEEDS_ros2) ## Play the stop game, in one process and on ROS 2, for SECONDS=60 each; it prints its seeds.
@@ -94,7 +94,7 @@ secured: $(DONE)/dev $(DONE)/msgs ## Hold DDS security against the wire; SECURE_
 
 .PHONY: steady
 steady: ## Run tests again and again, on a machine that is kept busy; hours.
-	@PYTHON=$(PYTHON) scripts/check_machine unit programs robots models ros2
+	@PYTHON=$(PYTHON) scripts/check_machine unit wrong programs robots models ros2
 	@$(MAKE) --no-print-directory $(DONE)/dev
 	@$(MAKE) --no-print-directory -j2 $(NEEDS_robots) $(NEEDS_models) $(NEEDS_ros2)
 	@$(BIN)/python scripts/steady.py $(ARGS)

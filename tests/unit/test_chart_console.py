@@ -148,32 +148,6 @@ def test_on_the_hosts_network_it_stays_on_loopback() -> None:
     assert console_services(values) == []
 
 
-@pytest.mark.parametrize(
-    ("console", "reason"),
-    [
-        ({"ingress": {"enabled": True}}, r'robots\[0\]\.console\.ingress\.host: got ""'),
-        (
-            {"ingress": {"enabled": True, "host": "x.example"}},
-            r'robots\[1\]\.console\.ingress\.host: got "x.example", expected another one',
-        ),
-        ({"port": 0}, "/console/port"),
-        ({"password": "hunter2"}, "password"),
-        ({"names": ["a,b"]}, "/console/names/0"),
-        ({"service": {"type": "ExternalName"}}, "/console/service/type"),
-    ],
-)
-def test_what_cannot_be_is_refused_by_name(console: dict[str, Any], reason: str) -> None:
-    robots = [{"name": "a", "domain": 1}, {"name": "b", "domain": 2}]
-    with pytest.raises(helm.HelmError, match=reason):
-        chart.render({"robots": robots, "console": {"enabled": True, **console}})
-
-
-def test_an_ingress_to_a_console_on_loopback_is_refused() -> None:
-    console = {"enabled": True, "ingress": {"enabled": True, "host": "x.example"}}
-    with pytest.raises(helm.HelmError, match=r"console\.ingress\.enabled: got true"):
-        chart.render(ONE | {"hostNetwork": True, "console": console})
-
-
 def test_a_robots_own_volume_takes_the_place_of_the_common_one() -> None:
     claim = {"persistentVolumeClaim": {"claimName": "a"}}
     robots = [{"name": "a", "domain": 1, "console": {"volume": claim}}, {"name": "b", "domain": 2}]

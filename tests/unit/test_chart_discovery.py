@@ -2,7 +2,6 @@
 
 from typing import Any
 
-import helm_python as helm
 import pytest
 from chart_rig import ONE, chart, environment, objects, pods, validate
 
@@ -114,28 +113,3 @@ def test_all_of_it_is_what_kubernetes_knows(version: str) -> None:
 
 def test_nothing_of_it_is_there_unless_it_is_asked_for() -> None:
     assert not _of_servers("StatefulSet", ONE)
-
-
-@pytest.mark.parametrize(
-    ("more", "expected"),
-    [
-        (
-            {"discovery": {"servers": True, "server": "a:1"}},
-            "expected none beside discovery.servers",
-        ),
-        (
-            {"discovery": {"servers": True}, "security": {"enabled": True}},
-            "expected false with sec",
-        ),
-    ],
-)
-def test_what_cannot_be_together_is_refused(more: dict[str, Any], expected: str) -> None:
-    with pytest.raises(helm.HelmError, match=expected):
-        chart.render(ONE | more)
-
-
-def test_robots_of_one_server_are_told_apart_as_on_one_domain() -> None:
-    """Whatever their domains: a server hands on all to all."""
-    robots = [{"name": "a", "domain": 1}, {"name": "b", "domain": 2}]
-    with pytest.raises(helm.HelmError, match="framePrefix"):
-        chart.render({"robots": robots, "discovery": {"server": "base:11811"}})

@@ -1,83 +1,19 @@
-"""Kubernetes' own words in the values: nonsense is refused by its path."""
+"""Kubernetes' own words in the values are taken. Wrong ones: tests/wrong/chart."""
 
 import json
 from collections.abc import Iterator
 from typing import Any
 
-import helm_python as helm
 import pytest
 import yaml
 from chart_rig import ONE, chart, pods, solo
 
 SPREAD = {"maxSkew": 1, "topologyKey": "zone", "whenUnsatisfiable": "ScheduleAnyway"}
-CLAIM = {"persistentVolumeClaim": {"claimName": "x"}}
-NAMED = {"name": "x", "mountPath": "/x"}
 DEFINITIONS = json.loads(chart.SCHEMA.read_text())["definitions"]
 
 
 def peer(**fields: Any) -> dict[str, Any]:
     return {"networkPolicy": {"peers": [fields]}}
-
-
-@pytest.mark.parametrize(
-    ("values", "named"),
-    [
-        ({"resources": {"limits": {"memory": "4 GB"}}}, "/resources/limits/memory"),
-        ({"resources": {"limits": {"memory": -1}}}, "/resources/limits/memory"),
-        ({"resources": {"requests": {"ram": "4Gi"}}}, "'ram'"),
-        ({"resources": {"limit": {}}}, "limit"),
-        ({"recorder": {"size": "ten"}}, "/recorder/size"),
-        ({"recorder": {"resources": {"limits": {"cpu": "two"}}}}, "/recorder/resources/limits/cpu"),
-        ({"recorder": {"storageClass": "Fast Disk"}}, "/recorder/storageClass"),
-        ({"tmpSize": "much"}, "tmpSize"),
-        ({"nodeSelector": {"edgevox/body": True}}, "/nodeSelector/edgevox~1body"),
-        ({"nodeSelector": {"not a key": "x"}}, "'not a key'"),
-        ({"nodeSelector": {"a": "no spaces"}}, "/nodeSelector/a"),
-        ({"tolerations": [{"key": "a", "effect": "NoRun"}]}, "/tolerations/0/effect"),
-        ({"tolerations": [{"key": "a", "operator": "Exist"}]}, "/tolerations/0/operator"),
-        ({"tolerations": [{"effect": "NoSchedule"}]}, "/tolerations/0"),
-        ({"tolerations": [{"kee": "a"}]}, "kee"),
-        ({"topologySpreadConstraints": [SPREAD | {"maxSkew": 0}]}, "/0/maxSkew"),
-        ({"topologySpreadConstraints": [{"maxSkew": 1}]}, "topologyKey"),
-        ({"topologySpreadConstraints": [SPREAD | {"labelSelector": {"app": "x"}}]}, "app"),
-        ({"affinity": {"podAntiAfinity": {}}}, "podAntiAfinity"),
-        ({"affinity": {"nodeAffinity": {"required": {}}}}, "required"),
-        ({"priorityClassName": "Very High"}, "/priorityClassName"),
-        ({"runtimeClassName": "NVIDIA"}, "/runtimeClassName"),
-        ({"serviceAccountName": "a b"}, "/serviceAccountName"),
-        ({"podLabels": {"a": "b c"}}, "/podLabels/a"),
-        ({"podAnnotations": {"a b": "c"}}, "'a b'"),
-        ({"models": {"volume": {"pvc": {}}}}, "pvc"),
-        ({"models": {"volume": CLAIM | {"emptyDir": {}}}}, "/models/volume"),
-        ({"places": {"volume": {"hostPath": "/srv"}}}, "/places/volume/hostPath"),
-        ({"extraVolumes": [{"name": "x"}]}, "/extraVolumes/0"),
-        ({"extraVolumes": [CLAIM]}, "name"),
-        ({"extraVolumeMounts": [{"name": "x"}]}, "mountPath"),
-        ({"extraVolumeMounts": [NAMED | {"mountPath": "x"}]}, "/extraVolumeMounts/0/mountPath"),
-        ({"extraVolumeMounts": [NAMED | {"readonly": True}]}, "readonly"),
-        ({"env": [{"name": "A", "value": "b", "valueFrom": {"fieldRef": {}}}]}, "/env/0"),
-        ({"env": [{"name": "A", "valueFrom": {"secret": {}}}]}, "secret"),
-        ({"image": {"pullSecrets": [""]}}, "/image/pullSecrets/0"),
-        ({"image": {"pullSecrets": ["A_B"]}}, "/image/pullSecrets/0"),
-        ({"llm": {"endpointKeySecret": {"name": "The Key"}}}, "/llm/endpointKeySecret/name"),
-        (peer(ipBlock={"cidr": "192.168.1.0"}), "/networkPolicy/peers/0/ipBlock/cidr"),
-        (peer(ipBlock={"cidr": "10.0.0.0/8"}, podSelector={}), "/networkPolicy/peers/0"),
-        (peer(podselector={}), "podselector"),
-        (peer(), "/networkPolicy/peers/0"),
-        ({"serviceMonitor": {"labels": {"a": 1}}}, "/serviceMonitor/labels/a"),
-        ({"podDisruptionBudget": {"maxUnavailable": -1}}, "maxUnavailable"),
-        ({"podDisruptionBudget": {"minAvailable": 1}}, "minAvailable"),
-        ({"health": {"startSeconds": 1}}, "/health/startSeconds"),
-        ({"discovery": {"peersWaitSeconds": 61}}, "/discovery/peersWaitSeconds"),
-        ({"updateStrategy": "Recreate"}, "/updateStrategy"),
-    ],
-)
-def test_nonsense_in_what_is_kubernetes_own_is_refused_by_its_path(values, named: str) -> None:
-    for given in (values, {"robots": [{"name": "a", "domain": 1} | values]}):
-        if given is values or values.keys() <= DEFINITIONS["robot"]["properties"].keys():
-            with pytest.raises(helm.HelmValuesError) as refused:
-                chart.render(given)
-            assert named in str(refused.value)
 
 
 @pytest.mark.parametrize(

@@ -90,25 +90,5 @@ def test_the_chart_makes_no_secret_itself() -> None:
     assert objects(SITE, "Secret") == []
 
 
-@pytest.mark.parametrize(
-    ("security", "robots"),
-    [
-        ({"enabled": "yes"}, [{}]),
-        ({"enabled": True, "enclave": "robot1"}, [{}]),
-        ({"enabled": True, "enclave": "/robot-1"}, [{}]),
-        ({"enabled": True, "secretName": "My Secret"}, [{}]),
-        ({"enabled": True, "strategy": "Permissive"}, [{}]),
-        ({"enabled": True, "secretName": "one"}, [{}, {}]),
-        ({"enabled": True, "enclave": "/one"}, [{}, {}]),
-        ({"enabled": True}, [{"discovery": {"server": "server:11811"}}]),
-        ({"enabled": True}, [{"settings": {"EDGEVOX_SECURITY_KEYSTORE": "/x"}}]),
-    ],
-)
-def test_nonsense_is_refused(security: dict[str, Any], robots: list[dict[str, Any]]) -> None:
-    named = [{"name": f"r{i}", "domain": i, **one} for i, one in enumerate(robots)]
-    with pytest.raises((helm.HelmError, ValueError)):
-        chart.render({"robots": named, "security": security})
-
-
 def test_without_security_the_names_of_secrets_say_nothing() -> None:
     assert solo(security={"secretName": "one"})["volumes"] == pods(ONE)["solo"]["volumes"]

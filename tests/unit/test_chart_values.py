@@ -1,4 +1,4 @@
-"""Bad values are refused by name before a cluster sees them, good ones mean what they say."""
+"""Good values of the chart mean what they say. Wrong ones: tests/wrong/chart."""
 
 import json
 from typing import Any
@@ -19,70 +19,6 @@ FLEET = yaml.safe_load(chart.FLEET.read_text())
 
 def robot(**fields: Any) -> dict[str, Any]:
     return {"robots": [{"name": "solo", "domain": 7, **fields}]}
-
-
-@pytest.mark.parametrize(
-    ("values", "named"),
-    [
-        (robot(domain=233), "/robots/0/domain"),
-        (robot(domain=-1), "/robots/0/domain"),
-        (robot(domain=1.5), "/robots/0/domain"),
-        (robot(domain="1"), "/robots/0/domain"),
-        ({"robots": [{"domain": 1}]}, "name"),
-        ({"robots": [{"name": "a"}]}, "domain"),
-        (robot(name="Robot_1"), "/robots/0/name"),
-        (robot(name="r" * 26), "/robots/0/name"),
-        (robot(agentNamespace="/my robot"), "/robots/0/agentNamespace"),
-        (robot(agentNamespace="/a__b"), "/robots/0/agentNamespace"),
-        (robot(namespace="/1"), "/robots/0/namespace"),
-        (robot(agentNamespace=""), "/robots/0/agentNamespace"),
-        (robot(framePrefix="1/"), "/robots/0/framePrefix"),
-        (robot(agent="robot-vacuum"), "/robots/0/agent"),
-        (robot(policy={"rules": {"voice": "maybe"}}), "/robots/0/policy"),
-        (robot(policy={"limits": {"distance_m": 0}}), "/robots/0/policy/limits/distance_m"),
-        (robot(language="xx"), "/robots/0/language"),
-        (robot(langauge="fr"), "langauge"),
-        (robot(llm={"context": 12}), "/robots/0/llm/context"),
-        (robot(llm={"endpoint": "llm:8080"}), "/robots/0/llm/endpoint"),
-        (robot(llm={"endpoint": "http://user:pass@llm"}), "/robots/0/llm/endpoint"),
-        (robot(llm={"endpointTimeoutSeconds": 0}), "endpointTimeoutSeconds"),
-        (robot(llm={"endpointGrammar": "json"}), "endpointGrammar"),
-        (robot(llm={"endpointKey": "hunter2"}), "endpointKey"),
-        (robot(settings={"EDGEVOX_ECO": "none"}), "EDGEVOX_ECO"),
-        (robot(settings={"ROS_DOMAIN_ID": 3}), "ROS_DOMAIN_ID"),
-        (robot(health={"port": 0}), "/robots/0/health/port"),
-        (robot(podLabels={"edgevox/domain": "1"}), "edgevox/domain"),
-        ({"logLevel": "loud"}, "/logLevel"),
-        ({"hostNetwork": "yes"}, "/hostNetwork"),
-        ({"user": {"uid": 0}}, "/user/uid"),
-        ({"image": {"digest": "sha256:1"}}, "/image/digest"),
-        ({"discovery": {"staticPeers": ["a;b"]}}, "/discovery/staticPeers/0"),
-        ({"podDisruptionBudget": {"maxUnavailable": "200%"}}, "maxUnavailable"),
-        ({"robot": []}, "robot"),
-    ],
-)
-def test_a_bad_value_is_refused_by_name(values: dict[str, Any], named: str) -> None:
-    with pytest.raises(helm.HelmValuesError) as refused:
-        chart.render(values)
-
-    assert named in str(refused.value)
-
-
-@pytest.mark.parametrize(
-    ("second", "reason"),
-    [
-        ({"name": "a", "domain": 2}, r'robots\[1\]\.name: got "a"'),
-        (
-            {"name": "b", "domain": 1, "agentNamespace": "/a"},
-            r'robots\[1\]\.agentNamespace: got "/a"',
-        ),
-        ({"name": "b", "domain": 1, "namespace": "a"}, r'robots\[1\]\.agentNamespace: got "a"'),
-        ({"name": "b", "domain": 1}, r'robots\[1\]\.framePrefix: got ""'),
-    ],
-)
-def test_robots_that_would_get_into_each_others_way_are_refused(second, reason: str) -> None:
-    with pytest.raises(helm.HelmError, match=reason):
-        chart.render({"robots": [{"name": "a", "domain": 1}, second]})
 
 
 def test_lint_refuses_what_install_would_refuse() -> None:
@@ -175,19 +111,6 @@ def test_the_old_name_of_a_value_for_all_robots_is_less_than_a_robots_own() -> N
     assert environment(pods(robot() | common)["solo"])["EDGEVOX_ROBOT_NAMESPACE"] == "/common"
     own = robot(robotNamespace="/own") | common
     assert environment(pods(own)["solo"])["EDGEVOX_ROBOT_NAMESPACE"] == "/own"
-
-
-@pytest.mark.parametrize(
-    ("values", "where"),
-    [
-        (robot(externalNamespace="/a", robotNamespace="/b"), r"robots\[0\]\.externalNamespace"),
-        (robot(namespace="/a", agentNamespace="/b"), r"robots\[0\]\.namespace"),
-        (robot() | {"externalNamespace": "/a", "robotNamespace": "/b"}, "externalNamespace"),
-    ],
-)
-def test_one_value_by_two_names_must_be_the_same(values: dict[str, Any], where: str) -> None:
-    with pytest.raises(helm.HelmError, match=where + ': got "/a", expected "/b", as '):
-        chart.render(values)
 
 
 def _notes(values: dict[str, Any]) -> str:

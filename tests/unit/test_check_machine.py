@@ -11,7 +11,18 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 LIST = ROOT / "requirements" / "debian.list"
-PARTS = {"run", "unit", "programs", "robots", "models", "ros2", "docs", "browser", "compose"}
+PARTS = {
+    "run",
+    "unit",
+    "wrong",
+    "programs",
+    "robots",
+    "models",
+    "ros2",
+    "docs",
+    "browser",
+    "compose",
+}
 LACKING = """
 # a comment
 python3-tk      robots       false
@@ -114,7 +125,7 @@ def dry_run(*arguments: str, **environment: str) -> list[str]:
         ("tests/ros2", "ros2", ".venv/done/msgs test-models"),
         (
             "--durations=20",
-            "unit programs robots models ros2 docs browser compose",
+            "unit wrong programs robots models ros2 docs browser compose",
             ".venv/done/llama-cpp .venv/done/msgs .venv/done/page test-image test-models",
         ),
     ],
@@ -215,7 +226,7 @@ def test_what_cannot_run_is_left_out_and_told_last_with_how_to_get_it(run_tests,
 
 @pytest.mark.parametrize("asked", ["ALL", "NAMED"])
 def test_what_was_asked_for_by_name_is_never_left_out(run_tests, tmp_path, asked):
-    done = run_tests("unit compose", **{asked: "1"})
+    done = run_tests("unit wrong programs robots models ros2 docs browser compose", **{asked: "1"})
 
     assert done.returncode == 1
     assert ran(tmp_path) == []

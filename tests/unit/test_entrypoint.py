@@ -1,4 +1,4 @@
-"""What the container's entrypoint makes of its environment, and what it refuses."""
+"""What the container's entrypoint makes of its environment. Wrong: tests/wrong/environment."""
 
 import os
 import re
@@ -66,63 +66,12 @@ def test_with_sound_in_one_direction_it_is_not_in_text_mode(given):
     assert "EDGEVOX_TEXT_MODE" not in environment
 
 
-@pytest.mark.parametrize(
-    ("given", "line"),
-    [
-        (
-            {"ROS_DOMAIN_ID": "300"},
-            "ROS_DOMAIN_ID: got '300', expected a whole number from 0 to 232",
-        ),
-        ({"ROS_DOMAIN_ID": "-1"}, "ROS_DOMAIN_ID: got '-1', expected a whole number"),
-        ({"ROS_DOMAIN_ID": "١"}, "ROS_DOMAIN_ID: got '١', expected a whole number"),
-        (
-            {"EDGEVOX_NAMESPACE": "my robot"},
-            "EDGEVOX_NAMESPACE: got 'my robot', expected a ROS 2 n",
-        ),
-        ({"EDGEVOX_AGENT": "robot-x"}, "EDGEVOX_AGENT: got 'robot-x', expected one of robot-apart"),
-        ({"EDGEVOX_LANGUAGE": "xx"}, "EDGEVOX_LANGUAGE: got 'xx', expected one of en, es"),
-        ({"EDGEVOX_MUTED": "maybe"}, "EDGEVOX_MUTED: got 'maybe', expected a valid boolean"),
-        ({"EDGEVOX_LOG_LEVEL": "loud"}, "EDGEVOX_LOG_LEVEL: got 'loud', expected 'debug', 'info'"),
-        (
-            {"EDGEVOX_MODELS_DIR": "models"},
-            "EDGEVOX_MODELS_DIR: got 'models', expected the absolute",
-        ),
-        ({"EDGEVOX_OFFLINE": "perhaps"}, "EDGEVOX_OFFLINE: got 'perhaps', expected true or false"),
-        ({"EDGEVOX_LLM_CONTEXT": "12"}, "EDGEVOX_LLM_CONTEXT: got '12', expected greater than"),
-        (
-            {"RMW_IMPLEMENTATION": "rmw_x"},
-            "RMW_IMPLEMENTATION: got 'rmw_x', expected one of rmw_fast",
-        ),
-        (
-            {"ROS_AUTOMATIC_DISCOVERY_RANGE": "FAR"},
-            "ROS_AUTOMATIC_DISCOVERY_RANGE: got 'FAR', expec",
-        ),
-        ({"ROS_STATIC_PEERS": "a, b"}, "ROS_STATIC_PEERS: got 'a, b', expected host names"),
-        ({"ROS_DISCOVERY_SERVER": "a b"}, "ROS_DISCOVERY_SERVER: got 'a b', expected host:port"),
-        (
-            {"FASTDDS_BUILTIN_TRANSPORTS": "TCP"},
-            "FASTDDS_BUILTIN_TRANSPORTS: got 'TCP', expected DE",
-        ),
-        (
-            {"FASTDDS_DEFAULT_PROFILES_FILE": "/no.xml"},
-            "FASTDDS_DEFAULT_PROFILES_FILE: got '/no.xml",
-        ),
-        (
-            {"EDGEVOX_NAMESPACE": "/a", "EDGEVOX_ROS2_NAMESPACE": "/b"},
-            "EDGEVOX_ROS2_NAMESPACE: got '/b', expected '/a', as EDGEVOX_NAMESPACE says",
-        ),
-        (
-            {"EDGEVOX_ROBOT_NAMESPACE": "/a", "EDGEVOX_EXTERNAL_NAMESPACE": "/b"},
-            "EDGEVOX_EXTERNAL_NAMESPACE: got '/b', expected '/a', as EDGEVOX_ROBOT_NAMESPACE says",
-        ),
-    ],
-)
-def test_nonsense_stops_it_with_one_line_and_exit_code_64(given, line, monkeypatch, capsys):
-    for name, value in given.items():
-        monkeypatch.setenv(name, value)
+@pytest.mark.parametrize(("name", "value"), [("ROS_DOMAIN_ID", "300"), ("EDGEVOX_LANGUAGE", "xx")])
+def test_nonsense_stops_it_with_one_line_and_exit_code_64(name, value, monkeypatch, capsys):
+    monkeypatch.setenv(name, value)
     assert main(["true"]) == 64
     said = capsys.readouterr()
-    assert said.err.startswith(f"edgevox: {line}")
+    assert said.err.startswith(f"edgevox: {name}: got {value!r}, expected ")
     assert said.err.count("\n") == 1
     assert not said.out
 
@@ -261,9 +210,7 @@ def test_plug_ins_that_are_mounted_are_taken_unless_something_else_is_named(fold
     assert _prepared(EDGEVOX_PLUGINS=str(other))["EDGEVOX_PLUGINS"] == str(other)
 
 
-def test_a_robots_folder_that_is_none_is_refused_and_a_slip_in_a_name_is_told(folder):
-    with pytest.raises(InvalidValue, match="EDGEVOX_ROBOT_FOLDER: got '/nope', expected a folder"):
-        prepared({"EDGEVOX_ROBOT_FOLDER": "/nope"}, pytest.fail)
+def test_a_slip_in_a_name_in_a_robots_folder_is_told(folder):
     (folder / "robot.yml").touch()
     (folder / "Makefile").touch()
     said = []

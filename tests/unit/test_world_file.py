@@ -1,4 +1,4 @@
-"""A world file is IR-SIM's own format; what is wrong in it is said by name."""
+"""A world file is IR-SIM's own format. Wrong ones: tests/wrong/world."""
 
 import math
 from collections.abc import Iterator
@@ -10,17 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from edgevox.core.errors import InvalidValue
-from edgevox.core.user_file import LARGEST_TEXT_BYTES
 from edgevox.robots.shapes import Circle, Line, Polygon
 from edgevox.robots.world import apartment_file, load_world, parse_world
 
 ROBOT = "robot: {kinematics: {name: diff}, shape: {name: circle, radius: 0.2}, state: [1, 1, 0]}\n"
-
-
-def refused(text: str) -> InvalidValue:
-    with pytest.raises(InvalidValue) as caught:
-        parse_world(text, "home.yaml")
-    return caught.value
 
 
 def test_the_apartment_has_four_rooms_and_things_that_can_and_cannot_be_pushed() -> None:
@@ -140,123 +133,6 @@ def test_a_file_that_is_shared_with_another_simulator_has_its_world_under_irsim(
     assert world.robot.radius_m == 0.2
 
 
-@pytest.mark.parametrize(
-    ("text", "field", "expected"),
-    [
-        ("obstacel: []\n" + ROBOT, "home.yaml:1: obstacel", "did you mean 'obstacle'?"),
-        ("world: {hight: 5}\n" + ROBOT, "home.yaml:1: world.hight", "did you mean 'height'?"),
-        ("world: {width: ten}\n" + ROBOT, "home.yaml:1: world.width", "a number"),
-        ("world: {width: .nan}\n" + ROBOT, "home.yaml:1: world.width", "a finite number"),
-        ("world: {width: 1.0e+9}\n" + ROBOT, "home.yaml:1: world.width", "a number from 1 to 500"),
-        ("world: [1]\n" + ROBOT, "home.yaml:1: world", "a mapping, key to value"),
-        ("world: {offset: 3}\n" + ROBOT, "home.yaml:1: world.offset", "two numbers [x, y]"),
-        ("world: {obstacle_map: cave.png}\n" + ROBOT, "home.yaml:1: world.obstacle_map", "no map"),
-        ("world: {}", "home.yaml:1: robot", "at least one robot"),
-        ("robot: {kinematics: {name: acker}}", "home.yaml:1: robot.kinematics.name", "'diff'"),
-        ("robot: {sate: [1, 1, 0]}", "home.yaml:1: robot.sate", "did you mean 'state'?"),
-        (ROBOT + "obstacle: 7", "home.yaml:2: obstacle", "a list of mappings"),
-        (
-            ROBOT + "obstacle: [{shape: {name: circel}}]",
-            "home.yaml:2: obstacle.0.shape.name",
-            "one of circle, rectangle",
-        ),
-        (
-            ROBOT + "obstacle: [{shape: {name: circle, radios: 1}}]",
-            "home.yaml:2: obstacle.0.shape.radios",
-            "did you mean 'radius'?",
-        ),
-        (
-            ROBOT + "obstacle: [{shape: {name: circle, radius: 0}}]",
-            "home.yaml:2: obstacle.0.shape.radius",
-            "greater than 0",
-        ),
-        (
-            ROBOT + "obstacle: [{shape: {name: polygon, vertices: [[0, 0], [1, 1]]}}]",
-            "home.yaml:2: obstacle.0.shape.vertices",
-            "a list of 3 to 1000",
-        ),
-        (
-            ROBOT + "obstacle: [{shape: {name: polygon, vertices: [[0, 0], [1, 1], [2, 2]]}}]",
-            "home.yaml:2: obstacle.0.shape.vertices",
-            "an area above 0",
-        ),
-        (
-            ROBOT + "obstacle: [{shape: {name: circle}, state: [1, x, 0]}]",
-            "home.yaml:2: obstacle.0.state.1",
-            "a number",
-        ),
-        (
-            ROBOT + "obstacle: [{number: 100000, shape: {name: circle}}]",
-            "home.yaml:2: obstacle.0.number",
-            "a whole number from 0 to 1000",
-        ),
-        (
-            ROBOT + "obstacle: [{distribution: {name: uniform}}]",
-            "home.yaml:2: obstacle.0.distribution.name",
-            "one of manual, circle, random",
-        ),
-        (
-            ROBOT
-            + "obstacle: [{name: sofa, state: [1.5, 1, 0], shape: {name: circle, radius: 1}}]",
-            "home.yaml:1: robot.state",
-            "a free place; a sofa stands there",
-        ),
-        (ROBOT.replace("[1, 1, 0]", "[11, 1, 0]"), "home.yaml:1: robot.state", "inside the world"),
-        (
-            ROBOT + "custom: {edgevox: {room: {}}}",
-            "home.yaml:2: custom.edgevox.room",
-            "did you mean 'rooms'?",
-        ),
-        (
-            ROBOT + "custom: {edgevox: {rooms: {den: {outline: [[0, 0], [1, 0]]}}}}",
-            "home.yaml:2: custom.edgevox.rooms.den.outline",
-            "a list of 3",
-        ),
-        (
-            ROBOT + "custom: {edgevox: {rooms: {den: {outline: [[0, 0], [1, 0], [1, 1]],"
-            " goal: [5, 5]}}}}",
-            "home.yaml:2: custom.edgevox.rooms.den.goal",
-            "a point inside the outline",
-        ),
-        (
-            ROBOT + "custom: {edgevox: {rooms: {3: {}}}}",
-            "home.yaml:2: custom.edgevox.rooms.3",
-            "a name of at most 64 letters",
-        ),
-        (
-            ROBOT + "custom: {edgevox: {battery: {capacity: 3}}}",
-            "home.yaml:2: custom.edgevox.battery.capacity",
-            "did you mean 'capacity_wh'?",
-        ),
-        ("robot: [", "home.yaml", "valid YAML"),
-        ("- 1", "home.yaml", "a mapping"),
-        ("", "home.yaml", "a mapping"),
-        ("!!python/object/apply:os.system ['true']", "home.yaml", "valid YAML"),
-        ("[" * 2000, "home.yaml", "valid YAML"),
-        ("a: &a [*a]", "home.yaml", "valid YAML"),
-    ],
-)
-def test_what_is_wrong_in_a_world_file_is_named_with_what_would_be_right(
-    text: str, field: str, expected: str
-) -> None:
-    error = refused(text)
-
-    assert error.field == field
-    assert expected in error.expected
-
-
-def test_a_fault_deep_in_a_file_is_named_by_its_line_and_the_way_to_it() -> None:
-    text = yaml.safe_dump({"irsim": yaml.safe_load(apartment_file().read_text("utf-8"))})
-    lines = text.splitlines()
-    number = next(i for i, line in enumerate(lines) if "beams" in line or "range_max" in line)
-    lines[number] = lines[number].split(":")[0] + ": -1"
-
-    error = refused("\n".join(lines))
-
-    assert error.field.startswith(f"home.yaml:{number + 1}: irsim.robot")
-    assert error.expected.startswith("a number from 0.0")
-
-
 ODD = [None, 0, -1, 1e9, math.inf, math.nan, True, "x", "", [], {}, [1], [1, 2, 3], [[1, 2]]]
 SMALL = """
 world: {height: 9, offset: [0, 0]}
@@ -294,34 +170,12 @@ def test_whatever_stands_in_a_file_it_is_a_world_or_refused_by_its_name(data) ->
     assert all(field.startswith("home.yaml") for field in refusals)
 
 
-def test_aliases_that_multiply_are_refused_in_no_time() -> None:
-    lines = ["a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]"]
-    lines += [f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 10)}]" for i in range(1, 12)]
-
-    assert "aliases" in refused("\n".join(lines)).expected
-
-
 def test_unknown_keys_that_resemble_nothing_are_ignored_as_in_irsim(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     parse_world("world: {zzz: 1}\n" + ROBOT, "home.yaml")
 
     assert "world_key_ignored where='home.yaml:1: world.zzz'" in caplog.text
-
-
-def test_a_file_that_is_absent_too_large_or_no_text_is_refused(tmp_path) -> None:
-    large, binary = tmp_path / "large.yaml", tmp_path / "binary.yaml"
-    large.write_bytes(b"#" * (LARGEST_TEXT_BYTES + 1))
-    binary.write_bytes(b"\xff\xfe\x00")
-
-    for path, expected in (
-        (tmp_path / "none.yaml", "No such file"),
-        (tmp_path, "a file that can be read"),
-        (large, "at most 1000000 bytes"),
-        (binary, "UTF-8"),
-    ):
-        with pytest.raises(InvalidValue, match=expected):
-            load_world(path)
 
 
 def test_the_apartment_says_nothing_that_irsim_refuses() -> None:

@@ -4,9 +4,6 @@ import pytest
 
 from edgevox.core.errors import InvalidValue
 from edgevox.core.yaml_file import parse_yaml
-from edgevox.robots.world import parse_world
-from edgevox.ros2.external.locations import parse_locations
-from edgevox.scenario.reading import parse_scenario
 
 TWICE = "dock: {x: 0, y: 0}\ndesk: {x: 1, y: 1}\ndock: {x: 2, y: 2}\n"
 
@@ -30,12 +27,6 @@ def test_a_key_that_stands_twice_is_refused_with_the_file_the_key_and_its_lines(
         parse_yaml(text, "home.yaml")
     assert (refused.value.field, refused.value.value) == ("home.yaml", key)
     assert lines in refused.value.expected
-
-
-@pytest.mark.parametrize("parse", [parse_world, parse_locations, parse_scenario])
-def test_every_kind_of_yaml_file_is_read_so(parse) -> None:
-    with pytest.raises(InvalidValue, match="home.yaml: got 'dock', .*line 3 repeats line 1"):
-        parse(TWICE, "home.yaml")
 
 
 def test_the_same_key_may_stand_in_several_mappings_and_override_what_is_merged() -> None:
