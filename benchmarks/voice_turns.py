@@ -32,7 +32,7 @@ from edgevox.core.events import SentenceReady, State, StateChanged, Transcribed,
 from edgevox.core.settings import Settings
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, Samples
 from edgevox.voice.phrase_splitter import split_phrases
-from edgevox.voice.playback import _loud
+from edgevox.voice.playback import loud_at
 from edgevox.voice.sinks.relay import BLOCK_S, LEAD_S
 from edgevox.voice.text_normalisation import normalise_for_speech
 from edgevox.voice.tts.pool import VoicePool
@@ -198,7 +198,7 @@ class Talk:
         self._quiet_until(self.speaking)
         self.play(quiet_room(1.0))
         person = loud(says_espeak("no wait a moment please", "en-us"), 0.3)
-        voiced_s = CLOCK.now() + _loud(person)[0] / 16_000
+        voiced_s = CLOCK.now() + loud_at(person)[0] / 16_000
         self.play(np.concatenate([person, quiet_room(1.0)]))
         after = [at_s for at_s in self.played if at_s > voiced_s]
         gaps = (one for one, two in itertools.pairwise(after) if two - one > GAP_S)
@@ -260,7 +260,7 @@ class Talk:
             for phrase in split_phrases(normalise_for_speech(sentence), self._voice.phrase_chars):
                 for chunk in self._voice.synthesise(phrase, CancelToken()):
                     if not first_s:
-                        silent_s = float(_loud(chunk.samples)[0]) / chunk.rate_hz
+                        silent_s = float(loud_at(chunk.samples)[0]) / chunk.rate_hz
                         first_s = CLOCK.now() - begun_s + silent_s
         return first_s, CLOCK.now() - begun_s
 

@@ -1,8 +1,8 @@
 """What is generated in docs: `write` renews it, `check` only looks.
 
-The tables of `reference_tables.py` stand between ``<!-- generated: NAME -->`` and ``<!-- end -->``;
-all else on a page is written by hand. scenario.schema.json, policy.schema.json and
-robot.schema.json are the formats of such files as JSON Schemas.
+The tables of the package `docs` beside this file stand between ``<!-- generated: NAME -->`` and
+``<!-- end -->``; all else on a page is written by hand. scenario.schema.json, policy.schema.json
+and robot.schema.json are the formats of such files as JSON Schemas.
 """
 
 import json
@@ -10,26 +10,28 @@ import re
 import sys
 from pathlib import Path
 
-from reference_tables import TABLES
-
+from docs import TABLES
 from edgevox.agent.policy.format import PolicyFile
 from edgevox.ros2.robot_file.robot_file_format import RobotFile
 from edgevox.scenario import Scenario
 
 ROOT = Path(__file__).resolve().parent.parent
-NAMES = ("ros2", "deployment", "logs", "diagnostics", "metrics")
-PAGES = tuple(ROOT / "docs" / f"{name}.md" for name in NAMES)
 SCHEMAS = {
     ROOT / "docs" / "scenario.schema.json": Scenario,
     ROOT / "docs" / "policy.schema.json": PolicyFile,
     ROOT / "docs" / "robot.schema.json": RobotFile,
 }
+ELSEWHERE = {"packages"}
+"""What docs/render_architecture.py writes."""
 BLOCK = re.compile(r"(<!-- generated: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
 def renewed(page: str) -> str:
     """The page with each generated part as it should be."""
-    return BLOCK.sub(lambda found: found[1] + TABLES[found[2]]() + found[3], page)
+    return BLOCK.sub(
+        lambda found: found[1] + TABLES[found[2]]() + found[3] if found[2] in TABLES else found[0],
+        page,
+    )
 
 
 def schemas() -> dict[Path, str]:
@@ -42,10 +44,10 @@ def schemas() -> dict[Path, str]:
 
 def main(arguments: list[str]) -> int:
     """Run `write` or `check`; 2 for anything else."""
-    pages = {page: page.read_text(encoding="utf-8") for page in PAGES}
+    pages = {page: page.read_text(encoding="utf-8") for page in (ROOT / "docs").glob("*.md")}
     there = {name for text in pages.values() for _, name, _ in BLOCK.findall(text)}
-    if missing := TABLES.keys() - there:
-        sys.stderr.write(f"docs: no table generated: {', '.join(sorted(missing))}\n")
+    if lost := TABLES.keys() ^ (there - ELSEWHERE):
+        sys.stderr.write(f"docs: on no page, or made by nothing: {', '.join(sorted(lost))}\n")
         return 1
     wanted = {page: renewed(text) for page, text in pages.items()} | schemas()
     match arguments:

@@ -19,17 +19,17 @@ def play_chunk(chunk: Chunk, line: int, utterance: SpeakingUtterance, sink: Audi
         piece = Chunk(chunk.samples[at : at + size], chunk.rate_hz)
         start_s = sink.play(piece, utterance.token)
         utterance.log.played(line, len(piece.samples) / chunk.rate_hz)
-        if len(loud := _loud(piece.samples)):
+        if len(loud := loud_at(piece.samples)):
             utterance.audible(start_s + float(loud[0]) / chunk.rate_hz)
 
 
 def silent_end_s(chunk: Chunk) -> float:
     """How many seconds of silence it ends with."""
-    loud = _loud(chunk.samples)
+    loud = loud_at(chunk.samples)
     speech = int(loud[-1]) + 1 if len(loud) else 0
     return (len(chunk.samples) - speech) / chunk.rate_hz
 
 
-def _loud(samples: Samples) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
+def loud_at(samples: Samples) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
     """Where it can be heard, shape (n,), indices."""
     return np.flatnonzero(np.abs(samples.astype(np.int32)) > _QUIET)

@@ -5,6 +5,7 @@ The robot drives as fast as it can be computed, or in a world whose time the tes
 
 import threading
 
+import phrases
 import pytest
 from guards import HUNG_S
 
@@ -106,13 +107,13 @@ def test_an_indirect_wish_moves_the_robot(home):
     assert (call["skill"], call["source"]) == ("navigate_to", "reading")
     assert call["arguments"] == {"room": "kitchen"}
     assert one.robot.state()["room"] == "kitchen"
-    assert one.answers()[-1].text == "I am in the kitchen."
+    assert one.answers()[-1].text == phrases.done("navigate_to", room="kitchen")
 
 
 def test_a_wish_that_it_is_less_sure_of_is_asked_about_first(home):
     one = home()
     one.talk("My dear, go over into the kitchen")
-    assert one.answers()[-1].text == "Shall I go to the kitchen?"
+    assert one.answers()[-1].text == phrases.asks("navigate_to", room="kitchen")
     assert not one.agent_events("tool_call")
     one.talk("yes, please")
     assert one.robot.state()["room"] == "kitchen"
@@ -147,7 +148,7 @@ def test_stop_halts_the_robot_while_the_model_is_busy(home):
     one.robot.advance(0.12)
     assert one.robot.velocity().linear_m_s == pytest.approx(0, abs=0.01)
     assert one.conversation.wait_idle(HUNG_S)
-    assert one.answers()[-1].text == "Stopped."
+    assert one.answers()[-1].text == phrases.said("stopped")
     assert one.agent_events("skill_cancelled")
 
 

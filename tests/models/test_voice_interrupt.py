@@ -4,6 +4,7 @@ import math
 import threading
 
 import numpy as np
+import phrases
 import pytest
 from guards import HUNG_S
 from listener_rig import loud, says_espeak, silence
@@ -179,7 +180,7 @@ def test_a_stop_while_it_speaks_and_drives_halts_both(rig, way, room, monkeypatc
     at = rig.body.pose()
     rig.wait_for(AgentEvent, lambda event: event.kind == "skill_cancelled")
     assert rig.wait_for(Responded).cut
-    rig.wait_for(Responded, lambda event: event.text == "Stopped.")
+    rig.wait_for(Responded, lambda event: event.text == phrases.said("stopped"))
     assert rested(rig)
     assert rig.body.state()["goal"] is None
     wait_until(lambda: abs(rig.body.velocity().linear_m_s) < 0.01, "standing")

@@ -8,6 +8,7 @@ import wave
 from pathlib import Path
 
 import numpy as np
+import phrases
 import pytest
 from guards import HUNG_S
 from listener_rig import loud, noises, says_espeak, silence
@@ -36,8 +37,14 @@ def what_is_said(sound):
 @pytest.mark.parametrize(
     ("command", "answers"),
     [
-        ("go to the bedroom", ["Going to the bedroom.", "I am in the bedroom."]),
-        ("stop", ["I am standing still."]),
+        (
+            "go to the bedroom",
+            [
+                phrases.begins("navigate_to", room="bedroom"),
+                phrases.done("navigate_to", room="bedroom"),
+            ],
+        ),
+        ("stop", [phrases.said("standing")]),
     ],
 )
 def test_who_speaks_to_it_from_a_file_is_obeyed_and_answered_into_a_file(

@@ -1,6 +1,7 @@
 """Stop words by their sound: the real network, listener and conversation, voices made here."""
 
 import numpy as np
+import phrases
 import pytest
 from guards import HUNG_S
 from listener_rig import loud, says_espeak, silence
@@ -42,9 +43,9 @@ def test_its_answer_comes_once_when_the_utterance_is_over(rig):
         np.concatenate([silence(1.0), loud(says_espeak("stop", "en-us"), 0.1), silence(1.5)])
     )
 
-    rig.wait_for(Responded, lambda event: event.text == "Stopped.")
+    rig.wait_for(Responded, lambda event: event.text == phrases.said("stopped"))
     assert rig.parts.conversation.wait_idle(HUNG_S)
-    assert [event.text for event in rig.of(Responded)] == ["Stopped."]
+    assert [event.text for event in rig.of(Responded)] == [phrases.said("stopped")]
     assert rig.body.state()["goal"] is None
 
 

@@ -9,6 +9,7 @@ import threading
 from contextlib import ExitStack
 
 import numpy as np
+import phrases
 import pytest
 from guards import HUNG_S
 from PIL import Image
@@ -134,7 +135,7 @@ def test_a_point_of_the_map_is_driven_to_and_its_path_and_goal_are_shown(console
 
 def test_a_point_of_the_map_is_named_and_the_name_is_understood_and_shown(console):
     console.context.submit(console.context.name_place("charger", 3.0, 4.0))
-    console.until_said("I will remember this place as charger.")
+    console.until_said(phrases.done("remember_place", name="charger"))
     (place,) = console.robot.scene()["places"]
     assert (place["name"], place["x"], place["y"]) == ("charger", 3.0, 4.0)
     console.context.submit(TextInput("go to the charger", Way.CONSOLE_OPERATOR))
@@ -230,7 +231,7 @@ def test_a_button_answers_what_it_asked(yes):
         console.context.answer(yes, Way.CONSOLE_OPERATOR)
         with console.news:
             assert console.news.wait_for(lambda: len(console.said) > known, HUNG_S)
-        assert ("Going to the kitchen." in console.said) is yes
+        assert (phrases.begins("navigate_to", room="kitchen") in console.said) is yes
 
 
 def test_status_has_health_and_every_component_with_the_stop(console):

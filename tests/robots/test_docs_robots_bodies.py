@@ -1,6 +1,6 @@
 """What docs/robots.md says of each body's state and topics is what the body has."""
 
-import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -9,7 +9,9 @@ from edgevox.apps.robots import build_body
 from edgevox.core.settings import load_settings
 from edgevox.robots import capabilities as can
 
-PAGE = (Path(__file__).parents[2] / "docs" / "robots.md").read_text()
+TOLD = tomllib.loads(
+    (Path(__file__).parents[2] / "scripts" / "docs" / "told.toml").read_text("utf-8")
+)
 TOPICS = {
     "/tf": can.HasPose | can.HasEndEffector,
     "/tf_static": can.HasLidar | can.HasCamera,
@@ -21,37 +23,39 @@ TOPICS = {
     "cmd_vel": can.TakesVelocity,
     "goal_pose": can.DrivesTo | can.HasEndEffector,
 }
+ENTRIES = {"robot-irsim": "apartment"}
+"""The robots that share a part of the page with another one."""
 
 
 @pytest.fixture(
     params=["robot-apartment", "robot-irsim", "robot-panda", "robot-humanoid", "robot-external"],
     scope="module",
 )
-def told(request):
-    """A body, and its section of the page."""
+def body(request):
     body = build_body(request.param, load_settings({}), 0.0)
-    yield body, re.search(rf"^## [^\n]*{body.name}.*?(?=^## )", PAGE, re.MULTILINE | re.DOTALL)[0]
+    yield body
     body.close()
 
 
-def test_its_state_has_the_keys_that_the_page_lists(told):
-    body, section = told
-    table = section.partition("| `robot_state` | what |")[2].partition("\n\n")[0]
-    first_cells = "".join(re.findall(r"^\| (.*?) \|", table, re.MULTILINE))
-    assert sorted(re.findall(r"`(\w+)`", first_cells)) == sorted(body.state())
+@pytest.fixture
+def entry(body):
+    """What its part of the page is called in scripts/docs/told.toml."""
+    return ENTRIES.get(body.name, body.name.removeprefix("robot-"))
 
 
-def test_it_has_the_topics_that_the_page_lists(told):
-    body, section = told
+def test_its_state_has_the_keys_that_the_page_lists(body, entry):
+    told = [key for keys in TOLD["state"][entry] for key in keys.split(", ")]
+    assert sorted(told) == sorted(body.state())
+
+
+def test_it_has_the_topics_that_the_page_lists(body, entry):
     if body.name == "robot-external":  # its topics are those of the robot that is there
-        assert "On ROS 2: " not in section
+        assert entry not in TOLD["topics"]
         return
-    listed = re.search(r"^On ROS 2: (.*?)\.(?: |\n)", section, re.MULTILINE | re.DOTALL)[1]
-    names = {name for name in re.findall(r"`([\w/]+)`", listed) if name in TOPICS}
-    assert names == {topic for topic, needs in TOPICS.items() if isinstance(body, needs)}
+    topics = {topic for topic, needs in TOPICS.items() if isinstance(body, needs)}
+    assert set(TOLD["topics"][entry]) == topics
 
 
-def test_the_page_says_how_it_is_simulated(told):
-    body, section = told
+def test_the_page_says_how_it_is_simulated(body, entry):
     kind = body.state().get("simulation")
-    assert kind is None or f'"{kind}"' in section
+    assert kind is None or f'"{kind}"' in TOLD["state"][entry]["simulation"]

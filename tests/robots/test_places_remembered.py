@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Self
 
+import phrases
 import pytest
 from guards import HUNG_S
 from held_time import HeldSkill, carry_out
@@ -80,7 +81,7 @@ def test_it_finds_back_to_a_place_that_it_was_told_the_name_of(talk, robot) -> N
     with talk(robot) as one:
         one.say("go to x 7, y 1.2")
         assert one.say("remember this place as the charger") == (
-            "I will remember this place as charger."
+            phrases.done("remember_place", name="charger")
         )
         one.say("go to the living room")
         assert one.distance_m(*CHARGER) > 2.0
@@ -184,7 +185,7 @@ def test_it_goes_to_a_point_that_was_given_a_name_from_afar(talk, robot) -> None
     with talk(robot) as one:
         before = one.distance_m(*CHARGER)
         named = one.command("remember_place", name="charger", x=CHARGER[0], y=CHARGER[1])
-        assert named == "I will remember this place as charger."
+        assert named == phrases.done("remember_place", name="charger")
         assert one.distance_m(*CHARGER) == before > 2.0
         assert one.body.place_memory.find("charger").yaw is None
 

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pexpect
+import phrases
 import pytest
 from guards import HUNG_S
 
@@ -27,8 +28,8 @@ def test_a_script_is_done_line_by_line_and_ends_the_program():
     assert done.returncode == 0
     assert lines[1:5] == [
         "> go to the kitchen",
-        "Going to the kitchen.",
-        "I am in the kitchen.",
+        phrases.begins("navigate_to", room="kitchen"),
+        phrases.done("navigate_to", room="kitchen"),
         "> where are you",
     ]
     assert lines[5].startswith("I am in the kitchen, at x 6.")
@@ -39,7 +40,7 @@ def test_bytes_that_are_no_text_and_very_long_lines_are_answered():
     done = run_script(b"\xff\xfe\n" + b"a" * 100_000 + b"\nwhere are you\n")
     answer = done.stdout.decode()
     assert done.returncode == 0
-    assert "I did not hear anything." in answer
+    assert phrases.said("not_heard") in answer
     assert "That is too long: 100000 characters, and I take 2000." in answer
     assert "I am in the living room" in answer
 
@@ -108,7 +109,7 @@ def test_in_a_script_nothing_before_a_stop_moves_the_robot_and_what_is_after_it_
 
 
 def test_a_script_that_ends_with_a_stop_is_answered():
-    assert "I am standing still." in run_script("stop\n").stdout.decode()
+    assert phrases.said("standing") in run_script("stop\n").stdout.decode()
 
 
 @pytest.mark.parametrize("stdin", ["null", "closed", "empty pipe"])
@@ -216,10 +217,10 @@ def prompt():
 
 def test_the_prompt_shows_answers_and_the_skills_progress(prompt):
     prompt.send("go to the kitchen\r")
-    see(prompt, "Going to the kitchen.")
+    see(prompt, phrases.begins("navigate_to", room="kitchen"))
     see(prompt, "navigate_to room=kitchen")
     see(prompt, "█")
-    see(prompt, "I am in the kitchen.")
+    see(prompt, phrases.done("navigate_to", room="kitchen"))
 
 
 @pytest.mark.parametrize("screen", [["--simple-ui"], []], ids=["prompt", "full screen"])
@@ -234,14 +235,14 @@ def test_a_stop_that_is_typed_before_the_prompt_keeps_what_is_before_it_from_mov
 
 def test_a_stop_at_the_prompt_acts_at_once_whatever_runs(prompt):
     prompt.send("go to the bedroom\r")
-    see(prompt, "Going to the bedroom.")
+    see(prompt, phrases.begins("navigate_to", room="bedroom"))
     prompt.send("stop\r")
-    see(prompt, "Stopped.")
+    see(prompt, phrases.said("stopped"))
 
 
 def test_ctrl_c_once_interrupts_and_twice_leaves(prompt):
     prompt.send("go to the bedroom\r")
-    see(prompt, "Going to the bedroom.")
+    see(prompt, phrases.begins("navigate_to", room="bedroom"))
     prompt.send("\x03")
     see(prompt, "Ctrl-C once more to leave")
     prompt.send("\x03")

@@ -3,6 +3,7 @@
 import contextlib
 from pathlib import Path
 
+import phrases
 import pytest
 from agent_process import READY, Agent
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -37,7 +38,7 @@ class Example:
         for sentence in ("where are you", "remember this place as den", "go to x 1 y 2"):
             assert self.talk.answer(sentence).startswith("I did not understand that, but I can ")
         for sentence in ("come back", "go back there"):
-            assert self.talk.answer(sentence) == "I cannot do that: I cannot drive to a point."
+            assert self.talk.answer(sentence) == phrases.refused("cannot_drive")
         topics = {name for name, _ in self.peer.node.get_topic_names_and_types()}
         assert "/edgevox/response" in topics
         assert not topics & {"/odom", "/scan", "/cmd_vel", "/goal_pose", "/edgevox/pose", "/tf"}

@@ -2,6 +2,7 @@
 
 import json
 
+import phrases
 import pytest
 from guards import HUNG_S
 from peer import STATE
@@ -71,16 +72,16 @@ def test_a_question_is_seen_and_a_yes_on_text_input_drives_the_robot(start):
     assert asked == {
         "kind": "confirmation",
         "status": "asked",
-        "question": "Shall I go to the kitchen?",
+        "question": phrases.asks("navigate_to", room="kitchen"),
         "calls": [KITCHEN],
         "expires_s": 20.0,
         "turn": asked["turn"],
     }
-    robot.response.wait_for(lambda m: m == "Shall I go to the kitchen?")
+    robot.response.wait_for(lambda m: m == phrases.asks("navigate_to", room="kitchen"))
     assert robot.calls() == []
     robot.say("yes please")
     assert robot.wait_for("confirmed")["turn"] == asked["turn"]
-    robot.response.wait_for(lambda m: m == "Going to the kitchen.")
+    robot.response.wait_for(lambda m: m == phrases.begins("navigate_to", room="kitchen"))
     robot.state.wait_for(lambda m: json.loads(m)["room"] == "kitchen", timeout_s=HUNG_S)
 
 
@@ -90,11 +91,11 @@ def test_a_no_another_place_and_a_stop_are_answers_too(start):
     robot.wait_for("asked")
     robot.say("no, the bedroom")
     robot.wait_for("declined")
-    robot.response.wait_for(lambda m: m == "Shall I go to the bedroom?")
+    robot.response.wait_for(lambda m: m == phrases.asks("navigate_to", room="bedroom"))
     robot.say("stop")
     robot.wait_for("cancelled")
     robot.say("yes")
-    robot.response.wait_for(lambda m: m == "Yes. What can I do for you?")
+    robot.response.wait_for(lambda m: m == phrases.said("nothing_asked"))
     assert robot.calls() == []
     assert robot.statuses() == ["asked", "declined", "asked", "cancelled"]
 
@@ -113,7 +114,7 @@ def test_the_parameter_changes_while_it_runs_and_refuses_what_it_cannot_be(start
     robot.wait_for("replaced")
     assert robot.set_confirm("never").successful
     robot.say("go to the kitchen")
-    robot.response.wait_for(lambda m: m == "Going to the kitchen.")
+    robot.response.wait_for(lambda m: m == phrases.begins("navigate_to", room="kitchen"))
 
 
 def test_it_is_a_parameter_at_the_start_too(start):

@@ -1,5 +1,6 @@
 """examples/robot_file/arm.yaml, talked to: a trajectory controller's and a gripper's actions."""
 
+import phrases
 import pytest
 from example_rig import example
 
@@ -65,7 +66,7 @@ def test_a_stop_cancels_the_trajectory(talk, arm):
     with arm.asked.within(ARM):
         talk.say("move to ready", "Moving to ready.")
     with arm.asked.within("cancelled", ARM):
-        talk.say("stop", "Stopped.")
+        talk.say("stop", phrases.said("stopped"))
 
 
 @pytest.mark.parametrize("how", ["refuse", "abort", "lie"])

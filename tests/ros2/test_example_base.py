@@ -2,6 +2,7 @@
 
 import json
 
+import phrases
 import pytest
 from example_rig import example
 from peer import STATE
@@ -59,7 +60,11 @@ def test_it_drives_by_nav2_and_tells_how_far_it_is(talk, base):
     state = base.peer.listen("robot_state", STATE)
     pose = {"pose": {"position": {"x": 1.0, "y": 0.5, "z": 0.0}}}
     with base.asked.within("navigate_to_pose", {"pose": pose}):
-        talk.say("go to the kitchen", "Going to the kitchen.", "I am at the kitchen.")
+        talk.say(
+            "go to the kitchen",
+            phrases.begins("navigate_to", room="kitchen"),
+            "I am at the kitchen.",
+        )
     goals = [json.loads(one)["goal"] for one in state.messages]
     assert any(one and 0 < one["progress"] < 1 for one in goals)
 
@@ -78,11 +83,11 @@ def test_a_stop_cancels_docking_and_driving(talk, base):
     with base.asked.within("dock"):
         talk.say("dock", "Going to my dock.")
     with base.asked.within("cancelled", "dock"):
-        talk.say("stop", "Stopped.")
+        talk.say("stop", phrases.said("stopped"))
     with base.asked.within("navigate_to_pose"):
         talk.say("go to the front door", "Going to the front door.")
     with base.asked.within("cancelled", "navigate_to_pose"):
-        talk.say("stop", "Stopped.")
+        talk.say("stop", phrases.said("stopped"))
 
 
 @pytest.mark.parametrize("how", ["refuse", "abort", "lie"])

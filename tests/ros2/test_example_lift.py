@@ -1,5 +1,6 @@
 """examples/robot_file/lift.yaml, talked to: a lift that is asked by a topic and seen on another."""
 
+import phrases
 import pytest
 from example_rig import example
 
@@ -56,7 +57,7 @@ def test_a_stop_lets_the_lift_go(talk, lift):
     with lift.asked.within("lift_requests", going("L0")):
         talk.say("floor 0", "Going to floor 0.")
     with lift.asked.within("lift_requests", LEAVES):
-        talk.say("stop", "Stopped.")
+        talk.say("stop", phrases.said("stopped"))
 
 
 def test_a_door_that_stays_shut_is_no_arrival_and_its_opening_is_told(talk, lift):

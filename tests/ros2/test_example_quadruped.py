@@ -1,5 +1,6 @@
 """examples/robot_file/quadruped.yaml, talked to: requests on one topic, responses on another."""
 
+import phrases
 import pytest
 from example_rig import example
 
@@ -56,7 +57,7 @@ def test_a_dance_lasts_until_it_is_over_or_stopped(talk, dog):
     with dog.asked.within(REQUEST, asks(1022)):
         talk.say("dance", "Look!")
     with dog.asked.within(REQUEST, asks(1003)):
-        talk.say("stop", "Stopped.")
+        talk.say("stop", phrases.said("stopped"))
 
 
 def test_what_it_refuses_is_not_said_to_be_done(talk, dog):

@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 
+import phrases
 import pytest
 from agent_process import AGENT
 from external_rig import Velocities, wheels
@@ -36,7 +37,7 @@ def test_a_sentence_drives_a_robot_that_only_speaks_ros_2(agent, peer, domain, l
         assert robot.node.count_publishers("/tf") == 0
 
         robot.send("text_input", "go to the table")
-        response.wait_for(lambda m: m == "Going to the desk.")
+        response.wait_for(lambda m: m == phrases.begins("navigate_to", room="desk"))
         response.wait_for(lambda m: m == "I am at the desk.")
         robot.send("text_input", "where are you")
         response.wait_for(lambda m: m.startswith("I am at the desk, at x 0."))
@@ -46,7 +47,7 @@ def test_a_sentence_drives_a_robot_that_only_speaks_ros_2(agent, peer, domain, l
         robot.send("text_input", "go to the dock")
         state.wait_for(lambda m: json.loads(m)["goal"], since=len(state.messages))
         robot.send("text_input", "stop")
-        response.wait_for(lambda m: m == "Stopped.")
+        response.wait_for(lambda m: m == phrases.said("stopped"))
         state.wait_for(lambda m: json.loads(m)["goal"] is None, since=len(state.messages))
         assert max(linear for linear, _ in asked.moving) <= 0.6
 

@@ -7,6 +7,7 @@ import signal
 import threading
 from contextlib import ExitStack
 
+import phrases
 import pytest
 from agent_process import READY, Agent
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -84,7 +85,7 @@ def test_a_world_that_diverges_fails_the_goal_aloud_and_spoils_nobodys_tree(node
     broken = len(diagnostics.messages)
     assert "its numbers broke and it was put back" in wait_for("sim", DiagnosticStatus.ERROR)
     one.send("text_input", "go to the kitchen")
-    response.wait_for(lambda m: m == "I am in the kitchen.")
+    response.wait_for(lambda m: m == phrases.done("navigate_to", room="kitchen"))
     assert wait_for("sim", DiagnosticStatus.OK, broken) == "runs"
     for message in state.messages:
         json.loads(message, parse_constant=pytest.fail)
@@ -110,7 +111,7 @@ def test_without_its_model_it_is_on_ros_2_and_says_what_it_lacks(
     one.send("text_input", "where are you")
     response.wait_for(lambda m: m.startswith("I am in"))
     one.send("text_input", "I'd be glad of some company next to the oven")
-    response.wait_for(lambda m: m == "I cannot think right now: my language model failed.")
+    response.wait_for(lambda m: m == phrases.said("model_failed"))
 
 
 class Flood:

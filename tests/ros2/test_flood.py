@@ -6,6 +6,7 @@ import threading
 import time
 from pathlib import Path
 
+import phrases
 import pytest
 from action_rig import Client
 from guards import HUNG_S
@@ -34,7 +35,7 @@ class Robot:
         self.state.wait_for(moving, timeout_s, since=len(self.state.messages))
         heard = len(self.response.messages)
         self.peer.send("text_input", "stop")
-        self.response.wait_for(lambda m: m == "Stopped.", timeout_s, since=heard)
+        self.response.wait_for(lambda m: m == phrases.said("stopped"), timeout_s, since=heard)
         self.state.wait_for(standing, timeout_s, since=len(self.state.messages))
 
     def settled(self):

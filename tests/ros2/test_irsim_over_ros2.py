@@ -2,6 +2,7 @@
 
 import math
 
+import phrases
 import pytest
 from bodies_rig import missing_skills, moves, on_ros2, point, stands
 from geometry_msgs.msg import PoseStamped, Twist
@@ -21,9 +22,9 @@ def irsim(domain):
 def test_it_goes_to_the_kitchen_because_somebody_asked(irsim):
     since = irsim.say("go to the kitchen")
 
-    since.answer("Going to the kitchen.")
+    since.answer(phrases.begins("navigate_to", room="kitchen"))
     since.state(lambda s: s["room"] == "kitchen")
-    since.answer("I am in the kitchen.")
+    since.answer(phrases.done("navigate_to", room="kitchen"))
 
     assert since.event("skill_goal", "succeeded", skill="navigate_to")
     assert irsim.state()["collisions"] == 0

@@ -3,6 +3,7 @@
 import os
 from pathlib import Path
 
+import phrases
 import pytest
 from guards import HUNG_S
 from robot_file_rig import NAMESPACE, ROBOT_FILE, Asked, interfaces
@@ -69,7 +70,7 @@ def test_skills_of_a_package_are_done_by_sentences_on_any_robot_that_is_on_ros_2
     asked.do("hang")
     say("go to berth 2", "Going to berth 2.")
     asked.wait("dock", ["berth 2", ""])
-    say("stop", "Stopped.")
+    say("stop", phrases.said("stopped"))
     asked.wait("cancelled", "berth 2")
     asked.do("refuse")
     say("honk", "My horn does not work.")

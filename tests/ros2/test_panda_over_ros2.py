@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import phrases
 import pytest
 from bodies_rig import frames_of, missing_skills, on_ros2, point
 from geometry_msgs.msg import PoseStamped
@@ -24,7 +25,7 @@ def test_the_red_cube_is_put_in_the_left_bin_because_somebody_asked(panda):
 
     since.answer("Picking up the red cube.")
     held = since.state(lambda s: s["held"] == "red_cube")
-    since.answer("The red cube is in the left bin.")
+    since.answer(phrases.done("place", object="red_cube", target="left_bin"))
     state = since.state(lambda s: s["held"] is None and s["objects"]["red_cube"]["y"] > 0.3)
     cube = state["objects"]["red_cube"]
 
@@ -45,7 +46,7 @@ def test_a_stop_word_halts_the_arm_in_the_middle(panda):
 
     assert stopped.event("safety_preempt")["word"] == "stop"
     assert stopped.event("skill_cancelled")["skill"] == "grasp"
-    stopped.answer("Stopped.")
+    stopped.answer(phrases.said("stopped"))
     assert stopped.state(lambda s: s["goal"] is None)["held"] is None
     heard = len(tf.messages)
     tf.wait_for(lambda _: len(tf.messages) > heard + 10)

@@ -3,6 +3,7 @@
 import json
 import math
 
+import phrases
 import pytest
 from action_rig import Client
 from external_rig import Goal, drive, heard, moving, standing, wheels
@@ -45,7 +46,7 @@ def test_the_action_remembers_a_place_that_a_new_process_finds(agent, peer, tmp_
     there = result_of(client, "navigate_to", room="charger")
     assert math.dist((there["x"], there["y"]), (told["x"], told["y"])) < 0.3
     robot.send("text_input", "forget the charger")
-    response.wait_for(lambda m: m == "I have forgotten the place charger.")
+    response.wait_for(lambda m: m == phrases.done("forget_place", room="charger"))
     assert not client.send("navigate_to", room="charger").accepted
 
 

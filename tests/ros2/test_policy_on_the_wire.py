@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import phrases
 import pytest
 from action_rig import Client
 from agent_process import READY, Agent
@@ -18,7 +19,7 @@ from ports import free_port
 from rclpy.qos import qos_profile_sensor_data
 from scraper import scrape_until as wait_for_metrics
 
-DENIED = "I cannot do that: I am not permitted to do that."
+DENIED = phrases.refused("policy_denied")
 NOTHING_BUT_A_SENTENCE = "rules: {'*': deny, text_input: {navigate_to: allow}}"
 CMD_VEL, GOAL_POSE = "/edgevox/cmd_vel", "/edgevox/goal_pose"
 
@@ -340,4 +341,4 @@ def test_the_reason_is_said_in_the_language_that_is_spoken(german):
     german.under("rules: {text_input: deny}")
     since = german.from_now()
     german.peer.send("text_input", "fahr in die Küche")
-    assert since.answer() == "Das kann ich nicht tun: das ist mir nicht erlaubt."
+    assert since.answer() == phrases.refused("policy_denied", language="de")

@@ -5,6 +5,7 @@ import signal
 from collections.abc import Callable
 from contextlib import suppress
 
+import phrases
 import pytest
 from action_rig import Client
 from agent_process import Agent
@@ -22,7 +23,7 @@ from waiting import wait_until
 FIRST, SECOND = "base_link", "b_base_link"
 """How the two robots are told apart on the topics that they share."""
 AGAIN_S = 5.0
-REFUSED = "I cannot do that: Another agent is in charge of this robot."
+REFUSED = phrases.refused("other_agent")
 SENT_M_S = 0.2
 TAKES, YIELDS = (f"presence.sharing] in_charge={one}" for one in (True, False))
 """The line that tells who moves the robot from now on."""
@@ -111,7 +112,7 @@ def test_both_say_so_and_the_later_one_refuses_every_way_of_moving(first, second
     assert f"pid {first.process.pid}" in wait(DiagnosticStatus.ERROR, "refuses to move").message
 
     one.send("text_input", "go to the bedroom", subscribers=2)
-    seen.response.wait_for(lambda m: m == "Going to the bedroom.")
+    seen.response.wait_for(lambda m: m == phrases.begins("navigate_to", room="bedroom"))
     seen.response.wait_for(lambda m: m == REFUSED)
     seen.wait_moving(FIRST)
     one.send("text_input", "stop")
@@ -145,7 +146,7 @@ def test_a_stop_word_and_interrupt_reach_both(first, second, peer):
     one.send("text_input", "stop", subscribers=2)
     stops = lambda: [m for m in event.messages if "safety_preempt" in m]  # noqa: E731
     wait_until(lambda: len(stops()) == 2, "both stop")
-    wait_until(lambda: response.messages == ["I am standing still."] * 2, "both say so")
+    wait_until(lambda: response.messages == [phrases.said("standing")] * 2, "both say so")
 
 
 def test_who_is_told_to_take_over_moves_and_the_other_one_stands(first, second, peer):
@@ -181,7 +182,7 @@ def test_an_id_that_nobody_has_changes_nothing_and_is_said(first, peer):
     first.wait_for_line("topic=presence")
     response = one.listen("response")
     one.send("text_input", "go to the bedroom")
-    response.wait_for(lambda m: m == "Going to the bedroom.")
+    response.wait_for(lambda m: m == phrases.begins("navigate_to", room="bedroom"))
 
 
 @pytest.mark.parametrize("end", [Agent.terminate, kill])
@@ -203,7 +204,7 @@ def test_one_that_is_started_again_never_waits_for_its_predecessor(agent, peer, 
     again = agent()
     seen = Seen(peer())
     seen.peer.send("text_input", "go to the bedroom")
-    seen.response.wait_for(lambda m: m == "Going to the bedroom.")
+    seen.response.wait_for(lambda m: m == phrases.begins("navigate_to", room="bedroom"))
     seen.wait_moving(FIRST)
     assert "other_agent_here" not in again.output
 
@@ -254,4 +255,4 @@ def test_of_two_that_drive_one_robot_over_ros_2_only_the_first_does(agent, peer,
         wait_until(lambda: len(asked.moving) > before, "it is driven on")
         assert "driving" not in later.output
         one.send("text_input", "stop")
-        response.wait_for(lambda m: m == "Stopped.")
+        response.wait_for(lambda m: m == phrases.said("stopped"))

@@ -2,6 +2,7 @@
 
 import json
 
+import phrases
 import pytest
 from agent_process import READY, Agent
 from peer import Peer
@@ -39,7 +40,9 @@ def test_an_order_for_later_is_told_listed_and_cancelled_by_its_id(live):
     events = live.listen("agent_event")
     live.send("text_input", "in five minutes, go to the office")
     told = program(events, "waiting")
-    assert told["text"] == "In 5 minutes: going to the office."
+    assert told["text"] == phrases.said(
+        "program_after", duration=phrases.said("minutes", count=5), order="going to the office."
+    )
     assert told["due_in_s"] == pytest.approx(300.0, abs=1.0)
     (one,) = listed(live)["programs"]
     assert one["program_id"] == told["program_id"]

@@ -11,6 +11,7 @@ import threading
 from collections import Counter
 from pathlib import Path
 
+import phrases
 import pytest
 import yaml
 from guards import HUNG_S
@@ -116,7 +117,7 @@ def test_a_drive_is_recorded_as_a_peer_saw_it(agent, peer, recorder):
     before = len(state.messages)
     robot.send("text_input", "go to the kitchen")
     heard["agent_event"].wait_for(arrived, ROOM_FOR_EVENTS)
-    heard["response"].wait_for(lambda m: m == "I am in the kitchen.")
+    heard["response"].wait_for(lambda m: m == phrases.done("navigate_to", room="kitchen"))
     state.wait_for(lambda m: json.loads(m)["goal"] is None, since=len(state.messages))
     seen = state.messages[before:]
 

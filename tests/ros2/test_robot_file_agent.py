@@ -1,5 +1,6 @@
 """An agent that was given nothing but a robot file, typed to over ROS 2."""
 
+import phrases
 import pytest
 from action_rig import Client
 from guards import HUNG_S
@@ -37,14 +38,14 @@ def test_all_that_the_robot_can_do_is_done_by_sentences(talk, peer):
     asked.do("hang")
     say("dock", "Docking.")
     asked.wait("dock", ["slot 3", "{}"])
-    say("stop", "Stopped.")
+    say("stop", phrases.said("stopped"))
     asked.wait("cancelled", "slot 3")
     # What is done at the stop hangs in the robot; it keeps nobody from the next command.
     asked.wait("honk", False)
-    say("stop", "Stopped.")
+    say("stop", phrases.said("stopped"))
     say("lamp to green", "The lamp is green.")
     say("dock", "Docking.")
-    say("stop", "Stopped.")
+    say("stop", phrases.said("stopped"))
 
 
 def test_a_skill_that_wants_a_yes_is_asked_about_and_refused_where_nobody_can_be_asked(talk, peer):

@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import phrases
 import pytest
 from robot_file_rig import NAMESPACE, Asked, Talk, interfaces
 from waiting import wait_until
@@ -79,7 +80,7 @@ def test_the_conversation_is_had(agent, robot, peer, file):
     with asked.within("dock"):
         talk.say("dock", "Docking.")
     with asked.within("cancelled"):
-        talk.say("stop", "Stopped.")
+        talk.say("stop", phrases.said("stopped"))
     talk.speak("de")
     asked.do("obey")
     talk.say("geh wenn die Tür offen ist", "Ich warte auf die Tür.", "Die Tür ist offen, und")

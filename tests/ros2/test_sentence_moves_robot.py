@@ -2,6 +2,7 @@
 
 import json
 
+import phrases
 import pytest
 from peer import SENSOR, STATE
 from robot_states import moving, standing
@@ -31,16 +32,19 @@ def test_go_to_kitchen_drives_the_robot_there_for_everybody_to_see(robot):
 
     transcription.wait_for(lambda m: m == "go to kitchen")
     agent_event.wait_for(lambda m: json.loads(m)["kind"] == "tool_call")
-    response.wait_for(lambda m: m == "Going to the kitchen.")
-    sentence.wait_for(lambda m: m == "Going to the kitchen.")
+    response.wait_for(lambda m: m == phrases.begins("navigate_to", room="kitchen"))
+    sentence.wait_for(lambda m: m == phrases.begins("navigate_to", room="kitchen"))
     measured = json.loads(metrics.wait_for(lambda m: True))
     assert set(measured) == {"stt", "llm", "tts", "ttfs", "total"}
     robot_state.wait_for(in_room("kitchen"))
-    response.wait_for(lambda m: m == "I am in the kitchen.")
+    response.wait_for(lambda m: m == phrases.done("navigate_to", room="kitchen"))
     said = ["listening", "thinking", "speaking", "listening", "speaking", "listening"]
     state.wait_for(lambda m: True, since=len(said) - 1)
     assert state.messages == said
-    assert response.messages == ["Going to the kitchen.", "I am in the kitchen."]
+    assert response.messages == [
+        phrases.begins("navigate_to", room="kitchen"),
+        phrases.done("navigate_to", room="kitchen"),
+    ]
     goals = [json.loads(m) for m in agent_event.messages]
     statuses = [g["status"] for g in goals if g["kind"] == "skill_goal"]
     assert statuses[0] == "accepted"
@@ -63,7 +67,7 @@ def test_stop_halts_the_driving_robot(robot):
     preempt = agent_event.wait_for(lambda m: json.loads(m)["kind"] == "safety_preempt")
     assert json.loads(preempt)["word"] == "stop"
     agent_event.wait_for(lambda m: json.loads(m)["kind"] == "skill_cancelled")
-    response.wait_for(lambda m: m == "Stopped.")
+    response.wait_for(lambda m: m == phrases.said("stopped"))
     robot_state.wait_for(standing, since=len(robot_state.messages))
 
 
@@ -83,7 +87,7 @@ def test_interrupt_stops_the_robot_and_leaves_it_listening(robot):
 @pytest.mark.parametrize(
     ("text", "answer"),
     [
-        ("", "I did not hear anything."),
+        ("", phrases.said("not_heard")),
         ("go to the moon", "I do not know the room 'moon'."),
         ("go to", "I did not hear which room."),
         ("a" * 100_000, "That is too long: 100000 characters"),

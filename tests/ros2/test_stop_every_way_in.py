@@ -5,6 +5,7 @@ has let go of its goal, in its own time, before it has arrived, and the goal mus
 for who asked for it.
 """
 
+import phrases
 import pytest
 from halting import BRAKED_S, LEFT_M
 from peer import Peer
@@ -63,7 +64,7 @@ def test_a_drive_by_standard_input_is_stopped_by_the_line_after_it(robot):
 
     robot.type("stop\nwhat is your battery level")
 
-    robot.sentence.wait_for(lambda m: m == "Stopped.", since=heard)
+    robot.sentence.wait_for(lambda m: m == phrases.said("stopped"), since=heard)
     halt = robot.halted(since)
     assert halt.braked_s < BRAKED_S
     assert halt.left_m > LEFT_M

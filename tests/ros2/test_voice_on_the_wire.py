@@ -5,6 +5,7 @@ import re
 import threading
 
 import numpy as np
+import phrases
 import pytest
 from agent_process import READY, Agent
 from guards import HUNG_S
@@ -102,7 +103,7 @@ def test_what_a_microphone_node_hears_is_done_and_answered_on_a_speaker_node(voi
     microphone.hears(says("go to the kitchen"))
 
     assert "kitchen" in transcription.wait_for(lambda _: True)
-    assert response.wait_for(lambda _: True) == "Going to the kitchen."
+    assert response.wait_for(lambda _: True) == phrases.begins("navigate_to", room="kitchen")
     robot.wait_for(lambda m: json.loads(m)["velocity"]["linear"] > 0.05)
     measured = json.loads(metrics.wait_for(lambda _: True))
     assert 0.0 < measured["stt"] < measured["ttfs"] < measured["total"]
@@ -127,7 +128,7 @@ def test_what_is_heard_is_under_the_policy_of_voice(voiced, tmp_path):
 
     told = json.loads(events.wait_for(lambda m: '"rejected"' in m))
     assert (told["way"], told["skill"], told["code"]) == ("voice", "navigate_to", "policy_denied")
-    assert response.wait_for(lambda _: True) == "I cannot do that: I am not permitted to do that."
+    assert response.wait_for(lambda _: True) == phrases.refused("policy_denied")
     microphone.hears(says("where are you"))
     assert response.wait_for(lambda m: "I am in" in m)
 

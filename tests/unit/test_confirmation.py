@@ -2,6 +2,7 @@
 
 import threading
 
+import phrases
 import pytest
 from confirmation_rig import Doubts, Eloquent, Talk
 
@@ -16,11 +17,11 @@ from edgevox.core.events import Outcome
 def test_what_is_asked_first_is_told_with_its_calls_and_done_when_confirmed():
     with Talk() as talk:
         talk.say("go to the kitchen")
-        assert talk.answers == ["Shall I go to the kitchen?"]
+        assert talk.answers == [phrases.asks("navigate_to", room="kitchen")]
         assert talk.outcomes == [Outcome.ASKED]
         assert talk.body.sent == []
         (asked,) = talk.questions
-        assert asked.question == "Shall I go to the kitchen?"
+        assert asked.question == phrases.asks("navigate_to", room="kitchen")
         assert asked.calls == (AskedCall("navigate_to", {"room": "kitchen"}),)
         assert (asked.expires_s, asked.turn) == (EXPIRES_S, 1)
 
@@ -35,7 +36,7 @@ def test_a_model_is_not_shown_a_question_since_it_would_ask_the_like_and_mean_no
     with Talk(model=Eloquent()) as talk:
         talk.say("go to the kitchen", "yes", "where are you")
         told = [message.content for message in talk.conversation.interpreter.chat()]
-        assert talk.answers[0] == "Shall I go to the kitchen?"
+        assert talk.answers[0] == phrases.asks("navigate_to", room="kitchen")
         assert not any("Shall I" in said for said in told)
         assert any("get_pose" in said for said in told)
 
@@ -43,7 +44,7 @@ def test_a_model_is_not_shown_a_question_since_it_would_ask_the_like_and_mean_no
 def test_a_no_leaves_it():
     with Talk() as talk:
         talk.say("go to the kitchen", "better not", "yes")
-        assert talk.answers[1:] == ["All right, I leave it.", "Yes. What can I do for you?"]
+        assert talk.answers[1:] == [phrases.said("left_undone"), phrases.said("nothing_asked")]
         assert talk.statuses == ["asked", "declined"]
         assert talk.body.sent == []
 
@@ -64,7 +65,7 @@ def test_several_calls_are_one_question_and_all_of_them_are_done():
 def test_a_skill_without_words_for_a_question_is_asked_about_in_those_that_it_has():
     with Talk() as talk:
         talk.say("do your dance")
-        assert talk.answers == ["Shall I do this? Dancing."]
+        assert talk.answers == [phrases.said("do_this", told="Dancing.")]
 
 
 @pytest.mark.parametrize("sentence", ["where are you", "stay there"])
@@ -87,7 +88,7 @@ def test_a_command_of_a_program_is_not_asked_about():
 def test_what_can_never_be_done_is_refused_and_not_asked_about():
     with Talk() as talk:
         talk.say("walk 12 meters")
-        assert talk.answers == ["I could not do that: that is too far."]
+        assert talk.answers == [phrases.said("failed", reason="that is too far")]
         assert talk.questions == []
 
 
@@ -111,7 +112,7 @@ def test_whether_it_asks_follows_from_the_setting_and_how_sure_it_is(
         assert bool(doubts.questions) is asks
         assert bool(doubts.body.sent) is does
         if not asks and not does:
-            assert turn.text == "I am not sure what you mean. Please say it more plainly."
+            assert turn.text == phrases.said("say_plainly")
             assert turn.outcome is Outcome.REFUSED
 
 
@@ -125,7 +126,7 @@ def test_unsure_is_no_reason_to_ask_before_it_tells_something():
 @pytest.mark.parametrize(
     ("sentence", "question", "sent"),
     [
-        ("go to the kitchen", "Shall I go to the kitchen?", ["kitchen"]),
+        ("go to the kitchen", phrases.asks("navigate_to", room="kitchen"), ["kitchen"]),
         ("where are you", "Shall I do this? Say where it is.", []),
     ],
 )
@@ -165,7 +166,7 @@ def test_a_yes_without_a_question_is_answered_and_does_nothing():
     with Talk("unsure") as talk:
         talk.say("yes", "no")
         assert talk.answers == [
-            "Yes. What can I do for you?",
+            phrases.said("nothing_asked"),
             "All right. What shall I do instead?",
         ]
         assert talk.body.sent == []

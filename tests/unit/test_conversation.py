@@ -1,5 +1,6 @@
 import threading
 
+import phrases
 import pytest
 from fake_body import FakeBody
 from logs_rig import logging_to_memory
@@ -148,7 +149,7 @@ def test_the_robot_answers_a_question_while_it_drives(rig):
 def test_a_failed_skill_is_said_with_its_reason(rig):
     rig.say("open the door")
     rig.settle()
-    assert rig.texts()[-1] == "I could not do that: the door is locked."
+    assert rig.texts()[-1] == phrases.said("failed", reason="the door is locked")
 
 
 @pytest.mark.parametrize("word", ["stop", "Halt!", "no, freeze"])
@@ -158,7 +159,7 @@ def test_a_stop_word_halts_the_body_and_says_so(rig, word):
     rig.say(word)
     assert not rig.body.moving
     rig.settle()
-    assert rig.texts()[-1] == "Stopped."
+    assert rig.texts()[-1] == phrases.said("stopped")
     assert ("safety_preempt", None) in rig.agent_events()
     assert ("skill_cancelled", "cancelled") in rig.agent_events()
     assert "interrupted" in rig.states()
@@ -175,7 +176,7 @@ def test_stop_does_not_wait_for_a_busy_model(open_rig):
     rig.say("stop")
     assert not rig.body.moving
     rig.settle()
-    assert rig.texts()[-1] == "Stopped."
+    assert rig.texts()[-1] == phrases.said("stopped")
 
 
 def test_an_interrupted_answer_is_marked_as_cut_and_the_next_turn_is_clean(open_rig):
@@ -210,7 +211,7 @@ def test_what_waited_before_a_stop_is_forgotten(open_rig):
 def test_a_stop_with_nothing_to_stop_is_answered(rig):
     rig.say("stop")
     rig.settle()
-    assert rig.texts() == ["I am standing still."]
+    assert rig.texts() == [phrases.said("standing")]
     assert "interrupted" not in rig.states()
 
 
@@ -227,7 +228,7 @@ def test_ten_interrupts_in_a_row_change_nothing_when_idle(rig):
 @pytest.mark.parametrize(
     ("text", "answer"),
     [
-        ("", "I did not hear anything."),
+        ("", phrases.said("not_heard")),
         (" \x00\ufffd\n ", "I did not hear anything."),
         ("a" * 100_000, "That is too long: 100000 characters, and I take 2000."),
         ("go to the garage", f"I do not know the room 'garage'. I know {ROOMS_SAID}."),
@@ -243,7 +244,7 @@ def test_bad_input_has_its_clear_answer(rig, text, answer):
 def test_without_a_model_an_unknown_sentence_is_answered_with_what_the_robot_can_do(rig):
     rig.say("sing a song")
     rig.settle()
-    assert rig.texts() == ["I did not understand that, but I can open the door, for example."]
+    assert rig.texts() == [phrases.said("not_understood_but", action="open the door")]
 
 
 def test_reset_stops_the_robot_and_forgets(rig):

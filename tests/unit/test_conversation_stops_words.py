@@ -2,6 +2,7 @@
 
 import threading
 
+import phrases
 import pytest
 from clocks import HeldClock
 
@@ -116,7 +117,7 @@ def test_a_stop_that_was_said_before_an_interrupt_still_stops():
         rig.conversation.submit(Heard("stop", ended_s=99.0))
         assert rig.conversation.wait_idle(10)
 
-        assert [event.text for event in rig.of(Responded)] == ["I am standing still."]
+        assert [event.text for event in rig.of(Responded)] == [phrases.said("standing")]
 
 
 def test_what_was_said_after_a_spoken_stop_is_done_though_that_was_understood_late():

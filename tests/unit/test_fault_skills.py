@@ -6,6 +6,7 @@ import sys
 import threading
 import time
 
+import phrases
 import pytest
 from guards import HUNG_S
 from waiting import Heard
@@ -162,7 +163,7 @@ def test_a_skill_that_never_ends_is_left_alone_when_it_is_stopped(rig, little_gr
     assert rig.skills.hangs.wait(HUNG_S)
 
     rig.say("stop")
-    rig.hear("Stopped.")
+    rig.hear(phrases.said("stopped"))
     rig.say("walk")
     rig.hear("I have walked.")
 
@@ -182,7 +183,7 @@ def test_what_it_says_when_it_comes_back_after_all_is_not_heard(rig, little_grac
     rig.say("wander")
     assert rig.skills.hangs.wait(HUNG_S)
     rig.say("stop")
-    rig.hear("Stopped.")
+    rig.hear(phrases.said("stopped"))
     assert rig.conversation.wait_idle(HUNG_S)
 
     rig.skills.free.set()

@@ -2,6 +2,7 @@
 
 import threading
 
+import phrases
 import pytest
 
 from edgevox.agent.agents import Agent
@@ -17,7 +18,7 @@ from edgevox.core.languages import LANGUAGES
 from edgevox.ros2.presence.sharing import NOT_IN_CHARGE
 
 WAIT_S = 60.0
-REFUSED = "I cannot do that: Another agent is in charge of this robot."
+REFUSED = phrases.refused("other_agent")
 
 
 class Rig:
@@ -95,12 +96,12 @@ def test_what_moves_when_it_is_engaged_ends_and_that_is_said_once(rig):
     assert goal.wait(WAIT_S)
     assert (goal.status, goal.error) == (GoalStatus.CANCELLED, str(NOT_IN_CHARGE))
     assert rig.talk.wait_idle(WAIT_S)
-    assert rig.said == ["I could not do that: Another agent is in charge of this robot."]
+    assert rig.said == [phrases.failed("other_agent")]
 
 
 def test_a_stop_word_and_an_interrupt_halt_the_body_all_the_same(rig):
     rig.interlock.engage(Holder.PRESENCE, NOT_IN_CHARGE)
-    assert rig.say("stop") == "I am standing still."
+    assert rig.say("stop") == phrases.said("standing")
     rig.talk.submit(Interrupt())
     assert len(rig.halts) == 2
 

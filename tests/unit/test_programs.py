@@ -1,5 +1,6 @@
 """Programs: orders that are repeated, delayed or wait, and all that ends them."""
 
+import phrases
 import pytest
 from guards import HUNG_S
 from programs_rig import Talk
@@ -15,6 +16,9 @@ from edgevox.core.reason import Reason
 
 PATROL = "patrol between the kitchen and the office until I say stop"
 LATER = "in five minutes, go to the office"
+KEPT = phrases.said(
+    "program_after", duration=phrases.said("minutes", count=5), order="going to the office."
+)
 LOW = "if the battery is below twenty percent, go to the dock"
 
 
@@ -36,7 +40,7 @@ def test_a_patrol_visits_its_rooms_again_and_again_until_it_is_stopped(talk):
     )
     talk.body.arrive(5)
     talk.body.starts_until(6)
-    assert talk.say("stop") == "Stopped." or "Stopped." in talk.said
+    assert talk.say("stop") == phrases.said("stopped") or phrases.said("stopped") in talk.said
     talk.ended()
     assert talk.body.visited == ["kitchen", "office", "kitchen", "office", "kitchen"]
     assert talk.statuses() == ["running", "running", "running", "cancelled"]
@@ -50,7 +54,7 @@ def test_a_question_does_not_end_a_patrol_and_a_new_order_does_and_says_so(talk)
     assert talk.say("where are you") == "I am here."
     assert talk.body.moving
     assert talk.say("go to the bedroom") == "Going to the bedroom."
-    talk.until_said("With that, the order before is off.")
+    talk.until_said(phrases.said("program_replaced"))
     talk.body.arrive(1)
     talk.ended()
     assert talk.body.visited == ["bedroom"]
@@ -61,7 +65,7 @@ def test_an_order_is_done_so_many_times(talk, quick_rounds):
         "3 times: going to the kitchen. Then: going back."
     )
     talk.body.arrive(6)
-    talk.until_said("That is done.")
+    talk.until_said(phrases.said("program_done"))
     talk.ended()
     assert talk.body.visited == ["kitchen", "1, 2"] * 3
     assert talk.statuses() == ["running", "running", "running", "done"]
@@ -85,19 +89,19 @@ def test_that_three_times_is_about_the_last_order_that_moved(talk, quick_rounds)
     talk.until_said("I am in the office.")
     talk.say("where are you")
     assert talk.say("three times") == "3 times: going to the office."
-    talk.until_said("That is done.")
+    talk.until_said(phrases.said("program_done"))
     assert talk.body.visited == ["office"] * 4
 
 
 def test_an_order_for_later_is_announced_twice_and_done_in_its_time(talk):
-    assert talk.say(LATER) == "In 5 minutes: going to the office."
+    assert talk.say(LATER) == KEPT
     (waiting,) = talk.programs()
     assert (waiting["status"], waiting["due_in_s"]) == ("waiting", 300.0)
     talk.time.advance(299)
     assert talk.conversation.programs.listed()["programs"][0]["due_in_s"] == 1.0
     assert not talk.body.sent
     talk.time.advance(1)
-    talk.until_said("As you asked: going to the office.")
+    talk.until_said(phrases.said("program_now", order="going to the office."))
     assert not talk.body.sent, "it says so before it moves"
     talk.time.advance(LEAD_S)
     talk.body.arrive(1)
@@ -113,7 +117,7 @@ def test_an_order_that_is_due_takes_the_place_of_what_moves(talk):
     talk.time.advance(300 + LEAD_S)
     talk.body.starts_until(2)
     talk.body.arrive(1)
-    talk.until_said("With that, the order before is off.")
+    talk.until_said(phrases.said("program_replaced"))
     talk.ended()
     assert talk.body.visited == ["office"]
 
@@ -158,7 +162,7 @@ def test_then_say_is_part_of_one_order(talk):
 
 
 def test_a_low_battery_is_noticed_and_the_order_done_once(talk):
-    assert talk.say(LOW) == "As soon as my battery is below 20 percent: going to the dock."
+    assert talk.say(LOW) == phrases.said("program_low", percent=20, order="going to the dock.")
     talk.time.advance(60)
     assert not talk.body.sent
     talk.body.battery = 0.19
@@ -172,7 +176,7 @@ def test_a_low_battery_is_noticed_and_the_order_done_once(talk):
 
 def test_a_robot_without_a_battery_refuses_to_wait_for_it():
     talk = Talk(battery=False)
-    assert talk.say(LOW) == "I cannot do that: I have no battery that I know of."
+    assert talk.say(LOW) == phrases.refused("no_battery")
     talk.conversation.close()
 
 
@@ -229,7 +233,7 @@ def test_a_condition_that_never_comes_true_is_given_up_and_said(talk):
 def test_a_step_that_fails_ends_its_program_with_the_reason(talk):
     talk.body.locked = True
     talk.say("go to the kitchen and back three times")
-    talk.until_said("I could not do that: the door is locked.")
+    talk.until_said(phrases.said("failed", reason="the door is locked"))
     talk.ended()
     assert talk.programs()[-1]["status"] == "failed"
 
@@ -252,16 +256,16 @@ def test_motion_that_is_forbidden_ends_a_patrol(talk):
     talk.say(PATROL)
     talk.body.starts_until(1)
     talk.interlock.engage(Holder.PRESENCE, Reason("another agent is in charge"))
-    talk.until_said("I could not do that: another agent is in charge.")
+    talk.until_said(phrases.said("failed", reason="another agent is in charge"))
     talk.interlock.release(Holder.PRESENCE)
     talk.ended()
     assert talk.body.sent == ["kitchen"]
-    assert "With that, the order before is off." not in talk.said
+    assert phrases.said("program_replaced") not in talk.said
 
 
 def test_while_motion_is_forbidden_no_order_for_later_is_kept(talk):
     talk.interlock.engage(Holder.PRESENCE, Reason("another agent is in charge"))
-    assert talk.say(LATER) == "I cannot do that: another agent is in charge."
+    assert talk.say(LATER) == phrases.said("refused", reason="another agent is in charge")
     assert not talk.conversation.programs.kept
 
 
@@ -301,7 +305,7 @@ def test_what_stops_the_robot_ends_programs_whose_place_was_forgotten_meanwhile(
     elif isinstance(stop, Holder):
         talk.interlock.engage(stop, Reason("another agent is in charge"))
     elif isinstance(stop, str):
-        assert talk.say(stop).startswith("Stopped.")
+        assert talk.say(stop).startswith(phrases.said("stopped"))
     else:
         talk.conversation.submit(stop)
     talk.ended()
@@ -313,9 +317,9 @@ def test_what_stops_the_robot_ends_programs_whose_place_was_forgotten_meanwhile(
 
 def test_a_stop_that_ends_waiting_orders_says_so(talk):
     talk.say(LATER)
-    assert talk.say("stop") == "Stopped. The orders that were waiting are off, too."
+    assert talk.say("stop") == phrases.said("program_stopped")
     assert talk.conversation.wait_idle(HUNG_S)  # saying that is over, too
-    assert talk.say("stop") == "I am standing still."
+    assert talk.say("stop") == phrases.said("standing")
 
 
 def test_who_interrupts_only_to_be_heard_ends_no_program(talk):
@@ -327,14 +331,14 @@ def test_who_interrupts_only_to_be_heard_ends_no_program(talk):
 def test_a_stop_between_the_announcement_and_the_start_counts(talk):
     talk.say(LATER)
     talk.time.advance(300)
-    talk.until_said("As you asked: going to the office.")
+    talk.until_said(phrases.said("program_now", order="going to the office."))
     talk.say("stop")
     talk.time.advance(LEAD_S)
     assert not talk.body.sent
 
 
 def test_orders_are_listed_and_forgotten_by_what_is_said_of_them(talk):
-    assert talk.say("which orders are waiting?") == "No orders are waiting."
+    assert talk.say("which orders are waiting?") == phrases.said("program_none")
     talk.say(LATER)
     talk.say(LOW)
     talk.say(PATROL)
@@ -352,7 +356,7 @@ def test_orders_are_listed_and_forgotten_by_what_is_said_of_them(talk):
     )
     assert "dock" in talk.say("forget the order")
     talk.ended()
-    assert talk.say("which orders are waiting?") == "No orders are waiting."
+    assert talk.say("which orders are waiting?") == phrases.said("program_none")
 
 
 def test_only_what_was_meant_is_forgotten(talk):
@@ -361,7 +365,7 @@ def test_only_what_was_meant_is_forgotten(talk):
     assert "I know of no such order" in talk.say("forget the order")
     talk.say("cancel the kitchen")
     (left,) = talk.conversation.programs.listed()["programs"]
-    assert left["text"] == "In 5 minutes: going to the office."
+    assert left["text"] == KEPT
     talk.say("forget all orders")
     assert not talk.conversation.programs.kept
 
@@ -381,7 +385,7 @@ def test_a_program_is_cancelled_by_its_id(talk):
 def test_every_step_is_seen_as_a_goal_of_a_program(talk):
     talk.body.arrive(2)
     talk.say("go to the kitchen, then go to the office, 1 times")
-    talk.until_said("That is done.")
+    talk.until_said(phrases.said("program_done"))
     calls = [one["source"] for one in talk.events if one["kind"] == "tool_call"]
     assert calls == ["program", "program"]
     ends = [one["status"] for one in talk.events if one["kind"] == "skill_goal"]

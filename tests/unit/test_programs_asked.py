@@ -1,5 +1,6 @@
 """Programs are asked about and permitted as what they hold is: when they are told and when done."""
 
+import phrases
 import pytest
 from programs_rig import Talk
 
@@ -7,9 +8,12 @@ from edgevox.agent.programs.keeper import LEAD_S
 from edgevox.core.ways import Way
 
 LATER = "in five minutes, go to the office"
+KEPT = phrases.said(
+    "program_after", duration=phrases.said("minutes", count=5), order="going to the office."
+)
 PATROL = "patrol between the kitchen and the office"
 QUESTION = "Shall I do this? In 5 minutes: going to the office."
-DENIED = "I cannot do that: I am not permitted to do that."
+DENIED = phrases.refused("policy_denied")
 REMARKS = [
     "I patrol between the kitchen and the office every night",
     "she said in five minutes go to the office",
@@ -63,7 +67,7 @@ def test_a_program_is_asked_about_in_words_and_kept_after_a_yes(always):
     assert confirmations(always)[0]["calls"] == [
         {"skill": "navigate_to", "arguments": {"room": "office"}}
     ]
-    assert always.say("yes") == "In 5 minutes: going to the office."
+    assert always.say("yes") == KEPT
     always.time.advance(300 + LEAD_S)
     always.body.arrive(1)
     always.until_said("I am in the office.")

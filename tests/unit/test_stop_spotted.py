@@ -1,5 +1,6 @@
 """A stop word that is spotted by its sound, and the words that follow: one stop, one answer."""
 
+import phrases
 import pytest
 from spoken_rig import AT_S, Rig
 
@@ -48,8 +49,8 @@ def test_it_is_answered_once_whatever_its_words_read(rig, text):
     assert rig.answers() == []
     rig.hear(text, AT_S + 0.2, spotted=True)
 
-    assert rig.answers()[-1:] == ["Stopped."]
-    assert rig.answers().count("Stopped.") == 1
+    assert rig.answers()[-1:] == [phrases.said("stopped")]
+    assert rig.answers().count(phrases.said("stopped")) == 1
     assert rig.of(SafetyPreempted) == [STOPPED]
     assert rig.body.sent == ["kitchen"]
     assert rig.of(StateChanged)[-1].state is State.LISTENING
@@ -61,7 +62,7 @@ def test_a_sound_in_no_utterance_is_answered_at_once(rig):
     rig.spot(goes_on=False)
     assert rig.conversation.wait_idle(60)
 
-    assert rig.answers() == ["Stopped."]
+    assert rig.answers() == [phrases.said("stopped")]
 
 
 def test_the_words_of_an_utterance_that_was_over_before_the_sound_are_not_answered_again(rig):
@@ -71,7 +72,7 @@ def test_the_words_of_an_utterance_that_was_over_before_the_sound_are_not_answer
 
     rig.hear("Stop!", AT_S - 0.2)
 
-    assert rig.answers() == ["Stopped."]
+    assert rig.answers() == [phrases.said("stopped")]
     assert rig.of(SafetyPreempted) == [STOPPED]
     assert rig.of(StateChanged)[-1].state is State.LISTENING
 
@@ -91,7 +92,7 @@ def test_nothing_moved_and_it_says_so_once(rig):
     rig.spot()
     rig.hear("stop", AT_S, spotted=True)
 
-    assert rig.answers() == ["I am standing still."]
+    assert rig.answers() == [phrases.said("standing")]
 
 
 def test_two_sounds_in_one_utterance_are_answered_once(rig):
@@ -101,7 +102,7 @@ def test_two_sounds_in_one_utterance_are_answered_once(rig):
     rig.spot()
     rig.hear("stop stop", AT_S, spotted=True)
 
-    assert rig.answers() == ["Stopped."]
+    assert rig.answers() == [phrases.said("stopped")]
 
 
 def test_a_plain_order_in_the_rest_of_the_utterance_is_done(rig):
@@ -149,7 +150,7 @@ def test_stop_and_an_order_in_one_breath_stops_and_does_no_more(rig):
     rig.hear("stop, and go to the bedroom", AT_S + 1.5, spotted=True)
 
     assert rig.body.sent == ["kitchen"]
-    assert rig.answers() == ["Stopped."]
+    assert rig.answers() == [phrases.said("stopped")]
 
 
 @pytest.mark.parametrize(

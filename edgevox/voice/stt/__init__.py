@@ -1,1 +1,1 @@
-"""Speech to text: what an engine must offer (`speech_to_text`), and faster-whisper (`whisper`)."""
+"""Speech to text: what an engine must offer, and faster-whisper as one."""

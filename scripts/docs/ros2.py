@@ -1,35 +1,17 @@
-"""The tables of the reference pages, in Markdown, each from where its facts are declared.
-
-Those of ros2.md come from `edgevox.ros2.contract` and the launch files, those of deployment.md from
-`edgevox.apps.container`, those of diagnostics.md from `edgevox.ops.diagnostics` and
-`edgevox.apps.doctor`, that of metrics.md from `edgevox.ops.metrics`, that of logs.md from
-`edgevox.ops.logs`.
-"""
+"""The tables of docs/ros2.md: from `edgevox.ros2.contract`, and from the launch files."""
 
 import ast
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import fields
 from pathlib import Path
 from typing import get_args
 
-from edgevox.apps.container import ENVIRONMENT, Variable
-from edgevox.apps.doctor.checks import CHECKS
+from docs.markdown import first_line, table
 from edgevox.core.agent_events import AgentEvent, keys
-from edgevox.ops.diagnostics.component_table import COMPONENTS
-from edgevox.ops.logs.event_table import log_events
-from edgevox.ops.metrics.metric_table import METRICS
 from edgevox.ros2 import contract, standard_topics
 from edgevox.ros2.contract_rows import Published, Qos, QosSpec, Subscribed
 
-LAUNCH = Path(__file__).resolve().parent.parent / "launch"
-
-
-def table(heads: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
-    """A Markdown table."""
-    heads = tuple(heads)
-    lines = [heads, ("---",) * len(heads), *rows]
-    cells = ((str(cell).replace("|", "\\|") for cell in line) for line in lines)
-    return "".join(f"| {' | '.join(line)} |\n" for line in cells)
+LAUNCH = Path(__file__).resolve().parents[2] / "launch"
 
 
 def qos() -> str:
@@ -56,7 +38,7 @@ def agent_events() -> str:
     rows = (
         (
             f"`{one.kind}`",
-            _first_line(one.__doc__),
+            first_line(one.__doc__),
             ", ".join(f"`{key}`" for each in fields(one) for key in keys(each)),
         )
         for one in get_args(AgentEvent)
@@ -158,17 +140,6 @@ def shared() -> str:
     return table(("topic", "direction", "type", "QoS", "rate", "what"), rows)
 
 
-def components() -> str:
-    """What each component says of itself on /diagnostics."""
-    rows = ((f"`{one.name}`", one.about, one.warns, one.errs, one.remedy) for one in COMPONENTS)
-    return table(("component", "what", "WARN", "ERROR", "what to do"), rows)
-
-
-def checks() -> str:
-    """What the doctor looks at."""
-    return table(("check", "what should be"), ((f"`{one.name}`", one.about) for one in CHECKS))
-
-
 def action() -> str:
     """The one action."""
     name, kind = contract.ACTION
@@ -182,7 +153,7 @@ def launch() -> str:
         (f"`{file.name}`", ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))))
         for file in files
     )
-    return table(("launch file", "what"), ((name, _first_line(about)) for name, about in rows))
+    return table(("launch file", "what"), ((name, first_line(about)) for name, about in rows))
 
 
 def launch_arguments() -> str:
@@ -194,81 +165,8 @@ def launch_arguments() -> str:
     return table(("argument", "what"), rows)
 
 
-def environment() -> str:
-    """The variables of the container."""
-    return _variables(row for row in ENVIRONMENT.values() if row.listed)
-
-
-def more_environment() -> str:
-    """The variables of all other settings."""
-    return _variables(row for row in ENVIRONMENT.values() if not row.listed)
-
-
-def metrics() -> str:
-    """All metrics."""
-    rows = (
-        (f"`{one.name}`", one.kind, _labels(one.labels), one.help, one.of)
-        for one in METRICS.values()
-    )
-    return table(("metric", "kind", "labels", "what", "who has it"), rows)
-
-
-def _labels(labels: Mapping[str, tuple[str, ...] | str]) -> str:
-    """What a metric is told apart by."""
-    return "; ".join(
-        f"`{name}`: {known if isinstance(known, str) else ', '.join(known)}"
-        for name, known in labels.items()
-    )
-
-
-def logs() -> str:
-    """Every event that is logged."""
-    rows = (
-        (f"`{name}`", one.level, one.when, ", ".join(f"`{field}`" for field in one.fields))
-        for name, one in log_events().items()
-    )
-    return table(("event", "level", "when", "fields"), rows)
-
-
-def _variables(rows: Iterable[Variable]) -> str:
-    cells = ((f"`{row.variable}`", row.default_text, row.sentence, row.values) for row in rows)
-    return table(("variable", "default", "what", "values"), cells)
-
-
 def _topics(rows: Iterable[Published | Subscribed]) -> str:
     cells = (
         (f"`{row.topic}`", f"`{row.type}`", f"`{row.qos.name.lower()}`", row.about) for row in rows
     )
     return table(("topic", "type", "QoS", "what"), cells)
-
-
-def _first_line(docstring: str | None) -> str:
-    return (docstring or "").partition("\n")[0]
-
-
-TABLES = {
-    one.__name__: one
-    for one in (
-        qos,
-        published,
-        agent_events,
-        subscribed,
-        parameters,
-        queries,
-        interop,
-        external,
-        audio,
-        diagnostics,
-        shared,
-        components,
-        checks,
-        action,
-        launch,
-        launch_arguments,
-        environment,
-        more_environment,
-        logs,
-        metrics,
-    )
-}
-"""By the name that stands where each belongs."""

@@ -1,0 +1,50 @@
+"""The generated tables of the docs, each from where its facts are declared; `TABLES` has them all.
+
+`told.toml` has the words that no code has: examples, and what a name stands for.
+"""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+
+from docs import bodies, bounds, operating, packages, ros2, talking, weights
+
+TABLES: Mapping[str, Callable[[], str]] = {
+    make.__name__: make
+    for make in (
+        bodies.protocols,
+        bounds.bounds,
+        operating.checks,
+        operating.components,
+        operating.environment,
+        operating.logs,
+        operating.metrics,
+        operating.more_environment,
+        packages.folders,
+        ros2.action,
+        ros2.agent_events,
+        ros2.audio,
+        ros2.diagnostics,
+        ros2.external,
+        ros2.interop,
+        ros2.launch,
+        ros2.launch_arguments,
+        ros2.parameters,
+        ros2.published,
+        ros2.qos,
+        ros2.queries,
+        ros2.shared,
+        ros2.subscribed,
+        talking.endings,
+        talking.languages,
+        talking.states,
+        talking.turn,
+        talking.wake_words,
+        weights.not_commercial,
+        weights.sets,
+    )
+} | {
+    f"{make.__name__}_{robot}": partial(make, robot)
+    for make in (bodies.skills, bodies.state, bodies.topics)
+    for robot in bodies.TOLD[make.__name__]
+}
+"""By the name that stands where each belongs on a page; those of a robot end in its name."""

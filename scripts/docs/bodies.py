@@ -1,0 +1,96 @@
+"""The tables of docs/robots.md and docs/bringing-a-robot.md: skills, states, what bodies can do."""
+
+from collections.abc import Mapping
+from typing import Protocol
+
+from docs.markdown import code, table
+from docs.told import TOLD, told
+from edgevox.agent.choices import OneOf
+from edgevox.agent.skills import SkillSet
+from edgevox.robots import capabilities
+from edgevox.robots.humanoid.skills import walking_skills
+from edgevox.robots.navigation import LOCATION, navigation_skills
+from edgevox.robots.panda.skills import manipulation_skills
+from edgevox.robots.places.place_memory import PlaceMemory
+
+
+class Elsewhere:
+    """Knows places and does not move."""
+
+    places: Mapping[str, tuple[float, float]] = {
+        "kitchen": (7.0, 2.0),
+        "bedroom": (3.0, 7.0),
+        "living_room": (3.0, 3.0),
+        "office": (7.0, 7.0),
+    }
+
+
+class Apartment(Elsewhere):
+    """Has a battery, too."""
+
+    def battery(self) -> float:
+        return 1.0
+
+
+ROOMS = OneOf(tuple(Elsewhere.places), {"fridge": "kitchen"})
+SKILLS: Mapping[str, SkillSet] = {
+    "apartment": SkillSet(
+        navigation_skills(
+            Apartment(), aliases={"fridge": "kitchen"}, memory=PlaceMemory("apartment", ROOMS)
+        )
+    ),
+    "panda": SkillSet(manipulation_skills(Elsewhere())),
+    "humanoid": SkillSet(walking_skills(Elsewhere())),
+    "external": SkillSet(
+        navigation_skills(Elsewhere(), word=LOCATION, memory=PlaceMemory("external", ROOMS))
+    ),
+}
+"""The skills of each robot, without the robot."""
+
+
+def skills(robot: str) -> str:
+    """What a robot can be asked for, and sentences that do so."""
+    entries = told(SKILLS[robot], "skills", robot)
+    rows = (
+        (
+            f"`{name}({', '.join(SKILLS[robot][name].arguments_model.model_fields)})`",
+            ", ".join(f'"{sentence}"' for sentence in entry["sentences"])
+            + (f"; {entry['note']}" if "note" in entry else ""),
+        )
+        for name, entry in entries.items()
+    )
+    return table(("skill", "sentences"), rows)
+
+
+def state(robot: str) -> str:
+    """The keys of `robot_state`; a test holds them against each body."""
+    rows = ((code(keys.split(", ")), what) for keys, what in TOLD["state"][robot].items())
+    return table(("`robot_state`", "what"), rows)
+
+
+def topics(robot: str) -> str:
+    """The standard topics of a body; a test holds them against each."""
+    return f"On ROS 2: {code(TOLD['topics'][robot])}.\n"
+
+
+def protocols() -> str:
+    """What a body can do, one small protocol each."""
+    entries = told(PROTOCOLS, "capabilities")
+    rows = (
+        (f"`{name}`", code(_methods(PROTOCOLS[name])), brings) for name, brings in entries.items()
+    )
+    return table(("protocol", "its methods", "what it brings"), rows)
+
+
+def _methods(protocol: type) -> list[str]:
+    own = [*vars(protocol), *protocol.__annotations__]
+    return [name for name in dict.fromkeys(own) if not name.startswith("_")]
+
+
+PROTOCOLS: Mapping[str, type] = {
+    name: one
+    for name, one in vars(capabilities).items()
+    if isinstance(one, type) and issubclass(one, Protocol)
+    if one.__module__ == capabilities.__name__ and name != "Body"
+}
+"""What a body may be able to do; `Body` itself is told in words."""

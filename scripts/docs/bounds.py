@@ -1,0 +1,42 @@
+"""The table of docs/security.md: what the code takes of everything that comes in, at most."""
+
+from docs.markdown import table
+from edgevox.agent import skill_executor
+from edgevox.agent.inbox import MAX_WAITING
+from edgevox.agent.llm.endpoint import http_request
+from edgevox.agent.nlu import interpreter
+from edgevox.apps.terminal import lines
+from edgevox.core import text, user_file
+from edgevox.ops import http_server
+from edgevox.robots import world
+from edgevox.ros2 import audio_in, skill_requests
+from edgevox.ros2.external import locations
+from edgevox.ros2.recorder import write_queue
+from edgevox.scenario import scenario
+from edgevox.voice.audio import RATE_HZ
+
+
+def bounds() -> str:
+    """Bounds on what comes in."""
+    audio_s = audio_in.MAX_BYTES / audio_in.SAMPLE_BYTES / RATE_HZ
+    limits = {
+        "an utterance": f"{text.MAX_CHARACTERS:,} characters; sentences that wait: {MAX_WAITING}; "
+        f"calls in one sentence: {skill_executor.MAX_CALLS}",
+        "a line on standard input": f"{lines.MAX_LINE_BYTES >> 20} MB, of which "
+        f"{text.MAX_CHARACTERS:,} characters count",
+        f"`{audio_in.TOPIC}`": f"{audio_s:g} s a message",
+        "arguments of `execute_skill`": f"{skill_requests.MAX_ARGUMENTS_BYTES >> 10} KB",
+        "a request to health or metrics": f"{http_server.MOST_BYTES >> 10} KB, "
+        f"{http_server.REQUEST_S:g} s, {http_server.MOST_AT_ONCE} at once; of more, the oldest "
+        "connection of the address that holds most is cut",
+        "a model server's reply": f"{http_request.MOST_BYTES >> 20} MB",
+        "a language model's answer": f"{interpreter.ANSWER_TOKENS} tokens",
+        "a scenario": f"{scenario.MAX_STEPS:,} steps",
+        "a world file": f"{world.MOST_THINGS:,} things",
+        "a locations file": f"{locations.MOST_LOCATIONS} places",
+        "a file of text that a setting names": f"{user_file.LARGEST_TEXT_BYTES // 1_000_000} MB; "
+        "a regular file",
+        "the recorder": f"{write_queue.MOST_MESSAGES:,} messages or "
+        f"{write_queue.MOST_BYTES >> 20} MB that wait for the disk",
+    }
+    return table(("what", "bound"), limits.items())

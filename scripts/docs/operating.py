@@ -1,0 +1,62 @@
+"""The tables of the pages for whoever operates a robot: deployment, diagnostics, logs, metrics."""
+
+from collections.abc import Iterable, Mapping
+
+from docs.markdown import table
+from edgevox.apps.container import ENVIRONMENT, Variable
+from edgevox.apps.doctor.checks import CHECKS
+from edgevox.ops.diagnostics.component_table import COMPONENTS
+from edgevox.ops.logs.event_table import log_events
+from edgevox.ops.metrics.metric_table import METRICS
+
+
+def components() -> str:
+    """What each component says of itself on /diagnostics."""
+    rows = ((f"`{one.name}`", one.about, one.warns, one.errs, one.remedy) for one in COMPONENTS)
+    return table(("component", "what", "WARN", "ERROR", "what to do"), rows)
+
+
+def checks() -> str:
+    """What the doctor looks at."""
+    return table(("check", "what should be"), ((f"`{one.name}`", one.about) for one in CHECKS))
+
+
+def environment() -> str:
+    """The variables of the container."""
+    return _variables(row for row in ENVIRONMENT.values() if row.listed)
+
+
+def more_environment() -> str:
+    """The variables of all other settings."""
+    return _variables(row for row in ENVIRONMENT.values() if not row.listed)
+
+
+def metrics() -> str:
+    """All metrics."""
+    rows = (
+        (f"`{one.name}`", one.kind, _labels(one.labels), one.help, one.of)
+        for one in METRICS.values()
+    )
+    return table(("metric", "kind", "labels", "what", "who has it"), rows)
+
+
+def _labels(labels: Mapping[str, tuple[str, ...] | str]) -> str:
+    """What a metric is told apart by."""
+    return "; ".join(
+        f"`{name}`: {known if isinstance(known, str) else ', '.join(known)}"
+        for name, known in labels.items()
+    )
+
+
+def logs() -> str:
+    """Every event that is logged."""
+    rows = (
+        (f"`{name}`", one.level, one.when, ", ".join(f"`{field}`" for field in one.fields))
+        for name, one in log_events().items()
+    )
+    return table(("event", "level", "when", "fields"), rows)
+
+
+def _variables(rows: Iterable[Variable]) -> str:
+    cells = ((f"`{row.variable}`", row.default_text, row.sentence, row.values) for row in rows)
+    return table(("variable", "default", "what", "values"), cells)

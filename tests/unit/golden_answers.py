@@ -1,0 +1,167 @@
+"""All that robots say, written out: `python tests/unit/golden_answers.py write` renews the files.
+
+`golden/answers.CODE.toml` has each sentence of one language with values in it, as people hear it:
+better words are a diff there, which `test_golden_answers.py` wants to be written.
+"""
+
+import json
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from phrasebook_bodies import SKILLS
+
+from edgevox.agent.phrase_file import ENGLISH, phrasebook
+from edgevox.agent.phrase_forms import bare, continued, fields
+from edgevox.agent.phrasebook import Phrasebook
+from edgevox.agent.reasons import because
+from edgevox.core.language_files import CODES, language_file
+from edgevox.ros2.clients.interface_reasons import interface_reason
+
+FOLDER = Path(__file__).with_name("golden")
+ARGUMENTS: Mapping[str, Any] = {
+    "room": "kitchen",
+    "x": 1.5,
+    "y": 2.0,
+    "z": 0.25,
+    "distance": 0.5,
+    "degrees": 90.0,
+    "object": "red_cube",
+    "target": "left_bin",
+    "name": "wine_cellar",
+}
+RESULTS: Mapping[str, Any] = {
+    "room": "living room",
+    "x": 2.0,
+    "y": -0.25,
+    "z": 0.3,
+    "yaw_deg": 90.0,
+    "percent": 87,
+    "walked": 1.02,
+    "turned": 89.6,
+    "held": "red_cube",
+    "released": "blue_cube",
+    "name": "wine_cellar",
+    "names": ["kitchen", "office"],
+    "objects": {"red_cube": {"x": 0.5, "on": "table"}, "blue_cube": {"x": 0.5, "on": "hand"}},
+}
+ABOUT: Mapping[str, Any] = {
+    **dict.fromkeys(("x", "y", "z", "x_min", "y_min"), "2"),
+    **dict.fromkeys(("x_max", "y_max", "count", "limit", "most", "hours", "seconds"), "8"),
+    **dict.fromkeys(("distance", "left"), "0.5"),
+    "argument": "distance",
+    "choices": ("kitchen", "office", "bedroom"),
+    "degrees": "90",
+    "frame": "map",
+    "how": because("nav2_gave_up"),
+    "name": "wine_cellar",
+    "nearest": "x 1, y 2",
+    "part": "hand",
+    "place": "kitchen",
+    "point": "x 3, y 4",
+    "said": "120",
+    "skill": "navigate_to",
+    "status": "failed",
+    "thing": "red_cube",
+    "topic": "/odom",
+    "upper": "blue_cube",
+    "value": "garage",
+    "was": "odom",
+    "why": because("too_far"),
+    "word": "stop",
+}
+"""What reasons are about, by the names in their sentences."""
+
+
+def answers(code: str) -> dict[str, dict[str, Any]]:
+    """What is said in a language, by the table of its file, and by name."""
+    book, english = phrasebook(code), phrasebook(ENGLISH)
+    return {
+        "say": {
+            name: book.say(name, **_values(book, doing=name == "doing"))
+            for name in english.sentences
+        },
+        "reasons": {
+            name: book.reason(because(name, **{one: ABOUT[one] for one in _about(name, sentence)}))
+            for name, sentence in english.reasons.items()
+        },
+        "interfaces": {
+            name: book.reason(interface_reason(name, what="~/gripper"))
+            for name in language_file(ENGLISH)["interfaces"]
+        },
+        "skills": {name: _of_skill(book, name) for name in SKILLS},
+    }
+
+
+def _about(reason: str, sentence: str) -> set[str]:
+    """What a reason is given: what people hear, and what programs read beside that."""
+    return fields(sentence) | fields(language_file(ENGLISH)["errors"].get(reason, ""))
+
+
+def _values(book: Phrasebook, *, doing: bool) -> dict[str, Any]:
+    """What the agent's own sentences are filled with; what it is doing is a whole one."""
+    go, back = SKILLS["apartment.navigate_to"], SKILLS["humanoid.walk_forward"]
+    going, walking = (book.acknowledge(one, ARGUMENTS) for one in (go, back))
+    can = [book.can(one) for one in (go, back)]
+    return {
+        "action": going if doing else can[0],
+        "actions": book.both(can),
+        "argument": book.kind("room"),
+        "count": 5,
+        "duration": book.say("minutes", count=5),
+        "first": can[0],
+        "known": book.listing(["kitchen", "office"]),
+        "last": can[1],
+        "length": 4096,
+        "limit": 2000,
+        "next": continued(walking),
+        "order": continued(going),
+        "orders": going,
+        "percent": 20,
+        "place": book.word("kitchen"),
+        "question": book.sentences["abilities_question"],
+        "reason": bare(book.reason(because("too_far"))),
+        "said": "garage",
+        "thing": book.word("red_cube"),
+        "told": walking,
+        "topic": "/robot1/edgevox",
+        "words": "hello",
+    }
+
+
+def _of_skill(book: Phrasebook, name: str) -> dict[str, str]:
+    one = SKILLS[name]
+    arguments = {field: ARGUMENTS[field] for field in one.arguments_model.model_fields}
+    said = {
+        "can": book.can(one),
+        "begins": book.acknowledge(one, arguments),
+        "done": book.report(one, arguments, RESULTS),
+        "asks": book.question([(one, arguments)]) if one.drives or one.lasting else "",
+    }
+    return {when: text for when, text in said.items() if text}
+
+
+def text(code: str) -> str:
+    """The golden file of a language."""
+    lines = []
+    for table, entries in answers(code).items():
+        lines += ["", f"[{table}]"] if table != "skills" else []
+        for name, said in entries.items():
+            if table == "skills":
+                lines += ["", f"[skills.{name}]"]
+                lines += [f"{when} = {_quoted(one)}" for when, one in said.items()]
+            else:
+                lines += [f"{name} = {_quoted(said)}"]
+    return "\n".join([f"# What a robot says in {phrasebook(code).name}.", *lines]) + "\n"
+
+
+def _quoted(said: str) -> str:
+    return json.dumps(said, ensure_ascii=False)
+
+
+if __name__ == "__main__":
+    if sys.argv[1:] != ["write"]:
+        sys.exit("usage: golden_answers.py write")
+    for each in CODES:
+        (FOLDER / f"answers.{each}.toml").write_text(text(each), encoding="utf-8")

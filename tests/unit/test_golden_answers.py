@@ -1,0 +1,17 @@
+"""What robots say is what the golden files show: better words are a diff there."""
+
+import pytest
+from golden_answers import FOLDER, text
+
+from edgevox.core.language_files import CODES
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_a_language_says_what_its_golden_file_shows(code: str) -> None:
+    golden = (FOLDER / f"answers.{code}.toml").read_text("utf-8")
+
+    assert text(code) == golden, "if that is meant: python tests/unit/golden_answers.py write"
+
+
+def test_no_golden_file_is_of_a_language_that_is_gone() -> None:
+    assert {one.name for one in FOLDER.iterdir()} == {f"answers.{code}.toml" for code in CODES}
