@@ -10,7 +10,18 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 LIST = ROOT / "requirements" / "debian.list"
-PARTS = {"run", "unit", "programs", "robots", "models", "ros2", "docs", "browser", "compose"}
+PARTS = {
+    "run",
+    "unit",
+    "training",
+    "programs",
+    "robots",
+    "models",
+    "ros2",
+    "docs",
+    "browser",
+    "compose",
+}
 LACKING = """
 # a comment
 python3-tk      robots       false
@@ -110,10 +121,11 @@ def test_ci_and_make_ask_the_same_list():
         ("tests/unit/test_bus.py", "unit", []),
         ("tests/programs", "programs", []),
         ("tests/unit tests/robots/test_tui.py -x", "robots unit", ["test-models"]),
+        ("training/tests", "training", []),
         ("tests/ros2", "ros2", [".venv/done/msgs", "test-models"]),
         (
             "--durations=20",
-            "unit programs robots models ros2 docs browser compose",
+            "unit training programs robots models ros2 docs browser compose",
             [
                 ".venv/done/llama-cpp",
                 ".venv/done/msgs",

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PLACES = ("benchmarks", "docs", "edgevox", "examples", "launch", "scripts")
+PLACES = ("benchmarks", "docs", "edgevox", "examples", "launch", "scripts", "training")
 CODE = [ROOT / "docker" / "write_sbom", *(f for p in PLACES for f in (ROOT / p).rglob("*.py"))]
 TEXTS = {"read_text": 0, "write_text": 1}
 """Where the encoding stands among the arguments of pathlib's methods, if it has no name."""
