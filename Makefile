@@ -48,14 +48,15 @@ run: $(DONE)/$(if $(ROS2),msgs,run) ## Start the agent, aloud, on ROS 2 and with
 	@exec $(BIN)/edgevox-agent $(AGENT) $(if $(ROS2),--ros2) $(CONSOLE) $(ARGS)
 
 # The parts of the tests, and what each needs that is fetched or built first. ARGS may name some.
-PARTS := unit wrong programs robots models ros2 docs browser compose
+PARTS := unit wrong training programs robots models ros2 docs browser compose
 NEEDS_robots := test-models
 NEEDS_models := test-models $(DONE)/llama-cpp
 NEEDS_ros2 := test-models $(DONE)/msgs
 NEEDS_docs := test-models $(DONE)/msgs
 NEEDS_browser := $(DONE)/page test-models $(DONE)/msgs
 NEEDS_compose := test-image $(DONE)/msgs
-NAMED := $(sort $(foreach one,$(filter tests/%,$(ARGS)),$(word 2,$(subst /, ,$(one)))))
+NAMED := $(sort $(foreach one,$(filter tests/%,$(ARGS)),$(word 2,$(subst /, ,$(one)))) \
+  $(if $(filter training/%,$(ARGS)),training))
 TESTED := $(if $(filter tests tests/,$(ARGS)),$(PARTS),$(or $(filter $(PARTS),$(NAMED)),$(PARTS)))
 BESIDE := -n $(WORKERS) --dist loadfile --no-loadscope-reorder
 
@@ -116,7 +117,7 @@ lint: $(DONE)/dev ## Check style, types, layers, locks and compose files.
 	$(BIN)/python scripts/lock.py check
 	$(BIN)/python scripts/reference.py check
 	$(BIN)/python scripts/chart.py check
-	$(BIN)/python benchmarks/render.py check
+	$(BIN)/python -m benchmarks.core.render check
 	$(BIN)/python docs/render_architecture.py check
 	@$(MAKE) --no-print-directory docs
 	$(COMPOSE) config --quiet
@@ -136,10 +137,10 @@ format: $(DONE)/dev ## Rewrite the code as the linters want it.
 	$(BIN)/ruff format .
 
 .PHONY: bench
-bench: $(DONE)/dev $(DONE)/msgs $(DONE)/llama-cpp ## Measure everything, for the README's figures; ARGS="--only voice" a part.
+bench: $(DONE)/dev $(DONE)/msgs $(DONE)/llama-cpp ## Measure everything, in hours; ARGS="--only voice" a part, ARGS=--front the README's, in 20 minutes.
 	@$(BIN)/edgevox-models fetch $(TEST_MODELS)
-	@$(BIN)/python benchmarks/run.py $(ARGS) && code=0 || code=$$?; \
-	$(BIN)/python benchmarks/render.py write && exit $$code
+	@$(BIN)/python -m benchmarks.core.run $(ARGS) && code=0 || code=$$?; \
+	$(BIN)/python -m benchmarks.core.render write && exit $$code
 
 .PHONY: image
 image: ## Build the container's image; where no registry is reached, its base too (as root).

@@ -16,7 +16,14 @@ from mkdocs.structure.pages import Page
 ROOT = Path(__file__).resolve().parent.parent
 SHOWN = "source"
 """The folder of the site in which files of the repository are shown."""
-ALWAYS = ("CHANGELOG.md", "CONTRIBUTING.md", "helm/edgevox/README.md")
+ALWAYS = (
+    "CHANGELOG.md",
+    "CONTRIBUTING.md",
+    "helm/edgevox/README.md",
+    "training/README.md",
+    "training/adapter/README.md",
+    "training/spotter/README.md",
+)
 """Those that stand in the navigation."""
 LANGUAGES = {".yml": "yaml", ".py": "python", ".sh": "bash", ".schema": "json"}
 HIDDEN = "---\nsearch:\n  exclude: true\n---\n\n"

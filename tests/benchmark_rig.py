@@ -1,32 +1,32 @@
 """Results of benchmarks that nobody measured, for the tests of what keeps and shows them."""
 
-import sys
 from datetime import UTC, datetime
-from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
-
-import environment as describing
-import render
-import run
-import sim
-from calibration import calibrated
-from environment import Environment
-from figures import Figure, Measured, NotHere
-from plots import Bar, Dot, bars, reliability
-from results import FILE, BadResults, Results, read, write
-from tables import number
+from benchmarks.core import environment as describing
+from benchmarks.core import front, render, run
+from benchmarks.core.calibration import calibrated
+from benchmarks.core.environment import Environment
+from benchmarks.core.figures import Figure, Measured, NotHere
+from benchmarks.core.listed import BENCHMARKS, FRONT
+from benchmarks.core.plots import Bar, Dot, bars, reliability
+from benchmarks.core.results import FRONT_FILE, BadResults, Results, read, write
+from benchmarks.core.tables import number
+from benchmarks.robots import sim
 
 __all__ = [
-    "FILE",
+    "BENCHMARKS",
+    "FRONT",
+    "FRONT_FILE",
     "BadResults",
     "Bar",
     "Dot",
+    "Measured",
     "NotHere",
     "bars",
     "calibrated",
     "describing",
+    "front",
     "number",
     "read",
     "reliability",

@@ -1,25 +1,17 @@
 """The benchmark and the training of the stop word spotter, without a voice that speaks."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
-sys.path.insert(0, str(Path(__file__).parents[1] / "scripts"))
-
-import stop_words
-import stop_words_ears
-import stop_words_sounds
-import stop_words_threshold
-import train_stop_spotter
-from acoustics import Half, clips, languages, noises, sentences, voices
-from figures import Figure, NotHere, wilson
-from stop_spotter import clips as training_clips
-from stop_spotter import examples, installing, language_clips, texts
-from stop_spotter import languages as outputs
-from tables import interval
+from benchmarks.core.figures import Figure, NotHere, wilson
+from benchmarks.core.tables import interval
+from benchmarks.hearing import stop_words, stop_words_ears, stop_words_sounds
+from training.acoustics import Half, clips, languages, noises, sentences, voices
+from training.spotter import clips as training_clips
+from training.spotter import examples, installing, language_clips, texts
+from training.spotter import languages as outputs
+from training.spotter import threshold as stop_words_threshold
+from training.spotter import train as train_stop_spotter
 
 __all__ = [
     "Figure",

@@ -38,7 +38,7 @@ measured to be cancelled, the gate must know of that."""
 PERSON_LOUDER, PERSON_SUPPRESSED = 2.0, 0.2
 PERSON_FRAMES, PERSON_AMONG, PERSON_GOES_ON = 3, 5, 4
 """By so much and so little three of five frames are a person, whose voice is believed until none of
-four was: of 60 people in rooms to tune with (`benchmarks/echo_paths` has others) 58 are noticed,
+four was: of 60 people in rooms to tune with (the benchmark `duplex` has others) 58 are noticed,
 and nobody in 56 minutes of the robot's own voice."""
 
 LOUDER, SUPPRESSED = 1.5, 0.25

@@ -21,7 +21,7 @@ TOO_LITTLE_DB = 6.0
 LINEAR_DB = 2.0
 """So much a linear filter must take out before the canceller is used, too. One that knows nothing
 yet drops nearly all that it hears, a person with a headset too; a filter takes out echo or nothing:
-nothing where there is none, 2 dB within 2 to 6 s in the rooms of `benchmarks/echo_paths`."""
+nothing where there is none, 2 dB within 2 to 6 s in the rooms of the benchmark `duplex`."""
 AUDIBLE = 0.01
 """Only what is played at least so loud, and heard above the room's noise, is measured."""
 HEARD = 0.003

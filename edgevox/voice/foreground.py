@@ -13,7 +13,7 @@ from edgevox.voice.vad import SileroVad, VoiceDetector
 
 ABOVE_DB = 4.5
 """By so much somebody is louder than the voices behind them. Chosen with the voices, rooms and
-babble to train with (`benchmarks/acoustics`): at 5 dB 92 of 100 commands begin and end where they
+babble to train with (`training/acoustics`): at 5 dB 92 of 100 commands begin and end where they
 do; with 4 dB some do not end, with 6 dB a fourth is lost."""
 SMOOTHED_FRAMES = 8
 """Loudness is that of 0.25 s: many voices together rise and fall quickly."""

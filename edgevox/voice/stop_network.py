@@ -19,7 +19,7 @@ from edgevox.voice.stop_encoder import Floats
 from edgevox.voice.whisper_file import Added, added_of
 
 WEIGHTS_FILE = "stop_spotter.npz"
-"""English, and what is added to the encoder; `scripts/train_stop_spotter.py` makes both files."""
+"""English, and what is added to the encoder; `training/spotter/train.py` makes both files."""
 LANGUAGES_FILE = "stop_spotter_languages.npz"
 """The other languages, on the encoder of that."""
 LAST_STEPS = 8

@@ -5,7 +5,7 @@ Where it thinks of an English one, Whisper is asked what was just said: the odds
 squared, times the likelihood that the second finds decide. In quiet they must be higher than in
 noise, where fewer would be heard then. English stop words count whatever language is spoken. It
 stops wherever one of them is said, as in "do not stop" too: when in doubt, it stops. What the
-network was trained on and how well it hears is in docs/stop-spotter.md.
+network was trained on and how well it hears is in training/spotter/README.md.
 """
 
 import functools
@@ -44,7 +44,7 @@ whenever the network is sure, as of who shouts "stop" again and again."""
 LEAST_ODDS = 0.14
 """The odds of the network, as 3 for 0.75, squared, times the likelihood of the second look: from
 here on a word counts. Squared, as Whisper finds words in voices that talk at once, too. By it is
-chosen how much is heard, and how often it stops for nothing: see docs/stop-spotter.md."""
+chosen how much is heard, and how often it stops for nothing: see training/spotter/README.md."""
 NOISY_DB, QUIET_DB, QUIET_TIMES = 15.0, 25.0, 30.0
 """Where what is said stands out by so much and less from what is around they are those; they rise
 from there, and are so many times as high where it stands out by so much and more."""

@@ -10,6 +10,7 @@ ROOT = Path(__file__).parents[2]
 PAGES = [
     *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "helm/edgevox/README.md")),
     *sorted((ROOT / "docs").glob("*.md")),
+    *sorted((ROOT / "training").rglob("README.md")),
 ]
 FENCE = re.compile(r"^```(\w*)[^\n]*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _PROGRAMS = (

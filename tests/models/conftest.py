@@ -1,6 +1,5 @@
 """The models that the tests share, as `edgevox-models` keeps them."""
 
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -13,9 +12,6 @@ from edgevox.agent.llm import tuning
 from edgevox.agent.llm.factory import load_model
 from edgevox.agent.llm.language_model import LanguageModel
 from edgevox.models import locate
-
-# The endurance of the voice is tested as the benchmark measures it.
-sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -41,7 +41,8 @@ def seconds(sound: Samples) -> float:
     return float(heard[-1]) / RATE_HZ
 
 
-# How many words it misses is in docs/stop-spotter.md: "halt" it often does, so that is not here.
+# How many words it misses is in training/spotter/README.md: "halt" it often does, so that is not
+# here.
 @pytest.mark.parametrize(
     ("speaker", "text"),
     [

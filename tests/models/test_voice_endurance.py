@@ -1,12 +1,13 @@
-"""Five minutes of sound, as fast as they can be heard, leave nothing behind; the benchmark takes an
-hour: `benchmarks/voice.py`.
+"""Five minutes of sound, as fast as they can be heard, leave nothing behind; the benchmark `voice`
+takes an hour.
 
 espeak-ng answers here: Piper's memory grows in steps until it has met its largest sound.
 """
 
 import pytest
-from voice_endurance import endure
 from voice_rig import VoiceRig
+
+from benchmarks.hearing.voice_endurance import endure
 
 
 def test_five_minutes_of_talk_leave_no_thread_and_no_memory_and_make_it_no_slower(tmp_path):

@@ -21,7 +21,7 @@ def drive(rig):
     rig.wait_for(GoalChanged, lambda event: event.status == "running")
 
 
-# How many words it misses is in docs/stop-spotter.md; these it is sure of.
+# How many words it misses is in training/spotter/README.md; these it is sure of.
 @pytest.mark.parametrize(("said", "word"), [("please stop", "stop"), ("freeze", "freeze")])
 def test_a_stop_word_halts_a_drive_before_the_utterance_is_over(rig, said, word):
     drive(rig)

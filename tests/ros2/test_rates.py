@@ -2,7 +2,7 @@
 
 The test holds the time by which a whole bridge ticks: in so many seconds of it exactly so many
 messages reach a peer, on whatever machine. What a machine makes of it in real time is measured by
-`benchmarks/ros2.py`.
+`benchmarks/wire/ros2.py`.
 """
 
 import importlib

@@ -1,21 +1,25 @@
-"""The README shows the newest figures, and a check says so when it does not."""
+"""The pages show the newest figures, the README those of one run, and a check says so if not."""
 
 import re
 
 import pytest
 from benchmark_rig import (
-    FILE,
+    BENCHMARKS,
+    FRONT,
+    FRONT_FILE,
     Bar,
     Dot,
+    Measured,
     Results,
     bars,
     calibrated,
+    environment,
     found,
+    front,
     number,
     read,
     reliability,
     render,
-    run,
     with_run,
     write,
 )
@@ -33,14 +37,18 @@ def house(tmp_path, monkeypatch):
 
     class House:
         results = tmp_path / "results.json"
+        front = tmp_path / "front.json"
         readme = tmp_path / "README.md"
         plot = tmp_path / "docs" / "images" / "plot.svg"
 
         def keep(self, *values, **more):
-            write(with_run(Results(), "sim", found(*values, wanted=3.0), **more), self.results)
+            kept = with_run(Results(), "sim", found(*values, wanted=3.0), **more)
+            write(kept, self.results)
+            write(kept, self.front)
 
         def render(self, *arguments):
-            return render.main([*arguments, "--results", str(self.results)], tmp_path)
+            files = ("--results", str(self.results), "--front", str(self.front))
+            return render.main([*arguments, *files], tmp_path)
 
     made = House()
     made.keep(4.0)
@@ -72,8 +80,8 @@ def test_the_check_fails_and_names_the_page_when_newer_figures_are_there(house, 
 
     assert house.render("check") == 1
     told = capsys.readouterr().err
-    assert "README.md: not from the newest results.json" in told
-    assert "docs/figures.md" in told
+    assert "README.md: not from the newest front.json" in told
+    assert "docs/figures.md: not from the newest results.json" in told
 
 
 def test_the_check_fails_when_somebody_improved_a_figure_by_hand(house):
@@ -172,13 +180,54 @@ def test_numbers_have_three_digits_that_say_something(value, text):
     assert number(value) == text
 
 
-@pytest.mark.parametrize("name", run.BENCHMARKS)
+@pytest.mark.parametrize("name", BENCHMARKS)
 def test_every_benchmark_has_its_block_on_the_page_of_figures(name):
     page = (render.ROOT / "docs" / "figures.md").read_text()
 
     assert f"<!-- figures: {name} -->" in page
-    assert (FILE.parent / f"{name}.py").exists()
+    assert (render.ROOT / f"{BENCHMARKS[name].module.replace('.', '/')}.py").exists()
 
 
 def test_the_committed_results_can_be_read_and_hold_every_benchmark():
-    assert set(read().runs) == set(run.BENCHMARKS)
+    assert set(read().runs) == set(BENCHMARKS)
+
+
+def test_the_committed_front_table_can_be_read_and_holds_every_benchmark_of_it():
+    assert set(read(FRONT_FILE).runs) <= set(FRONT)
+    assert {one.benchmark for one in front.FRONT} == set(FRONT)
+
+
+def test_the_readme_tells_the_machine_and_the_commit_of_its_one_run():
+    told = front.measured_on(of_the_front(commit=("abc123", False)))
+
+    assert told.startswith("Measured on Abacus, 2 cores")
+    assert "commit `abc123`." in told
+    assert "Not of one version" not in told
+
+
+@pytest.mark.parametrize(
+    ("more", "reason"),
+    [
+        ({"commit": ("def456", False)}, "of 2 commits (abc123, def456)"),
+        ({"commit": ("abc123", True)}, "of code that was in no commit (memory)"),
+        ({"where": environment("Slide rule")}, "of 2 machines"),
+    ],
+)
+def test_a_front_table_that_is_not_of_one_version_is_marked_with_why(more, reason):
+    told = front.measured_on(with_run(of_the_front(), "memory", found(4.0), **more))
+
+    assert "**Not of one version**" in told
+    assert reason in told
+
+
+def test_what_was_not_there_to_be_measured_is_named_below_the_table():
+    shown = front.front(of_the_front())
+
+    assert "start to ready" in shown
+    assert "`image`" in shown.splitlines()[-1]
+
+
+def of_the_front(**more):
+    """Figures of `latency` as they are committed, measured otherwise."""
+    figures = read(FRONT_FILE).run("latency").figures
+    return with_run(Results(), "latency", Measured(figures=figures), **more)

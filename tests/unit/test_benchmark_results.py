@@ -7,8 +7,10 @@ from datetime import timedelta
 import pytest
 from benchmark_rig import (
     BEGAN,
+    FRONT,
     BadResults,
     Figure,
+    Measured,
     NotHere,
     Results,
     describing,
@@ -119,7 +121,7 @@ def test_a_benchmark_that_fails_costs_neither_its_old_figures_nor_the_others(tmp
     file = tmp_path / "results.json"
     write(with_run(Results(), "sim", found(4.0)), file)
 
-    def measure(name, quick):
+    def measure(name, quick, front):
         if name == "sim":
             raise run.Broken("sim: ended with code 1")
         return found(6.0)
@@ -135,7 +137,7 @@ def test_a_benchmark_whose_needs_are_not_here_is_left_out_and_nothing_has_failed
     tmp_path, monkeypatch
 ):
     file = tmp_path / "results.json"
-    monkeypatch.setattr(run, "measure", lambda name, quick: None)
+    monkeypatch.setattr(run, "measure", lambda *_: None)
 
     assert run.run(["image"], False, file) == run.OK
     assert read(file) == Results()
@@ -149,3 +151,78 @@ def test_what_a_benchmark_lacks_is_told(tmp_path, monkeypatch, capsys):
 
     assert run.measure_here("sim", False, tmp_path / "found.json") == run.LEFT_OUT
     assert "sim: left out: no abacus" in capsys.readouterr().out
+
+
+@pytest.fixture
+def front_run(tmp_path, monkeypatch):
+    """A run of the front table, in a tree and with benchmarks that a test decides about."""
+
+    class FrontRun:
+        file = tmp_path / "front.json"
+        commits = ("abc", False), ("abc", False)
+        found = {name: found(4.0) for name in FRONT}  # noqa: RUF012
+
+        def __call__(self, quick=False):
+            commits = iter(self.commits)
+            monkeypatch.setattr(run, "commit", lambda: next(commits))
+            monkeypatch.setattr(run, "measure", self.measure)
+            monkeypatch.setattr(run, "of_the_front", lambda _, measured: measured)
+            return run.run_front(quick, self.file)
+
+        def measure(self, name, quick, front):
+            assert front
+            if name not in self.found:
+                raise run.Broken(name)
+            return self.found[name]
+
+    return FrontRun()
+
+
+def test_the_front_table_is_of_one_run_at_one_commit(front_run):
+    write(with_run(Results(), "sim", found(1.0)), front_run.file)
+
+    assert front_run() == run.OK
+    kept = read(front_run.file)
+    assert set(kept.runs) == set(FRONT), "nothing of the run before is left"
+    assert kept.apart() == []
+
+
+@pytest.mark.parametrize(
+    ("commits", "why"),
+    [
+        ([("abc", True)], "commit your changes first"),
+        ([("", True)], "commit your changes first"),
+        ([("abc", False), ("abc", True)], "commit your changes first"),
+        ([("abc", False), ("def", False)], "it began at commit abc, is def now"),
+    ],
+)
+def test_a_front_table_of_no_commit_or_of_several_is_not_kept(front_run, commits, why):
+    front_run.commits = commits
+
+    with pytest.raises(BadResults, match=why):
+        front_run()
+    assert not front_run.file.exists()
+
+
+def test_a_front_table_of_which_something_failed_is_not_kept(front_run, capsys):
+    del front_run.found["voice"]
+
+    assert front_run() == run.FAILED
+    assert not front_run.file.exists()
+    assert "failed: voice" in capsys.readouterr().err
+
+
+def test_the_front_table_can_be_tried_with_changes(front_run):
+    front_run.commits = [("abc", True)]
+
+    assert front_run(quick=True) == run.OK
+    assert read(front_run.file).quick() == sorted(FRONT)
+
+
+def test_of_a_benchmark_the_front_table_keeps_what_the_readme_shows():
+    one = Figure.of("resident", "Memory", "resident", [1.0], "MB", baseline="plain")
+    plain, more = (Figure.of(name, "Memory", name, [2.0], "MB") for name in ("plain", "more"))
+
+    kept = run.of_the_front("memory", Measured(figures=(more, one, plain)))
+
+    assert [figure.id for figure in kept.figures] == ["resident", "plain"]

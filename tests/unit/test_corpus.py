@@ -31,8 +31,7 @@ def product_sentences() -> Iterator[str]:
         for one in skills.values():
             for language in LANGUAGES:
                 yield from (e.sentence for e in phrasebook(language).examples(one))
-    scripts = ROOT / "scripts"
-    for file in (scripts / "decision_sentences.yaml", *scripts.glob("decision_cases/*.yaml")):
+    for file in (ROOT / "training" / "decision").rglob("*.yaml"):
         for data in yaml.load_all(file.read_text(encoding="utf-8"), yaml.CSafeLoader):
             yield from strings(data)
 

@@ -9,7 +9,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 PAGES = [
     page
-    for folder in ("", "docs", "benchmarks", "helm/*")
+    for folder in ("", "docs", "benchmarks", "helm/*", "training", "training/*")
     for page in ROOT.glob(f"{folder}/*.md".lstrip("/"))
 ]
 LARGEST_PICTURE_BYTES = 200_000

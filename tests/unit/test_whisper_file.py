@@ -5,25 +5,9 @@ import struct
 
 import numpy as np
 import pytest
+from whisper_files import BYTES, HALF, SINGLE, WEIGHTS, array, file_of
 
 from edgevox.voice.whisper_file import FILE, Added, NotAWhisperFile, adapted, adapted_folder, arrays
-
-HALF, SINGLE, BYTES = 4, 0, 1
-
-
-def text(value: str) -> bytes:
-    return struct.pack("<H", len(value) + 1) + value.encode() + b"\0"
-
-
-def array(name: str, kind: int, values: np.ndarray) -> bytes:
-    shape = struct.pack(f"<B{values.ndim}I", values.ndim, *values.shape)
-    return text(name) + shape + struct.pack("<BI", kind, values.nbytes) + values.tobytes()
-
-
-def file_of(*held: bytes, version: int = 6) -> bytes:
-    """As CTranslate2 writes it: a head, arrays, and no second names."""
-    head = struct.pack("<I", version) + text("WhisperSpec") + struct.pack("<II", 3, len(held))
-    return head + b"".join(held) + struct.pack("<I", 0)
 
 
 def column(numbers) -> Added:
@@ -31,7 +15,6 @@ def column(numbers) -> Added:
     return Added(np.asarray(numbers, np.float32)[:, None], np.ones((1, 1), np.float32))
 
 
-WEIGHTS = np.arange(6, dtype=np.float16).reshape(2, 3)
 BIAS = np.ones(4, np.float32)
 CODES = np.arange(5, dtype=np.int8)
 

@@ -11,7 +11,7 @@ import numpy as np
 from edgevox.agent.nlu.packed_file import Floats
 
 HEAD_FILE = "head.npz"
-"""Made by `scripts/train_decision.py`."""
+"""Made by `training/decision/train.py`."""
 
 ASK_FROM, SURE_FROM = 0.5, 0.8
 """Below the first nothing is done, from the second on it is done unasked; between, one asks."""
@@ -19,7 +19,7 @@ ASK_FROM, SURE_FROM = 0.5, 0.8
 HEARD_FROM = 0.8
 """A motion whose words are less sure to have been said is asked about; and so is one that was read
 into words that no template knows, where both together are less sure, multiplied. Of 1,152 commands
-by voices to tune with (`benchmarks/acoustics`), in noise at 10, 5 and 0 dB, none wrong was done,
+by voices to tune with (`training/acoustics`), in noise at 10, 5 and 0 dB, none wrong was done,
 with words that were only expected held for less sure (`edgevox.voice.stt.expectation`); with 0.75
 one was."""
 

@@ -17,7 +17,7 @@ LEAST_SHARE = 0.2
 """What is less likely to have been said is not done in place of words that mean nothing."""
 RIVAL = 0.1
 """Another command this many times as likely contests one. Of 400 commands by voices that tune, in
-noises of `benchmarks/acoustics`, none was done that was not meant; at 0.05 two more are asked about
+noises of `training/acoustics`, none was done that was not meant; at 0.05 two more are asked about
 that were heard rightly."""
 
 _Told = tuple[Hypothesis, Meaning]

@@ -2,7 +2,7 @@
 
 Whisper listens to 30 s, however little was said. With this it needs no more than there is, which is
 most of its time, and of what noise hides it understands more. What it learnt from, and how well it
-hears, is in docs/hearing-adapter.md; `scripts/train_hearing_adapter.py` made it.
+hears, is in training/adapter/README.md; `training/adapter/train.py` made it.
 """
 
 import functools

@@ -1,0 +1,1 @@
+"""Runs benchmarks, keeps what they find, and renders it: the README, docs/figures.md, plots."""

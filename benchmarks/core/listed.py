@@ -1,0 +1,104 @@
+"""All benchmarks: what each is called, which module measures it, what the README takes of it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Benchmark:
+    """Its module has `measure(quick: bool) -> Measured`.
+
+    `front` is the function of the module, of the same kind, that a run with `--front` calls: all of
+    it or a part; empty where the README shows nothing of it.
+    """
+
+    module: str
+    about: str
+    front: str = ""
+
+
+BENCHMARKS: Mapping[str, Benchmark] = {
+    "sim": Benchmark("benchmarks.robots.sim", "steps, scans and plans of the 2D apartment"),
+    "latency": Benchmark(
+        "benchmarks.agent.latency", "how fast a running agent answers and stops", "measure"
+    ),
+    "memory": Benchmark(
+        "benchmarks.agent.memory",
+        "how much memory the default set takes, hearing and speaking",
+        "measure",
+    ),
+    "spine": Benchmark(
+        "benchmarks.agent.spine",
+        "through how much code a sentence passes before a wheel turns",
+    ),
+    "stop": Benchmark("benchmarks.wire.stop", "how soon a robot stands, by every way to say so"),
+    "ros2": Benchmark(
+        "benchmarks.wire.ros2", "messages, round trips, an idle robot, rates, images", "measure"
+    ),
+    "security": Benchmark(
+        "benchmarks.wire.security",
+        "what DDS security costs a message; needs a Fast DDS that has it",
+    ),
+    "language_model": Benchmark(
+        "benchmarks.agent.language_model", "the language model beside plain llama-cpp-python"
+    ),
+    "shared_llm": Benchmark(
+        "benchmarks.agent.shared_llm",
+        "one language model for 1 to 50 robots, with and without a bound on its queue",
+    ),
+    "hearing": Benchmark(
+        "benchmarks.hearing.speech_to_text", "speech to text beside plain faster-whisper"
+    ),
+    "noise": Benchmark(
+        "benchmarks.hearing.noise",
+        "plain commands in quiet and in noise, and what is heard out of noise alone",
+        "commands_at_10_db",
+    ),
+    "noise_ways": Benchmark(
+        "training.adapter.noise_ways",
+        "noise suppression, gain control and a larger model, for commands in noise",
+    ),
+    "stop_words": Benchmark(
+        "benchmarks.hearing.stop_words",
+        "which stop words are heard by their sound, and what else is taken for one",
+    ),
+    "stop_words_languages": Benchmark(
+        "benchmarks.hearing.stop_words_languages",
+        "English stop words by their sound where another language is spoken",
+    ),
+    "endings": Benchmark(
+        "benchmarks.hearing.endings",
+        "when an utterance counts as over, and how often within a sentence",
+    ),
+    "duplex": Benchmark(
+        "benchmarks.hearing.duplex",
+        "who is heard through the robot's own voice, and whether it hears itself",
+    ),
+    "wake_words": Benchmark(
+        "benchmarks.hearing.wake_words", "both engines of wake words: misses, false alarms, cost"
+    ),
+    "robots": Benchmark("benchmarks.robots.bodies", "every body beside its simulator alone"),
+    "overhead": Benchmark("benchmarks.agent.overhead", "what logs, metrics and diagnostics cost"),
+    "console": Benchmark(
+        "benchmarks.console.console", "a browser's stop, map and sound, and what ten of them cost"
+    ),
+    "voice": Benchmark(
+        "benchmarks.hearing.voice",
+        "hearing, answering aloud, barging in, an hour of listening",
+        "measure",
+    ),
+    "corpus": Benchmark(
+        "benchmarks.agent.corpus",
+        "what becomes of what strangers say, and whether anything moves that should not",
+        "measure",
+    ),
+    "discovery_scale": Benchmark(
+        "benchmarks.wire.discovery", "how soon many agents find each other, and what it costs"
+    ),
+    "image": Benchmark(
+        "benchmarks.wire.image", "size and start of the container's image", "measure"
+    ),
+}
+"""In the order in which they run."""
+FRONT = tuple(name for name, one in BENCHMARKS.items() if one.front)
+"""Those that the README's table needs."""

@@ -1,0 +1,1 @@
+"""Every body beside its simulator alone."""

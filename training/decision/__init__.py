@@ -1,0 +1,1 @@
+"""What trains the head that tells orders from everything else that is said."""
