@@ -10,7 +10,8 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 LIST = ROOT / "requirements" / "debian.list"
-PARTS = {"run", "unit", "programs", "robots", "models", "ros2", "docs", "browser", "compose"}
+PARTS = {"run", "unit", "talk", "programs", "robots", "models", "ros2", "docs"}
+PARTS |= {"browser", "compose"}
 LACKING = """
 # a comment
 python3-tk      robots       false
@@ -113,7 +114,7 @@ def test_ci_and_make_ask_the_same_list():
         ("tests/ros2", "ros2", [".venv/done/msgs", "test-models"]),
         (
             "--durations=20",
-            "unit programs robots models ros2 docs browser compose",
+            "unit talk programs robots models ros2 docs browser compose",
             [
                 ".venv/done/llama-cpp",
                 ".venv/done/msgs",

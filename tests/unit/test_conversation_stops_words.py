@@ -3,7 +3,7 @@
 import threading
 
 import pytest
-from clocks import HeldClock
+from support.clock import HeldClock
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation

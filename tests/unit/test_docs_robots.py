@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
-from phrasebook_bodies import BODIES, MEMORY, Nobody
+from support.bodies import BODIES, MEMORY, Nobody
 
 from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.skills import SkillSet
