@@ -48,7 +48,7 @@ run: $(DONE)/$(if $(ROS2),msgs,run) ## Start the agent, aloud, on ROS 2 and with
 	@exec $(BIN)/edgevox-agent $(AGENT) $(if $(ROS2),--ros2) $(CONSOLE) $(ARGS)
 
 # The parts of the tests, and what each needs that is fetched or built first. ARGS may name some.
-PARTS := unit wrong training programs robots models ros2 docs browser compose
+PARTS := unit talk wrong training programs robots models ros2 docs browser compose
 NEEDS_robots := test-models
 NEEDS_models := test-models $(DONE)/llama-cpp
 NEEDS_ros2 := test-models $(DONE)/msgs
@@ -75,7 +75,7 @@ test-needs:
 
 .PHONY: unit
 unit: $(DONE)/dev ## Run what needs no model, no container, no node, and starts nothing large: in a minute.
-	@$(BIN)/python -m pytest -n 4 --dist loadfile tests/unit tests/wrong $(ARGS)  # a third of it waits
+	@$(BIN)/python -m pytest -n 4 --dist loadfile tests/unit tests/talk tests/wrong $(ARGS)  # a third of it waits
 
 .PHONY: games
 games: $(DONE)/dev $(NEEDS_ros2) ## Play the stop game, in one process and on ROS 2, for SECONDS=60 each; it prints its seeds.

@@ -9,7 +9,7 @@ from typing import TypeVar
 
 from xdist.scheduler import LoadFileScheduling
 
-COMPUTING = ("models", "robots", "programs", "docs", "unit", "wrong")
+COMPUTING = ("models", "robots", "programs", "docs", "talk", "unit", "wrong")
 """The parts of the tests that mostly compute, the longest first."""
 WAITING = ("compose", "ros2", "browser")
 """Those that mostly wait: for containers, a page, the other end of a wire, a robot to arrive."""

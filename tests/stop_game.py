@@ -11,11 +11,11 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-from fake_body import FakeBody
 from guards import HUNG_S
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, precondition, rule
-from programs_rig import HeldTime
+from support.body import FakeBody
+from support.clock import HeldClock
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
@@ -119,7 +119,12 @@ class StopGame(RuleBasedStateMachine):
 
     def __init__(self) -> None:
         super().__init__()
-        self.bus, self.body, self.time, self.interlock = Bus(), Witness(), HeldTime(), Interlock()
+        self.bus, self.body, self.time, self.interlock = (
+            Bus(),
+            Witness(),
+            HeldClock(1000.0),
+            Interlock(),
+        )
         self.conversation = Conversation(
             [Agent("robot", "Be brief.", self.body.known_skills())],
             self.bus,

@@ -6,8 +6,8 @@ import time
 
 import numpy as np
 import pytest
-from clocks import HeldClock
 from listener_rig import loud, noises, says_espeak, says_piper, silence
+from support.clock import HeldClock
 
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Heard

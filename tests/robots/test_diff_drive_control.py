@@ -8,10 +8,10 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from clocks import HeldClock
 from engines import meddled
 from guards import HUNG_S
 from held_time import STEP_S, HeldSkill
+from support.clock import HeldClock
 from waiting import wait_until
 
 from edgevox.agent.skills import SkillFailed

@@ -4,19 +4,15 @@ import json
 import threading
 
 from action_msgs.msg import GoalStatus
-from fake_body import FakeBody
 from guards import HUNG_S
 from rclpy.action import ActionClient
 from rclpy.qos import QoSProfile
+from support.body import FakeBody
+from support.conversation import Talk
 from waiting import wait_until
 
-from edgevox.agent.agents import Agent
-from edgevox.agent.conversation import Conversation
-from edgevox.core.agent_events import AgentEvent, as_json
-from edgevox.core.bus import Bus
+from edgevox.core.clock import SystemClock
 from edgevox.core.commands import TextInput
-from edgevox.core.events import Responded
-from edgevox.core.interlock import Interlock
 from edgevox.ros2.backlog import Backlog
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.skill_action import SkillAction
@@ -32,23 +28,13 @@ ENDS = {
 }
 
 
-class ActionRig:
+class ActionRig(Talk):
     """A conversation whose skills are served as an action, and all that it published."""
 
     def __init__(self):
-        self.bus, self.body = Bus(), FakeBody(reports=True)
-        self.agent_events, self.said = [], []
-        self.bus.subscribe(AgentEvent, lambda e: self.agent_events.append(as_json(e)))
-        self.bus.subscribe(Responded, lambda e: self.said.append(e.text))
-        interlock = Interlock()
-        self.conversation = Conversation(
-            [Agent("robot", "", self.body.skills(*SKILLS))],
-            self.bus,
-            halt=self.body.halt,
-            interlock=interlock,
-        )
+        super().__init__(FakeBody(reports=True), skills=SKILLS, clock=SystemClock())
         self.node = RosNode("/edgevox")
-        backlog = Backlog(self.node.node, interlock)
+        backlog = Backlog(self.node.node, self.interlock)
         self.action = SkillAction(
             self.node.node, self.bus, self.conversation, ExecuteSkill, backlog=backlog
         )
@@ -66,9 +52,10 @@ class ActionRig:
     def driving(self):
         self.body.starts()
 
-    def statuses(self, skill_name):
-        goals = [d for d in self.agent_events if d.get("skill") == skill_name and "status" in d]
-        return [str(g["status"]) for g in goals if "feedback" not in g]
+    def goals(self, skill_name):
+        """How far the goals of a skill are."""
+        goals = [one for one in self.events if one.get("skill") == skill_name and "status" in one]
+        return [str(one["status"]) for one in goals if "feedback" not in one]
 
 
 class Client:

@@ -6,7 +6,7 @@ anything takes meanwhile.
 
 import math
 
-from clocks import HeldClock
+from support.clock import HeldClock
 
 from edgevox.ros2.ticker import TOGETHER_S, Ticker
 

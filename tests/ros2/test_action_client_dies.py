@@ -43,7 +43,7 @@ def test_a_client_killed_in_the_middle_ends_its_goal(rig, doomed):
     rig.driving()
     doomed.kill()
     assert rig.conversation.wait_idle(GIVEN_UP_S)
-    assert rig.agent_events[-1]["reason"] == "its client is gone"
+    assert rig.events[-1]["reason"] == "its client is gone"
 
 
 def test_what_was_asked_for_in_words_outlives_a_client(rig, doomed):

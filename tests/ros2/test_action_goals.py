@@ -35,7 +35,7 @@ def test_a_goal_succeeds_with_its_result_as_json_that_every_parser_reads(rig, cl
     end, result = client.end_of(goal)
     assert (end, result.ok, result.error) == ("succeeded", True, "")
     assert json.loads(result.result_json) == {"room": "kitchen", "far": None}
-    assert rig.statuses("navigate_to") == ["accepted", "running", "succeeded"]
+    assert rig.goals("navigate_to") == ["accepted", "running", "succeeded"]
 
 
 def test_feedback_mirrors_the_agent_events_of_the_same_goal_id(rig, client):
@@ -47,9 +47,9 @@ def test_feedback_mirrors_the_agent_events_of_the_same_goal_id(rig, client):
     wait_until(lambda: client.feedback[-1]["status"] == "succeeded", "the last feedback")
     progress = next(f for f in client.feedback if "feedback" in f)
     assert progress.pop("progress") == 0.5
-    assert progress in rig.agent_events
+    assert progress in rig.events
     assert {f["goal_id"] for f in client.feedback} == {bytes(goal.goal_id.uuid).hex()}
-    reports = [d for d in rig.agent_events if "feedback" in d]
+    reports = [d for d in rig.events if "feedback" in d]
     assert len(client.feedback) < len(reports)
 
 
@@ -59,7 +59,7 @@ def test_cancel_ends_a_running_goal_as_canceled(rig, client):
     assert client.cancel(goal) == 1
     end, result = client.end_of(goal)
     assert (end, result.ok, result.error) == ("canceled", False, "its client asked for it")
-    assert not rig.conversation.wait_idle(0) or rig.statuses("navigate_to")[-1] == "cancelled"
+    assert not rig.conversation.wait_idle(0) or rig.goals("navigate_to")[-1] == "cancelled"
 
 
 def test_a_second_goal_preempts_the_first_which_ends_as_canceled(rig, client):
@@ -93,7 +93,7 @@ def test_a_goal_preempts_what_was_asked_for_in_words_and_is_not_spoken_of(rig, c
     assert client.end_of(goal)[0] == "succeeded"
     assert rig.conversation.wait_idle(10)
     assert rig.said == ["Going to the bedroom."]
-    assert "cancelled" in rig.statuses("navigate_to")
+    assert "cancelled" in rig.goals("navigate_to")
 
 
 def test_a_skill_that_moves_nothing_leaves_a_drive_alone(rig, client):
@@ -141,7 +141,7 @@ def test_a_stop_word_and_an_interrupt_end_a_goal_as_canceled(rig, client, stop):
 )
 def test_a_goal_that_cannot_be_is_rejected_with_its_reason(rig, client, name, arguments, reason):
     assert not client.send(name, arguments).accepted
-    (event,) = [d for d in rig.agent_events if d.get("status") == "rejected"]
+    (event,) = [d for d in rig.events if d.get("status") == "rejected"]
     assert reason in event["error"]
     assert (event["kind"], event["skill"], event["goal_id"]) == ("skill_goal", name, None)
     assert client.end_of(client.send("get_pose"))[0] == "succeeded"
@@ -178,4 +178,4 @@ def test_a_client_that_leaves_ends_its_goal(rig, client):
     rig.driving()
     client.destroy()
     assert rig.conversation.wait_idle(30)
-    assert rig.agent_events[-1]["reason"] == "its client is gone"
+    assert rig.events[-1]["reason"] == "its client is gone"

@@ -4,14 +4,12 @@ import tomllib
 from pathlib import Path
 
 import pytest
-import yaml
 
 from edgevox.core.language_files import CODES, language_file
 
 TESTS = Path(__file__).parents[1]
 OTHERS = [code for code in CODES if code != "en"]
 ENTRIES = {
-    "unit/phrasebook_commands.yaml": yaml.safe_load,
     "unit/stop_sentences.toml": tomllib.loads,
 }
 OPTIONAL = {"errors", "called_off", "own_names", "kokoro", "piper"}
@@ -26,11 +24,12 @@ def test_a_language_is_tried_by_the_tests_data(code, name):
     assert code in entries, f"tests/{name} has no entry {code}: see docs/adding-a-language.md"
 
 
+@pytest.mark.parametrize("folder", ["corpus", "talk"])
 @pytest.mark.parametrize("code", OTHERS)
-def test_a_language_has_a_corpus(code):
-    file = TESTS / "corpus" / f"{code}.yaml"
+def test_a_language_has_a_corpus_and_is_talked_to(code, folder):
+    file = TESTS / folder / f"{code}.yaml"
 
-    assert file.is_file(), f"there is no tests/corpus/{code}.yaml: see docs/adding-a-language.md"
+    assert file.is_file(), f"there is no tests/{folder}/{code}.yaml: see docs/adding-a-language.md"
 
 
 @pytest.mark.parametrize("code", CODES)

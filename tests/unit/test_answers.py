@@ -3,9 +3,8 @@
 from itertools import combinations
 
 import pytest
-from confirmation_rig import Talk
-from phrasebook_bodies import BODIES
-from test_confirmation_corrections import KITCHEN
+from support.bodies import BODIES
+from support.conversation import Talk
 
 from edgevox.agent.answers import Answer, Answers, AnswerWords
 from edgevox.agent.nlu.templates import Recogniser, Understood
@@ -76,10 +75,10 @@ def test_an_answer_drives_no_robot_by_itself(code):
 @pytest.mark.parametrize("code", LANGUAGES)
 @pytest.mark.parametrize("answer", Answer)
 def test_the_robot_goes_or_stays_at_each_of_them(code, answer):
-    with Talk(language=code) as talk:
+    with Talk(confirm="always", language=code) as talk:
         for said in getattr(phrasebook(code).answers, answer):
             talk.body.sent.clear()
-            talk.say(KITCHEN[code])
+            talk.say("go to the kitchen")
             assert talk.statuses[-1] == "asked"
             talk.say(said)
             assert talk.body.sent == (["kitchen"] if answer is Answer.YES else []), said

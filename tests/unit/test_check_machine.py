@@ -14,6 +14,7 @@ LIST = ROOT / "requirements" / "debian.list"
 PARTS = {
     "run",
     "unit",
+    "talk",
     "wrong",
     "training",
     "programs",
@@ -126,7 +127,7 @@ def dry_run(*arguments: str, **environment: str) -> list[str]:
         ("tests/ros2", "ros2", ".venv/done/msgs test-models"),
         (
             "--durations=20",
-            "unit wrong training programs robots models ros2 docs browser compose",
+            "unit talk wrong training programs robots models ros2 docs browser compose",
             ".venv/done/llama-cpp .venv/done/msgs .venv/done/page test-image test-models",
         ),
     ],

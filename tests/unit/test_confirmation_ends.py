@@ -2,10 +2,10 @@
 
 import threading
 
-import phrases
 import pytest
-from confirmation_rig import Doubts, Talk
 from guards import HUNG_S
+from support.clock import HeldClock
+from support.conversation import Talk
 
 from edgevox.agent.confirmation import EXPIRES_S, OpenQuestion, Question
 from edgevox.agent.nlu.meaning import Meaning
@@ -23,7 +23,7 @@ from edgevox.core.speech import Spoken
 
 
 def test_a_yes_in_time_counts_and_one_too_late_never_moves_the_robot():
-    with Talk() as talk:
+    with Talk(confirm="always") as talk:
         talk.say("go to the kitchen")
         talk.clock.now_s += EXPIRES_S - 0.1
         talk.say("yes")
@@ -33,23 +33,23 @@ def test_a_yes_in_time_counts_and_one_too_late_never_moves_the_robot():
         talk.say("yes", "yes")
         assert talk.body.sent == ["kitchen"]
         assert talk.statuses[2:] == ["asked", "expired"]
-        assert talk.answers[-1] == phrases.said("nothing_asked")
+        assert talk.said[-1] == "Yes. What can I do for you?"
 
 
 def test_a_question_expires_by_itself_though_nobody_says_anything():
-    with Talk() as talk:
+    with Talk(confirm="always") as talk:
 
         def let_time_pass(event):  # the question's turn is over; its thread has not waited yet
             talk.clock.now_s += EXPIRES_S
 
         talk.bus.subscribe(TurnEnded, let_time_pass)
         talk.conversation.submit(TextInput("go to the kitchen"))
-        assert talk.ended.wait(60)
+        talk.until(lambda: len(talk.statuses) > 1)
         assert talk.statuses == ["asked", "expired"]
 
 
 def test_words_that_would_be_a_command_are_none_after_a_question_that_expired():
-    with Talk() as talk:
+    with Talk(confirm="always") as talk:
         talk.say("go to the kitchen")
         talk.clock.now_s += EXPIRES_S
         talk.say("go ahead")
@@ -61,28 +61,28 @@ def test_words_that_would_be_a_command_are_none_after_a_question_that_expired():
 
 @pytest.mark.parametrize("said", ["where are you", "sing a song", "yes, but not now"])
 def test_anything_else_that_is_said_replaces_it_and_is_handled_as_usual(said):
-    with Talk() as talk:
+    with Talk(confirm="always") as talk:
         talk.say(said)
-        usual = talk.answers[-1]
+        usual = talk.said[-1]
         talk.say("go to the kitchen", said)
-        assert talk.answers[-1] == usual
+        assert talk.said[-1] == usual
         assert talk.statuses == ["asked", "replaced"]
         talk.say("yes")
         assert talk.body.sent == []
 
 
 def test_a_new_question_replaces_the_old_one_and_a_yes_is_for_the_new_one():
-    with Talk() as talk:
+    with Talk(confirm="always") as talk:
         talk.say("go to the kitchen", "go to the office", "yes")
         assert talk.statuses == ["asked", "replaced", "asked", "confirmed"]
         assert talk.body.sent == ["office"]
 
 
 @pytest.mark.parametrize(
-    "command", [TextInput("stop"), Heard("halt", 100.0), Interrupt(), Reset()], ids=str
+    "command", [TextInput("stop"), Heard("halt", 1000.0), Interrupt(), Reset()], ids=str
 )
 def test_a_stop_of_any_kind_cancels_it_before_anything_else_is_heard(command):
-    with Talk() as talk:
+    with Talk(confirm="always") as talk:
         talk.say("go to the kitchen")
         talk.conversation.submit(command)
         assert talk.statuses == ["asked", "cancelled"]
@@ -91,7 +91,7 @@ def test_a_stop_of_any_kind_cancels_it_before_anything_else_is_heard(command):
 
 
 def test_who_only_speaks_over_it_may_still_answer_it():
-    with Talk() as talk:
+    with Talk(confirm="always") as talk:
         talk.say("go to the kitchen")
         talk.conversation.submit(Interrupt(motion=False))
         talk.say("yes")
@@ -99,7 +99,7 @@ def test_who_only_speaks_over_it_may_still_answer_it():
 
 
 def test_a_yes_that_is_sent_while_a_stop_is_told_does_not_move_the_robot():
-    with Talk() as talk:
+    with Talk(confirm="always") as talk:
         told = []
 
         def answer(event):
@@ -114,11 +114,11 @@ def test_a_yes_that_is_sent_while_a_stop_is_told_does_not_move_the_robot():
 
 
 def test_a_yes_that_comes_while_the_body_is_halted_does_not_move_the_robot():
-    with Talk() as talk:
+    with Talk(confirm="always") as talk:
         talk.say("go to the kitchen")
         talk.body.on_halt = lambda: talk.conversation.submit(TextInput("yes"))
         talk.conversation.submit(TextInput("stop"))
-        assert talk.conversation.wait_idle(60)
+        talk.settle()
         assert talk.body.sent == []
         assert talk.statuses == ["asked", "cancelled"]
 
@@ -160,7 +160,7 @@ def test_a_stop_while_a_yes_begins_to_move_the_robot_leaves_it_standing(monkeypa
     stopping = threading.Thread(target=stop)
     with monkeypatch.context() as patched:
         patched.setattr(threading, "Lock", lambda: ToldLock(stopping, stopped_or_waits.set))
-        talk = Talk()
+        talk = Talk(confirm="always")
 
     def about_to_move(event):
         if event.status is GoalStatus.ACCEPTED:
@@ -172,13 +172,13 @@ def test_a_stop_while_a_yes_begins_to_move_the_robot_leaves_it_standing(monkeypa
         talk.body.drive_on()  # what would begin to drive would never end by itself
         talk.say("go to the kitchen")
         talk.conversation.submit(TextInput("yes"))
-        assert talk.conversation.wait_idle(60), "it drives after a stop"
+        talk.settle(), "it drives after a stop"
         stopping.join(HUNG_S)
         assert not talk.body.moving
 
 
 def test_a_stop_between_a_yes_and_its_motion_keeps_the_robot_from_moving():
-    with Talk() as talk:
+    with Talk(confirm="always") as talk:
         talk.bus.subscribe(ToolCalled, lambda _: talk.conversation.submit(TextInput("stop")))
         talk.say("go to the kitchen", "yes")
         assert talk.statuses == ["asked", "confirmed"]
@@ -190,14 +190,13 @@ def question(turn):
 
 
 def test_a_turn_that_was_stopped_while_it_thought_asks_nothing_any_more():
-    with Doubts() as doubts:
-        bus, told = Bus(), []
-        bus.subscribe(Confirmation, told.append)
-        asked = OpenQuestion(bus, doubts.clock)
-        asked.cancel(turn=3)
-        assert not asked.ask(question(3))
-        assert asked.ask(question(4))
-        assert [one.turn for one in told] == [4]
+    bus, told = Bus(), []
+    bus.subscribe(Confirmation, told.append)
+    asked = OpenQuestion(bus, HeldClock())
+    asked.cancel(turn=3)
+    assert not asked.ask(question(3))
+    assert asked.ask(question(4))
+    assert [one.turn for one in told] == [4]
 
 
 class Saying:
@@ -228,23 +227,21 @@ class PacedSpeech:
 @pytest.mark.parametrize(("audible", "status"), [(True, "confirmed"), (False, "cancelled")])
 def test_a_question_that_is_spoken_over_stands_if_any_of_it_was_heard(audible, status):
     speech_output = PacedSpeech(audible=audible)
-    with Talk(speech_output=speech_output) as talk:
+    with Talk(confirm="always", speech_output=speech_output) as talk:
         speech_output.clock = talk.clock
         talk.conversation.submit(TextInput("go to the kitchen"))
         assert speech_output.began.wait(60)
         talk.conversation.submit(Interrupt(motion=False))
-        assert talk.conversation.wait_idle(60)
+        talk.settle()
         talk.conversation.submit(TextInput("yes"))
-        assert talk.ended.wait(60)
+        talk.until(lambda: len(talk.statuses) > 1)
         assert talk.statuses == ["asked", status]
 
 
 def test_a_yes_that_was_spoken_before_the_question_and_understood_after_it_is_no_answer():
-    with Talk() as talk:
+    with Talk(confirm="always") as talk:
         talk.say("go to the kitchen")
-        talk.conversation.submit(Heard("yes", ended_s=99.0))
-        assert talk.conversation.wait_idle(60)
+        talk.hear("yes", ended_s=talk.clock.now() - 1.0)
         assert talk.body.sent == []
-        talk.conversation.submit(Heard("yes", ended_s=101.0))
-        assert talk.conversation.wait_idle(60)
+        talk.hear("yes", ended_s=talk.clock.now() + 1.0)
         assert talk.body.sent == ["kitchen"]

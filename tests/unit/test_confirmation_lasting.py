@@ -3,10 +3,11 @@
 from types import MappingProxyType
 
 import pytest
-from confirmation_rig import Doubts
+from support.body import FakeBody
+from support.conversation import Talk
 
 from edgevox.agent.choices import OneOf
-from edgevox.agent.skills import Call
+from edgevox.agent.skills import Call, SkillSet
 from edgevox.core.events import Outcome
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import Twist2D
@@ -48,9 +49,10 @@ def listen(memory):
     def make(confirm="unsure", *filled_in):
         known = OneOf((), {}, memory.names)
         skills = place_skills(Standing(), memory, known, "room", lambda x_m, y_m: None)
-        rig = Doubts(confirm, 1.0, skills=skills)
-        rig.interpreter.filled_in = filled_in
-        return rig
+        body = FakeBody(arrives=True)
+        goes = body.skills("navigate_to").values()
+        talk = Talk(body, confirm=confirm, skills=SkillSet([*goes, *skills]))
+        return talk.mean(*filled_in) if filled_in else talk
 
     return make
 
@@ -82,8 +84,8 @@ def test_what_a_model_called_is_named_and_done_after_a_yes(
     listen, memory, confirm, calls, question, then
 ):
     with listen(confirm, *calls) as rig:
-        turn = rig.say("take care of the bikes")
-        assert (turn.text, turn.outcome) == (question, Outcome.ASKED)
+        assert rig.say("take care of the bikes") == question
+        assert rig.outcomes == [Outcome.ASKED]
         assert memory.names() == ("charger",)
         assert rig.body.sent == []
         rig.say("yes")
@@ -100,8 +102,8 @@ def test_a_no_leaves_it(listen, memory):
 
 def test_nothing_of_it_is_done_where_nobody_is_to_be_asked(listen, memory):
     with listen("never", POINT) as rig:
-        turn = rig.say("take care of the bikes")
-        assert turn.outcome is Outcome.REFUSED
+        rig.say("take care of the bikes")
+        assert rig.outcomes == [Outcome.REFUSED]
         assert rig.questions == []
         assert memory.names() == ("charger",)
 

@@ -5,7 +5,7 @@ import socket
 from pathlib import Path
 
 import pytest
-from clocks import HeldClock
+from support.clock import HeldClock
 from waiting import wait_until
 
 from edgevox.apps import health as edgevox_health

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import aiohttp
 import pytest
+from support.clock import HeldClock
 
 from edgevox.console.door import MOST, MOST_UNKNOWN
 from edgevox.console.outbox import MOST_WAITING, Outbox
 from edgevox.console.sessions import Role
 from edgevox.core.events import TokenGenerated
-from tests.clocks import HeldClock
 from tests.console_rig import WAIT_S, Rig, console
 
 CONNECTIONS = 6

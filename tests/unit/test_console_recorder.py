@@ -12,9 +12,9 @@ from datetime import UTC, datetime
 
 import aiohttp
 import pytest
-from clocks import HeldClock
 from logs_rig import logging_to_memory
 from recorder_program import RECORDS
+from support.clock import HeldClock
 from waiting import wait_until
 
 from edgevox.apps.console import robot_recorder

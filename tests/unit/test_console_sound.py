@@ -11,11 +11,11 @@ from pathlib import Path
 import aiohttp
 import numpy as np
 import pytest
+from support.clock import HeldClock
 
 from edgevox.console.page_hub import SLOW
 from edgevox.console.sessions import Role
 from edgevox.console.sockets.sound_queue import Lateness, SoundQueue
-from tests.clocks import HeldClock
 from tests.console_rig import WAIT_S, Rig, console
 
 SILENCE = bytes(640)

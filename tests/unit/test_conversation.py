@@ -2,8 +2,8 @@ import threading
 
 import phrases
 import pytest
-from fake_body import FakeBody
 from logs_rig import logging_to_memory
+from support.body import FakeBody
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation

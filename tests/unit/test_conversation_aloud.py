@@ -2,7 +2,7 @@
 
 import threading
 
-from clocks import HeldClock
+from support.clock import HeldClock
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation

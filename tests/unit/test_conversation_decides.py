@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 import pytest
-from misheard_rig import Spoken
+from support.conversation import Talk
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.nlu.confidence import ASK_FROM
@@ -15,13 +15,12 @@ from edgevox.core.events import Decided, Transcribed
 
 
 @pytest.fixture
-def rig() -> Iterator[Spoken]:
-    spoken = Spoken()
-    yield spoken
-    spoken.talk.close()
+def rig() -> Iterator[Talk]:
+    with Talk(hears=True) as talk:
+        yield talk
 
 
-def told(rig: Spoken, *kinds: type) -> list[object]:
+def told(rig: Talk, *kinds: type) -> list[object]:
     """What of these kinds is told from now on, in its order."""
     noted: list[object] = []
     for kind in kinds:
@@ -29,9 +28,9 @@ def told(rig: Spoken, *kinds: type) -> list[object]:
     return noted
 
 
-def test_a_plain_command_is_by_a_template_and_told_before_it_is_called(rig: Spoken) -> None:
+def test_a_plain_command_is_by_a_template_and_told_before_it_is_called(rig: Talk) -> None:
     noted = told(rig, Decided, ToolCalled)
-    rig.hears("go to the kitchen")
+    rig.hear("go to the kitchen")
     decided, called = noted
     assert isinstance(decided, Decided)
     assert decided.calls == (("navigate_to", {"room": "kitchen"}),)
@@ -40,9 +39,9 @@ def test_a_plain_command_is_by_a_template_and_told_before_it_is_called(rig: Spok
     assert called.turn == decided.turn
 
 
-def test_what_is_asked_about_was_decided_by_a_reading_that_is_not_sure(rig: Spoken) -> None:
+def test_what_is_asked_about_was_decided_by_a_reading_that_is_not_sure(rig: Talk) -> None:
     noted = told(rig, Decided, Confirmation)
-    rig.hears("kitchen pleas")
+    rig.hear("kitchen pleas")
     decided = noted[0]
     assert isinstance(decided, Decided)
     assert decided.calls == (("navigate_to", {"room": "kitchen"}),)
@@ -50,20 +49,20 @@ def test_what_is_asked_about_was_decided_by_a_reading_that_is_not_sure(rig: Spok
     assert isinstance(noted[1], Confirmation)
 
 
-def test_how_sure_the_words_are_is_told_of_what_was_heard_and_of_nothing_typed(rig: Spoken) -> None:
+def test_how_sure_the_words_are_is_told_of_what_was_heard_and_of_nothing_typed(rig: Talk) -> None:
     noted = told(rig, Transcribed, Decided)
-    rig.hears("where are you", confidence=0.62)
-    rig.talk.submit(TextInput("where are you"))
-    assert rig.talk.wait_idle(60)
+    rig.hear("where are you", confidence=0.62)
+    rig.conversation.submit(TextInput("where are you"))
+    rig.settle()
     heard = [one.confidence for one in noted if isinstance(one, Transcribed)]
     assert heard == [0.62, None]
     decided = [one.confidence for one in noted if isinstance(one, Decided)]
     assert decided == [1.0, 1.0]  # that is another question than whether the words are right
 
 
-def test_words_that_mean_nothing_are_decided_by_nobody(rig: Spoken) -> None:
+def test_words_that_mean_nothing_are_decided_by_nobody(rig: Talk) -> None:
     noted = told(rig, Decided)
-    rig.hears("purple elephants sing")
+    rig.hear("purple elephants sing")
     assert not noted
 
 

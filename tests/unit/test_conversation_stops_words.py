@@ -4,7 +4,7 @@ import threading
 
 import phrases
 import pytest
-from clocks import HeldClock
+from support.clock import HeldClock
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation

@@ -7,7 +7,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from clocks import HeldClock
+from support.clock import HeldClock
 
 from edgevox.agent.llm.llm_status import LlmComponent
 from edgevox.core.bus import Bus

@@ -2,7 +2,7 @@ import random
 from functools import cache
 
 import pytest
-from phrasebook_bodies import BODIES, say_it
+from support.bodies import BODIES, say_it
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.dialogue_skills import ALSO, DIALOGUE_SKILLS, REFERENCES, DialogueSkills

@@ -4,7 +4,7 @@ import math
 import threading
 
 import pytest
-from clocks import HeldClock
+from support.clock import HeldClock
 
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.reasons import because

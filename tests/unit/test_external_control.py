@@ -4,7 +4,7 @@ import threading
 from types import SimpleNamespace
 
 import pytest
-from clocks import HeldClock
+from support.clock import HeldClock
 
 from edgevox.core.cancel import Cancelled
 from edgevox.core.transforms import Pose2D

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from clocks import HeldClock
 from hypothesis import given
 from hypothesis import strategies as st
+from support.clock import HeldClock
 
 from edgevox.agent.phrase_file import phrasebook
 from edgevox.agent.skills import SkillFailed

@@ -6,7 +6,6 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
-from clocks import HeldClock
 from mcap import records
 from mcap.exceptions import EndOfFile, McapError
 from mcap.stream_reader import StreamReader
@@ -16,6 +15,7 @@ from rosbags.rosbag2 import Reader
 from small_disk import small_disk
 from speech_output_rig import beep
 from std_msgs.msg import String
+from support.clock import HeldClock
 from waiting import wait_until
 
 from edgevox.core.cancel import CancelToken

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from clocks import HeldClock
 from gguf_files import small_gguf
 from llm_server import Chat, Reply, failing, good, never, serving
+from support.clock import HeldClock
 from waiting import Heard
 
 from edgevox.agent.agents import Agent

@@ -7,9 +7,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from clocks import HeldClock
 from guards import HUNG_S
 from speech_output_rig import Beeper, Voices, choices, wait_for
+from support.clock import HeldClock
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation

@@ -13,8 +13,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from clocks import HeldClock
 from guards import HUNG_S
+from support.clock import HeldClock
 
 from edgevox.apps.console_command import main
 from edgevox.apps.fleet.robots_file import FleetRobot, load_fleet

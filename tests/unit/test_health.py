@@ -9,7 +9,7 @@ import threading
 from types import SimpleNamespace
 
 import pytest
-from clocks import HeldClock
+from support.clock import HeldClock
 from waiting import wait_until
 
 from edgevox.apps import health as command

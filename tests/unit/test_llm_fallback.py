@@ -4,9 +4,9 @@ import logging
 from collections.abc import Iterator, Sequence
 
 import pytest
-from clocks import HeldClock
 from guards import HUNG_S
 from llm_server import Chat, Server, failing, good, never, serving
+from support.clock import HeldClock
 
 from edgevox.agent.llm.endpoint import Address, EndpointModel, FallbackModel
 from edgevox.agent.llm.endpoint.breaker import FIRST_REST_S, LONGEST_REST_S, Breaker

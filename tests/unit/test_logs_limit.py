@@ -2,9 +2,9 @@
 
 import logging
 
-from clocks import HeldClock
 from hypothesis import given
 from hypothesis import strategies as st
+from support.clock import HeldClock
 
 from edgevox.core.log import LogLine
 from edgevox.ops.logs.limit import HELD_BACK, MOST_EVENTS, MOST_LINES, WINDOW_S, RateLimit

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from typing import Any, get_args
 
 import pytest
-from clocks import HeldClock
 from prometheus_client.parser import text_string_to_metric_families
+from support.clock import HeldClock
 
 from edgevox.core.agent_events import (
     GoalCancelled,

@@ -2,8 +2,8 @@ import io
 from pathlib import Path
 
 import pytest
-from clocks import HeldClock
 from models_wheelhouse import CONFIG, VOICE, chat, manifest, voice
+from support.clock import HeldClock
 
 from edgevox.apps.models import main
 from edgevox.models.fetch_progress import ProgressLines, shown_on

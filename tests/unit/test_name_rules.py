@@ -9,7 +9,7 @@ import pytest
 import yaml
 from hassil.parse_expression import parse_sentence
 from hassil.sample import sample_expression
-from phrasebook_bodies import BODIES
+from support.bodies import BODIES
 
 from edgevox.agent import name_rules
 from edgevox.agent.name_rules import check_name, check_skills

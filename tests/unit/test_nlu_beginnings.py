@@ -4,7 +4,7 @@ import random
 
 import pytest
 from hassil.parse_expression import parse_sentence
-from phrasebook_bodies import SKILLS, say_it
+from support.bodies import SKILLS, say_it
 
 from edgevox.agent.nlu.beginnings import ANY, beginnings, said
 from edgevox.agent.nlu.template_compiler import compile_templates

@@ -1,10 +1,9 @@
 """What a stranger's file calls its rooms, places and values is said and understood."""
 
-from contextlib import closing
 from typing import Annotated
 
 import pytest
-from dialogue_rig import Rig, Walker
+from support.conversation import Talk
 
 from edgevox.agent.nlu.decider import Readings
 from edgevox.agent.nlu.templates import Recogniser, Understood
@@ -19,6 +18,7 @@ from edgevox.agent.skills import (
     SkillSet,
     skill,
 )
+from edgevox.core.agent_events import ToolCalled
 from edgevox.core.errors import InvalidValue
 from edgevox.core.languages import LANGUAGES
 from edgevox.robots.navigation import LOCATION, navigation_skills
@@ -48,11 +48,10 @@ LOCATIONS = parse_locations(PLACES, "ward.yaml")
 NAMES = {name: one.names for name, one in LOCATIONS.items()}
 
 
-class Ward(Walker):
+class Ward:
     """A body that knows these places, and is there at once."""
 
     def __init__(self) -> None:
-        super().__init__()
         self.places = {name: (one.x_m, one.y_m) for name, one in LOCATIONS.items()}
         aliases = {said: name for name, one in LOCATIONS.items() for said in one.aliases}
         self.memory = PlaceMemory("ward", OneOf(tuple(self.places), aliases, names=NAMES))
@@ -61,13 +60,10 @@ class Ward(Walker):
         )
 
     def drive_to(self, x_m, y_m, *, token, report):
-        self._move(None, (x_m, y_m), x_m)
+        """It is there."""
 
     def place_at(self, x_m, y_m):
         return next((name for name, point in self.places.items() if point[0] == x_m), None)
-
-    def _move(self, goal, what, x_m):
-        self.moves.append(what)
 
 
 WARD = Ward()
@@ -145,13 +141,14 @@ def test_the_names_of_one_language_leave_all_others_as_they_are(code):
 
 
 def test_who_speaks_another_language_from_now_on_is_understood_in_it():
-    rig = Rig(WARD)
-    with closing(rig.talk):
-        assert rig.say("go to the arzneiausgabe").startswith("I do not know")
-        rig.talk.set_language("de")
-        assert rig.say("Fahr zur Arzneiausgabe") == "Ich fahre zur Apotheke."
-        assert rig.say("Fahr zum Bahnhof").startswith("Ich kenne „Bahnhof“ nicht.")
-        assert "die Apotheke, Kino" in rig.say("Fahr zum Bahnhof")
+    german = phrasebook_of("de", WARD.skills.values())
+    with Talk(skills=WARD.skills) as talk:
+        assert "'arzneiausgabe'" in talk.say("go to the arzneiausgabe")
+        talk.conversation.set_language("de")
+        going = german.acknowledge(GO, {"location": "pharmacy"})
+        assert talk.say("Fahr zur Arzneiausgabe") == going
+        assert "„Bahnhof“" in talk.say("Fahr zum Bahnhof")
+        assert "die Apotheke, Kino" in talk.say("Fahr zum Bahnhof")
 
 
 def test_a_place_that_is_remembered_takes_no_name_of_the_file():
@@ -235,22 +232,13 @@ def brush() -> Skill:
     return brush
 
 
-class Brush(Walker):
-    """A body that has only this skill."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.skills = SkillSet([brush()])
-
-
 def test_the_values_of_a_skill_have_names_by_language_and_the_wire_keeps_the_words():
-    rig = Rig(Brush(), language="de")
-    with closing(rig.talk):
-        assert rig.say("bürste weich") == "Ich bürste sanft."
-        assert "sanft und gründlich" in rig.say("bürste orange")
-        rig.talk.set_language("en")
-        assert rig.say("brush mild") == "Brushing, mild."
-        assert [dict(one.arguments) for one in rig.calls] == [{"mode": "soft"}] * 2
+    with Talk(skills=SkillSet([brush()]), language="de") as talk:
+        assert talk.say("bürste weich") == "Ich bürste sanft."
+        assert "sanft und gründlich" in talk.say("bürste orange")
+        talk.conversation.set_language("en")
+        assert talk.say("brush mild") == "Brushing, mild."
+        assert [dict(one.arguments) for one in talk.of(ToolCalled)] == [{"mode": "soft"}] * 2
 
 
 THINGS = (

@@ -1,7 +1,7 @@
 """What robots say in English, word for word, from where all other languages stand."""
 
 import pytest
-from phrasebook_bodies import BODIES
+from support.bodies import BODIES
 
 from edgevox.agent.abilities import abilities, not_understood
 from edgevox.agent.agents import Agent

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 from code_files import trees
-from phrasebook_bodies import BODIES, SKILLS, say_it
+from support.bodies import BODIES, SKILLS, say_it
 
 import edgevox
 from edgevox.agent.nlu.templates import Recogniser, Understood
@@ -106,6 +106,16 @@ def test_what_a_template_stands_for_is_understood_and_stops_nobody(code):
                 found = recogniser.recognise(sentence)
                 assert isinstance(found, Understood), (body, name, sentence)
                 assert [call.skill for call in found.calls] == [name], (body, sentence)
+
+
+def test_no_template_catches_an_example_and_every_example_is_a_valid_call():
+    recogniser = Recogniser(BODIES["panda"])
+    for one in BODIES["panda"].values():
+        examples = phrasebook(ENGLISH).examples(one)
+        assert examples
+        for example in examples:
+            assert recogniser.recognise(example.sentence) is None, example.sentence
+            one.validate(example.arguments)
 
 
 @pytest.mark.parametrize("code", OTHERS)

@@ -1,5 +1,5 @@
 import pytest
-from phrasebook_bodies import BODIES, SKILLS
+from support.bodies import BODIES, SKILLS
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation

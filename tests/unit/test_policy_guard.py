@@ -5,7 +5,7 @@ import os
 import threading
 
 import pytest
-from clocks import HeldClock
+from support.clock import HeldClock
 
 from edgevox.agent.policy import CheckedCall, Denied, Guard, NeedsConfirmation, PolicyContext
 from edgevox.agent.policy.guard import TELL_EVERY_S

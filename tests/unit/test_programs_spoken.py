@@ -13,7 +13,7 @@ from hassil.expression import (
     TextChunk,
 )
 from hassil.parse_expression import parse_sentence
-from phrasebook_bodies import BODIES
+from support.bodies import BODIES
 
 from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrase_file import ENGLISH, phrasebook

@@ -3,21 +3,21 @@ from contextlib import closing
 from typing import Annotated
 
 import pytest
-from dialogue_rig import Rig, Walker
-from phrasebook_bodies import SKILLS
 from pydantic import Field
+from support.bodies import SKILLS
+from support.body import FakeBody
+from support.conversation import Talk
 
 from edgevox.agent.abilities import abilities, not_understood
 from edgevox.agent.nlu.templates import Recogniser, RefusedCommand
 from edgevox.agent.own_names import phrasebook_of
 from edgevox.agent.phrase_file import phrasebook
-from edgevox.agent.skill_executor import MAX_CALLS
 from edgevox.agent.skills import OneOf, SkillFailed, SkillPhrases, SkillSet, reason_of, skill
 from edgevox.agent.spoken_lists import detail
 from edgevox.agent.wrong_arguments import WrongArgument
 from edgevox.apps.terminal.view import View
 from edgevox.core.agent_events import GoalCancelled, as_json
-from edgevox.core.commands import Reset, RunSkill
+from edgevox.core.commands import Reset
 from edgevox.core.languages import LANGUAGES
 
 PLACES = ("kitchen", "bedroom", "office", "garage", "hallway", "entrance", "cellar", "attic")
@@ -57,130 +57,30 @@ def test_what_is_wrong_with_an_argument_is_said_in_the_words_of_the_language(cod
     assert {"too_large", "too_small", "no_number", "missing_argument", "not_one_of"} <= heard
 
 
-@pytest.mark.parametrize(
-    ("code", "said", "answer"),
-    [
-        (
-            "en",
-            "walk 30 metres",
-            "I cannot do that: the distance in metres may be at most 20, not 30.",
-        ),
-        (
-            "de",
-            "walk 30 metres",
-            "Das kann ich nicht tun: die Entfernung in Metern darf höchstens 20 sein, nicht 30.",
-        ),
-        (
-            "fr",
-            "walk 0 metres",
-            (
-                "Je ne peux pas faire ça : la distance en mètres doit faire au moins 0,05, "
-                "et 0 est trop peu."
-            ),
-        ),
-    ],
-)
-def test_a_number_beyond_its_bounds_is_refused_with_the_bound(code, said, answer):
-    rig = Rig(language=code)
-    with closing(rig.talk):
-        assert rig.say(said) == answer
-        assert rig.body.moves == []
-
-
-def test_of_many_places_the_nearest_are_said_and_all_are_written():
-    rig = Rig(Walker(PLACES))
-    with closing(rig.talk):
-        answer = rig.hear("go to the celery")
-
-    assert answer.text == (
-        "I do not know the room 'celery'. I know cellar, office, kitchen and 5 more."
-    )
-    assert answer.detail == (
-        "I know kitchen, bedroom, office, garage, hallway, entrance, cellar and attic."
-    )
-    assert answer.written == f"{answer.text} {answer.detail}"
-
-
-def test_without_a_name_a_few_of_many_places_are_said():
-    rig = Rig(Walker(PLACES))
-    with closing(rig.talk):
-        answer = rig.hear("go to the")
-
-    assert answer.text == ("I did not hear which room. I know kitchen, bedroom, office and 5 more.")
-
-
-def test_a_program_hears_a_few_of_many_places_too():
-    rig = Rig(Walker(PLACES))
-    with closing(rig.talk):
-        rig.talk.submit(RunSkill("navigate_to", {"room": "gate"}))
-        assert rig.talk.wait_idle(10.0)
-
-    (answer,) = rig.answers
-    assert answer.text == (
-        "I cannot do that: I do not know gate. I know garage, attic, kitchen and 5 more."
-    )
-    assert "bedroom" in answer.detail
-
-
-def test_what_is_not_understood_is_one_sentence_and_a_few_examples_and_the_question_are_written():
-    rig = Rig(language="de")
-    with closing(rig.talk):
-        answer = rig.hear("Blorp fizzle.")
-
-    assert answer.text == (
-        "Das habe ich nicht verstanden, aber ich kann zum Beispiel in ein Zimmer fahren."
-    )
-    assert answer.detail == (
-        "Ich kann: in ein Zimmer fahren; zu einem Punkt der Karte fahren; vorwärts gehen; "
-        "und 3 Dinge mehr. Fragen Sie „Was können Sie tun?“, dann nenne ich alles."
-    )
-
-
-def test_more_calls_than_are_done_at_once_are_refused_in_words():
-    rig = Rig(language="de")
-    with closing(rig.talk):
-        said = rig.say(", then ".join(["go to the kitchen"] * (MAX_CALLS + 1)))
-
-    assert said == ("Das kann ich nicht tun: das sind 9 Dinge auf einmal, und ich tue höchstens 8.")
-
-
-def test_a_skill_that_there_is_not_is_named_and_those_that_there_are_are_written():
-    rig = Rig()
-    with closing(rig.talk):
-        rig.talk.submit(RunSkill("dance", {}))
-        assert rig.talk.wait_idle(10.0)
-
-    (answer,) = rig.answers
-    assert answer.text == "I cannot do that: I have not learned dance."
-    assert "walk forward" in answer.detail
-
-
 def test_what_is_only_written_stands_on_the_screen():
-    rig, lines = Rig(Walker(PLACES)), []
-    view = View(rig.bus, lines.append, lambda: None)
-    with closing(rig.talk), closing(view):
-        rig.say("go to the celery")
+    lines = []
+    with Talk(FakeBody(rooms=PLACES)) as talk, closing(View(talk.bus, lines.append, lambda: None)):
+        talk.say("go to the celery")
 
-    assert lines[-1].startswith("  I know kitchen, bedroom,")
+    assert "cellar and attic" not in talk.said[-1]
+    assert "cellar and attic" in lines[-1]
 
 
 def test_programs_get_a_code_with_every_goal_that_is_cancelled():
-    rig, cancelled = Rig(), []
-    rig.bus.subscribe(GoalCancelled, lambda event: cancelled.append(as_json(event)))
-    with closing(rig.talk):
-        rig.begin("go to the kitchen and go to the office")
-        rig.begin("walk 2 metres")
-        rig.say("stop")
-        rig.begin("walk 3 metres")
-        rig.talk.submit(Reset())
-        assert rig.talk.wait_idle(10.0)
+    with Talk() as talk:
+        talk.begin("go to the kitchen and go to the office")
+        talk.begin("walk 2 metres")
+        talk.say("stop")
+        talk.begin("walk 3 metres")
+        talk.conversation.submit(Reset())
+        talk.settle()
 
-    found = {(one["skill"], one.get("code"), one["reason"]) for one in cancelled}
-    assert found == {
-        ("navigate_to", "preempted", "pre-empted by walk_forward"),
-        ("navigate_to", "step_ended", "navigate_to cancelled"),
-        ("walk_forward", "heard_stop", "heard 'stop'"),
-        ("walk_forward", "reset", "reset"),
+    cancelled = [as_json(one) for one in talk.of(GoalCancelled)]
+    assert {(one["skill"], one.get("code")) for one in cancelled} == {
+        ("navigate_to", "preempted"),
+        ("navigate_to", "step_ended"),
+        ("walk_forward", "heard_stop"),
+        ("walk_forward", "reset"),
     }
 
 

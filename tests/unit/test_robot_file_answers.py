@@ -4,9 +4,9 @@ import json
 import time
 
 import pytest
-from clocks import HeldClock
 from geometry_msgs.msg import PoseWithCovariance
 from std_msgs.msg import Float64, String, UInt8MultiArray
+from support.clock import HeldClock
 
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.ros2.clients.waiting import Newest, TookTooLong

@@ -4,10 +4,10 @@ import logging
 import threading
 
 import pytest
-from clocks import HeldClock
 from guards import HUNG_S
 from hypothesis import given
 from hypothesis import strategies as st
+from support.clock import HeldClock
 
 from edgevox.core.errors import InvalidValue
 from edgevox.robots.sim_loop import MOST_LAG_S, Pacer, SimLoop

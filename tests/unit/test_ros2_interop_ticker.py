@@ -2,7 +2,7 @@
 
 import threading
 
-from clocks import HeldClock
+from support.clock import HeldClock
 
 from edgevox.ros2.ticker import Ticker
 

@@ -1,7 +1,7 @@
 """How a scenario is played, in a harness where nothing happens but what the test wants."""
 
 import pytest
-from clocks import HeldClock
+from support.clock import HeldClock
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.scenario.reading import parse_scenario

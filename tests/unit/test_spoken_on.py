@@ -1,20 +1,20 @@
 """Who speaks on after words that were acted on: what began for them ends, and the whole counts."""
 
 import pytest
-from spoken_rig import AT_S, Rig
+from support.body import FakeBody
+from support.conversation import Talk
 
 from edgevox.core.agent_events import GoalCancelled, SafetyPreempted
 from edgevox.core.commands import Heard, SpokenOn
 from edgevox.core.events import State, StateChanged, Transcribed
 
+AT_S = 500.0
+
 
 @pytest.fixture
 def rig():
-    found = Rig()
-    found.conversation.start()
-    yield found
-    found.body.arrive()
-    found.conversation.close()
+    with Talk(FakeBody(), certain=True) as talk:
+        yield talk
 
 
 def say(rig, text, ended_s=AT_S):
@@ -27,7 +27,7 @@ def test_the_drive_that_began_for_the_first_part_ends_at_once(rig):
 
     rig.conversation.submit(SpokenOn(AT_S))
 
-    assert rig.conversation.wait_idle(60)
+    rig.settle()
     assert not rig.body.moving
     assert len(rig.of(GoalCancelled)) == 1
     assert rig.of(SafetyPreempted) == []
@@ -37,7 +37,7 @@ def test_the_drive_that_began_for_the_first_part_ends_at_once(rig):
 def test_the_whole_is_done_instead(rig):
     say(rig, "go to the kitchen")
     rig.conversation.submit(SpokenOn(AT_S))
-    assert rig.conversation.wait_idle(60)
+    rig.settle()
 
     say(rig, "go to the bedroom", AT_S + 2.0)
 
@@ -46,8 +46,8 @@ def test_the_whole_is_done_instead(rig):
 
 
 def test_what_was_begun_by_others_goes_on(rig):
-    rig.drive()
-    rig.hear_aside("where are you")
+    rig.begin("go to the kitchen")
+    rig.first_answer(Heard("where are you", AT_S))
 
     rig.conversation.submit(SpokenOn(AT_S))
 
@@ -65,7 +65,7 @@ def test_words_that_come_after_they_were_taken_back_are_not_done(rig):
 
 
 def test_a_stop_is_not_taken_back(rig):
-    rig.drive()
+    rig.begin("go to the kitchen")
     rig.conversation.submit(SpokenOn(AT_S))
 
     rig.hear("stop", AT_S)

@@ -5,7 +5,7 @@ import wave
 
 import numpy as np
 import pytest
-from clocks import HeldClock
+from support.clock import HeldClock
 
 from edgevox.core.errors import InvalidValue
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, EndOfSound, UtteranceOver

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from clocks import HeldClock
 from speech_output_rig import RATE_HZ, Recorder, beep
+from support.clock import HeldClock
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue

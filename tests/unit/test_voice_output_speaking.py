@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from queue import SimpleQueue
 
 import pytest
-from clocks import HeldClock
 from guards import HUNG_S
 from speech_output_rig import (
     CHAR_S,
@@ -16,6 +15,7 @@ from speech_output_rig import (
     choices,
     wait_for,
 )
+from support.clock import HeldClock
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.speech import Spoken

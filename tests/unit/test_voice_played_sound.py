@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from clocks import HeldClock
+from support.clock import HeldClock
 
 from edgevox.core.cancel import CancelToken
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Chunk

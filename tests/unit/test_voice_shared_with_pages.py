@@ -4,8 +4,8 @@ import threading
 
 import numpy as np
 import pytest
-from clocks import HeldClock
 from speech_output_rig import RATE_HZ, Recorder, beep
+from support.clock import HeldClock
 from voice_script import VOICE, WAKE, Stt, Vad, Wake
 from waiting import Heard as HeardMessages
 

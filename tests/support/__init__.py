@@ -1,0 +1,1 @@
+"""What tests of all folders share: the conversation, its body and its clock."""
