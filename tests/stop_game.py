@@ -283,8 +283,16 @@ class StopGame(RuleBasedStateMachine):
 
     @rule(held=HELD)
     def say_yes(self, held: bool) -> None:
-        self.yes_is_sent()
-        self.say("yes", held=held)
+        yes, mark = TextInput("yes"), self.interlock.mark
+        sent_after, counts = self.stops, not self.forbidden
+
+        def receive() -> None:
+            self.settle()
+            if counts and sent_after == self.stops:
+                self.yes_comes()
+            self.conversation.submit(yes, mark)
+
+        self.send(receive, held=held)
 
     @precondition(lambda self: self.waiting)
     @rule(which=st.integers(0, 7))
@@ -298,7 +306,7 @@ class StopGame(RuleBasedStateMachine):
         while self.waiting:
             self.waiting.pop(0)()
         self.settle()
-        self.yes_is_sent()
+        self.yes_comes()
         self.conversation.submit(TextInput("yes"))
         self.settle()
         self.time_passes(seconds)
@@ -317,11 +325,11 @@ class StopGame(RuleBasedStateMachine):
             asked = event.status is ConfirmationStatus.ASKED
             self.asked = (event.calls[0].arguments["x"], self.stops) if asked else None
 
-    def yes_is_sent(self) -> None:
-        """Who says yes to words that were doubted since the last stop orders it now.
+    def yes_comes(self) -> None:
+        """A yes that was sent since the last stop orders what was asked about since then.
 
-        Only spoken words may be asked about after a stop that came while they were said: all else
-        that was sent before it is void.
+        Only words may be asked about that were being said when a stop came, and only where it was
+        its sound that told of it: all else that was sent before a stop is void.
         """
         order, stops = self.asked or (0, 0)
         if order in self.spoken and stops == self.stops and not self.forbidden:
