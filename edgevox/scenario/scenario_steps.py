@@ -90,7 +90,8 @@ STEPS: Mapping[str, type[Strict]] = {
 
 
 def _kind(step: Any) -> str | None:
-    keys = step if isinstance(step, Mapping) else type(step).model_fields if step else ()
+    known = type(step).model_fields if isinstance(step, Strict) else step
+    keys = known if isinstance(known, Mapping) else ()
     return next((key for key in STEPS if key in keys), None)
 
 

@@ -1,15 +1,10 @@
 """A world file is IR-SIM's own format. Wrong ones: tests/wrong/world."""
 
 import math
-from collections.abc import Iterator
-from typing import Any
 
 import pytest
 import yaml
-from hypothesis import given
-from hypothesis import strategies as st
 
-from edgevox.core.errors import InvalidValue
 from edgevox.robots.shapes import Circle, Line, Polygon
 from edgevox.robots.world import apartment_file, load_world, parse_world
 
@@ -131,43 +126,6 @@ def test_a_file_that_is_shared_with_another_simulator_has_its_world_under_irsim(
     world = parse_world(yaml.safe_dump({"irsim": body, "gazebo": {}}), "shared.yaml")
 
     assert world.robot.radius_m == 0.2
-
-
-ODD = [None, 0, -1, 1e9, math.inf, math.nan, True, "x", "", [], {}, [1], [1, 2, 3], [[1, 2]]]
-SMALL = """
-world: {height: 9, offset: [0, 0]}
-robot:
-  - {kinematics: {name: diff}, shape: {radius: 0.2}, vel_max: [1, 1], sensors: [{type: lidar2d}]}
-obstacle:
-  - {number: 2, distribution: {name: random}, shape: [{name: circle}], mass: [1, 2]}
-  - {shape: {name: polygon, vertices: [[0, 0], [1, 0], [1, 1]]}, state: [5, 5, 0], name: sofa}
-  - {shape: {name: compound, parts: [{name: circle, pose: [1, 0, 0]}]}, state: [[8, 8]]}
-custom:
-  edgevox:
-    battery: {capacity_wh: 40}
-    rooms: {den: {outline: [[0, 0], [9, 0], [9, 9]], goal: [5, 2], aliases: [cave], hints: []}}
-"""
-
-
-def places(value: object) -> Iterator[tuple[Any, Any]]:
-    """Every key and index of a file, with what it is in."""
-    if isinstance(value, dict | list):
-        for key in value if isinstance(value, dict) else range(len(value)):
-            yield value, key
-            yield from places(value[key])
-
-
-@given(st.data())
-def test_whatever_stands_in_a_file_it_is_a_world_or_refused_by_its_name(data) -> None:
-    world = yaml.safe_load(SMALL)
-    holder, key = data.draw(st.sampled_from(list(places(world))))
-    holder[key] = data.draw(st.sampled_from([*ODD, [None], {"name": "circle"}, {1: 2}, 10**400]))
-    refusals = []
-    try:
-        parse_world(yaml.safe_dump(world), "home.yaml")
-    except InvalidValue as error:
-        refusals.append(error.field)
-    assert all(field.startswith("home.yaml") for field in refusals)
 
 
 def test_unknown_keys_that_resemble_nothing_are_ignored_as_in_irsim(

@@ -11,9 +11,11 @@ A case says what stands in a file, and what has to be said of it:
 
 `expected` is a part of the sentence, or several, that any good sentence has. Without `line` the
 field is a setting, a variable or a path; without `field` the error is about the whole file. The
-cases of `any` are tried with every kind of YAML file.
+cases of `any` are tried with every kind of YAML file. In each place of a `whole.yaml`, which has no
+cases, whatever is odd is tried.
 """
 
+import math
 import re
 import sys
 from collections.abc import Callable, Iterator
@@ -25,6 +27,9 @@ from typing import Any
 
 import helm_python as helm
 import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
 from pydantic import BaseModel
 from std_msgs.msg import String
 
@@ -148,7 +153,13 @@ def read(path: Path) -> CaseFile:
 
 
 FILES = {f"{path.parent.name}/{path.stem}": read(path) for path in sorted(HERE.glob("*/*.yaml"))}
-BASES = [(name.split("/")[0], file.base) for name, file in FILES.items() if file.base]
+BASES = [
+    pytest.param(name.split("/")[0], file.base, id=name)
+    for name, file in FILES.items()
+    if file.base
+]
+ODD = [None, 0, -1, 1e9, 10**400, math.inf, math.nan, True, "x", "", "(", "{x}", "[", "a\0b"]
+ODD += [[], {}, [1], [None], [1, 2, 3], [[1, 2]], {"name": "circle"}, {1: 2}, {"": ""}]
 
 
 def cases() -> Iterator[Any]:
@@ -209,6 +220,31 @@ def test_a_base_is_right_and_as_a_case_it_fails(tmp_path, kind, base):
     KINDS[kind].load(file)
     with pytest.raises(pytest.fail.Exception, match="DID NOT RAISE"):
         check(KINDS[kind], file, Wanted(expected=""))
+
+
+def places(value: Any) -> Iterator[tuple[Any, Any]]:
+    """Every key and index of a file, with what it is in."""
+    if isinstance(value, dict | list):
+        for key in value if isinstance(value, dict) else range(len(value)):
+            yield value, key
+            yield from places(value[key])
+
+
+@pytest.mark.parametrize("kind", NAMED)
+@given(st.data())
+def test_with_anything_in_any_place_a_file_is_taken_or_refused_by_its_field(
+    tmp_path_factory, kind, data
+):
+    content = yaml.safe_load(FILES[f"{kind}/whole"].base)
+    holder, key = data.draw(st.sampled_from(list(places(content))))
+    holder[key] = data.draw(st.sampled_from(ODD))
+    file = written(tmp_path_factory.getbasetemp(), kind, yaml.safe_dump(content))
+    refusals = []
+    try:
+        KINDS[kind].load(file)
+    except InvalidValue as error:
+        refusals.append(error.field)
+    assert all(field.startswith(file.name) for field in refusals)
 
 
 RIGHT = {"line": 1, "field": "dock.y", "got": "far", "expected": "number"}
