@@ -51,8 +51,11 @@ def test_a_no_leaves_it():
 
 def test_several_calls_are_one_question_and_all_of_them_are_done():
     with Talk() as talk:
+        both = ["go to the kitchen", "walk 2 metres forward"]
         talk.say("go to the kitchen, then where are you, then walk 2 meters")
-        assert talk.answers == ["Shall I go to the kitchen and then walk 2 metres forward?"]
+        assert talk.answers == [
+            phrases.said("shall_i", actions=phrases.said("and_then").join(both))
+        ]
         assert [one.skill for one in talk.questions[0].calls] == [
             "navigate_to",
             "get_pose",
@@ -127,7 +130,7 @@ def test_unsure_is_no_reason_to_ask_before_it_tells_something():
     ("sentence", "question", "sent"),
     [
         ("go to the kitchen", phrases.asks("navigate_to", room="kitchen"), ["kitchen"]),
-        ("where are you", "Shall I do this? Say where it is.", []),
+        ("where are you", phrases.said("do_this", told="Say where it is."), []),
     ],
 )
 def test_what_the_policy_wants_a_yes_for_is_asked_about_whatever_the_setting(
@@ -167,7 +170,7 @@ def test_a_yes_without_a_question_is_answered_and_does_nothing():
         talk.say("yes", "no")
         assert talk.answers == [
             phrases.said("nothing_asked"),
-            "All right. What shall I do instead?",
+            phrases.said("what_instead"),
         ]
         assert talk.body.sent == []
 
