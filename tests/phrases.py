@@ -3,16 +3,19 @@
 How the words read is in the golden files of tests/unit/golden. Languages are given as `language`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any
 
+from edgevox.agent import reasons
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
-from edgevox.agent.reasons import because
-from edgevox.agent.skills import OneOf, Skill
+from edgevox.agent.phrase_forms import bare, fields
+from edgevox.agent.skills import OneOf, Skill, SkillFailed
+from edgevox.robots.humanoid.skills import walking_skills
 from edgevox.robots.navigation import navigation_skills
 from edgevox.robots.panda.skills import manipulation_skills
 from edgevox.robots.places.place_memory import PlaceMemory
+from edgevox.ros2.clients.interface_reasons import interface_reason
 
 
 class _Nobody:
@@ -24,7 +27,11 @@ class _Nobody:
 _MEMORY = PlaceMemory("apartment", OneOf(tuple(_Nobody.places)))
 _SKILLS: Mapping[str, Skill] = {
     one.name: one
-    for one in (*manipulation_skills(_Nobody()), *navigation_skills(_Nobody(), memory=_MEMORY))
+    for one in (
+        *walking_skills(_Nobody()),
+        *manipulation_skills(_Nobody()),
+        *navigation_skills(_Nobody(), memory=_MEMORY),
+    )
 }
 
 
@@ -33,14 +40,36 @@ def said(name: str, *, language: str = ENGLISH, **values: Any) -> str:
     return phrasebook(language).say(name, **values)
 
 
+def opening(name: str, **values: Any) -> str:
+    """How one of the agent's own sentences begins, up to the first value that is not given."""
+    names = fields(phrasebook(ENGLISH).sentences[name])
+    return said(name, **dict.fromkeys(names, "\0") | values).partition("\0")[0]
+
+
 def refused(reason: str, *, language: str = ENGLISH, **about: Any) -> str:
     """What is said when a call was not begun, for the reason of this code."""
-    return phrasebook(language).refusal(because(reason, **about))
+    return phrasebook(language).refusal(reasons.because(reason, **about))
 
 
 def failed(reason: str, *, language: str = ENGLISH, **about: Any) -> str:
     """What is said when a call has failed, for the reason of this code."""
-    return phrasebook(language).failure(because(reason, **about))
+    return phrasebook(language).failure(reasons.because(reason, **about))
+
+
+def why(reason: str, *, language: str = ENGLISH, **about: Any) -> str:
+    """The reason of this code, as it stands in what is said."""
+    return bare(phrasebook(language).reason(reasons.because(reason, **about)))
+
+
+def interface(reason: str, what: str) -> str:
+    """What is said of an interface of the robot that did not do what was asked."""
+    return interface_reason(reason, what=what).text
+
+
+def stands(**where: Any) -> str:
+    """How the answer begins to where a bundled robot is, up to the first number."""
+    told = phrasebook(ENGLISH).report(_SKILLS["get_pose"], {}, {"x": 7.0, "y": 7.0} | where)
+    return told.partition("7")[0]
 
 
 def begins(skill: str, *, language: str = ENGLISH, **arguments: Any) -> str:
@@ -56,3 +85,16 @@ def done(skill: str, *, language: str = ENGLISH, **results: Any) -> str:
 def asks(skill: str, *, language: str = ENGLISH, **arguments: Any) -> str:
     """What is asked before a skill of a bundled robot is begun."""
     return phrasebook(language).question([(_SKILLS[skill], arguments)])
+
+
+def because(code: str, **about: str) -> Callable[[SkillFailed], bool]:
+    """Whether a skill failed for the reason of this code, with these of its values.
+
+    For `pytest.raises(SkillFailed, check=phrases.because("held_already", thing="red cube"))`.
+    """
+
+    def fits(error: SkillFailed) -> bool:
+        values = {name: str(value) for name, value in error.reason.values.items()}
+        return error.reason.code == code and about.items() <= values.items()
+
+    return fits

@@ -140,5 +140,5 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _write(text: str) -> None:
-    sys.stdout.write(text)
+    sys.stdout.write(text)  # noqa: TID251 - a line that is drawn over, of printable text
     sys.stdout.flush()

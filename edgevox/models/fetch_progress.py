@@ -114,7 +114,8 @@ def shown_on(out: TextIO) -> Iterator[FetchProgress]:
         rich.progress.TransferSpeedColumn(),
         rich.progress.TimeRemainingColumn(),
     )
-    with rich.progress.Progress(*columns, console=rich.console.Console(file=out)) as progress:
+    console = rich.console.Console(file=out)  # noqa: TID251 - its lines stand above the bars
+    with rich.progress.Progress(*columns, console=console) as progress:
         yield ProgressBars(progress)
 
 

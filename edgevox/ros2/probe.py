@@ -78,7 +78,7 @@ def echo(topic: str) -> None:
     with _Node("edgevox_doctor_echo") as node:
         back = node.create_publisher(String, f"{topic}/back", QoSProfile(depth=1))
         node.create_subscription(String, f"{topic}/there", back.publish, QoSProfile(depth=1))
-        sys.stdout.write("there\n")
+        sys.stdout.write("there\n")  # noqa: TID251 - to its parent
         sys.stdout.flush()
         sys.stdin.read()
 

@@ -13,6 +13,7 @@ TABLES: Mapping[str, Callable[[], str]] = {
     for make in (
         bodies.protocols,
         bounds.bounds,
+        operating.alerts,
         operating.checks,
         operating.components,
         operating.environment,

@@ -1,13 +1,19 @@
 """The tables of the pages for whoever operates a robot: deployment, diagnostics, logs, metrics."""
 
 from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import yaml
 
 from docs.markdown import table
+from docs.told import told
 from edgevox.apps.container import ENVIRONMENT, Variable
 from edgevox.apps.doctor.checks import CHECKS
 from edgevox.ops.diagnostics.component_table import COMPONENTS
 from edgevox.ops.logs.event_table import log_events
 from edgevox.ops.metrics.metric_table import METRICS
+
+ALERTS = Path(__file__).resolve().parents[2] / "compose" / "observability" / "alerts.yml"
 
 
 def components() -> str:
@@ -38,6 +44,15 @@ def metrics() -> str:
         for one in METRICS.values()
     )
     return table(("metric", "kind", "labels", "what", "who has it"), rows)
+
+
+def alerts() -> str:
+    """What to do about each alert, in the order of its file."""
+    groups = yaml.safe_load(ALERTS.read_text(encoding="utf-8"))["groups"]
+    names = [rule["alert"] for group in groups for rule in group["rules"]]
+    entries = told(names, "alerts")
+    rows = ((name, entries[name]["means"], entries[name]["do"]) for name in names)
+    return table(("alert", "what happened", "what to do"), rows)
 
 
 def _labels(labels: Mapping[str, tuple[str, ...] | str]) -> str:

@@ -7,6 +7,7 @@ import shutil
 from pathlib import Path
 
 import numpy as np
+import phrases
 import pytest
 from guards import HUNG_S
 from listener_rig import loud, says_piper, silence
@@ -22,8 +23,8 @@ from edgevox.voice.tts.pool import VoicePool
 from edgevox.voice.voices import VoiceChoice
 
 STT, JOE = "whisper-tiny.en", "piper-en_US-joe-medium"
-QUESTION, ANSWER = "Where are you?", "I am in the living room"
-DEAF = "I cannot understand speech right now: my hearing failed."
+QUESTION, ANSWER = "Where are you?", phrases.stands(room="living_room")
+DEAF = phrases.said("deaf")
 
 
 @pytest.fixture(scope="module")

@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import phrases
 import pytest
 from gguf_files import small_gguf
 from guards import HUNG_S
@@ -49,7 +50,7 @@ def test_what_is_typed_to_loads_no_engine_of_sound_and_no_screen():
         timeout=HUNG_S,
     )
 
-    assert "I am in the living room" in done.stdout
+    assert phrases.stands(room="living_room") in done.stdout
     assert not NOT_FOR_TYPING.intersection(done.stderr.split())
 
 
@@ -123,4 +124,4 @@ def test_a_process_that_may_not_have_the_memory_goes_on_without_the_model(tmp_pa
 
     assert done.returncode == 0, done.stderr
     assert "out of memory: a context of 4096 tokens needs about 0.2 GB" in done.stderr
-    assert "I am in the living room" in done.stdout
+    assert phrases.stands(room="living_room") in done.stdout

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 
+import phrases
 import pytest
 from guards import HUNG_S
 
@@ -95,7 +96,7 @@ def test_a_whole_number_is_a_number(body, skill) -> None:
     [("apartment", 10.5, 1.0), ("irsim", 1.0, -0.5), ("external", 10_001.0, 0.0)],
 )
 def test_a_point_right_outside_the_world_is_refused_with_the_worlds_edges(body, x, y) -> None:
-    with pytest.raises(SkillFailed, match=r"outside the \w+: x must be between -?\d+ and"):
+    with pytest.raises(SkillFailed, check=phrases.because("outside")):
         conversation(body).check_goal("navigate_xy", {"x": x, "y": y})
 
 
@@ -112,11 +113,11 @@ def test_a_sentence_that_asks_for_such_a_point_is_refused_before_it_is_acknowled
         assert talk.wait_idle(HUNG_S)
     finally:
         talk.close()
-    reason = "outside the apartment: x must be between 0 and 10, and y between 0 and 10"
+    edges = {"x_min": "0", "x_max": "10", "y_min": "0", "y_max": "10"}
     assert said == [
         AgentEventKind.SKILL_GOAL,  # that it is rejected
-        f"I could not do that: That point is {reason}.",
+        phrases.failed("outside", place="apartment", **edges),
         AgentEventKind.SKILL_GOAL,
-        "I cannot do that: x must be a number, and True is none.",
+        phrases.refused("no_number", argument="x", value="True"),
     ]
     assert ended == [Outcome.REFUSED, None]

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterator
 
+import phrases
 import pytest
 from held_time import HeldSkill, carry_out
 from panda_table import ask, is_lifted, moving, open_panda, turning_rad_s
@@ -71,7 +72,10 @@ def test_halting_an_arm_at_rest_stops_nothing(panda) -> None:
         (lambda robot, asked: asked.token.cancel("never mind"), "never mind"),
         (lambda robot, asked: robot.reset(), "the world was reset"),
         (lambda robot, asked: robot.close(), "the robot was switched off"),
-        (lambda robot, asked: carry_out(robot, robot.release), "pre-empted by release"),
+        (
+            lambda robot, asked: carry_out(robot, robot.release),
+            phrases.why("preempted", skill="release"),
+        ),
     ],
 )
 def test_what_ends_an_errand_is_its_reason(held_panda, act, reason) -> None:
@@ -95,7 +99,7 @@ def test_a_token_that_is_cancelled_already_starts_nothing(panda) -> None:
 
 
 def test_a_robot_that_is_off_does_nothing() -> None:
-    with pytest.raises(SkillFailed, match="switched off"):
+    with pytest.raises(SkillFailed, check=phrases.because("switched_off")):
         ask(open_panda().go_home)
 
 

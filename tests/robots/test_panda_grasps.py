@@ -3,6 +3,7 @@
 import itertools
 from collections.abc import Iterator
 
+import phrases
 import pytest
 from held_time import STEP_S, HeldSkill, carry_out
 from panda_table import ask, is_lifted, moving, open_panda, put_cube
@@ -122,7 +123,7 @@ def test_a_cube_that_slips_out_of_the_hand_is_noticed(held_panda) -> None:
 
     error = asked.end()
     assert isinstance(error, SkillFailed)
-    assert str(error) == "I lost the red cube."
+    assert phrases.because("dropped", thing="red cube")(error)
     assert held_panda.state()["held"] is None
 
 

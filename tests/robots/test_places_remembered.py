@@ -86,7 +86,7 @@ def test_it_finds_back_to_a_place_that_it_was_told_the_name_of(talk, robot) -> N
         one.say("go to the living room")
         assert one.distance_m(*CHARGER) > 2.0
 
-        assert one.say("go to the charger") == "I am at the charger."
+        assert one.say("go to the charger") == phrases.done("navigate_to", location="charger")
 
         assert one.distance_m(*CHARGER) < 0.3
         assert set(one.sources) == {"template"}
@@ -99,21 +99,22 @@ def test_a_place_is_there_after_a_restart_in_its_world_and_in_no_other(talk, rob
     with talk(robot, world=str(WORKSHOP)) as one:
         assert one.say("go to the loading dock").startswith("I do not know the room 'loading dock'")
     with talk(robot) as one:
-        assert one.say("go to the loading dock") == "I am at the loading dock."
+        assert one.say("go to the loading dock") == phrases.done(
+            "navigate_to", location="loading_dock"
+        )
         assert one.distance_m(*CHARGER) < 0.3
 
 
 def test_it_forgets_and_tells_which_places_it_knows(talk) -> None:
     with talk() as one:
         one.say("this is the charging station")
-        known = "I know kitchen, bedroom, living room, office and charging station."
+        rooms = ["kitchen", "bedroom", "living_room", "office"]
+        known = phrases.done("list_places", names=[*rooms, "charging_station"])
         assert one.say("which places do you know?") == known
         assert one.say("forget the charging station") == (
-            "I have forgotten the place charging station."
+            phrases.done("forget_place", room="charging_station")
         )
-        assert one.say("which places do you know?") == (
-            "I know kitchen, bedroom, living room and office."
-        )
+        assert one.say("which places do you know?") == phrases.done("list_places", names=rooms)
         assert one.say("go to the charging station").startswith("I do not know the room")
     with talk() as one:
         assert "charging station" not in one.say("which places do you know?")
@@ -125,18 +126,20 @@ def test_a_remembered_place_is_a_word_of_commands_too(talk) -> None:
             "I cannot do that: I do not know charger"
         )
         one.command("remember_place", name="charger")
-        assert one.command("navigate_to", room="The Charger") == "I am at the charger."
+        assert one.command("navigate_to", room="The Charger") == phrases.done(
+            "navigate_to", location="charger"
+        )
 
 
 @pytest.mark.parametrize(
     ("sentence", "answer"),
     [
-        ("call this place kitchen", "kitchen is a place of my map already"),
-        ("call this place Küche", "kitchen is a place of my map already"),
-        ("call this place a/b", "a place's name is of letters, digits, spaces and hyphens"),
-        (f"call this place {'very ' * 9}long", "a place's name has at most 40 characters"),
-        ("call this place yes", "people say yes to me for something else"),
-        ("forget the kitchen", "kitchen is a place of my map, and I cannot forget that"),
+        ("call this place kitchen", phrases.why("place_of_the_map", place="kitchen")),
+        ("call this place Küche", phrases.why("place_of_the_map", place="kitchen")),
+        ("call this place a/b", phrases.why("place_name_wrong")),
+        (f"call this place {'very ' * 9}long", phrases.why("place_name_long", limit="40")),
+        ("call this place yes", phrases.why("place_name_reserved", name="yes")),
+        ("forget the kitchen", phrases.why("place_stays", place="kitchen")),
     ],
 )
 def test_what_cannot_be_is_answered_with_the_reason(talk, sentence, answer) -> None:
@@ -150,14 +153,20 @@ def test_a_second_place_of_a_name_is_refused_until_the_first_is_forgotten(talk) 
         one.say("call this place the charger", "go to the kitchen")
         assert "It has to be forgotten first" in one.say("call this place the charger")
         one.say("forget the charger")
-        assert one.say("call this place the charger").startswith("I will remember")
+        assert one.say("call this place the charger") == (
+            phrases.done("remember_place", name="charger")
+        )
 
 
 def test_a_german_place_is_spoken_of_with_the_right_little_words(talk) -> None:
     with talk(language="de") as one:
         one.say("Merk dir diesen Ort als Ladestation.", "Fahr in die Küche.")
         one.say("Fahr zur Ladestation!")
-        assert one.said[-2:] == ["Ich fahre zur Ladestation.", "Ich bin an der Ladestation."]
+        charger = {"language": "de", "room": "Ladestation"}
+        going, there = (f("navigate_to", **charger) for f in (phrases.begins, phrases.done))
+        assert one.said[-2:] == [going, there]
+        assert "zur Ladestation" in going
+        assert "an der Ladestation" in there
 
 
 def test_it_remembers_no_place_while_it_moves(held_robot: DiffDriveRobot) -> None:
@@ -189,7 +198,7 @@ def test_it_goes_to_a_point_that_was_given_a_name_from_afar(talk, robot) -> None
         assert one.distance_m(*CHARGER) == before > 2.0
         assert one.body.place_memory.find("charger").yaw is None
 
-        assert one.say("go to the charger") == "I am at the charger."
+        assert one.say("go to the charger") == phrases.done("navigate_to", location="charger")
 
         assert one.distance_m(*CHARGER) < 0.3
     with talk(robot) as one:

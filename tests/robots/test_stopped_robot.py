@@ -32,7 +32,7 @@ from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.velocity_steering import Steering
 
 STOPPED = because("software_stop")
-REFUSED = f"I cannot do that: {STOPPED}"
+REFUSED = phrases.refused("software_stop")
 BRAKED_S = 0.1
 STEP_S = 0.2
 STILL = 1e-6
@@ -109,7 +109,7 @@ def test_a_drive_ends_within_a_tenth_of_a_second_and_why_is_said(agent):
     agent.stop.stop("a phone")
     agent.robot.advance(BRAKED_S)
     assert not agent.moves
-    agent.until_said(f"I could not do that: {STOPPED}")
+    agent.until_said(phrases.failed("software_stop"))
     assert agent.changes == [SoftwareStopChanged(engaged=True, by="a phone")]
     assert agent.stays()
 
@@ -128,7 +128,7 @@ def test_a_patrol_ends_and_does_not_go_on_when_somebody_resumes(agent):
     agent.say("patrol between the kitchen and the office until I say stop")
     agent.until_it_moves()
     agent.stop.stop("a phone")
-    agent.until_said(f"I could not do that: {STOPPED}")
+    agent.until_said(phrases.failed("software_stop"))
     agent.robot.advance(BRAKED_S)
     agent.stop.resume("a phone")
     assert agent.stays()

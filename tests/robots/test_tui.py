@@ -5,6 +5,7 @@ import os
 import sys
 from contextlib import ExitStack, asynccontextmanager
 
+import phrases
 from guards import HUNG_S
 from textual.widgets import Footer, Input, RichLog, Static
 
@@ -77,7 +78,9 @@ def drive(play, **options):
 def test_a_typed_line_is_shown_once_and_answered():
     async def play(shown):
         await shown.type("where are you?")
-        await shown.until(lambda: any("I am in the living room" in x for x in shown.transcript()))
+        await shown.until(
+            lambda: any(phrases.stands(room="living_room") in x for x in shown.transcript())
+        )
         assert shown.transcript().count("> where are you?") == 1
 
     drive(play)

@@ -36,7 +36,7 @@ class Example:
         """Asked to drive it refuses with this, and nothing of driving is heard or published."""
         assert self.talk.answer("go to the kitchen").startswith(refusal)
         for sentence in ("where are you", "remember this place as den", "go to x 1 y 2"):
-            assert self.talk.answer(sentence).startswith("I did not understand that, but I can ")
+            assert self.talk.answer(sentence).startswith(phrases.opening("not_understood_but"))
         for sentence in ("come back", "go back there"):
             assert self.talk.answer(sentence) == phrases.refused("cannot_drive")
         topics = {name for name, _ in self.peer.node.get_topic_names_and_types()}

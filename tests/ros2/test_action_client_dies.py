@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import phrases
 import pytest
 from action_rig import ActionRig
 from guards import HUNG_S
@@ -43,7 +44,7 @@ def test_a_client_killed_in_the_middle_ends_its_goal(rig, doomed):
     rig.driving()
     doomed.kill()
     assert rig.conversation.wait_idle(GIVEN_UP_S)
-    assert rig.events[-1]["reason"] == "its client is gone"
+    assert rig.events[-1]["reason"] == phrases.why("client_gone")
 
 
 def test_what_was_asked_for_in_words_outlives_a_client(rig, doomed):

@@ -3,6 +3,7 @@
 import json
 import threading
 
+import phrases
 import pytest
 from action_rig import ActionRig, Client
 from waiting import wait_until
@@ -58,7 +59,7 @@ def test_cancel_ends_a_running_goal_as_canceled(rig, client):
     rig.driving()
     assert client.cancel(goal) == 1
     end, result = client.end_of(goal)
-    assert (end, result.ok, result.error) == ("canceled", False, "its client asked for it")
+    assert (end, result.ok, result.error) == ("canceled", False, phrases.why("client_asked"))
     assert not rig.conversation.wait_idle(0) or rig.goals("navigate_to")[-1] == "cancelled"
 
 
@@ -67,7 +68,7 @@ def test_a_second_goal_preempts_the_first_which_ends_as_canceled(rig, client):
     rig.driving()
     second = client.send("navigate_to", room="bedroom")
     end, result = client.end_of(first)
-    assert (end, result.error) == ("canceled", "pre-empted by navigate_to")
+    assert (end, result.error) == ("canceled", phrases.why("preempted", skill="navigate_to"))
     rig.driving()
     rig.body.arrive()
     assert client.end_of(second)[0] == "succeeded"
@@ -121,7 +122,9 @@ def test_a_stop_word_and_an_interrupt_end_a_goal_as_canceled(rig, client, stop):
         rig.conversation.submit(Interrupt())
     end, result = client.end_of(goal)
     assert end == "canceled"
-    assert result.error == ("heard 'stop'" if stop else "interrupted")
+    assert result.error == (
+        phrases.why("heard_stop", word="stop") if stop else phrases.why("interrupted")
+    )
 
 
 @pytest.mark.parametrize(
@@ -170,7 +173,7 @@ def test_shutting_down_ends_a_goal_as_canceled_for_its_client(rig, client):
     rig.driving()
     rig.conversation.close()
     end, result = client.end_of(goal)
-    assert (end, result.error) == ("canceled", "shutting down")
+    assert (end, result.error) == ("canceled", phrases.why("shutting_down"))
 
 
 def test_a_client_that_leaves_ends_its_goal(rig, client):
@@ -178,4 +181,4 @@ def test_a_client_that_leaves_ends_its_goal(rig, client):
     rig.driving()
     client.destroy()
     assert rig.conversation.wait_idle(30)
-    assert rig.events[-1]["reason"] == "its client is gone"
+    assert rig.events[-1]["reason"] == phrases.why("client_gone")

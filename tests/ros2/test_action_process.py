@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 
+import phrases
 import pytest
 from action_rig import Client
 from guards import HUNG_S
@@ -21,8 +22,10 @@ def test_a_goal_drives_the_robot_to_its_room(agent, peer):
     assert (end, json.loads(result.result_json)["room"]) == ("succeeded", "kitchen")
     assert any(f.get("progress", 0) > 0 for f in client.feedback)
     robot.send("text_input", "where are you")
-    response.wait_for(lambda m: m.startswith("I am in the kitchen"))
-    assert "I am in the kitchen." not in response.messages  # its client knows; nobody else asked
+    response.wait_for(lambda m: m.startswith(phrases.stands(room="kitchen")))
+    assert (
+        phrases.done("navigate_to", room="kitchen") not in response.messages
+    )  # its client knows; nobody else asked
 
 
 def test_a_goal_of_a_remapped_action_is_not_taken_for_one_without_a_client(agent, peer):

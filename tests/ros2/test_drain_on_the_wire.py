@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import phrases
 import pytest
 from action_rig import Client
 from agent_process import READY, Agent
@@ -97,7 +98,7 @@ def test_the_goal_arrives_then_it_ends_and_meanwhile_nothing_new_begins(driving)
     assert not robot.client.send("navigate_to", room="kitchen").accepted
     assert robot.event(status="rejected")["code"] == DRAINING.code
     robot.peer.send("text_input", "go to the kitchen")
-    robot.response.wait_for(lambda m: m == f"I cannot do that: {DRAINING}")
+    robot.response.wait_for(lambda m: m == phrases.refused("draining"))
     tell(robot.peer, Twist, "/edgevox/cmd_vel")(twist(0.4, 0.0))
     status, told = robot.asks("/ready")
     assert (status, told["checks"]["drain"]) == (503, "draining")

@@ -63,7 +63,7 @@ def test_it_drives_by_nav2_and_tells_how_far_it_is(talk, base):
         talk.say(
             "go to the kitchen",
             phrases.begins("navigate_to", room="kitchen"),
-            "I am at the kitchen.",
+            phrases.done("navigate_to", location="kitchen"),
         )
     goals = [json.loads(one)["goal"] for one in state.messages]
     assert any(one and 0 < one["progress"] < 1 for one in goals)

@@ -75,7 +75,7 @@ def test_it_says_what_it_can_and_nothing_else_and_drives_nowhere(talk, lift):
         "I can: go to a floor and open the door there; wait until the door is open; say on which "
         "floor the lift is; let others use the lift again; stop at once.",
     )
-    lift.assert_it_drives_nowhere("I did not understand that, but I can ")
+    lift.assert_it_drives_nowhere(phrases.opening("not_understood_but"))
     talk.speak("de")
     talk.say("was kannst du", "Ich kann: auf eine Etage fahren und dort die Tür öffnen; ")
 

@@ -38,11 +38,12 @@ def test_a_sentence_drives_a_robot_that_only_speaks_ros_2(agent, peer, domain, l
 
         robot.send("text_input", "go to the table")
         response.wait_for(lambda m: m == phrases.begins("navigate_to", room="desk"))
-        response.wait_for(lambda m: m == "I am at the desk.")
+        response.wait_for(lambda m: m == phrases.done("navigate_to", location="desk"))
         robot.send("text_input", "where are you")
-        response.wait_for(lambda m: m.startswith("I am at the desk, at x 0."))
+        response.wait_for(lambda m: m.startswith(phrases.stands(location="desk") + "0."))
+        unknown = phrases.opening("unknown_word", argument="location", said="moon")
         robot.send("text_input", "go to the moon")
-        response.wait_for(lambda m: m.startswith("I do not know the location 'moon'."))
+        response.wait_for(lambda m: m.startswith(unknown))
 
         robot.send("text_input", "go to the dock")
         state.wait_for(lambda m: json.loads(m)["goal"], since=len(state.messages))
@@ -57,7 +58,8 @@ def test_without_a_robot_the_agent_says_that_it_hears_none(agent, peer):
     robot = peer()
     response = robot.listen("response")
     robot.send("text_input", "go to x 1 y 2")
-    unheard = "I have not heard yet where the robot is. The topic is /nobody/odom."
+    topic = phrases.said("topic", topic="/nobody/odom")
+    unheard = f"{phrases.why('robot_unheard')}. {topic}"
     response.wait_for(lambda m: unheard in m)
     robot.send("text_input", "where are you")
     response.wait_for(lambda m: unheard in m, since=len(response.messages))

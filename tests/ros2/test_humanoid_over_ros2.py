@@ -1,5 +1,6 @@
 """`robot-humanoid` as a peer knows it: it walks by plain sentences and by velocities, and sees."""
 
+import phrases
 import pytest
 from bodies_rig import (
     frames_of,
@@ -28,8 +29,8 @@ def test_half_a_metre_and_a_quarter_turn_are_walked_because_somebody_asked(human
     before = humanoid.state()
     since = humanoid.say("walk forward half a metre then turn left ninety degrees")
 
-    since.answer("Walking 0.5 metres forward.")
-    since.answer("I have walked 0.5 metres forward.")
+    since.answer(phrases.begins("walk_forward", distance=0.5))
+    since.answer(phrases.done("walk_forward", walked=0.5))
     since.answer("I have turned left by")
     after = humanoid.state()
 

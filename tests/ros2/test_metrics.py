@@ -7,6 +7,7 @@ import sys
 import threading
 from pathlib import Path
 
+import phrases
 import pytest
 from agent_process import AGENT, Agent
 from geometry_msgs.msg import Twist
@@ -41,7 +42,7 @@ def test_what_is_too_long_is_answered_and_counted_by_its_reason(port, peer, topi
     robot = peer()
     answers = robot.listen("response")
     robot.send(topic, "x" * 1_000_000)
-    answers.wait_for(lambda m: m == "That is too long: 1000000 characters, and I take 2000.")
+    answers.wait_for(lambda m: m == phrases.said("too_long", length=1_000_000, limit=2000))
     said = scrape_until(port, lambda s: s["edgevox_refused_requests_total", "too_long"] == 1)
     assert said["edgevox_refused_requests_total", "too_many"] == 0
 

@@ -23,7 +23,7 @@ def panda(domain):
 def test_the_red_cube_is_put_in_the_left_bin_because_somebody_asked(panda):
     since = panda.say("pick up the red cube and put it in the left bin")
 
-    since.answer("Picking up the red cube.")
+    since.answer(phrases.begins("grasp", object="red_cube"))
     held = since.state(lambda s: s["held"] == "red_cube")
     since.answer(phrases.done("place", object="red_cube", target="left_bin"))
     state = since.state(lambda s: s["held"] is None and s["objects"]["red_cube"]["y"] > 0.3)
@@ -52,7 +52,7 @@ def test_a_stop_word_halts_the_arm_in_the_middle(panda):
     tf.wait_for(lambda _: len(tf.messages) > heard + 10)
     first, last = (place(tf.messages[number]) for number in (heard, -1))
     assert np.linalg.norm(first - last) < 0.002
-    panda.say("go home").answer("I am at home.")
+    panda.say("go home").answer(phrases.done("goto_home"))
 
 
 def test_the_hand_is_on_tf_at_most_thirty_times_a_second_as_it_is_really_turned(panda):

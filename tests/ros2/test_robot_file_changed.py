@@ -1,5 +1,6 @@
 """A robot whose interfaces have other types than its file says, as after an update."""
 
+import phrases
 import pytest
 from doctor_process import ask_doctor
 from robot_file_rig import NAMESPACE, ROBOT_FILE, Asked, Run, body, interfaces
@@ -32,8 +33,8 @@ def heard(robot, peer):
     ("skill", "arguments", "why"),
     [
         ("honk", {}, "The horn is broken"),
-        ("set_lamp", {"colour": "red"}, "Nobody listens to lamp"),
-        ("temperature", {}, "I hear nothing of temperature"),
+        ("set_lamp", {"colour": "red"}, phrases.interface("nobody_listens", "lamp")),
+        ("temperature", {}, phrases.interface("unheard", "temperature")),
     ],
 )
 def test_what_has_another_type_fails_by_name_and_the_others_work(skills, skill, arguments, why):

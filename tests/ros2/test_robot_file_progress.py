@@ -2,6 +2,7 @@
 
 import json
 
+import phrases
 import pytest
 from action_rig import Client
 from example_rig import HERE, example
@@ -44,10 +45,10 @@ def told_of(skill, text):
 def test_what_the_feedback_says_is_how_far_it_is(robot, events, sentence, skill, says, done):
     robot.talk.say(sentence, says)
     robot.asked.do("0.25")
-    robot.talk.ask_until("what are you doing", f"{says} 25 percent of that is done.")
+    robot.talk.ask_until("what are you doing", phrases.said("doing", action=says, percent=25))
     events.wait_for(lambda text: told_of(skill, text) == 0.25)
     robot.asked.do("0.7")
-    robot.talk.ask_until("what are you doing", f"{says} 70 percent of that is done.")
+    robot.talk.ask_until("what are you doing", phrases.said("doing", action=says, percent=70))
     with robot.talk.told(done):
         robot.asked.do("1.0")
 
@@ -71,7 +72,7 @@ def test_a_part_that_cannot_be_is_not_told(robot, events):
     since = len(events.messages)
     robot.talk.say("sweep the lab", "Sweeping the lab.")
     robot.asked.do("0.5")
-    robot.talk.ask_until("what are you doing", "50 percent of that is done.")
+    robot.talk.ask_until("what are you doing", phrases.said("doing", action="", percent=50).strip())
     with robot.talk.told("I swept 12.5"):
         robot.asked.do("1.0")
     told = {told_of("sweep", one) for one in events.messages[since:]}

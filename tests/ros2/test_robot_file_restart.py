@@ -3,6 +3,7 @@
 import contextlib
 import json
 
+import phrases
 import pytest
 from lease import SHORT_LEASE
 from robot_file_rig import NAMESPACE, ROBOT_FILE, Asked, Talk, interfaces
@@ -97,8 +98,8 @@ def test_while_it_is_away_each_skill_fails_by_a_reason_and_then_all_works_again(
     robot.left()
     wait_until(lambda: codes("sound the horn") == "not_there", "the end of the horn")
     wait_until(lambda: codes("dock") == "not_there", "the end of the dock")
-    talk.ask_until("lamp to red", "Nobody listens to lamp.")
-    talk.ask_until("how warm are you", "I hear nothing of temperature.")
+    talk.ask_until("lamp to red", phrases.interface("nobody_listens", "lamp"))
+    talk.ask_until("how warm are you", phrases.interface("unheard", "temperature"))
     talk.say("what can you do", "I can: ")
     all_works(talk, robot.start())
 
@@ -108,6 +109,6 @@ def test_one_that_dies_at_its_work_and_comes_again_at_once_works_again(talk, rob
     asked.do("hang")
     talk.say("dock", "Docking.")
     asked.wait("dock")
-    with talk.told("dock did not answer in time."):
+    with talk.told(phrases.interface("no_answer", "dock")):
         robot.kill()
     all_works(talk, robot.start())

@@ -88,10 +88,10 @@ def test_interrupt_stops_the_robot_and_leaves_it_listening(robot):
     ("text", "answer"),
     [
         ("", phrases.said("not_heard")),
-        ("go to the moon", "I do not know the room 'moon'."),
-        ("go to", "I did not hear which room."),
-        ("a" * 100_000, "That is too long: 100000 characters"),
-        ("drive to x 50 y 50", "I could not do that: "),
+        ("go to the moon", phrases.opening("unknown_word", argument="room", said="moon")),
+        ("go to", phrases.opening("missing_word", argument="room")),
+        ("a" * 100_000, phrases.said("too_long", length=100_000, limit=2000)),
+        ("drive to x 50 y 50", phrases.opening("failed")),
     ],
 )
 def test_bad_input_is_answered_and_the_process_goes_on(robot, text, answer):
@@ -107,7 +107,7 @@ def test_text_that_is_not_utf_8_is_answered_and_the_process_goes_on(robot):
     words = b"go to \xff\xfe\x00"
     cdr = b"\x00\x01\x00\x00" + len(words).to_bytes(4, "little") + words
     robot.send("text_input", cdr)
-    response.wait_for(lambda m: m.startswith("I did not hear which room."))
+    response.wait_for(lambda m: m.startswith(phrases.opening("missing_word", argument="room")))
     robot.send("text_input", "where are you")
     response.wait_for(lambda m: m.startswith("I am in the"))
 

@@ -3,6 +3,7 @@
 import json
 from contextlib import ExitStack
 
+import phrases
 import pytest
 from action_rig import Client
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -75,7 +76,7 @@ def test_whatever_other_software_asks_is_refused_until_somebody_resumes(parts, p
     rejected = json.loads(events.wait_for(lambda m: "rejected" in m))
     assert (rejected["code"], rejected["error"]) == (STOPPED.code, str(STOPPED))
     one.send("text_input", "go to the kitchen")
-    response.wait_for(lambda m: m == f"I cannot do that: {STOPPED}")
+    response.wait_for(lambda m: m == phrases.refused("software_stop"))
     assert standing(parts)
 
     parts.software_stop.resume("a phone")

@@ -2,6 +2,7 @@
 
 import json
 
+import phrases
 import pytest
 from agent_process import READY, Agent
 from peer import STATE, Peer
@@ -41,7 +42,7 @@ def test_a_command_on_one_domain_is_not_heard_on_the_other(robots):
     there.send("command", "list_languages")
     assert json.loads(info.wait_for(lambda _: True))["current"] == "en"
     there.send("text_input", "where are you")
-    answers[1].wait_for(lambda m: m.startswith("I am in the living room"))
+    answers[1].wait_for(lambda m: m.startswith(phrases.stands(room="living_room")))
     assert words[1].messages == ["where are you"]
     assert {json.loads(m)["skill"] for m in agent_events[1].messages} == {"get_pose"}
     assert all(json.loads(m)["goal"] is None for m in states[1].messages)

@@ -1,7 +1,6 @@
 """What a machine lacks is said at once, by the names that Debian has for it."""
 
 import os
-import re
 import shutil
 import subprocess
 import sys
@@ -97,12 +96,6 @@ def test_every_line_of_the_list_has_a_package_parts_that_there_are_and_a_check()
     assert all(len(line) == 3 for line in lines)
     for package, parts, _ in lines:
         assert set(parts.split(",")) <= PARTS, package
-
-
-def test_the_readme_asks_for_all_that_the_list_has():
-    said = set(re.findall(r"[\w-]+", (ROOT / "README.md").read_text()))
-    listed = {one.split()[0] for one in LIST.read_text().splitlines() if one[:1] not in ("#", "")}
-    assert listed <= said | {"python3"}
 
 
 def dry_run(*arguments: str, **environment: str) -> list[str]:

@@ -2,6 +2,7 @@
 
 from types import MappingProxyType
 
+import phrases
 import pytest
 from support.body import FakeBody
 from support.conversation import Talk
@@ -63,15 +64,15 @@ def listen(memory):
     [
         (
             [POINT],
-            "Shall I remember the point x 7.5, y 2 as bike stand?",
+            phrases.asks("remember_place", name="bike_stand", x=7.5, y=2.0),
             {"charger": 5.0, "bike stand": 7.5},
         ),
         (
             [HERE],
-            "Shall I remember this place as bike stand?",
+            phrases.asks("remember_place", name="bike_stand"),
             {"charger": 5.0, "bike stand": 1.0},
         ),
-        ([FORGET], "Shall I forget the place charger?", {}),
+        ([FORGET], phrases.asks("forget_place", room="charger"), {}),
         (
             [GO, POINT],
             "Shall I go to the kitchen and then remember the point x 7.5, y 2 as bike stand?",

@@ -3,7 +3,7 @@ import threading
 import phrases
 import pytest
 from logs_rig import logging_to_memory
-from support.body import FakeBody
+from support.body import ROOMS, FakeBody
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
@@ -23,6 +23,7 @@ from edgevox.core.events import (
 from edgevox.ops.logs.limit import MOST_LINES
 
 ROOMS_SAID = "kitchen, living room, bedroom and office"
+UNKNOWN_ROOM = phrases.said("unknown_word", argument="room", said="garage", known=ROOMS_SAID)
 SKILLS = ("navigate_to", "open_door", "get_pose")
 
 
@@ -229,10 +230,10 @@ def test_ten_interrupts_in_a_row_change_nothing_when_idle(rig):
     ("text", "answer"),
     [
         ("", phrases.said("not_heard")),
-        (" \x00\ufffd\n ", "I did not hear anything."),
-        ("a" * 100_000, "That is too long: 100000 characters, and I take 2000."),
-        ("go to the garage", f"I do not know the room 'garage'. I know {ROOMS_SAID}."),
-        ("go to", f"I did not hear which room. I know {ROOMS_SAID}."),
+        (" \x00\ufffd\n ", phrases.said("not_heard")),
+        ("a" * 100_000, phrases.said("too_long", length=100_000, limit=2000)),
+        ("go to the garage", UNKNOWN_ROOM),
+        ("go to", phrases.said("missing_word", argument="room", known=ROOMS_SAID)),
     ],
 )
 def test_bad_input_has_its_clear_answer(rig, text, answer):
@@ -259,7 +260,7 @@ def test_reset_stops_the_robot_and_forgets(rig):
 def test_a_skill_can_be_run_without_language(rig):
     rig.conversation.submit(RunSkill("navigate_to", {"room": "moon"}))
     rig.settle()
-    assert rig.texts() == [f"I cannot do that: I do not know moon. I know {ROOMS_SAID}."]
+    assert rig.texts() == [phrases.refused("not_one_of", value="moon", choices=ROOMS.words)]
 
 
 def test_speak_says_the_text_as_it_is(rig):
@@ -273,7 +274,7 @@ def test_speak_says_the_text_as_it_is(rig):
 def test_what_is_too_long_is_refused_for_that_and_the_person_is_told(rig, command, characters):
     rig.conversation.submit(command("x" * characters))
     rig.settle()
-    told = f"That is too long: {characters} characters, and I take 2000."
+    told = phrases.said("too_long", length=characters, limit=2000)
     assert rig.texts() == [told]
     assert rig.conversation.refusals == {"too_many": 0, "too_long": 1}
 

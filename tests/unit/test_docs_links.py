@@ -68,9 +68,3 @@ def test_every_picture_is_shown_somewhere_and_is_small():
     for picture in (ROOT / "docs" / "images").iterdir():
         assert picture.name in shown, picture.name
         assert picture.stat().st_size <= LARGEST_PICTURE_BYTES, picture.name
-
-
-def test_what_ci_installs_is_what_the_readme_says_a_machine_needs():
-    needed = set(re.findall(r"^need ([\w-]+)", (ROOT / ".ci" / "run").read_text(), re.MULTILINE))
-    told = set(re.findall(r"[\w-]+", (ROOT / "README.md").read_text()))
-    assert needed - {"python3"} <= told

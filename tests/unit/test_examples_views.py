@@ -5,7 +5,7 @@ which no robot has, or of another type, or by a quality of service that nobody o
 """
 
 import json
-import re
+import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,9 @@ from edgevox.ros2.contract import DIAGNOSTICS, NODE_NAME, PUBLISHED, SUBSCRIBED
 from edgevox.ros2.standard_topics import EXTERNAL, INTEROP
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs" / "robots.md").read_text(encoding="utf-8")
+TOLD = ROOT / "scripts" / "docs" / "told.toml"
+TOPICS = tomllib.loads(TOLD.read_text(encoding="utf-8"))["topics"]
+"""The standard topics of each robot, as docs/robots.md shows them."""
 ROBOTS = ("robot-apartment", "robot-external", "robot-humanoid", "robot-panda")
 """robot-irsim is the same robot as robot-apartment, by its topics too."""
 
@@ -56,9 +58,7 @@ def _offered(robot: str) -> dict[str, Any]:
     rows[DIAGNOSTICS.topic] = DIAGNOSTICS
     if robot == "robot-external":
         return rows | {f"/{row.topic}": row for row in EXTERNAL}
-    section = re.search(rf"^## [^\n]*{robot}.*?(?=^## )", PAGE, re.MULTILINE | re.DOTALL)[0]
-    listed = re.search(r"^On ROS 2: (.*?)\.(?: |\n)", section, re.MULTILINE | re.DOTALL)[1]
-    has = set(re.findall(r"`([\w/]+)`", listed))
+    has = TOPICS[robot.removeprefix("robot-")]
     return rows | {f"/{NODE_NAME}/{row.topic}": row for row in INTEROP if row.topic in has}
 
 

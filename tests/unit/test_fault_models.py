@@ -9,6 +9,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
+import phrases
 import pytest
 from gguf_files import small_gguf
 from llm_server import Chat, Reply, failing, good, never, serving
@@ -82,7 +83,7 @@ def test_without_its_model_it_comes_up_says_so_and_obeys(agent, tmp_path, monkey
 
     heard.wait_for(lambda said: "my language model failed" in said)
     parts.conversation.submit(TextInput("where are you"))
-    heard.wait_for(lambda said: "I am in the living room" in said)
+    heard.wait_for(lambda said: phrases.stands(room="living_room") in said)
     since = len(heard.messages)
     parts.conversation.submit(TextInput(WISH))
     heard.wait_for(lambda said: "I cannot think right now" in said, since=since)

@@ -174,7 +174,7 @@ def test_an_answer_that_does_not_come_does_not_hold_up_the_next_for_ever(rig, mo
     monkeypatch.setattr(goal_runner, "ANSWER_S", 0.2)
     rig.say("ponder")
 
-    rig.hear("I could not do that: ponder took longer than 0 s")
+    rig.hear(phrases.opening("failed") + phrases.why("took_too_long", skill="ponder", seconds="0"))
     rig.say("walk")
     rig.hear("I have walked.")
 

@@ -112,7 +112,7 @@ def test_a_robot_that_does_not_get_on_says_so() -> None:
         motion.steer(START)
 
     assert isinstance(motion.error, SkillFailed)
-    assert str(motion.error) == "I cannot get any further."
+    assert motion.error.reason.code == "no_further"
 
 
 def test_a_plan_whose_vectors_or_rates_do_not_fit_is_refused() -> None:

@@ -1,5 +1,6 @@
 import threading
 
+import phrases
 import pytest
 
 from edgevox.agent import lane as lanes
@@ -150,9 +151,12 @@ def test_a_new_plan_preempts_the_running_one_which_ends_as_cancelled(lane, goal,
     assert started.wait(60)
     lane.replace(Plan([new]))
     assert new.wait(60)
-    assert (old.status, old.error) == (GoalStatus.CANCELLED, "pre-empted by arrive")
+    assert (old.status, old.error) == (
+        GoalStatus.CANCELLED,
+        phrases.why("preempted", skill="arrive"),
+    )
     assert new.status is GoalStatus.SUCCEEDED
-    assert ("skill_cancelled", "pre-empted by arrive") in [
+    assert ("skill_cancelled", phrases.why("preempted", skill="arrive")) in [
         (kind, data.get("reason")) for kind, data in events
     ]
 
@@ -201,7 +205,7 @@ def test_a_plan_that_comes_when_it_is_closed_ends_as_cancelled(goal, deadlines):
     one, other = goal(arrive, where="a"), goal(arrive, where="b")
     lane.append(Plan([one]))
     lane.replace(Plan([other]))
-    assert (one.error, other.error) == ("shutting down", "shutting down")
+    assert (one.error, other.error) == (phrases.why("shutting_down"),) * 2
 
 
 def test_plans_that_are_appended_run_in_their_order_and_pre_empt_nothing(lane, goal, bus, ended):
@@ -244,7 +248,10 @@ def test_a_skill_that_hangs_is_left_alone_and_the_lane_goes_on(
     lane.replace(Plan([after]))
     assert after.wait(60)
     assert lane.wait_idle(60)
-    assert (hangs.status, hangs.error) == (GoalStatus.CANCELLED, "pre-empted by arrive")
+    assert (hangs.status, hangs.error) == (
+        GoalStatus.CANCELLED,
+        phrases.why("preempted", skill="arrive"),
+    )
     assert (rest.status, after.status) == (GoalStatus.CANCELLED, GoalStatus.SUCCEEDED)
     assert ended == [hangs, after]
     assert lane.busy is False
@@ -259,7 +266,10 @@ def test_what_hangs_ends_once_whenever_it_comes_back(lane, goal, events, ended, 
     lane.append(Plan([after]))
     assert after.wait(60)
     assert lane.wait_idle(60)
-    assert (late.status, late.error) == (GoalStatus.FAILED, "wander took longer than 0 s")
+    assert (late.status, late.error) == (
+        GoalStatus.FAILED,
+        phrases.why("took_too_long", skill="wander", seconds="0"),
+    )
     assert ended == [late, after]
     assert [data["status"] for _, data in events if data["skill"] == "wander"][-1] == "failed"
 

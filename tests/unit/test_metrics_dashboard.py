@@ -171,13 +171,6 @@ def test_panels_do_not_lie_on_each_other(board) -> None:
     assert len({panel["id"] for panel in board["panels"]}) == len(board["panels"])
 
 
-def test_what_to_do_about_each_alert_is_written_down() -> None:
-    page = (ROOT / "docs" / "metrics.md").read_text()
-    told = re.findall(r"^\| (EdgeVox\w+) \|", page, re.MULTILINE)
-
-    assert told == list(ALERTS)
-
-
 def test_prometheus_reads_the_rules_and_every_robot_of_the_fleet() -> None:
     config = yaml.safe_load((PLACE / "prometheus.yml").read_text())
     fleet = yaml.safe_load((ROOT / "compose" / "fleet.yml").read_text())

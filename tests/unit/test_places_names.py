@@ -1,5 +1,6 @@
 """What a place may be called, and what is said of a name that it may not have."""
 
+import phrases
 import pytest
 
 from edgevox.agent.choices import OneOf
@@ -81,9 +82,7 @@ def test_a_taken_name_says_where_that_place_is_and_what_to_do(memory):
     with pytest.raises(SkillFailed) as refused:
         memory.check("charger")
 
-    assert str(refused.value) == (
-        "I know charger already, at x 1.2, y -2.0. It has to be forgotten first."
-    )
+    assert phrases.because("place_known", place="charger", x="1.2", y="-2.0")(refused.value)
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from typing import Annotated
 
+import phrases
 import pytest
 
 from edgevox.agent.choices import OneOf
@@ -115,7 +116,7 @@ def test_a_skill_without_a_word_to_choose_is_not_offered_to_the_model_until_it_h
     recogniser = Recogniser(learner.skills)
     assert "go(" not in before.grammar + before.opening[0].content
     assert recogniser.recognise("go to the charger") == RefusedCommand(
-        "I do not know any room by name yet."
+        phrases.said("no_words", argument="room")
     )
     with pytest.raises(InvalidValue, match="expected a word that was learned before"):
         learner.skills["go"].validate({"room": "charger"})

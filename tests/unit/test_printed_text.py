@@ -1,14 +1,11 @@
 """What others send reaches a terminal or a log in codes: it steers neither, and forges no line."""
 
-import ast
 import logging
 import re
 import unicodedata
-from collections import Counter
 from pathlib import Path
 
 import pytest
-from code_files import trees
 from hypothesis import given
 from hypothesis import strategies as st
 from logs_rig import logging_to_memory
@@ -171,21 +168,3 @@ def test_the_commands_print_tame_lines(tmp_path, capsys):
     view.command(Heard(HOSTILE, 0.0))
     view.woken(WakeWordHeard(HOSTILE))
     assert all(is_tame(one, lines=1) for one in shown)
-
-
-def test_no_program_prints_past_show():
-    """The linter forbids `print`; what is written to standard output by hand is named here."""
-    found = Counter()
-    for file, tree in trees(CODE, having=r"std(out|err)\.write|console\.print"):
-        for node in ast.walk(tree):
-            if isinstance(node, ast.Call) and ast.unparse(node.func).endswith(
-                ("stdout.write", "stderr.write", "console.print")
-            ):
-                found[str(file.relative_to(CODE))] += 1
-    assert found == {
-        "apps/doctor/report.py": 2,
-        "apps/listen.py": 1,
-        "apps/terminal/prompt.py": 1,
-        "models/fetch_progress.py": 1,
-        "ros2/probe.py": 1,
-    }

@@ -19,6 +19,7 @@ LATER = "in five minutes, go to the office"
 KEPT = phrases.said(
     "program_after", duration=phrases.said("minutes", count=5), order="going to the office."
 )
+NO_GARAGE = phrases.opening("unknown_word", argument="room", said="garage")
 LOW = "if the battery is below twenty percent, go to the dock"
 
 
@@ -35,7 +36,7 @@ def quick_rounds(monkeypatch):
 
 def test_a_patrol_visits_its_rooms_again_and_again_until_it_is_stopped(talk):
     assert talk.ask(PATROL) == (
-        "Until you stop me: going to the kitchen. Then: going to the office."
+        phrases.said("program_endless", order="going to the kitchen. Then: going to the office.")
     )
     talk.body.arrive(5)
     talk.body.starts_until(6)
@@ -181,18 +182,21 @@ def test_a_robot_without_a_battery_refuses_to_wait_for_it():
 @pytest.mark.parametrize(
     ("sentence", "reason"),
     [
-        ("in 25 hours, go to the office", "more than 24 hours away"),
-        ("go to the office 101 times", "101 times will not do"),
-        ("go to the office 0 times", "0 times will not do"),
-        ("go to the office 2.5 times", "2.5 times will not do"),
-        ("if the battery is below 100 percent, go to the dock", "100 percent will not do"),
-        ("in 5 minutes, go to the garage", "I do not know the room 'garage'"),
-        ("patrol between the kitchen and the garage", "I do not know the room 'garage'"),
-        ("when you are there, say hello", "I am not on my way"),
-        ("in five minutes my wife comes home", "I did not understand that"),
+        ("in 25 hours, go to the office", phrases.why("program_late", hours="24")),
+        ("go to the office 101 times", phrases.why("program_times", said="101", count="100")),
+        ("go to the office 0 times", phrases.why("program_times", said="0", count="100")),
+        ("go to the office 2.5 times", phrases.why("program_times", said="2.5", count="100")),
+        (
+            "if the battery is below 100 percent, go to the dock",
+            phrases.why("program_percent", said="100"),
+        ),
+        ("in 5 minutes, go to the garage", NO_GARAGE),
+        ("patrol between the kitchen and the garage", NO_GARAGE),
+        ("when you are there, say hello", phrases.why("nothing_moves")),
+        ("in five minutes my wife comes home", phrases.opening("not_understood_but")),
         (
             ", then ".join(["go to the office"] * 9) + ", 2 times",
-            "more than 8 things",
+            phrases.why("program_long", count="8"),
         ),
     ],
 )
@@ -205,9 +209,7 @@ def test_what_is_too_much_or_cannot_be_is_refused_with_its_reason(talk, sentence
 def test_no_more_than_so_many_wait(talk):
     for minutes in range(MAX_PROGRAMS):
         talk.ask(f"in {minutes + 1} minutes, go to the office")
-    assert talk.ask("in one hour, go to the kitchen") == (
-        "I cannot do that: 8 orders wait already, and I keep no more."
-    )
+    assert talk.ask("in one hour, go to the kitchen") == phrases.refused("programs_full", count="8")
     assert len(talk.conversation.programs.kept) == MAX_PROGRAMS
 
 
@@ -215,7 +217,7 @@ def test_a_patrol_ends_by_itself_after_hours_and_says_why(talk):
     talk.ask(PATROL)
     talk.body.starts_until(1)
     talk.clock.advance(LONGEST_RUN_S)
-    talk.until(lambda: any("I have done this for 8 hours" in one for one in talk.said))
+    talk.until(lambda: any(phrases.why("program_over", hours="8") in one for one in talk.said))
     talk.ended()
     assert talk.told("program")[-1]["code"] == "program_over"
     assert not talk.body.moving
@@ -343,14 +345,13 @@ def test_orders_are_listed_and_forgotten_by_what_is_said_of_them(talk):
     talk.body.starts_until(1)
     talk.clock.advance(60)
     assert talk.ask("what are you going to do?") == (
-        "I still have this to do."
-        " In 4 minutes: going to the office."
+        phrases.opening("program_listed") + "In 4 minutes: going to the office."
         " As soon as my battery is below 20 percent: going to the dock."
         " Now: until you stop me: going to the kitchen. Then: going to the office."
     )
-    assert "Until you stop me" in talk.ask("forget the patrol")
-    assert talk.ask("cancel the office in five minutes") == (
-        "I have dropped this: In 4 minutes: going to the office."
+    assert phrases.opening("program_endless") in talk.ask("forget the patrol")
+    assert talk.ask("cancel the office in five minutes") == phrases.said(
+        "program_forgotten", orders="In 4 minutes: going to the office."
     )
     assert "dock" in talk.ask("forget the order")
     talk.ended()
@@ -360,7 +361,7 @@ def test_orders_are_listed_and_forgotten_by_what_is_said_of_them(talk):
 def test_only_what_was_meant_is_forgotten(talk):
     talk.ask(LATER)
     talk.ask("in ten minutes, go to the kitchen")
-    assert "I know of no such order" in talk.ask("forget the order")
+    assert phrases.opening("program_which") in talk.ask("forget the order")
     talk.ask("cancel the kitchen")
     (left,) = talk.conversation.programs.listed()["programs"]
     assert left["text"] == "In 5 minutes: going to the office."

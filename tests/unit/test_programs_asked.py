@@ -14,7 +14,7 @@ KEPT = phrases.said(
     "program_after", duration=phrases.said("minutes", count=5), order="going to the office."
 )
 PATROL = "patrol between the kitchen and the office"
-QUESTION = "Shall I do this? In 5 minutes: going to the office."
+QUESTION = phrases.said("do_this", told=KEPT)
 DENIED = phrases.refused("policy_denied")
 REMARKS = [
     "I patrol between the kitchen and the office every night",

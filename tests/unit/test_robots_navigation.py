@@ -1,5 +1,6 @@
 """What people say to a robot that drives, and what it answers."""
 
+import phrases
 import pytest
 
 from edgevox.agent.choices import OneOf
@@ -145,9 +146,9 @@ def test_the_skills_drive_halt_and_answer_as_a_person_hears_it() -> None:
 
     assert body.goals == [(1.0, 2.0), (3.0, 4.0)]
     say = phrasebook("en").report
-    assert say(skills["navigate_to"], {}, arrived) == "I am in the kitchen."
-    assert say(skills["navigate_xy"], {}, at_point) == "I am at x 1.0, y 2.0."
-    assert say(skills["get_pose"], {}, pose) == "I am in the living room, at x 1.0, y 2.0."
+    assert say(skills["navigate_to"], {}, arrived) == phrases.done("navigate_to", room="kitchen")
+    assert say(skills["navigate_xy"], {}, at_point) == phrases.done("navigate_xy", x=1.0, y=2.0)
+    assert say(skills["get_pose"], {}, pose).startswith(phrases.stands(room="living_room") + "1.0")
     assert stopped == {"was_moving": True}
     assert body.halted == ["stop was asked"]
     assert [name for name, one in skills.items() if one.moves] == [
@@ -193,4 +194,7 @@ def test_it_is_in_a_room_and_at_a_place_that_it_remembers() -> None:
         for one in ("kitchen", "charger")
     ]
 
-    assert told == ["I am in the kitchen.", "I am at the charger."]
+    assert told == [
+        phrases.done("navigate_to", room="kitchen"),
+        phrases.done("navigate_to", location="charger"),
+    ]

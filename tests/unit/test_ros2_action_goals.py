@@ -2,6 +2,7 @@
 
 import threading
 
+import phrases
 import pytest
 
 from edgevox.agent.agents import Agent
@@ -138,7 +139,7 @@ def test_too_many_that_wait_are_refused(rig):
     rig.conversation.start_goal("look", {})
     assert rig.began.acquire(timeout=60)
     waiting = [rig.conversation.start_goal("look", {}) for _ in range(MAX_BACKGROUND)]
-    with pytest.raises(SkillFailed, match="look: 64 goals wait already"):
+    with pytest.raises(SkillFailed, check=phrases.because("goals_wait", skill="look", count="64")):
         rig.conversation.start_goal("look", {})
     rig.conversation.check_goal("drive", {})
     rig.go_on.set()
@@ -150,4 +151,4 @@ def test_after_the_end_a_goal_ends_at_once(rig):
     for name in ("drive", "look"):
         goal = rig.conversation.start_goal(name, {})
         assert goal.wait(0)
-        assert (goal.status, goal.error) == (GoalStatus.CANCELLED, "shutting down")
+        assert (goal.status, goal.error) == (GoalStatus.CANCELLED, phrases.why("shutting_down"))

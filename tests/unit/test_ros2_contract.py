@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from code_files import trees
 
 import edgevox.ros2
 from edgevox.core.agent_events import AgentEventKind, SafetyPreempted
@@ -22,7 +23,6 @@ from edgevox.core.events import Answered, Cause, State, TurnMeasured
 from edgevox.core.settings import Settings
 from edgevox.ros2 import contract, split_ros_args, standard_topics
 
-FILES = sorted(Path(edgevox.ros2.__file__).parent.rglob("*.py"))
 OWN_QOS = {"qos.py", "rosout.py", "probe.py", "skill_action.py"}
 """Where rclpy's class is made: of the contract's rows, and for what is no topic of the contract."""
 PROMISED = yaml.safe_load(
@@ -85,14 +85,16 @@ def test_a_parameter_is_a_setting_and_begins_as_it_does(row):
     assert row.about == setting.description or not row.read_only
 
 
-@pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
-def test_no_module_declares_a_quality_of_service_or_a_rate_of_its_own(file):
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-        match node:
-            case ast.Call(func=ast.Name(id="QoSProfile")):
-                assert file.name in OWN_QOS, f"line {node.lineno}: the contract has a row for it"
-            case ast.Assign(targets=[ast.Name(id=name)], value=ast.Constant()):
-                assert not name.endswith("_HZ"), f"{name}: the contract has a row for it"
+def test_no_module_declares_a_quality_of_service_or_a_rate_of_its_own():
+    own = []
+    for file, tree in trees(Path(edgevox.ros2.__file__).parent, having=r"QoSProfile|_HZ\b"):
+        for node in ast.walk(tree):
+            match node:
+                case ast.Call(func=ast.Name(id="QoSProfile")) if file.name not in OWN_QOS:
+                    own.append(f"{file}:{node.lineno}")
+                case ast.Assign(targets=[ast.Name(id=name)], value=ast.Constant()):
+                    own += [f"{file}:{node.lineno}"] if name.endswith("_HZ") else []
+    assert own == [], "the contract has a row for it"
 
 
 def test_the_commands_and_queries_are_the_contracts():

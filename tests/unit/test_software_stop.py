@@ -1,5 +1,6 @@
 """The software stop holds until somebody resumes, whoever else forbids motion meanwhile."""
 
+import phrases
 import pytest
 
 from edgevox.agent.phrase_file import phrasebook
@@ -134,7 +135,7 @@ def test_no_velocity_but_a_stand_is_followed_while_it_is_stopped(rig):
     steering = Steering(rig, rig.interlock, Guard().velocity)
     rig.stop.stop("a phone")
     rig.happened.clear()
-    with pytest.raises(SkillFailed, match="I was stopped"):
+    with pytest.raises(SkillFailed, check=phrases.because("software_stop")):
         steering.steer(0.3, 0.0)
     assert rig.happened == []
     steering.steer(0.0, 0.0)
@@ -145,7 +146,7 @@ def test_a_velocity_that_comes_at_the_very_moment_of_the_press_leaves_it_halted(
     """The press falls between the question whether it may move and the velocity."""
     steering = Steering(rig, rig.interlock, Guard().velocity)
     rig.meanwhile = lambda: rig.stop.stop("a phone")
-    with pytest.raises(SkillFailed, match="I was stopped"):
+    with pytest.raises(SkillFailed, check=phrases.because("software_stop")):
         steering.steer(0.3, 0.0)
     assert rig.happened[-1] == "halt"
 

@@ -3,7 +3,7 @@
 import json
 from collections.abc import Sequence
 
-from rich.console import Console
+from rich.console import Console  # noqa: TID251 - its cells are printable text
 from rich.table import Table
 from rich.text import Text
 

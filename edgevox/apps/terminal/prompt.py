@@ -111,5 +111,5 @@ class Prompt:
 
 def _log_line(line: str) -> None:
     """A line that was written to stderr, with its colours."""
-    sys.stdout.write(printable_in_colour(line) + "\n")
+    sys.stdout.write(printable_in_colour(line) + "\n")  # noqa: TID251 - with its colours
     sys.stdout.flush()
