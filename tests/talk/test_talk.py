@@ -184,3 +184,29 @@ def test_what_is_said_comes_to_what_is_written(dialogue: Dialogue, talks: Talks)
     with talks.talk(dialogue) as talk, noted_phrases() as noted:
         for line in dialogue.lines:
             Reader(talk, noted).read(line)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        "{say: go to the kitchen}",
+        "{say: go to the kitchen, does: navigate_to(room=office)}",
+        "{say: go to the kitchen, does: navigate_to(room=kitchen) + get_pose()}",
+        "{say: go to the kitchen, does: navigate_to(room=kitchen), asks: get_pose()}",
+        "{say: go to the kitchen, does: navigate_to(room=kitchen), answered: declined}",
+        "{say: go to the kitchen, does: navigate_to(room=kitchen), says: stopped}",
+        "{say: go to the kitchen, does: navigate_to(room=kitchen), mentions: garage}",
+        "{say: go to the kitchen, does: navigate_to(room=kitchen), omits: kitchen}",
+        "{say: go to the kitchen, does: navigate_to(room=kitchen), writes: kitchen}",
+        "{say: go to the garage, says: missing_word}",
+        "{say: go to the kitchen, dose: navigate_to(room=kitchen)}",
+        "{say: go to the kitchen, hear: go to the kitchen, does: navigate_to(room=kitchen)}",
+        "{say: walk 30 metres, refuses: too_small}",
+        "{say: walk 30 metres, fails: too_large}",
+        "{say: stop}",
+    ],
+)
+def test_a_dialogue_that_is_wrong_fails(wrong: str, talks: Talks) -> None:
+    with pytest.raises((AssertionError, ValueError)):  # noqa: PT012 - read, then played
+        (one,) = dialogues(f"dialogues: {{wrong: [{wrong}]}}")
+        test_what_is_said_comes_to_what_is_written(one, talks)
