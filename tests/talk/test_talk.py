@@ -77,12 +77,15 @@ class Reader:
                 talk.settle()
             case {"reset": _}:
                 conversation.submit(Reset())
+                talk.settle()
             case {"interrupt": cause}:
                 conversation.submit(Interrupt(motion=cause != Cause.BARGE_IN, cause=Cause(cause)))
+                talk.settle()
             case {"confirm": when}:
                 conversation.set_confirm(when)
             case {"speak": language}:
                 conversation.set_language(language)
+                talk.settle()
             case {"learn": name}:
                 body.learned = (*body.learned, name)
             case {"lose": "the way"}:
