@@ -10,6 +10,7 @@ import yaml
 
 from edgevox.agent.skills import Call
 
+PARTS = {"sentences", "dialogues"}
 HEADER = {"language", "robot", "rooms", "aliases", "skills", "confirm", "certain", "hears"}
 """What a file, a part of it or a dialogue may say of the robot and its conversation."""
 HAPPENS = ("say", "hear", "run", "goal", "means", "wait_s", "arrive", "reset", "interrupt",
@@ -42,16 +43,16 @@ class Dialogue:
 def dialogues(text: str) -> Iterator[Dialogue]:
     """All that are in a file; `sentences` are dialogues of one line."""
     for part in yaml.safe_load_all(text):
-        header = {name: part[name] for name in part.keys() & HEADER}
-        about = " ".join(str(header[name]) for name in ("language", "robot") if name in header)
+        header = {name: part[name] for name in part if name not in PARTS}
+        _known(header, HEADER)
+        about = header.get("robot", "")
         for said, then in part.get("sentences", {}).items():
             line = {"say": said, **(then if isinstance(then, dict) else {"does": then})}
             yield Dialogue(f"{about}: {said}", header, (_checked(line),))
         for title, told in part.get("dialogues", {}).items():
             own = dict(told) if isinstance(told, dict) else {"lines": told}
             lines = [_checked(line) for line in own.pop("lines")]
-            if unknown := own.keys() - HEADER:
-                raise ValueError(f"{title}: {sorted(unknown)} is none of {sorted(HEADER)}")
+            _known(own, HEADER)
             for which, chosen in _each(lines):
                 yield Dialogue(f"{about}: {title} {which}".strip(" :"), {**header, **own}, chosen)
 
@@ -76,12 +77,15 @@ def listed(one: Any) -> list[Any]:
 
 
 def _checked(line: Line) -> Line:
-    known = {*HAPPENS, *COMES, *HOW}
-    if unknown := line.keys() - known:
-        raise ValueError(f"{dict(line)}: {sorted(unknown)} is none of {sorted(known)}")
+    _known(line, {*HAPPENS, *COMES, *HOW})
     if sum(name in line for name in HAPPENS) != 1:
         raise ValueError(f"{dict(line)}: exactly one of {HAPPENS} happens in a line")
     return line
+
+
+def _known(written: Mapping[str, Any], known: set[str]) -> None:
+    if unknown := written.keys() - known:
+        raise ValueError(f"{dict(written)}: {sorted(unknown)} is none of {sorted(known)}")
 
 
 def _each(lines: list[Line]) -> Iterator[tuple[str, tuple[Line, ...]]]:

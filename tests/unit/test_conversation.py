@@ -4,21 +4,19 @@ import phrases
 import pytest
 from logs_rig import logging_to_memory
 from support.body import ROOMS, FakeBody
+from support.conversation import Talk
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.choices import OneOf
-from edgevox.agent.conversation import Conversation
 from edgevox.agent.grammar import SAY
 from edgevox.agent.inbox import MAX_WAITING
 from edgevox.agent.skills import SkillSet
-from edgevox.core.agent_events import AgentEvent, as_json
-from edgevox.core.bus import Bus
+from edgevox.core.clock import SystemClock
 from edgevox.core.commands import Interrupt, Reset, RunSkill, Speak, TextInput
 from edgevox.core.events import (
     Responded,
     StateChanged,
     TokenGenerated,
-    Transcribed,
     TurnMeasured,
 )
 from edgevox.ops.logs.limit import MOST_LINES
@@ -55,43 +53,24 @@ class StoryTeller:
         """Nothing to free."""
 
 
-class Rig:
-    """A conversation with everything it said and did."""
+class Rig(Talk):
+    """A conversation whose drives end when the test says."""
 
-    def __init__(self, model=None, agents=None):
-        self.bus, self.body, self.events = Bus(), FakeBody(), []
-        for kind in (
-            AgentEvent,
-            Responded,
-            StateChanged,
-            TokenGenerated,
-            Transcribed,
-            TurnMeasured,
-        ):
-            self.bus.subscribe(kind, self.events.append)
-        self.conversation = Conversation(
-            agents or [Agent("robot", "Be brief.", self.body.skills(*SKILLS))],
-            self.bus,
-            halt=self.body.halt,
-            model=model,
-        )
+    def __init__(self, **more):
+        super().__init__(FakeBody(), skills=SKILLS, clock=SystemClock(), **more)
         self.conversation.start()
 
     def say(self, text):
         self.conversation.submit(TextInput(text))
 
-    def settle(self):
-        assert self.conversation.wait_idle(10)
-
-    def texts(self, kind=Responded):
-        return [e.text for e in self.events if isinstance(e, kind)]
+    def texts(self):
+        return self.said
 
     def states(self):
-        return [str(e.state) for e in self.events if isinstance(e, StateChanged)]
+        return [str(one.state) for one in self.of(StateChanged)]
 
     def agent_events(self):
-        told = [as_json(event) for event in self.events if isinstance(event, AgentEvent)]
-        return [(str(one["kind"]), one.get("status")) for one in told]
+        return [(one["kind"], one.get("status")) for one in self.events]
 
 
 @pytest.fixture
@@ -191,12 +170,12 @@ def test_an_interrupted_answer_is_marked_as_cut_and_the_next_turn_is_clean(open_
     assert heard.wait(60)
     rig.conversation.submit(Interrupt())
     rig.settle()
-    assert all(e.cut for e in rig.events if isinstance(e, Responded))
+    assert all(e.cut for e in rig.of(Responded))
     assert rig.states()[-2:] == ["interrupted", "listening"]
     rig.say("where are you")
     rig.settle()
     assert rig.texts()[-1] == "I am at 1.2."
-    assert not [e for e in rig.events if isinstance(e, Responded)][-1].cut
+    assert not rig.of(Responded)[-1].cut
 
 
 def test_what_waited_before_a_stop_is_forgotten(open_rig):
@@ -320,7 +299,7 @@ def test_a_plain_command_of_another_agent_is_handed_over(open_rig):
 def test_a_turn_is_measured(rig):
     rig.say("where are you")
     rig.settle()
-    (measured,) = [e for e in rig.events if isinstance(e, TurnMeasured)]
+    (measured,) = rig.of(TurnMeasured)
     assert 0 < measured.ttfs <= measured.total
 
 

@@ -9,18 +9,15 @@ import time
 import phrases
 import pytest
 from guards import HUNG_S
-from waiting import Heard
+from support.conversation import Talk
 
 from edgevox.agent import goal_runner, lane
-from edgevox.agent.agents import Agent
-from edgevox.agent.conversation import Conversation
 from edgevox.agent.lane import GRACE_S
 from edgevox.agent.skills import SkillSet, skill
 from edgevox.core.agent_events import GoalCancelled, GoalChanged, as_json
-from edgevox.core.bus import Bus
+from edgevox.core.clock import SystemClock
 from edgevox.core.commands import TextInput
 from edgevox.core.errors import InvalidValue
-from edgevox.core.events import Responded
 
 
 class Skills:
@@ -88,24 +85,22 @@ class Skills:
         )
 
 
-class Rig:
+class Rig(Talk):
+    """A conversation with a robot that has these skills."""
+
     def __init__(self):
-        self.skills = Skills()
-        self.answers, self.ends = Heard(), []
-        bus = Bus()
-        bus.subscribe(Responded, lambda event: self.answers.add(event.text))
-        bus.subscribe(GoalChanged | GoalCancelled, self._on_goal)
-        agent = Agent("robot", "You are a robot.", self.skills.all())
-        self.conversation = Conversation([agent], bus, halt=lambda _: False)
+        self.misbehaving = Skills()
+        super().__init__(skills=self.misbehaving.all(), clock=SystemClock())
 
     def say(self, text):
         self.conversation.submit(TextInput(text))
 
     def hear(self, wanted):
-        self.answers.wait_for(lambda said: wanted in said)
+        self.until(lambda: any(wanted in said for said in self.said))
 
-    def _on_goal(self, event):
-        self.ends.append(as_json(event))
+    @property
+    def ends(self):
+        return [as_json(one) for one in self.of(GoalChanged, GoalCancelled)]
 
 
 @pytest.fixture
@@ -113,7 +108,7 @@ def rig():
     one = Rig()
     one.conversation.start()
     yield one
-    one.skills.free.set()
+    one.misbehaving.free.set()
     one.conversation.close()
 
 
@@ -143,7 +138,7 @@ def test_whatever_a_skill_raises_people_hear_of_an_error_and_the_next_one_runs(
     rig.say("walk")
     rig.hear("I have walked.")
 
-    assert not [one for one in rig.answers.messages if raised in one]
+    assert not [one for one in rig.said if raised in one]
     assert rig.conversation.alive
     json.dumps(rig.ends)
     (failed,) = [end for end in rig.ends if end["status"] == "failed"]
@@ -160,7 +155,7 @@ def little_grace(monkeypatch):
 @pytest.mark.parametrize("said", ["wander", "ponder"])
 def test_a_skill_that_never_ends_is_left_alone_when_it_is_stopped(rig, little_grace, said):
     rig.say(said)
-    assert rig.skills.hangs.wait(HUNG_S)
+    assert rig.misbehaving.hangs.wait(HUNG_S)
 
     rig.say("stop")
     rig.hear(phrases.said("stopped"))
@@ -181,14 +176,14 @@ def test_an_answer_that_does_not_come_does_not_hold_up_the_next_for_ever(rig, mo
 
 def test_what_it_says_when_it_comes_back_after_all_is_not_heard(rig, little_grace):
     rig.say("wander")
-    assert rig.skills.hangs.wait(HUNG_S)
+    assert rig.misbehaving.hangs.wait(HUNG_S)
     rig.say("stop")
     rig.hear(phrases.said("stopped"))
     assert rig.conversation.wait_idle(HUNG_S)
 
-    rig.skills.free.set()
-    rig.skills.wanderer.join(HUNG_S)
-    assert not rig.skills.wanderer.is_alive()
+    rig.misbehaving.free.set()
+    rig.misbehaving.wanderer.join(HUNG_S)
+    assert not rig.misbehaving.wanderer.is_alive()
 
     assert [e["status"] for e in rig.ends if e["skill"] == "wander"][-1] == "cancelled"
 

@@ -1,4 +1,4 @@
-"""What robots say in English, word for word, from where all other languages stand."""
+"""What is said of topics, of Nav2 and of what a robot can do, in every language."""
 
 import pytest
 from support.bodies import BODIES
@@ -9,22 +9,12 @@ from edgevox.agent.dialogue_skills import CAN, DialogueSkills
 from edgevox.agent.nlu.templates import Recogniser, Understood
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.reasons import because
-from edgevox.agent.skills import SkillSet
 from edgevox.agent.spoken_lists import detail
 from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
 from edgevox.core.languages import LANGUAGES
-from edgevox.robots.navigation import LOCATION, navigation_skills
 
-POINT = {"x": 1.0, "y": -0.25, "yaw_deg": 90.0}
-HAND = {"x": 0.5, "y": 0.0, "z": 0.251, "held": None}
 TOPICS = ("robot_silent", "robot_unheard", "lost", "incredible", "goals_unheard", "stop_unseen")
-
-
-class Depot:
-    """A body whose places are locations."""
-
-    places = {"shelf_b": (1.0, 2.0)}  # noqa: RUF012 - nobody changes it
 
 
 ASKED = DialogueSkills(
@@ -33,111 +23,6 @@ ASKED = DialogueSkills(
     SystemClock(),
     lambda: phrasebook(ENGLISH),
 ).agents[0]
-BODIES_HERE = {**BODIES, "depot": SkillSet(navigation_skills(Depot(), word=LOCATION))}
-
-
-@pytest.mark.parametrize(
-    ("body", "name", "arguments", "result", "said"),
-    [
-        ("apartment", "navigate_to", {"room": "living_room"}, {}, "I am in the living room."),
-        ("depot", "navigate_to", {"location": "shelf_b"}, {}, "I am at the shelf b."),
-        ("apartment", "navigate_xy", {}, POINT, "I am at x 1.0, y -0.2."),
-        (
-            "apartment",
-            "get_pose",
-            {},
-            {**POINT, "room": "living room"},
-            "I am in the living room, at x 1.0, y -0.2.",
-        ),
-        (
-            "depot",
-            "get_pose",
-            {},
-            {**POINT, "location": "shelf b"},
-            "I am at the shelf b, at x 1.0, y -0.2.",
-        ),
-        ("depot", "get_pose", {}, {**POINT, "location": None}, "I am at x 1.0, y -0.2."),
-        (
-            "humanoid",
-            "get_pose",
-            {},
-            {**POINT, "fallen": False, "upright": True},
-            "I am at x 1.0, y -0.2, looking 90 degrees.",
-        ),
-        (
-            "humanoid",
-            "get_pose",
-            {},
-            {**POINT, "fallen": True, "upright": False},
-            "I am on the floor at x 1.0, y -0.2, looking 90 degrees.",
-        ),
-        ("humanoid", "stand", {}, {"got_up": False}, "I am standing."),
-        (
-            "humanoid",
-            "stand",
-            {},
-            {"got_up": True},
-            "I am up again: the simulator put me on my feet.",
-        ),
-        ("panda", "get_pose", {}, HAND, "My hand is at x 0.50, y 0.00, z 0.25."),
-        (
-            "panda",
-            "get_pose",
-            {},
-            {**HAND, "held": "red_cube"},
-            "My hand is at x 0.50, y 0.00, z 0.25, and I hold the red cube.",
-        ),
-        (
-            "panda",
-            "place",
-            {"object": "it", "target": "left_bin"},
-            {**HAND, "object": "red_cube"},
-            "The red cube is in the left bin.",
-        ),
-        (
-            "panda",
-            "place",
-            {"object": "red_cube", "target": "table"},
-            {**HAND, "object": "red_cube"},
-            "The red cube is on the table.",
-        ),
-        ("panda", "release", {}, {"released": "red_cube"}, "I let go of the red cube."),
-        ("panda", "release", {}, {"released": None}, "My hand is open."),
-        (
-            "panda",
-            "list_objects",
-            {},
-            {
-                "objects": {
-                    "red_cube": {"on": "table"},
-                    "green_cube": {"on": "right_bin"},
-                    "blue_cube": {"on": "hand"},
-                }
-            },
-            (
-                "I see the red cube on the table, the green cube in the right bin "
-                "and the blue cube in my hand."
-            ),
-        ),
-        (
-            "apartment",
-            "list_places",
-            {},
-            {"names": ["kitchen", "living_room", "charger"]},
-            "I know kitchen, living room and charger.",
-        ),
-        ("apartment", "list_places", {}, {"names": []}, "I know no place by name yet."),
-        (
-            "apartment",
-            "forget_place",
-            {"room": "charger"},
-            {},
-            "I have forgotten the place charger.",
-        ),
-    ],
-)
-def test_a_skill_says_in_english_what_it_always_said(body, name, arguments, result, said):
-    assert phrasebook(ENGLISH).report(BODIES_HERE[body][name], arguments, result) == said
 
 
 @pytest.mark.parametrize("code", TOPICS)
