@@ -1,31 +1,83 @@
-"""What robots say, word for word: a file a language, for whoever makes the words better.
+"""All that robots say, written out: `python tests/talk/golden.py write` renews the files.
 
-`python tests/talk/golden.py write` renews `golden/*.yaml` after a change of a language's file.
-Read what has changed there, best with somebody whose language it is, and commit it.
+`golden/CODE.toml` has each sentence of one language with values in it, as people hear it: better
+words are a diff there. Read what has changed, best with somebody whose language it is.
 """
 
+import json
 import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 sys.path.insert(0, str(Path(__file__).parents[1]))  # as pytest does
 
 from support.bodies import SKILLS
 
-from edgevox.agent.phrase_file import phrasebook
+from edgevox.agent.phrase_file import ENGLISH, phrasebook
+from edgevox.agent.phrase_forms import bare, continued, fields
 from edgevox.agent.phrasebook import Phrasebook
 from edgevox.agent.reasons import because
 from edgevox.agent.skills import Skill, skill
-from edgevox.core.languages import LANGUAGES
+from edgevox.core.language_files import CODES, language_file
 from edgevox.core.reason import Reason
 from edgevox.robots.navigation import LOCATION, navigation_skills
+from edgevox.ros2.clients.interface_reasons import interface_reason
 
 FOLDER = Path(__file__).with_name("golden")
-ARGUMENTS = {"room": "living_room", "x": 1.5, "y": 2.0, "z": 0.25, "distance": 0.5, "degrees": 90.0}
-ARGUMENTS |= {"object": "red_cube", "target": "left_bin", "name": "wine_cellar"}
+ARGUMENTS: Mapping[str, Any] = {
+    "room": "kitchen",
+    "x": 1.5,
+    "y": 2.0,
+    "z": 0.25,
+    "distance": 0.5,
+    "degrees": 90.0,
+    "object": "red_cube",
+    "target": "left_bin",
+    "name": "wine_cellar",
+}
+RESULTS: Mapping[str, Any] = {
+    "room": "living room",
+    "x": 2.0,
+    "y": -0.25,
+    "z": 0.3,
+    "yaw_deg": 90.0,
+    "percent": 87,
+    "walked": 1.02,
+    "turned": 89.6,
+    "held": "red_cube",
+    "released": "blue_cube",
+    "name": "wine_cellar",
+    "names": ["kitchen", "office"],
+    "objects": {"red_cube": {"x": 0.5, "on": "table"}, "blue_cube": {"x": 0.5, "on": "hand"}},
+}
+ABOUT: Mapping[str, Any] = {
+    **dict.fromkeys(("x", "y", "z", "x_min", "y_min"), "2"),
+    **dict.fromkeys(("x_max", "y_max", "count", "limit", "most", "hours", "seconds"), "8"),
+    **dict.fromkeys(("distance", "left"), "0.5"),
+    "argument": "distance",
+    "choices": ("kitchen", "office", "bedroom"),
+    "degrees": "90",
+    "frame": "map",
+    "how": because("nav2_gave_up"),
+    "name": "wine_cellar",
+    "nearest": "x 1, y 2",
+    "part": "hand",
+    "place": "kitchen",
+    "point": "x 3, y 4",
+    "said": "120",
+    "skill": "navigate_to",
+    "status": "failed",
+    "thing": "red_cube",
+    "topic": "/odom",
+    "upper": "blue_cube",
+    "value": "garage",
+    "was": "odom",
+    "why": because("too_far"),
+    "word": "stop",
+}
+"""What reasons are about, by the names in their sentences."""
+
 POINT = {"x": 1.0, "y": -0.25, "yaw_deg": 90.0}
 HAND = {"x": 0.5, "y": 0.0, "z": 0.251, "held": None}
 THINGS = {
@@ -85,46 +137,112 @@ DEPOT = navigation_skills(Depot(), word=LOCATION)
 KNOWN: Mapping[str, Skill] = {**SKILLS, **{f"depot.{one.name}": one for one in DEPOT}}
 
 
-def spoken(code: str) -> dict[str, str]:
-    """What is said in a language, each sentence by what it is about."""
-    return dict(_sentences(phrasebook(code)))
+def answers(code: str) -> dict[str, dict[str, Any]]:
+    """What is said in a language, by the table of its file, and by name."""
+    book, english = phrasebook(code), phrasebook(ENGLISH)
+    return {
+        "say": {
+            name: book.say(name, **_values(book, doing=name == "doing"))
+            for name in english.sentences
+        },
+        "reasons": {
+            name: book.reason(because(name, **{one: ABOUT[one] for one in _about(name, sentence)}))
+            for name, sentence in english.reasons.items()
+        },
+        "interfaces": {
+            name: book.reason(interface_reason(name, what="~/gripper"))
+            for name in language_file(ENGLISH)["interfaces"]
+        },
+        "examples": dict(_examples(book)),
+        "skills": {name: _of_skill(book, name) for name in SKILLS},
+    }
 
 
-def recorded(code: str) -> dict[str, str]:
-    """The same as it was last read by a person."""
-    return yaml.safe_load((FOLDER / f"{code}.yaml").read_text("utf-8"))
-
-
-def _sentences(book: Phrasebook) -> Iterator[tuple[str, str]]:
-    for name, one in SKILLS.items():
-        arguments = {a: ARGUMENTS[a] for a in one.arguments_model.model_fields}
-        if one.drives:
-            yield f"{name} asked", book.question([(one, arguments)])
-        if begun := book.acknowledge(one, arguments):
-            yield f"{name} begun", begun
+def _examples(book: Phrasebook) -> Iterator[tuple[str, str]]:
+    """What depends on results, on numbers, or is not of a robot of ours."""
     for name, ends in ENDS.items():
         for number, (arguments, result) in enumerate(ends, 1):
-            yield f"{name} done {number}", book.report(KNOWN[name], arguments, result)
+            yield f"{name} {number}", book.report(KNOWN[name], arguments, result)
     for distance in WALKED:
-        begun = book.acknowledge(SKILLS["humanoid.walk_forward"], {"distance": distance})
-        yield f"humanoid.walk_forward {distance:g} begun", begun
+        walk = book.acknowledge(SKILLS["humanoid.walk_forward"], {"distance": distance})
+        yield f"walk {distance:g} metres", walk
     cellar = {"room": "wine_cellar"}
-    yield "an unknown room begun", book.acknowledge(SKILLS["apartment.navigate_to"], cellar)
-    yield "a stranger's asked", book.question([(dance, {"seconds": 3.0})])
-    yield "a stranger's begun", book.acknowledge(dance, {"seconds": 3.0})
+    yield "to an unknown room", book.acknowledge(SKILLS["apartment.navigate_to"], cellar)
+    yield "a stranger's, asked", book.question([(dance, {"seconds": 3.0})])
+    yield "a stranger's", book.acknowledge(dance, {"seconds": 3.0})
     for name, why in FAILURES.items():
-        yield f"failed {name}", book.failure(why)
+        yield f"failed: {name}", book.failure(why)
 
 
-def write() -> None:
-    """Record what all languages say now."""
-    FOLDER.mkdir(exist_ok=True)
-    for code in LANGUAGES:
-        lines = yaml.safe_dump(spoken(code), allow_unicode=True, width=1000, sort_keys=False)
-        (FOLDER / f"{code}.yaml").write_text(lines, "utf-8")
+def _about(reason: str, sentence: str) -> set[str]:
+    """What a reason is given: what people hear, and what programs read beside that."""
+    return fields(sentence) | fields(language_file(ENGLISH)["errors"].get(reason, ""))
+
+
+def _values(book: Phrasebook, *, doing: bool) -> dict[str, Any]:
+    """What the agent's own sentences are filled with; what it is doing is a whole one."""
+    go, back = SKILLS["apartment.navigate_to"], SKILLS["humanoid.walk_forward"]
+    going, walking = (book.acknowledge(one, ARGUMENTS) for one in (go, back))
+    can = [book.can(one) for one in (go, back)]
+    return {
+        "action": going if doing else can[0],
+        "actions": book.both(can),
+        "argument": book.kind("room"),
+        "count": 5,
+        "duration": book.say("minutes", count=5),
+        "first": can[0],
+        "known": book.listing(["kitchen", "office"]),
+        "last": can[1],
+        "length": 4096,
+        "limit": 2000,
+        "next": continued(walking),
+        "order": continued(going),
+        "orders": going,
+        "percent": 20,
+        "place": book.word("kitchen"),
+        "question": book.sentences["abilities_question"],
+        "reason": bare(book.reason(because("too_far"))),
+        "said": "garage",
+        "thing": book.word("red_cube"),
+        "told": walking,
+        "topic": "/robot1/edgevox",
+        "words": "hello",
+    }
+
+
+def _of_skill(book: Phrasebook, name: str) -> dict[str, str]:
+    one = SKILLS[name]
+    arguments = {field: ARGUMENTS[field] for field in one.arguments_model.model_fields}
+    said = {
+        "can": book.can(one),
+        "begins": book.acknowledge(one, arguments),
+        "done": book.report(one, arguments, RESULTS),
+        "asks": book.question([(one, arguments)]) if one.drives or one.lasting else "",
+    }
+    return {when: text for when, text in said.items() if text}
+
+
+def text(code: str) -> str:
+    """The golden file of a language."""
+    lines = []
+    for table, entries in answers(code).items():
+        lines += ["", f"[{table}]"] if table != "skills" else []
+        for name, said in entries.items():
+            if table == "skills":
+                lines += ["", f"[skills.{name}]"]
+                lines += [f"{when} = {_quoted(one)}" for when, one in said.items()]
+            else:
+                key = name if name.isidentifier() else _quoted(name)
+                lines += [f"{key} = {_quoted(said)}"]
+    return "\n".join([f"# What a robot says in {phrasebook(code).name}.", *lines]) + "\n"
+
+
+def _quoted(said: str) -> str:
+    return json.dumps(said, ensure_ascii=False)
 
 
 if __name__ == "__main__":
     if sys.argv[1:] != ["write"]:
-        sys.exit("usage: python tests/talk/golden.py write")
-    write()
+        sys.exit("usage: golden.py write")
+    for each in CODES:
+        (FOLDER / f"{each}.toml").write_text(text(each), encoding="utf-8")

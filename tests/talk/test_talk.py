@@ -14,7 +14,7 @@ from guards import HUNG_S
 from support.bodies import BODIES
 from support.body import FakeBody
 from support.conversation import Talk
-from support.phrases import Noted, noted_phrases
+from support.noted_phrases import Noted, noted_phrases
 
 from edgevox.agent.skills import Call
 from edgevox.core.agent_events import Confirmation, SafetyPreempted, ToolCalled
