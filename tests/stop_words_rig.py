@@ -5,7 +5,9 @@ import pytest
 
 from benchmarks.core.figures import Figure, NotHere, wilson
 from benchmarks.core.tables import interval
-from benchmarks.hearing import stop_words, stop_words_ears, stop_words_sounds
+from benchmarks.hearing.stop_words import ears as stop_words_ears
+from benchmarks.hearing.stop_words import english as stop_words
+from benchmarks.hearing.stop_words import sounds as stop_words_sounds
 from training.acoustics import Half, clips, languages, noises, sentences, voices
 from training.spotter import clips as training_clips
 from training.spotter import examples, installing, language_clips, texts

@@ -134,7 +134,7 @@ def measured_on(results: Results) -> str:
         f"{newest.measured:%d %B %Y}, {at_commit(newest)}.\n"
     )
     if apart := results.apart():
-        told += f"**Not of one version**: {'; '.join(apart)}. `make bench ARGS=--front` measures.\n"
+        told += f"**Not of one version**: {'; '.join(apart)}. Run `make bench ARGS=--front`.\n"
     if results.quick():
         told = f"**Provisional: too few rounds to be quoted.** {told}"
     return told

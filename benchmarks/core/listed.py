@@ -59,11 +59,11 @@ BENCHMARKS: Mapping[str, Benchmark] = {
         "noise suppression, gain control and a larger model, for commands in noise",
     ),
     "stop_words": Benchmark(
-        "benchmarks.hearing.stop_words",
+        "benchmarks.hearing.stop_words.english",
         "which stop words are heard by their sound, and what else is taken for one",
     ),
     "stop_words_languages": Benchmark(
-        "benchmarks.hearing.stop_words_languages",
+        "benchmarks.hearing.stop_words.languages",
         "English stop words by their sound where another language is spoken",
     ),
     "endings": Benchmark(
@@ -83,7 +83,7 @@ BENCHMARKS: Mapping[str, Benchmark] = {
         "benchmarks.console.console", "a browser's stop, map and sound, and what ten of them cost"
     ),
     "voice": Benchmark(
-        "benchmarks.hearing.voice",
+        "benchmarks.hearing.voice.whole",
         "hearing, answering aloud, barging in, an hour of listening",
         "measure",
     ),

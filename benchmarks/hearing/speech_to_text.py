@@ -12,7 +12,7 @@ import numpy as np
 from voice_engines import words, wrong_words
 
 from benchmarks.core.figures import Figure, Measured, NotHere
-from benchmarks.hearing.voice_parts import record
+from benchmarks.hearing.voice.parts import record
 from edgevox.apps.queries import find_model
 from edgevox.models import ModelMissing, locate
 from edgevox.voice.audio import RATE_HZ, Samples

@@ -15,9 +15,9 @@ from voice_rig import says
 
 from benchmarks.core.figures import Figure, Measured, NotHere
 from benchmarks.hearing.listening import quiet_room
-from benchmarks.hearing.stop_words import need
-from benchmarks.hearing.stop_words_ears import Stretch, joined
-from benchmarks.hearing.stop_words_sounds import talk, tracks
+from benchmarks.hearing.stop_words.ears import Stretch, joined
+from benchmarks.hearing.stop_words.english import need
+from benchmarks.hearing.stop_words.sounds import talk, tracks
 from edgevox.models import ModelMissing, locate
 from edgevox.voice.audio import FRAME_S, RATE_HZ, Samples
 from edgevox.voice.foreground import open_vad

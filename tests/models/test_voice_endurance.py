@@ -7,7 +7,7 @@ espeak-ng answers here: Piper's memory grows in steps until it has met its large
 import pytest
 from voice_rig import VoiceRig
 
-from benchmarks.hearing.voice_endurance import endure
+from benchmarks.hearing.voice.endurance import endure
 
 
 def test_five_minutes_of_talk_leave_no_thread_and_no_memory_and_make_it_no_slower(tmp_path):

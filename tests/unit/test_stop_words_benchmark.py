@@ -111,7 +111,7 @@ def test_nothing_is_measured_while_a_clip_is_missing_and_one_line_says_what_to_d
 
     number, total = re.match(r"(\d+) of (\d+) clips", str(raised.value)).groups()
     assert (int(number), int(total)) == (1, len(whole))
-    assert str(raised.value).endswith("python -m benchmarks.hearing.stop_words --speak")
+    assert str(raised.value).endswith("python -m benchmarks.hearing.stop_words.english --speak")
 
 
 def test_a_voice_that_is_not_here_ends_with_the_line_that_fetches_it(monkeypatch, tmp_path):

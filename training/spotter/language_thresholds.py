@@ -12,8 +12,8 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from benchmarks.hearing.stop_words_ears import Ears, joined
-from benchmarks.hearing.stop_words_language_sounds import said_in, tracks_of
+from benchmarks.hearing.stop_words.ears import Ears, joined
+from benchmarks.hearing.stop_words.language_sounds import said_in, tracks_of
 from edgevox.models import locate
 from edgevox.voice.stop_encoder import ENCODER, StopEncoder
 from edgevox.voice.stop_network import StopWeights, read_language_weights, read_weights

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.core.figures import wilson
-from benchmarks.hearing.stop_words_ears import (
+from benchmarks.hearing.stop_words.ears import (
     SHARES,
     Ears,
     Listened,
@@ -24,7 +24,7 @@ from benchmarks.hearing.stop_words_ears import (
     spots,
     stretches,
 )
-from benchmarks.hearing.stop_words_sounds import clips, words
+from benchmarks.hearing.stop_words.sounds import clips, words
 from edgevox.voice.stop_network import read_weights
 from training.acoustics import Half
 from training.acoustics.clips import Clip, speak, standing_on

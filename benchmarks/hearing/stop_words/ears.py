@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.hearing.stop_words_sounds import (
+from benchmarks.hearing.stop_words.sounds import (
     LEVELS_DB,
     Track,
     at_speed,

@@ -13,7 +13,7 @@ from listener_rig import loud
 
 from benchmarks.core.figures import Figure
 from benchmarks.hearing.listening import quiet_room
-from benchmarks.hearing.voice_turns import CLOCK, Talk
+from benchmarks.hearing.voice.turns import CLOCK, Talk
 from edgevox.core.agent_events import HeardBy, SafetyPreempted
 from edgevox.voice.audio import FRAME_SAMPLES, RATE_HZ, Samples
 from training.acoustics import Half

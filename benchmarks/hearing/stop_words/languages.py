@@ -16,8 +16,7 @@ from corpus_sentences import read_corpus
 from voice_rig import says
 
 from benchmarks.core.figures import Figure, Measured, NotHere
-from benchmarks.hearing.stop_words import HOURS, WANTED_FALSE
-from benchmarks.hearing.stop_words_ears import (
+from benchmarks.hearing.stop_words.ears import (
     LEAD_S,
     Ears,
     FalseStops,
@@ -27,8 +26,9 @@ from benchmarks.hearing.stop_words_ears import (
     joined,
     trials,
 )
-from benchmarks.hearing.stop_words_language_sounds import Said, said_in, tracks_of
-from benchmarks.hearing.stop_words_sounds import LEVELS_DB, Track
+from benchmarks.hearing.stop_words.english import HOURS, WANTED_FALSE
+from benchmarks.hearing.stop_words.language_sounds import Said, said_in, tracks_of
+from benchmarks.hearing.stop_words.sounds import LEVELS_DB, Track
 from edgevox.agent.safety import find_stop_word
 from edgevox.core.languages import LANGUAGES
 from edgevox.models import ModelMissing

@@ -16,11 +16,11 @@ from voice_engines import words, wrong_words
 from voice_rig import VoiceRig
 
 from benchmarks.core.figures import Figure, Measured, NotHere
-from benchmarks.hearing import voice_parts
 from benchmarks.hearing.listening import NoWords, listen, quiet_room, spotting
-from benchmarks.hearing.voice_endurance import Endured, endure
-from benchmarks.hearing.voice_stops import spoken_stops, stop_figures
-from benchmarks.hearing.voice_turns import Talk, Turn
+from benchmarks.hearing.voice import parts as voice_parts
+from benchmarks.hearing.voice.endurance import Endured, endure
+from benchmarks.hearing.voice.stops import spoken_stops, stop_figures
+from benchmarks.hearing.voice.turns import Talk, Turn
 from edgevox.apps.queries import find_model
 from edgevox.models import ModelMissing, locate
 from edgevox.voice.audio import RATE_HZ

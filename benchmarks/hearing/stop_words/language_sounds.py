@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from corpus_sentences import read_corpus
 
-from benchmarks.hearing.stop_words_sounds import (
+from benchmarks.hearing.stop_words.sounds import (
     Track,
     at_speed,
     before_a_pause,

@@ -4,7 +4,7 @@ Voices, sentences, noises and rooms are those held out from its training and fro
 threshold (`training.acoustics`). A word is said with a second of what is around before it and after
 it; speech without stop words goes on for hours. The 95 % intervals are Wilson's, as if no two words
 were of one voice. All clips are there or nothing is measured:
-`python -m benchmarks.hearing.stop_words --speak` speaks what is missing, for half an hour.
+`python -m benchmarks.hearing.stop_words.english --speak` speaks what is missing, for half an hour.
 """
 
 import argparse
@@ -20,7 +20,7 @@ import numpy as np
 
 from benchmarks.core.figures import Figure, Measured, NotHere
 from benchmarks.hearing.heard_robot import Robot
-from benchmarks.hearing.stop_words_ears import (
+from benchmarks.hearing.stop_words.ears import (
     SHARES,
     FalseStops,
     Trial,
@@ -29,7 +29,7 @@ from benchmarks.hearing.stop_words_ears import (
     stretches,
     trials,
 )
-from benchmarks.hearing.stop_words_sounds import alike, clips, words
+from benchmarks.hearing.stop_words.sounds import alike, clips, words
 from edgevox.agent.near_stop import NearStop
 from edgevox.agent.safety import SafetyWords
 from edgevox.apps.decision import open_phonemes
@@ -51,7 +51,7 @@ HOURS = 8.0
 WANTED_FALSE = 2.0
 """At most, in 8 hours."""
 HALF = Half.HELD_OUT
-SPEAK = "python -m benchmarks.hearing.stop_words --speak"
+SPEAK = "python -m benchmarks.hearing.stop_words.english --speak"
 QUICK = 41
 """A quick run takes one of so many clips, which are no multiple of the texts of a voice."""
 

@@ -1,0 +1,1 @@
+"""Speaking with the robot: turns, barging in, spoken stops, an hour of sound, the parts alone."""
