@@ -48,7 +48,7 @@ def started(name):
     found = []
     for command in SHOWN:
         for part in programs(command):
-            names = [Path(word).name for word in part]
+            names = [word if "=" in word else Path(word).name for word in part]
             if name in names:
                 found.append(part[names.index(name) + 1 :])
     return found
