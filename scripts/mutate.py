@@ -43,7 +43,12 @@ MODULES = {
     "edgevox/voice/listener.py": ("voice_listener*", "health_voice", "fault_sound"),
     "edgevox/models/fetch.py": ("models*", "fault_disk"),
 }
-"""Which tests must find what is broken in it: names of files in tests/unit, as globs."""
+"""Which tests must find what is broken in it: names of files in tests/unit, as globs; those of
+tests/talk and tests/wrong are asked of what they are about."""
+BESIDE = {
+    "edgevox/agent/skill_executor.py": ("tests/talk/test_talk.py",),
+    "edgevox/agent/policy/policy.py": ("tests/wrong/test_wrong_files.py",),
+}
 TURNED = {
     ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq,
     ast.NotEq: ast.Eq, ast.Is: ast.IsNot, ast.IsNot: ast.Is, ast.In: ast.NotIn, ast.NotIn: ast.In,
@@ -112,7 +117,8 @@ def tests_of(module: str) -> list[str]:
     """The files of tests that must find it."""
     folder = ROOT / "tests/unit"
     globs = [folder.glob(f"**/test_{name}.py") for name in MODULES[module]]
-    return sorted({str(file.relative_to(ROOT)) for found in globs for file in found})
+    found = sorted({str(file.relative_to(ROOT)) for found in globs for file in found})
+    return [*found, *BESIDE.get(module, ())]
 
 
 def is_found(mutation: Mutation, copied: Path, tests: list[str]) -> bool:
