@@ -58,8 +58,9 @@ def test_without_a_robot_the_agent_says_that_it_hears_none(agent, peer):
     robot = peer()
     response = robot.listen("response")
     robot.send("text_input", "go to x 1 y 2")
-    topic = phrases.said("topic", topic="/nobody/odom")
-    unheard = f"{phrases.why('robot_unheard')}. {topic}"
+    topic = "/nobody/odom"
+    why = phrases.why("robot_unheard", topic=topic)
+    unheard = f"{why}. {phrases.said('topic', topic=topic)}"
     response.wait_for(lambda m: unheard in m)
     robot.send("text_input", "where are you")
     response.wait_for(lambda m: unheard in m, since=len(response.messages))

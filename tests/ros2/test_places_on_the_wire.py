@@ -99,7 +99,7 @@ def test_any_ros_2_robot_finds_back_and_looks_as_it_did(rig, domain):
         robot = rig()
         heard(robot)
         wait_until(lambda: robot.located()[1] == "map", "the map")
-        with pytest.raises(SkillFailed, check=phrases.because("place_unknown")):
+        with pytest.raises(SkillFailed, check=phrases.because("place_stays")):
             skill(robot, "forget_place", location="dock")
         assert skill(robot, "remember_place", name="bookshelf")["frame"] == "map"
         drive(robot, -0.5, -0.2).result()
