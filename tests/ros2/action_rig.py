@@ -116,9 +116,12 @@ class Client:
         self._there(handle.cancel_goal_async)
 
     def destroy(self):
-        """Leave the graph; a client that is only forgotten is still counted there."""
+        """Leave the graph; a client that is only forgotten is still counted there.
+
+        On the executor's thread, which may be taking something for it just now.
+        """
         if self._client:
-            self._client.destroy()
+            self._there(self._client.destroy)
             self._client = None
 
     def _there(self, work):

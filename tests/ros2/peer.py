@@ -2,6 +2,7 @@
 
 import contextlib
 import threading
+from collections.abc import Callable
 from typing import Any
 
 from rcl_interfaces.srv import ListParameters
@@ -49,6 +50,16 @@ class Peer:
         self._executor.shutdown()
         self.node.destroy_node()
         self._context.try_shutdown()
+
+    def there(self, work: Callable[[], Any]) -> Any:
+        """Do it on the executor's thread, which is then doing nothing else; what it returns.
+
+        An action's client or server must be destroyed so: the executor may be taking something for
+        it just now, and rclpy does not expect it to be gone.
+        """
+        done = self._executor.create_task(work)
+        wait_until(done.done, "the executor's thread")
+        return done.result()
 
     def name(self, topic: str) -> str:
         return f"{self._namespace}/{topic}"

@@ -336,5 +336,5 @@ def test_a_halt_cancels_the_goals_of_an_action_that_somebody_else_sent(rig, peer
             return cancelled.is_set()
 
         wait_until(stopped, "the end of the goal")
-        client.destroy()
-        server.destroy()
+        nav2.there(client.destroy)
+        nav2.there(server.destroy)

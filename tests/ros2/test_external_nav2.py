@@ -121,7 +121,7 @@ def rig(action, domain, monkeypatch, peer):
         finally:
             server.mode = "abort"
             robot.close()
-            server.close()
+            nav2.there(server.close)
 
 
 def test_a_drive_is_a_goal_of_the_action_and_never_steered(rig):
