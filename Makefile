@@ -109,7 +109,7 @@ test-image: test-models
 	@! docker info >/dev/null 2>&1 || docker/image all
 
 .PHONY: lint
-lint: $(DONE)/dev ## Check style, types, layers, locks and compose files.
+lint: $(DONE)/dev $(DONE)/msgs ## Check style, types, layers, locks and compose files.
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
