@@ -108,6 +108,7 @@ class Whisper:
             from faster_whisper import WhisperModel
 
             try:
+                (path / "tokenizer.json").stat()  # without it faster-whisper asks a model hub
                 added = adapter_for(path)
                 with adapted_folder(path, added) if added else nullcontext(path) as folder:
                     engine = WhisperModel(
