@@ -20,6 +20,8 @@ from stacks import docker
 
 from edgevox.models import Store
 
+pytestmark = pytest.mark.long
+
 ROOT = Path(__file__).resolve().parents[2]
 BUNDLE = ROOT / "scripts" / "bundle.py"
 INSTALL = ROOT / "scripts" / "install_bundle"

@@ -101,6 +101,7 @@ def test_a_command_runs_with_ros_2_edgevox_and_the_interfaces_at_hand(unstarted:
     assert "<module 'rclpy'" in ran.stdout
 
 
+@pytest.mark.long
 def test_the_doctor_finds_no_fault_in_the_container(unstarted: Stack):
     ran = unstarted.call("run", "--rm", "-T", SERVICE, "edgevox", "doctor", timeout=HUNG_S)
     assert ran.returncode == 0, ran.stdout

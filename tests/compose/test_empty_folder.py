@@ -7,6 +7,8 @@ import pytest
 from guards import HUNG_S
 from stacks import ROOT
 
+pytestmark = pytest.mark.long
+
 PAGE = (ROOT / "docs" / "empty-folder.md").read_text()
 SECTIONS = {
     part.partition("\n")[0]: part for part in re.split(r"^## ", PAGE, flags=re.MULTILINE)[1:]

@@ -12,6 +12,8 @@ from stacks import BASE, ROOT
 
 from edgevox.apps.container import ENVIRONMENT, prepared
 
+pytestmark = pytest.mark.long
+
 OVERLAYS = sorted((ROOT / "compose").glob("*.yml"))
 NAMES = [file.stem for file in OVERLAYS]
 TABLE = "<!-- table: overlays"

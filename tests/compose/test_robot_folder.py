@@ -10,6 +10,8 @@ import yaml
 from guards import HUNG_S
 from stacks import ROOT, docker, stack
 
+pytestmark = pytest.mark.long
+
 TEMPLATE = ROOT / "examples" / "robot_repository"
 SHUTTLE = ROOT / "examples" / "own_robot"
 TMP = "/tmp:mode=1777"  # noqa: S108 - the container's

@@ -13,7 +13,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
 
 from enclaves_rig import NOW, make_enclave
 
-pytestmark = pytest.mark.usefixtures("image")
+pytestmark = [pytest.mark.usefixtures("image"), pytest.mark.long]
 SERVICE = "edgevox-ros2"
 USAGE = 64
 BUILD = (

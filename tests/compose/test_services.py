@@ -13,7 +13,7 @@ from waiting import wait_until
 
 from edgevox.models.store import default_root
 
-pytestmark = pytest.mark.usefixtures("image")
+pytestmark = [pytest.mark.usefixtures("image"), pytest.mark.long]
 SERVICE = "edgevox-ros2"
 STATE = "/edgevox/robot_state"
 KEY = "a-key-that-nobody-sees"

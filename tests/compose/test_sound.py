@@ -8,7 +8,7 @@ from sound_server import SoundServer, sound_server
 from stacks import PATIENCE, Stack, stack
 from waiting import wait_until
 
-pytestmark = pytest.mark.usefixtures("image")
+pytestmark = [pytest.mark.usefixtures("image"), pytest.mark.long]
 SERVICE = "edgevox-ros2"
 SAY = (PATIENCE, "/edgevox/state=speaking", "--say", "/edgevox/tts_request=Can you hear me now")
 

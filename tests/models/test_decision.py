@@ -49,6 +49,7 @@ def moved_wrongly(decider: Decider, sentences: Sequence[Sentence]) -> int:
     return wrong
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("half", [tuning, held_out])
 def test_nobody_is_driven_about_unasked(decider: Decider, half: object) -> None:
     sentences = half(read_corpus())[::4]  # type: ignore[operator]

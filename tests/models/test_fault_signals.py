@@ -120,9 +120,14 @@ def program(tmp_path):
 @pytest.mark.parametrize(
     ("name", "number"),
     [
-        *((name, signal.SIGTERM) for name in CASES),
-        ("warming up", signal.SIGINT),
+        ("driving", signal.SIGTERM),
         ("speaking", signal.SIGINT),
+        *(
+            pytest.param(name, signal.SIGTERM, marks=pytest.mark.long)
+            for name in CASES
+            if name != "driving"
+        ),
+        pytest.param("warming up", signal.SIGINT, marks=pytest.mark.long),
     ],
 )
 def test_it_leaves_by_itself_from_every_state(program, name, number):

@@ -76,6 +76,7 @@ def voice_of(rig: VoiceRig) -> str:
     return choice.backend
 
 
+@pytest.mark.long
 def test_files_that_go_away_are_not_missed_by_who_has_loaded_them(rig, store, question):
     one = rig()
     ask(one, question, ANSWER)
@@ -88,6 +89,7 @@ def test_files_that_go_away_are_not_missed_by_who_has_loaded_them(rig, store, qu
     assert one.answer().size
 
 
+@pytest.mark.long
 def test_hearing_whose_model_is_cut_short_says_so_and_works_once_it_is_whole(rig, store, question):
     whole = cut_short(store / STT / "model.bin")
     one = rig()
@@ -100,6 +102,7 @@ def test_hearing_whose_model_is_cut_short_says_so_and_works_once_it_is_whole(rig
     assert one.parts.voice.stt.fault == ""
 
 
+@pytest.mark.long
 def test_a_voice_that_is_cut_short_is_refused_and_another_one_speaks(rig, store, question):
     cut_short(store / JOE / "en_US-joe-medium.onnx")
     one = rig()

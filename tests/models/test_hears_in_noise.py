@@ -10,6 +10,8 @@ from edgevox.voice.audio import RATE_HZ
 from edgevox.voice.stt import whisper
 from edgevox.voice.stt.whisper import SHORT_S, Whisper
 
+pytestmark = pytest.mark.long
+
 COMMANDS = (
     "Go to the kitchen.", "Where are you?", "Turn left.", "Open your hand.",
     "Take me to the office.", "Pick up the red cube.", "The bedroom, please.",

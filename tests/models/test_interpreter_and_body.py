@@ -191,6 +191,7 @@ def test_a_model_hands_over_to_the_agent_that_can_do_it(home):
     assert one.conversation.interpreter.active.name == "driver"
 
 
+@pytest.mark.long
 def test_a_long_conversation_stays_within_the_context_window(home, tight):
     one = home(model=tight, agents=lambda _: [Agent("talker", "You talk.")])
     for number in range(TURNS):

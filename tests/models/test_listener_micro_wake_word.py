@@ -41,6 +41,7 @@ def test_it_is_heard_within_a_quarter_of_a_second_of_its_end(hey_jarvis):
     assert at_s - (1.5 + last / RATE_HZ) < 0.25
 
 
+@pytest.mark.long
 def test_it_is_not_heard_in_ten_minutes_of_other_speech_and_noise(hey_jarvis):
     sounds = [*chatter(), *noises(50.0).values()]
 

@@ -133,6 +133,7 @@ def test_listening_to_silence_costs_a_fraction_of_listening_awake(whisper):
     assert asleep < awake / 3
 
 
+@pytest.mark.long
 def test_ten_minutes_leave_no_thread_and_no_memory_behind(whisper):
     quiet = np.concatenate([silence(59.0), says_piper("stop")])
     listen(whisper, quiet)

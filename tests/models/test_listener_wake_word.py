@@ -61,6 +61,7 @@ def test_it_is_heard_in_the_noise_of_a_room(hey_jarvis):
     assert len(heard_at(hey_jarvis, said[: noise.size] + noise)) == 1
 
 
+@pytest.mark.long
 def test_sleeping_in_silence_loses_nothing_that_it_hears_awake():
     folder = locate("wake-words")
     always = WakeWord("hey jarvis", folder, always_awake=True)
@@ -78,6 +79,7 @@ def test_sleeping_in_silence_loses_nothing_that_it_hears_awake():
     assert sum(len(heard_at(sleeper, call)) for call in calls) == awake
 
 
+@pytest.mark.long
 def test_it_is_not_heard_in_ten_minutes_of_other_speech_and_noise(hey_jarvis):
     sounds = [*chatter(), *noises(50.0).values()]
     seconds = sum(sound.size / RATE_HZ + 0.3 for sound in sounds)

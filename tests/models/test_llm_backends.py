@@ -21,6 +21,8 @@ from edgevox.agent.llm.xllamacpp_model import XllamacppModel
 from edgevox.core.cancel import CancelToken
 from edgevox.core.settings import LlmBackend
 
+pytestmark = pytest.mark.long
+
 BACKENDS: tuple[LlmBackend, ...] = ("xllamacpp", "llama-cpp-python")
 STORY = [ChatMessage("user", "Tell me a long story about a robot in a kitchen.")]
 SPUN_S = 0.5

@@ -9,6 +9,8 @@ from process_memory import process_memory
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel
 from edgevox.core.cancel import CancelToken
 
+pytestmark = pytest.mark.long
+
 ROOMS = 'root ::= "go " ("kitchen" | "bedroom") "!"'
 ANSWERS = 60
 MARGIN_MB = 10

@@ -9,6 +9,8 @@ from voice_rig import VoiceRig
 
 from benchmarks.hearing.voice.endurance import endure
 
+pytestmark = pytest.mark.long
+
 
 def test_five_minutes_of_talk_leave_no_thread_and_no_memory_and_make_it_no_slower(tmp_path):
     with (
