@@ -74,6 +74,7 @@ def test_data_arrives_between_containers_in_every_network_that_is_offered(overla
         assert _is_heard_from_beside(one)
 
 
+@pytest.mark.long
 def test_either_discovery_server_may_fail_and_after_it_is_back_the_other():
     with stack("discovery", EDGEVOX_LLM="none", EDGEVOX_PEERS_WAIT_S="1") as one:
         assert _is_heard_from_beside(one)
@@ -87,6 +88,7 @@ def test_either_discovery_server_may_fail_and_after_it_is_back_the_other():
         assert _is_heard_from_beside(one)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("down", ["discovery", "discovery2"])
 def test_a_robot_that_starts_while_a_discovery_server_is_down_is_found_by_the_other(down):
     with stack("discovery", start=False, EDGEVOX_LLM="none", EDGEVOX_PEERS_WAIT_S="1") as one:
@@ -98,6 +100,7 @@ def test_a_robot_that_starts_while_a_discovery_server_is_down_is_found_by_the_ot
         assert _is_heard_from_beside(one)
 
 
+@pytest.mark.long
 def test_by_the_discovery_servers_and_by_nothing_else():
     with stack("discovery", EDGEVOX_LLM="none") as one:
         by_multicast = {"ROS_DISCOVERY_SERVER": ""}

@@ -14,6 +14,8 @@ from voice_engines import words
 
 from edgevox.voice.audio import RATE_HZ
 
+pytestmark = pytest.mark.long
+
 LISTEN = (sys.executable, "-m", "edgevox.apps.edgevox", "listen")
 
 

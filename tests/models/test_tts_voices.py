@@ -16,6 +16,8 @@ from edgevox.voice.tts.kokoro import KokoroModel, load_style
 from edgevox.voice.tts.pool import VoicePool
 from edgevox.voice.tts.synthesiser import SynthesisFailed
 
+pytestmark = pytest.mark.long
+
 KITCHEN = {
     "en": "The robot drives to the kitchen and picks up the red cup.",
     "es": "El robot va a la cocina y abre la puerta blanca.",

@@ -16,6 +16,8 @@ from edgevox.core.commands import SetLanguage
 from edgevox.core.events import AudioLevel, Responded, Transcribed
 from edgevox.voice.tts.pool import VoicePool
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(scope="module")
 def home_with():
