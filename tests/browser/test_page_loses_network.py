@@ -11,6 +11,8 @@ from sound_rig import PATIENCE_MS, microphone, paired, tone, write
 from test_page_drives import until
 from test_page_sound import NotedSound, hold
 
+pytestmark = pytest.mark.long
+
 AWAY_MS = 5000
 
 

@@ -18,6 +18,8 @@ from ports import free_port
 from rosbags.highlevel import AnyReader
 from waiting import wait_until
 
+pytestmark = pytest.mark.long
+
 RESPONSE = "/edgevox/response"
 FRESH_S = 15.0
 """An answer that is not in the file by then was given before the recorder heard the robot."""

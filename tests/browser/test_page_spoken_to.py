@@ -20,6 +20,8 @@ from edgevox.core.events import Transcribed
 from edgevox.core.settings import load_settings
 from edgevox.robots.apartment import ApartmentRobot
 
+pytestmark = pytest.mark.long
+
 Starts = Callable[..., tuple[AgentParts, str]]
 
 

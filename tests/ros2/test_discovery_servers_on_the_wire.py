@@ -11,6 +11,8 @@ import pytest
 from discovery_server import discovery_server
 from guards import HUNG_S
 
+pytestmark = pytest.mark.long
+
 ENTRYPOINT = (sys.executable, "-m", "edgevox.apps.container.start")
 TALKS = """
 import rclpy

@@ -4,6 +4,8 @@ import phrases
 import pytest
 from example_rig import example
 
+pytestmark = pytest.mark.long
+
 ARM, GRIPPER = "arm_controller/follow_joint_trajectory", "gripper_controller/gripper_cmd"
 HOME = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
 PACKED = [0.0, -1.5, 0.0, -2.9, 0.0, 1.4, 0.785]

@@ -25,6 +25,7 @@ def talk(base):
     return base.talk
 
 
+@pytest.mark.long
 def test_it_docks_and_undocks_and_tells_how_full_its_battery_is(talk, base):
     with base.asked.within("dock"):
         talk.say("go back to your dock", "Going to my dock.", "I am on my dock.")

@@ -4,6 +4,8 @@ import phrases
 import pytest
 from example_rig import example
 
+pytestmark = pytest.mark.long
+
 LEAVES = {"lift_name": "Lift1", "session_id": "edgevox", "request_type": 0}
 
 

@@ -4,6 +4,8 @@ import phrases
 import pytest
 from example_rig import example
 
+pytestmark = pytest.mark.long
+
 REQUEST = "api/sport/request"
 
 

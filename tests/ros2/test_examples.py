@@ -20,6 +20,8 @@ from llm_server import good, serving
 
 from edgevox.agent.grammar import SAY
 
+pytestmark = pytest.mark.long
+
 EXAMPLES = Path(__file__).resolve().parent.parent.parent / "examples" / "ros2"
 
 

@@ -21,6 +21,8 @@ from edgevox.core.refusals import Refusal
 from edgevox.ros2.external.external_settings import ExternalSettings, Patience, SteeringLimits
 from edgevox.ros2.external.robot import ExternalRobot
 
+pytestmark = pytest.mark.long
+
 ODOM = phrases.because("incredible", topic="/robot1/odom")
 QUICK = ExternalSettings(
     steering=SteeringLimits(max_linear_m_s=0.6, max_angular_rad_s=1.5, wait_s=1.0),

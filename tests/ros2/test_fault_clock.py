@@ -18,6 +18,8 @@ from robot_states import moving, standing
 from rosgraph_msgs.msg import Clock
 from waiting import Heard, wait_until
 
+pytestmark = pytest.mark.long
+
 WALL_CLOCK_C = Path(__file__).with_name("wall_clock.c")
 OFFSET = struct.Struct("<q")
 HOUR_S = 3600

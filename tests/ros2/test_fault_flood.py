@@ -15,6 +15,8 @@ from robot_states import moving
 from std_msgs.msg import String
 from waiting import wait_until
 
+pytestmark = pytest.mark.long
+
 FLOODER = str(Path(__file__).with_name("chaos_flooder.py"))
 FLOOD_S = 1.5
 MOST_LINES = 150

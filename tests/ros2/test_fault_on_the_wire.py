@@ -23,6 +23,8 @@ from edgevox.robots.sim_loop import BROKE
 from edgevox.robots.world import load_world
 from tf2_msgs.msg import TFMessage
 
+pytestmark = pytest.mark.long
+
 """What an engine gives a container before it kills it."""
 
 

@@ -13,6 +13,8 @@ from guards import HUNG_S
 from peer import STATE
 from robot_states import moving, standing
 
+pytestmark = pytest.mark.long
+
 DEAF = str(Path(__file__).with_name("deaf_peer.py"))
 
 

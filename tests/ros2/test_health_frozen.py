@@ -27,6 +27,8 @@ from edgevox.robots.pymunk_engine import PymunkEngine
 from edgevox.robots.world import load_world
 from edgevox.ros2.node import BEAT_S
 
+pytestmark = pytest.mark.long
+
 HEALTH = str(Path(sys.executable).with_name("edgevox-health"))
 
 

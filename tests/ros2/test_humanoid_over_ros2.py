@@ -18,6 +18,8 @@ from sensor_msgs.msg import CameraInfo, Image
 
 from tf2_msgs.msg import TFMessage
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(scope="module")
 def humanoid(domain):

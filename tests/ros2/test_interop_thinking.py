@@ -15,6 +15,8 @@ from waiting import wait_until
 
 from tf2_msgs.msg import TFMessage
 
+pytestmark = pytest.mark.long
+
 MODEL = "smollm2-135m-instruct"
 STORY = "why is the sky blue and why do people like to look at it"
 ANSWERS = 10

@@ -12,6 +12,8 @@ from sensor_msgs.msg import LaserScan
 
 from tf2_msgs.msg import TFMessage
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(scope="module")
 def irsim(domain):

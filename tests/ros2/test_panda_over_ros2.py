@@ -13,6 +13,8 @@ from sensor_msgs.msg import CameraInfo, Image
 
 from tf2_msgs.msg import TFMessage
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(scope="module")
 def panda(domain):

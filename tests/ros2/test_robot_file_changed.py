@@ -7,6 +7,8 @@ from robot_file_rig import NAMESPACE, ROBOT_FILE, Asked, Run, body, interfaces
 
 from edgevox.agent.skills import SkillFailed
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(scope="module")
 def robot(domain):

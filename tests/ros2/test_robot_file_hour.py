@@ -8,6 +8,8 @@ import pytest
 from robot_file_rig import NAMESPACE, Asked, Talk, interfaces
 from waiting import wait_until
 
+pytestmark = pytest.mark.long
+
 PAGE = Path(__file__).parents[2] / "docs" / "your-robot.md"
 HOUR = re.search(r"^## An hour.*?(?=^## )", PAGE.read_text("utf-8"), re.DOTALL | re.MULTILINE)[0]
 FENCES = re.findall(r"^```(\w+)\n(.*?)^```$", HOUR, re.DOTALL | re.MULTILINE)

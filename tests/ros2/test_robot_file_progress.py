@@ -9,6 +9,8 @@ from example_rig import HERE, example
 from peer import Peer
 from waiting import wait_until
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(scope="module")
 def sweeper(domain, overlays):

@@ -9,6 +9,8 @@ from lease import SHORT_LEASE
 from robot_file_rig import NAMESPACE, ROBOT_FILE, Asked, Talk, interfaces
 from waiting import wait_until
 
+pytestmark = pytest.mark.long
+
 UNANSWERED = ("no_answer", "not_there")
 """What comes of a call whose time is over: a robot that was killed stays on the graph a while."""
 SERVED = (f"{NAMESPACE}/honk", f"{NAMESPACE}/dock/_action/send_goal")

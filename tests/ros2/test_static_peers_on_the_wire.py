@@ -4,7 +4,10 @@ import os
 import subprocess
 import sys
 
+import pytest
 from guards import HUNG_S
+
+pytestmark = pytest.mark.long
 
 MAKE_A_NODE = "import rclpy; rclpy.init(); print(rclpy.create_node('here').get_name())"
 PEERS = "nobody.invalid;127.0.0.1"

@@ -21,6 +21,8 @@ from edgevox.voice.stt.whisper import Whisper
 from edgevox.voice.tts.espeak import open_espeak
 from edgevox_msgs.msg import AudioData
 
+pytestmark = pytest.mark.long
+
 BLOCK_S = 0.02
 LOUD = 2 / 3
 
