@@ -95,7 +95,7 @@ secured: $(DONE)/dev $(DONE)/msgs ## Hold DDS security against the wire; SECURE_
 
 .PHONY: steady
 steady: ## Run tests again and again, on a machine that is kept busy; hours.
-	@PYTHON=$(PYTHON) scripts/check_machine unit wrong programs robots models ros2
+	@PYTHON=$(PYTHON) scripts/check_machine unit talk wrong training programs robots models ros2
 	@$(MAKE) --no-print-directory $(DONE)/dev
 	@$(MAKE) --no-print-directory -j2 $(NEEDS_robots) $(NEEDS_models) $(NEEDS_ros2)
 	@$(BIN)/python scripts/steady.py $(ARGS)

@@ -33,9 +33,9 @@ MODULES = {
     "edgevox/agent/lane.py": ("lane", "fault_skills", "conversation*"),
     "edgevox/agent/skill_executor.py": (
         *("skills*", "refusals_spoken", "conversation*", "what_a_stop_ends", "stop_game"),
-        *("confirmation*", "policy*"),
+        *("confirmation*", "policy*", "talk/test_talk.py"),
     ),
-    "edgevox/agent/policy/policy.py": ("policy*",),
+    "edgevox/agent/policy/policy.py": ("policy*", "wrong/test_wrong_files.py"),
     "edgevox/agent/policy/guard.py": ("policy*",),
     "edgevox/robots/command_mux.py": ("command_mux", "metrics_watchdog", "external_control"),
     "edgevox/ros2/contract.py": ("ros2_contract", "recorder_files", "apps_components"),
@@ -43,12 +43,7 @@ MODULES = {
     "edgevox/voice/listener.py": ("voice_listener*", "health_voice", "fault_sound"),
     "edgevox/models/fetch.py": ("models*", "fault_disk"),
 }
-"""Which tests must find what is broken in it: names of files in tests/unit, as globs; those of
-tests/talk and tests/wrong are asked of what they are about."""
-BESIDE = {
-    "edgevox/agent/skill_executor.py": ("tests/talk/test_talk.py",),
-    "edgevox/agent/policy/policy.py": ("tests/wrong/test_wrong_files.py",),
-}
+"""Which tests must find what is broken in it: globs of files below tests, by default in `unit`."""
 TURNED = {
     ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq,
     ast.NotEq: ast.Eq, ast.Is: ast.IsNot, ast.IsNot: ast.Is, ast.In: ast.NotIn, ast.NotIn: ast.In,
@@ -115,10 +110,9 @@ def _not(test: ast.expr) -> ast.expr:
 
 def tests_of(module: str) -> list[str]:
     """The files of tests that must find it."""
-    folder = ROOT / "tests/unit"
-    globs = [folder.glob(f"**/test_{name}.py") for name in MODULES[module]]
-    found = sorted({str(file.relative_to(ROOT)) for found in globs for file in found})
-    return [*found, *BESIDE.get(module, ())]
+    globs = [name if "/" in name else f"unit/**/test_{name}.py" for name in MODULES[module]]
+    found = {file for each in globs for file in (ROOT / "tests").glob(each)}
+    return sorted(str(file.relative_to(ROOT)) for file in found)
 
 
 def is_found(mutation: Mutation, copied: Path, tests: list[str]) -> bool:

@@ -17,7 +17,10 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 BURN = "while True: pass"
-QUICK = ("tests/robots", "tests/programs", "tests/unit", "tests/wrong", "training/tests")
+QUICK = (
+    *("tests/robots", "tests/programs", "tests/unit", "tests/talk", "tests/wrong"),
+    "training/tests",
+)
 LONG = ("tests/ros2", "tests/models")
 SUMMARY = re.compile(r"^=* ?(\d+ (?:passed|failed|error).*?) in [\d.]+s")
 TAIL = 40

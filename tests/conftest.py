@@ -37,8 +37,8 @@ PARTICIPANTS = 4
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    config.addinivalue_line("markers", "alone: no other test runs meanwhile; it measures time")
     return_memory()  # as our programs do: what is freed goes back
+    config.addinivalue_line("markers", "alone: no other test runs meanwhile; it measures time")
     config.addinivalue_line("markers", "long: `make test-all` runs it, `make test` does not")
 
 

@@ -4,34 +4,18 @@ How the words read is in the golden files of tests/unit/golden. Languages are gi
 """
 
 from collections.abc import Callable, Mapping
-from types import MappingProxyType
 from typing import Any
+
+from support.bodies import BODIES
 
 from edgevox.agent import reasons
 from edgevox.agent.phrase_file import ENGLISH, phrasebook
 from edgevox.agent.phrase_forms import bare, fields
-from edgevox.agent.skills import OneOf, Skill, SkillFailed
-from edgevox.robots.humanoid.skills import walking_skills
-from edgevox.robots.navigation import navigation_skills
-from edgevox.robots.panda.skills import manipulation_skills
-from edgevox.robots.places.place_memory import PlaceMemory
+from edgevox.agent.skills import Skill, SkillFailed
 from edgevox.ros2.clients.interface_reasons import interface_reason
 
-
-class _Nobody:
-    """Stands where a body would."""
-
-    places = MappingProxyType({"kitchen": (0.0, 0.0)})
-
-
-_MEMORY = PlaceMemory("apartment", OneOf(tuple(_Nobody.places)))
 _SKILLS: Mapping[str, Skill] = {
-    one.name: one
-    for one in (
-        *walking_skills(_Nobody()),
-        *manipulation_skills(_Nobody()),
-        *navigation_skills(_Nobody(), memory=_MEMORY),
-    )
+    one.name: one for body in ("humanoid", "panda", "apartment") for one in BODIES[body].values()
 }
 
 

@@ -10,16 +10,14 @@ that it starts. A page that processes share counts in part in each of them (PSS)
 import os
 import subprocess
 import tempfile
-import threading
 import wave
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 from listener_rig import loud, says_piper, silence
 
 from benchmarks.core.figures import Figure, Measured, NotHere
+from benchmarks.core.stopwatch import repeatedly
 from benchmarks.core.talker import AGENT, isolate
 from edgevox.models import ModelMissing
 from edgevox.voice.audio import RATE_HZ
@@ -99,7 +97,7 @@ def _run(said: Path, answers: Path) -> tuple[Memory, list[str]]:
         text=True,
     ) as process:
         memory = Memory(process.pid)
-        with _watched(memory):
+        with repeatedly(memory.look, LOOK_EVERY_S, "memory"):
             try:
                 printed, _ = process.communicate(timeout=LONGEST_S)
             except subprocess.TimeoutExpired:
@@ -108,23 +106,6 @@ def _run(said: Path, answers: Path) -> tuple[Memory, list[str]]:
     if process.returncode:
         raise RuntimeError(f"the agent ended with {process.returncode}: {printed}")
     return memory, printed.splitlines()
-
-
-@contextmanager
-def _watched(memory: Memory) -> Iterator[None]:
-    over = threading.Event()
-
-    def watch() -> None:
-        while not over.wait(LOOK_EVERY_S):
-            memory.look()
-
-    thread = threading.Thread(target=watch, name="memory")
-    thread.start()
-    try:
-        yield
-    finally:
-        over.set()
-        thread.join()
 
 
 def _exchanged(printed: list[str]) -> tuple[str, ...]:

@@ -15,13 +15,14 @@ import time
 import urllib.request
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from pathlib import Path
 
 from llm_server import Reply, serving
 from ports import free_port
 
 from benchmarks.core.figures import Figure, Measured
-from benchmarks.core.stopwatch import cpu_s
+from benchmarks.core.stopwatch import cpu_s, repeatedly
 from benchmarks.core.talker import PLAIN, QUESTIONS, Talker
 from benchmarks.wire.listener import listener
 from edgevox.agent.grammar import SAY
@@ -76,7 +77,8 @@ def _talkers(stack: ExitStack, url: str) -> Talkers:
     told = ("--log-level=info", "--log-format=json", f"--metrics-port={port}")
     on = stack.enter_context(Talker(*common, *told))
     stack.enter_context(listener("diagnostics", str(on.domain)))
-    stack.enter_context(_scraper(port))
+    fetch = partial(_fetch_metrics, port)
+    stack.enter_context(repeatedly(fetch, SCRAPE_S, "scraper"))
     off = stack.enter_context(Talker(*common, "--log-level=error", program=BARE))
     return {ON: on, OFF: off}
 
@@ -150,23 +152,10 @@ def _extra(identifier: str, what: str, samples: dict[str, list[float]], scale: f
     )
 
 
-@contextmanager
-def _scraper(port: int) -> Iterator[None]:
-    """Fetch the metrics again and again, as Prometheus does."""
-    over = threading.Event()
-
-    def fetch() -> None:
-        while not over.wait(SCRAPE_S):
-            with urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics") as reply:
-                reply.read()
-
-    thread = threading.Thread(target=fetch, name="scraper")
-    thread.start()
-    try:
-        yield
-    finally:
-        over.set()
-        thread.join()
+def _fetch_metrics(port: int) -> None:
+    """As Prometheus does."""
+    with urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics") as reply:
+        reply.read()
 
 
 def _answer(reply: Reply) -> None:

@@ -3,6 +3,8 @@
 import os
 import threading
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -46,6 +48,24 @@ class Stopwatch:
     def _now(self) -> tuple[float, float, float]:
         thread_s = time.clock_gettime(self._clock) if self._clock is not None else 0.0
         return time.perf_counter(), time.process_time(), thread_s
+
+
+@contextmanager
+def repeatedly(do: Callable[[], object], every_s: float, thread: str) -> Iterator[None]:
+    """Do it on a thread of this name every so many seconds, as long as the block lasts."""
+    over = threading.Event()
+
+    def work() -> None:
+        while not over.wait(every_s):
+            do()
+
+    worker = threading.Thread(target=work, name=thread)
+    worker.start()
+    try:
+        yield
+    finally:
+        over.set()
+        worker.join()
 
 
 def _clock_of(name: str | None) -> int | None:

@@ -122,14 +122,10 @@ class Stopping:
         log.info("forgotten_for_a_stop", what=type(item).__name__)
 
     def _is_past(self, heard: Heard) -> bool:
-        """Whether it was said before a stop, to which also belongs what was begun before it.
-
-        What follows a stop word in one breath was begun before it, and counts all the same.
-        """
+        """Whether it was said before a stop, to which also belongs what was begun before it."""
         if heard.ended_s < self._stopped_s or heard.ended_s == self._withdrawn_s:
             return True
-        began_s = None if heard.spotted else heard.began_s
-        return began_s is not None and began_s <= self._stopped_s
+        return _begun_before(heard, self._stopped_s)
 
     def doubts(self, heard: Heard) -> bool:
         """Whether these words may have been taken back by a stop word that only its sound told.
@@ -137,10 +133,8 @@ class Stopping:
         The robot stood still, so the words may have sounded like one themselves. Whoever said them
         is asked before anything moves.
         """
-        if heard.ended_s < self._heard_idle_s + WORD_TAIL_S:
-            return True
-        began_s = None if heard.spotted else heard.began_s
-        return began_s is not None and began_s <= self._heard_idle_s
+        ended = heard.ended_s < self._heard_idle_s + WORD_TAIL_S
+        return ended or _begun_before(heard, self._heard_idle_s)
 
     def is_stop(self, text: str) -> bool:
         """Whether these words would stop the robot."""
@@ -305,6 +299,11 @@ class Stopping:
         ended = [*ended, *self._programs.stop()]  # what was being kept when it was asked for
         self._programs.stopped(ended, reason)
         return stopped, any(one.goal is None for one in ended)
+
+
+def _begun_before(heard: Heard, stopped_s: float) -> bool:
+    """What follows a stop word in one breath was begun before it, and counts all the same."""
+    return not heard.spotted and heard.began_s is not None and heard.began_s <= stopped_s
 
 
 def _told(*, stopped: bool, waited: bool) -> str:

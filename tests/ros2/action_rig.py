@@ -1,10 +1,9 @@
 """Both ends of `execute_skill`: a served conversation with a body to drive, and a client."""
 
 import json
-import threading
 
 from action_msgs.msg import GoalStatus
-from guards import HUNG_S
+from peer import done
 from rclpy.action import ActionClient
 from rclpy.qos import QoSProfile
 from support.body import FakeBody
@@ -66,7 +65,7 @@ class Client:
     """
 
     def __init__(self, peer, name=NAME):
-        self._executor = peer.node.executor
+        self._there = peer.there
         self._client = ActionClient(
             peer.node,
             ExecuteSkill,
@@ -124,16 +123,5 @@ class Client:
             self._there(self._client.destroy)
             self._client = None
 
-    def _there(self, work):
-        return done(self._executor.create_task(work))
-
     def _heard(self, message):
         self.feedback.append(json.loads(message.feedback.feedback_json))
-
-
-def done(future, timeout_s=HUNG_S):
-    """What a future holds, once another thread has filled it."""
-    filled = threading.Event()
-    future.add_done_callback(lambda _: filled.set())
-    assert filled.wait(timeout_s), "no answer came"
-    return future.result()

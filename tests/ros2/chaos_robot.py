@@ -10,12 +10,12 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
-from action_rig import Client, done
+from action_rig import Client
 from agent_process import Agent
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Twist
 from interop_rig import Stream, hear, twist
-from peer import STATE, Peer
+from peer import STATE, Peer, done
 from process_memory import process_memory
 from rclpy.qos import QoSProfile
 from robot_states import moving, standing

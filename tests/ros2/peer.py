@@ -5,6 +5,7 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
+from guards import HUNG_S
 from rcl_interfaces.srv import ListParameters
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
@@ -21,6 +22,14 @@ STATE = QoSProfile(
 NAMELESS = "_NODE_NAME_UNKNOWN_"
 """What the graph says of an endpoint until its node's name has come, too."""
 SENSOR = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
+
+
+def done(future: Any, timeout_s: float = HUNG_S) -> Any:
+    """What a future holds, once another thread has filled it."""
+    filled = threading.Event()
+    future.add_done_callback(lambda _: filled.set())
+    assert filled.wait(timeout_s), "no answer came"
+    return future.result()
 
 
 class Peer:
@@ -57,9 +66,7 @@ class Peer:
         An action's client or server must be destroyed so: the executor may be taking something for
         it just now, and rclpy does not expect it to be gone.
         """
-        done = self._executor.create_task(work)
-        wait_until(done.done, "the executor's thread")
-        return done.result()
+        return done(self._executor.create_task(work))
 
     def name(self, topic: str) -> str:
         return f"{self._namespace}/{topic}"
