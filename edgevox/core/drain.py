@@ -19,6 +19,8 @@ log = get_logger(__name__)
 
 LOOK_S = 0.05
 """How often it looks whether the goals are over, and whether the robot stands."""
+BLIND_S = 2.0
+"""A body that cannot tell for so long whether it stands is not waited for any longer."""
 
 
 class Drain:
@@ -124,9 +126,13 @@ class Drain:
             self._unknown = str(error)
 
     def _wait_until(self, so: Callable[[], bool], within_s: float) -> bool:
-        until_s = self._clock.now() + within_s
+        now_s = self._clock.now()
+        until_s, blind_until_s = now_s + within_s, now_s + BLIND_S
         while not self._is_known(so):
-            if self._clock.now() >= until_s:
+            now_s = self._clock.now()
+            if not self._unknown:
+                blind_until_s = now_s + BLIND_S
+            if now_s >= min(until_s, blind_until_s):
                 return False
             self._pause(LOOK_S)
         return True

@@ -43,6 +43,7 @@ class Agent:
             env=environment,
             text=True,
         )
+        self._told_to_leave = False
         self._printed = Heard[str]()
         self._reader = threading.Thread(target=self._read, name="agent-output")
         self._reader.start()
@@ -72,10 +73,15 @@ class Agent:
         except AssertionError:
             raise AssertionError(f"{before} became {self.taken()}, not {most_mb:.0f} MB") from None
 
+    def leave(self) -> None:
+        """Send SIGTERM, once; unless it has ended."""
+        if not self._told_to_leave and self.process.poll() is None:
+            self._told_to_leave = True
+            self.process.send_signal(signal.SIGTERM)
+
     def terminate(self, timeout_s: float = HUNG_S) -> int:
         """Send SIGTERM and wait for the end; the exit code. No subscriber of its bus may fail."""
-        if self.process.poll() is None:
-            self.process.send_signal(signal.SIGTERM)
+        self.leave()
         try:
             code = self.process.wait(timeout_s)
         except subprocess.TimeoutExpired:

@@ -34,6 +34,8 @@ def agent(domain):
 
     yield start
     for one in started:
+        one.leave()
+    for one in started:
         one.terminate()
 
 

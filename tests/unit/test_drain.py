@@ -12,14 +12,14 @@ from edgevox.agent.skills import SkillFailed
 from edgevox.core.agent_events import DrainChanged, DrainStatus
 from edgevox.core.bus import Bus
 from edgevox.core.cancel import CancelToken
-from edgevox.core.drain import Drain
+from edgevox.core.drain import BLIND_S, Drain
 from edgevox.core.interlock import Holder, Interlock, InterlockComponent
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.reason import NO_REASON
 from edgevox.core.status import Level
 
 DRAINING = because("draining")
-BOUND_S, STAND_S = 20.0, 2.0
+BOUND_S, STAND_S = 20.0, 8.0
 WAIT_S = 60.0
 UNTRUE = "what is heard on odom cannot be true"
 
@@ -128,6 +128,13 @@ def test_a_robot_that_does_not_know_whether_it_stands_is_halted_and_told_of_in_o
     assert "Traceback" not in caplog.text
     assert caplog.text.count("drain_unsure") == (ended is DrainStatus.NOT_STANDING)
     assert "drain_failed" not in caplog.text
+
+
+def test_one_that_never_knows_is_not_waited_for_as_long_as_one_that_still_moves():
+    rig = Blind()
+    rig.drives(stands_s=0.5)
+    assert rig.drained() is DrainStatus.NOT_STANDING
+    assert rig.clock.now_s == pytest.approx(BOUND_S + BLIND_S, abs=0.1)
 
 
 def test_a_goal_that_ends_in_time_is_not_cancelled(rig):
