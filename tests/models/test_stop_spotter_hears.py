@@ -185,5 +185,6 @@ def test_a_second_look_finds_stop_words_and_no_others():
 
 
 def test_a_second_look_without_its_model_says_why(tmp_path):
-    with pytest.raises(EdgeVoxError, match=f"cannot load {re.escape(str(tmp_path))}: .*No such file"):
+    no_such_file = f"cannot load {re.escape(str(tmp_path))}: .*No such file"
+    with pytest.raises(EdgeVoxError, match=no_such_file):
         SecondLook(tmp_path).likelihood(np.zeros(LOOKED_AT, np.int16))
