@@ -75,7 +75,7 @@ test-needs:
 
 .PHONY: unit
 unit: $(DONE)/dev ## Run what needs no model, no container, no node, and starts nothing large: in a minute.
-	@$(BIN)/python -m pytest -n 4 --dist loadfile tests/unit tests/talk tests/wrong $(ARGS)  # a third of it waits
+	@$(BIN)/python -m pytest -n 3 --dist loadfile -m "not long" tests/unit tests/talk tests/wrong $(ARGS)
 
 .PHONY: games
 games: $(DONE)/dev $(NEEDS_ros2) ## Play the stop game, in one process and on ROS 2, for SECONDS=60 each; it prints its seeds.

@@ -5,11 +5,10 @@ Playwright's own pages never are hidden, so that this browser is left as it is.
 
 import subprocess
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 from browser_rig import PATIENCE_MS
-from playwright.sync_api import Page, Playwright
+from playwright.sync_api import BrowserContext, Page, Playwright
 from stand_in import CODE, LIVE, Robot
 
 NOTE = """() => {
@@ -32,10 +31,8 @@ SLEEPS = """() => new Promise((done) => {
 """Ends once a timer of 0.1 s takes more than 0.9, as the browser has it in a hidden page."""
 
 
-@pytest.fixture
-def page(playwright: Playwright, robot: Robot, tmp_path: Path) -> Iterator[Page]:
-    """A page that is let in; like a real robot this one tells a page nothing that does not look."""
-    robot.live = None
+@pytest.fixture(scope="module")
+def context(playwright: Playwright, tmp_path_factory) -> Iterator[BrowserContext]:
     chromium = subprocess.Popen(
         [
             "chromium",
@@ -43,7 +40,7 @@ def page(playwright: Playwright, robot: Robot, tmp_path: Path) -> Iterator[Page]
             "--no-sandbox",
             "--no-first-run",
             "--remote-debugging-port=0",
-            f"--user-data-dir={tmp_path}",
+            f"--user-data-dir={tmp_path_factory.mktemp('browser')}",
         ],
         stderr=subprocess.PIPE,
         text=True,
@@ -51,18 +48,27 @@ def page(playwright: Playwright, robot: Robot, tmp_path: Path) -> Iterator[Page]
     try:
         address = next(line.split()[-1] for line in chromium.stderr if "DevTools listening" in line)
         browser = playwright.chromium.connect_over_cdp(address, no_defaults=True)
-        context = browser.contexts[0]
-        context.set_default_timeout(PATIENCE_MS)
-        context.add_cookies([{"name": "edgevox", "value": CODE, "url": robot.url}])
-        page = context.new_page()
-        page.goto(robot.url)
-        page.locator("html[data-link=ready]").wait_for()
-        page.evaluate(NOTE)
-        yield page
+        browser.contexts[0].set_default_timeout(PATIENCE_MS)
+        yield browser.contexts[0]
         browser.close()
     finally:
         chromium.terminate()
         chromium.communicate(timeout=60)
+
+
+@pytest.fixture
+def page(context: BrowserContext, robot: Robot) -> Iterator[Page]:
+    """A page that is let in; like a real robot this one tells a page nothing that does not look."""
+    robot.live = None
+    context.add_cookies([{"name": "edgevox", "value": CODE, "url": robot.url}])
+    there = set(context.pages)
+    page = context.new_page()
+    page.goto(robot.url)
+    page.locator("html[data-link=ready]").wait_for()
+    page.evaluate(NOTE)
+    yield page
+    for one in set(context.pages) - there:
+        one.close()
 
 
 def hide(page: Page) -> None:

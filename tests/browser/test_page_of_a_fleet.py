@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 
 import pytest
-from browser_rig import DESK, PHONE, problems
+from browser_rig import DEVICES, problems
 from playwright.sync_api import Browser, expect
 
 from edgevox.apps.fleet.robots_file import FleetRobot
@@ -34,8 +34,7 @@ def served() -> Iterator[HttpServer]:
     server.close()
 
 
-@pytest.mark.parametrize("colours", ["light", "dark"])
-@pytest.mark.parametrize("device", [DESK, PHONE], ids=["desk", "phone"])
+@pytest.mark.parametrize(("device", "colours"), DEVICES)
 def test_axe_finds_nothing(
     browser: Browser, served: HttpServer, device: dict[str, object], colours: str
 ) -> None:

@@ -6,7 +6,7 @@ import json
 import re
 
 import pytest
-from browser_rig import DESK, PHONE, Opens, problems
+from browser_rig import DEVICES, PHONE, Opens, problems
 from PIL import Image
 from playwright.sync_api import Browser, expect
 from stand_in import HELLO, PAGE, Robot
@@ -279,7 +279,7 @@ def test_every_key_that_the_page_says_has_words() -> None:
     assert said <= json.loads((PAGE / "languages/en.json").read_text()).keys()
 
 
-@pytest.mark.parametrize("language", ["ar", "de", "ja"])
+@pytest.mark.parametrize("language", ["ar", "de", pytest.param("ja", marks=pytest.mark.long)])
 def test_a_phone_in_another_language_needs_no_scrolling_aside(
     opens: Opens, robot: Robot, language: str
 ) -> None:
@@ -291,8 +291,7 @@ def test_a_phone_in_another_language_needs_no_scrolling_aside(
         assert wide <= 0
 
 
-@pytest.mark.parametrize("colours", ["light", "dark"])
-@pytest.mark.parametrize("device", [DESK, PHONE], ids=["desk", "phone"])
+@pytest.mark.parametrize(("device", "colours"), DEVICES)
 def test_axe_finds_nothing(opens: Opens, robot: Robot, device: dict, colours: str) -> None:
     page = opens(**device, color_scheme=colours)
     robot.tell(type="talk", kind="heard", turn=1, text="Kitchen!")
@@ -318,7 +317,14 @@ def test_a_long_name_leaves_the_page_as_wide_as_the_phone(opens: Opens, robot: R
     assert page.locator(".lease button").bounding_box()["x"] < 390
 
 
-@pytest.mark.parametrize("part", ["store.js", "style/parts.css", "languages/en.json"])
+@pytest.mark.parametrize(
+    "part",
+    ["store.js"]
+    + [
+        pytest.param(one, marks=pytest.mark.long)
+        for one in ("style/parts.css", "languages/en.json")
+    ],
+)
 def test_a_page_whose_parts_did_not_all_come_is_loaded_again(
     opens: Opens, robot: Robot, part: str
 ) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from console_rig import Rig, console
-from playwright.sync_api import Page, Playwright, expect
+from playwright.sync_api import Browser, Page, Playwright, expect
 from sound_rig import PATIENCE_MS, microphone, paired, tone, write
 from test_page_drives import until
 
@@ -70,13 +70,16 @@ def rig(tmp_path: Path, sound: NotedSound) -> Iterator[Rig]:
         yield rig
 
 
+@pytest.fixture(scope="module")
+def listening(playwright: Playwright, tmp_path_factory) -> Iterator[Browser]:
+    file = write(tmp_path_factory.mktemp("sound") / "tone.wav", tone(HERTZ, 2.0))
+    with microphone(playwright, file) as browser:
+        yield browser
+
+
 @pytest.fixture
-def page(playwright: Playwright, rig: Rig, tmp_path: Path) -> Iterator[Page]:
-    file = write(tmp_path / "tone.wav", tone(HERTZ, 2.0))
-    with (
-        microphone(playwright, file) as browser,
-        paired(browser, rig.server.offer_code()[1]) as page,
-    ):
+def page(listening: Browser, rig: Rig) -> Iterator[Page]:
+    with paired(listening, rig.server.offer_code()[1]) as page:
         yield page
 
 

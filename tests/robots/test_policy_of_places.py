@@ -173,7 +173,9 @@ def test_a_drive_that_another_policy_forbids_ends_with_its_reason(tmp_path) -> N
         assert not one.body.in_motion
 
 
-@pytest.mark.parametrize("robot", ROBOTS)
+@pytest.mark.parametrize(
+    "robot", ["robot-apartment", pytest.param("robot-irsim", marks=pytest.mark.long)]
+)
 @pytest.mark.parametrize("room", ["bedroom", "living_room", "office", "kitchen"])
 def test_its_way_leads_round_a_forbidden_room(tmp_path, robot, room) -> None:
     with Talk(tmp_path, f"limits: {{places: {{never: [{room}]}}}}", robot) as one:

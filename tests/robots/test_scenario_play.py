@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from agent_here import run_agent
 from guards import HUNG_S
 from PIL import Image
 
@@ -19,15 +20,10 @@ def play(tmp_path, monkeypatch):
     for name in [name for name in os.environ if name.startswith("EDGEVOX_")]:
         monkeypatch.delenv(name)
 
-    def run(text, *flags, robot="robot-apartment"):
+    def run(text, *flags):
         file = tmp_path / "s.yaml"
         file.write_text(text)
-        return subprocess.run(
-            [AGENT, robot, "--scenario", str(file), *flags],
-            capture_output=True,
-            text=True,
-            timeout=HUNG_S,
-        )
+        return run_agent("robot-apartment", "--scenario", str(file), *flags)
 
     return run
 

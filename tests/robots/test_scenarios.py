@@ -1,25 +1,29 @@
 """The example scenarios come true, on every robot that they are for."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
-from guards import HUNG_S
+from agent_here import run_agent
 
 from edgevox.apps.robots import ROBOTS
 from edgevox.scenario import load_scenario
 
-AGENT = str(Path(sys.executable).with_name("edgevox-agent"))
 FILES = sorted((Path(__file__).parents[2] / "scenarios").glob("*.yaml"))
 PLAYED = [(file, robot) for file in FILES for robot in load_scenario(file).agent]
+SLOW = "robot-irsim"
 
 
-@pytest.mark.parametrize(("file", "robot"), PLAYED, ids=lambda one: getattr(one, "stem", one))
+@pytest.mark.parametrize(
+    ("file", "robot"),
+    [
+        pytest.param(
+            *one, marks=pytest.mark.long if one[1] == SLOW else (), id=f"{one[0].stem}-{one[1]}"
+        )
+        for one in PLAYED
+    ],
+)
 def test_a_scenario_comes_true(file, robot):
-    played = subprocess.run(
-        [AGENT, robot, "--scenario", str(file)], capture_output=True, text=True, timeout=HUNG_S
-    )
+    played = run_agent(robot, "--scenario", str(file))
     assert played.returncode == 0, played.stdout + played.stderr
 
 

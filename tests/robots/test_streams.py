@@ -21,7 +21,9 @@ def events(log: bytes) -> list[str]:
     return [json.loads(line)["event"] for line in log.splitlines()]
 
 
-@pytest.mark.parametrize("flags", [(), ("--log-format=console",)])
+@pytest.mark.parametrize(
+    "flags", [(), pytest.param(("--log-format=console",), marks=pytest.mark.long)]
+)
 def test_a_full_disk_under_its_output_ends_no_drive_and_is_said_once(flags):
     with open("/dev/full", "wb") as full:
         done = subprocess.run(
@@ -63,7 +65,9 @@ def test_a_reader_who_sleeps_holds_up_nothing():
     agent.stdout.close()
 
 
-@pytest.mark.parametrize("closed", ["1", "2", "1 2"])
+@pytest.mark.parametrize(
+    "closed", ["1 2", *(pytest.param(one, marks=pytest.mark.long) for one in "12")]
+)
 def test_without_streams_it_does_what_it_is_told(tmp_path, closed):
     picture = tmp_path / "robot.png"
     closing = " ".join(f"{number}>&-" for number in closed.split())
@@ -117,7 +121,10 @@ def test_a_tool_whose_answer_is_lost_has_failed_and_says_so_in_one_line():
 
 @pytest.mark.parametrize(
     ("language", "said", "answer"),
-    [("fr", "va à la cuisine", "Je suis dans la cuisine."), ("vi", "đi vào bếp", "Tôi đang ở")],
+    [
+        ("vi", "đi vào bếp", "Tôi đang ở"),
+        pytest.param("fr", "va à la cuisine", "Je suis dans la cuisine.", marks=pytest.mark.long),
+    ],
 )
 def test_where_the_locale_knows_ascii_only_every_language_is_spoken(language, said, answer):
     done = subprocess.run(

@@ -11,19 +11,20 @@ from pathlib import Path
 import pexpect
 import phrases
 import pytest
+from agent_here import Done, run_agent
 from guards import HUNG_S
 
-AGENT = str(Path(sys.executable).with_name("edgevox-agent"))
-COMMAND = [AGENT, "robot-apartment", "--text-mode", "--llm=none"]
+ARGUMENTS = ["robot-apartment", "--text-mode", "--llm=none"]
+COMMAND = [str(Path(sys.executable).with_name("edgevox-agent")), *ARGUMENTS]
 
 
-def run_script(text: str | bytes, *flags: str) -> subprocess.CompletedProcess:
-    data = text.encode() if isinstance(text, str) else text
-    return subprocess.run([*COMMAND, *flags], input=data, capture_output=True, timeout=HUNG_S)
+def run_script(text: str | bytes, *flags: str) -> Done:
+    return run_agent(*ARGUMENTS, *flags, said=text)
 
 
 def test_a_script_is_done_line_by_line_and_ends_the_program():
-    done = run_script("go to the kitchen\nwhere are you\n")
+    said = b"go to the kitchen\nwhere are you\n"
+    done = subprocess.run(COMMAND, input=said, capture_output=True, timeout=HUNG_S)
     lines = [line.strip() for line in done.stdout.decode().splitlines()]
     assert done.returncode == 0
     assert lines[1:5] == [
@@ -38,7 +39,7 @@ def test_a_script_is_done_line_by_line_and_ends_the_program():
 
 def test_bytes_that_are_no_text_and_very_long_lines_are_answered():
     done = run_script(b"\xff\xfe\n" + b"a" * 100_000 + b"\nwhere are you\n")
-    answer = done.stdout.decode()
+    answer = done.stdout
     assert done.returncode == 0
     assert phrases.said("not_heard") in answer
     assert phrases.said("too_long", length=100000, limit=2000) in answer
@@ -58,49 +59,43 @@ def test_bytes_that_are_no_text_and_very_long_lines_are_answered():
     ],
 )
 def test_a_slash_command_is_answered(line, answer):
-    assert answer in run_script(f"{line}\n").stdout.decode()
+    assert answer in run_script(f"{line}\n").stdout
 
 
 def test_a_picture_is_written_where_the_person_says(tmp_path):
     file = tmp_path / "my robot.png"
-    assert f"written to {file}" in run_script(f"/picture {file}\n").stdout.decode()
+    assert f"written to {file}" in run_script(f"/picture {file}\n").stdout
     assert file.read_bytes().startswith(b"\x89PNG")
 
 
 def test_restart_puts_the_world_back_and_the_robot_stands_at_the_start():
     done = run_script("where are you\ngo to x 4.3 and y 2\n/restart\nwhere are you\n")
-    answers = [line.strip() for line in done.stdout.decode().splitlines() if " at x " in line]
+    answers = [line.strip() for line in done.stdout.splitlines() if " at x " in line]
     assert len(answers) == 3
     assert answers[0] == answers[-1] != answers[1]
 
 
-def test_where_there_is_a_display_the_robot_is_shown_unless_it_is_not_wanted(monkeypatch):
+def test_where_there_is_a_display_the_robot_is_shown(monkeypatch):
     monkeypatch.setenv("DISPLAY", ":no.such.display")
-    for flags, shown in (((), True), (("--no-render",), False)):
-        agent = subprocess.Popen(
-            [*COMMAND, *flags],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-        )
-        assert b"is ready" in agent.stdout.readline()
-        if shown:
-            assert b"no_window" in agent.stderr.readline()
-        _, errors = agent.communicate(b"/quit\n", timeout=HUNG_S)
-        assert agent.returncode == 0
-        assert b"window" not in errors
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    agent = subprocess.Popen(COMMAND, **pipes)
+    assert b"is ready" in agent.stdout.readline()
+    assert b"no_window" in agent.stderr.readline()
+    _, errors = agent.communicate(b"/quit\n", timeout=HUNG_S)
+    assert agent.returncode == 0
+    assert b"window" not in errors
 
 
 def test_quit_ends_a_script_early():
     done = run_script("/quit\nwhere are you\n")
     assert done.returncode == 0
-    assert "I am in" not in done.stdout.decode()
+    assert "I am in" not in done.stdout
 
 
 @pytest.mark.parametrize("stop", ["stop", "/stop", "/reset"])
 def test_in_a_script_nothing_before_a_stop_moves_the_robot_and_what_is_after_it_is_done(stop):
     done = run_script(f"go to the kitchen\ngo to the bedroom\n{stop}\nwhere are you\n")
-    lines = [line.strip() for line in done.stdout.decode().splitlines()]
+    lines = [line.strip() for line in done.stdout.splitlines()]
     assert done.returncode == 0
     assert f"> {stop}" in lines
     assert "[lines before it that are not done: 2]" in lines
@@ -110,10 +105,13 @@ def test_in_a_script_nothing_before_a_stop_moves_the_robot_and_what_is_after_it_
 
 
 def test_a_script_that_ends_with_a_stop_is_answered():
-    assert phrases.said("standing") in run_script("stop\n").stdout.decode()
+    assert phrases.said("standing") in run_script("stop\n").stdout
 
 
-@pytest.mark.parametrize("stdin", ["null", "closed", "empty pipe"])
+@pytest.mark.parametrize(
+    "stdin",
+    ["null", *(pytest.param(one, marks=pytest.mark.long) for one in ("closed", "empty pipe"))],
+)
 def test_with_nobody_there_it_runs_until_sigterm(stdin):
     source = subprocess.DEVNULL if stdin == "null" else subprocess.PIPE
     agent = subprocess.Popen(
@@ -134,15 +132,6 @@ def test_with_nobody_there_it_runs_until_sigterm(stdin):
     agent.stdout.close()
 
 
-def test_a_reader_that_leaves_does_not_stop_the_robot():
-    agent = subprocess.Popen([*COMMAND], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
-    assert b"is ready" in agent.stdout.readline()
-    agent.stdout.close()
-    agent.stdin.write(b"where are you\nwhere are you\n")
-    agent.stdin.close()
-    assert agent.wait(HUNG_S) == 0
-
-
 @pytest.mark.parametrize(
     ("flags", "message"),
     [
@@ -159,8 +148,8 @@ def test_a_reader_that_leaves_does_not_stop_the_robot():
 def test_a_wrong_setting_ends_it_with_the_fields_name_and_exit_code_2(flags, message):
     refused = run_script("", *flags)
     assert refused.returncode == 2
-    assert message in refused.stderr.decode()
-    assert "Traceback" not in refused.stderr.decode()
+    assert message in refused.stderr
+    assert "Traceback" not in refused.stderr
 
 
 def test_a_typo_in_a_world_file_ends_it_with_the_fields_name(tmp_path):
@@ -168,19 +157,16 @@ def test_a_typo_in_a_world_file_ends_it_with_the_fields_name(tmp_path):
     world.write_text("world: {heigth: 10, width: 10}\nrobot: {kinematics: {name: diff}}\n")
     refused = run_script("", "--world", str(world))
     assert refused.returncode == 2
-    assert "heigth" in refused.stderr.decode()
-    assert "height" in refused.stderr.decode()
+    assert "heigth" in refused.stderr
+    assert "height" in refused.stderr
 
 
 def test_without_its_model_it_names_the_command_that_fetches_it_and_obeys(tmp_path, monkeypatch):
     monkeypatch.setenv("EDGEVOX_MODELS_DIR", str(tmp_path))
-    done = subprocess.run(
-        [AGENT, "robot-apartment", "--text-mode"], input=b"where are you\n", capture_output=True,
-        timeout=HUNG_S,
-    )  # fmt: skip
+    done = run_agent("robot-apartment", "--text-mode", said="where are you\n")
     assert done.returncode == 0
-    assert "edgevox-models fetch" in done.stderr.decode()
-    assert phrases.stands(room="living_room") in done.stdout.decode()
+    assert "edgevox-models fetch" in done.stderr
+    assert phrases.stands(room="living_room") in done.stdout
 
 
 def see(terminal, text, timeout_s=HUNG_S):
@@ -234,16 +220,13 @@ def test_a_stop_that_is_typed_before_the_prompt_keeps_what_is_before_it_from_mov
         assert "Going to the" not in shown.getvalue()
 
 
-def test_a_stop_at_the_prompt_acts_at_once_whatever_runs(prompt):
+def test_a_stop_at_the_prompt_acts_at_once_and_ctrl_c_interrupts_once_and_leaves_twice(prompt):
     prompt.send("go to the bedroom\r")
     see(prompt, phrases.begins("navigate_to", room="bedroom"))
     prompt.send("stop\r")
     see(prompt, phrases.said("stopped"))
-
-
-def test_ctrl_c_once_interrupts_and_twice_leaves(prompt):
-    prompt.send("go to the bedroom\r")
-    see(prompt, phrases.begins("navigate_to", room="bedroom"))
+    prompt.send("go to the office\r")
+    see(prompt, phrases.begins("navigate_to", room="office"))
     prompt.send("\x03")
     see(prompt, "Ctrl-C once more to leave")
     prompt.send("\x03")
@@ -252,6 +235,7 @@ def test_ctrl_c_once_interrupts_and_twice_leaves(prompt):
     assert prompt.exitstatus == 0
 
 
+@pytest.mark.long
 def test_ctrl_d_leaves(prompt):
     prompt.send("\x04")
     prompt.expect(pexpect.EOF, timeout=HUNG_S)

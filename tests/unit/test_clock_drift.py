@@ -30,7 +30,9 @@ def left(filter_, heard, played):
     return filter_.push(heard[:whole].astype(np.float32), played[:whole].astype(np.float32))
 
 
-@pytest.mark.parametrize("ppm", [-120.0, 0.0, 60.0])
+@pytest.mark.parametrize(
+    "ppm", [-120.0, *(pytest.param(one, marks=pytest.mark.long) for one in (0.0, 60.0))]
+)
 def test_the_drift_of_the_clocks_is_found_and_the_echo_taken_out_all_the_same(played, ppm):
     filter_, heard = AdaptiveFilter(), room(drifted(played, ppm))
 

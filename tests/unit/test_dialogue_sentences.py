@@ -2,6 +2,7 @@ import random
 from functools import cache
 
 import pytest
+from few_languages import few
 from support.bodies import BODIES, say_it
 
 from edgevox.agent.agents import Agent
@@ -41,7 +42,7 @@ def _sentences(code, body):
 
 
 @pytest.mark.parametrize("body", BODIES)
-@pytest.mark.parametrize("code", LANGUAGES)
+@pytest.mark.parametrize("code", few(LANGUAGES))
 def test_what_is_asked_about_the_conversation_is_understood_in_every_language(code, body):
     agent = AGENTS[body]
     recogniser = Recogniser(agent.skills, code, agent.dialogue_skills)
@@ -70,7 +71,7 @@ def test_a_stop_word_beside_such_a_sentence_still_stops(code):
         assert safety.find(f"{sentence}. {word.capitalize()}!"), sentence
 
 
-@pytest.mark.parametrize("code", LANGUAGES)
+@pytest.mark.parametrize("code", few(LANGUAGES))
 @pytest.mark.parametrize("body", BODIES)
 def test_what_a_body_understands_by_itself_it_understands_beside_these_too(code, body):
     agent, book, source = AGENTS[body], phrasebook(code), random.Random(8)

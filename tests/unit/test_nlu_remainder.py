@@ -8,6 +8,7 @@ from functools import cache
 
 import pytest
 from corpus_robots import skills_of_robots
+from few_languages import few
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -86,7 +87,7 @@ def test_the_plain_order_is_understood(code: str) -> None:
     assert calls("apartment", code, to_kitchen(code)) == (KITCHEN,)
 
 
-@pytest.mark.parametrize("code", CODES)
+@pytest.mark.parametrize("code", few(CODES))
 def test_an_order_that_is_put_off_is_not_done_now(code: str) -> None:
     order = to_kitchen(code)
     for phrase in words_of(code).put_off:
@@ -98,7 +99,7 @@ def test_an_order_that_is_put_off_is_not_done_now(code: str) -> None:
             assert is_nothing("apartment", code, joined(code, order, said)), (order, said)
 
 
-@pytest.mark.parametrize("code", CODES)
+@pytest.mark.parametrize("code", few(CODES))
 def test_a_part_of_a_number_a_unit_or_a_time_that_no_value_takes_leaves_no_order(code: str) -> None:
     order = to_kitchen(code)
     for at, said in enumerate(words_of(code).amounts):
@@ -106,7 +107,7 @@ def test_a_part_of_a_number_a_unit_or_a_time_that_no_value_takes_leaves_no_order
         assert is_nothing("apartment", code, text), text
 
 
-@pytest.mark.parametrize("code", CODES)
+@pytest.mark.parametrize("code", few(CODES))
 def test_a_bound_is_no_value(code: str) -> None:
     """ "At least two metres" says neither how far to go nor how far it may."""
     walks = {

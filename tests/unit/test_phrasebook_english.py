@@ -25,14 +25,15 @@ ASKED = DialogueSkills(
 ).agents[0]
 
 
-@pytest.mark.parametrize("code", TOPICS)
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_a_topic_is_written_and_read_by_programs_but_not_said(language, code):
-    book, why = phrasebook(language), because(code, topic="/robot1/odom")
+def test_a_topic_is_written_and_read_by_programs_but_not_said(language):
+    book = phrasebook(language)
+    for code in TOPICS:
+        why = because(code, topic="/robot1/odom")
 
-    assert "/robot1/odom" in why.text
-    assert "/robot1/odom" not in book.failure(why)
-    assert "/robot1/odom" in detail(book, why)
+        assert "/robot1/odom" in why.text
+        assert "/robot1/odom" not in book.failure(why)
+        assert "/robot1/odom" in detail(book, why)
 
 
 @pytest.mark.parametrize("language", LANGUAGES)

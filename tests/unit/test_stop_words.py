@@ -17,8 +17,8 @@ from edgevox.core.languages import LANGUAGES
 from edgevox.core.stop_words import STOP_SIGNS, STOP_WORDS
 
 SENTENCES = tomllib.loads((Path(__file__).parent / "stop_sentences.toml").read_text("utf-8"))
-HALTS = [(code, text) for code, one in SENTENCES.items() for text in one["halts"]]
-INNOCENT = [(code, text) for code, one in SENTENCES.items() for text in one["innocent"]]
+HALTS = {code: one["halts"] for code, one in SENTENCES.items()}
+INNOCENT = {code: one["innocent"] for code, one in SENTENCES.items()}
 ANYWHERE = [(code, word) for code, one in LANGUAGES.items() for word in one.stop.anywhere]
 SHOUTS = ("Oh god", "Hey", "Please", "Maria", "Robbie", "Aaah", "OK", "Oh no")
 """What people say before a stop word without a pause."""
@@ -52,14 +52,14 @@ def said_long(word):
     return "".join(c * 4 if i == len(word) - 2 else c for i, c in enumerate(word))
 
 
-@pytest.mark.parametrize(("code", "text"), HALTS)
-def test_what_people_say_to_stop_a_robot_halts_it(code, text):
-    assert halts(code, text)
+@pytest.mark.parametrize("code", HALTS)
+def test_what_people_say_to_stop_a_robot_halts_it(code):
+    assert [text for text in HALTS[code] if not halts(code, text)] == []
 
 
-@pytest.mark.parametrize(("code", "text"), INNOCENT)
-def test_what_only_sounds_like_it_does_not(code, text):
-    assert SafetyWords(code).find(text) is None
+@pytest.mark.parametrize("code", INNOCENT)
+def test_what_only_sounds_like_it_does_not(code):
+    assert [text for text in INNOCENT[code] if halts(code, text)] == []
 
 
 def test_there_are_innocent_phrases_in_every_language():
@@ -177,10 +177,11 @@ def test_marks_on_characters_that_are_words_hide_nothing():
         assert halts(code, "\u0335".join(text)), text
 
 
-@pytest.mark.parametrize(("code", "text"), HALTS)
-def test_what_halts_still_does_after_a_no_and_before_exclamation_marks(code, text):
-    assert halts(code, f"No! {text}")
-    assert halts(code, f"{text}!!!")
+@pytest.mark.parametrize("code", HALTS)
+def test_what_halts_still_does_after_a_no_and_before_exclamation_marks(code):
+    for text in HALTS[code]:
+        assert halts(code, f"No! {text}"), text
+        assert halts(code, f"{text}!!!"), text
 
 
 @pytest.mark.parametrize("code", ["en", "de", "fr", "ja", "zh"])
@@ -190,7 +191,7 @@ def test_what_halts_still_does_after_a_no_and_before_exclamation_marks(code, tex
 def test_the_longest_text_is_searched_in_a_moment(code, said):
     text = (said * 8000)[:8000]
     began_s = time.process_time()
-    SafetyWords(code).find(text)
+    safety_words(code).find(text)
     assert time.process_time() - began_s < 1.0
 
 
@@ -243,8 +244,8 @@ def test_a_word_of_the_language_that_is_spoken_is_no_stop_word_of_another(code, 
 
 @given(st.lists(st.sampled_from(["go", "to", "kitchen", "please", "ok", "7"]), max_size=6))
 def test_stop_before_and_after_any_other_words_halts(words):
-    assert SafetyWords("en").find(" ".join([*words, "stop"])) == "stop"
-    assert SafetyWords("en").find(" ".join(["stop", *words])) == "stop"
+    assert safety_words("en").find(" ".join([*words, "stop"])) == "stop"
+    assert safety_words("en").find(" ".join(["stop", *words])) == "stop"
 
 
 @given(
@@ -265,5 +266,5 @@ def test_all_of_it_at_once_halts(stop, before, between, hidden, case, times):
 @given(st.sampled_from(sorted(LANGUAGES)), st.text(max_size=300))
 @settings(deadline=None)
 def test_any_text_is_searched_without_failing(code, text):
-    found = SafetyWords(code).find(text)
+    found = safety_words(code).find(text)
     assert found is None or found

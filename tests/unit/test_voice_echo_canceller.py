@@ -36,7 +36,9 @@ def played():
     return voice(12.0, seed=1, level=LEVEL)
 
 
-@pytest.mark.parametrize("delay_s", [0.02, 0.1, 0.25])
+@pytest.mark.parametrize(
+    "delay_s", [0.1, *(pytest.param(one, marks=pytest.mark.long) for one in (0.02, 0.25))]
+)
 def test_the_robots_own_voice_is_taken_out_whatever_the_delay(played, delay_s):
     heard = room(played, delay_s=delay_s)
     echo, reference = opened()
