@@ -12,6 +12,7 @@ from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.errors import InvalidValue
 from edgevox.core.transforms import Pose2D
+from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.capabilities import (
     Body,
     DrivesTo,
@@ -26,6 +27,7 @@ from edgevox.robots.capabilities import (
 )
 from edgevox.robots.diff_drive import DiffDriveRobot
 from edgevox.robots.engine import MotionState
+from edgevox.robots.irsim import IrsimRobot
 
 ROOMS = ("kitchen", "bedroom", "living_room", "office")
 
@@ -43,6 +45,12 @@ def test_it_is_a_body_with_everything_it_claims(robot: DiffDriveRobot) -> None:
     assert all(isinstance(body, kind) for kind in kinds)
 
 
+@pytest.mark.parametrize(
+    "make",
+    [ApartmentRobot, pytest.param(IrsimRobot, marks=pytest.mark.long)],
+    indirect=True,
+    ids=["apartment", "irsim"],
+)
 def test_every_room_is_reached_from_every_other_without_a_touch(robot) -> None:
     tour = ["kitchen", "bedroom", "kitchen", "living_room", "kitchen", "office", "bedroom"]
     tour += ["living_room", "bedroom", "office", "living_room", "office", "kitchen"]

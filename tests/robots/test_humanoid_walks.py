@@ -96,10 +96,11 @@ def test_four_walks_and_four_turns_close_a_square_of_three_metres(robot) -> None
     assert abs(turned_deg(start, robot.pose())) < 5
 
 
-def test_ten_minutes_of_random_velocities_do_not_make_it_fall(robot) -> None:
+@pytest.mark.parametrize("minutes", [1, pytest.param(10, marks=pytest.mark.long)])
+def test_minutes_of_random_velocities_do_not_make_it_fall(robot, minutes) -> None:
     chance = random.Random(7)
     began_s = robot.time_s
-    while robot.time_s < began_s + 600:
+    while robot.time_s < began_s + 60 * minutes:
         twist = Twist2D(chance.uniform(-1, 1), chance.uniform(-1.2, 1.2))
         stream(
             robot, twist if chance.random() < 0.85 else Twist2D(0, 0), chance.choice((0.5, 1, 3))
@@ -137,7 +138,10 @@ def test_velocities_beyond_its_limits_are_clamped_and_nonsense_is_refused(robot)
             robot.set_velocity(twist)
 
 
-@pytest.mark.parametrize("after_s", [1.0, 1.1, 1.2, 1.3, 1.4, 1.5])
+@pytest.mark.parametrize(
+    "after_s",
+    [1.0, 1.3, *(pytest.param(one, marks=pytest.mark.long) for one in (1.1, 1.2, 1.4, 1.5))],
+)
 def test_halted_in_whatever_step_it_comes_to_a_stand_on_its_feet(held_g1, after_s) -> None:
     going = walking(held_g1, 5.0)
     held_g1.advance(after_s)

@@ -12,8 +12,6 @@ from edgevox.agent.skills import SkillFailed
 from edgevox.robots.panda.layout import BINS, CUBES
 from edgevox.robots.panda.robot import PandaRobot
 
-TWENTY = 20
-
 
 @pytest.fixture
 def panda() -> Iterator[PandaRobot]:
@@ -32,7 +30,8 @@ def is_in(robot: PandaRobot, name: str, target: str) -> bool:
     return BINS[target].contains(place["x"], place["y"]) and place["z"] < 0.04
 
 
-def test_twenty_cubes_at_random_places_are_grasped_lifted_and_put_into_a_bin() -> None:
+@pytest.mark.parametrize("many", [len(CUBES), pytest.param(20, marks=pytest.mark.long)])
+def test_cubes_at_random_places_are_grasped_lifted_and_put_into_a_bin(many) -> None:
     done: list[str] = []
     targets = itertools.cycle(BINS)
     for seed in itertools.count(1):
@@ -44,10 +43,11 @@ def test_twenty_cubes_at_random_places_are_grasped_lifted_and_put_into_a_bin() -
                 ask(robot.place, None, target)
                 assert is_in(robot, name, target), (seed, name)
                 done.append(name)
-                if len(done) == TWENTY:
+                if len(done) == many:
                     return
 
 
+@pytest.mark.long
 def test_the_same_seed_gives_the_same_run() -> None:
     ends = []
     for _ in range(2):

@@ -25,7 +25,7 @@ from edgevox.robots.diff_drive import DiffDriveRobot
 
 CHARGER = (7.0, 1.2)
 WORKSHOP = Path(__file__).parents[2] / "examples" / "own_world" / "workshop.yaml"
-ROBOTS = ["robot-apartment", "robot-irsim"]
+ROBOTS = ["robot-apartment", pytest.param("robot-irsim", marks=pytest.mark.long)]
 
 
 class Talk:

@@ -202,14 +202,6 @@ def prompt():
         yield terminal
 
 
-def test_the_prompt_shows_answers_and_the_skills_progress(prompt):
-    prompt.send("go to the kitchen\r")
-    see(prompt, phrases.begins("navigate_to", room="kitchen"))
-    see(prompt, "navigate_to room=kitchen")
-    see(prompt, "█")
-    see(prompt, phrases.done("navigate_to", room="kitchen"))
-
-
 @pytest.mark.parametrize("screen", [["--simple-ui"], []], ids=["prompt", "full screen"])
 def test_a_stop_that_is_typed_before_the_prompt_keeps_what_is_before_it_from_moving(screen):
     with at_terminal(*screen, term="xterm-256color") as terminal:
@@ -220,7 +212,12 @@ def test_a_stop_that_is_typed_before_the_prompt_keeps_what_is_before_it_from_mov
         assert "Going to the" not in shown.getvalue()
 
 
-def test_a_stop_at_the_prompt_acts_at_once_and_ctrl_c_interrupts_once_and_leaves_twice(prompt):
+def test_the_prompt_shows_progress_a_stop_acts_at_once_and_ctrl_c_interrupts_then_leaves(prompt):
+    prompt.send("go to the kitchen\r")
+    see(prompt, phrases.begins("navigate_to", room="kitchen"))
+    see(prompt, "navigate_to room=kitchen")
+    see(prompt, "█")
+    see(prompt, phrases.done("navigate_to", room="kitchen"))
     prompt.send("go to the bedroom\r")
     see(prompt, phrases.begins("navigate_to", room="bedroom"))
     prompt.send("stop\r")
