@@ -146,8 +146,11 @@ def main() -> int:
     parser.add_argument("--each", type=int, default=20, help="mutations of a module, at most")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("modules", nargs="*", choices=[*MODULES, []], default=list(MODULES))
+    parser.add_argument("modules", nargs="*", metavar="MODULE", help=f"of: {', '.join(MODULES)}")
     asked = parser.parse_args()
+    asked.modules = asked.modules or list(MODULES)
+    if unknown := set(asked.modules) - set(MODULES):
+        parser.error(f"{', '.join(sorted(unknown))}: expected some of {', '.join(MODULES)}")
     drawn: list[Mutation] = []
     for module in asked.modules:
         every = list(mutations(module))
