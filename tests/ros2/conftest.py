@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 from agent_process import READY, Agent
-from peer import Peer
+from halting import stands_for_good
+from peer import STATE, Peer
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -50,3 +51,57 @@ def peer(domain):
     yield join
     for one in peers:
         one.close()
+
+
+@pytest.fixture(scope="module")
+def shared(_domains):
+    """Starts agents that the tests of a module share, on a domain of their own; ends them."""
+    domain, started = next(_domains), []
+
+    def start(*arguments: str, robot: str = "robot-apartment") -> Agent:
+        started.append(
+            Agent(robot, "--text-mode", "--ros2", "--llm", "none", *arguments, domain=domain)
+        )
+        started[-1].wait_for_line(READY)
+        return started[-1]
+
+    yield start
+    for one in started:
+        one.leave()
+    for one in started:
+        one.terminate()
+
+
+@pytest.fixture(scope="module")
+def resident(shared):
+    """The agent in the apartment that the tests of a module share."""
+    return shared()
+
+
+@pytest.fixture(scope="module")
+def neighbour(resident):
+    """The peer of the shared agent: to discover one anew takes seconds."""
+    one = Peer(resident.domain)
+    yield one
+    one.close()
+
+
+@pytest.fixture
+def robot(neighbour):
+    """Who talks to the shared agent; whatever is asked for in a test is over after it."""
+    yield neighbour
+    settle(neighbour)
+
+
+def settle(peer: Peer, agents: int = 1) -> None:
+    """Wait until what was sent until now was received, end it, and wait until the robot stands.
+
+    A topic keeps its order only for itself. What an executor has not seen when it looked for the
+    first answer, it has when it looked for the second, and handled before the third.
+    """
+    info, state = peer.listen("info", publishers=agents), peer.listen("robot_state", STATE)
+    for command in (*["list_languages"] * 3, "reset", "list_languages"):
+        answers = len(info.messages) + agents * (command != "reset")
+        peer.send("command", command, subscribers=agents)
+        info.wait_until(lambda: len(info.messages) >= answers)  # noqa: B023
+    state.wait_for(stands_for_good, since=len(state.messages))
