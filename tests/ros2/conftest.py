@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 from agent_process import READY, Agent
-from halting import stands_for_good
-from peer import STATE, Peer
+from halting import settle
+from peer import Peer
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -91,17 +91,3 @@ def robot(neighbour):
     """Who talks to the shared agent; whatever is asked for in a test is over after it."""
     yield neighbour
     settle(neighbour)
-
-
-def settle(peer: Peer, agents: int = 1) -> None:
-    """Wait until what was sent until now was received, end it, and wait until the robot stands.
-
-    A topic keeps its order only for itself. What an executor has not seen when it looked for the
-    first answer, it has when it looked for the second, and handled before the third.
-    """
-    info, state = peer.listen("info", publishers=agents), peer.listen("robot_state", STATE)
-    for command in (*["list_languages"] * 3, "reset", "list_languages"):
-        answers = len(info.messages) + agents * (command != "reset")
-        peer.send("command", command, subscribers=agents)
-        info.wait_until(lambda: len(info.messages) >= answers)  # noqa: B023
-    state.wait_for(stands_for_good, since=len(state.messages))

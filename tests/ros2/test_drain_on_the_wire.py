@@ -110,7 +110,7 @@ def test_the_goal_arrives_then_it_ends_and_meanwhile_nothing_new_begins(driving)
     assert robot.ended() == 0
 
 
-@pytest.mark.parametrize("bound_s", ["0", "0.5"])
+@pytest.mark.parametrize("bound_s", [pytest.param("0", marks=pytest.mark.long), "0.5"])
 def test_a_goal_that_takes_longer_is_cancelled_and_the_robot_stands_before_the_end(
     driving, bound_s
 ):
@@ -121,7 +121,7 @@ def test_a_goal_that_takes_longer_is_cancelled_and_the_robot_stands_before_the_e
     assert robot.ended() == 0
 
 
-@pytest.mark.parametrize("way", ["stop word", "interrupt"])
+@pytest.mark.parametrize("way", ["stop word", pytest.param("interrupt", marks=pytest.mark.long)])
 def test_a_stop_meanwhile_counts_at_once(driving, way):
     robot = driving()
     robot.sends()
@@ -135,7 +135,14 @@ def test_a_stop_meanwhile_counts_at_once(driving, way):
     assert robot.ended() == 0
 
 
-@pytest.mark.parametrize("second", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
+@pytest.mark.parametrize(
+    "second",
+    [
+        signal.SIGTERM,
+        pytest.param(signal.SIGINT, marks=pytest.mark.long),
+        pytest.param(signal.SIGHUP, marks=pytest.mark.long),
+    ],
+)
 def test_a_second_signal_ends_it_at_once(driving, second):
     robot = driving()
     robot.sends()

@@ -3,6 +3,7 @@
 import json
 import subprocess
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -121,14 +122,19 @@ def _process(
         one.process.stdin.close()
 
 
-@pytest.fixture
-def robot(_process: tuple[Agent, Path, int], peer: Callable[[], Peer]) -> Iterator[Robot]:
+@pytest.fixture(scope="module")
+def _robot(_process: tuple[Agent, Path, int]) -> Iterator[Robot]:
     process, file, port = _process
-    one = Robot(process, peer(), file, port)
-    yield one
-    one.under("rules: {}")
-    one.peer.send("interrupt", "")
-    one.odom.wait_for(lambda m: speed(m) < 0.01, since=len(one.odom.messages))
+    with closing(Peer(process.domain)) as peer:
+        yield Robot(process, peer, file, port)
+
+
+@pytest.fixture
+def robot(_robot: Robot) -> Iterator[Robot]:
+    """Each test puts it under a policy of its own; a stop is under none."""
+    yield _robot
+    _robot.peer.send("interrupt", "")
+    _robot.odom.wait_for(lambda m: speed(m) < 0.01, since=len(_robot.odom.messages))
 
 
 def goal_pose(x_m: float, y_m: float) -> PoseStamped:
@@ -318,8 +324,10 @@ def test_a_refusal_is_counted_on_metrics_and_seen_on_diagnostics(robot):
 
 @pytest.fixture
 def german(robot: Robot) -> Iterator[Robot]:
+    robot.under("rules: {}")
     speak(robot, "de")
     yield robot
+    robot.under("rules: {}")
     speak(robot, "en")
 
 
