@@ -242,7 +242,7 @@ def test_velocities_that_are_denied_turn_no_wheel_and_are_told_once_a_second(rob
 def test_velocities_are_slowed_to_what_is_permitted(robot):
     robot.under("rules: {'*': deny, cmd_vel: allow}\nlimits: {speed: {linear_m_s: 0.1}}")
     before = len(robot.odom.messages)
-    stream = Stream(tell(robot.peer, Twist, CMD_VEL, SENSOR), twist(0.4, 0.0))
+    stream = Stream(tell(robot.peer, Twist, CMD_VEL, SENSOR), twist(0.4, 0.8))  # away from a wall
     robot.odom.wait_for(lambda m: speed(m) > 0.09, since=before)
     robot.odom.wait_for_more(20)
     stream.end()

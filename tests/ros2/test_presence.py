@@ -121,12 +121,12 @@ class Seen:
 
     def id_of(self, agent: Agent) -> str:
         pid = agent.process.pid
-        return json.loads(self.presence.wait_for(lambda m: json.loads(m)["pid"] == pid))["id"]
+        return json.loads(self.presence.wait_for(lambda m: json.loads(m).get("pid") == pid))["id"]
 
     def wait_in_charge(self, agent: Agent, since: int = 0, timeout_s: float = 15.0) -> None:
         def this(message: str) -> bool:
             said = json.loads(message)
-            return said["pid"] == agent.process.pid and said["in_charge"]
+            return said.get("pid") == agent.process.pid and said["in_charge"]
 
         self.presence.wait_for(this, timeout_s, since)
 
