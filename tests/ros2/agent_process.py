@@ -43,6 +43,7 @@ class Agent:
             env=environment,
             text=True,
         )
+        self.domain = domain
         self._told_to_leave = False
         self._printed = Heard[str]()
         self._reader = threading.Thread(target=self._read, name="agent-output")
@@ -56,9 +57,11 @@ class Agent:
     def output(self) -> str:
         return "\n".join(self.lines)
 
-    def wait_for_line(self, text: str, timeout_s: float = HUNG_S) -> str:
-        """The first that holds this; fails loudly if none comes, or the program ends before."""
-        return self._printed.wait_for(lambda line: text in line, timeout_s)
+    def wait_for_line(self, text: str, timeout_s: float = HUNG_S, since: int = 0) -> str:
+        """The first from number `since` on that holds this; fails loudly if none comes, or the
+        program ends before.
+        """
+        return self._printed.wait_for(lambda line: text in line, timeout_s, since)
 
     def taken(self) -> ProcessMemory:
         """What it takes now."""

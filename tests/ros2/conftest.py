@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from agent_process import READY, Agent
+from halting import settle
 from peer import Peer
 
 
@@ -50,3 +51,43 @@ def peer(domain):
     yield join
     for one in peers:
         one.close()
+
+
+@pytest.fixture(scope="module")
+def shared(_domains):
+    """Starts agents that the tests of a module share, on a domain of their own; ends them."""
+    domain, started = next(_domains), []
+
+    def start(*arguments: str, robot: str = "robot-apartment") -> Agent:
+        started.append(
+            Agent(robot, "--text-mode", "--ros2", "--llm", "none", *arguments, domain=domain)
+        )
+        started[-1].wait_for_line(READY)
+        return started[-1]
+
+    yield start
+    for one in started:
+        one.leave()
+    for one in started:
+        one.terminate()
+
+
+@pytest.fixture(scope="module")
+def resident(shared):
+    """The agent in the apartment that the tests of a module share."""
+    return shared()
+
+
+@pytest.fixture(scope="module")
+def neighbour(resident):
+    """The peer of the shared agent: to discover one anew takes seconds."""
+    one = Peer(resident.domain)
+    yield one
+    one.close()
+
+
+@pytest.fixture
+def robot(neighbour):
+    """Who talks to the shared agent; whatever is asked for in a test is over after it."""
+    yield neighbour
+    settle(neighbour)

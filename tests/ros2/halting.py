@@ -9,6 +9,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from peer import STATE, Peer
 from robot_states import standing
 
 BRAKED_S = 1.0
@@ -44,3 +45,22 @@ def halt_of(messages: Sequence[str]) -> Halt:
     stood = next(n for n in range(last + 1, len(states)) if stands_for_good(messages[n]))
     left_m = states[last]["goal"]["distance"] if under_way else math.inf
     return Halt(states[stood]["time"] - states[min(last + 1, stood)]["time"], left_m)
+
+
+def settle(peer: Peer, agents: int = 1) -> None:
+    """Wait until what was sent until now was received, end it, and wait until the robot stands.
+
+    A topic keeps its order only for itself. What an executor has not seen when it looked for the
+    first answer, it has when it looked for the second, and handled before the third.
+    """
+    info, state = peer.listen("info", publishers=agents), peer.listen("robot_state", STATE)
+    for command in (*["list_languages"] * 3, "reset", "list_languages"):
+        answers = len(info.messages) + agents * (command != "reset")
+        peer.send("command", command, subscribers=agents)
+        info.wait_until(lambda: len(info.messages) >= answers)  # noqa: B023
+    state.wait_for(_rests, since=len(state.messages))
+
+
+def _rests(message: str) -> bool:
+    """It stands for good, or nobody knows whether it does."""
+    return json.loads(message)["velocity"] is None or stands_for_good(message)

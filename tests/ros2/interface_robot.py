@@ -5,7 +5,7 @@
 It serves ``honk`` (SetBool), ``fold`` (Trigger) and the action ``dock`` (ExecuteSkill's type stands
 in for a docking action's), says its ``temperature`` and whether the ``door`` is open, and listens
 to ``lamp``. What it was asked stands on ``asked``. A string on ``do`` changes it while it runs:
-refuse, hang, abort, lie or obey, open or shut (the door) or silent (no temperature). With
+refuse, hang, abort, lie or obey, open or shut (the door) silent (no temperature) or heard. With
 ``--changed`` its horn, lamp and thermometer have other types, as after an update.
 """
 
@@ -67,8 +67,8 @@ class InterfaceRobot(Node):
         match message.data:
             case "open" | "shut":
                 self.open = message.data == "open"
-            case "silent":
-                self.silent = True
+            case "silent" | "heard":
+                self.silent = message.data == "silent"
             case mode:
                 self.mode = mode
         self.tell("do", message.data)

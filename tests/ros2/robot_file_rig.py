@@ -31,9 +31,17 @@ class Asked:
     def __init__(self, peer: Peer) -> None:
         self._peer = peer
         self.heard = peer.listen("asked", STATE)
+        self._since = 0
 
-    def wait(self, what: str, value: object = None, *, since: int = 0) -> None:
+    def anew(self) -> None:
+        """It obeys again, and what it was asked until now is forgotten."""
+        for change in ("obey", "shut", "heard"):
+            self.do(change)
+        self._since = len(self.heard.messages)
+
+    def wait(self, what: str, value: object = None, *, since: int | None = None) -> None:
         """Until it was asked this; of a message those fields count that are given."""
+        since = self._since if since is None else since
 
         def is_it(message: str) -> bool:
             found, its = json.loads(message)
@@ -49,7 +57,7 @@ class Asked:
         self.wait(what, value, since=since)
 
     def times(self, what: str) -> int:
-        return sum(json.loads(one)[0] == what for one in self.heard.messages)
+        return sum(json.loads(one)[0] == what for one in self.heard.messages[self._since :])
 
     def do(self, change: str) -> None:
         since = len(self.heard.messages)
@@ -63,6 +71,13 @@ def _has(found: object, wanted: object) -> bool:
     if isinstance(wanted, list) and isinstance(found, list):
         return len(found) == len(wanted) and all(map(_has, found, wanted))
     return bool(found == wanted)
+
+
+@contextlib.contextmanager
+def lasting(domain: int):
+    """The robot, for all tests of a module, and what it is asked: `anew` for each of them."""
+    with interfaces(domain), contextlib.closing(Peer(domain, NAMESPACE)) as peer:
+        yield Asked(peer)
 
 
 class Talk:
@@ -142,4 +157,4 @@ def body(file: Path = ROBOT_FILE):
         one.close()
 
 
-__all__ = ["NAMESPACE", "ROBOT_FILE", "Asked", "Run", "Talk", "body", "interfaces"]
+__all__ = ["NAMESPACE", "ROBOT_FILE", "Asked", "Run", "Talk", "body", "interfaces", "lasting"]

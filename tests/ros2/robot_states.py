@@ -10,3 +10,8 @@ def moving(message: str) -> bool:
 def standing(message: str) -> bool:
     velocity = json.loads(message)["velocity"]
     return abs(velocity["linear"]) < 0.01 and abs(velocity["angular"]) < 0.01
+
+
+def far_room(message: str) -> str:
+    """A room of the apartment that it needs a while to drive to."""
+    return ("kitchen", "bedroom")[json.loads(message)["pose"]["x"] > 5.0]

@@ -55,20 +55,22 @@ def is_question(message, status):
     return event["kind"] == "confirmation" and event["status"] == status
 
 
+@pytest.fixture(scope="module")
+def resident(shared):
+    return shared("--confirm", "always")
+
+
 @pytest.fixture
-def start(agent, peer):
-    def make(*arguments):
-        agent(*arguments)
-        return Robot(peer())
-
-    return make
+def asking(robot):
+    one = Robot(robot)
+    yield one
+    assert one.set_confirm("always").successful
 
 
-def test_a_question_is_seen_and_a_yes_on_text_input_drives_the_robot(start):
-    robot = start("--confirm", "always")
-    assert robot.confirm() == "always"
-    robot.say("go to the kitchen")
-    asked = robot.wait_for("asked")
+def test_a_question_is_seen_and_a_yes_on_text_input_drives_the_robot(asking):
+    assert asking.confirm() == "always"
+    asking.say("go to the kitchen")
+    asked = asking.wait_for("asked")
     assert asked == {
         "kind": "confirmation",
         "status": "asked",
@@ -77,48 +79,37 @@ def test_a_question_is_seen_and_a_yes_on_text_input_drives_the_robot(start):
         "expires_s": 20.0,
         "turn": asked["turn"],
     }
-    robot.response.wait_for(lambda m: m == phrases.asks("navigate_to", room="kitchen"))
-    assert robot.calls() == []
-    robot.say("yes please")
-    assert robot.wait_for("confirmed")["turn"] == asked["turn"]
-    robot.response.wait_for(lambda m: m == phrases.begins("navigate_to", room="kitchen"))
-    robot.state.wait_for(lambda m: json.loads(m)["room"] == "kitchen", timeout_s=HUNG_S)
+    asking.response.wait_for(lambda m: m == phrases.asks("navigate_to", room="kitchen"))
+    assert asking.calls() == []
+    asking.say("yes please")
+    assert asking.wait_for("confirmed")["turn"] == asked["turn"]
+    asking.response.wait_for(lambda m: m == phrases.begins("navigate_to", room="kitchen"))
+    asking.state.wait_for(lambda m: json.loads(m)["room"] == "kitchen", timeout_s=HUNG_S)
 
 
-def test_a_no_another_place_and_a_stop_are_answers_too(start):
-    robot = start("--confirm", "always")
-    robot.say("go to the kitchen")
-    robot.wait_for("asked")
-    robot.say("no, the bedroom")
-    robot.wait_for("declined")
-    robot.response.wait_for(lambda m: m == phrases.asks("navigate_to", room="bedroom"))
-    robot.say("stop")
-    robot.wait_for("cancelled")
-    robot.say("yes")
-    robot.response.wait_for(lambda m: m == phrases.said("nothing_asked"))
-    assert robot.calls() == []
-    assert robot.statuses() == ["asked", "declined", "asked", "cancelled"]
+def test_a_no_another_place_and_a_stop_are_answers_too(asking):
+    asking.say("go to the kitchen")
+    asking.wait_for("asked")
+    asking.say("no, the bedroom")
+    asking.wait_for("declined")
+    asking.response.wait_for(lambda m: m == phrases.asks("navigate_to", room="bedroom"))
+    asking.say("stop")
+    asking.wait_for("cancelled")
+    asking.say("yes")
+    asking.response.wait_for(lambda m: m == phrases.said("nothing_asked"))
+    assert asking.calls() == []
+    assert asking.statuses() == ["asked", "declined", "asked", "cancelled"]
 
 
-def test_the_parameter_changes_while_it_runs_and_refuses_what_it_cannot_be(start):
-    robot = start()
-    assert robot.confirm() == "unsure"
-    result = robot.set_confirm("sometimes")
+def test_the_parameter_changes_while_it_runs_and_refuses_what_it_cannot_be(asking):
+    result = asking.set_confirm("sometimes")
     assert not result.successful
     assert result.reason == ("confirm: got 'sometimes', expected one of always, unsure, never")
-    assert robot.confirm() == "unsure"
-    assert robot.set_confirm("always").successful
-    robot.say("go to the kitchen")
-    robot.wait_for("asked")
-    robot.say("where are you")
-    robot.wait_for("replaced")
-    assert robot.set_confirm("never").successful
-    robot.say("go to the kitchen")
-    robot.response.wait_for(lambda m: m == phrases.begins("navigate_to", room="kitchen"))
-
-
-def test_it_is_a_parameter_at_the_start_too(start):
-    robot = start("--ros-args", "-p", "confirm:=always")
-    robot.say("go to the kitchen")
-    robot.wait_for("asked")
-    assert robot.calls() == []
+    assert asking.confirm() == "always"
+    asking.say("go to the kitchen")
+    asking.wait_for("asked")
+    asking.say("where are you")
+    asking.wait_for("replaced")
+    assert asking.set_confirm("never").successful
+    asking.say("go to the kitchen")
+    asking.response.wait_for(lambda m: m == phrases.begins("navigate_to", room="kitchen"))

@@ -33,9 +33,20 @@ def peer(domain):
     one.close()
 
 
-def test_what_is_typed_while_it_records_is_in_the_file(agent, peer, tmp_path):
+def test_what_is_typed_while_it_records_is_in_the_file_also_of_an_agent_that_was_killed(
+    agent, peer, tmp_path
+):
     agent.wait_for_line(READY)
     url, _, code = agent.wait_for_line("/#pair=").strip().partition("/#pair=")
+
+    def files():
+        return set((tmp_path / "console").rglob("*.mcap"))
+
+    async def begin(socket):
+        before = files()
+        await socket.send_json({"id": 3, "type": "record", "action": "start"})
+        await status(socket, lambda one: one["running"])
+        await asyncio.to_thread(until_recorded, peer, lambda: files() - before, ["response"])
 
     async def record():
         jar = aiohttp.CookieJar(unsafe=True)
@@ -45,44 +56,26 @@ def test_what_is_typed_while_it_records_is_in_the_file(agent, peer, tmp_path):
             async with client.ws_connect(f"{url}/ws", max_msg_size=0) as socket:
                 await socket.send_json({"id": 1, "type": "lease", "action": "take"})
                 await socket.send_json({"id": 2, "type": "look", "what": ["status"]})
-                await socket.send_json({"id": 3, "type": "record", "action": "start"})
-                await status(socket, lambda one: one["running"])
-                found = (tmp_path / "console").rglob
-                await asyncio.to_thread(until_recorded, peer, lambda: found("*.mcap"), ["response"])
+                await begin(socket)
                 await socket.send_json({"id": 4, "type": "record", "action": "stop"})
                 state = await status(socket, lambda one: one["files"])
                 assert not state["running"]
-            (file,) = state["files"]
-            async with client.get(f"{url}/api/recording/{file['name']}") as told:
-                assert told.status == 200
-                (tmp_path / "taken.mcap").write_bytes(await told.read())
-            assert (tmp_path / "taken.mcap").stat().st_size == file["bytes"]
+                (file,) = state["files"]
+                async with client.get(f"{url}/api/recording/{file['name']}") as told:
+                    assert told.status == 200
+                    (tmp_path / "taken.mcap").write_bytes(await told.read())
+                assert (tmp_path / "taken.mcap").stat().st_size == file["bytes"]
+                taken = files()
+                await begin(socket)
+            return taken
 
-    asyncio.run(record())
+    taken = asyncio.run(record())
     heard = texts_of(tmp_path / "taken.mcap")
     assert {text for _, text in heard["/edgevox/text_input"]} == {"where are you"}
     assert heard["/edgevox/response"]
 
-
-def test_a_recording_is_whole_after_the_agent_was_killed(agent, peer, tmp_path):
-    agent.wait_for_line(READY)
-    url, _, code = agent.wait_for_line("/#pair=").strip().partition("/#pair=")
-    found = (tmp_path / "console").rglob
-
-    async def begin():
-        jar = aiohttp.CookieJar(unsafe=True)
-        async with aiohttp.ClientSession(cookie_jar=jar, headers={"Origin": url}) as client:
-            await (await client.post(f"{url}/api/pair", json={"code": code})).read()
-            async with client.ws_connect(f"{url}/ws", max_msg_size=0) as socket:
-                await socket.send_json({"id": 1, "type": "lease", "action": "take"})
-                await socket.send_json({"id": 2, "type": "look", "what": ["status"]})
-                await socket.send_json({"id": 3, "type": "record", "action": "start"})
-                await status(socket, lambda one: one["running"])
-                await asyncio.to_thread(until_recorded, peer, lambda: found("*.mcap"), ["response"])
-
-    asyncio.run(begin())
     agent.process.kill()
-    (file,) = found("*.mcap")
+    (file,) = files() - taken
     wait_until(lambda: file.read_bytes().endswith(MCAP_MAGIC), "the end of the file")
     assert {text for _, text in texts_of(file)["/edgevox/text_input"]} == {"where are you"}
 

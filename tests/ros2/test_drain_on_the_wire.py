@@ -6,6 +6,7 @@ import signal
 import socket
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import phrases
@@ -110,7 +111,7 @@ def test_the_goal_arrives_then_it_ends_and_meanwhile_nothing_new_begins(driving)
     assert robot.ended() == 0
 
 
-@pytest.mark.parametrize("bound_s", ["0", "0.5"])
+@pytest.mark.parametrize("bound_s", [pytest.param("0", marks=pytest.mark.long), "0.5"])
 def test_a_goal_that_takes_longer_is_cancelled_and_the_robot_stands_before_the_end(
     driving, bound_s
 ):
@@ -121,6 +122,7 @@ def test_a_goal_that_takes_longer_is_cancelled_and_the_robot_stands_before_the_e
     assert robot.ended() == 0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("way", ["stop word", "interrupt"])
 def test_a_stop_meanwhile_counts_at_once(driving, way):
     robot = driving()
@@ -135,7 +137,14 @@ def test_a_stop_meanwhile_counts_at_once(driving, way):
     assert robot.ended() == 0
 
 
-@pytest.mark.parametrize("second", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
+@pytest.mark.parametrize(
+    "second",
+    [
+        signal.SIGTERM,
+        pytest.param(signal.SIGINT, marks=pytest.mark.long),
+        pytest.param(signal.SIGHUP, marks=pytest.mark.long),
+    ],
+)
 def test_a_second_signal_ends_it_at_once(driving, second):
     robot = driving()
     robot.sends()
@@ -145,12 +154,16 @@ def test_a_second_signal_ends_it_at_once(driving, second):
     assert not [one for one in robot.events.messages if '"succeeded"' in one]
 
 
-def test_asked_by_the_command_it_stands_and_lives_until_a_signal(driving):
-    robot = driving("0.5")
-    done = robot.health("--drain")
+def test_asked_by_the_command_a_stop_counts_at_once_and_it_stands_and_lives_until_a_signal(driving):
+    robot = driving()
+    with ThreadPoolExecutor(1) as beside:
+        asked = beside.submit(robot.health, "--drain")
+        assert robot.event(kind="drain", status="draining")["by"] == "edgevox-health"
+        robot.peer.send("text_input", "stop")
+        assert robot.client.end_of(robot.goal)[0] == "canceled"
+        done = asked.result(HUNG_S)
     assert (done.returncode, done.stdout.strip()) == (0, "drained")
     robot.state.wait_for(standing, since=len(robot.state.messages))
-    assert robot.event(kind="drain", status="draining")["by"] == "edgevox-health"
     assert robot.health("--ready").returncode == 1
     assert robot.health("--live").returncode == 0
     assert robot.health("--drain").returncode == 0

@@ -21,16 +21,26 @@ def locations(tmp_path):
     return file
 
 
-def test_a_sentence_drives_a_robot_that_only_speaks_ros_2(agent, peer, domain, locations):
+def test_a_sentence_drives_a_robot_that_only_speaks_ros_2_once_it_is_there(
+    agent, peer, domain, locations
+):
+    agent(
+        "--namespace=/robot1", f"--locations={locations}", "--max-linear=0.6",
+        robot="robot-external",
+    )  # fmt: skip
+    robot = peer()
+    response = robot.listen("response")
+    robot.send("text_input", "go to x 1 y 2")
+    topic = "/robot1/odom"
+    why = phrases.why("robot_unheard", topic=topic)
+    unheard = f"{why}. {phrases.said('topic', topic=topic)}"
+    response.wait_for(lambda m: unheard in m)
+    robot.send("text_input", "where are you")
+    response.wait_for(lambda m: unheard in m, since=len(response.messages))
+
     with wheels(domain=domain, namespace="/robot1"):
-        agent(
-            "--namespace=/robot1", f"--locations={locations}", "--max-linear=0.6",
-            robot="robot-external",
-        )  # fmt: skip
-        robot = peer()
         asked = Velocities(robot, "/robot1/cmd_vel")
         state = robot.listen("robot_state", STATE)
-        response = robot.listen("response")
         state.wait_for(lambda m: json.loads(m)["pose"] is not None)
         topics = {name for name, _ in robot.node.get_topic_names_and_types()}
         assert topics.isdisjoint(f"/edgevox/{one}" for one in ("cmd_vel", "goal_pose", "odom"))
@@ -53,25 +63,20 @@ def test_a_sentence_drives_a_robot_that_only_speaks_ros_2(agent, peer, domain, l
         assert max(linear for linear, _ in asked.moving) <= 0.6
 
 
-def test_without_a_robot_the_agent_says_that_it_hears_none(agent, peer):
-    agent("--namespace", "/nobody", robot="robot-external")
-    robot = peer()
-    response = robot.listen("response")
-    robot.send("text_input", "go to x 1 y 2")
-    topic = "/nobody/odom"
-    why = phrases.why("robot_unheard", topic=topic)
-    unheard = f"{why}. {phrases.said('topic', topic=topic)}"
-    response.wait_for(lambda m: unheard in m)
-    robot.send("text_input", "where are you")
-    response.wait_for(lambda m: unheard in m, since=len(response.messages))
-
-
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--namespace", "my robot"], "robot_namespace: got 'my robot', expected a ROS 2 name"),
+        pytest.param(
+            ["--namespace", "my robot"],
+            "robot_namespace: got 'my robot', expected a ROS 2 name",
+            marks=pytest.mark.long,
+        ),
         (["--locations", "nowhere.yaml"], "locations: got 'nowhere.yaml', expected a file"),
-        (["--max-linear", "0"], "max_linear: got '0', expected greater than 0"),
+        pytest.param(
+            ["--max-linear", "0"],
+            "max_linear: got '0', expected greater than 0",
+            marks=pytest.mark.long,
+        ),
     ],
 )
 def test_what_cannot_be_is_refused_with_its_field(arguments, said):

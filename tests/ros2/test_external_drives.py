@@ -19,7 +19,7 @@ from external_rig import (
 )
 from guards import HUNG_S
 from interop_rig import hear, tell
-from peer import SENSOR
+from peer import SENSOR, Peer
 from rclpy.action import ActionClient, ActionServer, CancelResponse
 from sensor_msgs.msg import Image, LaserScan
 from waiting import wait_until
@@ -42,19 +42,69 @@ QUICK = ExternalSettings(
 )
 
 
+AGAIN_S = 2.0
+TAKES_GOALS = ("--takes-goals", "--reliability", "reliable")
+MAPPED = ("--map-to-odom", "3,-2,1.2", "--start", "1,1,0")
+
+
+class Wheels:
+    """A robot that runs on from test to test, for as long as it is wanted with these arguments."""
+
+    def __init__(self, domain: int, peer: Peer) -> None:
+        self._domain, self._peer = domain, peer
+        self._running, self._arguments = contextlib.ExitStack(), None
+
+    def run(self, *arguments: str) -> None:
+        """It runs, as it was at its start."""
+        if arguments != self._arguments:
+            self.close()
+            self._running.enter_context(
+                wheels(*arguments, domain=self._domain, namespace="/robot1")
+            )
+            self._arguments = arguments
+            self._done = self._peer.listen("done")
+        # It may know of who says that later than that knows of it: the first is lost then.
+        for again in range(int(HUNG_S / AGAIN_S)):
+            since = len(self._done.messages)
+            self._peer.send("do", f"anew {again}")
+            with contextlib.suppress(AssertionError):
+                self._done.wait_for(lambda m: m == f"anew {again}", AGAIN_S, since)  # noqa: B023
+                return
+        pytest.fail("it is not as at its start")
+
+    def close(self) -> None:
+        self._running.close()
+        self._arguments = None
+
+
+@pytest.fixture(scope="module")
+def control(domain):
+    """The peer of all tests: to discover one anew takes seconds."""
+    with contextlib.closing(Peer(domain, "/robot1")) as one:
+        yield one
+
+
+@pytest.fixture(scope="module")
+def _wheels(domain, control):
+    with contextlib.closing(Wheels(domain, control)) as one:
+        yield one
+
+
 @pytest.fixture
-def rig(domain, monkeypatch):
-    """Starts a robot and a body for it; ends both."""
+def rig(_wheels, domain, monkeypatch):
+    """Has a robot run, and a body for it; ends the body."""
     monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
     with contextlib.ExitStack() as stack:
 
-        def start(*arguments: str, namespace: str = "/robot1", wait: bool = True) -> ExternalRobot:
-            stack.enter_context(wheels(*arguments, domain=domain, namespace=namespace))
+        def start(*arguments: str, namespace: str = "/robot1") -> ExternalRobot:
+            if namespace == "/robot1":
+                _wheels.run(*arguments)
+            else:
+                stack.enter_context(wheels(*arguments, domain=domain, namespace=namespace))
             robot = ExternalRobot(namespace, LOCATIONS, QUICK)
             stack.callback(robot.close)
             robot.start()
-            if wait:
-                heard(robot)
+            heard(robot)
             return robot
 
         yield start
@@ -65,9 +115,9 @@ def distance(robot: ExternalRobot, x_m: float, y_m: float) -> float:
     return math.hypot(pose.x_m - x_m, pose.y_m - y_m)
 
 
-def test_a_robot_that_takes_no_goals_is_steered_to_a_location_and_looks_as_it_says(rig, peer):
-    robot = rig("--reliability", "best_effort")
-    asked = Velocities(peer(), "/robot1/cmd_vel")
+def test_a_robot_that_takes_no_goals_is_steered_to_a_location_and_looks_as_it_says(rig, control):
+    robot = rig()
+    asked = Velocities(control, "/robot1/cmd_vel")
 
     drive_to_desk = drive_to_place(robot, "desk")
     moving(robot)
@@ -83,49 +133,14 @@ def test_a_robot_that_takes_no_goals_is_steered_to_a_location_and_looks_as_it_sa
     assert max(abs(angular) for _, angular in asked.moving) <= 1.5
 
 
-def test_a_robot_is_steered_no_faster_than_somebody_else_permits(rig, peer):
-    robot = rig("--reliability", "best_effort")
+def test_a_robot_is_steered_no_faster_than_somebody_else_permits(rig, control):
+    robot = rig()
     robot.limit_speed(lambda twist: Twist2D(twist.linear_m_s / 3, twist.angular_rad_s / 3))
-    asked = Velocities(peer(), "/robot1/cmd_vel")
+    asked = Velocities(control, "/robot1/cmd_vel")
     drive(robot, 0.8, 0.0).result()
     assert distance(robot, 0.8, 0.0) < 0.12
     assert 0.1 < max(abs(linear) for linear, _ in asked.moving) <= 0.2 + 1e-9
     assert max(abs(angular) for _, angular in asked.moving) <= 0.5 + 1e-9
-
-
-def test_a_robot_that_takes_goals_gets_one_and_is_never_steered(rig, peer):
-    robot = rig("--takes-goals", "--reliability", "reliable")
-    asked = Velocities(peer(), "/robot1/cmd_vel")
-
-    going = drive_to_place(robot, "desk")
-    moving(robot)
-    assert robot.state()["goal"]["by"] == "goal_pose"
-    going.result()
-
-    assert distance(robot, 1.0, 0.6) < 0.36
-    assert asked.heard == []
-
-
-def test_stop_recalls_the_goal_and_holds_zero_until_the_robot_stands(rig, peer):
-    robot = rig("--takes-goals")
-    asked = Velocities(peer(), "/robot1/cmd_vel")
-    going = drive(robot, 5.0, 0.0)
-    moving(robot)
-
-    stopped = {one.name: one for one in robot.skills}["stop"].function(Goal())
-
-    assert stopped == {"was_moving": True}
-    with pytest.raises(Cancelled):
-        going.result()
-    standing(robot, 1.0)
-    assert asked.moving == []
-    wait_until(lambda: len(asked.heard) >= 15, "a stream of zeros")
-    assert asked.moving == []
-    where = robot.pose()
-    wait_until(lambda: robot.time_s > 0, "time")
-    drive_back = drive(robot, where.x_m, where.y_m)
-    drive_back.result()
-    assert distance(robot, where.x_m, where.y_m) < 0.36
 
 
 def test_a_halt_does_not_block_and_stands_a_steered_robot(rig):
@@ -160,9 +175,8 @@ def test_a_new_goal_ends_the_one_before(rig):
     assert distance(robot, 0.0, 0.5) < 0.12
 
 
-def test_a_robot_that_does_not_obey_is_said_not_to(rig, peer, caplog):
+def test_a_robot_that_does_not_obey_is_said_not_to(rig, control, caplog):
     robot = rig()
-    control = peer("/robot1")
     control.send("do", "runaway")
     moving(robot)
     with pytest.raises(SkillFailed, check=phrases.because("still_moves")):
@@ -170,24 +184,16 @@ def test_a_robot_that_does_not_obey_is_said_not_to(rig, peer, caplog):
     assert "it still moves" in caplog.text
 
 
-def test_a_robot_that_is_stuck_fails_its_goal_with_a_reason(rig, peer):
+def test_a_robot_that_is_stuck_fails_its_goal_with_a_reason(rig, control):
     robot = rig()
-    peer("/robot1").send("do", "stuck")
+    control.send("do", "stuck")
     going = drive(robot, 2.0, 0.0)
     with pytest.raises(SkillFailed, check=phrases.because("not_moving")):
         going.result()
 
 
-def test_a_robot_that_takes_goals_but_does_not_go_fails_with_a_reason(rig, peer):
-    robot = rig("--takes-goals")
-    peer("/robot1").send("do", "stuck")
-    with pytest.raises(SkillFailed, check=phrases.because("not_moving")):
-        drive(robot, 2.0, 0.0).result()
-
-
-def test_silent_odometry_stops_the_robot_and_is_said(rig, peer, caplog):
+def test_silent_odometry_stops_the_robot_and_is_said(rig, control, caplog):
     robot = rig()
-    control = peer("/robot1")
     asked = Velocities(control, "/robot1/cmd_vel")
     going = drive(robot, 5.0, 0.0)
     moving(robot)
@@ -206,22 +212,7 @@ def test_silent_odometry_stops_the_robot_and_is_said(rig, peer, caplog):
     standing(robot)
 
 
-def test_something_in_the_way_is_waited_for_and_then_given_up(rig, peer):
-    robot = rig("--scan")
-    control = peer("/robot1")
-    scans = hear(control, LaserScan, "/robot1/scan", SENSOR)
-    wait_until(lambda: robot.state()["lidar"], "a scan")
-    control.send("do", "wall 0.4")
-    wall = scans.wait_for(lambda scan: min(scan.ranges) < 1)
-    wait_until(lambda: robot.time_s > to_ns(wall.header.stamp) / NS_PER_S + 0.2, "the wall")
-    with pytest.raises(SkillFailed, check=phrases.because("in_my_way")):
-        drive(robot, 3.0, 0.0).result()
-    assert robot.pose().x_m < 0.2
-    control.send("do", "wall")
-    drive(robot, 0.5, 0.0).result()
-
-
-def test_a_camera_is_heard_and_its_pictures_are_for_whoever_looks(rig, peer):
+def test_a_camera_is_heard_and_its_pictures_are_for_whoever_looks(rig, control):
     robot = rig()
     assert robot.state()["camera"] is False
     assert robot.newest_picture() is None
@@ -233,28 +224,11 @@ def test_a_camera_is_heard_and_its_pictures_are_for_whoever_looks(rig, peer):
         seen.append(robot.newest_picture())
         return robot.state()["camera"] and seen[-1] is not None
 
-    say = tell(peer(), Image, "/robot1/camera/image_raw", SENSOR)
+    say = tell(control, Image, "/robot1/camera/image_raw", SENSOR)
     wait_until(look, "a picture")
     assert seen[-1].tolist() == [[[255, 2, 1]]]
     wait_until(lambda: not robot.state()["camera"], "a second without one")
     assert robot.newest_picture() is None
-
-
-def test_goals_are_compared_in_the_map_where_transforms_join_it_to_odometry(rig):
-    robot = rig("--map-to-odom", "3,-2,1.2", "--start", "1,1,0", "--frame-prefix", "robot1/")
-    wait_until(lambda: robot.state()["frame"] == "map", "the transform")
-    pose = robot.pose()
-    assert (pose.x_m, pose.y_m) == pytest.approx((1.0, 1.0), abs=0.01)
-    assert pose.yaw_rad == pytest.approx(0.0, abs=0.01)
-    drive(robot, 1.5, 1.3).result()
-    assert distance(robot, 1.5, 1.3) < 0.12
-
-
-def test_goals_are_sent_in_the_map_where_there_is_one(rig):
-    robot = rig("--map-to-odom", "3,-2,1.2", "--start", "1,1,0", "--takes-goals")
-    wait_until(lambda: robot.state()["frame"] == "map", "the transform")
-    drive(robot, 1.5, 1.3).result()
-    assert distance(robot, 1.5, 1.3) < 0.36
 
 
 def test_odometry_is_taken_for_the_map_where_no_transform_says_better(rig, caplog):
@@ -265,34 +239,9 @@ def test_odometry_is_taken_for_the_map_where_no_transform_says_better(rig, caplo
     assert len(said) == 1
 
 
-def test_a_drive_is_refused_while_nothing_was_heard(domain, monkeypatch):
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-    robot = ExternalRobot("/nobody", LOCATIONS, ExternalSettings(discovery_s=0.5))
-    robot.start()
-    try:
-        with pytest.raises(
-            SkillFailed, check=phrases.because("robot_unheard", topic="/nobody/odom")
-        ):
-            drive(robot, 1.0, 0.0).result()
-        assert robot.state()["pose"] is None
-        assert robot.state()["odom_age"] is None
-    finally:
-        robot.close()
-
-
-def test_robots_in_other_namespaces_are_left_alone(rig, peer):
-    one = rig(namespace="/robot1")
-    two = rig("--takes-goals", namespace="/robot2")
-    for_two = Velocities(peer(), "/robot2/cmd_vel")
-    drive(one, 0.5, 0.0).result()
-    assert distance(one, 0.5, 0.0) < 0.12
-    assert distance(two, 0.0, 0.0) < 0.01
-    assert for_two.heard == []
-
-
-def test_closing_leaves_the_robot_standing(rig, peer):
+def test_closing_leaves_the_robot_standing(rig, control):
     robot = rig()
-    asked = Velocities(peer(), "/robot1/cmd_vel")
+    asked = Velocities(control, "/robot1/cmd_vel")
     going = drive(robot, 5.0, 0.0)
     moving(robot)
     robot.close()
@@ -301,9 +250,9 @@ def test_closing_leaves_the_robot_standing(rig, peer):
     wait_until(lambda: asked.heard[-1] == (0.0, 0.0), "zero velocity")
 
 
-def test_a_halt_cancels_the_goals_of_an_action_that_somebody_else_sent(rig, peer):
+def test_a_halt_cancels_the_goals_of_an_action_that_somebody_else_sent(rig, control):
     robot = rig()
-    nav2 = peer("/robot1")
+    nav2 = control
     accepted, cancelled = threading.Event(), threading.Event()
 
     def run(goal):
@@ -338,3 +287,101 @@ def test_a_halt_cancels_the_goals_of_an_action_that_somebody_else_sent(rig, peer
         wait_until(stopped, "the end of the goal")
         nav2.there(client.destroy)
         nav2.there(server.destroy)
+
+
+def test_robots_in_other_namespaces_are_left_alone(rig, control):
+    one = rig(namespace="/robot1")
+    two = rig(*TAKES_GOALS, namespace="/robot2")
+    for_two = Velocities(control, "/robot2/cmd_vel")
+    drive(one, 0.5, 0.0).result()
+    assert distance(one, 0.5, 0.0) < 0.12
+    assert distance(two, 0.0, 0.0) < 0.01
+    assert for_two.heard == []
+
+
+def test_a_robot_that_takes_goals_gets_one_and_is_never_steered(rig, control):
+    robot = rig(*TAKES_GOALS)
+    asked = Velocities(control, "/robot1/cmd_vel")
+
+    going = drive_to_place(robot, "desk")
+    moving(robot)
+    assert robot.state()["goal"]["by"] == "goal_pose"
+    going.result()
+
+    assert distance(robot, 1.0, 0.6) < 0.36
+    assert asked.heard == []
+
+
+def test_stop_recalls_the_goal_and_holds_zero_until_the_robot_stands(rig, control):
+    robot = rig(*TAKES_GOALS)
+    asked = Velocities(control, "/robot1/cmd_vel")
+    going = drive(robot, 5.0, 0.0)
+    moving(robot)
+
+    stopped = {one.name: one for one in robot.skills}["stop"].function(Goal())
+
+    assert stopped == {"was_moving": True}
+    with pytest.raises(Cancelled):
+        going.result()
+    standing(robot, 1.0)
+    assert asked.moving == []
+    wait_until(lambda: len(asked.heard) >= 15, "a stream of zeros")
+    assert asked.moving == []
+    where = robot.pose()
+    wait_until(lambda: robot.time_s > 0, "time")
+    drive_back = drive(robot, where.x_m, where.y_m)
+    drive_back.result()
+    assert distance(robot, where.x_m, where.y_m) < 0.36
+
+
+def test_a_robot_that_takes_goals_but_does_not_go_fails_with_a_reason(rig, control):
+    robot = rig(*TAKES_GOALS)
+    control.send("do", "stuck")
+    with pytest.raises(SkillFailed, check=phrases.because("not_moving")):
+        drive(robot, 2.0, 0.0).result()
+
+
+def test_something_in_the_way_is_waited_for_and_then_given_up(rig, control):
+    robot = rig("--scan")
+    scans = hear(control, LaserScan, "/robot1/scan", SENSOR)
+    wait_until(lambda: robot.state()["lidar"], "a scan")
+    control.send("do", "wall 0.4")
+    wall = scans.wait_for(lambda scan: min(scan.ranges) < 1)
+    wait_until(lambda: robot.time_s > to_ns(wall.header.stamp) / NS_PER_S + 0.2, "the wall")
+    with pytest.raises(SkillFailed, check=phrases.because("in_my_way")):
+        drive(robot, 3.0, 0.0).result()
+    assert robot.pose().x_m < 0.2
+    control.send("do", "wall")
+    drive(robot, 0.5, 0.0).result()
+
+
+def test_goals_are_compared_in_the_map_where_transforms_join_it_to_odometry(rig):
+    robot = rig(*MAPPED, "--frame-prefix", "robot1/")
+    wait_until(lambda: robot.state()["frame"] == "map", "the transform")
+    pose = robot.pose()
+    assert (pose.x_m, pose.y_m) == pytest.approx((1.0, 1.0), abs=0.01)
+    assert pose.yaw_rad == pytest.approx(0.0, abs=0.01)
+    drive(robot, 1.5, 1.3).result()
+    assert distance(robot, 1.5, 1.3) < 0.12
+
+
+def test_goals_are_sent_in_the_map_where_there_is_one(rig):
+    robot = rig(*MAPPED, "--takes-goals")
+    wait_until(lambda: robot.state()["frame"] == "map", "the transform")
+    drive(robot, 1.5, 1.3).result()
+    assert distance(robot, 1.5, 1.3) < 0.36
+
+
+def test_a_drive_is_refused_while_nothing_was_heard(domain, monkeypatch):
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+    robot = ExternalRobot("/nobody", LOCATIONS, ExternalSettings(discovery_s=0.5))
+    robot.start()
+    try:
+        with pytest.raises(
+            SkillFailed, check=phrases.because("robot_unheard", topic="/nobody/odom")
+        ):
+            drive(robot, 1.0, 0.0).result()
+        assert robot.state()["pose"] is None
+        assert robot.state()["odom_age"] is None
+    finally:
+        robot.close()

@@ -49,18 +49,25 @@ class RosoutListener:
         return {one.name: one.level for one in got}
 
 
+@pytest.fixture(scope="module")
+def resident(shared):
+    return shared(*JSON)
+
+
 @pytest.fixture
-def listener(peer):
-    return RosoutListener(peer())
+def listener(robot):
+    return RosoutListener(robot)
 
 
 def logged(agent):
-    """The lines of the log; what is printed for people stands between them."""
+    """The lines of its log; what is printed for people stands between them."""
     return [json.loads(line) for line in agent.lines if line.startswith("{")]
 
 
-def test_a_warning_of_ours_is_on_rosout_once_as_the_nodes_and_once_in_the_stream(agent, listener):
-    one = agent(*JSON)
+def test_a_warning_of_ours_is_on_rosout_once_as_the_nodes_and_once_in_the_stream(
+    resident, listener
+):
+    before = len(logged(resident))
     listener.peer.send("set_language", "klingon")
     wait_until(lambda: listener.of("message_refused"), "the warning on /rosout")
     listener.peer.send("set_language", "romulan")
@@ -71,33 +78,34 @@ def test_a_warning_of_ours_is_on_rosout_once_as_the_nodes_and_once_in_the_stream
     assert "klingon" in said.msg
     assert said.file.endswith("topics.py")
     assert said.stamp.sec > 0
-    one.terminate()
-    refused = [line for line in logged(one) if line["event"] == "message_refused"]
+    resident.wait_for_line("romulan")
+    refused = [line for line in logged(resident)[before:] if line["event"] == "message_refused"]
     assert [line["topic"] for line in refused] == ["set_language", "set_language"]
-    plain = [line for line in one.lines if not line.startswith(("{", "ROS 2: ", "robot-"))]
+    plain = [line for line in resident.lines if not line.startswith(("{", "ROS 2: ", "robot-"))]
     assert plain == []
 
 
-def test_levels_are_set_and_told_by_the_nodes_services_for_both_worlds(agent, listener):
-    one = agent(*JSON)
+def test_levels_are_set_and_told_by_the_nodes_services_for_both_worlds(resident, listener):
     listener.peer.send("text_input", "where are you")
     assert [r.successful for r in listener.set(edgevox=DEBUG, rcl=DEBUG, httpx=WARN)] == [True] * 3
     wanted = {"edgevox": DEBUG, "rcl": DEBUG, "httpx": WARN, "edgevox.voice": 0}
     assert listener.get(*wanted) == wanted
     assert listener.get("") == {"": WARN}
     listener.peer.send("text_input", "where are you")
-    one.wait_for_line('"event":"state"')
-    one.wait_for_line('"logger":"rcl"')
+    resident.wait_for_line('"event":"state"')
+    resident.wait_for_line('"logger":"rcl"')
     assert [r.successful for r in listener.set(edgevox=0, edgevox_edgevox=WARN)] == [True, True]
     assert listener.get("edgevox", "edgevox.edgevox") == {"edgevox": WARN, "edgevox.edgevox": WARN}
     (refused,) = listener.set(edgevox=7)
     assert not refused.successful
     assert "expected one of 0, 10, 20" in refused.reason
+    listener.set(edgevox_edgevox=0, rcl=0)
 
 
 def test_a_whole_run_is_json_and_tells_no_words_where_levels_come_from_ros_2s_arguments(
-    agent, listener
+    agent, peer
 ):
+    listener = RosoutListener(peer())
     levels = ("--ros-args", "--log-level", "edgevox:=info", "--log-level", "rcl:=debug")
     one = agent(*JSON, *levels)
     answers = listener.peer.listen("response")
@@ -122,8 +130,7 @@ def test_a_whole_run_is_json_and_tells_no_words_where_levels_come_from_ros_2s_ar
     assert "xyzzy" not in "".join(said.msg for said in listener.heard)
 
 
-def test_a_peer_whose_qos_does_not_fit_is_warned_of_on_both_of_its_ways(agent, listener):
-    one = agent(*JSON)
+def test_a_peer_whose_qos_does_not_fit_is_warned_of_on_both_of_its_ways(resident, listener):
     node = listener.peer.node
     lasting = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     careless = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -131,5 +138,5 @@ def test_a_peer_whose_qos_does_not_fit_is_warned_of_on_both_of_its_ways(agent, l
     node.create_subscription(String, listener.peer.name("bot_sentence"), lambda _: None, lasting)
     node.create_publisher(String, listener.peer.name("text_input"), careless)
 
-    one.wait_for_line("New subscription discovered on topic 'bot_sentence'")
-    one.wait_for_line("New publisher discovered on topic 'text_input'")
+    resident.wait_for_line("New subscription discovered on topic 'bot_sentence'")
+    resident.wait_for_line("New publisher discovered on topic 'text_input'")

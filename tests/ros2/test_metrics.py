@@ -30,25 +30,35 @@ def twist(speed_m_s: float) -> Twist:
     return message
 
 
+@pytest.fixture(scope="module")
+def port() -> int:
+    return free_port()
+
+
+@pytest.fixture(scope="module")
+def resident(shared, port) -> Agent:
+    return shared("--metrics-port", str(port))
+
+
 @pytest.fixture
-def port(agent) -> int:
-    one = free_port()
-    agent("--metrics-port", str(one))
-    return one
+def before(port, robot) -> Scrape:
+    """What has been counted by now."""
+    return scrape_until(port, bool)
 
 
 @pytest.mark.parametrize("topic", ["tts_request", "text_input"])
-def test_what_is_too_long_is_answered_and_counted_by_its_reason(port, peer, topic) -> None:
-    robot = peer()
+def test_what_is_too_long_is_answered_and_counted_by_its_reason(port, robot, before, topic) -> None:
     answers = robot.listen("response")
     robot.send(topic, "x" * 1_000_000)
     answers.wait_for(lambda m: m == phrases.said("too_long", length=1_000_000, limit=2000))
-    said = scrape_until(port, lambda s: s["edgevox_refused_requests_total", "too_long"] == 1)
-    assert said["edgevox_refused_requests_total", "too_many"] == 0
+    too_long, too_many = (
+        ("edgevox_refused_requests_total", one) for one in ("too_long", "too_many")
+    )
+    said = scrape_until(port, lambda s: s[too_long] == before[too_long] + 1)
+    assert said[too_many] == 0
 
 
-def test_what_happens_on_the_wire_is_counted(port, peer) -> None:
-    robot = peer()
+def test_what_happens_on_the_wire_is_counted(port, robot, before) -> None:
     drive = robot.node.create_publisher(Twist, "/edgevox/cmd_vel", 10)
     pause = threading.Event()
     wait_until(drive.get_subscription_count, "/edgevox/cmd_vel")
@@ -60,20 +70,25 @@ def test_what_happens_on_the_wire_is_counted(port, peer) -> None:
     def is_refused(said: Scrape) -> bool:
         # The robot may know the publisher later than that knows of the robot: the first is lost.
         drive.publish(twist(math.nan))
-        return said[refused] >= 1
+        return said[refused] > before[refused]
 
     scrape_until(port, is_refused)
+    halts = ("edgevox_watchdog_halts_total",)
     for _ in range(5):
         drive.publish(twist(0.3))
         pause.wait(0.05)
-    said = scrape_until(port, lambda s: s["edgevox_watchdog_halts_total",] >= 1)
-    assert said[("edgevox_refused_messages_total", "invalid", "set_language")] == 1
-    assert said[("edgevox_refused_messages_total", "invalid", "text_input")] == 0
-    assert said[("edgevox_refused_requests_total", "too_long")] == 0
-    assert said[("edgevox_interrupts_total", "topic")] == 1
-    assert said[("edgevox_check_ok", "ros2")] == 1
-    assert said[("edgevox_failures_total", "executor")] == 0
-    assert 0 <= said[("edgevox_executor_lag_seconds",)] < LAG_S
+    said = scrape_until(port, lambda s: s[halts] > before[halts])
+
+    def more(*name: str) -> float:
+        return said[name] - before[name]
+
+    assert more("edgevox_refused_messages_total", "invalid", "set_language") == 1
+    assert more("edgevox_refused_messages_total", "invalid", "text_input") == 0
+    assert more("edgevox_refused_requests_total", "too_long") == 0
+    assert more("edgevox_interrupts_total", "topic") == 1
+    assert said["edgevox_check_ok", "ros2"] == 1
+    assert said["edgevox_failures_total", "executor"] == 0
+    assert 0 <= said["edgevox_executor_lag_seconds",] < LAG_S
 
     robot.send("set_language", "fr")
     scrape_until(
@@ -83,14 +98,15 @@ def test_what_happens_on_the_wire_is_counted(port, peer) -> None:
     scrape_until(port, lambda s: s["edgevox_skill_goals_running", "navigate_to"] == 1)
     robot.send("interrupt", "")
     ended = scrape_until(port, lambda s: s["edgevox_skill_goals_running", "navigate_to"] == 0)
-    assert ended[("edgevox_skill_goals_total", "cancelled", "navigate_to")] == 1
+    cancelled = ("edgevox_skill_goals_total", "cancelled", "navigate_to")
+    assert ended[cancelled] == before[cancelled] + 1
+    robot.send("set_language", "en")
 
 
-def test_a_recorder_counts_what_is_on_the_disk(agent, domain, tmp_path) -> None:
-    agent()
+def test_a_recorder_counts_what_is_on_the_disk(resident, tmp_path) -> None:
     port = free_port()
     arguments = ("--output", str(tmp_path), "--metrics-port", str(port))
-    recorder = Agent(*arguments, domain=domain, program=RECORDER)
+    recorder = Agent(*arguments, domain=resident.domain, program=RECORDER)
     try:
         told = scrape_until(port, lambda s: s.get(("edgevox_recorded_messages_total",), 0) > 5)
         assert told[("edgevox_dropped_total", "recorder")] == 0

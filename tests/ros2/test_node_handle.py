@@ -6,9 +6,10 @@ from pathlib import Path
 
 import phrases
 import pytest
+from external_rig import robot_process
 from geometry_msgs.msg import Twist
 from guards import HUNG_S
-from robot_file_rig import NAMESPACE, Asked, Run, interfaces
+from robot_file_rig import NAMESPACE, Asked, Run, lasting
 from sensor_msgs.msg import Temperature
 from std_msgs.msg import Bool, Int32
 from std_srvs.srv import SetBool, Trigger
@@ -56,23 +57,25 @@ def token():
     return CancelToken()
 
 
-@pytest.fixture
-def robot(domain):
-    with interfaces(domain) as process:
-        yield process
-
-
-@pytest.fixture
-def asked(robot, peer, ros):
-    """The robot, once the agent's node knows of it, and of none that was killed before."""
+@pytest.fixture(scope="module")
+def robot(domain, external):
+    """What the robot is asked, once the agent's node knows of it."""
     wanted = {f"{NAMESPACE}/honk", f"{NAMESPACE}/dock/_action/send_goal"}
 
-    def only_this_one(node):
+    def known(node):
         there = {name for name, _ in node.get_service_names_and_types()}
         return wanted <= there and node.count_subscribers(f"{NAMESPACE}/lamp") == 1
 
-    wait_until(lambda: ros.on_node(only_this_one), "the robot, alone")
-    return Asked(peer(NAMESPACE))
+    with lasting(domain) as asked:
+        wait_until(lambda: external.ros.on_node(known), "the robot")
+        yield asked
+
+
+@pytest.fixture
+def asked(robot):
+    """What a robot is asked that obeys."""
+    robot.anew()
+    return robot
 
 
 @pytest.fixture
@@ -169,13 +172,19 @@ def test_feedback_is_heard_on_the_thread_of_the_skill(ros, asked, token):
     assert heard == [threading.current_thread()]
 
 
-def test_a_robot_that_dies_under_an_action_ends_it(ros, asked, robot, token, beside):
-    asked.do("hang")
-    run = beside(_dock, ros, token, timeout_s=3.0)
-    asked.wait("dock")
-    robot.kill()
-    with pytest.raises(SkillFailed, check=phrases.because("no_answer", what="dock")):
-        run.result(HUNG_S)
+def test_a_robot_that_dies_under_an_action_ends_it(domain, monkeypatch, peer, token, beside):
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+    one = EXTERNAL.build(Settings(robot_namespace="/mortal"), None)
+    one.start()
+    with robot_process("interface_robot.py", domain=domain, namespace="/mortal") as process:
+        asked = Asked(peer("/mortal"))
+        asked.do("hang")
+        run = beside(_dock, one.ros, token, timeout_s=3.0)
+        asked.wait("dock")
+        process.kill()
+        with pytest.raises(SkillFailed, check=phrases.because("no_answer", what="dock")):
+            run.result(HUNG_S)
+    one.close()
 
 
 def test_what_is_not_there_is_told_of(ros, token):

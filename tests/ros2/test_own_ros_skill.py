@@ -6,7 +6,7 @@ from pathlib import Path
 import phrases
 import pytest
 from guards import HUNG_S
-from robot_file_rig import NAMESPACE, ROBOT_FILE, Asked, interfaces
+from robot_file_rig import NAMESPACE, ROBOT_FILE, Asked, Talk, interfaces
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "own_ros_skill"
 BROKEN = """
@@ -23,86 +23,71 @@ def make(context):
 """
 
 
-@pytest.fixture
-def installed(tmp_path, monkeypatch):
+@pytest.fixture(scope="module", autouse=True)
+def _installed(tmp_path_factory):
     """As pip would have it, and beside it a package whose skill raises."""
-    about = tmp_path / "brought-1.0.dist-info"
+    folder = tmp_path_factory.mktemp("installed")
+    about = folder / "brought-1.0.dist-info"
     about.mkdir()
     (about / "METADATA").write_text("Metadata-Version: 2.1\nName: brought\nVersion: 1.0\n")
     (about / "entry_points.txt").write_text(
         "[edgevox.skills]\ndock-hand = dock_hand:dock_hand_skills\nbroken = brought_broken:make\n"
     )
-    (tmp_path / "brought_broken.py").write_text(BROKEN)
-    path = [str(tmp_path), str(EXAMPLE), os.environ.get("PYTHONPATH", "")]
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(filter(None, path)))
+    (folder / "brought_broken.py").write_text(BROKEN)
+    path = [str(folder), str(EXAMPLE), os.environ.get("PYTHONPATH", "")]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTHONPATH", os.pathsep.join(filter(None, path)))
+        yield
 
 
-@pytest.fixture
-def talk(agent, installed, domain, peer):
-    """An agent; say something to it, and wait for words in an answer."""
-
-    def start(*arguments, robot="robot-external", namespace="/edgevox"):
-        agent(*arguments, robot=robot)
-        one = peer(namespace)
-        heard = one.listen("response")
-
-        def say(text, *parts):
-            for part in parts:
-                since = len(heard.messages)
-                if part is parts[0]:
-                    one.send("text_input", text)
-                heard.wait_for(lambda m, p=part: p in m, since=since)
-            return heard.messages[-1]
-
-        return say
-
+def test_skills_of_a_package_are_done_by_sentences_on_any_robot_that_is_on_ros_2(
+    agent, peer, domain
+):
     with interfaces(domain):
-        yield start
+        agent(f"--namespace={NAMESPACE}", robot="robot-external")
+        one = peer()
+        talk, asked = Talk(one), Asked(peer(NAMESPACE))
+        talk.say("honk please", "That was my horn.")
+        asked.wait("honk", True)
+        talk.say("go to berth four", "Going to berth 4.")
+        asked.wait("dock", ["berth 4", ""])
+        asked.do("hang")
+        talk.say("go to berth 2", "Going to berth 2.")
+        asked.wait("dock", ["berth 2", ""])
+        talk.say("stop", phrases.said("stopped"))
+        asked.wait("cancelled", "berth 2")
+        asked.do("refuse")
+        talk.say("honk", "My horn does not work.")
+        asked.do("obey")
+
+        # In another language, and what a skill raises is said in none.
+        talk.speak("de")
+        events = one.listen("agent_event")
+        said = talk.answer("fall apart")
+        assert "ist ein Fehler aufgetreten" in said
+        assert "rclpy" not in said
+        events.wait_for(lambda one: "NotInitialized" in one or "rclpy" in one)
+        talk.say("hupe bitte", "Das war meine Hupe.")
 
 
-def test_skills_of_a_package_are_done_by_sentences_on_any_robot_that_is_on_ros_2(talk, peer):
-    say = talk(f"--namespace={NAMESPACE}")
-    asked = Asked(peer(NAMESPACE))
-    say("honk please", "That was my horn.")
-    asked.wait("honk", True)
-    say("go to berth four", "Going to berth 4.")
-    asked.wait("dock", ["berth 4", ""])
-    asked.do("hang")
-    say("go to berth 2", "Going to berth 2.")
-    asked.wait("dock", ["berth 2", ""])
-    say("stop", phrases.said("stopped"))
-    asked.wait("cancelled", "berth 2")
-    asked.do("refuse")
-    say("honk", "My horn does not work.")
-
-
-def test_what_a_skill_raises_is_not_said_in_any_language(talk, peer):
-    say = talk(f"--namespace={NAMESPACE}", "--language=de")
-    events = peer().listen("agent_event")
-    said = say("fall apart", "ist ein Fehler aufgetreten")
-    assert "rclpy" not in said
-    events.wait_for(lambda one: "NotInitialized" in one or "rclpy" in one)
-    asked = Asked(peer(NAMESPACE))
-    say("hupe bitte", "Das war meine Hupe.")
-    asked.wait("honk", True)
-
-
-def test_the_same_package_works_on_a_robot_of_ours_by_the_agents_node(talk, peer):
+def test_the_same_package_works_on_a_robot_of_ours_by_the_agents_node(agent, peer, domain):
     """Whose namespace is the agent's: here the robot's interfaces are in the same one."""
-    say = talk(f"--ros2-namespace={NAMESPACE}", robot="robot-apartment", namespace=NAMESPACE)
-    asked = Asked(peer(NAMESPACE))
-    say("honk please", "That was my horn.")
-    asked.wait("honk", True)
+    with interfaces(domain):
+        agent(f"--ros2-namespace={NAMESPACE}")
+        one = peer(NAMESPACE)
+        asked = Asked(one)
+        Talk(one).say("honk please", "That was my horn.")
+        asked.wait("honk", True)
 
 
-def test_a_package_that_needs_ros_2_is_off_without_it(agent, installed):
+def test_a_package_that_needs_ros_2_is_off_without_it(agent):
     one = agent("--no-ros2", "--check", "--skills=dock-hand", wait=False)
     one.wait_for_line("skill_package_off")
     assert one.process.wait(HUNG_S) == 0
     assert not [line for line in one.lines if "sound_horn" in line]
 
 
-def test_skills_of_a_robot_file_and_of_a_package_go_together(agent, installed):
+def test_skills_of_a_robot_file_and_of_a_package_go_together(agent):
     one = agent(f"--robot-file={ROBOT_FILE}", "--check", robot="robot-external", wait=False)
     one.wait_for_line("temperature:")
     one.wait_for_line("sound_horn: Sound the horn once.")

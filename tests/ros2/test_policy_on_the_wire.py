@@ -3,6 +3,7 @@
 import json
 import subprocess
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -121,14 +122,19 @@ def _process(
         one.process.stdin.close()
 
 
-@pytest.fixture
-def robot(_process: tuple[Agent, Path, int], peer: Callable[[], Peer]) -> Iterator[Robot]:
+@pytest.fixture(scope="module")
+def _robot(_process: tuple[Agent, Path, int]) -> Iterator[Robot]:
     process, file, port = _process
-    one = Robot(process, peer(), file, port)
-    yield one
-    one.under("rules: {}")
-    one.peer.send("interrupt", "")
-    one.odom.wait_for(lambda m: speed(m) < 0.01, since=len(one.odom.messages))
+    with closing(Peer(process.domain)) as peer:
+        yield Robot(process, peer, file, port)
+
+
+@pytest.fixture
+def robot(_robot: Robot) -> Iterator[Robot]:
+    """Each test puts it under a policy of its own; a stop is under none."""
+    yield _robot
+    _robot.peer.send("interrupt", "")
+    _robot.odom.wait_for(lambda m: speed(m) < 0.01, since=len(_robot.odom.messages))
 
 
 def goal_pose(x_m: float, y_m: float) -> PoseStamped:
@@ -236,7 +242,7 @@ def test_velocities_that_are_denied_turn_no_wheel_and_are_told_once_a_second(rob
 def test_velocities_are_slowed_to_what_is_permitted(robot):
     robot.under("rules: {'*': deny, cmd_vel: allow}\nlimits: {speed: {linear_m_s: 0.1}}")
     before = len(robot.odom.messages)
-    stream = Stream(tell(robot.peer, Twist, CMD_VEL, SENSOR), twist(0.4, 0.0))
+    stream = Stream(tell(robot.peer, Twist, CMD_VEL, SENSOR), twist(0.4, 0.8))  # away from a wall
     robot.odom.wait_for(lambda m: speed(m) > 0.09, since=before)
     robot.odom.wait_for_more(20)
     stream.end()
@@ -318,8 +324,10 @@ def test_a_refusal_is_counted_on_metrics_and_seen_on_diagnostics(robot):
 
 @pytest.fixture
 def german(robot: Robot) -> Iterator[Robot]:
+    robot.under("rules: {}")
     speak(robot, "de")
     yield robot
+    robot.under("rules: {}")
     speak(robot, "en")
 
 

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 from collections import Counter
+from functools import partial
 from pathlib import Path
 
 import phrases
@@ -17,6 +18,7 @@ import yaml
 from guards import HUNG_S
 from peer import STATE
 from recordings import texts_of, until_recorded
+from robot_states import far_room
 from rosbags.highlevel import AnyReader
 from waiting import Heard, wait_until
 
@@ -77,10 +79,10 @@ class Recorder:
 
 
 @pytest.fixture
-def recorder(domain, tmp_path):
+def recorder_of(tmp_path):
     started = []
 
-    def start(*arguments, **options):
+    def start(domain, *arguments, **options):
         started.append(Recorder(tmp_path / f"r{len(started)}", domain, *arguments, **options))
         return started[-1]
 
@@ -89,6 +91,18 @@ def recorder(domain, tmp_path):
         if one.process.poll() is None:
             one.process.kill()
             one.wait()
+
+
+@pytest.fixture
+def recorder(recorder_of, resident):
+    """Starts recorders beside the shared agent."""
+    return partial(recorder_of, resident.domain)
+
+
+@pytest.fixture
+def far(robot):
+    """A room that the robot needs a while to drive to."""
+    return far_room(robot.listen("robot_state", STATE).wait_for(lambda _: True))
 
 
 def count_in(folder):
@@ -106,18 +120,16 @@ def arrived(message):
     return data.get("skill") == "navigate_to" and data.get("status") == "succeeded"
 
 
-def test_a_drive_is_recorded_as_a_peer_saw_it(agent, peer, recorder):
-    agent()
+def test_a_drive_is_recorded_as_a_peer_saw_it(robot, recorder, far):
     one = recorder().wait_until_it_records()
-    robot = peer()
     topics = ("response", "agent_event", "bot_sentence", "transcription")
     until_recorded(robot, one.files, topics)
     heard = {topic: robot.listen(topic) for topic in topics}
     state = robot.listen("robot_state", STATE)
     before = len(state.messages)
-    robot.send("text_input", "go to the kitchen")
+    robot.send("text_input", f"go to the {far}")
     heard["agent_event"].wait_for(arrived, ROOM_FOR_EVENTS)
-    heard["response"].wait_for(lambda m: m == phrases.done("navigate_to", room="kitchen"))
+    heard["response"].wait_for(lambda m: m == phrases.done("navigate_to", room=far))
     state.wait_for(lambda m: json.loads(m)["goal"] is None, since=len(state.messages))
     seen = state.messages[before:]
 
@@ -135,7 +147,7 @@ def test_a_drive_is_recorded_as_a_peer_saw_it(agent, peer, recorder):
     wait_until(recorded, "all that was heard, in the file")
     assert one.end() == 0, one.lines
     texts = in_file()
-    assert texts["/edgevox/text_input"][-1] == "go to the kitchen"
+    assert texts["/edgevox/text_input"][-1] == f"go to the {far}"
     counted = count_in(one.folder)
     assert {name: len(rows) for name, rows in texts.items()} == counted
     assert counted["/tf"] > 30
@@ -143,26 +155,6 @@ def test_a_drive_is_recorded_as_a_peer_saw_it(agent, peer, recorder):
     assert counted["/tf_static"] == 1
     about = yaml.safe_load((one.folder / "metadata.yaml").read_text())
     assert about["rosbag2_bagfile_information"]["message_count"] == counted.total()
-
-
-def test_when_it_is_killed_all_that_it_flushed_is_in_the_file(agent, peer, recorder):
-    agent()
-    one = recorder().wait_until_it_records()
-    robot = peer()
-    state = robot.listen("robot_state", STATE)
-    until_recorded(robot, one.files, ())
-    robot.send("text_input", "go to the bedroom")
-    state.wait_for(lambda m: json.loads(m)["velocity"]["linear"] > 0.05)
-    since, (file,) = len(state.messages), one.files()
-    state.wait_for(lambda m: True, since=since + 20)
-
-    last_s = _time(state.messages[-1])
-    wait_until(lambda: states_in([file])[-1] >= last_s, "a state of the drive, in the file")
-    assert one.end(signal.SIGKILL) == -signal.SIGKILL
-    kept = states_in([file])
-    wanted = [t for t in map(_time, state.messages[since:]) if t < kept[-1]]
-    assert len(wanted) >= 20
-    assert set(wanted) <= set(kept)
 
 
 def test_what_is_lost_by_a_kill_is_less_than_a_second():
@@ -179,28 +171,30 @@ def states_in(files):
     return [_time(text) for _, text in rows]
 
 
-def test_a_full_file_is_followed_by_another_and_nothing_is_lost_between(agent, peer, recorder):
-    agent()
+def test_when_it_is_killed_all_that_it_flushed_is_there_and_a_full_file_is_followed_by_another(
+    robot, recorder, far
+):
     one = recorder("--max-size", "0.03", "--topics", "scan", "robot_state", "pose", "/tf")
     one.wait_until_it_records()
-    robot = peer()
     state = robot.listen("robot_state", STATE)
     wait_until(lambda: states_in(one.files()), "a state in a file")
     since, before = len(state.messages), len(one.files())
-    robot.send("text_input", "go to the bedroom")
+    robot.send("text_input", f"go to the {far}")
     wait_until(lambda: len(one.files()) > before + 1, "two more files", ROOM_FOR_EVENTS)
-    assert one.end() == 0
-    counted = count_in(one.folder)
-    assert set(counted) == {"/edgevox/scan", "/edgevox/robot_state", "/edgevox/pose", "/tf"}
+    last_s = _time(state.messages[-1])
+    wait_until(lambda: states_in(one.files())[-1] >= last_s, "a state of the drive, in a file")
+    assert one.end(signal.SIGKILL) == -signal.SIGKILL
     kept = states_in(one.files())
-    heard = [t for t in map(_time, state.messages[since:]) if t <= kept[-1]]
-    assert sum(not set(heard).isdisjoint(states_in([file])) for file in one.files()) > 1
-    assert set(heard) <= set(kept)
+    wanted = [t for t in map(_time, state.messages[since:]) if t < kept[-1]]
+    assert sum(not set(wanted).isdisjoint(states_in([file])) for file in one.files()) > 1
+    assert len(wanted) >= 20
+    assert set(wanted) <= set(kept)
+    texts = {topic for file in one.files() for topic in texts_of(file)}
+    assert texts == {"/edgevox/scan", "/edgevox/robot_state", "/edgevox/pose", "/tf"}
 
 
-def test_a_disk_that_takes_no_more_is_said_and_costs_no_more_than_the_exit_code(agent, recorder):
-    agent()
-
+@pytest.mark.long
+def test_a_disk_that_takes_no_more_is_said_and_costs_no_more_than_the_exit_code(recorder):
     def small_files():
         resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
 
@@ -211,8 +205,8 @@ def test_a_disk_that_takes_no_more_is_said_and_costs_no_more_than_the_exit_code(
     assert texts_of(one.files()[0])["/edgevox/robot_state"]
 
 
-def test_a_scenario_that_comes_true_ends_with_0_and_is_recorded(agent, recorder):
-    one = recorder("--scenario", str(SCENARIOS / "smoke.yaml"))  # it waits for the robot
+def test_a_scenario_that_comes_true_ends_with_0_and_is_recorded(agent, recorder_of, domain):
+    one = recorder_of(domain, "--scenario", str(SCENARIOS / "smoke.yaml"))  # it waits for the robot
     agent()
     assert one.wait() == 0, one.lines
     report = "\n".join(one.lines)
@@ -222,11 +216,11 @@ def test_a_scenario_that_comes_true_ends_with_0_and_is_recorded(agent, recorder)
     assert said == ["go to the kitchen"]
 
 
-EVERY_KIND = """
+EVERY_KIND = """\
 never: [{state: {collisions: {above: 0}}}]
 steps:
   - run: navigate_to
-    with: {room: bedroom}
+    with: {room: ROOM}
   - wait: 1.5
   - expect: {state: {velocity.linear: {above: 0.2}}, event: {skill: navigate_to, status: running}}
     within: 5
@@ -236,7 +230,7 @@ steps:
   - drive: {linear: 0.3, seconds: 0.8}
   - expect: {state: {velocity.linear: {above: 0.2}}}
   - run: navigate_to
-    with: {room: bedroom}
+    with: {room: ROOM}
   - expect: {state: {velocity.linear: {above: 0.2}}}
     within: 5
   - say: stop
@@ -245,23 +239,19 @@ steps:
 """
 
 
-def test_all_kinds_of_steps_play_on_topics(agent, recorder, tmp_path):
-    agent()
+def test_all_kinds_of_steps_play_on_topics(recorder, far, tmp_path):
     file = tmp_path / "every.yaml"
-    file.write_text(EVERY_KIND)
+    file.write_text(EVERY_KIND.replace("ROOM", far))
     one = recorder("--scenario", str(file))
     assert one.wait() == 0, one.lines
 
 
-def test_a_scenario_that_does_not_come_true_ends_with_1_and_what_was_seen(
-    agent, recorder, tmp_path
-):
-    agent()
+def test_a_scenario_that_does_not_come_true_ends_with_1_and_what_was_seen(recorder, far, tmp_path):
     file = tmp_path / "wrong.yaml"
     file.write_text(
         "steps:\n"
-        "  - say: go to the bedroom\n"
-        "  - expect: {state: {room: kitchen}}\n"
+        f"  - say: go to the {far}\n"
+        f"  - expect: {{state: {{room: {far}}}}}\n"
         "    within: 1\n"
         "  - say: never said\n"
     )
@@ -269,15 +259,15 @@ def test_a_scenario_that_does_not_come_true_ends_with_1_and_what_was_seen(
     assert one.wait() == 1
     report = "\n".join(one.lines)
     assert "FAIL   2" in report
-    assert "expected room = 'kitchen'" in report
+    assert f"expected room = {far!r}" in report
     assert "FAILED at step 2 of 3" in report
     recorded = texts_of(one.files()[0])
-    assert [text for _, text in recorded["/edgevox/text_input"]] == ["go to the bedroom"]
+    assert [text for _, text in recorded["/edgevox/text_input"]] == [f"go to the {far}"]
     assert recorded["/edgevox/interrupt"]  # the robot was not left driving
 
 
-def test_a_skill_that_is_refused_fails_with_the_robots_own_reason(agent, recorder, tmp_path):
-    agent()
+@pytest.mark.long
+def test_a_skill_that_is_refused_fails_with_the_robots_own_reason(recorder, tmp_path):
     file = tmp_path / "moon.yaml"
     file.write_text("steps: [{run: navigate_to, with: {room: moon}}]\n")
     one = recorder("--scenario", str(file))
@@ -285,11 +275,13 @@ def test_a_skill_that_is_refused_fails_with_the_robots_own_reason(agent, recorde
     assert "navigate_to.room: got 'moon'" in "\n".join(one.lines)
 
 
-def test_a_scenario_for_another_robot_or_for_none_fails_and_says_so(agent, recorder, tmp_path):
-    nobody = recorder("--scenario", str(SCENARIOS / "smoke.yaml"), "--wait", "1")
+@pytest.mark.long
+def test_a_scenario_for_another_robot_or_for_none_fails_and_says_so(recorder):
+    nobody = recorder(
+        "--scenario", str(SCENARIOS / "smoke.yaml"), "--wait", "1", "--namespace", "/nobody"
+    )
     assert nobody.wait() == 1
-    assert "/edgevox: no publisher of state" in "\n".join(nobody.lines)
-    agent()
+    assert "/nobody: no publisher of state" in "\n".join(nobody.lines)
     other = recorder("--scenario", str(SCENARIOS / "panda.yaml"))
     assert other.wait() == 2
     assert "agent: got 'robot-apartment', expected one of robot-panda" in "\n".join(other.lines)
@@ -299,13 +291,23 @@ def test_a_scenario_for_another_robot_or_for_none_fails_and_says_so(agent, recor
     ("arguments", "said"),
     [
         (["--topics", "respons"], "topics: got 'respons'"),
-        (["--max-size", "0"], "max_size: got 0.0, expected a number of 0.01 or more"),
-        (["--namespace", "my robot"], "agent_namespace: got 'my robot'"),
+        pytest.param(
+            ["--max-size", "0"],
+            "max_size: got 0.0, expected a number of 0.01 or more",
+            marks=pytest.mark.long,
+        ),
+        pytest.param(
+            ["--namespace", "my robot"],
+            "agent_namespace: got 'my robot'",
+            marks=pytest.mark.long,
+        ),
         (["--scenario", "nowhere.yaml"], "scenario: got 'nowhere.yaml'"),
     ],
 )
-def test_what_makes_no_sense_is_refused_before_anything_is_recorded(recorder, arguments, said):
-    one = recorder(*arguments)
+def test_what_makes_no_sense_is_refused_before_anything_is_recorded(
+    recorder_of, domain, arguments, said
+):
+    one = recorder_of(domain, *arguments)
     assert one.wait() == 2
     assert said in "\n".join(one.lines)
     assert not one.output.exists()

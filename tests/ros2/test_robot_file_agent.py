@@ -4,29 +4,33 @@ import phrases
 import pytest
 from action_rig import Client
 from guards import HUNG_S
-from robot_file_rig import NAMESPACE, ROBOT_FILE, Asked, Talk, interfaces
+from robot_file_rig import ROBOT_FILE, Talk, lasting
 
 
 @pytest.fixture(scope="module")
-def robot(domain):
-    with interfaces(domain):
-        yield
+def resident(shared):
+    return shared(f"--robot-file={ROBOT_FILE}", robot="robot-external")
+
+
+@pytest.fixture(scope="module")
+def interface_robot(resident):
+    with lasting(resident.domain) as asked:
+        yield asked
 
 
 @pytest.fixture
-def talk(agent, robot, peer):
+def asked(interface_robot, robot):
+    interface_robot.anew()
+    return interface_robot
+
+
+@pytest.fixture
+def say(robot):
     """Say something, and wait for words in an answer."""
-
-    def start(*arguments):
-        agent(f"--robot-file={ROBOT_FILE}", *arguments, robot="robot-external")
-        return Talk(peer()).say
-
-    return start
+    return Talk(robot).say
 
 
-def test_all_that_the_robot_can_do_is_done_by_sentences(talk, peer):
-    say = talk()
-    asked = Asked(peer(NAMESPACE))
+def test_all_that_the_robot_can_do_is_done_by_sentences(say, asked):
     say("sound the horn", "That was loud.")
     asked.wait("honk", True)
     say("lamp to crimson please", "The lamp is red.")
@@ -48,24 +52,20 @@ def test_all_that_the_robot_can_do_is_done_by_sentences(talk, peer):
     say("stop", phrases.said("stopped"))
 
 
-def test_a_skill_that_wants_a_yes_is_asked_about_and_refused_where_nobody_can_be_asked(talk, peer):
-    say = talk()
-    asked = Asked(peer(NAMESPACE))
-    asked.do("obey")
+def test_a_skill_that_wants_a_yes_is_asked_about_and_refused_where_nobody_can_be_asked(
+    say, asked, robot
+):
     say("open tray", "Shall I open the tray?")
     say("no", "")
     assert asked.times("fold") == 0
     say("open tray", "Shall I open the tray?")
     say("yes", "The tray is open.")
     asked.wait("fold")
-    refused = Client(peer()).send("open_tray")
+    refused = Client(robot).send("open_tray")
     assert not refused.accepted
 
 
-def test_a_file_is_checked_without_a_robot_and_its_fault_is_told(agent, tmp_path):
-    checked = agent(f"--robot-file={ROBOT_FILE}", "--check", robot="robot-external", wait=False)
-    checked.wait_for_line("honk: Sound the horn.")
-    assert checked.process.wait(HUNG_S) == 0
+def test_the_fault_of_a_file_is_told_without_a_robot(agent, tmp_path):
     wrong = tmp_path / "robot.yaml"
     wrong.write_text(ROBOT_FILE.read_text("utf-8").replace("data: 7", "date: 7"))
     refused = agent(f"--robot-file={wrong}", "--check", robot="robot-external", wait=False)
@@ -73,11 +73,12 @@ def test_a_file_is_checked_without_a_robot_and_its_fault_is_told(agent, tmp_path
     assert refused.process.wait(HUNG_S) != 0
 
 
-def test_it_speaks_the_language_of_the_file_and_made_up_sentences(talk, peer):
-    say = talk("--language=de")
-    asked = Asked(peer(NAMESPACE))
-    asked.do("obey")
-    say("hupe bitte", "Das war laut.")
-    asked.do("refuse")
-    say("hupe", "Die Hupe ist kaputt")
-    asked.do("obey")
+def test_it_speaks_the_language_of_the_file_and_made_up_sentences(robot, asked):
+    talk = Talk(robot)
+    talk.speak("de")
+    try:
+        talk.say("hupe bitte", "Das war laut.")
+        asked.do("refuse")
+        talk.say("hupe", "Die Hupe ist kaputt")
+    finally:
+        talk.speak("en")

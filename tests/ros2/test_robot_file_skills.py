@@ -2,7 +2,8 @@
 
 import phrases
 import pytest
-from robot_file_rig import NAMESPACE, Asked, Run, body, interfaces
+from external_rig import robot_process
+from robot_file_rig import NAMESPACE, ROBOT_FILE, Asked, Run, body, lasting
 
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled
@@ -16,18 +17,24 @@ def skills(domain):
             yield found
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def robot(domain):
-    with interfaces(domain) as process:
-        yield process
+    with lasting(domain) as asked:
+        yield asked
 
 
 @pytest.fixture
-def asked(robot, peer):
-    """What a robot is asked that is up: it has answered."""
-    one = Asked(peer(NAMESPACE))
-    one.do("obey")
-    return one
+def asked(robot, skills):
+    """What a robot is asked that is up and obeys, and whose door is known to be shut."""
+    robot.anew()
+    _knows_the_door(skills, open=False)
+    return robot
+
+
+def _knows_the_door(skills, **is_so):
+    """What was said before is still on its way."""
+    while Run(skills, "look_at_door").result() != is_so:
+        pass
 
 
 def test_a_service_is_called(skills, asked):
@@ -75,7 +82,7 @@ def test_a_stop_cancels_an_action_and_does_what_the_file_wants_for_it(skills, as
     ("mode", "skill", "why"),
     [
         ("refuse", "honk", "The horn is broken."),
-        ("hang", "honk", "The horn is broken."),
+        pytest.param("hang", "honk", "The horn is broken.", marks=pytest.mark.long),
         ("refuse", "dock", phrases.interface("refused", "dock")),
         ("abort", "dock", phrases.interface("gave_up", "dock")),
         ("lie", "dock", phrases.interface("refused", "dock")),
@@ -88,20 +95,23 @@ def test_a_robot_that_refuses_hangs_aborts_or_lies_is_told_of(skills, asked, mod
         Run(skills, skill).result()
 
 
-def test_a_robot_that_is_not_there_is_told_of(skills):
-    with pytest.raises(SkillFailed, check=phrases.because("not_there", what="dock")):
-        Run(skills, "dock").result()
-    with pytest.raises(SkillFailed, check=phrases.because("nobody_listens", what="lamp")):
-        Run(skills, "set_lamp", colour="red").result()
-
-
-def test_a_robot_that_dies_under_an_action_ends_it(skills, asked, robot):
-    asked.do("hang")
-    run = Run(skills, "dock")
-    asked.wait("dock")
-    robot.kill()
-    with pytest.raises(SkillFailed, check=phrases.because("no_answer", what="dock")):
-        run.result()
+@pytest.mark.usefixtures("skills")  # the same domain
+def test_a_robot_that_is_not_there_or_dies_under_an_action_is_told_of(domain, peer, tmp_path):
+    file = tmp_path / "robot.yaml"
+    file.write_text(ROBOT_FILE.read_text("utf-8").replace(NAMESPACE, "/mortal"))
+    with body(file) as mortal:
+        with pytest.raises(SkillFailed, check=phrases.because("not_there", what="dock")):
+            Run(mortal, "dock").result()
+        with pytest.raises(SkillFailed, check=phrases.because("nobody_listens", what="lamp")):
+            Run(mortal, "set_lamp", colour="red").result()
+        with robot_process("interface_robot.py", domain=domain, namespace="/mortal") as process:
+            asked = Asked(peer("/mortal"))
+            asked.do("hang")
+            run = Run(mortal, "dock")
+            asked.wait("dock")
+            process.kill()
+            with pytest.raises(SkillFailed, check=phrases.because("no_answer", what="dock")):
+                run.result()
 
 
 def test_the_newest_value_answers_a_question(skills, asked):
@@ -117,18 +127,19 @@ def _asks_again_and_again(skills, name):
 def test_a_value_that_is_old_is_no_answer(skills, asked):
     Run(skills, "temperature").result()
     asked.do("silent")
-    with pytest.raises(SkillFailed, check=phrases.because("unheard", what="temperature")):
-        _asks_again_and_again(skills, "temperature")
+    try:
+        with pytest.raises(SkillFailed, check=phrases.because("unheard", what="temperature")):
+            _asks_again_and_again(skills, "temperature")
+    finally:
+        asked.do("heard")
 
 
 def test_a_condition_is_waited_for_and_a_stop_ends_that(skills, asked):
-    asked.do("shut")
     run = Run(skills, "wait_for_door")
     asked.do("open")
     assert run.result() == {}
     asked.do("shut")
-    while Run(skills, "look_at_door").result() != {"open": False}:
-        pass  # what was said before it was shut is still on its way
+    _knows_the_door(skills, open=False)
     run = Run(skills, "wait_for_door")
     run.token.cancel("stop")
     with pytest.raises(Cancelled):
@@ -136,9 +147,6 @@ def test_a_condition_is_waited_for_and_a_stop_ends_that(skills, asked):
 
 
 def test_what_a_skill_stops_on_ends_it_as_failed_and_does_what_the_file_wants_then(skills, asked):
-    asked.do("shut")
-    while Run(skills, "look_at_door").result() != {"open": False}:
-        pass
     run = Run(skills, "flash")
     asked.wait("lamp", 8)
     asked.do("open")
@@ -149,8 +157,7 @@ def test_what_a_skill_stops_on_ends_it_as_failed_and_does_what_the_file_wants_th
 
 def test_a_skill_does_not_begin_while_what_it_stops_on_is_so(skills, asked):
     asked.do("open")
-    while Run(skills, "look_at_door").result() != {"open": True}:
-        pass
+    _knows_the_door(skills, open=True)
     with pytest.raises(SkillFailed, check=phrases.because("ended_by", what="door")):
         Run(skills, "flash").result()
     Run(skills, "set_lamp", colour="red").result()
@@ -159,9 +166,6 @@ def test_a_skill_does_not_begin_while_what_it_stops_on_is_so(skills, asked):
 
 
 def test_a_stop_of_the_person_is_no_failure_though_the_skill_watches_for_others(skills, asked):
-    asked.do("shut")
-    while Run(skills, "look_at_door").result() != {"open": False}:
-        pass
     run = Run(skills, "flash")
     asked.wait("lamp", 8)
     run.token.cancel("enough")

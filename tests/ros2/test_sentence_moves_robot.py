@@ -5,20 +5,20 @@ import json
 import phrases
 import pytest
 from peer import SENSOR, STATE
-from robot_states import moving, standing
+from robot_states import far_room, moving, standing
 
 
 @pytest.fixture
-def robot(agent, peer):
-    agent()
-    return peer()
+def far(robot):
+    """A room that the robot needs a while to drive to."""
+    return far_room(robot.listen("robot_state", STATE).wait_for(lambda _: True))
 
 
 def in_room(room):
     return lambda message: json.loads(message)["room"] == room
 
 
-def test_go_to_kitchen_drives_the_robot_there_for_everybody_to_see(robot):
+def test_go_to_a_room_drives_the_robot_there_for_everybody_to_see(robot, far):
     agent_event = robot.listen("agent_event")
     robot_state = robot.listen("robot_state", STATE)
     response = robot.listen("response")
@@ -28,22 +28,22 @@ def test_go_to_kitchen_drives_the_robot_there_for_everybody_to_see(robot):
     transcription = robot.listen("transcription")
     state.wait_for(lambda m: m == "listening")
 
-    robot.send("text_input", "go to kitchen")
+    robot.send("text_input", f"go to {far}")
 
-    transcription.wait_for(lambda m: m == "go to kitchen")
+    transcription.wait_for(lambda m: m == f"go to {far}")
     agent_event.wait_for(lambda m: json.loads(m)["kind"] == "tool_call")
-    response.wait_for(lambda m: m == phrases.begins("navigate_to", room="kitchen"))
-    sentence.wait_for(lambda m: m == phrases.begins("navigate_to", room="kitchen"))
+    response.wait_for(lambda m: m == phrases.begins("navigate_to", room=far))
+    sentence.wait_for(lambda m: m == phrases.begins("navigate_to", room=far))
     measured = json.loads(metrics.wait_for(lambda m: True))
     assert set(measured) == {"stt", "llm", "tts", "ttfs", "total"}
-    robot_state.wait_for(in_room("kitchen"))
-    response.wait_for(lambda m: m == phrases.done("navigate_to", room="kitchen"))
+    robot_state.wait_for(in_room(far))
+    response.wait_for(lambda m: m == phrases.done("navigate_to", room=far))
     said = ["listening", "thinking", "speaking", "listening", "speaking", "listening"]
     state.wait_for(lambda m: True, since=len(said) - 1)
     assert state.messages == said
     assert response.messages == [
-        phrases.begins("navigate_to", room="kitchen"),
-        phrases.done("navigate_to", room="kitchen"),
+        phrases.begins("navigate_to", room=far),
+        phrases.done("navigate_to", room=far),
     ]
     goals = [json.loads(m) for m in agent_event.messages]
     statuses = [g["status"] for g in goals if g["kind"] == "skill_goal"]
@@ -54,14 +54,14 @@ def test_go_to_kitchen_drives_the_robot_there_for_everybody_to_see(robot):
     late_state = robot.listen("state", STATE)
     late_robot_state = robot.listen("robot_state", STATE)
     assert late_state.wait_for(lambda m: True) == "listening"
-    assert json.loads(late_robot_state.wait_for(lambda m: True))["room"] == "kitchen"
+    assert json.loads(late_robot_state.wait_for(lambda m: True))["room"] == far
 
 
-def test_stop_halts_the_driving_robot(robot):
+def test_stop_halts_the_driving_robot(robot, far):
     robot_state = robot.listen("robot_state", STATE)
     agent_event = robot.listen("agent_event")
     response = robot.listen("response")
-    robot.send("text_input", "go to the bedroom")
+    robot.send("text_input", f"go to the {far}")
     robot_state.wait_for(moving)
     robot.send("text_input", "stop")
     preempt = agent_event.wait_for(lambda m: json.loads(m)["kind"] == "safety_preempt")
@@ -71,10 +71,10 @@ def test_stop_halts_the_driving_robot(robot):
     robot_state.wait_for(standing, since=len(robot_state.messages))
 
 
-def test_interrupt_stops_the_robot_and_leaves_it_listening(robot):
+def test_interrupt_stops_the_robot_and_leaves_it_listening(robot, far):
     robot_state = robot.listen("robot_state", STATE)
     state = robot.listen("state", STATE)
-    robot.send("text_input", "go to the bedroom")
+    robot.send("text_input", f"go to the {far}")
     robot_state.wait_for(moving)
     heard = len(state.messages)
     for _ in range(10):
@@ -112,13 +112,11 @@ def test_text_that_is_not_utf_8_is_answered_and_the_process_goes_on(robot):
     response.wait_for(lambda m: m.startswith("I am in the"))
 
 
-def test_an_unknown_command_is_refused_and_reset_stops_the_robot(agent, peer):
-    process = agent()
-    robot = peer()
+def test_an_unknown_command_is_refused_and_reset_stops_the_robot(resident, robot, far):
     robot_state = robot.listen("robot_state", STATE)
     robot.send("command", "self_destruct")
-    process.wait_for_line("command: got 'self_destruct', expected one of reset")
-    robot.send("text_input", "go to the bedroom")
+    resident.wait_for_line("command: got 'self_destruct', expected one of reset")
+    robot.send("text_input", f"go to the {far}")
     robot_state.wait_for(moving)
     robot.send("command", "reset")
     robot_state.wait_for(standing, since=len(robot_state.messages))

@@ -44,9 +44,10 @@ def _value(value):
 
 
 @pytest.fixture
-def settings(agent, peer):
-    agent()
-    return Settings(peer())
+def settings(robot):
+    one = Settings(robot)
+    yield one
+    assert one.set(language="en", voice="", muted=False).successful
 
 
 def test_every_parameter_says_what_it_is_and_what_it_may_be(settings):
@@ -135,35 +136,26 @@ def test_the_answers_are_true(settings):
     assert ask("model_info")["llm"] == {"model_path": None, "device": None}
 
 
-def test_parameters_come_from_the_command_line(agent, peer):
-    agent(
-        "--ros-args", "-p", "language:=fr", "-p", "muted:=true", "-p", "frame_prefix:=robot1/",
-        "-r", "__node:=voice", "-r", "__ns:=/robot1",
-    )  # fmt: skip
-    one = peer("/robot1")
-    settings = Settings(one)
-    request = GetParameters.Request(names=["language", "muted", "frame_prefix"])
-    values = settings.peer.call(GetParameters, "/robot1/voice/get_parameters", request).values
-    assert values[0].string_value == "fr"
-    assert values[1].bool_value is True
-    assert values[2].string_value == "robot1/"
-
-
-def test_parameters_come_from_a_file(agent, peer, tmp_path):
+def test_parameters_come_from_the_command_line_and_from_a_file(agent, peer, tmp_path):
     file = tmp_path / "robot.yaml"
-    file.write_text("/**:\n  ros__parameters:\n    language: it\n    muted: true\n")
-    agent("--ros-args", "--params-file", str(file))
-    settings = Settings(peer())
-    assert settings.get("language") == "it"
-    assert settings.get("muted") is True
+    file.write_text("/**:\n  ros__parameters:\n    language: it\n    confirm: always\n")
+    agent(
+        "--ros-args", "-p", "muted:=true", "-p", "frame_prefix:=robot1/",
+        "--params-file", str(file), "-r", "__node:=voice", "-r", "__ns:=/robot1",
+    )  # fmt: skip
+    request = GetParameters.Request(names=["language", "confirm", "muted", "frame_prefix"])
+    service = "/robot1/voice/get_parameters"
+    values = peer("/robot1").call(GetParameters, service, request).values
+    assert [one.string_value for one in values] == ["it", "always", "", "robot1/"]
+    assert values[2].bool_value is True
 
 
 @pytest.mark.parametrize(
     ("argument", "reason"),
     [
         ("language:=xx", "language: got 'xx'"),
-        ("muted:=maybe", "muted"),
-        ("language:=3", "language"),
+        pytest.param("muted:=maybe", "muted", marks=pytest.mark.long),
+        pytest.param("language:=3", "language", marks=pytest.mark.long),
     ],
 )
 def test_a_parameter_that_cannot_be_ends_the_start_with_its_reason(agent, argument, reason):

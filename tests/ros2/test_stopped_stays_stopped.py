@@ -16,7 +16,15 @@ from watched_robot import (
     stop,
 )
 
-ALL_WAYS = pytest.mark.parametrize("way", STOPS)
+
+def long(value, **names):
+    return pytest.param(value, marks=pytest.mark.long, **names)
+
+
+def every_way(*short):
+    """Every way of stopping; those that are not named are for the long run."""
+    assert set(short) <= STOPS.keys()
+    return [one if one in short else long(one) for one in STOPS]
 
 
 @pytest.fixture(scope="module")
@@ -35,11 +43,8 @@ def robot(home):
     return home
 
 
-@pytest.mark.parametrize(
-    ("number", "way"),
-    [(3, "text_input"), (3, "interrupt"), (20, "text_input"), (20, "interrupt")]
-    + [(10, way) for way in STOPS],
-)
+@pytest.mark.parametrize("way", every_way("text_input", "execute_skill stop", "command reset"))
+@pytest.mark.parametrize("number", [10, long(3), long(20)])
 def test_no_goal_of_a_burst_begins_after_the_stop_that_follows_it(robot, number, way):
     robot.send_goals(number)
 
@@ -50,7 +55,7 @@ def test_no_goal_of_a_burst_begins_after_the_stop_that_follows_it(robot, number,
     robot.drives()
 
 
-@ALL_WAYS
+@pytest.mark.parametrize("way", every_way("interrupt", "standard input", "a word on the page"))
 def test_a_sentence_that_waits_behind_a_long_answer_is_void(robot, way):
     robot.think()
     robot.peer.send("text_input", robot.sentence_to())
@@ -65,8 +70,8 @@ def test_a_sentence_that_waits_behind_a_long_answer_is_void(robot, way):
     robot.moves()
 
 
-@ALL_WAYS
-@pytest.mark.parametrize("hand", ["stick", "joystick"])
+@pytest.mark.parametrize("way", every_way(BUTTON, "the skill on the page"))
+@pytest.mark.parametrize("hand", ["stick", long("joystick")])
 def test_a_stream_that_goes_on_over_a_stop_counts_again_once_it_was_let_go(robot, hand, way):
     stream = getattr(robot, hand)()
     try:
@@ -92,8 +97,8 @@ def test_a_stream_that_goes_on_over_a_stop_counts_again_once_it_was_let_go(robot
         stream.end()
 
 
-@pytest.mark.parametrize("way", ["text_input", "interrupt", "execute_skill stop"])
-@pytest.mark.parametrize("number", [2, 10, 25])
+@pytest.mark.parametrize("way", ["interrupt", long("text_input"), long("execute_skill stop")])
+@pytest.mark.parametrize("number", [10, long(2), long(25)])
 def test_no_point_that_a_page_has_sent_is_driven_to_after_a_stop(robot, number, way):
     points = [robot.page.send(type="goto", **robot.target()) for _ in range(number)]
 
@@ -115,7 +120,7 @@ def test_the_skill_on_a_page_does_not_wait_for_the_models_answer(robot):
     robot.stays()
 
 
-@pytest.mark.parametrize("thinks", [False, True])
+@pytest.mark.parametrize("thinks", [True, long(False)])
 def test_text_typed_on_a_page_while_it_is_stopped_is_not_obeyed_after_resume(robot, thinks):
     if thinks:
         robot.think()
@@ -135,12 +140,11 @@ def test_text_typed_on_a_page_while_it_is_stopped_is_not_obeyed_after_resume(rob
 @pytest.mark.parametrize(
     "stops",
     [
-        lambda robot: robot.peer.send("text_input", "stop"),
-        lambda robot: robot.interrupt.publish(String()),
-        lambda robot: robot.page.send(type="text", text="stop"),
-        lambda robot: robot.page.send(type="stop"),
+        pytest.param(lambda robot: robot.peer.send("text_input", "stop"), id="text_input"),
+        pytest.param(lambda robot: robot.page.send(type="stop"), id=BUTTON),
+        long(lambda robot: robot.interrupt.publish(String()), id="interrupt"),
+        long(lambda robot: robot.page.send(type="text", text="stop"), id="a word on the page"),
     ],
-    ids=["text_input", "interrupt", "a word on the page", BUTTON],
 )
 def test_nothing_that_lies_in_the_queues_of_a_robot_that_hangs_is_done_after_the_stop(robot, stops):
     robot.agent.process.send_signal(signal.SIGSTOP)

@@ -6,7 +6,8 @@ It listens to cmd_vel with a watchdog of its own and publishes odom 20 times a s
 --takes-goals it drives to what comes on goal_pose by itself. A string on ``do`` changes it while it
 runs: silent, heard, stuck, free, runaway, obedient, spinning, wall with the metres to it, or a lie:
 claim or length (an x, or a quaternion's length, that is not so; truth ends both), jump or correct
-(so many metres in its odometry, or in map -> odom), blind (scans of no angle) or sighted.
+(so many metres in its odometry, or in map -> odom), blind (scans of no angle) or sighted; or anew,
+which ends all that and puts it back to its start. What was changed is said on ``done``.
 """
 
 import argparse
@@ -35,15 +36,7 @@ class WheeledRobot(Node):
     def __init__(self, options: argparse.Namespace) -> None:
         super().__init__("wheels", namespace=options.namespace)
         self.options = options
-        self.x, self.y, self.yaw = options.start
-        self.linear = self.angular = 0.0
-        self.asked, self.asked_at = (0.0, 0.0), -1.0
-        self.goal: tuple[float, float, float] | None = None
         self.now = 0.0
-        self.silent = self.stuck = self.runaway = self.spinning = self.blind = False
-        self.claim: float | None = None
-        self.length, self.jumped = 1.0, 0.0
-        self.wall: float | None = None
         reliability = getattr(ReliabilityPolicy, options.reliability.upper())
         quality = QoSProfile(depth=5, reliability=reliability)
         self.odom = self.create_publisher(Odometry, "odom", quality)
@@ -55,8 +48,22 @@ class WheeledRobot(Node):
         if options.map_to_odom:
             latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
             self.transforms = self.create_publisher(TFMessage, "/tf_static", latched)
-            self.say_transform(*options.map_to_odom)
+        self.done = self.create_publisher(String, "done", 10)
+        self.begin()
         self.create_timer(STEP_S, self.step)
+
+    def begin(self) -> None:
+        """Be as at the start."""
+        self.x, self.y, self.yaw = self.options.start
+        self.linear = self.angular = 0.0
+        self.asked, self.asked_at = (0.0, 0.0), -1.0
+        self.goal: tuple[float, float, float] | None = None
+        self.silent = self.stuck = self.runaway = self.spinning = self.blind = False
+        self.claim: float | None = None
+        self.length, self.jumped = 1.0, 0.0
+        self.wall: float | None = None
+        if self.options.map_to_odom:
+            self.say_transform(*self.options.map_to_odom)
 
     def take(self, message: Twist) -> None:
         self.asked, self.asked_at = (message.linear.x, message.angular.z), self.now
@@ -69,7 +76,9 @@ class WheeledRobot(Node):
         self.spinning = {"spinning": True, "obedient": False}.get(word, self.spinning)
         self.blind = {"blind": True, "sighted": False}.get(word, self.blind)
         value = float(number) if number else None
-        if word == "wall":
+        if word == "anew":
+            self.begin()
+        elif word == "wall":
             self.wall = value
         elif word in ("claim", "truth"):
             self.claim, self.length = value, 1.0
@@ -80,6 +89,7 @@ class WheeledRobot(Node):
         elif word == "correct":
             x, y, yaw = self.options.map_to_odom
             self.say_transform(x + value, y, yaw)
+        self.done.publish(message)
 
     def head_for(self, message: PoseStamped) -> None:
         at, rotation = message.pose.position, message.pose.orientation
