@@ -27,7 +27,7 @@ MODEL = "smollm2-135m-instruct"
 ASKED = (("jot down that the milk is empty", True), ("how do you do?", False))
 """Each with whether it is an order, to which a model may make calls."""
 COUNT = [ChatMessage("user", "Count, and do not stop.")]
-NUMBERS = 'root ::= ([0-9] " "){60}'
+NUMBERS = 'root ::= ([0-9] " "){30}'
 
 
 class Process:
@@ -114,7 +114,7 @@ def test_a_cancelled_answer_frees_the_server_for_the_next(
     after = list(answer)
     list(shared.generate(COUNT, grammar=NUMBERS, max_tokens=1, token=CancelToken()))
 
-    assert len(whole) > 50
+    assert len(whole) > 25
     assert len(after) <= 1
     assert server.computed_s() - before_s < whole_s / 2
 

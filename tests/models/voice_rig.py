@@ -8,6 +8,7 @@ import threading
 import time
 from collections import deque
 from contextlib import ExitStack
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from waiting import Heard
 
 from edgevox.apps import composition
 from edgevox.apps import voice as voice_app
+from edgevox.apps.decision import open_decider
 from edgevox.apps.robots import build_body
 from edgevox.core.agent_events import AgentEvent, ToolCalled
 from edgevox.core.clock import SystemClock
@@ -51,6 +53,10 @@ QUIET_S = 2.0
 """More silence than any utterance is waited for to go on."""
 SLOWLY = 0.2
 """The speed of a world in which a drive goes on for longer than it takes to hear and to answer."""
+
+
+shared_decider = cache(open_decider)
+"""Its encoder takes a quarter of a GB, and a second to read."""
 
 
 def whole_wav(path):
@@ -123,6 +129,7 @@ class VoiceRig:
         patch.setattr(
             voice_app, "open_sink", lambda spec, **sink: open_sink(spec, **sink, paced=aloud)
         )
+        patch.setattr(composition, "open_decider", shared_decider)
         if model:
             patch.setattr(composition, "open_model", lambda *_: model)
         settings = Settings(audio_in="room", audio_out=str(answers), llm="none", **more)
