@@ -80,6 +80,8 @@ class Room:
         self._frames = deque()
         self._changed = threading.Condition()
         self._asked = self._closed = self._anew = False
+        self.played = False
+        """Whether there was any sound since somebody last set this back."""
         self._end_s = 0.0
 
     def start(self):
@@ -90,7 +92,7 @@ class Room:
         whole = sound[: sound.size // FRAME_SAMPLES * FRAME_SAMPLES]
         with self._changed:
             self._frames.extend(whole.reshape(-1, FRAME_SAMPLES))
-            self._asked, self._anew = False, True
+            self._asked, self._anew, self.played = False, True, True
             self._changed.notify_all()
             assert self._changed.wait_for(lambda: self._asked, HUNG_S), (
                 "the listener does not listen"
@@ -165,7 +167,9 @@ class VoiceRig:
         What was said in the room is understood first: its answer would else be spoken over what
         the next test says, which the listener then takes for the robot's own voice.
         """
-        self.room.play(silence(QUIET_S))
+        if self.room.played:
+            self.room.play(silence(QUIET_S))
+            self.room.played = False
         assert self.parts.listener.transcriber.wait_idle(HUNG_S)
         self.parts.conversation.submit(Reset())
         assert self.parts.conversation.wait_idle(HUNG_S)
