@@ -11,10 +11,10 @@ from edgevox.core.cancel import CancelToken
 
 pytestmark = pytest.mark.long
 
-ROOMS = 'root ::= "go " ("kitchen" | "bedroom") "!"'
-ANSWERS = 30
-MARGIN_MB = 5
-"""A sampler of this model takes half a MB: that of each answer, kept, would be 15 MB."""
+LETTER = 'root ::= "a" | "b"'
+ANSWERS = 24
+MARGIN_MB = 4
+"""A sampler of this model takes half a MB: that of each answer, kept, would be 12 MB."""
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +34,7 @@ def no_garbage_collected() -> Iterator[None]:
 def test_answers_leave_no_memory_behind(model: LanguageModel) -> None:
     def ask(text: str) -> str:
         chat, token = [ChatMessage("user", text)], CancelToken()
-        return "".join(model.generate(chat, grammar=ROOMS, max_tokens=16, token=token))
+        return "".join(model.generate(chat, grammar=LETTER, max_tokens=16, token=token))
 
     ask("Be kind. " * 25)  # its context is all in memory then
     for number in range(ANSWERS // 3):
@@ -42,5 +42,5 @@ def test_answers_leave_no_memory_behind(model: LanguageModel) -> None:
     before_mb = process_memory().own_mb
     answers = [ask(f"Where to, number {number}?") for number in range(ANSWERS)]
 
-    assert {*answers} <= {"go kitchen!", "go bedroom!"}
+    assert {*answers} <= {"a", "b"}
     assert process_memory().own_mb < before_mb + MARGIN_MB
