@@ -97,9 +97,9 @@ def test_what_is_said_otherwise_stops_nothing(speaker, text):
     [
         ("de", "Roboter, stopp!", "Fahr in die Küche."),
         ("fr", "Robot, stop !", "Va dans la cuisine."),
-        ("es", "¡Robot, stop!", "Ve a la cocina."),
-        ("pt", "Robô, stop!", "Vai para a cozinha."),
-        ("pl", "Robot, stop!", "Jedź do kuchni."),
+        pytest.param("es", "¡Robot, stop!", "Ve a la cocina.", marks=pytest.mark.long),
+        pytest.param("pt", "Robô, stop!", "Vai para a cozinha.", marks=pytest.mark.long),
+        pytest.param("pl", "Robot, stop!", "Jedź do kuchni.", marks=pytest.mark.long),
     ],
 )
 def test_an_english_stop_word_is_heard_in_another_language_and_nothing_else_is(
@@ -120,11 +120,11 @@ def test_noise_stops_nothing(kind, voice):
     ("language", "word", "other"),
     [
         ("es", "¡Detente!", "Ve a la cocina."),
-        ("fr", "Arrêtez !", "Va à la cuisine."),
-        ("it", "Fermati!", "Vai in cucina."),
-        ("pt", "Pare!", "Vá para a cozinha."),
+        pytest.param("fr", "Arrêtez !", "Va à la cuisine.", marks=pytest.mark.long),
+        pytest.param("it", "Fermati!", "Vai in cucina.", marks=pytest.mark.long),
+        pytest.param("pt", "Pare!", "Vá para a cozinha.", marks=pytest.mark.long),
         ("hi", "रुकिए!", "रसोई में जाओ।"),
-        ("ja", "とまれ!", "だいどころにいって。"),
+        pytest.param("ja", "とまれ!", "だいどころにいって。", marks=pytest.mark.long),
         ("zh", "停下!", "去厨房。"),
     ],
 )
