@@ -126,12 +126,14 @@ def test_a_chat_longer_than_the_servers_context_is_refused(shared: EndpointModel
         list(shared.generate(long, grammar=None, max_tokens=1, token=CancelToken()))
 
 
-def test_tokens_are_never_counted_too_low(shared: EndpointModel, small: LanguageModel) -> None:
+def test_tokens_are_never_counted_too_low(shared: EndpointModel, threads: int) -> None:
+    small = load_model(locate("qwen2.5-coder-0.5b-instruct"), context_tokens=64, threads=threads)
     skills = skills_of_robots()["robot-apartment"]
     said = [one.sentence for code in LANGUAGES for one in examples(skills, (), code)]
     said += ["x 12.345, y -0.5", "🤖 🦾", "ok " * 50]
 
     assert [t for t in said if shared.count_tokens(t) < small.count_tokens(t)] == []
+    small.close()
 
 
 def test_when_the_server_dies_the_one_on_board_answers(on_board, threads, caplog) -> None:
