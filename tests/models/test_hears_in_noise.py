@@ -1,7 +1,5 @@
 """What the hearing adapter is worth: commands in noise, what is long, and noise alone."""
 
-import itertools
-
 import numpy as np
 import pytest
 from listener_rig import says_espeak, says_piper, silence
@@ -68,8 +66,8 @@ def wrong(stt, sounds):
 
 
 def test_in_noise_more_of_what_is_said_is_heard(adapted, plain):
-    voices = itertools.cycle((says_espeak, says_piper))
-    sounds = [(said, among_hiss(next(voices)(said), seed)) for seed, said in enumerate(COMMANDS)]
+    spoken = [(said, says) for said in COMMANDS for says in (says_espeak, says_piper)]
+    sounds = [(said, among_hiss(says(said), seed)) for seed, (said, says) in enumerate(spoken)]
 
     assert 3 * wrong(adapted, sounds) <= wrong(plain, sounds) > 0
 

@@ -1,9 +1,9 @@
-"""openWakeWord's wake word, on synthesised speech: heard when said, and not in five minutes of
+"""openWakeWord's wake word, on synthesised speech: heard when said, and not in three minutes of
 anything else; the benchmark `wake_words` takes hours.
 
-The minutes: espeak-ng reading 14 English lines (some with near misses such as "hey Marvin") and
-24 in six other languages at two speeds, Piper's joe reading the English ones, hiss, rumble, hum,
-bursts, a melody and clicks. All of it is made by `listener_rig`.
+The minutes: half of what espeak-ng reads of 14 English lines (some with near misses such as "hey
+Marvin") and 24 in six other languages at two speeds, and Piper's joe of the English ones; hiss,
+rumble, hum, bursts, a melody and clicks. All of it is made by `listener_rig`.
 """
 
 import itertools
@@ -27,7 +27,7 @@ from edgevox.models import locate
 from edgevox.voice.wakeword import WakeWord, phrases
 
 PHRASES = ("alexa", "hey jarvis", "hey mycroft", "hey rhasspy", "okay nabu")
-FIVE_MINUTES_S = 300
+THREE_MINUTES_S = 180
 
 
 @pytest.fixture(scope="module")
@@ -83,11 +83,11 @@ def test_sleeping_in_silence_loses_nothing_that_it_hears_awake():
 
 
 @pytest.mark.long
-def test_it_is_not_heard_in_five_minutes_of_other_speech_and_noise(hey_jarvis):
-    sounds = [*chatter(), *noises(10.0).values()]
+def test_it_is_not_heard_in_three_minutes_of_other_speech_and_noise(hey_jarvis):
+    sounds = [*itertools.islice(chatter(), None, None, 2), *noises(10.0).values()]
     seconds = sum(sound.size / RATE_HZ + 0.3 for sound in sounds)
 
-    assert seconds >= FIVE_MINUTES_S
+    assert seconds >= THREE_MINUTES_S
     assert heard_at(hey_jarvis, np.concatenate([np.append(s, silence(0.3)) for s in sounds])) == []
 
 
