@@ -15,8 +15,7 @@ WAITING = ("compose", "ros2", "browser")
 """Those that mostly wait: for containers, a page, the other end of a wire, a robot to arrive."""
 LAST = "test_chaos.py"
 SHARING = {
-    "tests/models/test_llm_endpoint_server.py": "tests/models/test_words.py",
-    "tests/models/test_interpreter_and_body.py": "tests/models/test_words.py",
+    "tests/models/test_listener_micro_wake_word.py": "tests/models/test_listener_wake_word.py",
 }
 """Files that run in the worker of another one, which has already prepared what costs them most."""
 

@@ -6,11 +6,12 @@ from typing import Any
 
 import pytest
 from steady_piper import steady_piper
-from voice_rig import VoiceRig
+from voice_rig import VoiceRig, shared_decider
 
 from edgevox.agent.llm import tuning
 from edgevox.agent.llm.factory import load_model
 from edgevox.agent.llm.language_model import LanguageModel
+from edgevox.agent.nlu.decider import Decider
 from edgevox.models import locate
 
 
@@ -31,13 +32,9 @@ def threads(worker: tuple[int, int]) -> int:
     return max(1, tuning.default_threads() // workers)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def small(threads: int) -> Iterator[LanguageModel]:
-    """The model of the set `small`.
-
-    To read the apartment's instructions takes as long as ten answers: `beside.SHARING` has the
-    files that ask it something in the apartment run in one worker, where it reads them once.
-    """
+    """The model of the set `small`, which reads the apartment's instructions for 20 s of a core."""
     model = load_model(locate("qwen2.5-coder-0.5b-instruct"), threads=threads)
     yield model
     model.close()
@@ -48,9 +45,31 @@ def tiny_path() -> Path:
     return locate("smollm2-135m-instruct")
 
 
+@pytest.fixture(scope="module")
+def tiny(tiny_path: Path, threads: int) -> Iterator[LanguageModel]:
+    """The smallest model there is: for what is true of any."""
+    model = load_model(tiny_path, threads=threads)
+    yield model
+    model.close()
+
+
+@pytest.fixture(scope="session")
+def decider() -> Decider:
+    """One for all: its encoder takes a quarter of a GB, and a second to read."""
+    return shared_decider()
+
+
+@pytest.fixture(scope="module")
+def context_tokens() -> int:
+    """How much `model` reads at most; a file may say otherwise."""
+    return 512
+
+
 @pytest.fixture(scope="module", params=["xllamacpp", "llama-cpp-python"])
-def model(request: pytest.FixtureRequest, tiny_path: Path, threads: int) -> Iterator[LanguageModel]:
-    loaded = load_model(tiny_path, request.param, context_tokens=1024, threads=threads)
+def model(
+    request: pytest.FixtureRequest, tiny_path: Path, threads: int, context_tokens: int
+) -> Iterator[LanguageModel]:
+    loaded = load_model(tiny_path, request.param, context_tokens=context_tokens, threads=threads)
     yield loaded
     loaded.close()
 

@@ -7,7 +7,7 @@ import pytest
 from corpus_robots import is_right, skills_of_robots
 from corpus_sentences import Sentence, held_out, read_corpus, tuning
 
-from edgevox.agent.nlu.confidence import SURE_FROM, read_head
+from edgevox.agent.nlu.confidence import SURE_FROM
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
 from edgevox.agent.nlu.encoder import ENCODER, Encoder
 from edgevox.agent.nlu.templates import Recogniser, Understood
@@ -16,11 +16,6 @@ from edgevox.models import locate
 
 MOST_WRONG_OF_500 = 1
 """Wrong motions of all languages; the figures of today stand in docs/figures.md."""
-
-
-@pytest.fixture(scope="module")
-def decider() -> Decider:
-    return Decider(Encoder(locate(ENCODER)), read_head())
 
 
 @lru_cache
@@ -76,9 +71,7 @@ def test_what_once_drove_the_robot_about_does_not_any_more(decider: Decider, say
     assert decision is None or decision.confidence < SURE_FROM
 
 
-def test_two_readers_of_one_file_agree(decider: Decider) -> None:
-    encoder = Encoder(locate(ENCODER))
-    again = Encoder(locate(ENCODER))
-    says = "fahr in die K\u00fcche"
+def test_two_readers_of_one_file_agree() -> None:
+    one, other = (Encoder(locate(ENCODER)).features("fahr in die K\u00fcche") for _ in range(2))
 
-    assert (encoder.features(says) == again.features(says)).all()
+    assert (one == other).all()

@@ -24,20 +24,21 @@ DEAF_TO_NOTHING = ("env", "--default-signal=INT")
 """What a script starts in the background ignores Ctrl-C, and so do its children."""
 BEFORE_A_HANDLER = -signal.SIGTERM
 """As a shell's 143: it was stopped before it had anything to put away."""
+TINY, ESPEAK = "smollm2-135m-instruct", "espeak-en"
 STORY = "tell me a very long story about a dragon and a princess"
 
 
 class Program:
     """The agent with speech in and out, its lines as they come, and a hand that types."""
 
-    def __init__(self, folder: Path, *, llm: str) -> None:
+    def __init__(self, folder: Path, *, llm: str, voice: str) -> None:
         said, self.answers = folder / "said.wav", folder / "answers.wav"
         speech = loud(says_espeak("where are you", "en-us"), 0.08)
         write_wav(said, np.concatenate([silence(0.5), speech, silence(60.0)]))
         self._process = subprocess.Popen(
             [
                 *DEAF_TO_NOTHING,
-                *(AGENT, "robot-apartment", "--no-render", "--llm", llm),
+                *(AGENT, "robot-apartment", "--no-render", "--llm", llm, "--voice", voice),
                 *("--audio-in", str(said), "--audio-out", str(self.answers)),
             ],
             stdin=subprocess.PIPE,
@@ -93,14 +94,13 @@ def state(name: str) -> str:
 
 # An engine that is amid a piece of work on a busy machine is left behind, which is said.
 CASES = {
-    # what is typed, what shows the state, the model, the exit codes
-    "loading models": ("", "loading ", "smollm2-135m-instruct", {0, BEFORE_A_HANDLER}),
-    "warming up": ("", "warming up", "smollm2-135m-instruct", {0}),
-    "listening": ("", state("listening"), "none", {0}),
-    "transcribing": ("", state("transcribing"), "none", {0}),
-    "thinking": (STORY, state("thinking"), "smollm2-135m-instruct", {0}),
-    "speaking": ("what can you do", state("speaking"), "none", {0}),
-    "driving": ("go to the bedroom", '"goal_started"', "none", {0}),
+    # what is typed, what shows the state, the model, the voice, the exit codes
+    "loading models": ("", "loading ", TINY, ESPEAK, {0, BEFORE_A_HANDLER}),
+    "warming up": ("", "warming up", TINY, ESPEAK, {0}),
+    "transcribing": ("", state("transcribing"), "none", ESPEAK, {0}),
+    "thinking": (STORY, state("thinking"), TINY, ESPEAK, {0}),
+    "speaking": ("what can you do", state("speaking"), "none", "en_US-joe-medium", {0}),
+    "driving": ("go to the bedroom", '"goal_started"', "none", ESPEAK, {0}),
 }
 
 
@@ -108,8 +108,8 @@ CASES = {
 def program(tmp_path):
     started: list[Program] = []
 
-    def start(llm: str) -> Program:
-        started.append(Program(tmp_path, llm=llm))
+    def start(**what: str) -> Program:
+        started.append(Program(tmp_path, **what))
         return started[-1]
 
     yield start
@@ -120,19 +120,17 @@ def program(tmp_path):
 @pytest.mark.parametrize(
     ("name", "number"),
     [
-        ("driving", signal.SIGTERM),
-        ("speaking", signal.SIGINT),
-        *(
-            pytest.param(name, signal.SIGTERM, marks=pytest.mark.long)
-            for name in CASES
-            if name != "driving"
-        ),
+        ("driving", signal.SIGTERM),  # it listens meanwhile
+        pytest.param("loading models", signal.SIGTERM, marks=pytest.mark.long),
         pytest.param("warming up", signal.SIGINT, marks=pytest.mark.long),
+        pytest.param("transcribing", signal.SIGTERM, marks=pytest.mark.long),
+        pytest.param("thinking", signal.SIGTERM, marks=pytest.mark.long),
+        pytest.param("speaking", signal.SIGINT, marks=pytest.mark.long),
     ],
 )
 def test_it_leaves_by_itself_from_every_state(program, name, number):
-    typed, shown, llm, codes = CASES[name]
-    one = program(llm)
+    typed, shown, llm, voice, codes = CASES[name]
+    one = program(llm=llm, voice=voice)
     if typed:
         one.type(typed)
     one.wait_for(shown)
@@ -147,6 +145,7 @@ def test_it_leaves_by_itself_from_every_state(program, name, number):
             assert file.getnframes() * file.getsampwidth() <= one.answers.stat().st_size
 
 
+@pytest.mark.long
 def test_what_will_not_let_go_is_left_behind_in_time_and_named():
     program = (
         "import sys, threading\n"

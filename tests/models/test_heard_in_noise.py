@@ -3,11 +3,12 @@
 import pytest
 
 from edgevox.agent.near_stop import NearStop
+from edgevox.agent.nlu.decider import Decider
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.safety import SafetyWords
 from edgevox.agent.turn import Turn
-from edgevox.apps.decision import open_decider, open_phonemes
+from edgevox.apps.decision import open_phonemes
 from edgevox.apps.robots import build_agents
 from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
@@ -16,10 +17,10 @@ from edgevox.robots.apartment import ApartmentRobot
 
 
 @pytest.fixture(scope="module")
-def interpreter() -> Interpreter:
+def interpreter(decider: Decider) -> Interpreter:
     agents = build_agents(ApartmentRobot())
     bus, clock = Bus(), SystemClock()
-    return Interpreter(agents, bus, clock, decider=open_decider(), phonemes=open_phonemes())
+    return Interpreter(agents, bus, clock, decider=decider, phonemes=open_phonemes())
 
 
 def understood(interpreter: Interpreter, said: str, confidence: float) -> Meaning | None:

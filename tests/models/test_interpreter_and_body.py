@@ -1,6 +1,7 @@
-"""The whole interpreter with its real model, and a body that drives: in one process, without ROS 2.
+"""The whole interpreter with a real model, and a body that drives: in one process, without ROS 2.
 
-The robot drives as fast as it can be computed, or in a world whose time the test holds (speed 0).
+What the model of the set `small` answers is in `test_words`. The robot drives as fast as it can be
+computed, or in a world whose time the test holds (speed 0).
 """
 
 import threading
@@ -13,8 +14,8 @@ from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.llm.factory import load_model
 from edgevox.agent.llm.language_model import LanguageModel
+from edgevox.agent.nlu.decider import Decider
 from edgevox.agent.skills import SkillSet
-from edgevox.apps.decision import open_decider
 from edgevox.apps.robots import build_agents
 from edgevox.core.agent_events import AgentEvent, GoalChanged, HandedOver, as_json
 from edgevox.core.bus import Bus
@@ -29,6 +30,12 @@ TURNS = 3
 """More than fit into that."""
 
 
+def talker(robot):
+    """It drives, and talks; the model has little to read of that."""
+    skills = SkillSet(one for one in robot.skills if one.name == "navigate_to")
+    return [Agent("talker", "You drive a robot, and talk.", skills)]
+
+
 @pytest.fixture
 def tight(tiny_path, threads):
     model = load_model(tiny_path, context_tokens=TIGHT_TOKENS, threads=threads)
@@ -39,7 +46,7 @@ def tight(tiny_path, threads):
 class Home:
     """A robot at home, with everything it said and did."""
 
-    def __init__(self, model: LanguageModel, agents=None, speed: float | None = None):
+    def __init__(self, model: LanguageModel, decider: Decider, agents=None, speed=None):
         self.bus, self.events = Bus(), []
         for kind in (AgentEvent, Responded, RobotState, SentenceReady, TokenGenerated):
             self.bus.subscribe(kind, self.events.append)
@@ -49,7 +56,7 @@ class Home:
             self.bus,
             halt=self.robot.halt,
             model=model,
-            decider=open_decider(),
+            decider=decider,
         )
         self.robot.start()
         self.conversation.start()
@@ -79,11 +86,11 @@ class Home:
 
 
 @pytest.fixture
-def home(small):
+def home(tiny, decider):
     homes = []
 
-    def make(model=small, **parts):
-        homes.append(Home(model, **parts))
+    def make(model=tiny, **parts):
+        homes.append(Home(model, decider, **parts))
         return homes[-1]
 
     yield make
@@ -121,14 +128,14 @@ def test_a_wish_that_it_is_less_sure_of_is_asked_about_first(home):
 
 @pytest.mark.parametrize("said", ["what is seven times eight", "I was in the office yesterday"])
 def test_what_nobody_asked_for_moves_nothing(home, said):
-    one = home()
+    one = home(agents=talker)
     one.talk(said)
     assert one.answers()
     assert not one.agent_events("tool_call")
 
 
 def test_an_answer_streams_in_tokens_that_add_up_to_it(home):
-    one = home()
+    one = home(agents=talker)
     one.talk("thank you, you are a good robot")
     tokens = [e.text for e in one.events if isinstance(e, TokenGenerated)]
     (answer,) = one.answers()
@@ -138,7 +145,7 @@ def test_an_answer_streams_in_tokens_that_add_up_to_it(home):
 
 
 def test_stop_halts_the_robot_while_the_model_is_busy(home):
-    one = home(speed=0.0)
+    one = home(agents=talker, speed=0.0)
     drive_off(one)
     thinking = one.when(TokenGenerated)
     one.say(CHATTER)
@@ -153,7 +160,7 @@ def test_stop_halts_the_robot_while_the_model_is_busy(home):
 
 
 def test_an_interrupt_cuts_the_answer_and_the_next_one_is_whole(home):
-    one = home()
+    one = home(agents=talker)
     thinking, interrupted = one.when(TokenGenerated), threading.Event()
     one.bus.subscribe(TokenGenerated, lambda _: interrupted.wait(HUNG_S))
     one.say(CHATTER)
@@ -175,13 +182,14 @@ def test_the_robot_is_asked_something_else_while_it_drives(home):
     assert one.robot.state()["goal"] is not None
 
 
-def test_a_model_hands_over_to_the_agent_that_can_do_it(home):
+@pytest.mark.long
+def test_a_model_hands_over_to_the_agent_that_can_do_it(home, small):
     def two(robot):
         skills = SkillSet(one for one in robot.skills if one.name == "navigate_to")
         talker = Agent("host", "You are a host who talks.", SkillSet(()), handoffs=("driver",))
         return [talker, Agent("driver", "You drive a robot.", skills, handoffs=("host",))]
 
-    one = home(agents=two)
+    one = home(model=small, agents=two)
     handed_over = one.when(HandedOver)
     one.say("let me speak with the driver please")
     assert handed_over.wait(HUNG_S)

@@ -1,7 +1,6 @@
 """`edgevox listen`, as a person starts it on a recording: figures, words, and what is kept."""
 
 import json
-import os
 import subprocess
 import sys
 
@@ -55,38 +54,24 @@ def test_a_recording_gives_figures_and_words_and_is_kept_if_asked(recording, tmp
     assert len(list(folder.glob("*.wav"))) == len(kept)
 
 
-def test_without_being_asked_nothing_is_kept(recording, tmp_path):
-    before = sorted(os.listdir(tmp_path))
-
-    code, _, errors = listen("--audio-in", recording)
-
-    assert (code, errors) == (0, "")
-    assert sorted(os.listdir(tmp_path)) == before
-
-
 def thought(lines, detector):
     """What a detector thought at most, line by line."""
     return [float(line.split(f" {detector} ")[1].split()[0]) for line in lines if "level" in line]
 
 
-def test_the_wake_word_is_told(tmp_path):
+def test_the_wake_word_and_a_stop_word_by_its_sound_are_told_and_unasked_nothing_is_kept(tmp_path):
     file = tmp_path / "said.wav"
-    write_wav(file, np.concatenate([silence(1.5), says_piper("hey jarvis"), silence(1.0)]))
+    pieces = [silence(1.5), says_piper("hey jarvis"), silence(1.5), says_espeak("Stop!")]
+    write_wav(file, np.concatenate([*pieces, silence(1.0)]))
 
-    _, lines, errors = listen("--source", file, "--wakeword", "hey jarvis")
+    code, lines, errors = listen("--audio-in", file, "--wakeword", "hey jarvis")
 
-    assert '  wake word "hey jarvis"' in lines, errors
+    assert (code, errors) == (0, "")
+    assert '  wake word "hey jarvis"' in lines
     assert thought(lines, "wake")[0] < 0.1 < 0.9 < max(thought(lines, "wake"))
-
-
-def test_a_stop_word_that_is_known_by_its_sound_is_told(tmp_path):
-    file = tmp_path / "said.wav"
-    write_wav(file, np.concatenate([silence(1.0), says_espeak("Stop!"), silence(1.0)]))
-
-    _, lines, errors = listen("--source", file)
-
-    assert '  sounds like "stop"' in lines, errors
+    assert '  sounds like "stop"' in lines
     assert thought(lines, "stop")[0] < 0.1 < 0.8 < max(thought(lines, "stop"))
+    assert list(tmp_path.iterdir()) == [file]
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""microWakeWord's wake words, on synthesised speech: heard when said, and not in ten minutes of
+"""microWakeWord's wake words, on synthesised speech: heard when said, and not in five minutes of
 anything else, as `test_listener_wake_word` has it for openWakeWord's.
 """
 
@@ -42,8 +42,8 @@ def test_it_is_heard_within_a_quarter_of_a_second_of_its_end(hey_jarvis):
 
 
 @pytest.mark.long
-def test_it_is_not_heard_in_ten_minutes_of_other_speech_and_noise(hey_jarvis):
-    sounds = [*chatter(), *noises(50.0).values()]
+def test_it_is_not_heard_in_five_minutes_of_other_speech_and_noise(hey_jarvis):
+    sounds = [*chatter(), *noises(10.0).values()]
 
     assert heard_at(hey_jarvis, np.concatenate([np.append(s, silence(0.3)) for s in sounds])) == []
 

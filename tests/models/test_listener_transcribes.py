@@ -125,7 +125,7 @@ def test_listening_to_silence_costs_a_fraction_of_listening_awake(whisper):
     def computed_s(**more):
         wakeword = WakeWord("hey jarvis", locate("wake-words"), **more)
         before_s = time.process_time()
-        assert listen(whisper, silence(15.0), wakeword=wakeword) == []
+        assert listen(whisper, silence(8.0), wakeword=wakeword) == []
         wakeword.close()
         return time.process_time() - before_s
 

@@ -1,10 +1,12 @@
-"""openWakeWord's wake word, on synthesised speech: heard when said, and not in ten minutes of
-anything else.
+"""openWakeWord's wake word, on synthesised speech: heard when said, and not in three minutes of
+anything else; the benchmark `wake_words` takes hours.
 
-The ten minutes: espeak-ng reading 14 English lines (some with near misses such as "hey Marvin") and
-24 in six other languages at two speeds, Piper's joe reading the English ones, hiss, rumble, hum,
-bursts, a melody and clicks. All of it is made by `listener_rig`.
+The minutes: half of what espeak-ng reads of 14 English lines (some with near misses such as "hey
+Marvin") and 24 in six other languages at two speeds, and Piper's joe of the English ones; hiss,
+rumble, hum, bursts, a melody and clicks. All of it is made by `listener_rig`.
 """
+
+import itertools
 
 import numpy as np
 import pytest
@@ -25,7 +27,7 @@ from edgevox.models import locate
 from edgevox.voice.wakeword import WakeWord, phrases
 
 PHRASES = ("alexa", "hey jarvis", "hey mycroft", "hey rhasspy", "okay nabu")
-TEN_MINUTES_S = 600
+THREE_MINUTES_S = 180
 
 
 @pytest.fixture(scope="module")
@@ -66,11 +68,12 @@ def test_sleeping_in_silence_loses_nothing_that_it_hears_awake():
     folder = locate("wake-words")
     always = WakeWord("hey jarvis", folder, always_awake=True)
     sleeper = WakeWord("hey jarvis", folder)
+    texts = ("hey jarvis", "Hey Jarvis! Stop.", "hey jarvis? what is your battery level")
+    levels = itertools.cycle((0.1, 0.02))
     calls = [
-        in_a_room(loud(voice(text), level))
+        in_a_room(loud(voice(text), next(levels)))
         for voice in (says_piper, says_espeak)
-        for text in ("hey jarvis", "Hey Jarvis! Stop.", "hey jarvis? what is your battery level")
-        for level in (0.1, 0.02)
+        for text in texts
     ]
 
     awake = sum(len(heard_at(always, call)) for call in calls)
@@ -80,20 +83,22 @@ def test_sleeping_in_silence_loses_nothing_that_it_hears_awake():
 
 
 @pytest.mark.long
-def test_it_is_not_heard_in_ten_minutes_of_other_speech_and_noise(hey_jarvis):
-    sounds = [*chatter(), *noises(50.0).values()]
+def test_it_is_not_heard_in_three_minutes_of_other_speech_and_noise(hey_jarvis):
+    sounds = [*itertools.islice(chatter(), None, None, 2), *noises(10.0).values()]
     seconds = sum(sound.size / RATE_HZ + 0.3 for sound in sounds)
 
-    assert seconds >= TEN_MINUTES_S
+    assert seconds >= THREE_MINUTES_S
     assert heard_at(hey_jarvis, np.concatenate([np.append(s, silence(0.3)) for s in sounds])) == []
 
 
-@pytest.mark.parametrize("phrase", PHRASES)
-def test_every_phrase_loads_however_it_is_written(phrase):
-    for written in (phrase, phrase.title(), phrase.replace(" ", "_")):
-        wakeword = WakeWord(written, locate("wake-words"))
-        assert wakeword.phrase == phrase
-        wakeword.close()
+@pytest.mark.parametrize(
+    ("written", "phrase"),
+    [*zip(PHRASES, PHRASES, strict=True), ("Okay Nabu", "okay nabu"), ("okay_nabu", "okay nabu")],
+)
+def test_every_phrase_loads_however_it_is_written(written, phrase):
+    wakeword = WakeWord(written, locate("wake-words"))
+    assert wakeword.phrase == phrase
+    wakeword.close()
 
 
 def test_an_unknown_phrase_is_refused_with_those_that_are_known():

@@ -69,6 +69,12 @@ def first_piece_s(model: LanguageModel, messages: list[ChatMessage]) -> float:
     return timed(lambda: ask(model, messages, grammar='root ::= "a"', max_tokens=1))
 
 
+@pytest.fixture(scope="module")
+def whole_s(model: LanguageModel) -> float:
+    """How long a long answer takes."""
+    return timed(lambda: ask(model, STORY, max_tokens=100))
+
+
 def test_an_answer_arrives_in_pieces(model: LanguageModel) -> None:
     pieces = ask(model, STORY)
 
@@ -102,10 +108,9 @@ def test_a_cancelled_answer_ends_within_one_piece(model: LanguageModel) -> None:
     assert len(after) <= 1
 
 
-def test_a_cancelled_answer_frees_the_engine_at_once(model: LanguageModel) -> None:
-    whole_s = timed(lambda: ask(model, STORY, max_tokens=200))
+def test_a_cancelled_answer_frees_the_engine_at_once(model: LanguageModel, whole_s: float) -> None:
     token = CancelToken()
-    answer = model.generate(STORY, grammar=None, max_tokens=200, token=token)
+    answer = model.generate(STORY, grammar=None, max_tokens=100, token=token)
     next(answer)
 
     token.cancel()
@@ -116,12 +121,12 @@ def test_a_cancelled_answer_frees_the_engine_at_once(model: LanguageModel) -> No
 
 
 def test_a_prompt_that_is_being_read_can_be_cancelled(model: LanguageModel) -> None:
-    whole_s = timed(lambda: ask(model, long_prompt(600, "Be"), max_tokens=1))
+    whole_s = timed(lambda: ask(model, long_prompt(400, "Be"), max_tokens=1))
     token = CancelToken()
     timer = threading.Timer(whole_s / 10, token.cancel)
     timer.start()
 
-    cut_s = timed(lambda: ask(model, long_prompt(600, "Stay"), max_tokens=1, token=token))
+    cut_s = timed(lambda: ask(model, long_prompt(400, "Stay"), max_tokens=1, token=token))
     next_s = timed(lambda: ask(model, STORY, max_tokens=1))
     timer.join()
 
@@ -136,9 +141,8 @@ def test_a_token_that_is_already_cancelled_gives_nothing(model: LanguageModel) -
     assert ask(model, STORY, token=token) == []
 
 
-def test_an_answer_that_nobody_listens_to_is_dropped(model: LanguageModel) -> None:
-    whole_s = timed(lambda: ask(model, STORY, max_tokens=200))
-    answer = model.generate(STORY, grammar=None, max_tokens=200, token=CancelToken())
+def test_an_answer_that_nobody_listens_to_is_dropped(model: LanguageModel, whole_s: float) -> None:
+    answer = model.generate(STORY, grammar=None, max_tokens=100, token=CancelToken())
     next(answer)
 
     answer.close()  # type: ignore[attr-defined]
@@ -148,10 +152,10 @@ def test_an_answer_that_nobody_listens_to_is_dropped(model: LanguageModel) -> No
 
 
 def test_what_was_primed_is_not_read_again(model: LanguageModel) -> None:
-    cold_s = first_piece_s(model, long_prompt(300, "Always be"))
-    model.prime(long_prompt(300, "Never be"), CancelToken())
+    cold_s = first_piece_s(model, long_prompt(200, "Always be"))
+    model.prime(long_prompt(200, "Never be"), CancelToken())
 
-    warm_s = first_piece_s(model, [*long_prompt(300, "Never be")[:1], ChatMessage("user", "Who?")])
+    warm_s = first_piece_s(model, [*long_prompt(200, "Never be")[:1], ChatMessage("user", "Who?")])
 
     assert warm_s < cold_s / 3
 
@@ -170,13 +174,13 @@ def test_a_refused_request_leaves_the_model_usable(model: LanguageModel) -> None
 
 def test_a_chat_longer_than_the_context_is_refused(model: LanguageModel) -> None:
     with pytest.raises(ModelFailed, match="exceeds"):
-        ask(model, long_prompt(2000, "Be"))
+        ask(model, long_prompt(600, "Be"))
 
 
 def test_an_answer_that_fills_the_context_ends_there(model: LanguageModel) -> None:
-    messages = long_prompt(950, "Be")
+    messages = long_prompt(440, "Be")
 
-    assert len(ask(model, messages, grammar='root ::= "a"*', max_tokens=400)) < 200
+    assert len(ask(model, messages, grammar='root ::= "a"*', max_tokens=400)) < 100
 
 
 def test_tokens_are_counted(model: LanguageModel) -> None:

@@ -27,7 +27,7 @@ MODEL = "smollm2-135m-instruct"
 ASKED = (("jot down that the milk is empty", True), ("how do you do?", False))
 """Each with whether it is an order, to which a model may make calls."""
 COUNT = [ChatMessage("user", "Count, and do not stop.")]
-NUMBERS = 'root ::= ([0-9] " "){60}'
+NUMBERS = 'root ::= ([0-9] " "){30}'
 
 
 class Process:
@@ -114,7 +114,7 @@ def test_a_cancelled_answer_frees_the_server_for_the_next(
     after = list(answer)
     list(shared.generate(COUNT, grammar=NUMBERS, max_tokens=1, token=CancelToken()))
 
-    assert len(whole) > 50
+    assert len(whole) > 25
     assert len(after) <= 1
     assert server.computed_s() - before_s < whole_s / 2
 
@@ -126,12 +126,14 @@ def test_a_chat_longer_than_the_servers_context_is_refused(shared: EndpointModel
         list(shared.generate(long, grammar=None, max_tokens=1, token=CancelToken()))
 
 
-def test_tokens_are_never_counted_too_low(shared: EndpointModel, small: LanguageModel) -> None:
+def test_tokens_are_never_counted_too_low(shared: EndpointModel, threads: int) -> None:
+    small = load_model(locate("qwen2.5-coder-0.5b-instruct"), context_tokens=64, threads=threads)
     skills = skills_of_robots()["robot-apartment"]
     said = [one.sentence for code in LANGUAGES for one in examples(skills, (), code)]
     said += ["x 12.345, y -0.5", "🤖 🦾", "ok " * 50]
 
     assert [t for t in said if shared.count_tokens(t) < small.count_tokens(t)] == []
+    small.close()
 
 
 def test_when_the_server_dies_the_one_on_board_answers(on_board, threads, caplog) -> None:

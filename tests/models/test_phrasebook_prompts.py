@@ -4,7 +4,6 @@ from functools import lru_cache
 
 import pytest
 
-from edgevox.agent.llm.factory import load_model
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.apps.robots import build_agents
 from edgevox.core.bus import Bus
@@ -14,13 +13,6 @@ from edgevox.robots.apartment import ApartmentRobot
 
 MOST_PROMPT_TOKENS = 1700
 """Two fifths of the context; scripts that the model's vocabulary is poor in take the most."""
-
-
-@pytest.fixture(scope="module")
-def tiny(tiny_path):
-    model = load_model(tiny_path)
-    yield model
-    model.close()
 
 
 @pytest.mark.parametrize("code", LANGUAGES)

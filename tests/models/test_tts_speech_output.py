@@ -58,10 +58,15 @@ def room() -> Room:
     return Room()
 
 
+@pytest.fixture(scope="module")
+def pool() -> VoicePool:
+    return VoicePool()
+
+
 @pytest.fixture(params=["en_US-joe-medium", "espeak-en"])
-def synthesiser(request: pytest.FixtureRequest, room: Room) -> SentenceSynthesiser:
+def synthesiser(request: pytest.FixtureRequest, room: Room, pool: VoicePool) -> SentenceSynthesiser:
     choice = voice("en", request.param)
-    return SentenceSynthesiser(lambda: [choice], VoicePool(), clock=room)
+    return SentenceSynthesiser(lambda: [choice], pool, clock=room)
 
 
 @pytest.fixture

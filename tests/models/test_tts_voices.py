@@ -12,7 +12,7 @@ from edgevox.core.languages import LANGUAGES
 from edgevox.models import locate
 from edgevox.voice.tts.espeak import EspeakSynthesiser, open_espeak
 from edgevox.voice.tts.espeak_command import EspeakCommand
-from edgevox.voice.tts.kokoro import KokoroModel, load_style
+from edgevox.voice.tts.kokoro import load_style
 from edgevox.voice.tts.pool import VoicePool
 from edgevox.voice.tts.synthesiser import SynthesisFailed
 
@@ -104,9 +104,10 @@ def test_a_cancelled_token_ends_a_voice_within_one_chunk(name: str, pool: VoiceP
     assert list(pieces) == []
 
 
-def test_kokoro_speaks_as_fast_as_it_is_told():
-    model, style = KokoroModel(locate("kokoro-82m")), load_style(locate("kokoro-voices"), "af_nova")
-    tokens = model.phonemes.tokens(KITCHEN["en"], style.name)
+def test_kokoro_speaks_as_fast_as_it_is_told(pool: VoicePool):
+    name = next(v.name for v in LANGUAGES["en"].voices if v.backend == "kokoro")
+    model, style = pool.get(voice("en", name)).model, load_style(locate("kokoro-voices"), "af_nova")
+    tokens = model.phonemes.tokens("The robot drives to the kitchen.", style.name)
 
     slow, usual, fast = (model.run(tokens, style, speed).size for speed in (0.8, 1.0, 1.25))
 

@@ -107,8 +107,13 @@ class EchoingRoom:
         assert asked, "the listener does not listen"
 
 
+@pytest.fixture(scope="module")
+def pool():
+    return VoicePool()
+
+
 @pytest.fixture
-def speak_in():
+def speak_in(pool):
     """Speaks in a room until all is said, or somebody is heard; gives what was submitted."""
 
     def run(room):
@@ -116,7 +121,7 @@ def speak_in():
         choice = voice("en", "en_US-joe-medium")
         sink = PacedSink(room, clock=room, wait=room.wait)
         speech_output = SpeechOutput(
-            SentenceSynthesiser(lambda: [choice], VoicePool(), clock=room), sink, clock=room
+            SentenceSynthesiser(lambda: [choice], pool, clock=room), sink, clock=room
         )
 
         def submit(command):

@@ -1,6 +1,6 @@
 """What a robot that talks does while its language model, its voice or its hearing is not there yet.
 
-The order of events says so, not a number of seconds: each test holds what is slow, and lets it go.
+The order of events says so, not a number of seconds: the test holds what is slow, and lets it go.
 """
 
 import threading
@@ -13,13 +13,12 @@ from listener_rig import loud, says_espeak, silence
 from voice_rig import SLOWLY, VoiceRig
 
 from edgevox.agent.grammar import SAY
-from edgevox.apps import composition
 from edgevox.core.agent_events import ToolCalled
 from edgevox.core.commands import TextInput
 from edgevox.core.events import Responded
 from edgevox.voice.stt.watched import WatchedSpeechToText
 
-KITCHEN = ("navigate_to", {"room": "kitchen"})
+KITCHEN, OFFICE = (("navigate_to", {"room": room}) for room in ("kitchen", "office"))
 
 
 class SlowReader:
@@ -55,83 +54,69 @@ def reader():
 
 
 @pytest.fixture
-def rig(tmp_path, monkeypatch, reader):
-    made = VoiceRig(
-        monkeypatch, tmp_path / "out.wav", robot="robot-apartment", model=reader, speed=SLOWLY
-    )
-    with made as started:
-        yield started
+def started(tmp_path, monkeypatch, reader):
+    """A robot that starts until its hearing is to be loaded; with what goes on, and its order."""
+    began, may_load, order = threading.Event(), threading.Event(), []
+    warm_up, prime = WatchedSpeechToText.warm_up, reader.prime
+
+    def load(self, language):
+        began.set()
+        assert may_load.wait(HUNG_S)
+        warm_up(self, language)
+        order.append("hears")
+
+    def read(messages, token):
+        order.append("reads")
+        prime(messages, token)
+
+    monkeypatch.setattr(WatchedSpeechToText, "warm_up", load)
+    monkeypatch.setattr(reader, "prime", read)
+    more = {"model": reader, "speed": SLOWLY, "voice": "espeak-en"}
+    rig = VoiceRig(monkeypatch, tmp_path / "out.wav", robot="robot-apartment", **more)
+    synthesiser = rig.parts.voice.speech_output.synthesiser
+    prepare = synthesiser.prepare
+    monkeypatch.setattr(synthesiser, "prepare", lambda: (prepare(), order.append("speaks")))
+    with ExitStack() as stack:
+        stack.callback(rig.close)
+        starting = threading.Thread(target=rig.start, name="test-start")
+        starting.start()
+        stack.callback(starting.join)
+        stack.callback(may_load.set)
+        assert began.wait(HUNG_S)
+        yield rig, may_load, order
 
 
 def spoken(text):
     return np.concatenate([silence(0.5), loud(says_espeak(text, "en-us"), 0.08), silence(1.5)])
 
 
-def test_commands_are_done_while_the_language_model_still_reads_its_prompt(rig, reader):
-    assert reader.reads.wait(HUNG_S)
+def test_what_can_be_done_is_done_while_hearing_then_the_voice_then_the_prompt_are_loaded(
+    started, reader
+):
+    rig, may_load, order = started
 
-    rig.room.play(spoken("go to the kitchen"))
+    # Typed, while hearing is loaded.
+    rig.parts.conversation.submit(TextInput("go to the kitchen"))
     rig.wait_for(ToolCalled)
-
     assert rig.calls() == [KITCHEN]
-    rig.room.play(spoken("stop"))
-    rig.wait_for(Responded, lambda one: one.text.startswith("Stopped"))
-    assert not reader.may_end.is_set()
+    assert "hears" not in order
+    assert not rig.parts.health.ready().well
 
-
-def test_what_needs_the_model_meanwhile_is_answered_once_it_has_read(rig, reader):
+    # Spoken, while the language model reads its prompt.
+    may_load.set()
     assert reader.reads.wait(HUNG_S)
-    rig.parts.conversation.submit(TextInput("how do bees make honey"))
-    assert not rig.of(Responded)
-
-    reader.may_end.set()
-
-    rig.wait_for(Responded, lambda one: "nectar" in one.text)
-
-
-def test_what_is_typed_while_hearing_is_loaded_is_done_at_once(tmp_path, monkeypatch, reader):
-    began, may_end = threading.Event(), threading.Event()
-
-    def slow(self, language):
-        began.set()
-        assert may_end.wait(HUNG_S)
-
-    monkeypatch.setattr(WatchedSpeechToText, "warm_up", slow)
-    rig = VoiceRig(monkeypatch, tmp_path / "out.wav", robot="robot-apartment", model=reader)
-    with ExitStack() as stack:
-        stack.callback(rig.close)
-        starting = threading.Thread(target=rig.start, name="test-start")
-        starting.start()
-        stack.callback(starting.join)
-        stack.callback(may_end.set)
-        assert began.wait(HUNG_S)
-
-        rig.parts.conversation.submit(TextInput("go to the kitchen"))
-        rig.wait_for(ToolCalled)
-
-        assert rig.calls() == [KITCHEN]
-        assert not may_end.is_set()
-        assert not rig.parts.health.ready().well
-
-
-def test_the_voice_is_loaded_after_hearing_and_before_the_prompt(tmp_path, monkeypatch, reader):
-    order = []
-    heard = composition.warm_up_hearing
-    monkeypatch.setattr(
-        composition, "warm_up_hearing", lambda *given: (heard(*given), order.append("hears"))
-    )
-    rig = VoiceRig(monkeypatch, tmp_path / "out.wav", robot="robot-apartment", model=reader)
-    synthesiser = rig.parts.voice.speech_output.synthesiser
-    prepare = synthesiser.prepare
-    monkeypatch.setattr(synthesiser, "prepare", lambda: (prepare(), order.append("speaks")))
-
-    def prime(messages, token):
-        order.append("reads")
-        reader.reads.set()
-
-    monkeypatch.setattr(reader, "prime", prime)
-    with rig:
-        assert reader.reads.wait(HUNG_S)
-
     assert order[0] == "hears"
     assert "speaks" in order[: order.index("reads")]
+    rig.forget()
+    rig.room.play(spoken("go to the office"))
+    rig.wait_for(ToolCalled)
+    assert rig.calls() == [OFFICE]
+    rig.room.play(spoken("stop"))
+    rig.wait_for(Responded, lambda one: one.text.startswith("Stopped"))
+
+    # What needs the model waits until it has read.
+    rig.parts.conversation.submit(TextInput("how do bees make honey"))
+    assert not any("nectar" in one.text for one in rig.of(Responded))
+    assert not reader.may_end.is_set()
+    reader.may_end.set()
+    rig.wait_for(Responded, lambda one: "nectar" in one.text)

@@ -13,7 +13,7 @@ from edgevox.core.events import Responded
 
 @pytest.fixture(scope="module")
 def home_with():
-    return {"speed": SLOWLY}
+    return {"speed": SLOWLY, "voice": "espeak-en"}
 
 
 def drive(rig):

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import pytest
 
 from edgevox.agent.llm.language_model import LanguageModel
+from edgevox.agent.nlu.decider import Decider
 from edgevox.agent.nlu.interpreter import ANSWER_TOKENS, Interpreter
 from edgevox.agent.nlu.meaning import Meaning
 from edgevox.agent.turn import Turn
-from edgevox.apps.decision import open_decider
 from edgevox.apps.robots import build_agents
 from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
@@ -39,9 +39,9 @@ class Answered:
 
 
 @pytest.fixture(scope="module")
-def interpreter(small: LanguageModel) -> Interpreter:
+def interpreter(small: LanguageModel, decider: Decider) -> Interpreter:
     agents = build_agents(ApartmentRobot())
-    return Interpreter(agents, Bus(), SystemClock(), small, decider=open_decider())
+    return Interpreter(agents, Bus(), SystemClock(), small, decider=decider)
 
 
 @pytest.fixture(scope="module")

@@ -8,6 +8,7 @@ import threading
 import time
 from collections import deque
 from contextlib import ExitStack
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from waiting import Heard
 
 from edgevox.apps import composition
 from edgevox.apps import voice as voice_app
+from edgevox.apps.decision import open_decider
 from edgevox.apps.robots import build_body
 from edgevox.core.agent_events import AgentEvent, ToolCalled
 from edgevox.core.clock import SystemClock
@@ -53,6 +55,10 @@ SLOWLY = 0.2
 """The speed of a world in which a drive goes on for longer than it takes to hear and to answer."""
 
 
+shared_decider = cache(open_decider)
+"""Its encoder takes a quarter of a GB, and a second to read."""
+
+
 def whole_wav(path):
     """All of a WAV file, at 16 kHz."""
     return np.concatenate([*stream_wav(path)])
@@ -74,6 +80,8 @@ class Room:
         self._frames = deque()
         self._changed = threading.Condition()
         self._asked = self._closed = self._anew = False
+        self.played = False
+        """Whether there was any sound since somebody last set this back."""
         self._end_s = 0.0
 
     def start(self):
@@ -84,7 +92,7 @@ class Room:
         whole = sound[: sound.size // FRAME_SAMPLES * FRAME_SAMPLES]
         with self._changed:
             self._frames.extend(whole.reshape(-1, FRAME_SAMPLES))
-            self._asked, self._anew = False, True
+            self._asked, self._anew, self.played = False, True, True
             self._changed.notify_all()
             assert self._changed.wait_for(lambda: self._asked, HUNG_S), (
                 "the listener does not listen"
@@ -123,6 +131,7 @@ class VoiceRig:
         patch.setattr(
             voice_app, "open_sink", lambda spec, **sink: open_sink(spec, **sink, paced=aloud)
         )
+        patch.setattr(composition, "open_decider", shared_decider)
         if model:
             patch.setattr(composition, "open_model", lambda *_: model)
         settings = Settings(audio_in="room", audio_out=str(answers), llm="none", **more)
@@ -158,7 +167,9 @@ class VoiceRig:
         What was said in the room is understood first: its answer would else be spoken over what
         the next test says, which the listener then takes for the robot's own voice.
         """
-        self.room.play(silence(QUIET_S))
+        if self.room.played:
+            self.room.play(silence(QUIET_S))
+            self.room.played = False
         assert self.parts.listener.transcriber.wait_idle(HUNG_S)
         self.parts.conversation.submit(Reset())
         assert self.parts.conversation.wait_idle(HUNG_S)

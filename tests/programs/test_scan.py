@@ -1,10 +1,11 @@
 """The scan for known vulnerabilities, against a service that answers as OSV does, or does not."""
 
+import io
 import json
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
+from contextlib import redirect_stderr, redirect_stdout, suppress
 from http.server import BaseHTTPRequestHandler
 from pathlib import Path
 from typing import Any
@@ -13,8 +14,11 @@ import pytest
 from guards import HUNG_S
 from models_sources import CLOSED, serving
 
+sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
+
+from scan import main
+
 ROOT = Path(__file__).resolve().parents[2]
-SCAN = ROOT / "scripts" / "scan.py"
 ANSWERS = Path(__file__).with_name("osv_answers.json")
 """What is known of a package by ecosystem, name and version, in the form that OSV documents."""
 OPENSSL = "pkg:deb/debian/libssl3@3.0.9-1?arch=amd64&distro=debian-12&upstream=openssl%403.0.9-1"
@@ -78,16 +82,19 @@ def sbom(folder: Path, *purls: str) -> Path:
 
 
 def scan(service: str, *more: str | Path) -> tuple[int, str]:
-    command = [sys.executable, SCAN, "--service", service, *more]
-    ran = subprocess.run(command, capture_output=True, text=True, timeout=HUNG_S, cwd=ROOT)
-    assert ran.stderr == ""
-    return ran.returncode, ran.stdout
+    with redirect_stdout(io.StringIO()) as said, redirect_stderr(io.StringIO()) as wrong:
+        code = main(["--service", service, *map(str, more)])
+    assert not wrong.getvalue()
+    return code, said.getvalue()
 
 
 def test_what_is_known_is_told_with_where_it_is(osv: tuple[Osv, str], tmp_path: Path) -> None:
-    code, said = scan(osv[1], "--sbom", sbom(tmp_path, PILLOW, OPENSSL))
+    more = ("--service", osv[1], "--sbom", sbom(tmp_path, PILLOW, OPENSSL))
+    command = [sys.executable, ROOT / "scripts" / "scan.py", *more]
+    ran = subprocess.run(command, capture_output=True, text=True, timeout=HUNG_S, cwd=ROOT)
+    code, said = ran.returncode, ran.stdout
 
-    assert code == 1
+    assert (code, ran.stderr) == (1, "")
     first, second = said.splitlines()[:2]
     assert first == f"Debian:12 openssl 3.0.9-1 ({tmp_path}/sbom.json): DEBIAN-CVE-2023-5363"
     assert second == f"PyPI pillow 9.0.0 ({tmp_path}/sbom.json): GHSA-8vj2-vxx3-667w PYSEC-2022-10"
