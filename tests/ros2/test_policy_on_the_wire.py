@@ -3,7 +3,7 @@
 import json
 import subprocess
 from collections.abc import Callable, Iterator
-from contextlib import closing
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +13,13 @@ from action_rig import Client
 from agent_process import READY, Agent
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseStamped, Twist
-from interop_rig import Stream, hear, tell, twist
+from interop_rig import Stream, hear, seconds, tell, twist
 from nav_msgs.msg import Odometry
 from peer import SENSOR, Peer, wait_until
 from ports import free_port
 from rclpy.qos import qos_profile_sensor_data
 from scraper import scrape_until as wait_for_metrics
+from watched_robot import LET_GO_S
 
 DENIED = phrases.refused("policy_denied")
 NOTHING_BUT_A_SENTENCE = "rules: {'*': deny, text_input: {navigate_to: allow}}"
@@ -227,25 +228,37 @@ def test_a_goal_pose_beyond_a_limit_is_refused_with_its_code(robot, limits, x_m,
     assert since.rejected("goal_pose")["code"] == code
 
 
+@contextmanager
+def streaming(robot: Robot, linear: float, angular: float = 0.0) -> Iterator[None]:
+    """Somebody steers, and then lets go for so long that the next one counts, also after a stop."""
+    stream = Stream(tell(robot.peer, Twist, CMD_VEL, SENSOR), twist(linear, angular))
+    try:
+        yield
+    finally:
+        stream.end()
+        over_s = seconds(robot.odom.messages[-1].header.stamp) + LET_GO_S
+        robot.odom.wait_for(
+            lambda m: seconds(m.header.stamp) > over_s, since=len(robot.odom.messages)
+        )
+
+
 @pytest.mark.parametrize("word", ["deny", "confirm"])
 def test_velocities_that_are_denied_turn_no_wheel_and_are_told_once_a_second(robot, word):
     robot.under(f"rules: {{cmd_vel: {word}}}")
     since, before = robot.from_now(), len(robot.odom.messages)
-    stream = Stream(tell(robot.peer, Twist, CMD_VEL, SENSOR), twist(0.4, 0.0))
     wanted = "policy_denied" if word == "deny" else "needs_a_person"
-    assert since.rejected("cmd_vel")["code"] == wanted
-    robot.odom.wait_for_more(20)
-    stream.end()
+    with streaming(robot, 0.4):
+        assert since.rejected("cmd_vel")["code"] == wanted
+        robot.odom.wait_for_more(20)
     assert max(map(speed, robot.odom.messages[before:])) < 0.01
 
 
 def test_velocities_are_slowed_to_what_is_permitted(robot):
     robot.under("rules: {'*': deny, cmd_vel: allow}\nlimits: {speed: {linear_m_s: 0.1}}")
     before = len(robot.odom.messages)
-    stream = Stream(tell(robot.peer, Twist, CMD_VEL, SENSOR), twist(0.4, 0.8))  # away from a wall
-    robot.odom.wait_for(lambda m: speed(m) > 0.09, since=before)
-    robot.odom.wait_for_more(20)
-    stream.end()
+    with streaming(robot, 0.4, 0.8):  # away from a wall
+        robot.odom.wait_for(lambda m: speed(m) > 0.09, since=before)
+        robot.odom.wait_for_more(20)
     assert max(map(speed, robot.odom.messages[before:])) < 0.11
 
 
@@ -259,11 +272,9 @@ def drive_far(robot: Robot) -> Since:
 
 def test_a_velocity_of_zero_ends_a_drive_though_velocities_are_denied(robot):
     robot.under(NOTHING_BUT_A_SENTENCE)
-    say = tell(robot.peer, Twist, CMD_VEL, SENSOR)
     since = drive_far(robot)
-    stream = Stream(say, twist(0.0, 0.0))  # best effort: one may be lost
-    since.event(lambda one: one["kind"] == "skill_cancelled")
-    stream.end()
+    with streaming(robot, 0.0):  # best effort: one may be lost
+        since.event(lambda one: one["kind"] == "skill_cancelled")
 
 
 def test_a_command_is_refused_by_its_name(robot):
