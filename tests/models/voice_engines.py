@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Sequence
-from functools import cache
+from functools import lru_cache
 
 import numpy as np
 from faster_whisper import WhisperModel
@@ -56,6 +56,6 @@ def wrong_words(said: Sequence[str], heard: Sequence[str]) -> int:
     return row[-1]
 
 
-@cache
+@lru_cache(maxsize=1)
 def _listener(model_id: str) -> WhisperModel:
     return WhisperModel(str(locate(model_id)), device="cpu", compute_type="int8", cpu_threads=2)
