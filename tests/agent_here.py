@@ -1,6 +1,7 @@
 """`edgevox-agent` without a process of its own, which costs seconds of computing each time."""
 
 import io
+import os
 import signal
 import sys
 import tempfile
@@ -28,7 +29,8 @@ def run_agent(*arguments: str, said: str | bytes = b"") -> Done:
         lines = stack.enter_context(tempfile.TemporaryFile())
         lines.write(said.encode() if isinstance(said, str) else said)
         lines.seek(0)
-        for one in SIGNALS:  # it leaves them as a program that ends does
+        stack.enter_context(patch.dict(os.environ))  # a process's own, and so are
+        for one in SIGNALS:
             stack.callback(signal.signal, one, signal.getsignal(one))
         stack.enter_context(patch.object(sys, "stdin", lines))
         out = stack.enter_context(redirect_stdout(io.StringIO()))
