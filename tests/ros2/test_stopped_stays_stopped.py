@@ -47,6 +47,7 @@ def robot(home):
 @pytest.mark.parametrize("number", [10, long(3), long(20)])
 def test_no_goal_of_a_burst_begins_after_the_stop_that_follows_it(robot, number, way):
     robot.send_goals(number)
+    robot.has_received()
 
     stop(robot, way)
 
@@ -129,6 +130,7 @@ def test_text_typed_on_a_page_while_it_is_stopped_is_not_obeyed_after_resume(rob
     robot.page.send(type="text", text=robot.sentence_to())
     robot.peer.send("text_input", robot.sentence_to())
     robot.send_pose()
+    robot.has_received()
 
     resume(robot)
 

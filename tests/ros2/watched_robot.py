@@ -1,7 +1,7 @@
 """A robot that is asked by every way in and stopped by every way, and whose velocity is watched.
 
-All that this process sends has left, and lies in a queue of the robot at the latest, when the call
-that sends it returns. So what was sent before a stop, and what after it, is no matter of time.
+All that this process sends has left when the call that sends it returns, and lies in a queue of the
+robot once `has_received`. So what was sent before a stop, and what after it, is no matter of time.
 """
 
 import json
@@ -10,13 +10,17 @@ from itertools import pairwise
 from pathlib import Path
 
 from geometry_msgs.msg import PoseStamped, Twist
+from guards import HUNG_S
 from halting import BRAKED_S, stands_for_good
 from interop_rig import Stream, tell, twist
 from paired_page import PairedPage
+from peer import RELIABLE
 from ports import free_port
+from rclpy.duration import Duration
 from robot_states import standing
 from std_msgs.msg import String
 from stop_rig import TARGETS, Robot
+from waiting import wait_until
 
 from edgevox_msgs.action import ExecuteSkill
 
@@ -44,6 +48,8 @@ class WatchedRobot(Robot):
         self.page = PairedPage(self.agent.wait_for_line("/#pair=").strip())
         self.pose_goal = tell(self.peer, PoseStamped, "/edgevox/goal_pose")
         self.velocity = tell(self.peer, Twist, "/edgevox/cmd_vel")
+        self.last = self.peer.node.create_publisher(String, self.peer.name("take_over"), RELIABLE)
+        wait_until(self.last.get_subscription_count, "take_over")
         self.language = self.peer.node.create_publisher(
             String, self.peer.name("set_language"), 10
         ).publish
@@ -80,6 +86,14 @@ class WatchedRobot(Robot):
             for one in range(number)
         ]
         self.client.send_without_waiting(goals)
+
+    def has_received(self) -> None:
+        """Wait until the robot's middleware has what was sent: it acknowledges what is sent now.
+
+        What a process sends to another one comes there in its order; a page's stop comes by itself.
+        """
+        self.last.publish(String(data="nobody"))
+        assert self.last.wait_for_all_acked(Duration(seconds=HUNG_S)), "the robot hears nothing"
 
     def send_pose(self) -> None:
         goal, target = PoseStamped(), self.target()
