@@ -74,7 +74,7 @@ test-needs:
 	@echo $(sort $(foreach part,$(TESTED),$(NEEDS_$(part))))
 
 .PHONY: unit
-unit: $(DONE)/dev ## Run what needs no model, no container, no node, and starts nothing large: in a minute.
+unit: $(DONE)/dev ## Run what needs no model, no container, no node, and starts nothing large: in three minutes.
 	@$(BIN)/python -m pytest -n 3 --dist loadfile -m "not long" tests/unit tests/talk tests/wrong $(ARGS)
 
 .PHONY: games
