@@ -29,8 +29,8 @@ def run_agent(*arguments: str, said: str | bytes = b"") -> Done:
         lines = stack.enter_context(tempfile.TemporaryFile())
         lines.write(said.encode() if isinstance(said, str) else said)
         lines.seek(0)
-        stack.enter_context(patch.dict(os.environ))  # a process's own, and so are
-        for one in SIGNALS:
+        stack.enter_context(patch.dict(os.environ))
+        for one in SIGNALS:  # both are a process's own: what it changes ends with it
             stack.callback(signal.signal, one, signal.getsignal(one))
         stack.enter_context(patch.object(sys, "stdin", lines))
         out = stack.enter_context(redirect_stdout(io.StringIO()))

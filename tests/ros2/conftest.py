@@ -1,5 +1,7 @@
 """Each test module gets an agent in a process of its own, on a domain of its own."""
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -21,9 +23,9 @@ def overlays(request):
     return Path(request.config.cache.mkdir("interfaces"))
 
 
-@pytest.fixture
-def agent(domain):
-    """Starts agents; ends those that still run."""
+@contextmanager
+def starting(domain: int) -> Iterator[Callable[..., Agent]]:
+    """Starts agents; ends those that still run, all at once."""
     started: list[Agent] = []
 
     def start(*arguments: str, robot: str = "robot-apartment", wait: bool = True) -> Agent:
@@ -41,6 +43,13 @@ def agent(domain):
 
 
 @pytest.fixture
+def agent(domain):
+    """Starts agents of a test."""
+    with starting(domain) as start:
+        yield start
+
+
+@pytest.fixture
 def peer(domain):
     peers: list[Peer] = []
 
@@ -55,21 +64,9 @@ def peer(domain):
 
 @pytest.fixture(scope="module")
 def shared(_domains):
-    """Starts agents that the tests of a module share, on a domain of their own; ends them."""
-    domain, started = next(_domains), []
-
-    def start(*arguments: str, robot: str = "robot-apartment") -> Agent:
-        started.append(
-            Agent(robot, "--text-mode", "--ros2", "--llm", "none", *arguments, domain=domain)
-        )
-        started[-1].wait_for_line(READY)
-        return started[-1]
-
-    yield start
-    for one in started:
-        one.leave()
-    for one in started:
-        one.terminate()
+    """Starts agents that the tests of a module share, on a domain of their own."""
+    with starting(next(_domains)) as start:
+        yield start
 
 
 @pytest.fixture(scope="module")
