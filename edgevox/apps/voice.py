@@ -170,6 +170,7 @@ def build_listener(
     Who speaks while no speech can be recognised is told that.
     """
     voice.stt.tell = lambda: submit(Speak(phrasebook(controls.language).say("deaf")))
+    from_files = isinstance(voice.source, WavFiles)
     return Listener(
         voice.source,
         open_vad(),
@@ -184,9 +185,9 @@ def build_listener(
         stop_detector=open_stop_detector(settings),
         ending=ending,
         saying=voice.speech_output.saying,
-        echo=settings.echo,
+        echo="none" if from_files else settings.echo,  # nothing comes back into a file
         played=voice.played,
-        lossless=isinstance(voice.source, WavFiles),
+        lossless=from_files,
     )
 
 

@@ -4,13 +4,12 @@ says: espeak-ng speaks to it, Piper answers, Whisper listens to both.
 
 import subprocess
 import sys
-import wave
 from pathlib import Path
 
 import numpy as np
 import phrases
 from guards import HUNG_S
-from listener_rig import loud, noises, says_espeak, silence
+from listener_rig import loud, noises, says_espeak, silence, write_wav
 from voice_engines import hear, words, wrong_words
 from voice_rig import whole_wav
 
@@ -23,14 +22,7 @@ ANSWERS = [
     phrases.begins("navigate_to", room="bedroom"),
     phrases.done("navigate_to", room="bedroom"),
 ]
-
-
-def write_wav(path, sound):
-    with wave.open(str(path), "wb") as file:
-        file.setnchannels(1)
-        file.setsampwidth(2)
-        file.setframerate(RATE_HZ)
-        file.writeframes(sound.tobytes())
+CUT = "  [interrupted]"
 
 
 def what_is_said(sound):
@@ -46,7 +38,7 @@ def test_who_speaks_to_it_from_a_file_is_obeyed_and_answered_into_a_file(tmp_pat
         pieces += [loud(says_espeak(command, "en-us"), 0.08), silence(4.0)]
     sound = np.concatenate(pieces)
     hiss = loud(noises(sound.size / RATE_HZ)["hiss"], 0.002)
-    write_wav(said, sound[: hiss.size] + hiss)
+    write_wav(said, [sound[: hiss.size] + hiss])
 
     done = subprocess.run(
         [
@@ -62,7 +54,8 @@ def test_who_speaks_to_it_from_a_file_is_obeyed_and_answered_into_a_file(tmp_pat
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
     heard = [line[2:] for line in lines if line.startswith("> ")]
-    answered = [line.strip() for line in lines if line.startswith("  ")]
+    # On a slow machine it still answers the first when the second is said.
+    answered = [line.strip() for line in lines if line.startswith("  ") and line != CUT]
     assert [words(text) for text in heard] == [words(command) for command in COMMANDS]
     assert answered == ANSWERS
     aloud = hear([Chunk(what_is_said(whole_wav(file)), RATE_HZ)], "en")
