@@ -68,6 +68,21 @@ class Peer:
         """
         return done(self._executor.create_task(work))
 
+    def catch_up(self) -> None:
+        """Take all that has come: an executor takes one message a round, however many wait."""
+        self.there(self._take_all)
+
+    def _take_all(self) -> None:
+        for subscription in self.node.subscriptions:
+            while True:
+                with subscription.handle:
+                    taken = subscription.handle.take_message(
+                        subscription.msg_type, subscription.raw
+                    )
+                if taken is None:
+                    break
+                subscription.callback(taken[0])
+
     def name(self, topic: str) -> str:
         return f"{self._namespace}/{topic}"
 

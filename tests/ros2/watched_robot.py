@@ -127,11 +127,13 @@ class WatchedRobot(Robot):
         """Wait until what was sent until now was received, whatever way it took.
 
         A topic keeps its order only for itself. What an executor has not seen when it looked for
-        the first answer, it has when it looked for the second, and handled before the third.
+        the first answer, it has when it looked for the second, and handled before the third. The
+        states from before are taken, too: of a burst this process may be seconds behind.
         """
         for _ in range(3):
             self.has_looked()
         self.page.has_answered_pings()
+        self.peer.catch_up()
 
     def moves(self) -> None:
         """Wait until it does."""
