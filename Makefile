@@ -79,7 +79,7 @@ unit: $(DONE)/dev ## Run what needs no model, no container, no node, and starts 
 
 .PHONY: games
 games: $(DONE)/dev $(NEEDS_ros2) ## Play the stop game, in one process and on ROS 2, for SECONDS=60 each; it prints its seeds.
-	@STOP_GAME_S=$(SECONDS) $(BIN)/python -m pytest tests/unit/test_stop_game.py tests/ros2/test_stop_game_on_the_wire.py $(ARGS)
+	@STOP_GAME_S=$(SECONDS) $(BIN)/python -m pytest tests/unit/agent/test_stop_game.py tests/ros2/test_stop_game_on_the_wire.py $(ARGS)
 
 .PHONY: cluster
 cluster: $(DONE)/dev ## Hold the chart against Kubernetes, and run it on a node, as root; HYPERKUBE=... names it.

@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from edgevox.core.cancel import CancelToken
-from edgevox.robots.apartment import ApartmentRobot
-from edgevox.robots.picture import picture
+from edgevox.robots.flat.apartment import ApartmentRobot
+from edgevox.robots.flat.picture import picture
 
 TOUR = ("kitchen", "office", "bedroom", "living_room")
 LAST = (2.9, 1.3)

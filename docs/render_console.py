@@ -16,7 +16,7 @@ from pathlib import Path
 from PIL import Image
 from playwright.sync_api import Browser, Page, expect, sync_playwright
 
-from edgevox.apps.composition import build_parts, start_parts
+from edgevox.apps.agent.build import build_parts, start_parts
 from edgevox.apps.console.build_context import build_context
 from edgevox.apps.robots import build_body
 from edgevox.console.console_server import ConsoleServer

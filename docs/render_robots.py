@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from edgevox.apps.composition import build_parts, start_parts
-from edgevox.apps.conversation_harness import ConversationHarness
+from edgevox.apps.agent.build import build_parts, start_parts
+from edgevox.apps.agent.play import ConversationHarness
 from edgevox.apps.robots import build_body
 from edgevox.core.settings import load_settings
 from edgevox.robots.capabilities import Body
-from edgevox.robots.picture import picture
+from edgevox.robots.flat.picture import picture
 
 IMAGES = Path(__file__).parent / "images"
 LIMIT_S = 60.0

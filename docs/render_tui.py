@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from edgevox.apps.composition import AgentParts, build_parts, start_parts
+from edgevox.apps.agent.build import AgentParts, build_parts, start_parts
 from edgevox.apps.robots import build_body
 from edgevox.apps.terminal.slash_commands import SlashContext
 from edgevox.apps.tui.face import Face

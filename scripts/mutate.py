@@ -29,9 +29,9 @@ LONGEST_S = 120.0
 """A mutation that makes a test hang is found, too."""
 MODULES = {
     "edgevox/agent/stopping.py": ("conversation*", "stop_spotted", "what_a_stop_ends", "stop_game"),
-    "edgevox/agent/safety.py": ("stop_words", "dialogue_sentences", "answers"),
-    "edgevox/agent/lane.py": ("lane", "fault_skills", "conversation*"),
-    "edgevox/agent/skill_executor.py": (
+    "edgevox/agent/stop/words.py": ("stop_words", "dialogue_sentences", "answers"),
+    "edgevox/agent/goals/lane.py": ("lane", "fault_skills", "conversation*"),
+    "edgevox/agent/goals/executor.py": (
         *("skills*", "refusals_spoken", "conversation*", "what_a_stop_ends", "stop_game"),
         *("confirmation*", "policy*", "talk/test_talk.py"),
     ),

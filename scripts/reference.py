@@ -11,8 +11,8 @@ import sys
 from pathlib import Path
 
 from docs import TABLES
-from edgevox.agent.policy.format import PolicyFile
-from edgevox.ros2.robot_file.robot_file_format import RobotFile
+from edgevox.agent.policy.file import PolicyFile
+from edgevox.ros2.robot_file.format import RobotFile
 from edgevox.scenario import Scenario
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -26,13 +26,19 @@ one, and a browser then drops what it loads."""
 Item = TypeVar("Item")
 
 
+def part_of(path: Path) -> str:
+    """The folder of `tests` that it is in."""
+    folders = path.parts
+    return folders[folders.index("tests") + 1] if "tests" in folders[:-1] else path.parent.name
+
+
 def in_turns(items: Iterable[tuple[Path, Item]]) -> list[Item]:
     """What computes and what waits, a file of each in turn, so that both are under way at once."""
     files: dict[Path, list[Item]] = {}
     for path, item in items:
         files.setdefault(path, []).append(item)
     lanes = [
-        [path for part in parts for path in files if path.parent.name == part and path.name != LAST]
+        [path for part in parts for path in files if part_of(path) == part and path.name != LAST]
         for parts in (COMPUTING, WAITING)
     ]
     placed = [path for path in chain(*zip_longest(*lanes)) if path is not None]

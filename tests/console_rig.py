@@ -10,8 +10,8 @@ from typing import Any
 
 import aiohttp
 
-from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
+from edgevox.agent.text.reasons import because
 from edgevox.console.console_server import ConsoleServer
 from edgevox.console.context import ConsoleContext
 from edgevox.console.sessions import Role
@@ -20,8 +20,8 @@ from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
 from edgevox.core.commands import Command
 from edgevox.core.controls import Controls
-from edgevox.core.interlock import Holder, Interlock
-from edgevox.core.software_stop import StopState
+from edgevox.core.motion.interlock import Holder, Interlock
+from edgevox.core.motion.software_stop import StopState
 
 WAIT_S = 30.0
 

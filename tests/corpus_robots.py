@@ -6,10 +6,10 @@ from typing import Any
 import yaml
 from corpus_sentences import FOLDER, Calls, Sentence
 
-from edgevox.agent.arguments import check_arguments
 from edgevox.agent.skills import Call, SkillSet
+from edgevox.agent.skills.arguments import check_arguments
 from edgevox.core.errors import InvalidValue
-from edgevox.robots.apartment import ApartmentRobot
+from edgevox.robots.flat.apartment import ApartmentRobot
 from edgevox.robots.humanoid.skills import walking_skills
 from edgevox.robots.navigation import LOCATION, navigation_skills
 from edgevox.robots.panda.skills import manipulation_skills

@@ -15,7 +15,7 @@ from typing import Any
 import yaml
 
 from edgevox.agent.skills import Call
-from edgevox.agent.spelling import key
+from edgevox.agent.text.spelling import key
 
 FOLDER = Path(__file__).parent / "corpus"
 ROBOTS = ("robot-apartment", "robot-external", "robot-humanoid", "robot-panda")

@@ -9,9 +9,9 @@ from typing import Any
 
 from guards import HUNG_S
 
-from edgevox.agent.llm.endpoint import Address, EndpointModel
-from edgevox.agent.llm.endpoint.endpoint_model import PAUSES_S
 from edgevox.agent.llm.language_model import ChatMessage
+from edgevox.agent.llm.remote import Address, EndpointModel
+from edgevox.agent.llm.remote.remote_model import PAUSES_S
 from edgevox.core.cancel import CancelToken
 
 CHAT = [ChatMessage("system", "Be brief."), ChatMessage("user", "Where to?")]

@@ -8,11 +8,11 @@ from typing import Any
 
 from support.bodies import BODIES
 
-from edgevox.agent import reasons
-from edgevox.agent.phrase_file import ENGLISH, phrasebook
-from edgevox.agent.phrase_forms import bare, fields
+from edgevox.agent.phrases.load import ENGLISH, phrasebook
 from edgevox.agent.skills import Skill, SkillFailed
-from edgevox.ros2.clients.interface_reasons import interface_reason
+from edgevox.agent.text import reasons
+from edgevox.agent.text.words import bare, fields
+from edgevox.ros2.clients.clients import interface_reason
 
 _SKILLS: Mapping[str, Skill] = {
     one.name: one for body in ("humanoid", "panda", "apartment") for one in BODIES[body].values()

@@ -21,8 +21,8 @@ from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.policy import Guard
 from edgevox.agent.programs.senses import Senses
-from edgevox.agent.reasons import because
 from edgevox.agent.skills import Call, GoalHandle, SkillFailed, SkillSet, skill
+from edgevox.agent.text.reasons import because
 from edgevox.core.agent_events import AgentEvent, Confirmation, ConfirmationStatus
 from edgevox.core.bus import Bus
 from edgevox.core.commands import (
@@ -38,12 +38,12 @@ from edgevox.core.commands import (
 )
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Cause, Responded
-from edgevox.core.interlock import Interlock, StreamStopped
-from edgevox.core.software_stop import SoftwareStop
+from edgevox.core.motion.interlock import Interlock, StreamStopped
+from edgevox.core.motion.software_stop import SoftwareStop
 from edgevox.core.ways import Way
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.command_mux import WATCHDOG_S
-from edgevox.robots.velocity_steering import Steering
+from edgevox.robots.limits import Steering
 
 HELD = st.booleans()
 """Whether an order is received later than it is sent."""

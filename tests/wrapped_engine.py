@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import LidarScan, Twist2D
-from edgevox.robots.engine import Engine, MotionState
+from edgevox.robots.flat.engine import Engine, MotionState
 
 
 class WrappedEngine:

@@ -8,7 +8,8 @@ from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
-from edgevox.apps import agent, composition
+from edgevox.apps.agent import build as composition
+from edgevox.apps.agent import main as agent
 from edgevox.core.bus import Bus
 from edgevox.ros2 import bridge
 

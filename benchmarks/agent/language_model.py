@@ -13,8 +13,8 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 from benchmarks.core.figures import Figure, Measured, NotHere
-from edgevox.agent.grammar import grammar
 from edgevox.agent.llm import tuning
+from edgevox.agent.llm.chat.grammar import grammar
 from edgevox.agent.llm.factory import load_model
 from edgevox.agent.llm.language_model import CONTEXT_TOKENS, ChatMessage, LanguageModel, ModelFailed
 from edgevox.agent.nlu.interpreter import ANSWER_TOKENS, Interpreter
@@ -25,7 +25,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import SystemClock
 from edgevox.models import ModelMissing, locate
-from edgevox.robots.apartment import ApartmentRobot
+from edgevox.robots.flat.apartment import ApartmentRobot
 
 MODEL = "qwen2.5-coder-0.5b-instruct"
 QUESTIONS = (

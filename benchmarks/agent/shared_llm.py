@@ -29,8 +29,8 @@ from waiting import wait_until
 from benchmarks import ROOT
 from benchmarks.agent.language_model import QUESTIONS
 from benchmarks.core.figures import Figure, Measured, NotHere
-from edgevox.agent.grammar import grammar
-from edgevox.agent.llm.endpoint.address import Offer, chat_request
+from edgevox.agent.llm.chat.grammar import grammar
+from edgevox.agent.llm.remote.address import Offer, chat_request
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.skills import NO_SKILLS
 from edgevox.apps.robots import build_agents
@@ -38,7 +38,7 @@ from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
 from edgevox.core.settings import Settings
 from edgevox.models import ModelMissing, locate
-from edgevox.robots.apartment import ApartmentRobot
+from edgevox.robots.flat.apartment import ApartmentRobot
 
 MODEL = "smollm2-135m-instruct"
 TABLE = "One language model for many robots"

@@ -16,7 +16,7 @@ from typing import Any
 import edgevox
 from benchmarks.core.figures import Figure, Measured
 from benchmarks.core.talker import Peer, isolate, wait_until
-from edgevox.apps.composition import build_parts, start_parts
+from edgevox.apps.agent.build import build_parts, start_parts
 from edgevox.apps.robots import build_body
 from edgevox.core.settings import load_settings
 from edgevox.robots.capabilities import Body, HasPose

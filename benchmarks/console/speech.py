@@ -18,17 +18,17 @@ from voice_rig import says
 from benchmarks.console.browser import LOUD, monotonic_s, opened
 from benchmarks.core.figures import Figure
 from benchmarks.hearing.listening import quiet_room
-from edgevox.apps import composition
+from edgevox.apps.agent import build as composition
+from edgevox.apps.agent.voice import warm_up_hearing
 from edgevox.apps.console.serve_console import serve_console
 from edgevox.apps.robots import build_body
-from edgevox.apps.voice import warm_up_hearing
 from edgevox.core.agent_events import ToolCalled
 from edgevox.core.cancel import CancelToken
 from edgevox.core.commands import ConversationCommand, Heard, Reset, Speak
 from edgevox.core.settings import Settings
 from edgevox.voice.audio import RATE_HZ, Chunk, Samples
-from edgevox.voice.resample import resampled
 from edgevox.voice.tts.pool import VoicePool
+from edgevox.voice.wav import resampled
 
 SAID = "go to the kitchen"
 TOLD = "The kitchen is on the left, behind the sofa."

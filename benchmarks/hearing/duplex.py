@@ -25,16 +25,15 @@ from benchmarks.hearing.duplex_room import Room, listen_in
 from benchmarks.hearing.echo_paths import PATHS, EchoPath, Sound, as_samples, at_level, noise_floor
 from benchmarks.hearing.listening import NoWords
 from edgevox.models import ModelMissing, locate
-from edgevox.voice.audio import RATE_HZ
-from edgevox.voice.echo_canceller import open_echo
-from edgevox.voice.level import rms
-from edgevox.voice.microwakeword import MicroWakeWord
-from edgevox.voice.played_sound import PlayedSound
-from edgevox.voice.stop_detector import StopDetector
-from edgevox.voice.stop_encoder import ENCODER
-from edgevox.voice.stop_spotter import open_stop_spotter
+from edgevox.voice.audio import RATE_HZ, rms
+from edgevox.voice.echo.canceller import open_echo
+from edgevox.voice.echo.played import PlayedSound
+from edgevox.voice.stop.detector import StopDetector
+from edgevox.voice.stop.network import ENCODER
+from edgevox.voice.stop.spotter import open_stop_spotter
 from edgevox.voice.stt.speech_to_text import SpeechToText
 from edgevox.voice.stt.whisper import Whisper
+from edgevox.voice.wake.micro import MicroWakeWord
 from training.acoustics import Half
 from training.acoustics.voices import native_voices, say
 

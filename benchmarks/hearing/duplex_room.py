@@ -11,14 +11,13 @@ from benchmarks.hearing.echo_paths import EchoPath, Sound, as_samples, noise_flo
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Command, Heard, Interrupt, StopSpotted
 from edgevox.core.settings import Echo
-from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, EndOfSound, Frame
+from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, EndOfSound, Frame, rms
+from edgevox.voice.echo.played import PlayedSound
 from edgevox.voice.foreground import open_vad
-from edgevox.voice.level import rms
 from edgevox.voice.listener import Listener
-from edgevox.voice.played_sound import PlayedSound
-from edgevox.voice.stop_detector import StopDetector
+from edgevox.voice.stop.detector import StopDetector
 from edgevox.voice.stt.speech_to_text import SpeechToText
-from edgevox.voice.wakeword import WakeDetector
+from edgevox.voice.wake.wakeword import WakeDetector
 
 SILENT_AFTER_S = 0.1
 AHEAD_S = 0.1

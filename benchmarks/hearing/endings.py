@@ -18,13 +18,13 @@ from listener_rig import frames
 
 from benchmarks.core.figures import Figure, Measured
 from edgevox.agent.agents import Agent
-from edgevox.agent.nlu.endings import Endings
+from edgevox.agent.nlu.hearing.endings import Endings
 from edgevox.agent.nlu.interpreter import Interpreter
-from edgevox.agent.phrase_file import phrasebook
-from edgevox.agent.safety import find_stop_word
+from edgevox.agent.phrases.load import phrasebook
+from edgevox.agent.stop.words import find_stop_word
 from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
-from edgevox.core.ending import Ending
+from edgevox.core.speech import Ending
 from edgevox.models import locate
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.endpoint import Endpointer, SpeechEnded, SpeechPaused, SpeechWentOn

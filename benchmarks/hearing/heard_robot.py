@@ -10,13 +10,13 @@ from listener_rig import frames
 
 from benchmarks.core.figures import Figure
 from edgevox.agent.agents import Agent
-from edgevox.agent.nlu.hearing_prompt import hearing_prompt
+from edgevox.agent.nlu.hearing.prompt import hearing_prompt
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.nlu.meaning import Meaning
-from edgevox.agent.phrase_file import phrasebook
+from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.skills import Call
 from edgevox.agent.turn import Turn
-from edgevox.apps.decision import open_decider, open_phonemes
+from edgevox.apps.agent.models import open_decider, open_phonemes
 from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
 from edgevox.core.ways import Way

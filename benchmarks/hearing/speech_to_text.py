@@ -13,12 +13,12 @@ from voice_engines import words, wrong_words
 
 from benchmarks.core.figures import Figure, Measured, NotHere
 from benchmarks.hearing.voice.parts import record
-from edgevox.apps.queries import find_model
+from edgevox.apps.agent.queries import find_model
 from edgevox.models import ModelMissing, locate
 from edgevox.voice.audio import RATE_HZ, Samples
-from edgevox.voice.resample import resampled
 from edgevox.voice.stt.whisper import Whisper
-from edgevox.voice.voices import choose
+from edgevox.voice.tts.voices import choose
+from edgevox.voice.wav import resampled
 
 MODEL = "whisper-tiny.en"
 TABLE = f"Speech to text, {MODEL}"

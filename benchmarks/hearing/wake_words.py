@@ -21,9 +21,9 @@ from benchmarks.hearing.stop_words.sounds import talk, tracks
 from edgevox.models import ModelMissing, locate
 from edgevox.voice.audio import FRAME_S, RATE_HZ, Samples
 from edgevox.voice.foreground import open_vad
-from edgevox.voice.microwakeword import MicroWakeWord
 from edgevox.voice.tts.pool import VoicePool
-from edgevox.voice.wakeword import WakeDetector, WakeWord
+from edgevox.voice.wake.micro import MicroWakeWord
+from edgevox.voice.wake.wakeword import WakeDetector, WakeWord
 from training.acoustics import Half
 
 Judged = tuple[Samples, float]

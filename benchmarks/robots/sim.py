@@ -5,12 +5,11 @@ from collections.abc import Callable
 
 from benchmarks.core.figures import Figure, Measured
 from edgevox.robots.capabilities import Twist2D
-from edgevox.robots.engine import STEP_S
-from edgevox.robots.lidar import Lidar
-from edgevox.robots.path_planner import PathPlanner
-from edgevox.robots.pymunk_engine import PymunkEngine
-from edgevox.robots.text_map import draw
-from edgevox.robots.world import load_world
+from edgevox.robots.flat.engine import STEP_S
+from edgevox.robots.flat.planner import PathPlanner
+from edgevox.robots.flat.pymunk_engine import Lidar, PymunkEngine
+from edgevox.robots.flat.text_map import draw
+from edgevox.robots.world.load import load_world
 
 TABLE = "The 2D apartment"
 ROUNDS = 5

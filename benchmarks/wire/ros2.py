@@ -23,7 +23,7 @@ from benchmarks.core.talker import PLAIN, Talker, isolate, wait_until
 from benchmarks.wire.listener import ECHOED, IMAGE_QOS, RELIABLE, SAID, listener
 from edgevox.core import events
 from edgevox.core.agent_events import AgentEvent, GoalChanged, GoalStatus
-from edgevox.robots.apartment import ApartmentRobot
+from edgevox.robots.flat.apartment import ApartmentRobot
 from edgevox.ros2.contract import PUBLISHED, RATED, Rated
 from edgevox.ros2.contract_rows import STRING, Published
 from edgevox.ros2.qos import profile

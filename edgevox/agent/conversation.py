@@ -1,33 +1,34 @@
-"""The conversation: commands in, events out, on one thread; stopping never waits for it."""
+"""The conversation: commands in, events out, on one thread; stopping never waits for it.
+
+What is done in a turn, by what began it: words are conversed about, all else is one step.
+"""
 
 import itertools
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, assert_never
 
 from edgevox.agent import inbox
 from edgevox.agent.agents import Agent, skills_of
-from edgevox.agent.asking import Asking
-from edgevox.agent.confirmation import OpenQuestion
-from edgevox.agent.dialogue_skills import DialogueSkills
-from edgevox.agent.goals import Goal
-from edgevox.agent.last_drive import LastDrive
+from edgevox.agent.dialogue.asking import Asking, Performer
+from edgevox.agent.dialogue.memory import LastDrive
+from edgevox.agent.dialogue.question import OpenQuestion
+from edgevox.agent.dialogue.skills import DialogueSkills
+from edgevox.agent.goals.executor import SkillExecutor
+from edgevox.agent.goals.goal import Goal
 from edgevox.agent.llm.language_model import LanguageModel
 from edgevox.agent.nlu.decider import Decider
+from edgevox.agent.nlu.hearing.sounds import Phonemes
 from edgevox.agent.nlu.interpreter import Interpreter
-from edgevox.agent.nlu.sounds import Phonemes
-from edgevox.agent.performer import Performer
 from edgevox.agent.policy import Guard
 from edgevox.agent.programs.keeper import Programs
-from edgevox.agent.programs.program_store import Timer
 from edgevox.agent.programs.senses import NO_SENSES, Senses
-from edgevox.agent.reasons import because
-from edgevox.agent.skill_executor import SkillExecutor
-from edgevox.agent.skills import STOP, Call
+from edgevox.agent.programs.store import Timer
+from edgevox.agent.skills import STOP, Call, SkillSet
 from edgevox.agent.states import StateMachine
 from edgevox.agent.stopping import Stopping
+from edgevox.agent.text.reasons import because
 from edgevox.agent.turn import InputTiming, Turn
-from edgevox.agent.turn_handler import TurnHandler
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.commands import (
@@ -37,19 +38,94 @@ from edgevox.core.commands import (
     Interrupt,
     Reset,
     RunSkill,
+    Speak,
     SpokenOn,
     StopSpotted,
     TextInput,
     Transcribing,
 )
-from edgevox.core.events import State, TurnEnded
-from edgevox.core.interlock import Interlock
-from edgevox.core.log import bound
+from edgevox.core.events import Outcome, State, Transcribed, TurnEnded
+from edgevox.core.files.text import MAX_CHARACTERS, clean
+from edgevox.core.log import bound, get_logger
+from edgevox.core.motion.interlock import Interlock
 from edgevox.core.reason import Reason
 from edgevox.core.settings import Confirm
 from edgevox.core.speech import TextToSpeech
 from edgevox.core.transforms import Pose2D
 from edgevox.core.ways import Way
+
+log = get_logger(__name__)
+
+
+class TurnHandler:
+    """Used from the conversation's thread. `skills` are those of all agents."""
+
+    def __init__(
+        self,
+        bus: Bus,
+        interpreter: Interpreter,
+        asking: Asking,
+        *,
+        executor: SkillExecutor,
+        skills: SkillSet,
+        states: StateMachine,
+    ) -> None:
+        self._bus = bus
+        self._interpreter = interpreter
+        self._asking = asking
+        self._executor = executor
+        self._skills = skills
+        self._states = states
+
+    def handle(self, item: inbox.Item, turn: Turn, put_s: float) -> None:
+        """Do it to the end, whatever happens. `put_s` is when it was put into the inbox."""
+        try:
+            self._do(item, turn, put_s)
+        except Exception:
+            log.exception("turn_failed")
+            if inbox.can_be_stopped(item):
+                turn.say(self._interpreter.phrases.say("broken"), Outcome.FAILED)
+
+    def _do(self, item: inbox.Item, turn: Turn, put_s: float) -> None:
+        match item:
+            case TextInput():
+                self._converse(Transcribed(clean(item.text), turn.number), turn, put_s)
+            case Heard(text=said, confidence=sure):
+                words = Transcribed(clean(said), turn.number, sure)
+                self._converse(words, turn, item.ended_s)
+            case Speak(text=text):
+                turn.say(clean(text))
+            case inbox.TooLong(length=length):
+                if item.asked:
+                    self._bus.publish(Transcribed(item.beginning, turn.number))
+                book = self._interpreter.phrases
+                told = book.say("too_long", length=length, limit=MAX_CHARACTERS)
+                turn.say(told, Outcome.REFUSED)
+            case RunSkill(name=name, arguments=arguments):
+                self._executor.perform([Call(name, arguments)], self._skills, turn, "command")
+            case inbox.Announce(text=text, detail=detail):
+                turn.say(text, detail=detail)
+            case inbox.Forget():
+                self._interpreter.forget()
+                self._asking.forget()
+            case inbox.SwitchLanguage(code=code):
+                self._interpreter.set_language(code)
+                self._asking.set_language()
+            case inbox.Settle():
+                pass  # it needs no more than its turn
+            case _:
+                assert_never(item)
+
+    def _converse(self, words: Transcribed, turn: Turn, said_s: float) -> None:
+        text = words.text
+        self._bus.publish(words)
+        if not text:
+            turn.say(self._interpreter.phrases.say("not_heard"), Outcome.NOT_UNDERSTOOD)
+        else:
+            self._states.enter(State.THINKING, turn)
+            meaning = self._asking.attend(text, turn, said_s)
+            turn.settle()
+            self._interpreter.remember(text, turn, meaning)
 
 
 class Conversation:

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.commands import Heard, RunSkill, Speak, TextInput
+from edgevox.core.errors import Refusal
+from edgevox.core.files.text import MAX_CHARACTERS, clean
 from edgevox.core.log import get_logger
-from edgevox.core.refusals import Refusal
-from edgevox.core.text import MAX_CHARACTERS, clean
 from edgevox.core.ways import Way
 
 log = get_logger(__name__)

@@ -4,26 +4,26 @@ from collections import deque
 from collections.abc import Callable
 
 from edgevox.agent import inbox
-from edgevox.agent.confirmation import OpenQuestion
+from edgevox.agent.dialogue.question import OpenQuestion
+from edgevox.agent.goals.executor import SkillExecutor
 from edgevox.agent.inbox import Inbox
-from edgevox.agent.near_stop import NearStop
-from edgevox.agent.nlu.sounds import Phonemes
-from edgevox.agent.phrasebook import Phrasebook
+from edgevox.agent.nlu.hearing.near import NearStop
+from edgevox.agent.nlu.hearing.sounds import Phonemes
+from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.programs.keeper import Programs
-from edgevox.agent.reasons import because, called_off
-from edgevox.agent.safety import SafetyWords
-from edgevox.agent.skill_executor import SkillExecutor
 from edgevox.agent.states import StateMachine
+from edgevox.agent.stop.words import SafetyWords
+from edgevox.agent.text.reasons import because, called_off
 from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import HeardBy, SafetyPreempted
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
 from edgevox.core.commands import Heard, SpokenOn, StopSpotted, TextInput
 from edgevox.core.events import Cause, Interrupted, State, Transcribed
-from edgevox.core.interlock import Interlock
+from edgevox.core.files.text import clean
 from edgevox.core.log import get_logger
+from edgevox.core.motion.interlock import Interlock
 from edgevox.core.reason import Reason
-from edgevox.core.text import clean
 
 log = get_logger(__name__)
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-from edgevox.core.user_file import LARGEST_TEXT_BYTES
+from edgevox.core.files.user_file import LARGEST_TEXT_BYTES
 from edgevox.security.documents import LAST_DOMAIN
 
 CERTIFICATES = ("cert.pem", "identity_ca.cert.pem", "permissions_ca.cert.pem")

@@ -8,8 +8,7 @@ from typing import Any, Literal, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from edgevox.core.old_names import ENV_PREFIX, old_flag
-from edgevox.core.settings import Settings
+from edgevox.core.settings import ENV_PREFIX, Settings, old_flag
 
 
 def add_flags(parser: argparse.ArgumentParser, fields: Sequence[str] | None = None) -> None:

@@ -14,7 +14,7 @@ import time
 from collections.abc import Sequence
 
 from edgevox.apps.streams import show, with_streams
-from edgevox.core.text import one_line
+from edgevox.core.files.text import one_line
 
 WELL, UNWELL, USAGE_ERROR = 0, 1, 2
 PORT, HOST = "EDGEVOX_HEALTH_PORT", "EDGEVOX_HEALTH_HOST"

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
-from edgevox.agent.safety import SafetyWords
+from edgevox.agent.stop.words import SafetyWords
 from edgevox.apps.flags import add_flags, given_flags
 from edgevox.apps.run_program import run_program, set_up_logs
 from edgevox.apps.shutdown_signals import ShutdownSignals
@@ -58,10 +58,8 @@ def listen(
     A file is heard at the pace of speech where somebody looks on, else as fast as it goes.
     Raises `EdgeVoxError` for what cannot be opened.
     """
+    from edgevox.apps.agent.voice import open_hearing, open_stop_detector, open_wakeword
     from edgevox.apps.listen_view import ListenView
-    from edgevox.apps.stop_choice import open_stop_detector
-    from edgevox.apps.voice import open_hearing
-    from edgevox.apps.wake_choice import open_wakeword
     from edgevox.core.bus import Bus
     from edgevox.core.events import WakeWordHeard
     from edgevox.voice.foreground import open_vad
@@ -112,7 +110,7 @@ def _connect(
 ) -> None:
     """Have a node of its own fill the source from the topic `audio_in`."""
     try:
-        from edgevox.ros2.audio_in import AudioIn
+        from edgevox.ros2.audio import AudioIn
         from edgevox.ros2.node import RosNode
     except ModuleNotFoundError as error:
         raise EdgeVoxError(f"audio_in ros2: got no module {error.name}, expected ROS 2") from None

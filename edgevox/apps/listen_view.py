@@ -6,7 +6,7 @@ from typing import Protocol
 
 from edgevox.core.commands import Command, Heard, StopSpotted
 from edgevox.core.events import WakeWordHeard
-from edgevox.core.text import one_line
+from edgevox.core.files.text import one_line
 from edgevox.voice.audio import FRAME_S
 from edgevox.voice.endpoint import VOICED
 from edgevox.voice.hearing_meter import HearingMeter, HearingReading

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 from edgevox import __version__
 from edgevox.agent.skills import Skill
-from edgevox.apps.agent_parts import AgentParts
+from edgevox.apps.agent.parts import AgentParts
 from edgevox.core.bus import Bus
 from edgevox.core.settings import Settings
 from edgevox.core.status import Components
 from edgevox.ops.diagnostics.process import count_threads
-from edgevox.ops.health_checks import Health
+from edgevox.ops.health import Health
 from edgevox.ros2 import Bridge
 
 if TYPE_CHECKING:

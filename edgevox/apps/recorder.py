@@ -1,29 +1,155 @@
-"""`edgevox-recorder`: records a robot's topics, and judges a scenario on a robot that runs."""
+"""`edgevox-recorder`: records a robot's topics, and judges a scenario on a robot that runs.
 
+What `edgevox-recorder` was asked on its command line, as one value.
+"""
+
+import argparse
+import math
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from edgevox import __version__
+from edgevox.apps.flags import add_flags, given_flags
 from edgevox.apps.metrics import serve_recorders_metrics
-from edgevox.apps.recorder_arguments import RecorderArguments, parse_arguments
 from edgevox.apps.run_program import run_program, secure_ros2, set_up_logs
 from edgevox.apps.shutdown_signals import ShutdownSignals, Terminated
 from edgevox.apps.streams import show, with_streams
-from edgevox.core.errors import EdgeVoxError
-from edgevox.core.extras import install_extra
-from edgevox.core.settings import Settings
+from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.process.extras import install_extra
+from edgevox.core.settings import Settings, load_settings
 from edgevox.core.status import Components
-from edgevox.ops.health_checks import Health
+from edgevox.ops.health import Health
+from edgevox.ros2 import split_ros_args
 from edgevox.scenario import Scenario, load_scenario, run_scenario
-from edgevox.scenario.run_scenario import StepResult
-from edgevox.scenario.scenario_report import heading, line, summary
+from edgevox.scenario.run import StepResult, heading, line, summary
 
 if TYPE_CHECKING:
     from edgevox.ros2.recorder import Recorder
+
+
+SETTINGS = (
+    "agent_namespace",
+    "health_port",
+    "health_host",
+    "metrics_port",
+    "metrics_host",
+    "log_level",
+    "log_format",
+)
+
+
+@dataclass(frozen=True)
+class RecorderArguments:
+    """What to record, where to, and what to judge."""
+
+    settings: Settings
+    output: Path
+    topics: tuple[str, ...]
+    max_size_mb: float
+    spare_mb: float
+    most_mb: float | None
+    duration_s: float | None
+    scenario: Path | None
+    wait_s: float
+    ros_args: tuple[str, ...]
+
+
+def parse_arguments(argv: Sequence[str]) -> RecorderArguments:
+    """Read a command line. Raises `InvalidValue`; ends the process for what makes no sense."""
+    own, ros = split_ros_args(argv)
+    arguments = _parser().parse_args(own)
+    return RecorderArguments(
+        load_settings(given_flags(arguments), arguments.config),
+        arguments.output,
+        tuple(arguments.topics),
+        _at_least("max_size", arguments.max_size, 0.01),
+        _at_least("spare", arguments.spare, 0),
+        None if arguments.most is None else _at_least("most", arguments.most, 0.01),
+        arguments.duration,
+        arguments.scenario,
+        arguments.wait,
+        tuple(ros),
+    )
+
+
+def _at_least(name: str, value: float, least: float) -> float:
+    if not least <= value < math.inf:
+        raise InvalidValue(name, value, f"a number of {least:g} or more")
+    return value
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="edgevox-recorder",
+        description="Record a robot's topics as MCAP files, and judge a scenario on it.",
+        epilog="Exit codes: 0 well, 1 the scenario failed, 2 wrong arguments, 74 messages lost.",
+    )
+    parser.add_argument("--version", action="version", version=__version__)
+    parser.add_argument(
+        "--output",
+        type=Path,
+        default=Path("recordings"),
+        metavar="DIR",
+        help="where a folder for this recording is made [default: recordings]",
+    )
+    parser.add_argument(
+        "--topics",
+        nargs="+",
+        default=(),
+        metavar="NAME",
+        help="only these, by the contract's names or as NAME:TYPE [default: all but sound]",
+    )
+    parser.add_argument(
+        "--max-size",
+        type=float,
+        default=256,
+        metavar="MB",
+        help="begin another file at this size [default: 256]",
+    )
+    parser.add_argument(
+        "--spare",
+        type=float,
+        default=100,
+        metavar="MB",
+        help="how much of the disk is left to others [default: 100]",
+    )
+    parser.add_argument(
+        "--most",
+        type=float,
+        metavar="MB",
+        help="end when all its files have this size; a scenario is played to its end",
+    )
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument("--duration", type=float, metavar="S", help="end after this many seconds")
+    what.add_argument(
+        "--scenario",
+        type=Path,
+        metavar="FILE",
+        help="play this scenario on the robot, and end with its verdict",
+    )
+    parser.add_argument(
+        "--wait",
+        type=float,
+        default=60.0,
+        metavar="S",
+        help="how long a scenario waits for the robot to appear [default: 60]",
+    )
+    parser.add_argument(
+        "--namespace",
+        dest="agent_namespace",
+        default=argparse.SUPPRESS,
+        metavar="NS",
+        help="the same as --agent-namespace",
+    )
+    add_flags(parser, SETTINGS)
+    return parser
+
 
 MB = 1_000_000
 NOT_ALL_RECORDED = 74
@@ -113,7 +239,7 @@ def _stage(
 
 def _serve_health(stack: ExitStack, settings: Settings, health: Health) -> None:
     if settings.health_port:
-        from edgevox.ops.health_server import HealthServer
+        from edgevox.ops.health import HealthServer
 
         server = HealthServer(health, settings.health_host, settings.health_port)
         stack.callback(server.close)

@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 
 from edgevox.agent.agents import Agent
-from edgevox.agent.name_rules import check_skills
+from edgevox.agent.phrases.name_rules import check_skills
 from edgevox.agent.skills import Skill, SkillSet
 from edgevox.apps.folders import places_folder
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
 from edgevox.robots.capabilities import Body, RemembersPlaces, TellsAbout
-from edgevox.robots.places.place_store import PlaceStore
+from edgevox.robots.places.store import PlaceStore
 from edgevox.robots.plugin import installed_robots, robot_points
 
 log = get_logger(__name__)

@@ -10,8 +10,8 @@ from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.log import get_logger
 from edgevox.core.settings import Settings
 from edgevox.models import ModelMissing
-from edgevox.ops.allocator import return_memory
 from edgevox.ops.logs import set_up, tear_down, writes_json
+from edgevox.ops.machine import return_memory
 
 log = get_logger(__name__)
 

@@ -15,7 +15,7 @@ from edgevox.apps.dds_security import domain_of
 from edgevox.apps.run_program import run_program
 from edgevox.apps.streams import show, with_streams
 from edgevox.core.errors import EdgeVoxError, InvalidValue
-from edgevox.core.extras import install_extra
+from edgevox.core.process.extras import install_extra
 from edgevox.core.settings import check_settings
 from edgevox.security.documents import LAST_DOMAIN
 
@@ -65,8 +65,7 @@ def _create(arguments: argparse.Namespace) -> bool:
 def _add(arguments: argparse.Namespace) -> bool:
     """Let one more in: a robot, a recorder, a shell with tools, or who only listens."""
     from edgevox.security.enclave_certificates import utc_now
-    from edgevox.security.keystore import DAYS
-    from edgevox.security.purpose import Purpose
+    from edgevox.security.keystore import DAYS, Purpose
     from edgevox.security.roles import EXTERNAL_ROBOT, EnclaveRole, Graph, node_name
 
     store = _open(arguments)

@@ -9,8 +9,8 @@ from collections.abc import Callable
 from types import FrameType, TracebackType
 
 from edgevox.apps.streams import show
-from edgevox.core.drain import Drain
 from edgevox.core.log import get_logger
+from edgevox.core.motion.drain import Drain
 
 log = get_logger(__name__)
 

@@ -13,8 +13,8 @@ from collections.abc import Callable
 from functools import wraps
 from typing import ParamSpec, TextIO, cast
 
-from edgevox.core.output_stream import OutputStream, Tell
-from edgevox.core.text import printable
+from edgevox.core.files.text import printable
+from edgevox.core.process.output_stream import OutputStream, Tell
 
 P = ParamSpec("P")
 FAILED = 1

@@ -18,10 +18,10 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from edgevox.console.tls import Tls
-from edgevox.core.atomic_file import PRIVATE, PUBLIC, write_atomically
 from edgevox.core.errors import InvalidValue
-from edgevox.core.state_files import StateFiles
-from edgevox.core.user_file import read_text
+from edgevox.core.files.atomic_file import PRIVATE, PUBLIC, write_atomically
+from edgevox.core.files.state_files import StateFiles
+from edgevox.core.files.user_file import read_text
 
 AUTHORITY_DAYS = 3650
 DAYS = 390

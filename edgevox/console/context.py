@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Command, Submit
 from edgevox.core.controls import Controls
-from edgevox.core.interlock import Interlock
+from edgevox.core.motion.interlock import Interlock
+from edgevox.core.motion.software_stop import SoftwareStop
 from edgevox.core.reason import Reason
-from edgevox.core.software_stop import SoftwareStop
 from edgevox.core.ways import Way
 
 

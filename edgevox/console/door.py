@@ -11,7 +11,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 
-from edgevox.console.bad_requests import BadRequest, BadRequests
+from edgevox.console.limits import BadRequest, BadRequests
 from edgevox.console.tls import CurrentTls
 from edgevox.core.log import get_logger
 

@@ -8,8 +8,8 @@ from edgevox.console.console_server import ConsoleServer
 from edgevox.console.context import ConsoleContext
 from edgevox.console.tls import Tls
 from edgevox.core.errors import InvalidValue
+from edgevox.core.files.state_files import StateFiles
 from edgevox.core.settings import Settings
-from edgevox.core.state_files import StateFiles
 
 
 def open_console(context: ConsoleContext, settings: Settings, folder: Path) -> ConsoleServer:

@@ -21,8 +21,8 @@ from edgevox.console.talk import Shown, messages_of
 from edgevox.core.clock import Clock
 from edgevox.core.events import ControlChanged, Event
 from edgevox.core.log import get_logger
+from edgevox.core.motion.software_stop import StopState
 from edgevox.core.reason import Reason
-from edgevox.core.software_stop import StopState
 
 log = get_logger(__name__)
 

@@ -5,7 +5,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from edgevox.core.errors import InvalidValue
-from edgevox.core.validation import dotted, explain
+from edgevox.core.files.validation import dotted, explain
 
 PROTOCOL = 1
 MOST_BYTES = 64 * 1024

@@ -12,9 +12,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from edgevox.console.sessions import Role
-from edgevox.core.atomic_file import write_atomically
-from edgevox.core.json_reader import read_json_object
-from edgevox.core.state_files import StateFiles
+from edgevox.core.files.atomic_file import write_atomically
+from edgevox.core.files.json_reader import read_json_object
+from edgevox.core.files.state_files import StateFiles
 
 LAST_S = 600.0
 MOST_WRONG = 10

@@ -15,10 +15,10 @@ from dataclasses import asdict, dataclass
 from enum import StrEnum
 from pathlib import Path
 
-from edgevox.core.atomic_file import write_atomically
-from edgevox.core.json_reader import is_number, read_json_object
+from edgevox.core.files.atomic_file import write_atomically
+from edgevox.core.files.json_reader import is_number, read_json_object
+from edgevox.core.files.state_files import StateFiles
 from edgevox.core.log import get_logger
-from edgevox.core.state_files import StateFiles
 from edgevox.core.ways import Way
 
 log = get_logger(__name__)

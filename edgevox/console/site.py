@@ -1,21 +1,22 @@
-"""What the console answers over HTTP: the page, letting in, and the sockets."""
+"""What the console answers over HTTP: the page, letting in, and the sockets.
+
+What every answer tells the browser to forbid, and whether a request comes from the own page.
+"""
 
 import asyncio
 import json
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from pathlib import Path
-from urllib.parse import quote
+from urllib.parse import quote, urlsplit
 
 from aiohttp import web
 
-from edgevox.console.bad_requests import UNREADABLE, BadRequest, BadRequests
 from edgevox.console.door import Door
+from edgevox.console.limits import UNREADABLE, BadRequest, BadRequests, PageRateLimit
 from edgevox.console.page_hub import PageHub
 from edgevox.console.page_messages import MOST_BYTES
 from edgevox.console.pairing import Pairing
-from edgevox.console.rate_limit import PageRateLimit
-from edgevox.console.security_headers import add_headers, is_own_origin
 from edgevox.console.sessions import LAST_S, Role, Session
 from edgevox.console.sockets.browser_sound import MOST_BYTES as MOST_SOUND
 from edgevox.console.sockets.browser_sound import SoundLine, SoundPage
@@ -25,6 +26,49 @@ from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
 
 log = get_logger(__name__)
+
+
+_POLICY = "; ".join(
+    (
+        "default-src 'none'",
+        "script-src 'self'",
+        "style-src 'self'",
+        "img-src 'self' blob: data:",
+        "connect-src 'self'",
+        "media-src 'self' blob:",
+        "manifest-src 'self'",
+        "worker-src 'self'",
+        "form-action 'self'",
+        "base-uri 'none'",
+        "frame-ancestors 'none'",
+    )
+)
+HEADERS = {
+    "Content-Security-Policy": _POLICY,
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Permissions-Policy": "microphone=(self), camera=(), geolocation=()",
+    "Server": "edgevox",
+}
+
+
+async def add_headers(_request: web.Request, response: web.StreamResponse) -> None:
+    """Put them on an answer that is about to leave."""
+    response.headers.update(HEADERS)
+    response.headers.setdefault("Cache-Control", "no-cache")
+
+
+def is_own_origin(request: web.BaseRequest) -> bool:
+    """Whether a page of this server asks: its `Origin` is there, and is the host it asks."""
+    try:
+        origin = urlsplit(request.headers.get("Origin", ""))
+    except ValueError:  # half an address
+        return False
+    return origin.scheme in ("http", "https") and origin.netloc.lower() == request.host.lower()
+
 
 PAGE = Path(__file__).parent / "page"
 MOST_BODY = 4096

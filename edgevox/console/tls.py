@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from edgevox.core.errors import InvalidValue
-from edgevox.core.user_file import LARGEST_TEXT_BYTES, open_file
+from edgevox.core.files.user_file import LARGEST_TEXT_BYTES, open_file
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,9 +1,23 @@
-"""The root of every error that EdgeVox raises on purpose."""
+"""The root of every error that EdgeVox raises on purpose.
+
+Why something that was asked for is not taken: counted and logged under these names.
+"""
 
 import math
+from enum import StrEnum
 
-from edgevox.core.refusals import Refusal
-from edgevox.core.text import one_line
+from edgevox.core.files.text import one_line
+
+
+class Refusal(StrEnum):
+    """A reason, as data; the sentence that goes with it says the rest."""
+
+    TOO_LONG = "too_long"
+    TOO_MANY = "too_many"
+    NOT_FINITE = "not_finite"
+    IMPLAUSIBLE = "implausible"
+    FORBIDDEN = "forbidden"
+    INVALID = "invalid"
 
 
 class EdgeVoxError(Exception):

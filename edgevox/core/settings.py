@@ -2,16 +2,25 @@
 
 They come from, each overruling the one before: the defaults below, a TOML file, ``EDGEVOX_*``
 variables, command line flags, and, on a running node, ROS 2 parameters.
+
+What settings may be where a type alone does not say it: each is refused in words for people.
+
+Names that settings had before: flags, variables and keys of a TOML file that go on working.
+
+A setting says its own in its field's ``json_schema_extra``: `old_name` for all three, and
+`old_flag` where the flag was called otherwise.
 """
 
 import os
+import re
 import tomllib
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any, ClassVar, Literal, get_args
+from typing import Annotated, Any, ClassVar, Literal, get_args
 
-from pydantic import Field, ValidationError
+from pydantic import AfterValidator, Field, ValidationError
+from pydantic.fields import FieldInfo
 from pydantic_settings import (
     BaseSettings,
     InitSettingsSource,
@@ -20,11 +29,108 @@ from pydantic_settings import (
 )
 
 from edgevox.core.errors import EdgeVoxError, InvalidValue
-from edgevox.core.frame_names import OdomFrame
-from edgevox.core.old_names import ENV_PREFIX, by_new_keys, by_old_variables
-from edgevox.core.setting_types import Endpoint, FramePrefix, LanguageCode, RosNamespace
-from edgevox.core.user_file import read_text
-from edgevox.core.validation import dotted, explain
+from edgevox.core.files.user_file import read_text
+from edgevox.core.files.validation import dotted, explain
+from edgevox.core.languages import LANGUAGES
+from edgevox.core.transforms import PREFIX_EXPECTED, OdomFrame, is_prefix
+
+_NAMESPACE = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+|/")
+_ENDPOINT = re.compile(r"https?://(\[[0-9A-Fa-f:.]+\]|[A-Za-z0-9._-]+)(:[0-9]{1,5})?(/[\w./~-]*)?")
+
+
+def _known_language(code: str) -> str:
+    if code not in LANGUAGES:
+        raise ValueError("one of " + ", ".join(LANGUAGES))
+    return code
+
+
+def _valid_namespace(namespace: str) -> str:
+    absolute = namespace if namespace.startswith("/") else f"/{namespace}"
+    if not _NAMESPACE.fullmatch(absolute) or "__" in absolute:
+        raise ValueError(
+            "a ROS 2 namespace such as /robot1: letters, digits and single underscores"
+        )
+    return absolute
+
+
+def _valid_prefix(prefix: str) -> str:
+    if not is_prefix(prefix):
+        raise ValueError(PREFIX_EXPECTED)
+    return prefix
+
+
+def _valid_endpoint(url: str) -> str:
+    if url and not _ENDPOINT.fullmatch(url):
+        raise ValueError(
+            "the address of a server such as http://llm.example:8080; its key stands in "
+            "llm_endpoint_key_file"
+        )
+    return url
+
+
+LanguageCode = Annotated[str, AfterValidator(_known_language)]
+"""The code of a language that there is."""
+RosNamespace = Annotated[str, AfterValidator(_valid_namespace)]
+"""A namespace of ROS 2, made absolute."""
+FramePrefix = Annotated[str, AfterValidator(_valid_prefix)]
+"""What may stand before the names of frames."""
+Endpoint = Annotated[str, AfterValidator(_valid_endpoint)]
+"""A server's address without a key in it; empty for none."""
+
+
+ENV_PREFIX = "EDGEVOX_"
+Fields = Mapping[str, FieldInfo]
+
+
+def old_name(info: FieldInfo) -> str:
+    """What the setting was called; empty for most."""
+    return _extra(info, "old_name")
+
+
+def old_flag(info: FieldInfo) -> str:
+    """What its flag was called; empty for most."""
+    return _extra(info, "old_flag") or old_name(info)
+
+
+def one_value(old: str, value: object, new: str, other: object) -> None:
+    """Raises `InvalidValue`, with both names, if one setting has two values."""
+    if value != other:
+        raise InvalidValue(old, value, f"{other!r}, as {new} says, or only one")
+
+
+def by_old_variables(environment: Mapping[str, str], fields: Fields) -> dict[str, Any]:
+    """The settings that the environment gives by an old name.
+
+    Raises `InvalidValue` for one that it gives by its new name too, and another value.
+    """
+    given = {name.upper(): value for name, value in environment.items()}
+    values: dict[str, Any] = {}
+    for name, info in fields.items():
+        old, new = ENV_PREFIX + old_name(info).upper(), ENV_PREFIX + name.upper()
+        if old_name(info) and old in given:
+            values[name] = given[old]
+            one_value(old, given[old], new, given.get(new, given[old]))
+    return values
+
+
+def by_new_keys(written: Mapping[str, Any], fields: Fields) -> dict[str, Any]:
+    """A TOML file's settings, those with an old key under the new one.
+
+    Raises `InvalidValue` for one that has both keys, and another value by each.
+    """
+    values = dict(written)
+    for name, info in fields.items():
+        old = old_name(info)
+        if old and old in values:
+            value = values.pop(old)
+            one_value(old, value, name, values.setdefault(name, value))
+    return values
+
+
+def _extra(info: FieldInfo, key: str) -> str:
+    extra = info.json_schema_extra
+    return str(extra.get(key, "")) if isinstance(extra, dict) else ""
+
 
 Confirm = Literal["always", "unsure", "never"]
 CONFIRM: tuple[Confirm, ...] = get_args(Confirm)

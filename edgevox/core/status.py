@@ -2,17 +2,59 @@
 
 The doctor looks at a machine on which no agent may run, so it has checks of its own. What is judged
 in more than one place, such as when something stalls, is judged here.
+
+A fault: what something that keeps trying says while it cannot do its work.
+
+Whether a count has grown of late: a fault that is over must not be shown for ever.
 """
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum, StrEnum
-from typing import Protocol, Self
+from typing import Protocol, Self, runtime_checkable
 
+from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.log import get_logger, worth_a_line
 
 log = get_logger(__name__)
+
+
+@runtime_checkable
+class ReportsFault(Protocol):
+    """Knows why it cannot do its work now. It goes on trying by itself."""
+
+    @property
+    def fault(self) -> str:
+        """The reason in a few words; empty if all is well. From any thread."""
+
+
+def fault_of(thing: object) -> str:
+    """What it says is wrong; empty for what cannot say it."""
+    return thing.fault if isinstance(thing, ReportsFault) else ""
+
+
+LATELY_S = 10.0
+"""For so long something that happened is shown as a fault; its count stays."""
+
+
+class RecentIncrease:
+    """Watches a counter that only grows. Asked from any thread."""
+
+    def __init__(self, clock: Clock | None = None, window_s: float = LATELY_S) -> None:
+        self._clock = clock or SystemClock()
+        self._window_s = window_s
+        self._seen = 0
+        self._grew_s = float("-inf")
+
+    def grew(self, count: int) -> bool:
+        """Whether it has grown within the last seconds; `count` is what it is now."""
+        now_s = self._clock.now()
+        if count > self._seen:
+            self._grew_s = now_s
+        self._seen = max(self._seen, count)
+        return now_s - self._grew_s < self._window_s
+
 
 LATE_S = 1.0
 """What should move and has not for this long is worth a word."""

@@ -2,13 +2,33 @@
 
 A pose given in a frame is also the transform that takes points of its own frame to that frame.
 Metres and radians, axes by REP 103: x ahead (east on a map), y left (north), z up, turns
-counter-clockwise. Quaternions are x, y, z, w and of length 1. tests/unit/test_transforms.py holds
-this to SciPy.
+counter-clockwise. Quaternions are x, y, z, w and of length 1.
+tests/unit/core/test_transforms.py holds this to SciPy.
+
+What the frames of a robot may be called, for the settings and for whoever puts them on /tf.
 """
 
 import math
+import re
 from dataclasses import dataclass
 from math import isfinite
+from typing import Literal, get_args
+
+MAP = "map"
+"""Shared by all robots of a domain."""
+BASE = "base_link"
+ODOM = "odom"
+OdomFrame = Literal["", "odom"]
+"""The odometry's frame, or none: `base_link` hangs on `map` then."""
+ODOM_FRAMES: tuple[str, ...] = get_args(OdomFrame)
+ODOM_EXPECTED = f"empty or {ODOM}"
+PREFIX_EXPECTED = "empty, or a prefix such as robot1/: letters, digits, underscores and slashes"
+_PREFIX = re.compile(r"([A-Za-z][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*/?)?")
+
+
+def is_prefix(text: str) -> bool:
+    """Whether frames may begin with it: names with a slash between, a letter first, or nothing."""
+    return _PREFIX.fullmatch(text) is not None
 
 
 @dataclass(frozen=True, slots=True)

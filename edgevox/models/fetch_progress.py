@@ -8,7 +8,7 @@ import rich.console
 import rich.progress
 
 from edgevox.core.clock import Clock, SystemClock
-from edgevox.core.text import one_line
+from edgevox.core.files.text import one_line
 
 
 class FetchProgress(Protocol):

@@ -6,8 +6,8 @@ from contextlib import suppress
 from pathlib import Path
 
 from edgevox.core.errors import InvalidValue
+from edgevox.core.files.user_file import read_text
 from edgevox.core.log import get_logger
-from edgevox.core.user_file import read_text
 from edgevox.models.manifest import ModelFile
 
 log = get_logger(__name__)

@@ -25,15 +25,15 @@ PANDA_MODEL, G1, G1_POLICY, H1 = "franka-panda", "unitree-g1", "g1-walking-polic
 
 
 def _apartment(settings: Settings, speed: float | None) -> Body:
-    from edgevox.robots.apartment import ApartmentRobot
-    from edgevox.robots.world import load_world
+    from edgevox.robots.flat.apartment import ApartmentRobot
+    from edgevox.robots.world.load import load_world
 
     return ApartmentRobot(load_world(settings.world, seed=settings.seed), speed=speed)
 
 
 def _irsim(settings: Settings, speed: float | None) -> Body:
-    from edgevox.robots.irsim import IrsimRobot
-    from edgevox.robots.world import load_world
+    from edgevox.robots.flat.irsim import IrsimRobot
+    from edgevox.robots.world.load import load_world
 
     return IrsimRobot(load_world(settings.world, seed=settings.seed), speed=speed)
 

@@ -17,7 +17,7 @@ from edgevox.agent.skills import Skill
 from edgevox.core.cancel import CancelToken
 from edgevox.core.transforms import IDENTITY, ORIGIN, Pose2D, Pose3D
 from edgevox.robots.occupancy_map import OccupancyMap
-from edgevox.robots.places.place_memory import PlaceMemory
+from edgevox.robots.places.memory import PlaceMemory
 
 
 @dataclass(frozen=True, slots=True)

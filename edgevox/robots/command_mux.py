@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from typing import Generic, TypeVar
 
-from edgevox.agent.reasons import called_off
+from edgevox.agent.text.reasons import called_off
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.errors import finite
 from edgevox.core.log import get_logger

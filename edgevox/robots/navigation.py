@@ -8,12 +8,11 @@ from typing import Annotated, Protocol, runtime_checkable
 
 from pydantic import Field
 
-from edgevox.agent.choices import MOST_HINTS, OwnNames
-from edgevox.agent.reasons import because, called_off
 from edgevox.agent.skills import Example, GoalHandle, OneOf, Result, Skill, SkillFailed, skill
+from edgevox.agent.skills.choices import MOST_HINTS, OwnNames
+from edgevox.agent.text.reasons import because, called_off
 from edgevox.core.cancel import CancelToken
 from edgevox.core.transforms import Pose2D
-from edgevox.robots.bounds import Bounds
 from edgevox.robots.capabilities import (
     Body,
     ChecksGoals,
@@ -23,10 +22,11 @@ from edgevox.robots.capabilities import (
     HasPose,
     Report,
 )
-from edgevox.robots.places.place_memory import PlaceMemory
-from edgevox.robots.places.place_store import Place
+from edgevox.robots.limits import Bounds
+from edgevox.robots.places.memory import PlaceMemory
 from edgevox.robots.places.skills import located, place_skills
-from edgevox.robots.world_fields import LARGEST
+from edgevox.robots.places.store import Place
+from edgevox.robots.world.fields import LARGEST
 
 
 class NavigableBody(Body, HasPose, HasPlaces, DrivesTo, Protocol):

@@ -1,16 +1,128 @@
-"""The thread that lets a simulated world's time pass, in real time or as fast as it can."""
+"""The thread that lets a simulated world's time pass, in real time or as fast as it can.
+
+How a body that is simulated is switched on and off, whatever simulates it.
+
+What a robot, simulated or not, says of itself: the component `sim`.
+"""
 
 import math
 import threading
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from contextlib import AbstractContextManager
+from types import TracebackType
+from typing import Self
 
-from edgevox.agent.reasons import because
+from edgevox.agent.text.reasons import because, called_off
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
 from edgevox.core.log import get_logger
+from edgevox.core.status import (
+    ComponentName,
+    Finding,
+    HealthCheck,
+    Level,
+    RecentIncrease,
+    Status,
+    fault_of,
+    moves,
+    stall,
+)
+from edgevox.robots.capabilities import (
+    Body,
+    CountsHalts,
+    HasBattery,
+    KeepsPace,
+    RemembersPlaces,
+    TellsStalls,
+)
 
 log = get_logger(__name__)
+
+
+class SimulatedBody(ABC):
+    """Runs from `start` to `close`, and for so long in a ``with``."""
+
+    def __enter__(self) -> Self:
+        self.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    @abstractmethod
+    def start(self) -> None:
+        """Let time pass in its world."""
+
+    @abstractmethod
+    def halt(self, reason: str) -> bool:
+        """See `Body.halt`."""
+
+    def close(self) -> None:
+        """Stop moving, and join all threads. What runs ends as cancelled."""
+        self.halt(str(called_off("switched_off")))
+        self._close()
+
+    @abstractmethod
+    def _close(self) -> None:
+        """Join all threads: it is halted."""
+
+
+SLOW = 0.9
+"""A world that keeps less than this part of its pace is slow."""
+LOW_BATTERY = 0.15
+
+
+class SimComponent:
+    """Standing still, breaking and having no robot are errors; being slow is a warning."""
+
+    name = ComponentName.SIM
+
+    def __init__(self, body: Body, clock: Clock | None = None) -> None:
+        self._body = body
+        self._breaking = RecentIncrease(clock)
+        self.checks = (
+            (HealthCheck("body", moves(lambda: body.stalled_s)),)
+            if isinstance(body, TellsStalls)
+            else ()
+        )
+
+    def status(self) -> Status:
+        """How it is now. A world that stands still may hold the lock that its battery is behind."""
+        body, steps = self._body, self._body if isinstance(self._body, KeepsPace) else None
+        stalled_s = body.stalled_s if isinstance(body, TellsStalls) else 0.0
+        breaks = steps.breaks if steps else 0
+        found = stall(stalled_s, "the world has")
+        battery = body.battery() if isinstance(body, HasBattery) and not found else None
+        if fault := fault_of(body):
+            found.append(Finding(Level.ERROR, fault))
+        if isinstance(body, RemembersPlaces) and (fault := body.place_memory.fault):
+            found.append(Finding(Level.WARN, fault))
+        if self._breaking.grew(breaks):
+            text = f"its numbers broke and it was put back, {breaks} times by now"
+            found.append(Finding(Level.ERROR, text))
+        if steps and steps.pace is not None and steps.pace < SLOW:
+            found.append(Finding(Level.WARN, f"slow: keeps {100 * steps.pace:.0f} % of its pace"))
+        if battery is not None and battery < LOW_BATTERY:
+            level = Level.WARN if battery else Level.ERROR
+            found.append(Finding(level, f"battery at {100 * battery:.0f} %"))
+        return Status.judged(
+            self.name,
+            found,
+            well="runs",
+            body=body.name,
+            **({"real_time_factor": steps.real_time_factor or None} if steps else {}),
+            stalled_s=stalled_s,
+            broke=breaks,
+            battery=battery,
+            **({"watchdog_halts": body.watchdog_halts} if isinstance(body, CountsHalts) else {}),
+        )
+
 
 MOST_LAG_S = 0.25
 """A thread that was stalled catches up this much; what is older is dropped, not run after."""

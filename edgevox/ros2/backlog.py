@@ -25,8 +25,8 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 
-from edgevox.core.interlock import Interlock
 from edgevox.core.log import get_logger
+from edgevox.core.motion.interlock import Interlock
 
 log = get_logger(__name__)
 

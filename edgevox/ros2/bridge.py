@@ -1,30 +1,165 @@
-"""The bridge: the node with all of its parts."""
+"""The bridge: the node with all of its parts.
 
-from collections.abc import Mapping, Sequence
+Queries as services: a Trigger for each, whose message is the JSON that `info` carries.
+
+The components' word on `/diagnostics`, as rqt_robot_monitor and the aggregator expect it.
+
+A status is called ``/robot1/edgevox: audio``: the node's full name and the component, as
+diagnostic_updater does it with `use_fqn`. The short name, its default, is the same for every robot
+of a domain, and whoever listens would take two robots for one.
+
+The node's parameters: the settings of the topic commands, seen and changed as parameters.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any, Protocol, runtime_checkable
 
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
+from rclpy.exceptions import InvalidParameterTypeException
+from rclpy.executors import Executor
 from rclpy.node import Node
+from rclpy.parameter import Parameter as RosParameter
+from std_srvs.srv import Trigger
 
+from edgevox.core.bus import Bus
 from edgevox.core.commands import RunSkill
+from edgevox.core.controls import Controls, Value
 from edgevox.core.errors import InvalidValue
-from edgevox.core.status import Component
+from edgevox.core.events import ControlChanged
+from edgevox.core.status import Component, Components, Status
 from edgevox.core.ways import Way
 from edgevox.robots.capabilities import Body
 from edgevox.robots.node_handle import OnRos2
 from edgevox.ros2.backlog import Backlog
 from edgevox.ros2.bridge_context import BridgeContext
 from edgevox.ros2.bridge_status import ExecutorComponent, ExecutorCounts
-from edgevox.ros2.contract import PARAMETERS
-from edgevox.ros2.diagnostics import DiagnosticsPublisher
+from edgevox.ros2.contract import DIAGNOSTICS, PARAMETERS, QUERIES, Queries, answer_json
 from edgevox.ros2.interop import Interop
 from edgevox.ros2.logs import Rosout
 from edgevox.ros2.node import RosBridgeFailed, RosNode
-from edgevox.ros2.parameters import Parameters, declare
 from edgevox.ros2.presence import Presence
-from edgevox.ros2.query_services import QueryServices
+from edgevox.ros2.qos import profile
 from edgevox.ros2.skill_action import open_skill_action
 from edgevox.ros2.ticker import MakeTicker, Ticker
 from edgevox.ros2.topics import Topics
+
+
+class QueryServices:
+    """Serves the contract's queries on a node."""
+
+    def __init__(self, node: Node, queries: Queries) -> None:
+        for name in QUERIES:
+            node.create_service(Trigger, name, partial(_answer, name, queries[name]))
+
+    def close(self) -> None:
+        """Nothing of its own; the services end with their node."""
+
+
+def _answer(
+    name: str,
+    ask: Callable[[], Mapping[str, Any]],
+    _request: Trigger.Request,
+    response: Trigger.Response,
+) -> Trigger.Response:
+    response.success = True
+    response.message = answer_json(name, ask())
+    return response
+
+
+class DiagnosticsPublisher:
+    """Publishes the report of all components, on the ticker: also when the executor hangs."""
+
+    def __init__(self, node: Node, components: Components, ticker: Ticker) -> None:
+        self._node = node
+        self._components = components
+        self._name = str(node.get_fully_qualified_name())
+        row = DIAGNOSTICS
+        self._publisher = node.create_publisher(DiagnosticArray, row.topic, profile(row.qos))
+        self._forget: Callable[[], None] = ticker.every(1.0 / row.rate_hz, self._publish)
+
+    def close(self) -> None:
+        """Publish nothing more."""
+        self._forget()
+
+    def _publish(self) -> None:
+        message = DiagnosticArray()
+        message.status = [as_message(self._name, one) for one in self._components.statuses()]
+        message.header.stamp = self._node.get_clock().now().to_msg()
+        self._publisher.publish(message)
+
+
+def as_message(node: str, status: Status) -> DiagnosticStatus:
+    """A component's status as ROS 2 writes it."""
+    return DiagnosticStatus(
+        level=bytes([status.level]),
+        name=f"{node}: {status.name}",
+        message=status.message,
+        hardware_id=node,
+        values=[KeyValue(key=key, value=value) for key, value in status.texts.items()],
+    )
+
+
+def declare(node: Node, values: Mapping[str, Value]) -> dict[str, Value]:
+    """Declare the contract's parameters; `values` are their defaults.
+
+    The result is what they are: launch files, parameter files and ``-p`` overrule the defaults.
+    Raises `InvalidValue` for one of another type.
+    """
+    for row in PARAMETERS:
+        descriptor = ParameterDescriptor(
+            description=row.about,
+            additional_constraints=row.constraints,
+            read_only=row.read_only,
+        )
+        try:
+            node.declare_parameter(row.name, values[row.name], descriptor)
+        except InvalidParameterTypeException as error:
+            raise InvalidValue(row.name, str(error), row.constraints) from None
+    return {row.name: node.get_parameter(row.name).value for row in PARAMETERS}
+
+
+class Parameters:
+    """Keeps parameters and controls the same, whichever side changes.
+
+    A value that cannot be honoured is refused by the result of the set call, with the reason.
+    """
+
+    def __init__(self, node: Node, executor: Executor, controls: Controls, bus: Bus) -> None:
+        self._node = node
+        self._executor = executor
+        self._controls = controls
+        node.add_on_set_parameters_callback(self._check)
+        node.add_post_set_parameters_callback(self._apply)
+        self._forget = bus.subscribe(ControlChanged, self._follow)
+
+    def close(self) -> None:
+        """Follow no more changes."""
+        self._forget()
+
+    def _check(self, wanted: Sequence[RosParameter]) -> SetParametersResult:
+        try:
+            self._controls.check(_controls_of(wanted))
+        except InvalidValue as error:
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    def _apply(self, changed: Sequence[RosParameter]) -> None:
+        self._controls.change(_controls_of(changed))
+
+    def _follow(self, event: ControlChanged) -> None:
+        """Show a change that came another way; on the node's own thread, as rclpy wants it."""
+        self._executor.create_task(self._show, event)
+
+    def _show(self, event: ControlChanged) -> None:
+        if self._node.get_parameter(event.name).value != event.value:
+            self._node.set_parameters([RosParameter(event.name, value=event.value)])
+
+
+def _controls_of(parameters: Sequence[RosParameter]) -> dict[str, Value]:
+    ours = {"language", "voice", "muted", "confirm"}
+    return {one.name: one.value for one in parameters if one.name in ours}
 
 
 class BridgePart(Protocol):
@@ -174,11 +309,11 @@ def _audio(node: Node, context: BridgeContext) -> list[BridgePart]:
     """Microphone and loudspeaker on the wire. Their message is in edgevox_msgs."""
     parts: list[BridgePart] = []
     if context.audio_in:
-        from edgevox.ros2.audio_in import AudioIn
+        from edgevox.ros2.audio import AudioIn
 
         parts.append(AudioIn(node, context.audio_in))
     if context.audio_out:
-        from edgevox.ros2.audio_out import AudioOut
+        from edgevox.ros2.audio import AudioOut
 
         parts.append(AudioOut(node, context.audio_out))
     return parts

@@ -4,8 +4,16 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 
 from edgevox.core.clock import Clock
-from edgevox.core.recent_increase import RecentIncrease
-from edgevox.core.status import ComponentName, Finding, HealthCheck, Level, Status, moves, stall
+from edgevox.core.status import (
+    ComponentName,
+    Finding,
+    HealthCheck,
+    Level,
+    RecentIncrease,
+    Status,
+    moves,
+    stall,
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -34,9 +34,9 @@ from edgevox.core.events import (
     TurnMeasured,
     WakeWordHeard,
 )
-from edgevox.core.frame_names import ODOM_EXPECTED, PREFIX_EXPECTED
 from edgevox.core.settings import CONFIRM, Settings
 from edgevox.core.status import ComponentName
+from edgevox.core.transforms import ODOM_EXPECTED, PREFIX_EXPECTED
 from edgevox.ros2.contract_rows import (
     Incoming,
     Parameter,
@@ -47,7 +47,7 @@ from edgevox.ros2.contract_rows import (
     StandardTopic,
     Subscribed,
 )
-from edgevox.ros2.json_text import write
+from edgevox.ros2.messages import write
 from edgevox.ros2.standard_topics import INTEROP
 
 Queries = Mapping[str, Callable[[], Mapping[str, Any]]]

@@ -1,26 +1,173 @@
-"""The node: its rclpy context, its name, and the thread that spins it."""
+"""The node: its rclpy context, its name, and the thread that spins it.
+
+How Fast DDS, the usual middleware of ROS 2, is set up before a node of ours is made.
+
+By itself it hands messages of the same machine over in shared memory, and throws away what is for
+a process that has not looked for a second: frozen, or starved of the processor. The sender tries
+again with its next heartbeat, up to 3 s later; for so long a "stop" was lost. So our nodes ask to
+be written to by UDP: the kernel keeps what arrives until they look. They still write to others in
+shared memory.
+
+A sign of life: whoever does the work beats, whoever watches asks how long ago that was.
+
+A node that looks for incompatible peers once in a while, not with every message.
+
+rclpy gives each publisher and each subscription an event handler, which warns of a peer whose QoS
+or type does not fit, and its executor prepares and checks all of them whenever it wakes: with some
+fifty topics that was half of the work of an answer. Here they are looked at when `look` is called,
+together; they warn as ever, a moment later.
+"""
 
 import math
+import os
 import sys
 import threading
-from collections.abc import Sequence
+from collections import deque
+from collections.abc import MutableMapping, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
 
-from rclpy.clock import Clock
+from rclpy.clock import Clock as RosClock
 from rclpy.clock_type import ClockType
 from rclpy.context import Context
+from rclpy.event_handler import EventHandler
+from rclpy.exceptions import InvalidHandle
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation as rcl
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.subscription import Subscription
+from rclpy.waitable import Waitable
 
+from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import EdgeVoxError
-from edgevox.core.heartbeat import Heartbeat
 from edgevox.core.log import get_logger
 from edgevox.ops.logs import is_set_up
 from edgevox.ros2.contract import NODE_NAME
-from edgevox.ros2.fast_dds import choose_profile
 from edgevox.ros2.logs import LoggerLevels, RcutilsStream, apply_log_levels
-from edgevox.ros2.qos_events import QuietNode
 from edgevox.ros2.spin import end_spin, spin_until
 
 log = get_logger(__name__)
+
+
+PROFILE = Path(__file__).with_name("fast_dds.xml")
+READ_BY_FAST_DDS = "FASTRTPS_DEFAULT_PROFILES_FILE"
+"""The variable that the Fast DDS of ROS 2 Jazzy reads."""
+GIVEN = "FASTDDS_DEFAULT_PROFILES_FILE"
+"""Its name from Fast DDS 3 on, and in our reference: it counts here, too."""
+TRANSPORTS = "FASTDDS_BUILTIN_TRANSPORTS"
+_WITH_UDP = ("", "DEFAULT", "UDPv4")
+
+
+def choose_profile(environment: MutableMapping[str, str] = os.environ) -> None:
+    """Have the next nodes of this process made with our profile, or with the one somebody gave.
+
+    Somebody who chose transports without plain UDP gets what they chose, and no profile of ours.
+    Must be called before the first node is made; other middlewares do not look at it.
+    """
+    if environment.get(READ_BY_FAST_DDS):
+        return
+    if given := environment.get(GIVEN):
+        environment[READ_BY_FAST_DDS] = given
+    elif environment.get(TRANSPORTS, "") in _WITH_UDP:
+        environment[READ_BY_FAST_DDS] = str(PROFILE)
+
+
+LATELY_S = 60.0
+_MOST_BEATS = 256
+
+
+class Heartbeat:
+    """Counts from its making on. `beat` may be called from any thread.
+
+    A beat that comes later than `period_s` after the one before is late.
+    """
+
+    def __init__(self, clock: Clock | None = None, period_s: float = 0.0) -> None:
+        self._clock = clock or SystemClock()
+        self._period_s = period_s
+        self._late: deque[tuple[float, float]] = deque(maxlen=_MOST_BEATS)
+        self._beat_s = self._clock.now()
+
+    def begin(self) -> None:
+        """Count from now on."""
+        self._late.clear()
+        self._beat_s = self._clock.now()
+
+    def beat(self) -> None:
+        """Here I am."""
+        now_s = self._clock.now()
+        self._late.append((now_s, now_s - self._beat_s - self._period_s))
+        self._beat_s = now_s
+
+    @property
+    def silent_s(self) -> float:
+        """Seconds since the last beat."""
+        return max(0.0, self._clock.now() - self._beat_s)
+
+    @property
+    def lag_s(self) -> float:
+        """The most by which a beat was late in the last minute, or is already."""
+        now_s = self._clock.now()
+        lately = [late_s for when_s, late_s in tuple(self._late) if now_s - when_s < LATELY_S]
+        return max(0.0, now_s - self._beat_s - self._period_s, *lately)
+
+
+class QuietNode(Node):
+    """A node whose executor waits for messages, services and timers only."""
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        self._events: list[EventHandler] = []
+        super().__init__(*args, **options)
+
+    def look(self) -> None:
+        """Call those whose event has come; on the executor's thread, in a timer."""
+        context = self.context.handle
+        if context is None:
+            return
+        with ExitStack() as held, context:
+            alive = [one for one in list(self._events) if _enters(held, one)]
+            wait_set = rcl.WaitSet(0, 0, 0, 0, 0, len(alive), context)
+            wait_set.clear_entities()
+            for one in alive:
+                one.add_to_wait_set(wait_set)
+            wait_set.wait(0)
+            come = [(one, one.take_data()) for one in alive if one.is_ready(wait_set)]
+        for one, what in come:
+            one.callback(what)
+
+    def add_waitable(self, waitable: Waitable) -> None:
+        """Where rclpy adds the handlers of every publisher and subscription it creates."""
+        if isinstance(waitable, EventHandler):
+            self._events.append(waitable)
+        else:
+            super().add_waitable(waitable)
+
+    def destroy_publisher(self, publisher: Publisher) -> bool:
+        self._give_back(publisher.event_handlers)
+        return bool(super().destroy_publisher(publisher))
+
+    def destroy_subscription(self, subscription: Subscription) -> bool:
+        self._give_back(subscription.event_handlers)
+        return bool(super().destroy_subscription(subscription))
+
+    def _give_back(self, handlers: Any) -> None:
+        """Put them where rclpy believes them to be, and removes them from."""
+        for one in handlers:
+            if one in self._events:
+                self._events.remove(one)
+                super().add_waitable(one)
+
+
+def _enters(held: ExitStack, handler: EventHandler) -> bool:
+    """Keep it from being destroyed meanwhile; False if it is already."""
+    try:
+        held.enter_context(handler)
+    except InvalidHandle:
+        return False
+    return True
+
 
 BEAT_S = 1.0
 """How often the executor gives a sign of life; each costs it about 1 ms."""
@@ -53,7 +200,7 @@ class RosNode:
         self.executor.add_node(self.node)
         self._heartbeat = Heartbeat(period_s=BEAT_S)
         # Of its own clock, which goes on when that of the robot stands still.
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        steady = RosClock(clock_type=ClockType.STEADY_TIME)
         self.node.create_timer(BEAT_S, self._beat, clock=steady)
         self.failed = 0
         """Callbacks that raised."""

@@ -13,8 +13,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from edgevox.core.errors import InvalidValue
-from edgevox.core.frame_names import MAP
-from edgevox.core.transforms import IDENTITY, Pose3D, compose, inverse
+from edgevox.core.transforms import IDENTITY, MAP, Pose3D, compose, inverse
 
 KEPT = 300
 """Poses of each frame that are remembered: 10 s at 30 Hz, as tf2 does."""

@@ -6,9 +6,7 @@ decides from what is seen and knows nothing of who saw it; `run_scenario` plays 
 robot on the wire in ros2. Imports core, nothing else of edgevox.
 """
 
-from edgevox.scenario.harness import Harness
-from edgevox.scenario.reading import load_scenario
-from edgevox.scenario.run_scenario import run_scenario
-from edgevox.scenario.scenario import Scenario
+from edgevox.scenario.format import Scenario, load_scenario
+from edgevox.scenario.run import Harness, run_scenario
 
 __all__ = ["Harness", "Scenario", "load_scenario", "run_scenario"]

@@ -1,18 +1,24 @@
-"""A keystore: one authority, and the enclaves that it lets in; in folders as sros2 has them."""
+"""A keystore: one authority, and the enclaves that it lets in; in folders as sros2 has them.
 
+What an enclave was made for, kept beside it: what `renew` makes its permissions of again.
+"""
+
+import json
 import os
 import re
 import shutil
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import asdict, dataclass, replace
 from datetime import datetime
 from pathlib import Path
 
 from cryptography import x509
+from pydantic import TypeAdapter
 
-from edgevox.core.atomic_file import PRIVATE, PUBLIC, write_atomically
 from edgevox.core.errors import EdgeVoxError, InvalidValue
-from edgevox.core.user_file import read_text
+from edgevox.core.files.atomic_file import PRIVATE, PUBLIC, write_atomically
+from edgevox.core.files.user_file import read_text
 from edgevox.security.documents import governance, permissions
 from edgevox.security.enclave_certificates import (
     LONGEST_NAME,
@@ -25,8 +31,31 @@ from edgevox.security.enclave_certificates import (
     revoked_serials,
     signed,
 )
-from edgevox.security.purpose import Purpose
-from edgevox.security.roles import rights_of
+from edgevox.security.roles import EnclaveRole, Graph, rights_of
+
+
+@dataclass(frozen=True, slots=True)
+class Purpose:
+    """A role with a robot, on one domain, for so many days each time."""
+
+    role: EnclaveRole
+    graph: Graph
+    domain: int
+    days: int
+
+    def lasting(self, days: int) -> "Purpose":
+        """The same for so many days."""
+        return replace(self, days=days)
+
+    def written(self) -> str:
+        """As JSON."""
+        return json.dumps(asdict(self), default=str, indent=2) + "\n"
+
+    @classmethod
+    def read(cls, text: str) -> "Purpose":
+        """From what was `written`. Raises `ValueError` for what was not."""
+        return TypeAdapter(cls).validate_json(text)
+
 
 AUTHORITY_DAYS, DAYS = 3650, 365
 PRIVATE_FOLDER = 0o700

@@ -1,5 +1,13 @@
-"""Sound as it goes through EdgeVox: mono, 16 bit; 16 kHz in frames of 32 ms on the way in."""
+"""Sound as it goes through EdgeVox: mono, 16 bit; 16 kHz in frames of 32 ms on the way in.
 
+How loud sound is.
+
+Sound in pieces of any size, cut into frames that know when they were heard.
+
+The level that a person sees while the robot hears.
+"""
+
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -8,6 +16,7 @@ from numpy.typing import NDArray
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import EdgeVoxError
+from edgevox.core.events import AudioLevel
 
 RATE_HZ = 16_000
 """The rate of everything that is heard."""
@@ -91,3 +100,55 @@ class AudioSink(Protocol):
         """How loud it plays at this moment: root mean square, 0 (silent) to 1."""
 
     def close(self) -> None: ...
+
+
+FULL_SCALE = 32768.0
+
+
+def rms(samples: Samples) -> float:
+    """Root mean square, 0 (silent, or no samples) to 1 (a full-scale square wave)."""
+    if not samples.size:
+        return 0.0
+    wide = samples.astype(np.float64)
+    return float(np.sqrt(np.dot(wide, wide) / wide.size) / FULL_SCALE)
+
+
+class Framer:
+    """Collects mono samples at 16 kHz and gives them back in whole frames."""
+
+    def __init__(self) -> None:
+        self._left = np.empty(0, np.int16)
+
+    def push(self, samples: Samples, end_s: float) -> Iterator[Frame]:
+        """The frames that are whole now; `end_s` is the clock's time of the last sample given."""
+        held = np.concatenate([self._left, samples])
+        whole = held.size // FRAME_SAMPLES * FRAME_SAMPLES
+        self._left = held[whole:]
+        for start in range(0, whole, FRAME_SAMPLES):
+            end = start + FRAME_SAMPLES
+            yield Frame(held[start:end], end_s - (held.size - end) / RATE_HZ)
+
+    def reset(self) -> None:
+        """Forget what is not a whole frame yet: the next samples do not follow on it."""
+        self._left = np.empty(0, np.int16)
+
+
+FRAMES = 3
+"""About ten levels a second."""
+
+
+class LevelMeter:
+    """Publishes the loudness of every three frames."""
+
+    def __init__(self, publish: Callable[[AudioLevel], None]) -> None:
+        self._publish = publish
+        self._frames: list[Samples] = []
+
+    def push(self, samples: Samples) -> None:
+        self._frames.append(samples)
+        if len(self._frames) == FRAMES:
+            self._publish(AudioLevel(round(rms(np.concatenate(self._frames)), 4)))
+            self._frames.clear()
+
+    def reset(self) -> None:
+        self._frames.clear()

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from edgevox.core.errors import EdgeVoxError
-from edgevox.core.extras import install_extra
+from edgevox.core.process.extras import install_extra
 
 Kind = Literal["input", "output"]
 

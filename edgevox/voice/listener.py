@@ -1,4 +1,7 @@
-"""The listener: from a source of sound to commands for the conversation."""
+"""The listener: from a source of sound to commands for the conversation.
+
+Handing on what was heard to whoever may break.
+"""
 
 import threading
 from collections.abc import Callable, Mapping
@@ -8,14 +11,23 @@ from functools import partial
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.commands import Command, Heard, Interrupt, SpokenOn, StopSpotted, Transcribing
-from edgevox.core.ending import Ending
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Cause, WakeWordHeard
 from edgevox.core.log import get_logger, worth_a_line
 from edgevox.core.settings import Echo
-from edgevox.voice.audio import FRAME_S, RATE_HZ, AudioSource, EndOfSound, Frame, UtteranceOver
-from edgevox.voice.echo import Unechoed
-from edgevox.voice.echo_canceller import open_echo
+from edgevox.core.speech import Ending
+from edgevox.voice.audio import (
+    FRAME_S,
+    RATE_HZ,
+    AudioSource,
+    EndOfSound,
+    Frame,
+    LevelMeter,
+    UtteranceOver,
+)
+from edgevox.voice.echo.canceller import VoiceOverEcho, open_echo
+from edgevox.voice.echo.gate import Unechoed
+from edgevox.voice.echo.played import PlayedSound
 from edgevox.voice.endpoint import (
     END_S,
     GOES_ON_S,
@@ -26,18 +38,30 @@ from edgevox.voice.endpoint import (
     SpeechPaused,
     SpeechWentOn,
 )
-from edgevox.voice.meter import LevelMeter
-from edgevox.voice.played_sound import PlayedSound
-from edgevox.voice.stop_detector import StopDetector, StopWatch
+from edgevox.voice.stop.detector import StopDetector, StopWatch
 from edgevox.voice.stt.speech_to_text import SpeechToText
-from edgevox.voice.telling import Telling
 from edgevox.voice.transcriber import Transcriber, TranscriptionJob
 from edgevox.voice.vad import VoiceDetector
-from edgevox.voice.voice_over_echo import VoiceOverEcho
-from edgevox.voice.wake_gate import WakeDecision, WakeGate
-from edgevox.voice.wakeword import WakeDetector
+from edgevox.voice.wake.gate import WakeDecision, WakeGate
+from edgevox.voice.wake.wakeword import WakeDetector
 
 log = get_logger(__name__)
+
+
+class Telling:
+    """Submits commands: whoever breaks on one is counted and logged, and gets what follows."""
+
+    def __init__(self, submit: Callable[[Command], None]) -> None:
+        self._submit = submit
+        self.failed = 0
+
+    def __call__(self, command: Command) -> None:
+        try:
+            self._submit(command)
+        except Exception:
+            self.failed += 1
+            log.exception("command_untaken", command=type(command).__name__)
+
 
 READ_S = 0.25
 STALLED_S = 1.0

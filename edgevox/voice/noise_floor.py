@@ -5,8 +5,7 @@ from collections import deque
 
 import numpy as np
 
-from edgevox.voice.audio import FRAME_S, Samples
-from edgevox.voice.level import rms
+from edgevox.voice.audio import FRAME_S, Samples, rms
 
 SILENT_DB = -96.0
 """What 16 bits can hold least: nothing is quieter."""

@@ -8,12 +8,10 @@ from edgevox.core.errors import EdgeVoxError
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.log import Said, get_logger, worth_a_line
 from edgevox.voice.audio import Chunk
-from edgevox.voice.phrase_splitter import split_phrases
-from edgevox.voice.playback import silent_end_s
-from edgevox.voice.text_normalisation import normalise_for_speech
+from edgevox.voice.spoken_answer import SpeakingUtterance, silent_end_s
+from edgevox.voice.spoken_text import normalise_for_speech, split_phrases
 from edgevox.voice.tts.synthesiser import Synthesiser
-from edgevox.voice.utterance import SpeakingUtterance
-from edgevox.voice.voices import VoiceChoice
+from edgevox.voice.tts.voices import VoiceChoice
 
 log = get_logger(__name__)
 

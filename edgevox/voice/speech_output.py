@@ -14,9 +14,8 @@ from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.log import bound, get_logger, worth_a_line
 from edgevox.core.speech import Utterance
 from edgevox.voice.audio import AudioSink, Chunk
-from edgevox.voice.playback import play_chunk
 from edgevox.voice.sentence_synthesiser import SentenceSynthesiser
-from edgevox.voice.utterance import SpeakingUtterance
+from edgevox.voice.spoken_answer import SpeakingUtterance, play_chunk
 
 log = get_logger(__name__)
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 
 from edgevox.core.clock import Clock
 from edgevox.core.commands import Heard, Transcribing
-from edgevox.core.ending import Ending
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.log import get_logger
+from edgevox.core.speech import Ending
 from edgevox.voice.audio import RATE_HZ, Samples
 from edgevox.voice.stt.speech_to_text import SpeechToText, Transcript
-from edgevox.voice.wakephrase import without_phrase
+from edgevox.voice.wake.gate import without_phrase
 
 log = get_logger(__name__)
 

@@ -8,9 +8,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from edgevox.core.errors import EdgeVoxError
-from edgevox.core.extras import install_extra
-from edgevox.voice.audio import FRAME_SAMPLES, Samples
-from edgevox.voice.level import FULL_SCALE
+from edgevox.core.process.extras import install_extra
+from edgevox.voice.audio import FRAME_SAMPLES, FULL_SCALE, Samples
 
 _CONTEXT = 64  # samples of the frame before, which the network sees again
 _STATE = (1, 1, 128)

@@ -7,11 +7,11 @@ from pydantic import Field
 
 from edgevox.agent.skills import Example, GoalHandle, Result, Skill, SkillPhrases, skill
 from edgevox.core.settings import Settings
-from edgevox.robots.diff_drive import DiffDriveRobot
+from edgevox.robots.flat.diff_drive import DiffDriveRobot
+from edgevox.robots.flat.pymunk_engine import PymunkEngine
 from edgevox.robots.plugin import Robot
-from edgevox.robots.pymunk_engine import PymunkEngine
-from edgevox.robots.world import load_world
-from edgevox.robots.world_model import World
+from edgevox.robots.world.load import load_world
+from edgevox.robots.world.model import World
 
 GERMAN = SkillPhrases(
     can="einen Rundgang durch alle Räume machen",

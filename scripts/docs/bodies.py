@@ -5,13 +5,13 @@ from typing import Protocol
 
 from docs.markdown import code, table
 from docs.told import TOLD, told
-from edgevox.agent.choices import OneOf
 from edgevox.agent.skills import SkillSet
+from edgevox.agent.skills.choices import OneOf
 from edgevox.robots import capabilities
 from edgevox.robots.humanoid.skills import walking_skills
 from edgevox.robots.navigation import LOCATION, navigation_skills
 from edgevox.robots.panda.skills import manipulation_skills
-from edgevox.robots.places.place_memory import PlaceMemory
+from edgevox.robots.places.memory import PlaceMemory
 
 
 class Elsewhere:

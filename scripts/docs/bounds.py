@@ -1,18 +1,19 @@
 """The table of docs/security.md: what the code takes of everything that comes in, at most."""
 
 from docs.markdown import table
-from edgevox.agent import skill_executor
+from edgevox.agent.goals import executor as skill_executor
 from edgevox.agent.inbox import MAX_WAITING
-from edgevox.agent.llm.endpoint import http_request
+from edgevox.agent.llm.remote import http as http_request
 from edgevox.agent.nlu import interpreter
 from edgevox.apps.terminal import lines
-from edgevox.core import text, user_file
+from edgevox.core.files import text, user_file
 from edgevox.ops import http_server
-from edgevox.robots import world
-from edgevox.ros2 import audio_in, skill_requests
+from edgevox.robots.world import load as world
+from edgevox.ros2 import audio as audio_in
+from edgevox.ros2 import skill_action as skill_requests
 from edgevox.ros2.external import locations
-from edgevox.ros2.recorder import write_queue
-from edgevox.scenario import scenario
+from edgevox.ros2.recorder import disk as write_queue
+from edgevox.scenario import format as scenario
 from edgevox.voice.audio import RATE_HZ
 
 
@@ -24,7 +25,7 @@ def bounds() -> str:
         f"calls in one sentence: {skill_executor.MAX_CALLS}",
         "a line on standard input": f"{lines.MAX_LINE_BYTES >> 20} MB, of which "
         f"{text.MAX_CHARACTERS:,} characters count",
-        f"`{audio_in.TOPIC}`": f"{audio_s:g} s a message",
+        f"`{audio_in.TOPIC_IN}`": f"{audio_s:g} s a message",
         "arguments of `execute_skill`": f"{skill_requests.MAX_ARGUMENTS_BYTES >> 10} KB",
         "a request to health or metrics": f"{http_server.MOST_BYTES >> 10} KB, "
         f"{http_server.REQUEST_S:g} s, {http_server.MOST_AT_ONCE} at once; of more, the oldest "

@@ -3,10 +3,10 @@
 from docs.markdown import code, table
 from docs.told import told
 from edgevox.agent.states import TRANSITIONS
-from edgevox.apps.wake_choice import MODELS, phrases
-from edgevox.core.ending import Ending
+from edgevox.apps.agent.voice import MODELS, phrases
 from edgevox.core.events import State, TurnMeasured
 from edgevox.core.languages import LANGUAGES, Language
+from edgevox.core.speech import Ending
 from edgevox.models.manifest import builtin_manifest
 from edgevox.voice.listener import ENDS_AFTER_S
 

@@ -13,9 +13,9 @@ from playwright.sync_api import Browser, Page, Playwright
 from edgevox.core.cancel import CancelToken
 from edgevox.core.languages import LANGUAGES
 from edgevox.models import locate
-from edgevox.voice.resample import resampled
 from edgevox.voice.tts.pool import VoicePool
-from edgevox.voice.voices import VoiceChoice
+from edgevox.voice.tts.voices import VoiceChoice
+from edgevox.voice.wav import resampled
 
 RATE_HZ = 48_000
 PATIENCE_MS = 120_000

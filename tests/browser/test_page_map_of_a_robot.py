@@ -11,11 +11,11 @@ from ports import free_port
 from test_page_drives import until
 from waiting import Heard
 
-from edgevox.apps.agent_parts import AgentParts
-from edgevox.apps.composition import build_parts, start_parts
+from edgevox.apps.agent.build import build_parts, start_parts
+from edgevox.apps.agent.parts import AgentParts
 from edgevox.core.agent_events import GoalChanged, GoalStatus
 from edgevox.core.settings import load_settings
-from edgevox.robots.apartment import ApartmentRobot
+from edgevox.robots.flat.apartment import ApartmentRobot
 
 NEAR_M = 0.3
 """A robot that arrived is so near to what was tapped; a pixel of the page is some 2 cm."""

@@ -7,8 +7,7 @@ from browser_rig import DEVICES, problems
 from playwright.sync_api import Browser, expect
 
 from edgevox.apps.fleet.robots_file import FleetRobot
-from edgevox.apps.fleet.serve import fleet_server
-from edgevox.apps.fleet.watch import FleetWatch, State
+from edgevox.apps.fleet.serve import FleetWatch, State, fleet_server
 from edgevox.ops.http_server import HttpServer
 
 STATES: Mapping[str, tuple[State, Mapping[str, str]]] = {

@@ -12,8 +12,7 @@ from recorder_program import RECORDS
 from waiting import wait_until
 
 from edgevox.apps.console import robot_recorder
-from edgevox.apps.console.kept_recordings import KeptRecordings
-from edgevox.apps.console.robot_recorder import NoRecorder, RobotRecorder
+from edgevox.apps.console.robot_recorder import KeptRecordings, NoRecorder, RobotRecorder
 from edgevox.console.sessions import Role
 from edgevox.core.settings import load_settings
 

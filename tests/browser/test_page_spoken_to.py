@@ -12,13 +12,13 @@ from sound_rig import PATIENCE_MS, microphone, paired, silence, spoken, write
 from test_page_drives import until
 from waiting import Heard
 
-from edgevox.apps.agent_parts import AgentParts
-from edgevox.apps.composition import build_parts, start_parts
+from edgevox.apps.agent.build import build_parts, start_parts
+from edgevox.apps.agent.parts import AgentParts
 from edgevox.core.agent_events import GoalCancelled, GoalChanged, GoalStatus, SafetyPreempted
 from edgevox.core.commands import TextInput
 from edgevox.core.events import Transcribed
 from edgevox.core.settings import load_settings
-from edgevox.robots.apartment import ApartmentRobot
+from edgevox.robots.flat.apartment import ApartmentRobot
 
 pytestmark = pytest.mark.long
 

@@ -24,7 +24,7 @@ SECRETS = r"BEGIN [A-Z ]*PRIVATE KEY|\b(AKIA[0-9A-Z]{16}|gh[pousr]_\w{36}|hf_\w{
 NO_KEY = "/site-packages/cryptography/hazmat/primitives/serialization/ssh.py"
 """How the first line of a key is spelt is a constant there."""
 SPEAK = """
-from edgevox.voice.tts.kokoro_phonemes import Phonemes
+from edgevox.voice.tts.kokoro import Phonemes
 import kokoro_onnx, faster_whisper, piper, xllamacpp, numpy
 assert numpy.__version__.startswith("1.26."), numpy.__version__
 print(len(Phonemes().tokens("Ni hao, the robot speaks.", "af_bella")))
@@ -149,7 +149,7 @@ def test_a_container_with_one_processor_computes_with_one_thread(inside):
 
 
 def test_what_the_container_may_take_of_memory_is_known_in_it(inside):
-    asked = "from edgevox.core.cgroup import memory_left; print(memory_left())"
+    asked = "from edgevox.core.process.cgroup import memory_left; print(memory_left())"
     left = int(inside("python3", "-c", asked, options=("--memory=256m",)))
     assert 100 << 20 < left < 256 << 20
 

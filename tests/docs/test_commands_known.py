@@ -9,7 +9,7 @@ import pytest
 import yaml
 from page_commands import PAGES, ROOT, commands, fences, programs, proofs
 
-from edgevox.apps.agent_arguments import parse_arguments
+from edgevox.apps.agent.main import parse_arguments
 from edgevox.apps.container import ENVIRONMENT
 from edgevox.apps.robots import ROBOTS
 from edgevox.core.settings import check_settings

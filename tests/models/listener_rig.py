@@ -18,9 +18,9 @@ from edgevox.core.cancel import CancelToken
 from edgevox.models import locate
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Frame, Samples
 from edgevox.voice.foreground import open_vad
-from edgevox.voice.resample import resampled
 from edgevox.voice.tts.espeak_library import EspeakLibrary
-from edgevox.voice.wakeword import WakeDetector
+from edgevox.voice.wake.wakeword import WakeDetector
+from edgevox.voice.wav import resampled
 
 CHATTER = """
 The weather was lovely when we walked along the river this morning.

@@ -149,7 +149,7 @@ def test_it_leaves_by_itself_from_every_state(program, name, number):
 def test_what_will_not_let_go_is_left_behind_in_time_and_named():
     program = (
         "import sys, threading\n"
-        "from edgevox.apps.agent import main\n"
+        "from edgevox.apps.agent.main import main\n"
         "threading.Thread(target=threading.Event().wait, name='stuck').start()\n"
         "sys.exit(main())"
     )

@@ -2,18 +2,18 @@
 
 import pytest
 
-from edgevox.agent.near_stop import NearStop
 from edgevox.agent.nlu.decider import Decider
+from edgevox.agent.nlu.hearing.near import NearStop
 from edgevox.agent.nlu.interpreter import Interpreter
 from edgevox.agent.nlu.meaning import Meaning
-from edgevox.agent.safety import SafetyWords
+from edgevox.agent.stop.words import SafetyWords
 from edgevox.agent.turn import Turn
-from edgevox.apps.decision import open_phonemes
+from edgevox.apps.agent.models import open_phonemes
 from edgevox.apps.robots import build_agents
 from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
 from edgevox.core.ways import Way
-from edgevox.robots.apartment import ApartmentRobot
+from edgevox.robots.flat.apartment import ApartmentRobot
 
 
 @pytest.fixture(scope="module")

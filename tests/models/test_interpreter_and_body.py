@@ -21,7 +21,7 @@ from edgevox.core.agent_events import AgentEvent, GoalChanged, HandedOver, as_js
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Interrupt, TextInput
 from edgevox.core.events import Responded, RobotState, SentenceReady, TokenGenerated
-from edgevox.robots.apartment import ApartmentRobot
+from edgevox.robots.flat.apartment import ApartmentRobot
 
 CHATTER = "Please tell me why the sky is blue and what you like about it."
 TIGHT_TOKENS = 1536

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from listener_rig import frames, loud, room_echo, says_espeak, says_piper, silence
 
-from edgevox.voice.audio import RATE_HZ
-from edgevox.voice.echo import EchoGate
+from edgevox.voice.audio import RATE_HZ, rms
+from edgevox.voice.echo.gate import EchoGate
 from edgevox.voice.endpoint import Endpointer, SpeechBegan
 from edgevox.voice.foreground import open_vad
-from edgevox.voice.level import rms
 
 ROBOT_LEVEL = 0.1
 ROOMS_DB = (-6, -12, -18, -24, -30)

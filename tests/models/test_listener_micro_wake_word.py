@@ -10,7 +10,7 @@ from listener_rig import RATE_HZ, chatter, heard_at, in_a_room, loud, noises, sa
 
 from edgevox.core.errors import InvalidValue
 from edgevox.models import locate
-from edgevox.voice.microwakeword import MicroWakeWord
+from edgevox.voice.wake.micro import MicroWakeWord
 
 PHRASES = ("alexa", "hey jarvis", "hey mycroft", "okay nabu")
 

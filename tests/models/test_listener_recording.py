@@ -4,11 +4,11 @@ from types import SimpleNamespace
 
 from listener_rig import loud, says_espeak, silence, write_wav
 
-from edgevox.apps.voice import build_listener
+from edgevox.apps.agent.voice import build_listener
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Heard
-from edgevox.core.ending import Ending
 from edgevox.core.settings import Settings
+from edgevox.core.speech import Ending
 from edgevox.voice.sources.files import WavFiles
 from edgevox.voice.stt.speech_to_text import Transcript
 

@@ -17,7 +17,7 @@ from edgevox.voice.foreground import open_vad
 from edgevox.voice.listener import Listener
 from edgevox.voice.sources.in_memory import InMemory
 from edgevox.voice.stt.whisper import Whisper
-from edgevox.voice.wakeword import WakeWord
+from edgevox.voice.wake.wakeword import WakeWord
 
 PROMPT = (
     "Go to x 2.5, y minus 1. Turn left 90 degrees. "

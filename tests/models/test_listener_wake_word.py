@@ -24,7 +24,7 @@ from listener_rig import (
 
 from edgevox.core.errors import InvalidValue
 from edgevox.models import locate
-from edgevox.voice.wakeword import WakeWord, phrases
+from edgevox.voice.wake.wakeword import WakeWord, phrases
 
 PHRASES = ("alexa", "hey jarvis", "hey mycroft", "hey rhasspy", "okay nabu")
 THREE_MINUTES_S = 180

@@ -16,8 +16,7 @@ import pytest
 from edgevox.agent.llm.factory import load_model
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelFailed
 from edgevox.agent.llm.llama_cpp_model import LlamaCppModel
-from edgevox.agent.llm.socket_client import post
-from edgevox.agent.llm.xllamacpp_model import XllamacppModel
+from edgevox.agent.llm.xllamacpp_model import XllamacppModel, post
 from edgevox.core.cancel import CancelToken
 from edgevox.core.settings import LlmBackend
 

@@ -12,13 +12,13 @@ import pytest
 from corpus_robots import skills_of_robots
 from guards import HUNG_S
 
-from edgevox.agent.llm.endpoint import Address, EndpointModel, FallbackModel
-from edgevox.agent.llm.endpoint.server_errors import RequestRefused
+from edgevox.agent.llm.chat.calls import Protocol
+from edgevox.agent.llm.chat.prompt import examples
 from edgevox.agent.llm.factory import load_model
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel
-from edgevox.agent.model_prompt import examples
+from edgevox.agent.llm.remote import Address, EndpointModel, FallbackModel
+from edgevox.agent.llm.remote.server_errors import RequestRefused
 from edgevox.agent.skills import Example, GoalHandle, SkillSet, skill
-from edgevox.agent.toolcalls import Protocol
 from edgevox.core.cancel import CancelToken
 from edgevox.core.languages import LANGUAGES
 from edgevox.models import locate

@@ -9,7 +9,7 @@ from edgevox.apps.robots import build_agents
 from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
 from edgevox.core.languages import LANGUAGES
-from edgevox.robots.apartment import ApartmentRobot
+from edgevox.robots.flat.apartment import ApartmentRobot
 
 MOST_PROMPT_TOKENS = 1700
 """Two fifths of the context; scripts that the model's vocabulary is poor in take the most."""

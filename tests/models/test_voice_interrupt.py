@@ -12,12 +12,12 @@ from voice_engines import words
 from voice_rig import SLOWLY
 from waiting import wait_until
 
-from edgevox.agent.grammar import SAY
-from edgevox.agent.history import CUT_MARK
+from edgevox.agent.llm.chat.grammar import SAY
+from edgevox.agent.llm.chat.history import CUT_MARK
 from edgevox.core.agent_events import AgentEvent, GoalChanged, SafetyPreempted
 from edgevox.core.commands import Interrupt, TextInput
 from edgevox.core.events import Responded, State, StateChanged, Transcribed
-from edgevox.voice.level import rms
+from edgevox.voice.audio import rms
 from edgevox.voice.sinks.wav_file import WavFile
 
 QUIET = silence(3.0)

@@ -13,7 +13,7 @@ from edgevox.apps.robots import build_agents
 from edgevox.core.bus import Bus
 from edgevox.core.clock import SystemClock
 from edgevox.core.events import Outcome
-from edgevox.robots.apartment import ApartmentRobot
+from edgevox.robots.flat.apartment import ApartmentRobot
 
 MOST_PROMPT_TOKENS = 800
 SAID = (

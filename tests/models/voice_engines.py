@@ -11,9 +11,9 @@ from edgevox.core.cancel import CancelToken
 from edgevox.core.languages import LANGUAGES
 from edgevox.models import locate
 from edgevox.voice.audio import RATE_HZ, Chunk
-from edgevox.voice.resample import resampled
 from edgevox.voice.tts.pool import VoicePool
-from edgevox.voice.voices import VoiceChoice
+from edgevox.voice.tts.voices import VoiceChoice
+from edgevox.voice.wav import resampled
 
 
 def voice(language: str, name: str) -> VoiceChoice:

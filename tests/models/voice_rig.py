@@ -17,9 +17,9 @@ from listener_rig import silence
 from voice_engines import speak, voice
 from waiting import Heard
 
-from edgevox.apps import composition
-from edgevox.apps import voice as voice_app
-from edgevox.apps.decision import open_decider
+from edgevox.apps.agent import build as composition
+from edgevox.apps.agent import voice as voice_app
+from edgevox.apps.agent.models import open_decider
 from edgevox.apps.robots import build_body
 from edgevox.core.agent_events import AgentEvent, ToolCalled
 from edgevox.core.clock import SystemClock
@@ -34,10 +34,9 @@ from edgevox.core.events import (
 )
 from edgevox.core.settings import Settings
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, EndOfSound, Frame
-from edgevox.voice.resample import resampled
 from edgevox.voice.sinks.open_sink import open_sink
 from edgevox.voice.tts.pool import VoicePool
-from edgevox.voice.wav import stream_wav
+from edgevox.voice.wav import resampled, stream_wav
 
 SEEN = (
     AgentEvent,

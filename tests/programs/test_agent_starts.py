@@ -25,7 +25,8 @@ def test_what_is_typed_to_loads_no_engine_of_sound_no_screen_and_no_other_robot(
     (tmp_path / "slow_to_load.py").write_text("print('loaded')")
     path = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
     program = (
-        "import sys; from edgevox.apps.agent import main; print('ended with', main(sys.argv[1:]))\n"
+        "import sys; from edgevox.apps.agent.main import main; "
+        "print('ended with', main(sys.argv[1:]))\n"
         "print(*sys.modules, file=sys.stderr)"
     )
     done = subprocess.run(
@@ -92,7 +93,7 @@ def test_a_process_that_may_not_have_the_memory_goes_on_without_the_model(tmp_pa
     """Really so: the kernel gives this process no more address space."""
     program = (
         "import resource, sys\n"
-        "from edgevox.apps.agent import main\n"
+        "from edgevox.apps.agent.main import main\n"
         "taken = int(open('/proc/self/statm').read().split()[0]) * resource.getpagesize()\n"
         "resource.setrlimit(resource.RLIMIT_AS, (taken + (180 << 20),) * 2)\n"
         "sys.exit(main())"

@@ -12,12 +12,12 @@ from edgevox.apps.shutdown_signals import STUCK
 PROGRAM = """
 import os, sys, threading, time
 from contextlib import ExitStack
-from edgevox.agent.reasons import because
+from edgevox.agent.text.reasons import because
 from edgevox.apps.shutdown_signals import ShutdownSignals, Terminated
 from edgevox.core.agent_events import DrainChanged
 from edgevox.core.bus import Bus
-from edgevox.core.drain import Drain
-from edgevox.core.interlock import Interlock
+from edgevox.core.motion.drain import Drain
+from edgevox.core.motion.interlock import Interlock
 
 def say(word): os.write(1, (word + "\\n").encode())  # at once: threads say it, too
 def hang(*_): threading.Event().wait()

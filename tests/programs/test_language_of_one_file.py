@@ -22,7 +22,7 @@ WORDS = {
 }
 """What its file says otherwise than the English one."""
 EMPTY = "name = 'G'\nsigns = {}\nstt = ''\ntts = []\nespeak = 'en'\n"
-TALK = "import sys; from edgevox.apps.agent import main; sys.exit(main(sys.argv[1:]))"
+TALK = "import sys; from edgevox.apps.agent.main import main; sys.exit(main(sys.argv[1:]))"
 
 
 @pytest.fixture(scope="module")
@@ -74,7 +74,7 @@ def test_a_robot_obeys_and_answers_in_a_language_of_one_more_file(copied):
 
 def test_it_is_stopped_by_the_words_of_that_file_and_by_english_ones(copied):
     program = (
-        "from edgevox.agent.safety import SafetyWords as S; import sys\n"
+        "from edgevox.agent.stop.words import SafetyWords as S; import sys\n"
         "for said in sys.argv[1:]: print(bool(S('xx').find(said)), bool(S('en').find(said)))"
     )
     done = run(copied, program, "vorth", "VORTH!", "halt", "zorp to the kitchen, no, vorth")

@@ -9,7 +9,7 @@ import pytest
 from guards import HUNG_S
 from llm_server import good, serving
 
-from edgevox.agent.grammar import SAY
+from edgevox.agent.llm.chat.grammar import SAY
 
 AGENT = Path(sys.executable).with_name("edgevox-agent")
 WISH = "I'd be glad of some company next to the oven"

@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 from engines import MeddledEngine, meddled
 
-from edgevox.robots.apartment import ApartmentRobot
-from edgevox.robots.diff_drive import DiffDriveRobot
-from edgevox.robots.irsim import IrsimRobot
-from edgevox.robots.world import parse_world
+from edgevox.robots.flat.apartment import ApartmentRobot
+from edgevox.robots.flat.diff_drive import DiffDriveRobot
+from edgevox.robots.flat.irsim import IrsimRobot
+from edgevox.robots.world.load import parse_world
 
 HALL = """
 world: {width: 8, height: 4}

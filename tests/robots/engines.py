@@ -4,14 +4,13 @@ from collections.abc import Callable
 
 from wrapped_engine import WrappedEngine
 
-from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.capabilities import Twist2D
-from edgevox.robots.diff_drive import DiffDriveRobot
-from edgevox.robots.engine import Engine, MotionState
-from edgevox.robots.irsim import IrsimRobot
-from edgevox.robots.irsim_engine import IrsimEngine
-from edgevox.robots.pymunk_engine import PymunkEngine
-from edgevox.robots.world_model import World
+from edgevox.robots.flat.apartment import ApartmentRobot
+from edgevox.robots.flat.diff_drive import DiffDriveRobot
+from edgevox.robots.flat.engine import Engine, MotionState
+from edgevox.robots.flat.irsim import IrsimEngine, IrsimRobot
+from edgevox.robots.flat.pymunk_engine import PymunkEngine
+from edgevox.robots.world.model import World
 
 ENGINES: dict[type[DiffDriveRobot], Callable[[World], Engine]] = {
     ApartmentRobot: PymunkEngine,

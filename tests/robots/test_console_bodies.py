@@ -10,7 +10,7 @@ from PIL import Image
 
 from edgevox.agent.policy import Guard
 from edgevox.apps.console.shown_robot import ShownRobot
-from edgevox.core.interlock import Interlock
+from edgevox.core.motion.interlock import Interlock
 from edgevox.robots.humanoid import HumanoidRobot
 
 

@@ -11,7 +11,7 @@ from PIL import Image
 
 from edgevox.agent.policy import Guard
 from edgevox.apps.console.shown_robot import ShownRobot
-from edgevox.core.interlock import Interlock
+from edgevox.core.motion.interlock import Interlock
 from edgevox.core.transforms import ORIGIN, Pose2D
 from edgevox.robots.occupancy_map import FREE, OCCUPIED, UNKNOWN, OccupancyMap
 

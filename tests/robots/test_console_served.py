@@ -10,14 +10,14 @@ from ports import free_port
 from small_disk import small_disk
 from waiting import wait_until
 
-from edgevox.apps.composition import build_parts, start_parts
+from edgevox.apps.agent.build import build_parts, start_parts
 from edgevox.console.certificates import local_names, own_tls
 from edgevox.console.sessions import Role, Sessions
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.settings import load_settings
 from edgevox.core.status import Level
-from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.capabilities import Twist2D
+from edgevox.robots.flat.apartment import ApartmentRobot
 
 
 @pytest.fixture

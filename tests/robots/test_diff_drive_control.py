@@ -20,9 +20,9 @@ from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.errors import InvalidValue
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import Twist2D
-from edgevox.robots.diff_drive import DiffDriveRobot
-from edgevox.robots.engine import MotionState
-from edgevox.robots.world import load_world, parse_world
+from edgevox.robots.flat.diff_drive import DiffDriveRobot
+from edgevox.robots.flat.engine import MotionState
+from edgevox.robots.world.load import load_world, parse_world
 
 BRAKE_TIME_S = 0.1
 BLUE = (37, 99, 235)

@@ -12,7 +12,6 @@ from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.errors import InvalidValue
 from edgevox.core.transforms import Pose2D
-from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.capabilities import (
     Body,
     DrivesTo,
@@ -25,9 +24,10 @@ from edgevox.robots.capabilities import (
     TakesVelocity,
     Twist2D,
 )
-from edgevox.robots.diff_drive import DiffDriveRobot
-from edgevox.robots.engine import MotionState
-from edgevox.robots.irsim import IrsimRobot
+from edgevox.robots.flat.apartment import ApartmentRobot
+from edgevox.robots.flat.diff_drive import DiffDriveRobot
+from edgevox.robots.flat.engine import MotionState
+from edgevox.robots.flat.irsim import IrsimRobot
 
 ROOMS = ("kitchen", "bedroom", "living_room", "office")
 

@@ -13,11 +13,9 @@ from guards import HUNG_S
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import Twist2D
-from edgevox.robots.irsim import IrsimRobot
-from edgevox.robots.irsim_engine import IrsimEngine, make_environment
-from edgevox.robots.irsim_world import irsim_config
-from edgevox.robots.pymunk_engine import PymunkEngine
-from edgevox.robots.world import apartment_file, load_world, parse_world
+from edgevox.robots.flat.irsim import IrsimEngine, IrsimRobot, irsim_config, make_environment
+from edgevox.robots.flat.pymunk_engine import PymunkEngine
+from edgevox.robots.world.load import apartment_file, load_world, parse_world
 
 TWO_BOXES = """
 world: {width: 8, height: 4}
@@ -179,9 +177,9 @@ def test_without_irsim_the_robot_says_what_to_install(monkeypatch):
 def test_irsim_is_loaded_only_for_its_robot_and_prints_nothing():
     script = """
 import sys
-import edgevox.apps.robots, edgevox.robots.apartment
+import edgevox.apps.robots, edgevox.robots.flat.apartment
 assert "irsim" not in sys.modules and "matplotlib" not in sys.modules
-from edgevox.robots.irsim import IrsimRobot
+from edgevox.robots.flat.irsim import IrsimRobot
 assert "irsim" not in sys.modules
 with IrsimRobot(speed=None) as robot:
     robot.advance(0.1)

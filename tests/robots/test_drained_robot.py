@@ -10,16 +10,16 @@ import phrases
 import pytest
 from guards import HUNG_S
 
-from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
-from edgevox.apps.composition import build_parts, start_parts
+from edgevox.agent.text.reasons import because
+from edgevox.apps.agent.build import build_parts, start_parts
 from edgevox.core.agent_events import DrainChanged, DrainStatus, GoalChanged, ProgramChanged
 from edgevox.core.commands import TextInput
 from edgevox.core.settings import load_settings
 from edgevox.core.status import ComponentName, Level
-from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.capabilities import Twist2D
-from edgevox.robots.velocity_steering import Steering
+from edgevox.robots.flat.apartment import ApartmentRobot
+from edgevox.robots.limits import Steering
 
 DRAINING = because("draining")
 LONG_S = 600.0

@@ -18,18 +18,18 @@ from held_time import STEP_S, HeldSkill
 from humanoid_rig import g1, h1
 from panda_table import open_panda
 
-from edgevox.agent.phrase_file import phrasebook
+from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.transforms import Pose2D
-from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.capabilities import Twist2D
-from edgevox.robots.diff_drive import DiffDriveRobot
-from edgevox.robots.engine import MotionState
+from edgevox.robots.flat.apartment import ApartmentRobot
+from edgevox.robots.flat.diff_drive import DiffDriveRobot
+from edgevox.robots.flat.engine import MotionState
+from edgevox.robots.flat.irsim import IrsimRobot
 from edgevox.robots.humanoid import HumanoidRobot, MujocoHumanoidEnvironment
-from edgevox.robots.irsim import IrsimRobot
 from edgevox.robots.sim_loop import BROKE
-from edgevox.robots.world import load_world
+from edgevox.robots.world.load import load_world
 
 NAN = math.nan
 

@@ -15,9 +15,9 @@ from edgevox.core.commands import RunSkill, TextInput
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.events import Outcome, Responded, TurnEnded
 from edgevox.core.transforms import Pose2D
-from edgevox.robots.apartment import ApartmentRobot
+from edgevox.robots.flat.apartment import ApartmentRobot
+from edgevox.robots.flat.irsim import IrsimRobot
 from edgevox.robots.humanoid.skills import walking_skills
-from edgevox.robots.irsim import IrsimRobot
 from edgevox.robots.navigation import navigation_skills
 from edgevox.robots.panda.skills import manipulation_skills
 from edgevox.ros2.external.locations import Location

@@ -6,7 +6,7 @@ import phrases
 import pytest
 from humanoid_rig import apart, g1, stand, turned_deg, walk, walking
 
-from edgevox.agent.phrase_file import phrasebook
+from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import InvalidValue

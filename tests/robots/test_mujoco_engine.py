@@ -7,7 +7,7 @@ import mujoco
 import pytest
 from guards import HUNG_S
 
-from edgevox.robots.mujoco.mujoco_engine import MujocoEngine
+from edgevox.robots.mujoco.engine import MujocoEngine
 
 BALL = """
 <mujoco><option timestep="0.005"/><worldbody>

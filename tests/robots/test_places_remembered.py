@@ -12,7 +12,7 @@ from held_time import HeldSkill, carry_out
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
-from edgevox.agent.goals import Goal
+from edgevox.agent.goals.goal import Goal
 from edgevox.agent.skills import SkillFailed, SkillSet
 from edgevox.apps.robots import build_body, open_places
 from edgevox.core.agent_events import ToolCalled
@@ -21,7 +21,7 @@ from edgevox.core.commands import RunSkill, TextInput
 from edgevox.core.errors import InvalidValue
 from edgevox.core.events import Responded
 from edgevox.core.settings import check_settings
-from edgevox.robots.diff_drive import DiffDriveRobot
+from edgevox.robots.flat.diff_drive import DiffDriveRobot
 
 CHARGER = (7.0, 1.2)
 WORKSHOP = Path(__file__).parents[2] / "examples" / "own_world" / "workshop.yaml"

@@ -11,7 +11,7 @@ from held_time import HeldSkill
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.skills import SkillFailed, SkillSet
-from edgevox.apps.policy_setup import build_guard
+from edgevox.apps.agent.policy import build_guard
 from edgevox.apps.robots import build_body, open_places
 from edgevox.core.agent_events import AgentEvent, GoalChanged, GoalStatus, as_json
 from edgevox.core.bus import Bus

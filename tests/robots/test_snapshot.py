@@ -9,7 +9,7 @@ import pytest
 from guards import HUNG_S
 from PIL import Image
 
-from edgevox.apps.snapshot import write_picture
+from edgevox.apps.agent.snapshot import write_picture
 from edgevox.core.errors import InvalidValue
 
 AGENT = str(Path(sys.executable).with_name("edgevox-agent"))

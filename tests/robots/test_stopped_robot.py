@@ -11,10 +11,10 @@ import pytest
 from few_languages import few
 from guards import HUNG_S
 
-from edgevox.agent.phrase_file import phrasebook
-from edgevox.agent.reasons import because
+from edgevox.agent.phrases.load import phrasebook
 from edgevox.agent.skills import SkillFailed
-from edgevox.apps.composition import build_parts, start_parts
+from edgevox.agent.text.reasons import because
+from edgevox.apps.agent.build import build_parts, start_parts
 from edgevox.core.agent_events import (
     GoalChanged,
     GoalRejected,
@@ -28,9 +28,9 @@ from edgevox.core.events import Responded
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.settings import load_settings
 from edgevox.core.ways import Way
-from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.capabilities import Twist2D
-from edgevox.robots.velocity_steering import Steering
+from edgevox.robots.flat.apartment import ApartmentRobot
+from edgevox.robots.limits import Steering
 
 STOPPED = because("software_stop")
 REFUSED = phrases.refused("software_stop")

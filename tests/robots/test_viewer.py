@@ -17,8 +17,8 @@ import pytest
 from guards import HUNG_S
 from waiting import wait_until
 
-from edgevox.robots.apartment import ApartmentRobot
-from edgevox.robots.viewer import Viewer
+from edgevox.robots.flat.apartment import ApartmentRobot
+from edgevox.robots.flat.viewer import Viewer
 
 AGENT = str(Path(sys.executable).with_name("edgevox-agent"))
 ROBOT_BLUE = (37, 99, 235)
@@ -191,7 +191,7 @@ def test_without_a_display_one_line_says_so(viewer, monkeypatch, caplog) -> None
 def test_without_tkinter_the_window_says_what_to_install() -> None:
     script = (
         "import sys; sys.modules['tkinter'] = None\n"
-        "from edgevox.robots.viewer_window import main; sys.exit(main())"
+        "from edgevox.robots.flat.viewer_window import main; sys.exit(main())"
     )
 
     done = subprocess.run(
@@ -205,7 +205,7 @@ def test_without_tkinter_the_window_says_what_to_install() -> None:
 def test_the_window_ends_with_the_program_that_started_it(screen, tmp_path) -> None:
     script = """
 import numpy as np, os, sys
-from edgevox.robots.viewer import Viewer
+from edgevox.robots.flat.viewer import Viewer
 viewer = Viewer(lambda: np.full((50, 60, 3), (200, 30, 40), dtype=np.uint8), "a robot")
 viewer.start()
 sys.stdin.readline()

@@ -21,8 +21,8 @@ from std_srvs.srv import Trigger
 
 from edgevox.core.cancel import CancelToken
 from edgevox.voice.audio import RATE_HZ, Samples
-from edgevox.voice.resample import resampled
 from edgevox.voice.tts.espeak import open_espeak
+from edgevox.voice.wav import resampled
 from edgevox_msgs.msg import AudioData
 
 COMMANDS = (

@@ -12,8 +12,8 @@ from peer import RELIABLE, Peer
 from rclpy.subscription import Subscription
 from waiting import Heard, wait_until
 
-from edgevox.core.interlock import Interlock
-from edgevox.robots.apartment import ApartmentRobot
+from edgevox.core.motion.interlock import Interlock
+from edgevox.robots.flat.apartment import ApartmentRobot
 from edgevox.ros2.backlog import Backlog
 from edgevox.ros2.interop import Interop
 from edgevox.ros2.node import RosNode

@@ -13,8 +13,7 @@ from agent_process import Agent
 from peer import Peer
 
 from edgevox.apps.security_command import main
-from edgevox.security.keystore import Keystore
-from edgevox.security.purpose import Purpose
+from edgevox.security.keystore import Keystore, Purpose
 from edgevox.security.roles import EnclaveRole, Graph
 
 AGENT = "/edgevox/edgevox"

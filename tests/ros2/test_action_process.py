@@ -91,7 +91,7 @@ def test_goals_of_a_remapped_action_have_a_client_a_log_and_an_end_with_the_agen
 def test_without_edgevox_msgs_one_line_says_so_and_the_agent_works():
     program = (
         "import sys; sys.modules['edgevox_msgs'] = None\n"
-        "from edgevox.apps.agent import main; sys.exit(main())"
+        "from edgevox.apps.agent.main import main; sys.exit(main())"
     )
     done = subprocess.run(
         [sys.executable, "-c", program, "robot-apartment", "--text-mode", "--ros2", "--llm=none"],

@@ -5,7 +5,7 @@ import pytest
 from peer import SENSOR, Peer
 from waiting import wait_until
 
-from edgevox.ros2.audio_in import MAX_BYTES, AudioIn
+from edgevox.ros2.audio import MAX_BYTES, AudioIn
 from edgevox.voice.audio import FRAME_SAMPLES
 from edgevox.voice.sources.pushed import Pushed
 from edgevox_msgs.msg import AudioData

@@ -9,7 +9,7 @@ from peer import RELIABLE, Peer
 from waiting import wait_until
 
 from edgevox.core.cancel import CancelToken
-from edgevox.ros2.audio_out import AudioOut
+from edgevox.ros2.audio import AudioOut
 from edgevox.ros2.node import RosNode
 from edgevox.voice.audio import Chunk
 from edgevox.voice.sinks import open_sink

@@ -19,7 +19,7 @@ from interop_rig import tell, twist
 from peer import STATE
 from robot_states import moving, standing
 
-from edgevox.agent.reasons import because
+from edgevox.agent.text.reasons import because
 
 HEALTH = str(Path(sys.executable).with_name("edgevox-health"))
 DRAINING = because("draining")

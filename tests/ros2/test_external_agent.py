@@ -93,7 +93,7 @@ def test_what_cannot_be_is_refused_with_its_field(arguments, said):
 def test_without_rclpy_it_says_what_it_needs():
     program = (
         "import sys; sys.modules['rclpy'] = None\n"
-        "from edgevox.apps.agent import main; sys.exit(main())"
+        "from edgevox.apps.agent.main import main; sys.exit(main())"
     )
     done = subprocess.run(
         [sys.executable, "-c", program, "robot-external", "--text-mode", "--llm=none"],

@@ -27,9 +27,9 @@ from waiting import wait_until
 from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled
 from edgevox.robots.capabilities import Twist2D
-from edgevox.ros2.external.external_settings import ExternalSettings, Patience, SteeringLimits
 from edgevox.ros2.external.locations import Location
 from edgevox.ros2.external.robot import ExternalRobot
+from edgevox.ros2.external.settings import ExternalSettings, Patience, SteeringLimits
 from edgevox.ros2.stamps import NS_PER_S, to_ns
 from edgevox_msgs.action import ExecuteSkill
 

@@ -17,9 +17,9 @@ from ports import free_port
 from waiting import wait_until
 
 from edgevox.agent.skills import SkillFailed
-from edgevox.core.refusals import Refusal
-from edgevox.ros2.external.external_settings import ExternalSettings, Patience, SteeringLimits
+from edgevox.core.errors import Refusal
 from edgevox.ros2.external.robot import ExternalRobot
+from edgevox.ros2.external.settings import ExternalSettings, Patience, SteeringLimits
 
 pytestmark = pytest.mark.long
 

@@ -14,10 +14,10 @@ from nav_msgs.msg import OccupancyGrid
 from peer import STATE, Peer
 from waiting import wait_until
 
-from edgevox.core.refusals import Refusal
+from edgevox.core.errors import Refusal
 from edgevox.robots.occupancy_map import FREE, OCCUPIED, OccupancyMap
-from edgevox.ros2.external.external_settings import ExternalSettings
 from edgevox.ros2.external.robot import ExternalRobot
+from edgevox.ros2.external.settings import ExternalSettings
 
 JOINED = ("--map-to-odom", "3,-2,1.2")
 """Odometry is not the map's frame, but /tf says where it is in it."""

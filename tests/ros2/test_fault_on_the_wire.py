@@ -15,12 +15,12 @@ from guards import HUNG_S
 from interop_rig import hear
 from peer import RELIABLE, STATE, Peer
 
-from edgevox.apps.composition import build_parts, start_parts
+from edgevox.apps.agent.build import build_parts, start_parts
 from edgevox.core.settings import load_settings
-from edgevox.robots.diff_drive import DiffDriveRobot
-from edgevox.robots.pymunk_engine import PymunkEngine
+from edgevox.robots.flat.diff_drive import DiffDriveRobot
+from edgevox.robots.flat.pymunk_engine import PymunkEngine
 from edgevox.robots.sim_loop import BROKE
-from edgevox.robots.world import load_world
+from edgevox.robots.world.load import load_world
 from tf2_msgs.msg import TFMessage
 
 pytestmark = pytest.mark.long

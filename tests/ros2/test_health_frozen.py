@@ -17,14 +17,14 @@ from interop_rig import hear
 from ports import free_port
 from waiting import wait_until
 
-from edgevox.apps.composition import build_parts, start_parts
+from edgevox.apps.agent.build import build_parts, start_parts
 from edgevox.core.commands import TextInput
 from edgevox.core.events import Answered
 from edgevox.core.settings import load_settings
 from edgevox.core.status import STALL_S
-from edgevox.robots.diff_drive import DiffDriveRobot
-from edgevox.robots.pymunk_engine import PymunkEngine
-from edgevox.robots.world import load_world
+from edgevox.robots.flat.diff_drive import DiffDriveRobot
+from edgevox.robots.flat.pymunk_engine import PymunkEngine
+from edgevox.robots.world.load import load_world
 from edgevox.ros2.node import BEAT_S
 
 pytestmark = pytest.mark.long
@@ -143,7 +143,7 @@ def test_without_rclpy_it_is_alive_and_never_ready():
     port = free_port()
     program = (
         "import sys; sys.modules['rclpy'] = None\n"
-        "from edgevox.apps.agent import main; sys.exit(main())"
+        "from edgevox.apps.agent.main import main; sys.exit(main())"
     )
     flags = ["robot-apartment", "--text-mode", "--ros2", "--llm=none", f"--health-port={port}"]
     process = subprocess.Popen(

@@ -14,8 +14,8 @@ from edgevox.agent.skills import SkillSet
 from edgevox.core.agent_events import AgentEvent, as_json
 from edgevox.core.bus import Bus
 from edgevox.core.commands import RunSkill
-from edgevox.robots.apartment import ApartmentRobot
-from edgevox.robots.world import parse_world
+from edgevox.robots.flat.apartment import ApartmentRobot
+from edgevox.robots.world.load import parse_world
 
 __all__ = ["offer"]
 

@@ -15,9 +15,9 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
 from waiting import wait_until
 
-from edgevox.robots.apartment import ApartmentRobot
 from edgevox.robots.capabilities import Twist2D
-from edgevox.robots.world import parse_world
+from edgevox.robots.flat.apartment import ApartmentRobot
+from edgevox.robots.world.load import parse_world
 from edgevox.ros2.stamps import to_ns
 from tf2_msgs.msg import TFMessage
 

@@ -166,7 +166,7 @@ def test_a_typed_sentence_moves_the_counters_of_a_running_agent() -> None:
 
 def test_without_a_port_nothing_of_it_is_imported() -> None:
     code = (
-        "import sys, edgevox.apps.agent, edgevox.apps.edgevox;"
+        "import sys, edgevox.apps.agent.main, edgevox.apps.edgevox;"
         "sys.exit(any(m.partition('.')[0] == 'prometheus_client' for m in sys.modules))"
     )
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0

@@ -59,7 +59,7 @@ def test_a_middleware_that_is_not_there_ends_the_process_with_its_reason(domain,
 def test_without_rclpy_one_line_says_so_and_the_agent_works():
     program = (
         "import sys; sys.modules['rclpy'] = None\n"
-        "from edgevox.apps.agent import main; sys.exit(main())"
+        "from edgevox.apps.agent.main import main; sys.exit(main())"
     )
     done = subprocess.run(
         [sys.executable, "-c", program, "robot-apartment", "--text-mode", "--ros2", "--llm=none"],

@@ -22,7 +22,7 @@ from robot_states import far_room
 from rosbags.highlevel import AnyReader
 from waiting import Heard, wait_until
 
-from edgevox.ros2.recorder.writing import FLUSH_S
+from edgevox.ros2.recorder.disk import FLUSH_S
 
 RECORDER = str(Path(sys.executable).with_name("edgevox-recorder"))
 SCENARIOS = Path(__file__).parents[2] / "scenarios"

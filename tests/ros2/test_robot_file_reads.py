@@ -5,18 +5,18 @@ from pathlib import Path
 import pytest
 from geometry_msgs.msg import PoseStamped
 
-from edgevox.agent.name_rules import check_skills
 from edgevox.agent.nlu.templates import Recogniser, Understood
-from edgevox.agent.own_names import phrasebook_of
+from edgevox.agent.phrases.name_rules import check_skills
+from edgevox.agent.phrases.own_names import phrasebook_of
 from edgevox.agent.policy import Rule
 from edgevox.agent.skills import Call, OwnName, SkillSet
-from edgevox.apps.policy_setup import build_guard
+from edgevox.apps.agent.policy import build_guard
 from edgevox.apps.robots import build_agents
 from edgevox.core.bus import Bus
 from edgevox.core.errors import InvalidValue
+from edgevox.core.files.yaml_file import YamlFile
 from edgevox.core.settings import Settings
 from edgevox.core.ways import Way
-from edgevox.core.yaml_file import YamlFile
 from edgevox.robots.capabilities import (
     DrivesTo,
     HasPlaces,
@@ -25,11 +25,11 @@ from edgevox.robots.capabilities import (
     TakesVelocity,
 )
 from edgevox.ros2.external import EXTERNAL
-from edgevox.ros2.external.external_settings import SteeringLimits
-from edgevox.ros2.robot_file.described_skill import DescribedSkill
-from edgevox.ros2.robot_file.filling import Filling
+from edgevox.ros2.external.settings import SteeringLimits
+from edgevox.ros2.robot_file.format import MOST_SKILLS, RobotFile
 from edgevox.ros2.robot_file.load import load_robot_file
-from edgevox.ros2.robot_file.robot_file_format import MOST_SKILLS, RobotFile
+from edgevox.ros2.robot_file.messages import Filling
+from edgevox.ros2.robot_file.skills import DescribedSkill
 from edgevox.ros2.standard_topics import DRIVEN
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "robot_file" / "cleaner.yaml"

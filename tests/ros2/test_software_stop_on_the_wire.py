@@ -12,10 +12,10 @@ from interop_rig import hear, tell, twist
 from peer import RELIABLE
 from waiting import wait_until
 
-from edgevox.agent.reasons import because
-from edgevox.apps.composition import build_parts, start_parts
+from edgevox.agent.text.reasons import because
+from edgevox.apps.agent.build import build_parts, start_parts
 from edgevox.core.settings import load_settings
-from edgevox.robots.apartment import ApartmentRobot
+from edgevox.robots.flat.apartment import ApartmentRobot
 
 STOPPED = because("software_stop")
 

@@ -16,9 +16,9 @@ from std_msgs.msg import Float32
 from edgevox.core.cancel import CancelToken
 from edgevox.models import locate
 from edgevox.voice.audio import RATE_HZ
-from edgevox.voice.resample import resampled
 from edgevox.voice.stt.whisper import Whisper
 from edgevox.voice.tts.espeak import open_espeak
+from edgevox.voice.wav import resampled
 from edgevox_msgs.msg import AudioData
 
 pytestmark = pytest.mark.long

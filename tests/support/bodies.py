@@ -15,12 +15,12 @@ from hassil.expression import (
 )
 from hassil.parse_expression import parse_sentence
 
-from edgevox.agent.phrasebook import Phrasebook
+from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import OneOf, Skill, SkillSet
 from edgevox.robots.humanoid.skills import walking_skills
 from edgevox.robots.navigation import navigation_skills
 from edgevox.robots.panda.skills import manipulation_skills
-from edgevox.robots.places.place_memory import PlaceMemory
+from edgevox.robots.places.memory import PlaceMemory
 
 
 class Nobody:

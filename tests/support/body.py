@@ -10,8 +10,8 @@ from typing import Annotated, Any
 from guards import HUNG_S
 from pydantic import Field
 
-from edgevox.agent.reasons import because
 from edgevox.agent.skills import GoalHandle, OneOf, Skill, SkillFailed, SkillSet, skill
+from edgevox.agent.text.reasons import because
 from edgevox.core.transforms import Pose2D
 
 ROOMS = ("kitchen", "living_room", "bedroom", "office")

@@ -10,9 +10,8 @@ from waiting import Heard as Told
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
-from edgevox.agent.nlu.confidence import ASK_FROM, read_head
 from edgevox.agent.nlu.decider import Decider
-from edgevox.agent.nlu.meaning import Meaning
+from edgevox.agent.nlu.meaning import ASK_FROM, Meaning, read_head
 from edgevox.agent.policy import Guard
 from edgevox.agent.programs.senses import Senses
 from edgevox.agent.skills import Call, SkillSet
@@ -28,7 +27,7 @@ from edgevox.core.events import (
     TurnEnded,
     TurnMeasured,
 )
-from edgevox.core.interlock import Interlock
+from edgevox.core.motion.interlock import Interlock
 from edgevox.core.settings import Confirm
 from edgevox.core.ways import Way
 from support.body import FakeBody

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from edgevox.agent.phrasebook import Phrasebook
+from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.core.reason import Reason
 
 

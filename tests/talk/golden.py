@@ -14,15 +14,15 @@ sys.path.insert(0, str(Path(__file__).parents[1]))  # as pytest does
 
 from support.bodies import SKILLS
 
-from edgevox.agent.phrase_file import ENGLISH, phrasebook
-from edgevox.agent.phrase_forms import bare, continued, fields
-from edgevox.agent.phrasebook import Phrasebook
-from edgevox.agent.reasons import because
+from edgevox.agent.phrases.load import ENGLISH, phrasebook
+from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import Skill, skill
+from edgevox.agent.text.reasons import because
+from edgevox.agent.text.words import bare, continued, fields
 from edgevox.core.language_files import CODES, language_file
 from edgevox.core.reason import Reason
 from edgevox.robots.navigation import LOCATION, navigation_skills
-from edgevox.ros2.clients.interface_reasons import interface_reason
+from edgevox.ros2.clients.clients import interface_reason
 
 FOLDER = Path(__file__).with_name("golden")
 ARGUMENTS: Mapping[str, Any] = {

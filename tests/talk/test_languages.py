@@ -6,7 +6,7 @@ import pytest
 from dialogue import Dialogue, dialogues
 from support.bodies import BODIES
 
-from edgevox.agent.safety import SafetyWords
+from edgevox.agent.stop.words import SafetyWords
 from edgevox.core.languages import LANGUAGES
 
 OFFICE = ("another place after a question", "another place after a wrong start")

@@ -10,7 +10,7 @@ from edgevox.core.cancel import CancelToken
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.languages import Voice
 from edgevox.voice.audio import Chunk, Samples
-from edgevox.voice.voices import VoiceChoice
+from edgevox.voice.tts.voices import VoiceChoice
 
 RATE_HZ = 16_000
 CHAR_S = 0.1

@@ -33,13 +33,13 @@ from hypothesis import strategies as st
 from pydantic import BaseModel
 from std_msgs.msg import String
 
-from edgevox.agent.policy.format import read_policy_file
+from edgevox.agent.policy.file import read_policy_file
 from edgevox.apps.container import prepared
 from edgevox.core.errors import InvalidValue, shorten
+from edgevox.core.files.user_file import LARGEST_TEXT_BYTES
+from edgevox.core.files.yaml_file import YamlFile, parse_yaml
 from edgevox.core.settings import Settings
-from edgevox.core.user_file import LARGEST_TEXT_BYTES
-from edgevox.core.yaml_file import YamlFile, parse_yaml
-from edgevox.robots.world import load_world
+from edgevox.robots.world.load import load_world
 from edgevox.ros2.external import EXTERNAL
 from edgevox.ros2.external.locations import load_locations
 from edgevox.scenario import load_scenario

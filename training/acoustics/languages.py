@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from edgevox.agent.safety import find_stop_word
+from edgevox.agent.stop.words import find_stop_word
 from edgevox.voice.tts.kana import kana
 from training.acoustics import Half
 from training.acoustics.voices import espeak_speakers, kokoro_voices

@@ -15,7 +15,7 @@ import numpy as np
 
 from edgevox.models import locate
 from edgevox.voice.audio import RATE_HZ, Samples
-from edgevox.voice.resample import resampled
+from edgevox.voice.wav import resampled
 from training.acoustics import Half
 
 CACHE = Path(os.environ.get("EDGEVOX_ACOUSTICS", "~/.cache/edgevox/acoustics")).expanduser()

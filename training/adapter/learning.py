@@ -11,8 +11,7 @@ import numpy as np
 import torch
 from torch.nn.functional import cross_entropy, kl_div, log_softmax
 
-from edgevox.voice.stt.adapter import ADAPTER_FILE
-from edgevox.voice.whisper_file import Added
+from edgevox.voice.stt.adapter import ADAPTER_FILE, Added
 from training.adapter.batches import AS_TAUGHT, UNWANTED, Batch, tokens_of
 from training.adapter.network import Hearing
 from training.whisper.bands import Bands

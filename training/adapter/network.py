@@ -12,8 +12,8 @@ import torch
 from torch import nn
 from torch.nn import functional as nnf
 
-from edgevox.voice.stop_encoder import CHANNELS
-from edgevox.voice.whisper_file import Added, arrays
+from edgevox.voice.stop.network import CHANNELS
+from edgevox.voice.stt.adapter import Added, arrays
 from training.whisper.encoder import HEADS, LAYERS, Adapted, Encoder, Fixed
 
 _LISTENING = tuple(f"attention/linear_{number}" for number in range(3))

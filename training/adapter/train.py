@@ -23,8 +23,17 @@ from pathlib import Path
 import numpy as np
 
 from edgevox.models import locate
-from edgevox.voice.stt.adapter import ADAPTER_FILE, MODEL, SIZE, adapter_for
-from edgevox.voice.whisper_file import FILE, UP, NotAWhisperFile, adapted, added_of
+from edgevox.voice.stt.adapter import (
+    ADAPTER_FILE,
+    FILE,
+    MODEL,
+    SIZE,
+    UP,
+    NotAWhisperFile,
+    adapted,
+    adapter_for,
+    added_of,
+)
 from training.acoustics import Half
 from training.acoustics.clips import speak
 from training.acoustics.noises import BABBLE, kinds

@@ -9,9 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from edgevox.voice.stop_encoder import CHANNELS, STEPS
-from edgevox.voice.stop_network import StopWeights, language_weights_of, likelihoods, weights_of
-from edgevox.voice.whisper_file import DOWN, UP
+from edgevox.voice.stop.network import (
+    CHANNELS,
+    STEPS,
+    StopWeights,
+    language_weights_of,
+    likelihoods,
+    weights_of,
+)
+from edgevox.voice.stt.adapter import DOWN, UP
 from training.whisper.program import write_whole
 
 _OF_OUTPUTS = ("last", "last_bias", "words", "languages")

@@ -15,8 +15,13 @@ from pathlib import Path
 from benchmarks.hearing.stop_words.ears import Ears, joined
 from benchmarks.hearing.stop_words.language_sounds import said_in, tracks_of
 from edgevox.models import locate
-from edgevox.voice.stop_encoder import ENCODER, StopEncoder
-from edgevox.voice.stop_network import StopWeights, read_language_weights, read_weights
+from edgevox.voice.stop.network import (
+    ENCODER,
+    StopEncoder,
+    StopWeights,
+    read_language_weights,
+    read_weights,
+)
 from training.acoustics.clips import speak
 from training.spotter.threshold import CONDITIONS, HALF, THRESHOLDS, heard_of, stops_in
 

@@ -8,8 +8,7 @@ import pytest
 from stop_words_rig import Half, Speaker, training_clips, voices
 from whisper_files import HALF, WEIGHTS, array, file_of
 
-from edgevox.voice.stt.adapter import ADAPTER_FILE, MODEL, SIZE
-from edgevox.voice.whisper_file import DOWN, FILE, UP, added_of
+from edgevox.voice.stt.adapter import ADAPTER_FILE, DOWN, FILE, MODEL, SIZE, UP, added_of
 from training.adapter import clips, texts, utterances
 from training.adapter import train as train_hearing_adapter
 from training.whisper import tracks

@@ -19,17 +19,19 @@ from stop_words_rig import (
 )
 
 from edgevox.core.languages import LANGUAGES
-from edgevox.voice import stop_network, stop_spotter
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES
-from edgevox.voice.stop_encoder import CHANNELS, STEPS
-from edgevox.voice.stop_network import (
+from edgevox.voice.stop import network as stop_network
+from edgevox.voice.stop import spotter as stop_spotter
+from edgevox.voice.stop.network import (
+    CHANNELS,
     LANGUAGES_FILE,
+    STEPS,
     WEIGHTS_FILE,
     likelihoods,
     read_language_weights,
     read_weights,
 )
-from edgevox.voice.stop_spotter import LOOKS_EVERY, REST_S, StopSpotter
+from edgevox.voice.stop.spotter import LOOKS_EVERY, REST_S, StopSpotter
 
 SHIPPED = Path(stop_network.__file__).with_name(LANGUAGES_FILE)
 KNOWN = sorted(read_language_weights())

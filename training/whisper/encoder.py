@@ -1,7 +1,7 @@
 """Whisper's encoder in PyTorch, with what it learns in addition: two narrow matrices an array.
 
 What is added to an array is the product of both, so little is learnt and little has to be kept;
-`edgevox/voice/whisper_file.py` adds it to Whisper's own when it runs (LoRA, Hu and others 2021).
+`edgevox/voice/stt/adapter.py` adds it to Whisper's own when it runs (LoRA, Hu and others 2021).
 """
 
 import math
@@ -14,8 +14,8 @@ import torch
 from torch import nn
 from torch.nn import functional as nnf
 
-from edgevox.voice.stop_encoder import CHANNELS
-from edgevox.voice.whisper_file import DOWN, UP, Added, arrays
+from edgevox.voice.stop.network import CHANNELS
+from edgevox.voice.stt.adapter import DOWN, UP, Added, arrays
 
 LAYERS, HEADS = 4, 6
 _NARROW = (

@@ -10,8 +10,7 @@ import torch
 from torch.nn.functional import interpolate
 from torch.nn.utils.rnn import pad_sequence
 
-from edgevox.voice.audio import RATE_HZ
-from edgevox.voice.level import FULL_SCALE
+from edgevox.voice.audio import FULL_SCALE, RATE_HZ
 from training.acoustics import Half
 from training.acoustics.noises import noise
 from training.acoustics.rooms import rooms

@@ -20,12 +20,24 @@ from benchmarks.hearing.stop_words.sounds import (
 from edgevox.models import locate
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, RATE_HZ, Samples
 from edgevox.voice.noise_floor import NoiseFloor
-from edgevox.voice.stop_encoder import ENCODER, SAMPLES, Floats, StopEncoder
-from edgevox.voice.stop_network import StopWeights, likelihoods
-from edgevox.voice.stop_second_look import LOOKED_AT, SecondLook
-from edgevox.voice.stop_spotter import LEAST_ODDS, LOOKS_EVERY, SecondLikelihood, StopJudge
+from edgevox.voice.stop.network import (
+    ENCODER,
+    SAMPLES,
+    Floats,
+    StopEncoder,
+    StopWeights,
+    likelihoods,
+)
+from edgevox.voice.stop.spotter import (
+    LEAST_ODDS,
+    LOOKED_AT,
+    LOOKS_EVERY,
+    SecondLikelihood,
+    SecondLook,
+    StopJudge,
+)
 from edgevox.voice.vad import SileroVad, VoiceDetector
-from edgevox.voice.wake_sleep import WakeSleep
+from edgevox.voice.word_detection import WakeSleep
 from training.acoustics import Half
 from training.acoustics.clips import Clip
 from training.acoustics.mixing import at_level, mixed

@@ -30,11 +30,11 @@ from benchmarks.hearing.stop_words.ears import (
     trials,
 )
 from benchmarks.hearing.stop_words.sounds import alike, clips, words
-from edgevox.agent.near_stop import NearStop
-from edgevox.agent.safety import SafetyWords
-from edgevox.apps.decision import open_phonemes
+from edgevox.agent.nlu.hearing.near import NearStop
+from edgevox.agent.stop.words import SafetyWords
+from edgevox.apps.agent.models import open_phonemes
 from edgevox.voice.audio import RATE_HZ, Samples
-from edgevox.voice.stop_network import read_weights
+from edgevox.voice.stop.network import read_weights
 from training.acoustics import Half
 from training.acoustics.clips import Clip, of_engine, speak, standing_on
 from training.acoustics.mixing import at_level

@@ -29,11 +29,11 @@ from benchmarks.hearing.stop_words.ears import (
 from benchmarks.hearing.stop_words.english import HOURS, WANTED_FALSE
 from benchmarks.hearing.stop_words.language_sounds import Said, said_in, tracks_of
 from benchmarks.hearing.stop_words.sounds import LEVELS_DB, Track
-from edgevox.agent.safety import find_stop_word
+from edgevox.agent.stop.words import find_stop_word
 from edgevox.core.languages import LANGUAGES
 from edgevox.models import ModelMissing
 from edgevox.voice.audio import RATE_HZ, Samples
-from edgevox.voice.stop_network import read_language_weights, read_weights
+from edgevox.voice.stop.network import read_language_weights, read_weights
 from edgevox.voice.tts.pool import VoicePool
 from training.acoustics import Half
 from training.acoustics.clips import Clip, speak

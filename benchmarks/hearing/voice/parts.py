@@ -12,16 +12,16 @@ from pathlib import Path
 import numpy as np
 from faster_whisper import WhisperModel
 
-from edgevox.apps.queries import find_model
+from edgevox.apps.agent.queries import find_model
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import SystemClock
 from edgevox.core.languages import LANGUAGES
 from edgevox.voice.audio import RATE_HZ, Chunk
-from edgevox.voice.phrase_splitter import split_phrases
-from edgevox.voice.resample import resampled
+from edgevox.voice.spoken_text import split_phrases
 from edgevox.voice.tts.pool import VoicePool
 from edgevox.voice.tts.synthesiser import Synthesiser
-from edgevox.voice.voices import VoiceChoice, choose
+from edgevox.voice.tts.voices import VoiceChoice, choose
+from edgevox.voice.wav import resampled
 
 SENTENCES = (
     "I am on my way.",

@@ -18,12 +18,12 @@ from sentence_stream import SentenceBoundaryDetector
 from voice_rig import says
 
 from benchmarks.hearing.listening import quiet_room
-from edgevox.agent.grammar import SAY
+from edgevox.agent.llm.chat.grammar import SAY
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel
-from edgevox.apps import composition
-from edgevox.apps.queries import present_voices
+from edgevox.apps.agent import build as composition
+from edgevox.apps.agent.queries import present_voices
+from edgevox.apps.agent.voice import warm_up_hearing
 from edgevox.apps.robots import build_body
-from edgevox.apps.voice import warm_up_hearing
 from edgevox.core.agent_events import ToolCalled
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import SystemClock
@@ -31,10 +31,9 @@ from edgevox.core.commands import Heard, Interrupt, Reset, Speak, Transcribing
 from edgevox.core.events import SentenceReady, State, StateChanged, Transcribed, TurnMeasured
 from edgevox.core.settings import Settings
 from edgevox.voice.audio import FRAME_S, FRAME_SAMPLES, Samples
-from edgevox.voice.phrase_splitter import split_phrases
-from edgevox.voice.playback import loud_at
 from edgevox.voice.sinks.relay import BLOCK_S, LEAD_S
-from edgevox.voice.text_normalisation import normalise_for_speech
+from edgevox.voice.spoken_answer import loud_at
+from edgevox.voice.spoken_text import normalise_for_speech, split_phrases
 from edgevox.voice.tts.pool import VoicePool
 
 PATIENCE_S = 120.0

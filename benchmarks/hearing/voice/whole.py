@@ -21,12 +21,12 @@ from benchmarks.hearing.voice import parts as voice_parts
 from benchmarks.hearing.voice.endurance import Endured, endure
 from benchmarks.hearing.voice.stops import spoken_stops, stop_figures
 from benchmarks.hearing.voice.turns import Talk, Turn
-from edgevox.apps.queries import find_model
+from edgevox.apps.agent.queries import find_model
 from edgevox.models import ModelMissing, locate
 from edgevox.voice.audio import RATE_HZ
-from edgevox.voice.microwakeword import MicroWakeWord
 from edgevox.voice.stt.whisper import Whisper
-from edgevox.voice.voices import choose
+from edgevox.voice.tts.voices import choose
+from edgevox.voice.wake.micro import MicroWakeWord
 
 COMMANDS = (
     "go to the kitchen",

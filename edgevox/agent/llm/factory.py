@@ -1,15 +1,42 @@
-"""One way to get a language model, whichever engine is installed."""
+"""One way to get a language model, whichever engine is installed.
+
+What the processor of this machine can do, as ``/proc/cpuinfo`` says; psutil does not tell.
+"""
 
 import importlib.util
+import platform
 from pathlib import Path
 
-from edgevox.agent.llm import gguf, memory_estimate
-from edgevox.agent.llm.cpu import XLLAMACPP_NEEDS, missing_features
+from edgevox.agent.llm import weights as gguf
+from edgevox.agent.llm import weights as memory_estimate
 from edgevox.agent.llm.language_model import CONTEXT_TOKENS, LanguageModel, ModelFailed
 from edgevox.agent.llm.llama_cpp_model import LlamaCppModel
 from edgevox.agent.llm.xllamacpp_model import XllamacppModel
-from edgevox.core.extras import install_extra
+from edgevox.core.process.extras import install_extra
 from edgevox.core.settings import LlmBackend
+
+XLLAMACPP_NEEDS = frozenset({"avx2", "fma", "f16c", "bmi2"})
+"""Its wheel for x86-64 is built for these; without them the process would end without a word."""
+
+
+def missing_features(needed: frozenset[str], cpuinfo: str | None = None) -> frozenset[str]:
+    """Those of an x86-64 processor's features that are not there; none where that is not known.
+
+    `cpuinfo` is what stands in ``/proc/cpuinfo``.
+    """
+    if cpuinfo is None:
+        if platform.machine() != "x86_64":
+            return frozenset()
+        try:
+            cpuinfo = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
+        except OSError:
+            return frozenset()
+    for line in cpuinfo.splitlines():
+        name, _, flags = line.partition(":")
+        if name.strip() == "flags":
+            return needed - set(flags.split())
+    return frozenset()
+
 
 _ENGINES: dict[str, tuple[str, type[XllamacppModel] | type[LlamaCppModel]]] = {
     "xllamacpp": ("xllamacpp", XllamacppModel),

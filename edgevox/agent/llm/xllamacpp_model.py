@@ -1,23 +1,108 @@
-"""A language model run by xllamacpp: llama.cpp's server inside this process, no compiler needed."""
+"""A language model run by xllamacpp: llama.cpp's server inside this process, no compiler needed.
 
+JSON over HTTP over a Unix socket: the little that an engine cannot be asked in process.
+
+The folder of a model's socket; what a killed process left, the next start removes.
+"""
+
+import fcntl
+import http.client
 import importlib
+import json
+import os
 import secrets
+import shutil
+import socket
+import tempfile
 import threading
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 from pathlib import Path
 from queue import SimpleQueue
 from typing import Any
 
 from edgevox.agent.llm import tuning
 from edgevox.agent.llm.language_model import CONTEXT_TOKENS, ChatMessage, ModelFailed
-from edgevox.agent.llm.socket_client import post
-from edgevox.agent.llm.socket_folder import SocketFolder
 from edgevox.core.cancel import CancelToken
-from edgevox.core.extras import install_extra
 from edgevox.core.log import get_logger
+from edgevox.core.process.extras import install_extra
 
 log = get_logger(__name__)
+
+
+_TIMEOUT_S = 10.0
+
+
+class _Connection(http.client.HTTPConnection):
+    def __init__(self, path: Path) -> None:
+        super().__init__("localhost", timeout=_TIMEOUT_S)
+        self._path = path
+
+    def connect(self) -> None:
+        self.sock = socket.socket(socket.AF_UNIX)
+        self.sock.settimeout(_TIMEOUT_S)
+        self.sock.connect(str(self._path))
+
+
+def post(path: Path, route: str, body: dict[str, Any], key: str) -> dict[str, Any]:
+    """The reply's JSON object. Raises `ModelFailed` when it is refused or nobody answers."""
+    connection = _Connection(path)
+    headers = {"Content-Type": "application/json", "Authorization": f"Bearer {key}"}
+    try:
+        connection.request("POST", route, json.dumps(body), headers)
+        response = connection.getresponse()
+        reply = response.read()
+    except OSError as error:
+        raise ModelFailed(f"the model's socket does not answer: {error}") from None
+    finally:
+        connection.close()
+    if response.status != http.client.OK:
+        raise ModelFailed(f"{route}: the model answered {response.status}: {reply[:200]!r}")
+    found: dict[str, Any] = json.loads(reply)
+    return found
+
+
+PREFIX = "edgevox-llm-"
+
+
+class SocketFolder:
+    """A new folder that only this user may enter.
+
+    It is locked for as long as this process lives, however it ends: a process number would mean
+    somebody else in the next container.
+    """
+
+    def __init__(self, parent: Path | None = None) -> None:
+        parent = parent or Path(tempfile.gettempdir())
+        remove_abandoned(parent)
+        # Nobody sweeps it before it is locked, for until then it has another name.
+        made = Path(tempfile.mkdtemp(prefix=f".{PREFIX}", dir=parent))
+        self._lock = os.open(made, os.O_RDONLY | os.O_DIRECTORY)
+        with suppress(OSError):  # a file system without locks: there nobody else gets one, either
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        self.path = made.rename(parent / made.name.removeprefix("."))
+
+    def close(self) -> None:
+        """Remove it; a second time does nothing."""
+        if self._lock >= 0:
+            shutil.rmtree(self.path, ignore_errors=True)
+            os.close(self._lock)
+            self._lock = -1
+
+
+def remove_abandoned(parent: Path) -> None:
+    """Remove this user's folders of this kind whose process is gone."""
+    for folder in parent.glob(f"{PREFIX}*"):
+        with suppress(OSError):  # somebody else's, or gone meanwhile, or still in use
+            lock = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
+            try:
+                if os.fstat(lock).st_uid == os.geteuid():
+                    fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                    shutil.rmtree(folder)
+            finally:
+                os.close(lock)
+
 
 KEPT_PROMPTS_MIB = 64
 """Room for the prompts of other agents and languages, so that a hand-off and back reads none of

@@ -7,24 +7,23 @@ somebody is asked first.
 
 from collections.abc import Sequence
 
-from edgevox.agent.abilities import not_understood
 from edgevox.agent.agents import Agent, by_name
-from edgevox.agent.history import History, size_tokens
+from edgevox.agent.llm.chat.calls import HANDOFF, Protocol
+from edgevox.agent.llm.chat.history import History, size_tokens
 from edgevox.agent.llm.language_model import ChatMessage, LanguageModel, ModelBusy, ModelFailed
-from edgevox.agent.nlu.confidence import ASK_FROM
+from edgevox.agent.nlu.abilities import not_understood
 from edgevox.agent.nlu.decider import Decider, Decision, Readings
-from edgevox.agent.nlu.hypotheses import is_contested, likeliest
-from edgevox.agent.nlu.meaning import Meaning
-from edgevox.agent.nlu.near_commands import NearCommands
+from edgevox.agent.nlu.hearing.hypotheses import is_contested, likeliest
+from edgevox.agent.nlu.hearing.near import NearCommands
+from edgevox.agent.nlu.hearing.sounds import Phonemes
+from edgevox.agent.nlu.meaning import ASK_FROM, Meaning
+from edgevox.agent.nlu.order_reader import ProgramReader, Unclear
+from edgevox.agent.nlu.orders import Program
 from edgevox.agent.nlu.remainder import may_ask_whether
-from edgevox.agent.nlu.sounds import Phonemes
 from edgevox.agent.nlu.templates import Recogniser, RefusedCommand, Understood
-from edgevox.agent.own_names import phrasebook_of
-from edgevox.agent.phrase_file import ENGLISH
-from edgevox.agent.programs.program import Program
-from edgevox.agent.programs.program_reader import ProgramReader, Unclear
+from edgevox.agent.phrases.load import ENGLISH
+from edgevox.agent.phrases.own_names import phrasebook_of
 from edgevox.agent.skills import Call, Skill, SkillSet
-from edgevox.agent.toolcalls import HANDOFF, Protocol
 from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import HandedOver
 from edgevox.core.bus import Bus

@@ -2,21 +2,193 @@
 
 All of it comes from what the skills and the phrasebook bring anyway: their templates, examples and
 words. A word that only one skill's sentences hold says much, one that all hold says nothing.
+
+Finds many phrases in a sentence at once.
+
+The small words that say how a sentence is meant: `[function_words]` of a language's file.
+
+A sentence as words, numbers and marks, in the one spelling that everything is compared in.
 """
 
 import math
 import re
+import unicodedata
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any
 
-from edgevox.agent.arguments import is_number_type
-from edgevox.agent.nlu.function_words import words_of
-from edgevox.agent.nlu.phrase_index import PhraseIndex
-from edgevox.agent.nlu.tokens import WORD, Tokenizer, Words, find, plain
-from edgevox.agent.numbers import digits
-from edgevox.agent.phrasebook import Phrasebook
+from edgevox.agent.phrases.numbers import digits
+from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.skills import Skill, SkillSet
+from edgevox.agent.skills.arguments import is_number_type
+from edgevox.agent.text.spelling import NUMBER, folded, separated
+from edgevox.core.files.text import one_form
+from edgevox.core.language_files import language_file
+
+
+@dataclass(frozen=True, slots=True)
+class FunctionWords:
+    """What is said around a command, in one language.
+
+    `fillers` mean nothing to a robot. `urges` are said to whoever should do something, where
+    nothing else says so: "kitchen, quickly". `negations` deny what follows. `corrections` take back
+    what came before. `reports` tell what somebody said or needs, `conditions` what was, will be or
+    might be, and `doubts` speak of others than the robot; `questions` open one. `asking` opens an
+    order that is put politely, so that it is one although it looks like a question. `wishes` open
+    one that is put as a statement: "you' re needed". `reasons` open a clause that only says why.
+    `reversals` say that the order of doing is not that of saying. `plans` are what the speaker or
+    others do themselves, `pronouns` stand for a thing. `linking` stand between an axis and its
+    number, `gerunds` before a verb that stands for its order: "interpreter going". `copulas` stand
+    beside a name of which something is told: "the kitchen' s over there". `misheard` are words as a
+    recogniser of speech writes them down, with those that were said.
+
+    `abilities` may ask what somebody can do, and not for it. `amounts` are parts of numbers, units
+    and times: one that no value took leaves no order.
+    `number_marks` are so only beside a number: "two point five". So are `bounds`: "at least two".
+    `put_off` say that an order is not for now; one that ends in " ." must end the sentence, and one
+    that begins with ". " begin it.
+    """
+
+    fillers: tuple[str, ...] = ()
+    urges: tuple[str, ...] = ()
+    negations: tuple[str, ...] = ()
+    corrections: tuple[str, ...] = ()
+    reports: tuple[str, ...] = ()
+    conditions: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
+    questions: tuple[str, ...] = ()
+    asking: tuple[str, ...] = ()
+    wishes: tuple[str, ...] = ()
+    reasons: tuple[str, ...] = ()
+    reversals: tuple[str, ...] = ()
+    plans: tuple[str, ...] = ()
+    pronouns: tuple[str, ...] = ()
+    linking: tuple[str, ...] = ()
+    gerunds: tuple[str, ...] = ()
+    copulas: tuple[str, ...] = ()
+    abilities: tuple[str, ...] = ()
+    amounts: tuple[str, ...] = ()
+    number_marks: tuple[str, ...] = ()
+    bounds: tuple[str, ...] = ()
+    put_off: tuple[str, ...] = ()
+    misheard: Mapping[str, str] = field(default_factory=dict)
+
+    def all(self) -> tuple[str, ...]:
+        """Every one of them."""
+        return (
+            *self.fillers, *self.urges, *self.negations, *self.corrections, *self.reports,
+            *self.conditions, *self.doubts, *self.questions, *self.asking, *self.wishes,
+            *self.reasons, *self.reversals, *self.amounts, *self.number_marks, *self.bounds,
+            *self.put_off,
+        )  # fmt: skip
+
+
+@cache
+def words_of(code: str) -> FunctionWords:
+    """Those of a language of the catalogue; none if its file has none."""
+    table: Mapping[str, Any] = language_file(code).get("function_words", {})
+    return FunctionWords(
+        misheard=table.get("misheard", {}),
+        **{n: tuple(words) for n, words in table.items() if n != "misheard"},
+    )
+
+
+Words = tuple[str, ...]
+
+_MARKS = r"[,;.!?:\u2026\u3001\u3002\u060c\u061b\u061f\u0964]+"
+_ORDINAL = r"\d+(?:st|nd|rd|th)\b"
+WORD = r"(?:[^\W\d_]|[\u0900-\u0963])+'?"
+"""A word; the vowels and joiners of Devanagari are no letters to `re`, and part of one."""
+_TOKEN = re.compile(rf"{_ORDINAL}|(?<![\d.]){NUMBER}|{WORD}|{_MARKS}|%|\u00b0")
+_IS_NUMBER = re.compile(NUMBER)
+_IS_MARK = re.compile(_MARKS)
+_JOINING = frozenset({0, 8, 9})
+"""The combining classes of marks that make another letter or join two: kana voicing, virama."""
+
+
+def plain(text: str) -> str:
+    """One spelling: no accents, no vowel points, no capitals, words that a mark joins apart."""
+    spelled = folded(separated(one_form(text.replace("_", " ")))).casefold()
+    if spelled.isascii():
+        return spelled
+    return "".join(one for one in spelled if unicodedata.combining(one) in _JOINING)
+
+
+def is_number(token: str) -> bool:
+    """Whether this token is written in digits."""
+    return bool(_IS_NUMBER.fullmatch(token))
+
+
+def is_mark(token: str) -> bool:
+    """Whether this token is punctuation."""
+    return bool(_IS_MARK.fullmatch(token))
+
+
+class Tokenizer:
+    """Splits sentences of one language.
+
+    Where words have no spaces between them the longest that is known counts, and what is not known
+    falls into single characters.
+    """
+
+    def __init__(self, book: Phrasebook, known: Iterable[str]) -> None:
+        self._spaced = book.hearing.spaced
+        self._known = frozenset() if self._spaced else frozenset(known)
+        self._longest = max(map(len, self._known), default=1)
+
+    def __call__(self, text: str) -> Words:
+        tokens = _TOKEN.findall(plain(text))
+        if self._spaced:
+            return tuple(tokens)
+        return tuple(part for token in tokens for part in self._parts(token))
+
+    def _parts(self, token: str) -> Sequence[str]:
+        if is_number(token) or is_mark(token) or token.isascii():
+            return (token,)
+        parts, at = [], 0
+        while at < len(token):
+            length = next(
+                (n for n in range(self._longest, 1, -1) if token[at : at + n] in self._known), 1
+            )
+            parts.append(token[at : at + length])
+            at += length
+        return parts
+
+
+def find(tokens: Sequence[str], phrase: Words) -> list[int]:
+    """Where this phrase begins among these tokens."""
+    size = len(phrase)
+    return [i for i in range(len(tokens) - size + 1) if tuple(tokens[i : i + size]) == phrase]
+
+
+class PhraseIndex:
+    """Phrases by their first words, so that a sentence is walked through once."""
+
+    def __init__(self, phrases: Iterable[Words]) -> None:
+        self._by_first: dict[str, list[Words]] = {}
+        for one in dict.fromkeys(phrases):
+            if one:
+                self._by_first.setdefault(one[0], []).append(one)
+
+    def find(self, tokens: Sequence[str]) -> Iterator[tuple[int, Words]]:
+        """Each phrase that stands there, with where it begins."""
+        for at, token in enumerate(tokens):
+            for phrase in self._by_first.get(token, ()):
+                if tuple(tokens[at : at + len(phrase)]) == phrase:
+                    yield at, phrase
+
+    def places(self, tokens: Sequence[str]) -> frozenset[int]:
+        """Where the words of these phrases stand."""
+        return frozenset(
+            at for start, one in self.find(tokens) for at in range(start, start + len(one))
+        )
+
+    def starts(self, tokens: Sequence[str]) -> frozenset[int]:
+        """Where these phrases begin."""
+        return frozenset(start for start, _ in self.find(tokens))
+
 
 _SYNTAX = re.compile(r"[()\[\]|{}<>]")
 _SLOT = re.compile(r"\{(\w+)\}")

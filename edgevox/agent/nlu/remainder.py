@@ -10,11 +10,8 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from edgevox.agent.nlu.clauses import ClauseReading
-from edgevox.agent.nlu.function_words import words_of
-from edgevox.agent.nlu.lexicon import Lexicon
-from edgevox.agent.nlu.mentions import find_names
-from edgevox.agent.nlu.tokens import Words, is_mark, is_number, plain
+from edgevox.agent.nlu.clauses import ClauseReading, find_names
+from edgevox.agent.nlu.lexicon import Lexicon, Words, is_mark, is_number, plain, words_of
 from edgevox.agent.skills import Call
 from edgevox.core.stop_words import STOP_WORDS
 

@@ -1,29 +1,38 @@
-"""Plain commands understood in milliseconds, by sentence templates that belong to the skills."""
+"""Plain commands understood in milliseconds, by sentence templates that belong to the skills.
+
+Compiles the sentence templates of skills for hassil, in the words of one language.
+
+A template is parsed once in the life of the process, however many recognisers have it: one is made
+for each agent, and again for each change of the language.
+
+What sentences of a template may begin with: one that begins otherwise need not be tried.
+
+Most templates begin with a verb, and most sentences with another one. To try all of a template
+that has many forms takes longer than all else that is done to a sentence.
+"""
 
 import difflib
 import re
 import threading
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
-from hassil import RecognizeResult, recognize_all
-from hassil.intents import TextSlotList
+from hassil import Intents, RecognizeResult, expression, recognize_all
+from hassil.expression import Alternative, Expression, RuleReference, Sentence, TextChunk
+from hassil.intents import Intent, IntentData, SlotList, TextSlotList, WildcardSlotList
+from hassil.parse_expression import parse_sentence
+from hassil.util import normalize_for_matching
 
-from edgevox.agent.arguments import is_number_type
-from edgevox.agent.nlu.template_compiler import (
-    Templates,
-    compile_templates,
-    word_list,
-    written,
-)
-from edgevox.agent.numbers import digits, is_exact
-from edgevox.agent.own_names import phrasebook_of
-from edgevox.agent.phrase_file import ENGLISH
-from edgevox.agent.phrase_hearing import Hearing
-from edgevox.agent.phrasebook import Phrasebook
+from edgevox.agent.phrases.load import ENGLISH
+from edgevox.agent.phrases.numbers import digits, is_exact
+from edgevox.agent.phrases.own_names import phrasebook_of
+from edgevox.agent.phrases.phrasebook import Hearing, Phrasebook, brief, whole
 from edgevox.agent.skills import NO_SKILLS, Call, Skill, SkillSet
-from edgevox.agent.spelling import (
+from edgevox.agent.skills.arguments import is_number_type
+from edgevox.agent.skills.choices import OneOf
+from edgevox.agent.text.spelling import (
     ENDING,
     NUMBER,
     folded,
@@ -32,8 +41,196 @@ from edgevox.agent.spelling import (
     separated,
     unpunctuated,
 )
-from edgevox.agent.spoken_lists import brief, whole
-from edgevox.core.text import one_form
+from edgevox.core.files.text import one_form
+from edgevox.core.languages import LANGUAGES
+
+ANY = ""
+"""What every sentence begins with."""
+
+
+def said(text: str) -> str:
+    """A sentence as its beginning is compared: as hassil compares it, and in lower case."""
+    if text.isascii() and text.replace(" ", "").isalnum():  # with nothing to take away
+        return text.strip().casefold()
+    return str(normalize_for_matching(text).text).casefold()
+
+
+def beginnings(template: Sentence, rules: Mapping[str, Sentence]) -> frozenset[str]:
+    """First words or parts of them, in lower case: one of them begins each of its sentences."""
+    found, empty = _begins(template.expression, rules)
+    return frozenset({ANY}) if empty or ANY in found else found
+
+
+def _begins(part: Expression, rules: Mapping[str, Sentence]) -> tuple[frozenset[str], bool]:
+    """What this part may begin with, and whether nothing at all may stand for it."""
+    match part:
+        case TextChunk():
+            words = part.text.split(maxsplit=1)
+            return frozenset(map(_compared, words[:1])), not words
+        case RuleReference(rule_name=name) if name in rules:
+            return _begins(rules[name].expression, rules)
+        case Alternative():
+            some = [_begins(item, rules) for item in part.items]
+            return frozenset().union(*(one for one, _ in some)), any(empty for _, empty in some)
+        case expression.Sequence():
+            found: frozenset[str] = frozenset()
+            for item in part.items:
+                more, empty = _begins(item, rules)
+                found |= more
+                if not empty:
+                    return found, False
+            return found, True
+    return frozenset({ANY}), False  # a word of a list, or any
+
+
+def _compared(word: str) -> str:
+    return word.casefold() if word[0].isalnum() else ANY
+
+
+_MOST_TEMPLATES = 4096
+"""How many parsed templates of a language are kept; all robots together have about 700."""
+
+_Lists = dict[str, SlotList]
+
+
+def compile_templates(skills: SkillSet, book: Phrasebook, *, loose: bool) -> "Templates":
+    """Those of these skills; `loose` lets any words stand where one of some words should."""
+    shared = _shared(book.code, tuple(book.rules.items()), book.hearing.places)
+    templates = {
+        name: book.templates(one) for name, one in skills.items() if not loose or one.choices
+    }
+    parsed = {name: [shared.template(one) for one in some] for name, some in templates.items()}
+    lists = {name: shared.lists(skills[name], loose=loose) for name, some in parsed.items() if some}
+    return Templates(book.code, shared.rules, parsed, lists)
+
+
+class Templates:
+    """The templates of some skills. `lists` are what may stand in the slots of each."""
+
+    def __init__(
+        self,
+        code: str,
+        rules: dict[str, Sentence],
+        templates: Mapping[str, Sequence["_Template"]],
+        lists: Mapping[str, _Lists],
+    ) -> None:
+        self._code = code
+        self._rules = rules
+        self._templates = templates
+        self.lists = lists
+        self._letters = set().union(*(one.begins for some in templates.values() for one in some))
+        self._by_letter: dict[str, _Beginning] = {}
+
+    def fitting(self, text: str) -> Intents:
+        """Those that begin as this text does, one intent per skill."""
+        begun = said(text)
+        found = {}
+        for name, some in self._beginning_with(begun[:1]).items():
+            if fit := [one for one, begins in some if begun.startswith(begins)]:
+                found[name] = _intent(name, fit, self.lists[name])
+        return Intents(self._code, found, expansion_rules=self._rules)
+
+    def _beginning_with(self, letter: str) -> "_Beginning":
+        letter = letter if letter in self._letters else ANY
+        if letter not in self._by_letter:
+            self._by_letter[letter] = {
+                name: [
+                    (one.sentence, begins)
+                    for one in some
+                    if (begins := one.begins.get(letter) or one.begins.get(ANY))
+                ]
+                for name, some in self._templates.items()
+            }
+        return self._by_letter[letter]
+
+
+@dataclass(frozen=True, slots=True)
+class _Template:
+    sentence: Sentence
+    begins: Mapping[str, tuple[str, ...]]
+    """What its sentences may begin with, by the first letter."""
+
+
+_Beginning = dict[str, list[tuple[Sentence, tuple[str, ...]]]]
+"""By skill, the templates of which a sentence begins with one letter, and with what else."""
+
+
+def _intent(name: str, templates: list[Sentence], lists: _Lists) -> Intent:
+    """Of templates that are parsed already, and of what may stand in their slots."""
+    data = IntentData([], slot_lists=lists)
+    vars(data)["sentences"] = templates  # where it keeps what it would parse itself
+    return Intent(name, [data])
+
+
+class _SharedTemplates:
+    """What all templates of a language have in common, and those that were parsed."""
+
+    def __init__(self, code: str, rules: Sequence[tuple[str, str]], places: Sequence[str]) -> None:
+        shared = Intents.from_dict(
+            {
+                "language": code,
+                "intents": {},
+                "lists": {"place": {"values": [_pattern(place) for place in places]}},
+                "expansion_rules": {name: _pattern(rule) for name, rule in rules},
+            }
+        )
+        self.rules = shared.expansion_rules
+        self._places = {name: _indexed(one) for name, one in shared.slot_lists.items()}
+        self.template = lru_cache(_MOST_TEMPLATES)(self._read)
+
+    def _read(self, template: str) -> _Template:
+        sentence = parse_sentence(_pattern(template), keep_text=True)
+        begins: dict[str, tuple[str, ...]] = {}
+        for one in beginnings(sentence, self.rules):
+            begins[one[:1]] = (*begins.get(one[:1], ()), one)
+        return _Template(sentence, begins)
+
+    def lists(self, one: Skill, *, loose: bool) -> _Lists:
+        """Any words, but where words are given to choose from; the book's usual places."""
+        lists: _Lists = {
+            name: WildcardSlotList(name)
+            if loose or name not in one.choices
+            else TextSlotList(name, [])
+            for name in one.arguments_model.model_fields
+        }
+        return lists | self._places if one.new_names else lists
+
+
+_shared = lru_cache(len(LANGUAGES))(_SharedTemplates)
+
+
+def _pattern(template: str) -> str:
+    return folded(separated(one_form(template)))
+
+
+def written(text: str, hearing: Hearing) -> str:
+    """With spaces only where the language has them between words."""
+    return text if hearing.spaced else text.replace(" ", "")
+
+
+@lru_cache(maxsize=8192)
+def _forms(said: str, code: str, *, spaced: bool) -> tuple[str, ...]:
+    """How a word of a language may be written. Kept, for a new word is one of many."""
+    plain = key(said)
+    found = dict.fromkeys((digits(plain, code), plain))
+    return tuple(found) if spaced else tuple(one.replace(" ", "") for one in found)
+
+
+def word_list(choices: OneOf, book: Phrasebook) -> TextSlotList:
+    """What may be said for these words, as it is written and with its numbers as digits."""
+    spoken = {
+        form: word
+        for said, word in book.heard(choices).items()
+        for form in _forms(said, book.code, spaced=book.hearing.spaced)
+    }
+    return _indexed(TextSlotList.from_tuples(spoken.items(), allow_template=False))
+
+
+def _indexed(words: TextSlotList) -> TextSlotList:
+    """The same with its index made: two threads that look first would make it at once."""
+    words.get_candidates("")
+    return words
+
 
 MAX_CHARACTERS = 240
 """Longer utterances are not plain commands; they go to the model."""

@@ -5,11 +5,10 @@ force, reads the file again when it has changed, and counts what is refused. Imp
 the agent skills and reasons.
 """
 
-from edgevox.agent.policy.format import PolicyFile
+from edgevox.agent.policy.file import Denied, NeedsConfirmation, PolicyFile, Rule, Verdict
 from edgevox.agent.policy.guard import CheckedCall, Guard
+from edgevox.agent.policy.limits import PolicyContext
 from edgevox.agent.policy.policy import Policy, load_policy
-from edgevox.agent.policy.policy_context import PolicyContext
-from edgevox.agent.policy.policy_verdict import Denied, NeedsConfirmation, Rule, Verdict
 
 __all__ = [
     "CheckedCall",

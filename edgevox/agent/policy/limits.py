@@ -1,20 +1,191 @@
-"""Limits of a policy: where to, how far, how fast, when. They hold for whatever moves."""
+"""Limits of a policy: where to, how far, how fast, when. They hold for whatever moves.
+
+Where to and how far: what the arguments of a skill say of it, told by their names.
+
+So skills that nobody here knows are limited, too: `x` and `y` (and `z` for a hand) are a point,
+`distance` is metres, `room`, `location`, `place` and `target` are places, as is every text that is
+the name of one. What stands within an argument counts as well, such as a list of points.
+
+Hours of the week, by the clock on the wall.
+
+What all parts of a policy file have in common.
+
+What a policy must know of the robot to judge a goal.
+"""
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-from edgevox.agent.policy.hours import Interval
-from edgevox.agent.policy.part import PolicyPart
-from edgevox.agent.policy.policy_context import PolicyContext
-from edgevox.agent.policy.targets import distance_in, places_in, points_in
-from edgevox.agent.reasons import because
-from edgevox.agent.same_name import is_same_name
+from edgevox.agent.text.reasons import because
+from edgevox.agent.text.same_name import is_same_name, name_form
 from edgevox.core.reason import NO_REASON, Reason
 from edgevox.core.transforms import Pose2D
+
+PLACES = ("room", "location", "place", "target")
+
+
+def places_in(arguments: Mapping[str, Any], known: Collection[str]) -> tuple[str, ...]:
+    """The places that are named; `known` are those of the robot, whose spelling is kept."""
+    spelled = {name_form(name): name for name in known}
+    return tuple(
+        spelled.get(name_form(text), text)
+        for name, value in _each(arguments)
+        for text in _texts(value)
+        if name in PLACES or name_form(text) in spelled
+    )
+
+
+def points_in(arguments: Mapping[str, Any]) -> tuple[tuple[float, ...], ...]:
+    """The points that are named: on the floor, or in space."""
+    found = (_point(part) for part in _parts(arguments))
+    return tuple(point for point in found if point)
+
+
+def distance_in(arguments: Mapping[str, Any]) -> float | None:
+    """How far it is to go, in metres, if that is said; back where it is less than nothing."""
+    return _number(arguments.get("distance"))
+
+
+def _point(part: Mapping[str, Any]) -> tuple[float, ...] | None:
+    x, y, z = (_number(part.get(axis)) for axis in ("x", "y", "z"))
+    if x is None or y is None:
+        return None
+    return (x, y) if z is None else (x, y, z)
+
+
+def _parts(value: Any) -> Iterator[Mapping[str, Any]]:
+    """The arguments, and what stands in them: a list of points, say."""
+    if isinstance(value, Mapping):
+        yield value
+    inner = value.values() if isinstance(value, Mapping) else value
+    if isinstance(inner, Collection) and not isinstance(inner, str | bytes):
+        for one in inner:
+            yield from _parts(one)
+
+
+def _each(arguments: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    for part in _parts(arguments):
+        yield from part.items()
+
+
+def _texts(value: Any) -> Iterator[str]:
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, list | tuple):
+        yield from (one for one in value if isinstance(one, str))
+
+
+def _number(value: Any) -> float | None:
+    fits = isinstance(value, int | float) and not isinstance(value, bool)
+    return float(value) if fits else None
+
+
+class PolicyPart(BaseModel):
+    """A mapping of the file: no key that nobody knows, no number that is none."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+Day = Literal["mon", "tue", "wed", "thu", "fri", "sat", "sun"]
+DAYS: tuple[Day, ...] = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
+MINUTES = 24 * 60
+EXPECTED = "a time of day in quotes such as '07:30', from '00:00' to '24:00'"
+"""Without quotes YAML makes a number of 19:30, which looks like one that somebody wrote."""
+
+
+def _minutes(value: Any) -> int:
+    """Minutes since midnight."""
+    hours, colon, minutes = value.partition(":") if isinstance(value, str) else ("", "", "")
+    if colon and all(len(one) == 2 and one.isascii() and one.isdigit() for one in (hours, minutes)):
+        total = int(hours) * 60 + int(minutes)
+        if int(minutes) < 60 and total <= MINUTES:
+            return total
+    raise ValueError(EXPECTED)
+
+
+TimeOfDay = Annotated[
+    int,
+    BeforeValidator(
+        _minutes,
+        json_schema_input_type=Annotated[str, Field(pattern="^([01][0-9]|2[0-4]):[0-5][0-9]$")],
+    ),
+]
+
+
+class Interval(PolicyPart):
+    """Some hours of a day. They may cross midnight, and then belong to the day they begin on."""
+
+    begin: TimeOfDay = Field(alias="from", description="local time of the machine, HH:MM")
+    end: TimeOfDay = Field(alias="to", description="local time; before `from`: on the next day")
+    days: Annotated[tuple[Day, ...], Field(min_length=1, max_length=7)] = Field(
+        DAYS, description="the days on which it begins; every day without it"
+    )
+
+    @model_validator(mode="after")
+    def _takes_time(self) -> Self:
+        if self.begin % MINUTES == self.end % MINUTES and (self.begin, self.end) != (0, MINUTES):
+            raise ValueError("`to` another time than `from`; 00:00 to 24:00 is a whole day")
+        return self
+
+    def holds(self, now: datetime) -> bool:
+        """Whether it is that time."""
+        minute = now.hour * 60 + now.minute
+        today, yesterday = DAYS[now.weekday()], DAYS[now.weekday() - 1]
+        if self.begin < self.end:
+            return today in self.days and self.begin <= minute < self.end
+        tonight = today in self.days and minute >= self.begin
+        return tonight or (yesterday in self.days and minute < self.end)
+
+    def __str__(self) -> str:
+        days = "" if set(self.days) == set(DAYS) else f" ({', '.join(self.days)})"
+        return f"{_clock(self.begin)}-{_clock(self.end)}{days}"
+
+
+def _clock(minutes: int) -> str:
+    return f"{minutes // 60:02}:{minutes % 60:02}"
+
+
+Spot = tuple[float, float]
+
+
+def _nowhere(_x_m: float, _y_m: float) -> str | None:
+    return None
+
+
+def _unknown() -> Pose2D | None:
+    return None
+
+
+def _meant(_name: str) -> str | None:
+    return None
+
+
+@dataclass(frozen=True, slots=True)
+class PolicyContext:
+    """Asked anew for each goal; metres, map frame.
+
+    `places` are points of the robot's map by name, `taught` those that it was told the names of.
+    `place_at` says in which place of the map a point is, `here` is where the robot is, None while
+    nobody knows. `place_meant` gives the place of the map that a name stands for in any language.
+    All are quick.
+    """
+
+    places: Callable[[], Mapping[str, Spot]] = field(default=dict)
+    place_at: Callable[[float, float], str | None] = _nowhere
+    here: Callable[[], Pose2D | None] = _unknown
+    taught: Callable[[], Mapping[str, Spot]] = field(default=dict)
+    place_meant: Callable[[str], str | None] = _meant
+
+    @property
+    def names(self) -> Collection[str]:
+        """All names that it goes by."""
+        return (*self.places(), *self.taught())
+
 
 Names = Annotated[
     tuple[Annotated[str, Field(min_length=1, max_length=64)], ...],

@@ -7,11 +7,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from edgevox.agent.policy.format import PolicyFile, read_policy_file
-from edgevox.agent.policy.policy_context import PolicyContext
-from edgevox.agent.policy.policy_verdict import Rule, Verdict
-from edgevox.agent.reasons import because
+from edgevox.agent.policy.file import PolicyFile, Rule, Verdict, read_policy_file
+from edgevox.agent.policy.limits import PolicyContext
 from edgevox.agent.skills import STOP
+from edgevox.agent.text.reasons import because
 from edgevox.core.reason import NO_REASON, Reason
 from edgevox.core.ways import Way
 

@@ -5,12 +5,8 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
-from edgevox.agent.goals import Goal
-from edgevox.agent.phrase_forms import continued
-from edgevox.agent.phrasebook import Phrasebook
-from edgevox.agent.programs.kept import Kept
-from edgevox.agent.programs.permission import Hands, Permission
-from edgevox.agent.programs.program import (
+from edgevox.agent.goals.goal import Goal
+from edgevox.agent.nlu.orders import (
     After,
     BatteryBelow,
     Program,
@@ -19,22 +15,29 @@ from edgevox.agent.programs.program import (
     drives,
     moves,
 )
-from edgevox.agent.programs.program_limits import LONGEST_RUN_S, LONGEST_WAIT_S
-from edgevox.agent.programs.program_run import ProgramRun
-from edgevox.agent.programs.program_store import ProgramStore, Timer
-from edgevox.agent.programs.program_words import in_words
+from edgevox.agent.phrases.phrasebook import Phrasebook
+from edgevox.agent.programs.permission import Hands, Permission
+from edgevox.agent.programs.run import ProgramRun, in_words
 from edgevox.agent.programs.senses import NO_SENSES, Senses
-from edgevox.agent.programs.waits import Waits
-from edgevox.agent.reasons import because
+from edgevox.agent.programs.store import (
+    LONGEST_RUN_S,
+    LONGEST_WAIT_S,
+    Kept,
+    ProgramStore,
+    Timer,
+    Waits,
+)
 from edgevox.agent.skills import SkillFailed, SkillSet, reason_of
+from edgevox.agent.text.reasons import because
+from edgevox.agent.text.words import continued
 from edgevox.agent.turn import Turn
 from edgevox.core.agent_events import GoalCancelled, GoalChanged, GoalStatus, ProgramStatus, as_json
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
-from edgevox.core.deadlines import Deadlines
 from edgevox.core.errors import EdgeVoxError, InvalidValue
 from edgevox.core.events import Outcome
-from edgevox.core.interlock import Tell
+from edgevox.core.motion.deadlines import Deadlines
+from edgevox.core.motion.interlock import Tell
 from edgevox.core.reason import NO_REASON, Reason
 
 LEAD_S = 2.0

@@ -3,13 +3,12 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
-from edgevox.agent.goals import Goal
-from edgevox.agent.phrasebook import Phrasebook
-from edgevox.agent.programs.kept import Kept
-from edgevox.agent.programs.program import Program, calls_of
-from edgevox.agent.programs.program_limits import check_bounds
+from edgevox.agent.goals.executor import Follower
+from edgevox.agent.goals.goal import Goal
+from edgevox.agent.nlu.orders import Program, calls_of
+from edgevox.agent.phrases.phrasebook import Phrasebook
 from edgevox.agent.programs.senses import Senses
-from edgevox.agent.skill_executor import Follower
+from edgevox.agent.programs.store import Kept, check_bounds
 from edgevox.agent.skills import Call, SkillFailed, SkillSet
 from edgevox.agent.turn import Turn
 from edgevox.core.events import Outcome

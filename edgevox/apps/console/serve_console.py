@@ -4,13 +4,13 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from edgevox.apps.agent_parts import AgentParts
+from edgevox.apps.agent.parts import AgentParts
 from edgevox.apps.console_command import shown_code
 from edgevox.apps.folders import console_folder, recordings_folder
 from edgevox.apps.streams import show
 from edgevox.core.errors import EdgeVoxError
-from edgevox.core.extras import install_extra
 from edgevox.core.log import get_logger
+from edgevox.core.process.extras import install_extra
 from edgevox.core.status import ComponentName, Level, Off
 
 if TYPE_CHECKING:

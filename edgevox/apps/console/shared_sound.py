@@ -13,10 +13,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from edgevox.apps.agent_parts import AgentParts
-from edgevox.apps.stop_choice import open_stop_detector
-from edgevox.apps.voice import endings
-from edgevox.apps.wake_choice import open_wakeword
+from edgevox.apps.agent.parts import AgentParts
+from edgevox.apps.agent.voice import endings, open_stop_detector, open_wakeword
 from edgevox.core.bus import Bus
 from edgevox.core.commands import Command, Heard
 from edgevox.core.events import SentenceReady

@@ -4,7 +4,7 @@
 Imports all of edgevox; nothing but the entrypoint imports it.
 """
 
-from edgevox.apps.container.checked_environment import prepared
+from edgevox.apps.container.environment import prepared
 from edgevox.apps.container.variables import ENVIRONMENT, Variable
 
 __all__ = ["ENVIRONMENT", "Variable", "prepared"]

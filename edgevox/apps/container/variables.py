@@ -9,8 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, model_validator
 from pydantic.fields import FieldInfo
 
 from edgevox.apps.robots import ROBOTS
-from edgevox.core.old_names import ENV_PREFIX, old_name
-from edgevox.core.settings import Settings
+from edgevox.core.settings import ENV_PREFIX, Settings, old_name
 
 NO_ROBOT = "edgevox"
 """The agent without a robot."""

@@ -2,21 +2,21 @@
 
 from edgevox.apps.doctor import (
     console,
-    graphics,
     machine,
     model_files,
     network,
     packages,
-    permitted,
     process_environment,
-    robot_interfaces,
     ros,
     security,
     sound,
 )
+from edgevox.apps.doctor import machine as graphics
+from edgevox.apps.doctor import robots as permitted
+from edgevox.apps.doctor import robots as robot_interfaces
 from edgevox.apps.doctor.check import Check
 
-_ROS, _HERE = "edgevox.ros2.probe", "edgevox.apps.doctor"
+_ROS, _HERE = "edgevox.ros2.doctor.probe", "edgevox.apps.doctor"
 
 CHECKS: tuple[Check, ...] = (
     Check("python", "a Python that EdgeVox runs on", machine.probe_python, machine.judge_python),

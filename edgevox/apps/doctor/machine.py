@@ -1,4 +1,7 @@
-"""Python, the processor, memory, disks and the clock."""
+"""Python, the processor, memory, disks and the clock.
+
+A GPU, and OpenGL without a display.
+"""
 
 import ctypes
 import os
@@ -7,17 +10,73 @@ import sys
 import time
 from pathlib import Path
 
-from edgevox.agent.llm import gguf
-from edgevox.agent.llm.cpu import XLLAMACPP_NEEDS, missing_features
-from edgevox.agent.llm.memory_estimate import needed_bytes, read_memory
-from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, warning
+from edgevox.agent.llm import weights as gguf
+from edgevox.agent.llm.factory import XLLAMACPP_NEEDS, missing_features
+from edgevox.agent.llm.weights import needed_bytes, read_memory
+from edgevox.apps.agent.models import find_weights
+from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
 from edgevox.apps.folders import written_folders
-from edgevox.apps.model_choice import find_weights
-from edgevox.core.cgroup import cpu_quota, usable_cpus
 from edgevox.core.errors import EdgeVoxError
+from edgevox.core.process.cgroup import cpu_quota, usable_cpus
+from edgevox.core.process.extras import install_extra
 from edgevox.core.settings import NO_LLM, Settings
 from edgevox.models import Store
 from edgevox.ops.diagnostics.disk import MIB, DiskSpace, rooms
+
+_WITH_CAMERA = ("robot-panda", "robot-humanoid")
+
+
+def probe_gpu() -> Facts:
+    """In a process of its own: a broken driver may do anything."""
+    import pynvml
+
+    try:
+        pynvml.nvmlInit()
+        count = pynvml.nvmlDeviceGetCount()
+        handles = [pynvml.nvmlDeviceGetHandleByIndex(index) for index in range(count)]
+        names = [str(pynvml.nvmlDeviceGetName(one)) for one in handles]
+    except pynvml.NVMLError_LibraryNotFound:
+        return {"names": [], "failed": ""}
+    except pynvml.NVMLError as failed:
+        return {"names": [], "failed": str(failed)}
+    return {"names": names, "failed": ""}
+
+
+def judge_gpu(facts: Facts, _: Situation) -> CheckVerdict:
+    """No GPU is fine; one whose driver is broken is not."""
+    if facts["failed"]:
+        advice = "install the kernel module and the library of the same version, and restart"
+        return warning(f"NVIDIA's driver does not answer: {facts['failed']}", advice)
+    if facts["names"]:
+        return ok(", ".join(facts["names"]))
+    return ok("none, and none is needed")
+
+
+def probe_egl() -> Facts:
+    """In a process of its own: drivers may end it."""
+    from edgevox.robots.mujoco import gl
+
+    try:
+        gl.shield_import()
+    except ImportError:
+        return {"backend": gl.backend(), "failed": "", "installed": False}
+    try:
+        gl.open_context(64, 64).free()
+    except gl.NoPicture as failed:
+        return {"backend": gl.backend(), "failed": str(failed), "installed": True}
+    return {"backend": gl.backend(), "failed": "", "installed": True}
+
+
+def judge_egl(facts: Facts, situation: Situation) -> CheckVerdict:
+    """Without it only pictures are missing."""
+    if not facts["installed"]:
+        return skipped("MuJoCo is not installed", f"{install_extra('mujoco')} brings two robots")
+    if facts["failed"]:
+        advice = "sudo apt install libegl1 libgl1 libgl1-mesa-dri"
+        sees = situation.agent in _WITH_CAMERA
+        return warning(facts["failed"], advice if sees else f"{advice} (for pictures only)")
+    return ok(f"draws without a display, by {facts['backend']}")
+
 
 PYTHONS = ((3, 11), (3, 12), (3, 13))
 VOICE_MIB = 600

@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from edgevox.apps.agent.queries import fetch_commands
+from edgevox.apps.agent.voice import needed_models
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, warning
-from edgevox.apps.queries import fetch_commands
 from edgevox.apps.robots import ROBOTS
-from edgevox.apps.wake_choice import needed_models
 from edgevox.core.languages import LANGUAGES
 from edgevox.core.settings import NO_LLM
 from edgevox.models import Store

@@ -4,7 +4,7 @@ import os
 import tempfile
 from pathlib import Path
 
-from edgevox.apps.container.checked_environment import warn_of_unknown
+from edgevox.apps.container.environment import warn_of_unknown
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
 from edgevox.apps.folders import ros_logs
 from edgevox.ops.diagnostics.disk import room

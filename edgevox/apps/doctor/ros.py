@@ -2,16 +2,15 @@
 
 from pathlib import Path
 
-from edgevox.apps.container.discovery_servers import SERVERS, server_names
-from edgevox.apps.container.static_peers import PEERS, addresses
+from edgevox.apps.container.peers import PEERS, SERVERS, addresses, server_names
 from edgevox.apps.container.variables import ENVIRONMENT
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
 from edgevox.apps.doctor.runner import probe_apart
 from edgevox.apps.doctor.security import NOT_WITH_SECURITY, is_secured
-from edgevox.core.extras import install_extra
+from edgevox.core.process.extras import install_extra
 
 DOMAIN, RANGE = "ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE"
-ROUND_TRIP = "edgevox.ros2.probe:round_trip"
+ROUND_TRIP = "edgevox.ros2.doctor.probe:round_trip"
 _FIRST_PORT, _PORTS = 7400, 250  # of a domain, by RTPS
 _DEFAULT_RANGE = (32768, 60999)
 _MOST_MS = 100.0

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from edgevox.apps.doctor.check import CheckVerdict, Facts, Situation, error, ok, skipped, warning
-from edgevox.core.extras import install_extra
-from edgevox.voice.aec3 import open_engine
+from edgevox.core.process.extras import install_extra
 from edgevox.voice.devices import DeviceMissing, devices
+from edgevox.voice.echo.canceller import open_engine
 from edgevox.voice.sinks.open_sink import NONE, ROS2
 
 WORDS = {"inputs": "microphone", "outputs": "loudspeaker"}
@@ -108,7 +108,7 @@ def judge_spotter(facts: Facts, situation: Situation) -> CheckVerdict:
 def probe_spotter() -> Facts:
     """Whether the model is here that hears stop words by their sound."""
     from edgevox.models import ModelMissing, locate
-    from edgevox.voice.stop_encoder import ENCODER
+    from edgevox.voice.stop.network import ENCODER
 
     missing = ""
     try:

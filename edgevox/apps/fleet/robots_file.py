@@ -11,8 +11,8 @@ from urllib.parse import urlsplit
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints
 
-from edgevox.core.user_file import read_text
-from edgevox.core.yaml_file import YamlFile
+from edgevox.core.files.user_file import read_text
+from edgevox.core.files.yaml_file import YamlFile
 
 MOST_ROBOTS = 200
 HEALTH_EXPECTED = "http://HOST:PORT, where the robot's health is served"

@@ -1,17 +1,139 @@
-"""Serves the page of a fleet, on this machine only, until somebody leaves."""
+"""Serves the page of a fleet, on this machine only, until somebody leaves.
 
+How each robot of a fleet is: its health is asked for, again and again, all of them at once.
+"""
+
+import http.client
+import socket
 import threading
-from collections.abc import Callable
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
+from typing import Literal
+from urllib.parse import urlsplit
 
-from edgevox.apps.fleet.robots_file import load_fleet
-from edgevox.apps.fleet.watch import FleetWatch
+from edgevox.apps.fleet.robots_file import FleetRobot, load_fleet
 from edgevox.apps.shutdown_signals import ShutdownSignals
 from edgevox.apps.streams import show
+from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.errors import InvalidValue
+from edgevox.core.files.json_reader import read_json
 from edgevox.core.settings import Settings
 from edgevox.ops.http_server import HttpServer, Page, json_page
+
+ASK_EVERY_S = 2.0
+ANSWER_WITHIN_S = 2.0
+AT_ONCE = 16
+MOST_BYTES = 1 << 16
+
+State = Literal["unknown", "ready", "unwell", "gone"]
+
+
+@dataclass(frozen=True, slots=True)
+class LastSeen:
+    """What a robot said of itself. `problems` are texts by check; `at_s` is the watch's clock."""
+
+    state: State = "unknown"
+    problems: Mapping[str, str] = field(default_factory=dict)
+    at_s: float | None = None
+
+
+def ask_health(robot: FleetRobot) -> tuple[State, Mapping[str, str]]:
+    """What a robot says at `/ready`; gone if it says nothing, or nothing that is health."""
+    address = urlsplit(robot.health)
+    connection = http.client.HTTPConnection(
+        address.hostname or "", address.port or 80, timeout=ANSWER_WITHIN_S
+    )
+    try:
+        connection.connect()
+        with _hung_up_in_time(connection.sock):
+            connection.request("GET", "/ready")
+            answer = connection.getresponse()
+            said = answer.read(MOST_BYTES)
+        checks = read_json(said, "health")["checks"]
+        problems = {str(name): str(said) for name, said in checks.items() if said != "ok"}
+    except (OSError, http.client.HTTPException) as failed:
+        return "gone", {"network": str(failed) or type(failed).__name__}
+    except (InvalidValue, ValueError, KeyError, TypeError, AttributeError):
+        return "gone", {"health": "what answers there is not a robot's health"}
+    finally:
+        connection.close()
+    return ("ready" if answer.status == http.client.OK else "unwell"), problems
+
+
+@contextmanager
+def _hung_up_in_time(sock: socket.socket) -> Iterator[None]:
+    """Its timeout is for each byte: one that drips them would keep the page from all others."""
+
+    def hang_up() -> None:
+        with suppress(OSError):
+            sock.shutdown(socket.SHUT_RDWR)
+
+    timer = threading.Timer(ANSWER_WITHIN_S, hang_up)
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+        timer.join()
+
+
+class FleetWatch:
+    """Asks all robots every `ASK_EVERY_S` on threads of its own, from `start` to `close`."""
+
+    def __init__(
+        self,
+        robots: Mapping[str, FleetRobot],
+        ask: Callable[[FleetRobot], tuple[State, Mapping[str, str]]] = ask_health,
+        clock: Clock | None = None,
+    ) -> None:
+        self._robots, self._ask = dict(robots), ask
+        self._clock = clock or SystemClock()
+        self._seen = dict.fromkeys(robots, LastSeen())
+        self._closing = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="edgevox-fleet")
+
+    def start(self) -> None:
+        self._thread.start()
+
+    def close(self) -> None:
+        """Ask no more."""
+        self._closing.set()
+        if self._thread.is_alive():
+            self._thread.join()
+
+    def as_json(self) -> list[dict[str, object]]:
+        """JSON-ready, in the file's order; `age_s` is how long ago it was asked."""
+        now_s = self._clock.now()
+        return [
+            {
+                "name": name,
+                "console": self._robots[name].console,
+                "state": seen.state,
+                "problems": dict(seen.problems),
+                "age_s": None if seen.at_s is None else round(now_s - seen.at_s, 1),
+            }
+            for name, seen in self._seen.items()
+        ]
+
+    def look(self) -> None:
+        """Ask every robot once."""
+        with ThreadPoolExecutor(min(AT_ONCE, len(self._robots)), "edgevox-fleet-ask") as pool:
+            list(pool.map(self._look_at, self._robots))
+
+    def _run(self) -> None:
+        while not self._closing.is_set():
+            self.look()
+            self._closing.wait(ASK_EVERY_S)
+
+    def _look_at(self, name: str) -> None:
+        if not self._closing.is_set():
+            state, problems = self._ask(self._robots[name])
+            self._seen[name] = LastSeen(state, problems, self._clock.now())
+
 
 LOOPBACK = "127.0.0.1"
 FLEET_PORT = 8440

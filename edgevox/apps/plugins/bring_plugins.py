@@ -1,27 +1,190 @@
-"""Puts the plug-ins of a folder where Python and `importlib.metadata` find them."""
+"""Puts the plug-ins of a folder where Python and `importlib.metadata` find them.
+
+`plugins.sha256`: the only files that a folder of plug-ins may hold.
+
+A package as it lies in its folder, not built: what its pyproject.toml says of it.
+
+`importlib.metadata` finds it as if it were installed, its entry points with it.
+"""
 
 import argparse
 import atexit
+import hashlib
 import os
 import re
 import shutil
 import sys
 import tempfile
+import tomllib
 import zipfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib.metadata import Distribution, PackageNotFoundError, PathDistribution, distribution
+from importlib.metadata import (
+    Distribution,
+    DistributionFinder,
+    PackageNotFoundError,
+    PathDistribution,
+    distribution,
+)
 from pathlib import Path
+from typing import Any, NoReturn, cast
 
 from edgevox.apps.flags import add_flags, given_flags
-from edgevox.apps.plugins.plugin_hashes import HASHES, check_hashes
-from edgevox.apps.plugins.source_package import PROJECT, SourceFinder, SourcePackage
 from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.files.user_file import open_file, read_text
 from edgevox.core.log import get_logger
-from edgevox.core.old_names import ENV_PREFIX
-from edgevox.core.settings import written_in
+from edgevox.core.settings import ENV_PREFIX, written_in
 
 log = get_logger(__name__)
+
+
+HASHES = "plugins.sha256"
+LARGEST_BYTES = 200_000_000
+_LINE = re.compile(r"([0-9a-f]{64}) [ *](?:\./)?(.+)")
+
+
+def check_hashes(folder: Path) -> None:
+    """Raises `InvalidValue` unless such a file, if there is one, tells of all and is right.
+
+    A file that it does not name is refused as well: Python would run one that was put there.
+    """
+    listing = folder / HASHES
+    if not os.path.lexists(listing):  # one that leads nowhere is there, and cannot be read
+        return
+    wanted = _wanted(listing)
+    found = set(_files(folder))
+    for name in sorted(wanted.keys() | found):
+        field = f"plugins: {name}"
+        if name not in found:
+            raise InvalidValue(field, str(folder), f"the file that {HASHES} names")
+        if name not in wanted:
+            raise InvalidValue(field, str(folder), f"no file that {HASHES} does not name")
+        if (digest := _sha256(folder / name, field)) != wanted[name]:
+            raise InvalidValue(field, digest, f"{wanted[name]}, as {HASHES} says")
+
+
+def _wanted(listing: Path) -> dict[str, str]:
+    wanted = {}
+    for number, line in enumerate(read_text(listing, HASHES).splitlines(), 1):
+        if not line.strip():
+            continue
+        if (parts := _LINE.fullmatch(line)) is None:
+            raise InvalidValue(f"{HASHES}: line {number}", line, "a SHA-256, two spaces, a file")
+        wanted[parts[2]] = parts[1]
+    return wanted
+
+
+def _files(folder: Path) -> Iterator[str]:
+    """What can be loaded; not `..data` and the like, which Kubernetes keeps beside its mounts."""
+    seen: set[tuple[int, int]] = set()
+    for place, folders, names in os.walk(folder, followlinks=True):
+        here = Path(place)
+        identity = here.stat().st_dev, here.stat().st_ino
+        if identity in seen:  # followed for ever, or twice as often at each level
+            field = f"plugins: {here.relative_to(folder).as_posix()}"
+            raise InvalidValue(field, str(folder), "each folder once, by one name")
+        seen.add(identity)
+        folders[:] = [one for one in folders if here != folder or not one.startswith(".")]
+        for name in names:
+            relative = (here / name).relative_to(folder)
+            if not (here == folder and (name == HASHES or name.startswith("."))):
+                yield relative.as_posix()
+
+
+def _sha256(file: Path, field: str) -> str:
+    with open_file(file, field, LARGEST_BYTES) as stream:
+        return hashlib.sha256(stream.read(LARGEST_BYTES)).hexdigest()
+
+
+PROJECT = "pyproject.toml"
+
+
+class SourcePackage(Distribution):
+    """What a project's folder says of the package in it. Raises `InvalidValue` for what is none."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        file = folder / PROJECT
+        try:
+            parsed = tomllib.loads(read_text(file, PROJECT))
+        except (ValueError, RecursionError) as error:
+            raise InvalidValue(PROJECT, str(file), f"valid TOML ({error})") from None
+        project = parsed.get("project")
+        if not isinstance(project, dict) or not isinstance(project.get("name"), str):
+            raise InvalidValue(f"{PROJECT}: project.name", str(file), "the package's name")
+        self._metadata = _metadata(project)
+        self._points = _entry_points(project)
+
+    @property
+    def import_path(self) -> Path:
+        """The folder that its modules are in."""
+        src = self._folder / "src"
+        return src if src.is_dir() else self._folder
+
+    def read_text(self, filename: str) -> str | None:
+        """What an installed package would have in its file of this name."""
+        return {"METADATA": self._metadata, "entry_points.txt": self._points}.get(filename)
+
+    def locate_file(self, path: Any) -> Any:
+        """Where one of its files is."""
+        return self._folder / path
+
+
+class SourceFinder(DistributionFinder):
+    """Tells `importlib.metadata` of such packages; their modules are found by the path."""
+
+    def __init__(self) -> None:
+        self.packages: list[SourcePackage] = []
+
+    @classmethod
+    def installed(cls) -> "SourceFinder":
+        """The one of this process."""
+        for finder in sys.meta_path:
+            if isinstance(finder, cls):
+                return finder
+        finder = cls()
+        sys.meta_path.append(cast("Any", finder))
+        return finder
+
+    def find_spec(self, *_: object) -> None:
+        """No module is found by this."""
+
+    def find_distributions(
+        self, context: DistributionFinder.Context | None = None
+    ) -> Iterable[Distribution]:
+        """All of them, or the one of the name that is asked for."""
+        wanted = context.name if context else None
+        return [one for one in self.packages if wanted in (None, one.name)]
+
+
+def _metadata(project: dict[str, Any]) -> str:
+    lines = [f"Name: {project['name']}", f"Version: {project.get('version', '0')}"]
+    needs = project.get("dependencies", [])
+    if not isinstance(needs, list):
+        _refuse("dependencies", needs, "a list of packages")
+    lines += [f"Requires-Dist: {need}" for need in needs]
+    return "Metadata-Version: 2.1\n" + "".join(f"{line}\n" for line in lines)
+
+
+def _entry_points(project: dict[str, Any]) -> str:
+    groups = project.get("entry-points", {})
+    if not isinstance(groups, dict) or not all(isinstance(one, dict) for one in groups.values()):
+        _refuse("entry-points", groups, "tables of names")
+    return "".join(_group(name, points) for name, points in groups.items())
+
+
+def _group(name: str, points: dict[str, object]) -> str:
+    def lines() -> Iterator[str]:
+        yield f"[{name}]\n"
+        for point, value in points.items():
+            yield f"{point} = {value}\n"
+
+    return "".join(lines())
+
+
+def _refuse(field: str, value: object, expected: str) -> NoReturn:
+    raise InvalidValue(f"{PROJECT}: project.{field}", value, expected)
+
 
 EXPECTED = f"a wheel, or a folder with {PROJECT} or what pip install --target makes"
 _COMPILED = "a wheel of Python alone (none-any); unpack one with compiled code into a folder"

@@ -1,4 +1,7 @@
-"""Lines of a pipe or a file as they arrive: a stop is told at once, whatever waits before it."""
+"""Lines of a pipe or a file as they arrive: a stop is told at once, whatever waits before it.
+
+What a person typed before there was a prompt: it waits in the terminal, a stop among it.
+"""
 
 import os
 import select
@@ -6,7 +9,7 @@ import threading
 from collections import deque
 from collections.abc import Callable, Sequence
 
-from edgevox.core.interlock import Interlock
+from edgevox.core.motion.interlock import Interlock
 
 MAX_LINE_BYTES = 1 << 20
 """A line is read up to this length; what follows is a line of its own."""
@@ -166,3 +169,15 @@ class InputLines:
                 mark = self._mark  # which this stop has raised
             self._waiting.extend((line, mark) for line in lines[over:])
             self._changed.notify_all()
+
+
+def typed_ahead(fd: int, is_stop: Callable[[str], bool]) -> list[str]:
+    """The lines that a terminal has ready, from the last stop among them on.
+
+    What was typed before that stop is forgotten: it must not move the robot for a moment. A line
+    that is not ended yet stays for the prompt.
+    """
+    splitter, lines = Splitter(), list[str]()
+    while select.select([fd], [], [], 0.0)[0] and (data := os.read(fd, MAX_LINE_BYTES)):
+        lines += splitter.add(data)
+    return lines[max(0, after_last_stop(lines, is_stop) - 1) :]

@@ -1,4 +1,7 @@
-"""The interactive prompt: Ctrl-C once interrupts, twice leaves."""
+"""The interactive prompt: Ctrl-C once interrupts, twice leaves.
+
+Ctrl-C once interrupts, twice leaves: the rule that every terminal here keeps.
+"""
 
 import sys
 from collections.abc import Sequence
@@ -12,18 +15,38 @@ from prompt_toolkit.styles import Style
 
 from edgevox.apps.shutdown_signals import ShutdownSignals
 from edgevox.apps.streams import show
-from edgevox.apps.terminal.double_interrupt import DoubleInterrupt
 from edgevox.apps.terminal.slash_commands import Leave, SlashContext, is_slow, run_command
 from edgevox.apps.terminal.view import View
 from edgevox.core.bus import Bus
 from edgevox.core.clock import Clock
 from edgevox.core.commands import Interrupt, TextInput
 from edgevox.core.events import Cause
+from edgevox.core.files.text import printable_in_colour
 from edgevox.core.log import get_logger
-from edgevox.core.text import printable_in_colour
 from edgevox.core.ways import Way
 
 log = get_logger(__name__)
+
+
+SECOND_CTRL_C_S = 2.0
+"""A second Ctrl-C within this time leaves."""
+
+
+class DoubleInterrupt:
+    """Tells a second press from a first one."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._pressed_s = float("-inf")
+
+    def pressed(self) -> bool:
+        """It was pressed now; whether that is the second time."""
+        now_s = self._clock.now()
+        if now_s - self._pressed_s < SECOND_CTRL_C_S:
+            return True
+        self._pressed_s = now_s
+        return False
+
 
 _STYLE = Style.from_dict({"bottom-toolbar": "noreverse fg:ansicyan", "prompt": "bold"})
 
@@ -46,7 +69,7 @@ class Prompt:
 
         Nothing that is typed waits for what a line before it does.
         """
-        from edgevox.apps.tui.screen import stderr_as_lines
+        from edgevox.apps.tui.run_tui import stderr_as_lines
 
         shutdown.gently = self._leave
         try:

@@ -7,11 +7,11 @@ from pathlib import Path
 
 from edgevox.agent.conversation import Conversation
 from edgevox.agent.skills import Skill
-from edgevox.apps.snapshot import check_picture, write_picture
+from edgevox.apps.agent.snapshot import check_picture, write_picture
 from edgevox.core.commands import Interrupt, Reset
 from edgevox.core.errors import EdgeVoxError
 from edgevox.core.events import Cause
-from edgevox.core.text import one_line, printable
+from edgevox.core.files.text import one_line, printable
 from edgevox.robots.capabilities import Body, HasMap
 
 MAP_COLUMNS = 60

@@ -12,7 +12,7 @@ from edgevox.core.events import (
     TokenGenerated,
     Transcribed,
 )
-from edgevox.core.text import clean, one_line
+from edgevox.core.files.text import clean, one_line
 
 BAR_WIDTH = 20
 

@@ -16,7 +16,7 @@ from textual.message import Message
 from textual.widgets import Footer, Input, RichLog, Static
 from textual.worker import Worker
 
-from edgevox.apps.terminal.double_interrupt import DoubleInterrupt
+from edgevox.apps.terminal.prompt import DoubleInterrupt
 from edgevox.apps.terminal.slash_commands import Leave, SlashContext, is_stop, run_command
 from edgevox.apps.tui import panels
 from edgevox.apps.tui.update_buffer import ScreenUpdate, UpdateBuffer

@@ -8,7 +8,7 @@ from typing import Any
 from rich.text import Text
 
 from edgevox.core.events import State, TurnMeasured
-from edgevox.core.text import one_line
+from edgevox.core.files.text import one_line
 
 WIDTH = 26
 MOST_UNREAD = 1000

@@ -1,14 +1,53 @@
-"""Runs the full-screen terminal on the main thread."""
+"""Runs the full-screen terminal on the main thread.
 
-from collections.abc import Sequence
+Keeps the screen to the interface: what libraries write to stderr becomes lines of its own.
 
-from edgevox.apps.agent_parts import AgentParts
+A middleware or an engine in C writes to file descriptor 2 without asking; on a full screen that
+would be written over it.
+"""
+
+import os
+import sys
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+
+from edgevox.apps.agent.parts import AgentParts
 from edgevox.apps.shutdown_signals import ShutdownSignals
 from edgevox.apps.terminal.slash_commands import SlashContext
 from edgevox.apps.tui.face import Face
-from edgevox.apps.tui.screen import stderr_as_lines
 from edgevox.apps.tui.update_buffer import UpdateBuffer
 from edgevox.core.clock import SystemClock
+
+
+@contextmanager
+def stderr_as_lines(write: Callable[[str], None]) -> Iterator[None]:
+    """While entered, lines that are written to stderr go to `write`, on a thread of its own.
+
+    Textual draws on ``sys.__stderr__``, which stays the terminal.
+    """
+    terminal, original = os.dup(2), sys.__stderr__
+    reading, writing = os.pipe()
+    os.dup2(writing, 2)
+    os.close(writing)
+    sys.__stderr__ = os.fdopen(os.dup(terminal), "w", encoding="utf-8")  # type: ignore[misc]
+
+    def carry() -> None:
+        with os.fdopen(reading, encoding="utf-8", errors="replace") as lines:
+            for line in lines:
+                write(line.rstrip())
+
+    thread = threading.Thread(target=carry, name="edgevox-stderr")
+    thread.start()
+    try:
+        yield
+    finally:
+        os.dup2(terminal, 2)  # the last way into the pipe is gone with this
+        os.close(terminal)
+        thread.join()
+        sys.__stderr__.close()
+        sys.__stderr__ = original  # type: ignore[misc]
+
 
 COLUMNS = 46
 """How wide a map fits beside the panel on a screen of 80 columns."""

@@ -16,7 +16,7 @@ from edgevox.core.events import (
     TurnMeasured,
     WakeWordHeard,
 )
-from edgevox.core.text import one_line, printable_in_colour
+from edgevox.core.files.text import one_line, printable_in_colour
 
 TURNS = 5
 """How many of the last turns are remembered."""

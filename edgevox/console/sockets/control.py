@@ -17,17 +17,16 @@ from typing import Any
 from aiohttp import WSMsgType, web
 
 from edgevox.console import page_messages
-from edgevox.console.bad_requests import BadRequest, BadRequests
+from edgevox.console.limits import BadRequest, BadRequests, PageRateLimit
 from edgevox.console.outbox import Outbox
 from edgevox.console.page_hub import FLOOD, SLOW, PageHub, encode
 from edgevox.console.page_messages import Message
-from edgevox.console.rate_limit import PageRateLimit
 from edgevox.console.sessions import Role, Session
 from edgevox.console.sockets.page_commands import NotHere, act, command_of
 from edgevox.core.clock import Clock
 from edgevox.core.errors import EdgeVoxError, InvalidValue
-from edgevox.core.interlock import StreamStopped
 from edgevox.core.log import get_logger
+from edgevox.core.motion.interlock import StreamStopped
 
 log = get_logger(__name__)
 

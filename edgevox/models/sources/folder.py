@@ -8,7 +8,7 @@ from edgevox.models.fetch_progress import FetchProgress
 from edgevox.models.manifest import ModelFile
 from edgevox.models.model_errors import SourceFailed
 from edgevox.models.source_specs import FolderSource
-from edgevox.models.sources.staging import place_for
+from edgevox.models.sources.tools import place_for
 from edgevox.models.verification import has_right_bytes
 
 

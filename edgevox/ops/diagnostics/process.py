@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from edgevox.core.status import ComponentName, Finding, HealthCheck, Level, Status
-from edgevox.ops.health_checks import Health
+from edgevox.ops.health import Health
 
 PAGE = os.sysconf("SC_PAGE_SIZE")
 _TASKS = Path("/proc/self/task")

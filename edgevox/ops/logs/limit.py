@@ -7,8 +7,8 @@ from collections import OrderedDict
 from dataclasses import dataclass
 
 from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.errors import Refusal
 from edgevox.core.log import LogLine
-from edgevox.core.refusals import Refusal
 
 MOST_LINES = 5
 WINDOW_S = 60.0

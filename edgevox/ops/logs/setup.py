@@ -1,16 +1,132 @@
-"""Puts all lines of a program into one stream, and takes that back."""
+"""Puts all lines of a program into one stream, and takes that back.
 
+The handler that writes lines, and waits for nobody: a robot must not stop for its logs.
+
+It is our own, because behind a `logging.handlers.QueueHandler` the listener's thread would wait for
+a reader that has stopped: lines would pile up or vanish uncounted, the program's end would wait for
+that thread, and the last lines before a crash would still be in the queue.
+
+What nobody caught becomes a line, too: of threads, of the main thread, of finalisers.
+"""
+
+import contextlib
 import faulthandler
+import json
 import logging
+import os
 import sys
+import threading
 from collections.abc import Callable
-from typing import TextIO
+from io import UnsupportedOperation
+from types import TracebackType
+from typing import Any, TextIO
 
+from edgevox.core.log import LogLine, get_logger
+from edgevox.core.process.output_stream import OutputReader
 from edgevox.core.settings import Settings
 from edgevox.ops.logs.limit import RateLimit
 from edgevox.ops.logs.line_formatter import console_lines, json_lines
-from edgevox.ops.logs.stream import LineStream
-from edgevox.ops.logs.uncaught import catch_uncaught
+
+log = get_logger(__name__)
+
+
+class LineStream(logging.Handler):
+    """Writes to `stream`. Where that is a pipe whose reader has stopped, lines are dropped.
+
+    They are counted, and the count is written when the reader goes on.
+    """
+
+    def __init__(self, stream: TextIO) -> None:
+        super().__init__()
+        self._stream = stream
+        self._reader = _reader_of(stream)
+        self.lost = 0
+
+    def in_colour(self) -> bool:
+        """Whether it is a terminal at this moment; the full screen puts a pipe in its place."""
+        return _is_terminal(self._stream) and "NO_COLOR" not in os.environ
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write one line, or lose it."""
+        try:
+            text = self.format(record)
+            if self._reader and not self._reader.awake():
+                self.lost += 1
+                return
+            if self.lost:
+                lost, self.lost = self.lost, 0
+                self._write(self.format(_lost(lost)))
+            self._write(text)
+        except Exception:  # noqa: BLE001 - told by handleError, as logging does
+            self.handleError(record)
+
+    def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802 - logging's name
+        """A line that cannot be written must not stop who wrote it; try to say which it was."""
+        at = f"{record.name}:{record.lineno}"
+        told = {"level": "error", "logger": __name__, "event": "log_line_broken", "at": at}
+        with contextlib.suppress(Exception):
+            self._write(json.dumps(told))
+
+    def _write(self, text: str) -> None:
+        self._stream.write(text + "\n")
+        self._stream.flush()
+
+
+def _reader_of(stream: TextIO) -> OutputReader | None:
+    """Who reads the stream; None where there is no file behind it."""
+    try:
+        return OutputReader(stream.fileno())
+    except (OSError, ValueError, UnsupportedOperation):
+        return None
+
+
+def _is_terminal(stream: TextIO) -> bool:
+    try:
+        return os.isatty(stream.fileno())
+    except (OSError, ValueError, UnsupportedOperation):
+        return False
+
+
+def _lost(lines: int) -> logging.LogRecord:
+    about = {"name": __name__, "levelno": logging.WARNING, "levelname": "WARNING"}
+    line = LogLine(event="log_lines_lost", lines=lines)
+    return logging.makeLogRecord({**about, "msg": line})
+
+
+def catch_uncaught() -> Callable[[], None]:
+    """Log them from now on. Returns a way to undo it."""
+    before = sys.excepthook, threading.excepthook, sys.unraisablehook
+    sys.excepthook, threading.excepthook = _of_program, _of_thread
+    sys.unraisablehook = _of_finaliser
+
+    def undo() -> None:
+        sys.excepthook, threading.excepthook, sys.unraisablehook = before
+
+    return undo
+
+
+def _of_program(
+    kind: type[BaseException], error: BaseException, where: TracebackType | None
+) -> None:
+    if issubclass(kind, KeyboardInterrupt):
+        sys.__excepthook__(kind, error, where)
+        return
+    log.critical("program_broke", exc_info=(kind, error, where))
+
+
+def _of_thread(told: threading.ExceptHookArgs) -> None:
+    if told.exc_type is SystemExit:
+        return
+    name = told.thread.name if told.thread else "?"
+    error = told.exc_value or told.exc_type()
+    log.critical("thread_broke", thread=name, exc_info=(told.exc_type, error, told.exc_traceback))
+
+
+def _of_finaliser(told: Any) -> None:
+    error = told.exc_value or told.exc_type()
+    where = told.err_msg or f"in {told.object!r}"
+    log.error("finaliser_broke", where=where, exc_info=(told.exc_type, error, told.exc_traceback))
+
 
 _UNREAD = ("logThreads", "logProcesses", "logMultiprocessing")
 """What logging finds out for every record, unless told not to, and no line of ours shows."""

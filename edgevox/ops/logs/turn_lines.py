@@ -4,11 +4,10 @@ import logging
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from edgevox.core.files.text import one_line
 from edgevox.core.log import ROOT, LogLine
-from edgevox.core.text import one_line
 from edgevox.ops.logs.limit import RateLimit
-from edgevox.ops.logs.line_formatter import IDS
-from edgevox.ops.logs.values import plain
+from edgevox.ops.logs.line_formatter import IDS, plain
 
 MOST_CHARACTERS = 400
 """Of the fields of one line; the rest is in the log itself."""

@@ -6,7 +6,6 @@ ops.http_server and prometheus-client, nothing else; nothing here is imported un
 """
 
 from edgevox.ops.metrics.bus_counter import observe
-from edgevox.ops.metrics.registry import Registry
-from edgevox.ops.metrics.server import MetricsServer
+from edgevox.ops.metrics.registry import MetricsServer, Registry
 
 __all__ = ["MetricsServer", "Registry", "observe"]

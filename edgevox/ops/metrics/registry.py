@@ -2,6 +2,8 @@
 
 What components say of themselves is shown as the table says. What happens, and how often and how
 long, is counted here as it passes on the bus: a status says how something is now.
+
+Serves metrics over HTTP, as Prometheus asks for them: GET /metrics.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -16,14 +18,16 @@ from prometheus_client import (
     generate_latest,
 )
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily
+from prometheus_client.exposition import CONTENT_TYPE_PLAIN_0_0_4
 from prometheus_client.registry import Collector
 
 from edgevox.core.log import get_logger, worth_a_line
 from edgevox.core.status import Components
-from edgevox.ops.metrics.metric import Kind, Metric
-from edgevox.ops.metrics.metric_table import METRICS
+from edgevox.ops.http_server import HttpServer, Page
+from edgevox.ops.metrics.metric_table import METRICS, Kind, Metric
 
 log = get_logger(__name__)
+
 
 Values = float | Mapping[str, float] | Mapping[tuple[str, ...], float]
 """What is read: a number, or one for each value of the label, or of all labels in their order."""
@@ -155,3 +159,11 @@ def _family(metric: Metric, values: Values) -> CounterMetricFamily | GaugeMetric
     else:
         family.add_metric((), values)
     return family
+
+
+class MetricsServer(HttpServer):
+    """Raises `InvalidValue` where it cannot listen."""
+
+    def __init__(self, registry: Registry, host: str, port: int) -> None:
+        pages = {"/metrics": lambda: Page(registry.text(), CONTENT_TYPE_PLAIN_0_0_4)}
+        super().__init__(pages, host, port, setting="metrics_port", name="edgevox-metrics")

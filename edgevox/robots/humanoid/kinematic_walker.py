@@ -12,16 +12,19 @@ import numpy as np
 
 from edgevox.core.transforms import Pose2D, rotate
 from edgevox.robots.humanoid.floating_base import FloatingBase
-from edgevox.robots.humanoid.footstep_planner import (
+from edgevox.robots.humanoid.gait import (
     AHEAD_S,
+    BEND_RAD,
     CYCLE_S,
     LIFT_M,
     Footstep,
     FootstepPlanner,
+    Hinge,
+    Leg,
+    Limbs,
     ahead,
+    find_limbs,
 )
-from edgevox.robots.humanoid.leg import BEND_RAD, Leg
-from edgevox.robots.humanoid.limbs import Hinge, Limbs, find_limbs
 from edgevox.robots.humanoid.walker import PERIOD_S, WalkerLimits
 from edgevox.robots.humanoid.walking_policy import STAND, WalkingCommand
 

@@ -2,8 +2,8 @@
 
 import math
 
-from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
+from edgevox.agent.text.reasons import because
 from edgevox.core.transforms import Pose2D, rotate, turn_between
 from edgevox.robots.command_mux import clamped
 from edgevox.robots.humanoid.walker import WalkerLimits

@@ -8,22 +8,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from edgevox.agent.reasons import because, called_off
 from edgevox.agent.skills import Skill, SkillFailed
+from edgevox.agent.text.reasons import because, called_off
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.errors import finite
 from edgevox.core.transforms import Pose2D
 from edgevox.robots.capabilities import CameraImage, CameraSpec, Report, Twist2D
 from edgevox.robots.command_mux import CommandMux
-from edgevox.robots.humanoid.humanoid_cameras import HumanoidCameras
+from edgevox.robots.humanoid.cameras import HumanoidCameras
+from edgevox.robots.humanoid.environment import MujocoHumanoidEnvironment
 from edgevox.robots.humanoid.motion_primitive import MotionPrimitive
-from edgevox.robots.humanoid.mujoco_environment import MujocoHumanoidEnvironment
 from edgevox.robots.humanoid.skills import walking_skills
-from edgevox.robots.humanoid.state import describe
-from edgevox.robots.humanoid.walk_control import WalkControl
-from edgevox.robots.sim_loop import BROKE, SimLoop, SteppedBySimLoop
-from edgevox.robots.simulated_body import SimulatedBody
+from edgevox.robots.humanoid.walk_control import WalkControl, describe
+from edgevox.robots.sim_loop import BROKE, SimLoop, SimulatedBody, SteppedBySimLoop
 
 FALLEN = because("fallen")
 

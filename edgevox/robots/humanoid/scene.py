@@ -5,7 +5,7 @@ from pathlib import Path
 import mujoco
 
 from edgevox.core.errors import InvalidValue
-from edgevox.core.user_file import open_file
+from edgevox.core.files.user_file import open_file
 
 HEAD_CAMERA = "edgevox_head_camera"
 """A camera on a mocap body of the same name: the scene's owner moves it."""

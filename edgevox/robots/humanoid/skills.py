@@ -5,8 +5,8 @@ from typing import Annotated, Protocol
 
 from pydantic import Field
 
-from edgevox.agent.reasons import called_off
 from edgevox.agent.skills import GoalHandle, Result, Skill, skill
+from edgevox.agent.text.reasons import called_off
 from edgevox.core.cancel import CancelToken
 from edgevox.core.transforms import distance_on_floor, turn_between
 from edgevox.robots.capabilities import Body, HasPose, Report

@@ -5,7 +5,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edgevox.robots.mujoco.gl import NoPicture, open_context
-from edgevox.robots.mujoco.mujoco_snapshot import Snapshot
+from edgevox.robots.mujoco.snapshot import Snapshot
 
 Camera = str | mujoco.MjvCamera
 """The name of a camera of the model, or a free one."""

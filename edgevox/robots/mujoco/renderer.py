@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edgevox.robots.mujoco.gl import NoPicture
-from edgevox.robots.mujoco.mujoco_snapshot import Snapshot
 from edgevox.robots.mujoco.offscreen import Camera, Offscreen
+from edgevox.robots.mujoco.snapshot import Snapshot
 
 
 class Renderer:

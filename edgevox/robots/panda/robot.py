@@ -8,8 +8,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from edgevox.agent.reasons import because
 from edgevox.agent.skills import Skill, SkillFailed
+from edgevox.agent.text.reasons import because
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.errors import finite
 from edgevox.core.reason import Reason
@@ -19,11 +19,11 @@ from edgevox.robots.mujoco.cameras import PICTURE_PX
 from edgevox.robots.mujoco.renderer import Renderer
 from edgevox.robots.panda import tasks
 from edgevox.robots.panda import things as seen
-from edgevox.robots.panda.reach import InTheWay, OutOfReach
+from edgevox.robots.panda.planner import InTheWay, OutOfReach
 from edgevox.robots.panda.scene import CAMERA, SHOW, TCP
 from edgevox.robots.panda.skills import manipulation_skills
 from edgevox.robots.panda.workcell import Workcell
-from edgevox.robots.simulated_body import SimulatedBody
+from edgevox.robots.sim_loop import SimulatedBody
 
 CAMERA_PX = (320, 240)
 _POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")

@@ -4,8 +4,8 @@ from typing import Annotated, Any, Protocol
 
 from pydantic import Field
 
-from edgevox.agent.reasons import because, called_off
 from edgevox.agent.skills import GoalHandle, OneOf, Result, Skill, SkillFailed, skill
+from edgevox.agent.text.reasons import because, called_off
 from edgevox.core.cancel import CancelToken
 from edgevox.robots.capabilities import Body, Report
 from edgevox.robots.panda.layout import BINS, CUBES, FAR_M, TABLE

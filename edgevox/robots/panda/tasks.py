@@ -6,19 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
+from edgevox.agent.text.reasons import because
 from edgevox.core.reason import Reason
 from edgevox.core.transforms import rotate
 from edgevox.robots.panda import things as seen
-from edgevox.robots.panda.arm_planner import NOTHING, ArmSegment, above
+from edgevox.robots.panda.arm import FINGERS, OPEN_M
 from edgevox.robots.panda.collisions import Touch, touch
-from edgevox.robots.panda.hand import FINGERS, OPEN_M
 from edgevox.robots.panda.kinematics import READY, HandPose, Joints
 from edgevox.robots.panda.layout import BINS, CUBE_SIZE_M, CUBES, TABLE
-from edgevox.robots.panda.path import BRISK, CAREFUL
-from edgevox.robots.panda.reach import InTheWay, OutOfReach, spoken
-from edgevox.robots.panda.task import Task
+from edgevox.robots.panda.motion import BRISK, CAREFUL, Task
+from edgevox.robots.panda.planner import NOTHING, ArmSegment, InTheWay, OutOfReach, above, spoken
 from edgevox.robots.panda.things import Placed
 from edgevox.robots.panda.workcell import Workcell
 

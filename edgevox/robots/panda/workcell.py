@@ -9,23 +9,21 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from edgevox.agent.reasons import because, called_off
 from edgevox.agent.skills import SkillFailed
+from edgevox.agent.text.reasons import because, called_off
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.transforms import Pose2D, lift
 from edgevox.robots.capabilities import Report
 from edgevox.robots.command_mux import CommandMux
-from edgevox.robots.mujoco.mujoco_engine import MujocoEngine
+from edgevox.robots.mujoco.engine import MujocoEngine
 from edgevox.robots.panda import layout
 from edgevox.robots.panda.arm import Arm
-from edgevox.robots.panda.arm_motion import ArmMotion
-from edgevox.robots.panda.arm_planner import NOTHING, ArmPlanner, ArmSegment
 from edgevox.robots.panda.collisions import Touch
 from edgevox.robots.panda.kinematics import HandPose, Joints
-from edgevox.robots.panda.path import Pace
+from edgevox.robots.panda.motion import ArmMotion, Pace, Task
+from edgevox.robots.panda.planner import NOTHING, ArmPlanner, ArmSegment
 from edgevox.robots.panda.scene import LEAD_S, TCP, build
-from edgevox.robots.panda.task import Task
 from edgevox.robots.panda.things import Placed, Things
 from edgevox.robots.sim_loop import BROKE
 

@@ -5,14 +5,13 @@ from typing import Annotated, Any, Protocol
 
 from pydantic import Field
 
-from edgevox.agent.choices import NewName, OneOf
-from edgevox.agent.reasons import because
 from edgevox.agent.skills import GoalHandle, Result, Skill, SkillFailed, skill
+from edgevox.agent.skills.choices import NewName, OneOf
+from edgevox.agent.text.reasons import because
 from edgevox.core.errors import InvalidValue
-from edgevox.core.frame_names import MAP
-from edgevox.core.transforms import Pose2D
+from edgevox.core.transforms import MAP, Pose2D
 from edgevox.robots.capabilities import HasPose, KnowsFrame
-from edgevox.robots.places.place_memory import PlaceMemory
+from edgevox.robots.places.memory import PlaceMemory
 
 REMEMBER = "remember_place"
 """The skill that gives a name to where the robot stands, or to a point of its map."""

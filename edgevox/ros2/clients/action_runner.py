@@ -15,8 +15,7 @@ from edgevox.agent.skills import SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
-from edgevox.ros2.clients.interface_client import InterfaceClient
-from edgevox.ros2.clients.node_thread import NodeBusy, on_node_thread
+from edgevox.ros2.clients.clients import InterfaceClient, NodeBusy, on_node_thread
 from edgevox.ros2.clients.waiting import TookTooLong, wait_for
 
 log = get_logger(__name__)

@@ -7,17 +7,23 @@ from typing import Any, TypeVar
 
 from rclpy.node import Node
 
-from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
+from edgevox.agent.text.reasons import because
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
 from edgevox.ros2.clients.action_runner import ActionRunner
-from edgevox.ros2.clients.interface_client import THERE_S
-from edgevox.ros2.clients.node_thread import NodeBusy, on_node_thread
-from edgevox.ros2.clients.service_caller import ServiceCaller
-from edgevox.ros2.clients.topic_listener import READ_S, TopicListener
-from edgevox.ros2.clients.topic_sender import STEERING, TopicSender, type_name
+from edgevox.ros2.clients.clients import (
+    READ_S,
+    STEERING,
+    THERE_S,
+    NodeBusy,
+    ServiceCaller,
+    TopicListener,
+    TopicSender,
+    on_node_thread,
+    type_name,
+)
 
 T = TypeVar("T")
 

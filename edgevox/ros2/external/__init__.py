@@ -5,8 +5,8 @@ others; rclpy is imported when its body is built.
 """
 
 from edgevox.core.errors import EdgeVoxError
-from edgevox.core.extras import install_extra
 from edgevox.core.log import get_logger
+from edgevox.core.process.extras import install_extra
 from edgevox.core.settings import Settings
 from edgevox.robots.capabilities import Body
 from edgevox.robots.plugin import Robot
@@ -18,7 +18,7 @@ _OF_DRIVES = frozenset({"locations", "max_angular", "max_linear"})
 
 
 def _build(settings: Settings, _speed: float | None) -> Body:
-    from edgevox.ros2.external.external_settings import ExternalSettings
+    from edgevox.ros2.external.settings import ExternalSettings
     from edgevox.ros2.robot_file.load import NO_FILE, load_robot_file
 
     described = load_robot_file(settings.robot_file) if settings.robot_file else NO_FILE
@@ -27,7 +27,7 @@ def _build(settings: Settings, _speed: float | None) -> Body:
     try:
         from edgevox.ros2.external.robot import ExternalRobot
         from edgevox.ros2.external.stationary_robot import StationaryRobot
-        from edgevox.ros2.robot_file.described_skills import described_skills
+        from edgevox.ros2.robot_file.skills import described_skills
     except ModuleNotFoundError as error:
         if (error.name or "").partition(".")[0].startswith("edgevox"):
             raise

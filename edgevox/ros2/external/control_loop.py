@@ -6,18 +6,17 @@ robot drives by itself.
 
 from contextlib import AbstractContextManager
 
-from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
+from edgevox.agent.text.reasons import because
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
 from edgevox.core.reason import Reason
 from edgevox.robots.capabilities import Twist2D
 from edgevox.robots.command_mux import STILL, CommandMux
 from edgevox.robots.motion import Motion, Progress
-from edgevox.ros2.external.external_navigation import ExternalNavigation
-from edgevox.ros2.external.motion_backends import GoalTopicBackend, VelocityPublisher
-from edgevox.ros2.external.sensor_inputs import SensorInputs
-from edgevox.ros2.external.target import PoseEstimate
+from edgevox.ros2.external.inputs import SensorInputs
+from edgevox.ros2.external.motion import GoalTopicBackend, PoseEstimate, VelocityPublisher
+from edgevox.ros2.external.navigation import ExternalNavigation
 
 log = get_logger(__name__)
 

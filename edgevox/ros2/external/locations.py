@@ -16,12 +16,11 @@ from typing import Annotated
 from pydantic import AfterValidator, Field, RootModel
 
 from edgevox.agent.skills import OwnName
-from edgevox.core.user_file import read_text
-from edgevox.core.yaml_file import YamlFile
-from edgevox.robots.name_fields import LONGEST_PLACE, read_name
-from edgevox.robots.names_per_language import LocalNames, check_told_apart
-from edgevox.robots.world_fields import Finite, WorldPart, called, listed, within
-from edgevox.ros2.external.motion_bounds import FURTHEST_M
+from edgevox.core.files.user_file import read_text
+from edgevox.core.files.yaml_file import YamlFile
+from edgevox.robots.names import LONGEST_PLACE, LocalNames, check_told_apart, read_name
+from edgevox.robots.world.fields import Finite, WorldPart, called, listed, within
+from edgevox.ros2.external.settings import FURTHEST_M
 
 MOST_LOCATIONS = 200
 

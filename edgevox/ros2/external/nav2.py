@@ -15,13 +15,12 @@ from rclpy.qos import qos_profile_action_status_default
 from rclpy.task import Future
 from unique_identifier_msgs.msg import UUID
 
-from edgevox.agent.reasons import because
 from edgevox.agent.skills import SkillFailed
+from edgevox.agent.text.reasons import because
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
-from edgevox.ros2.external.external_settings import Patience
-from edgevox.ros2.external.motion_backends import goal_message
-from edgevox.ros2.external.target import PoseEstimate, Target
+from edgevox.ros2.external.motion import PoseEstimate, Target, goal_message
+from edgevox.ros2.external.settings import Patience
 from edgevox.ros2.standard_topics import NAV2_ACTION as ACTION
 
 log = get_logger(__name__)

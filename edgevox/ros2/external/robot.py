@@ -12,30 +12,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edgevox.agent.policy import Policy
-from edgevox.agent.reasons import because, called_off
 from edgevox.agent.skills import STOP, GoalHandle, OneOf, Result, Skill, SkillFailed
+from edgevox.agent.text.reasons import because, called_off
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import finite
-from edgevox.core.frame_names import MAP
 from edgevox.core.log import get_logger
-from edgevox.core.transforms import Pose2D
-from edgevox.robots.bounds import Bounds
+from edgevox.core.transforms import MAP, Pose2D
 from edgevox.robots.capabilities import Report, SpeedLimit, Twist2D
+from edgevox.robots.limits import Bounds
 from edgevox.robots.navigation import LOCATION, navigation_skills
 from edgevox.robots.occupancy_map import OccupancyMap
-from edgevox.robots.places.place_memory import PlaceMemory
+from edgevox.robots.places.memory import PlaceMemory
 from edgevox.ros2.clients.agent_node_handle import AgentNodeHandle
 from edgevox.ros2.external.control_loop import ZeroVelocity
-from edgevox.ros2.external.external_navigation import ExternalNavigation
-from edgevox.ros2.external.external_settings import ExternalSettings
-from edgevox.ros2.external.localisation_check import LocalisationCheck
+from edgevox.ros2.external.inputs import incredible
 from edgevox.ros2.external.locations import Location
-from edgevox.ros2.external.motion_bounds import FURTHEST_M
+from edgevox.ros2.external.motion import PoseEstimate, Target, describe
+from edgevox.ros2.external.navigation import ExternalNavigation, LocalisationCheck
 from edgevox.ros2.external.robot_node import RobotNode
-from edgevox.ros2.external.sensor_inputs import incredible
-from edgevox.ros2.external.target import PoseEstimate, Target, describe
-from edgevox.ros2.robot_file.described_skill import DescribedSkill
+from edgevox.ros2.external.settings import FURTHEST_M, ExternalSettings
+from edgevox.ros2.robot_file.skills import DescribedSkill
 from edgevox.ros2.stamps import NS_PER_S
 
 log = get_logger(__name__)

@@ -13,15 +13,24 @@ from edgevox.core.log import get_logger
 from edgevox.ros2.clients.agent_node_handle import AgentNodeHandle
 from edgevox.ros2.contract import EXTERNAL_NODE
 from edgevox.ros2.external.control_loop import ControlLoop
-from edgevox.ros2.external.external_settings import ExternalSettings, SteeringLimits
-from edgevox.ros2.external.motion_backends import GoalTopicBackend, MotionBackend, VelocityPublisher
-from edgevox.ros2.external.motion_bounds import SPEED_M_S, SPEED_RAD_S, Speeds
+from edgevox.ros2.external.inputs import SensorInputs
+from edgevox.ros2.external.motion import (
+    GoalTopicBackend,
+    MotionBackend,
+    OwnSteering,
+    VelocityPublisher,
+)
 from edgevox.ros2.external.nav2 import LOST_S, Nav2Cancel, nav2_action
-from edgevox.ros2.external.odometry_history import SILENT_S
-from edgevox.ros2.external.sensor_inputs import SensorInputs
-from edgevox.ros2.external.steering import OwnSteering
+from edgevox.ros2.external.odometry import SILENT_S
+from edgevox.ros2.external.settings import (
+    SPEED_M_S,
+    SPEED_RAD_S,
+    ExternalSettings,
+    Speeds,
+    SteeringLimits,
+)
 from edgevox.ros2.node import RosNode
-from edgevox.ros2.robot_file.described_skill import DescribedSkill
+from edgevox.ros2.robot_file.skills import DescribedSkill
 
 log = get_logger(__name__)
 

@@ -10,7 +10,7 @@ from edgevox.core.clock import Clock, SystemClock
 from edgevox.ros2.clients.agent_node_handle import AgentNodeHandle
 from edgevox.ros2.contract import EXTERNAL_NODE
 from edgevox.ros2.node import RosNode
-from edgevox.ros2.robot_file.described_skill import DescribedSkill
+from edgevox.ros2.robot_file.skills import DescribedSkill
 from edgevox.ros2.stamps import NS_PER_S
 
 

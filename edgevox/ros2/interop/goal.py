@@ -9,9 +9,8 @@ from typing import Any
 from geometry_msgs.msg import PoseStamped
 
 from edgevox.agent.policy import Denied
-from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.errors import EdgeVoxError, InvalidValue, Refusal
 from edgevox.core.log import get_logger
-from edgevox.core.refusals import Refusal
 from edgevox.core.transforms import OFF_UNIT, Pose3D, compose, unit
 from edgevox.robots.capabilities import Body, HasEndEffector, HasPose
 from edgevox.ros2.backlog import Backlog

@@ -6,8 +6,8 @@ from rclpy.node import Node
 
 from edgevox.agent.policy import Guard
 from edgevox.core.errors import EdgeVoxError
-from edgevox.core.interlock import Interlock
 from edgevox.core.log import get_logger
+from edgevox.core.motion.interlock import Interlock
 from edgevox.robots.capabilities import (
     Body,
     HasCamera,
@@ -17,13 +17,10 @@ from edgevox.robots.capabilities import (
     TakesVelocity,
 )
 from edgevox.ros2.backlog import Backlog
-from edgevox.ros2.interop.broadcast import broadcast_fixed
 from edgevox.ros2.interop.camera import Camera
-from edgevox.ros2.interop.clock_publisher import ClockPublisher
-from edgevox.ros2.interop.frames import Frames
+from edgevox.ros2.interop.frames import Frames, broadcast_fixed
 from edgevox.ros2.interop.goal import GoalInput, RunSkill, goal_skill
-from edgevox.ros2.interop.motion_publisher import MotionPublisher
-from edgevox.ros2.interop.scanner import Scanner
+from edgevox.ros2.interop.outputs import ClockPublisher, MotionPublisher, Scanner
 from edgevox.ros2.interop.velocity import VelocityInput
 from edgevox.ros2.stamps import Stamps
 from edgevox.ros2.standard_topics import STANDARD

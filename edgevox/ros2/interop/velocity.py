@@ -13,11 +13,10 @@ from geometry_msgs.msg import Twist
 
 from edgevox.agent.policy import Guard
 from edgevox.agent.skills import SkillFailed
-from edgevox.core.errors import EdgeVoxError, InvalidValue
-from edgevox.core.interlock import Interlock, StreamStopped
+from edgevox.core.errors import EdgeVoxError, InvalidValue, Refusal
 from edgevox.core.log import get_logger
-from edgevox.core.refusals import Refusal
-from edgevox.robots.velocity_steering import Steerable, Steering
+from edgevox.core.motion.interlock import Interlock, StreamStopped
+from edgevox.robots.limits import Steerable, Steering
 from edgevox.ros2.backlog import Backlog
 from edgevox.ros2.qos import profile
 from edgevox.ros2.standard_topics import STANDARD

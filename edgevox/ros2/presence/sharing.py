@@ -1,25 +1,178 @@
-"""The topics `presence` and `take_over`, and the interlock that follows from them."""
+"""The topics `presence` and `take_over`, and the interlock that follows from them.
 
+Who is here, and who is in charge: the same answer in every process that hears the same claims.
+
+The rule: whoever was told to take over last, else who has been here alone, else who started first.
+So the later one waits, and the clocks of two machines need not agree, unless both start within
+seconds of each other; then one of them is in charge all the same, and only one.
+
+Time is counted in own words that came back over the wire, once a second: whoever is frozen, or
+whose executor is held up, counts nothing, and takes nobody for gone whom it did not listen to.
+
+What an agent says of itself on `presence`.
+"""
+
+import os
+import secrets
+import socket
+import time
 from collections import Counter
-from dataclasses import replace
+from dataclasses import asdict, dataclass, replace
+from typing import Annotated
 
+from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic.dataclasses import dataclass as checked
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from edgevox.agent.reasons import because
-from edgevox.core.errors import InvalidValue
-from edgevox.core.interlock import Holder, Interlock
+from edgevox.agent.text.reasons import because
+from edgevox.core.errors import InvalidValue, Refusal
+from edgevox.core.files.validation import dotted, explain
 from edgevox.core.log import get_logger
-from edgevox.core.refusals import Refusal
+from edgevox.core.motion.interlock import Holder, Interlock
 from edgevox.core.status import ComponentName, HealthCheck, Status
 from edgevox.ros2.bridge_status import Sharing
 from edgevox.ros2.contract import PRESENCE, TAKE_OVER
-from edgevox.ros2.presence.claim import Claim, ClaimMessage, new_claim, read_claim, write_claim
-from edgevox.ros2.presence.members import MOST_OTHERS, Members
+from edgevox.ros2.messages import write
 from edgevox.ros2.qos import profile
 from edgevox.ros2.ticker import Ticker
 
 log = get_logger(__name__)
+
+
+MOST_TERM = 2**31
+MAX_BYTES = 4096
+Name = Annotated[str, Field(max_length=255)]
+
+
+@checked(frozen=True, config=ConfigDict(strict=True, extra="ignore"))
+class Claim:
+    """An agent, and how good its claim to move the robot is.
+
+    `id` is its own for as long as it runs. `robot` is its body, empty if it has none and moves
+    nothing. `term` is 0 just after its start, 1 once it was alone for a while, and one more than
+    any other's when it is told to take over. `since_ns` is its start, by its machine's clock.
+    """
+
+    id: Annotated[str, Field(pattern="^[0-9a-f]{8}$")]
+    robot: Name
+    host: Name
+    pid: int
+    since_ns: int
+    term: Annotated[int, Field(ge=0, le=MOST_TERM)] = 0
+    leaving: bool = False
+
+    @property
+    def rank(self) -> tuple[int, int, str]:
+        """The least of all is in charge: the highest term, then who was there first."""
+        return (-self.term, self.since_ns, self.id)
+
+    def __str__(self) -> str:
+        return f"{self.robot or 'an agent without a robot'} (pid {self.pid} on {self.host})"
+
+
+def new_claim(robot: str) -> Claim:
+    """That of this process, which has just started."""
+    host = socket.gethostname()[:255]
+    return Claim(secrets.token_hex(4), robot[:255], host, os.getpid(), time.time_ns())
+
+
+@dataclass(frozen=True, slots=True)
+class ClaimMessage:
+    """A claim as it goes over the wire."""
+
+    claim: Claim
+    in_charge: bool
+
+
+_CLAIM = TypeAdapter(Claim)
+
+
+def write_claim(told: ClaimMessage) -> str:
+    """As JSON."""
+    return write({**asdict(told.claim), "in_charge": told.in_charge})
+
+
+def read_claim(text: str) -> Claim:
+    """From JSON. Raises `InvalidValue`."""
+    if len(text) > MAX_BYTES:
+        raise InvalidValue("presence", f"{len(text)} characters", f"at most {MAX_BYTES}")
+    try:
+        return _CLAIM.validate_json(text)
+    except ValidationError as error:
+        raise explain(error, lambda place: dotted(("presence", *place))) from None
+
+
+GONE_BEATS = 4
+"""Who is not heard for so many of our own beats is gone."""
+SETTLED_BEATS = 5
+"""Alone for so many is to have been here first: discovery takes 3 s at most."""
+MOST_OTHERS = 32
+
+
+class Members:
+    """The claims of all agents of a namespace. Not thread-safe."""
+
+    def __init__(self, me: Claim) -> None:
+        self.me = me
+        self._others: dict[str, Claim] = {}
+        self._missed: dict[str, int] = {}
+        self._alone_beats = 0
+
+    @property
+    def others(self) -> tuple[Claim, ...]:
+        """Those that are here beside this one, the best claim first."""
+        return tuple(sorted(self._others.values(), key=lambda claim: claim.rank))
+
+    @property
+    def charge(self) -> Claim | None:
+        """Who moves the robot; None if nobody here has one."""
+        able = [claim for claim in (self.me, *self.others) if claim.robot]
+        return min(able, key=lambda claim: claim.rank, default=None)
+
+    @property
+    def in_charge(self) -> bool:
+        """Whether this one does."""
+        return self.charge == self.me
+
+    def hear(self, claim: Claim) -> None:
+        """Take what another agent says of itself."""
+        if claim.leaving:
+            self._forget(claim.id)
+        elif claim.id in self._others or len(self._others) < MOST_OTHERS:
+            self._others[claim.id] = claim
+            self._missed[claim.id] = 0
+            self._alone_beats = 0
+
+    def give(self, agent_id: str) -> bool:
+        """Put this agent in charge, if it is this one; whether it is. Raises `InvalidValue`."""
+        if agent_id != self.me.id:
+            if agent_id not in self._others:
+                known = (self.me.id, *self._others)
+                raise InvalidValue("take_over", agent_id, f"one of {', '.join(known)}")
+            return False
+        if not self.me.robot:
+            raise InvalidValue("take_over", agent_id, "an agent that has a robot")
+        if not self.in_charge:
+            highest = max(claim.term for claim in self.others)
+            self.me = replace(self.me, term=min(highest + 1, MOST_TERM))
+        return True
+
+    def beat(self) -> None:
+        """Another second has passed in which this agent listened."""
+        for agent_id in list(self._others):
+            self._missed[agent_id] += 1
+            if self._missed[agent_id] >= GONE_BEATS:
+                self._forget(agent_id)
+        if not self._others:
+            self._alone_beats += 1
+        if self._alone_beats >= SETTLED_BEATS and not self.me.term:
+            self.me = replace(self.me, term=1)
+
+    def _forget(self, agent_id: str) -> None:
+        self._others.pop(agent_id, None)
+        self._missed.pop(agent_id, None)
+
 
 NOT_IN_CHARGE = because("other_agent")
 

@@ -6,9 +6,9 @@
 scenario and ros2.
 """
 
+from edgevox.ros2.recorder.disk import Disk
+from edgevox.ros2.recorder.node import Recorder
 from edgevox.ros2.recorder.recorded_topics import choose_topics
-from edgevox.ros2.recorder.recorder_node import Recorder
 from edgevox.ros2.recorder.topic_harness import TopicHarness
-from edgevox.ros2.recorder.writing import Disk
 
 __all__ = ["Disk", "Recorder", "TopicHarness", "choose_topics"]

@@ -1,4 +1,7 @@
-"""Where a scenario plays on a robot that is only known by its topics, in real time."""
+"""Where a scenario plays on a robot that is only known by its topics, in real time.
+
+A client of the action `execute_skill`, where its interface is built.
+"""
 
 import json
 import threading
@@ -7,24 +10,79 @@ from dataclasses import dataclass
 from typing import Any
 
 from geometry_msgs.msg import Twist
+from rclpy.action import ActionClient
+from rclpy.executors import Executor
+from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from std_msgs.msg import String
 
 from edgevox.core.agent_events import AgentEventKind
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import EdgeVoxError, InvalidValue
-from edgevox.core.json_reader import read_json_object
+from edgevox.core.files.json_reader import read_json_object
 from edgevox.core.log import get_logger, worth_a_line
+from edgevox.ros2.contract import ACTION
 from edgevox.ros2.contract_rows import Qos
 from edgevox.ros2.node import RosNode
 from edgevox.ros2.qos import profile
-from edgevox.ros2.recorder.skill_client import SkillClient
 from edgevox.ros2.standard_topics import STANDARD
 from edgevox.scenario import Scenario
-from edgevox.scenario.scenario_judge import Seen, Source
-from edgevox.scenario.scenario_steps import DriveStep, RunStep
+from edgevox.scenario.format import DriveStep, RunStep
+from edgevox.scenario.judge import Seen, Source
 
 log = get_logger(__name__)
+
+
+ANSWER_S = 10.0
+
+
+class SkillClient:
+    """Starts skills, and lets them run as long as it is there: a goal ends with its client."""
+
+    def __init__(self, node: Node, executor: Executor) -> None:
+        self._executor = executor
+        self._kind: Any = None
+        self._client: Any = None
+        self._handles: list[Any] = []
+        try:
+            from edgevox_msgs.action import ExecuteSkill
+        except ImportError:
+            return
+        self._kind = ExecuteSkill
+        self._client = ActionClient(node, ExecuteSkill, ACTION[0])
+
+    def close(self) -> None:
+        """Leave the action."""
+        if self._client is not None:
+            self._on_executor(self._client.destroy)
+
+    def there(self) -> bool:
+        """Whether somebody serves it. Raises `EdgeVoxError` where its interface is not built."""
+        if self._client is None:
+            raise EdgeVoxError(f"{ACTION[0]}: edgevox_msgs is not built; make msgs")
+        return bool(self._client.server_is_ready())
+
+    def start(self, skill: str, arguments_json: str) -> bool:
+        """Whether it was accepted. Raises `EdgeVoxError` where nobody answers."""
+        self.there()
+        goal = self._kind.Goal(skill_name=skill, arguments_json=arguments_json)
+
+        async def ask() -> bool:
+            handle = await self._client.send_goal_async(goal)
+            self._handles.append((handle, handle.get_result_async() if handle.accepted else None))
+            return bool(handle.accepted)
+
+        return bool(self._on_executor(ask))
+
+    def _on_executor(self, work: Callable[[], Any]) -> Any:
+        """There, since rclpy misses an answer that is faster than its own bookkeeping."""
+        done = threading.Event()
+        task = self._executor.create_task(work)
+        task.add_done_callback(lambda _: done.set())
+        if not done.wait(ANSWER_S):
+            raise EdgeVoxError(f"{ACTION[0]}: no answer within {ANSWER_S:g} s")
+        return task.result()
+
 
 DEPTH = 100
 _RELIABLE = profile(Qos.RELIABLE, at_least=DEPTH)

@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import TypeVar
 
 from edgevox.agent.policy import Policy
+from edgevox.core.files.user_file import read_text
+from edgevox.core.files.yaml_file import YamlFile
 from edgevox.core.settings import Settings
-from edgevox.core.user_file import read_text
-from edgevox.core.yaml_file import YamlFile
-from edgevox.ros2.external.external_settings import SteeringLimits
 from edgevox.ros2.external.locations import Location, load_locations, read_locations
-from edgevox.ros2.robot_file.robot_file_format import RobotFile
+from edgevox.ros2.external.settings import SteeringLimits
+from edgevox.ros2.robot_file.format import RobotFile
 
 T = TypeVar("T")
 

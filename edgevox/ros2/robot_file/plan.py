@@ -8,15 +8,22 @@ from typing import Any
 from builtin_interfaces.msg import Time
 
 from edgevox.core.errors import InvalidValue
-from edgevox.core.validation import Place
-from edgevox.core.yaml_file import YamlFile
-from edgevox.ros2.clients.topic_sender import STEERING, type_name
-from edgevox.ros2.robot_file.argument_models import samples
-from edgevox.ros2.robot_file.field_paths import check_path
-from edgevox.ros2.robot_file.filling import Filling, arguments_in, with_arguments
-from edgevox.ros2.robot_file.interfaces import Kind, interface, is_primitive, is_text
-from edgevox.ros2.robot_file.robot_file_format import Argument
-from edgevox.ros2.robot_file.step_format import (
+from edgevox.core.files.validation import Place
+from edgevox.core.files.yaml_file import YamlFile
+from edgevox.ros2.clients.clients import STEERING, type_name
+from edgevox.ros2.robot_file.arguments import samples
+from edgevox.ros2.robot_file.format import Argument
+from edgevox.ros2.robot_file.messages import (
+    Filling,
+    Kind,
+    arguments_in,
+    check_path,
+    interface,
+    is_primitive,
+    is_text,
+    with_arguments,
+)
+from edgevox.ros2.robot_file.steps import (
     WAYS,
     FieldCondition,
     ResultValue,

@@ -11,14 +11,12 @@ from edgevox.agent.skills import GoalHandle, SkillFailed
 from edgevox.core.cancel import Cancelled, CancelToken
 from edgevox.core.clock import Clock
 from edgevox.core.log import get_logger
-from edgevox.ros2.clients.interface_reasons import interface_reason
-from edgevox.ros2.clients.topic_listener import READ_S
+from edgevox.ros2.clients.clients import READ_S, interface_reason
 from edgevox.ros2.clients.waiting import Newest
 from edgevox.ros2.qos import interface_profile
-from edgevox.ros2.robot_file.live import LiveStep, StepRun
-from edgevox.ros2.robot_file.outcome import holds
+from edgevox.ros2.robot_file.live import LiveStep, StepRun, holds
 from edgevox.ros2.robot_file.plan import PlannedStep
-from edgevox.ros2.robot_file.step_format import Wait
+from edgevox.ros2.robot_file.steps import Wait
 
 log = get_logger(__name__)
 

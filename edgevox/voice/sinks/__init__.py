@@ -5,7 +5,6 @@ pace. `open_sink` chooses by the setting `audio_out`.
 """
 
 from edgevox.voice.sinks.open_sink import open_sink
-from edgevox.voice.sinks.paced import PacedSink
-from edgevox.voice.sinks.paced_output import PacedOutput
+from edgevox.voice.sinks.paced import PacedOutput, PacedSink
 
 __all__ = ["PacedOutput", "PacedSink", "open_sink"]

@@ -1,22 +1,177 @@
-"""A loudspeaker of this machine; one that is missing or pulled out is said and tried again."""
+"""A loudspeaker of this machine; one that is missing or pulled out is said and tried again.
 
-from collections.abc import Callable
-from contextlib import AbstractContextManager, ExitStack, suppress
-from typing import Protocol
+Between speech output and sound card: what is to be played next, and when it will be heard.
+
+Playing with PortAudio, at the rate that the device has by itself.
+"""
+
+import threading
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
 
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.log import ChangeDetector, get_logger
-from edgevox.voice.audio import Chunk
+from edgevox.voice import devices
+from edgevox.voice.audio import Chunk, Samples, rms
 from edgevox.voice.devices import RETRY_S, DeviceMissing
-from edgevox.voice.played_sound import PlayedSound
-from edgevox.voice.sinks.card_queue import CardQueue
-from edgevox.voice.sinks.paced import PacedSink
-from edgevox.voice.sinks.paced_output import Silence
-from edgevox.voice.sinks.pacing import AHEAD_S, NOTHING_S, RateChanger, Wait, real_wait
-from edgevox.voice.sinks.portaudio_playback import Fill, open_loudspeaker
+from edgevox.voice.echo.played import PlayedSound
+from edgevox.voice.sinks.paced import (
+    AHEAD_S,
+    NOTHING_S,
+    PacedSink,
+    RateChanger,
+    Silence,
+    Wait,
+    real_wait,
+)
 
 log = get_logger(__name__)
+
+
+_FIRST_DELAY_S = 0.05
+_LEAST_DELAY_S = 0.02
+"""No card plays sooner what it asks for. For an echo canceller, which learns the rest of the delay,
+sound may be said to be heard too early but never too late: what cards tell of it is not exact."""
+
+
+class CardQueue:
+    """Filled with speech, emptied by the card's own thread, which never waits for more than this.
+
+    A card plays without end; where there is nothing to play, it plays silence.
+    """
+
+    def __init__(self, clock: Clock, played: PlayedSound | None = None) -> None:
+        self._clock = clock
+        self._played = played
+        self._lock = threading.Lock()
+        self._blocks: deque[Samples] = deque()
+        self._waiting = 0
+        self._rate_hz = 1
+        self._next_s = 0.0
+        self._end_s = 0.0
+        self._level = 0.0
+        self.filled_s = 0.0
+
+    def open(self, rate_hz: int) -> None:
+        """A card begins to play at this rate."""
+        with self._lock:
+            self._rate_hz = rate_hz
+            self.filled_s = self._clock.now()
+            self._next_s = self.filled_s + _FIRST_DELAY_S
+
+    def add(self, samples: Samples) -> float:
+        """Play these after the others; the clock's time at which the first of them is heard."""
+        with self._lock:
+            next_s = max(self._next_s, self._clock.now())
+            start_s = next_s + self._waiting / self._rate_hz
+            self._blocks.append(samples)
+            self._waiting += len(samples)
+            self._end_s = start_s + len(samples) / self._rate_hz
+            return start_s
+
+    def fill(self, count: int, delay_s: float) -> Samples:
+        """The card's next `count` samples; the first is heard `delay_s` from now."""
+        out = np.zeros(count, np.int16)
+        with self._lock:
+            at = 0
+            while at < count and self._blocks:
+                block = self._blocks[0]
+                part = block[: count - at]
+                out[at : at + len(part)] = part
+                at += len(part)
+                if len(part) == len(block):
+                    self._blocks.popleft()
+                else:
+                    self._blocks[0] = block[len(part) :]
+            self._waiting -= at
+            self.filled_s = self._clock.now()
+            self._next_s = self.filled_s + delay_s + count / self._rate_hz
+            self._level = rms(out)
+        if at and self._played:
+            self._played.add(out, self._rate_hz, self.filled_s + _LEAST_DELAY_S)
+        return out
+
+    def clear(self) -> float:
+        """Forget what the card was not given yet; how many seconds that is."""
+        with self._lock:
+            left_s = self._waiting / self._rate_hz
+            self._blocks.clear()
+            self._waiting = 0
+            self._level = 0.0
+            self._end_s = min(self._end_s, self._clock.now())
+            return left_s
+
+    def left_s(self) -> float:
+        """For how long there is still something to be heard."""
+        with self._lock:
+            return max(0.0, self._end_s - self._clock.now())
+
+    @property
+    def level(self) -> float:
+        """How loud the last samples are that the card was given."""
+        return self._level
+
+
+LATENCY_S = 0.04
+_BLOCK_S = 0.01
+_LONGEST_DELAY_S = 1.0
+
+Fill = Callable[[int, float], Samples]
+"""The next samples: how many, and how many seconds from now the first is heard."""
+
+
+@dataclass(frozen=True, slots=True)
+class Playback:
+    """A running stream of PortAudio."""
+
+    name: str
+    rate_hz: int
+    stream: Any
+
+    @property
+    def active(self) -> bool:
+        return devices.is_active(self.stream)
+
+
+@contextmanager
+def open_loudspeaker(name: str, fill: Fill, opened: Callable[[int], None]) -> Iterator[Playback]:
+    """Play on the device of this name, as `card.Opener` says it."""
+    with devices.portaudio_errors():
+        devices.look_again()
+    with devices.in_use(), devices.portaudio_errors():
+        import sounddevice
+
+        device = devices.find(name, "output")
+        channels = min(2, device.channels)
+        opened(device.rate_hz)
+
+        def callback(block: Any, frames: int, time: Any, _status: Any) -> None:
+            delay_s = time.outputBufferDacTime - time.currentTime
+            block[:] = fill(frames, min(max(delay_s, 0.0), _LONGEST_DELAY_S))[:, None]
+
+        try:
+            with sounddevice.OutputStream(
+                device=device.index,
+                samplerate=device.rate_hz,
+                channels=channels,
+                dtype="int16",
+                blocksize=int(_BLOCK_S * device.rate_hz),
+                latency=LATENCY_S,
+                callback=callback,
+            ) as stream:
+                try:
+                    yield Playback(device.name, device.rate_hz, stream)
+                finally:
+                    stream.abort()  # to stop it would wait for a device that may be gone
+        except sounddevice.PortAudioError as error:
+            raise DeviceMissing(f"{device.name} cannot be opened: {error}") from None
+
 
 DEAF_S = 1.0
 """A card that asks for no samples for this long is lost: PortAudio does not always say so."""

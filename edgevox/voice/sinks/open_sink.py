@@ -5,10 +5,9 @@ from pathlib import Path
 from edgevox.core.clock import Clock
 from edgevox.core.errors import InvalidValue
 from edgevox.voice.audio import AudioSink
-from edgevox.voice.played_sound import PlayedSound
+from edgevox.voice.echo.played import PlayedSound
 from edgevox.voice.sinks.card import SoundCardSink
-from edgevox.voice.sinks.paced import PacedSink
-from edgevox.voice.sinks.paced_output import PacedOutput, Silence
+from edgevox.voice.sinks.paced import PacedOutput, PacedSink, Silence
 from edgevox.voice.sinks.wav_file import UnpacedWav, WavFile
 
 ROS2 = "ros2"
@@ -26,7 +25,7 @@ def open_sink(
     """The sink for `audio_out`.
 
     Empty is the default loudspeaker, ``none`` silence, ``ros2`` the relay that
-    `edgevox.ros2.audio_out` connects to, a path a WAV file, anything else a loudspeaker's name. A
+    `edgevox.ros2.audio` connects to, a path a WAV file, anything else a loudspeaker's name. A
     path ends in ``.wav`` or has a slash. A file is written as fast as it comes unless `paced`.
     What can be heard of it in a room is told to `played`.
     Raises `InvalidValue`.

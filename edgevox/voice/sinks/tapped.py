@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from edgevox.core.cancel import CancelToken
-from edgevox.core.fault import fault_of
+from edgevox.core.status import fault_of
 from edgevox.voice.audio import RATE_HZ, AudioSink, Chunk, Samples
-from edgevox.voice.sinks.pacing import RateChanger
+from edgevox.voice.sinks.paced import RateChanger
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,10 +8,10 @@ from pathlib import Path
 from edgevox.core.cancel import CancelToken
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.errors import InvalidValue
+from edgevox.core.files.user_file import regular
 from edgevox.core.log import get_logger
-from edgevox.core.user_file import regular
 from edgevox.voice.audio import Chunk, Samples
-from edgevox.voice.sinks.pacing import RateChanger
+from edgevox.voice.sinks.paced import RateChanger
 from edgevox.voice.wav import HEADER_BYTES
 
 log = get_logger(__name__)

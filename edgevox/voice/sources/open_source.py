@@ -1,15 +1,37 @@
-"""Which source a setting means."""
+"""Which source a setting means.
 
+No microphone at all.
+"""
+
+import threading
 from pathlib import Path
 
 from edgevox.core.clock import Clock
 from edgevox.core.errors import InvalidValue
-from edgevox.voice.audio import AudioSource
+from edgevox.voice.audio import AudioSource, Frame
 from edgevox.voice.sources.files import WavFiles, wav_files
-from edgevox.voice.sources.nothing import Nothing
 from edgevox.voice.sources.pushed import Pushed
 from edgevox.voice.sources.soundcard import SoundCard
 from edgevox.voice.wav import check_wav
+
+
+class Nothing:
+    """Never hears anything; reading only waits."""
+
+    name = "none"
+
+    def __init__(self) -> None:
+        self._closed = threading.Event()
+
+    def start(self) -> None: ...
+
+    def read(self, timeout_s: float) -> Frame | None:
+        self._closed.wait(timeout_s)
+        return None
+
+    def close(self) -> None:
+        self._closed.set()
+
 
 ROS2 = "ros2"
 NONE = "none"
@@ -18,7 +40,7 @@ NONE = "none"
 def open_source(spec: str, *, paced: bool = True, clock: Clock | None = None) -> AudioSource:
     """The source that `audio_in` names; it captures nothing before its `start`.
 
-    Empty is the default microphone, ``ros2`` a `Pushed` that `edgevox.ros2.audio_in` fills,
+    Empty is the default microphone, ``ros2`` a `Pushed` that `edgevox.ros2.audio` fills,
     ``none`` no microphone, a path a WAV file or a folder of them, anything else a microphone's
     name. A path is what exists, ends in ``.wav`` or has a slash. Raises `InvalidValue`.
     """

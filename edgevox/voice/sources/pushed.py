@@ -6,8 +6,7 @@ from dataclasses import replace
 
 from edgevox.core.clock import Clock, SystemClock
 from edgevox.core.log import get_logger
-from edgevox.voice.audio import Frame, Samples, UtteranceOver
-from edgevox.voice.framing import Framer
+from edgevox.voice.audio import Frame, Framer, Samples, UtteranceOver
 
 log = get_logger(__name__)
 

@@ -12,15 +12,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from edgevox.core.cgroup import usable_cpus
 from edgevox.core.errors import EdgeVoxError
-from edgevox.voice.audio import RATE_HZ, Samples
-from edgevox.voice.level import FULL_SCALE
-from edgevox.voice.stt.adapter import adapter_for
-from edgevox.voice.stt.expectation import heard_again, is_doubtful
-from edgevox.voice.stt.hallucinations import Segment, transcript_of
+from edgevox.core.process.cgroup import usable_cpus
+from edgevox.voice.audio import FULL_SCALE, RATE_HZ, Samples
+from edgevox.voice.stt.adapter import adapted_folder, adapter_for
+from edgevox.voice.stt.plausible import Segment, heard_again, is_doubtful, transcript_of
 from edgevox.voice.stt.speech_to_text import Transcript
-from edgevox.voice.whisper_file import adapted_folder
 
 MAX_THREADS = 4
 """More do not help one utterance."""

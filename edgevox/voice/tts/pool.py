@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from edgevox.core.errors import EdgeVoxError
 from edgevox.voice.tts.synthesiser import Synthesiser
-from edgevox.voice.voices import VoiceChoice
+from edgevox.voice.tts.voices import VoiceChoice
 
 if TYPE_CHECKING:
     from edgevox.voice.tts.kokoro import KokoroModel

@@ -6,11 +6,11 @@ from pydantic import Field
 
 from edgevox.agent.skills import GoalHandle, Result, Skill, skill
 from edgevox.core.settings import Settings
-from edgevox.robots.diff_drive import DiffDriveRobot
+from edgevox.robots.flat.diff_drive import DiffDriveRobot
+from edgevox.robots.flat.pymunk_engine import PymunkEngine
 from edgevox.robots.plugin import Robot
-from edgevox.robots.pymunk_engine import PymunkEngine
-from edgevox.robots.world import load_world
-from edgevox.robots.world_model import World
+from edgevox.robots.world.load import load_world
+from edgevox.robots.world.model import World
 
 
 def deliver_skill(body: DiffDriveRobot) -> Skill:

@@ -1,0 +1,125 @@
+"""What "again", "go back", "further" and "the other one" mean: calls, by what was done last.
+
+Restraint first: what was stopped, is too long ago or could mean two things is not done, and the
+person hears what to say instead.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from edgevox.agent.dialogue.memory import Dialogue, DialogueExchange
+from edgevox.agent.nlu.orders import After, Do, Program, When, kernel, parts_of
+from edgevox.agent.skills import Call, OneOf, Skill, SkillFailed
+from edgevox.agent.skills.going import TO_POINT, no_further, no_way_back
+from edgevox.agent.text.reasons import because
+
+_CENTIMETRES = 2
+
+
+class References:
+    """Finds calls in a dialogue. Each method raises `SkillFailed` with what is missing."""
+
+    def __init__(self, dialogue: Dialogue, skills: Mapping[str, Skill]) -> None:
+        self._dialogue = dialogue
+        self._skills = skills
+
+    def again(self) -> Sequence[Call]:
+        """What was last asked for in words."""
+        asked = self._repeatable(self._dialogue.asked())
+        if asked.program:  # what was said of its time and number is to be said again
+            raise SkillFailed(because("nothing_before"))
+        return tuple(asked.calls)
+
+    def last_motion(self) -> Program:
+        """What "three times" is about: what was last asked for that moves, done once."""
+        asked = self._repeatable(self._dialogue.asked(self._moved))
+        if asked.program is None:
+            return Do(tuple(asked.calls))
+        if any(isinstance(one, After | When) for one in parts_of(asked.program)):
+            raise SkillFailed(because("nothing_before"))
+        return kernel(asked.program)
+
+    def _moved(self, asked: DialogueExchange) -> bool:
+        known = [call for call in asked.calls if call.skill in self._skills]
+        return bool(asked.program) or any(self._skills[call.skill].drives for call in known)
+
+    def _repeatable(self, asked: DialogueExchange | None) -> DialogueExchange:
+        if asked is None or not self._dialogue.repeatable(asked):
+            raise SkillFailed(because("nothing_before"))
+        running = self._dialogue.running()
+        if running and running.turn == asked.turn:
+            raise SkillFailed(because("still_doing"))
+        if asked.stopped:
+            raise SkillFailed(because("was_stopped"))
+        return asked
+
+    def further(self) -> Sequence[Call]:
+        """The same motion once more, where it is one by so much and not to somewhere."""
+        calls = [call for call in self.again() if self._skills[call.skill].drives]
+        if not calls or not self._skills[calls[-1].skill].relative:
+            raise SkillFailed(no_further(self._skills.values()))
+        return calls[-1:]
+
+    def back(self) -> Sequence[Call]:
+        """To where the body was when its last motion began, unless it is there."""
+        if TO_POINT not in self._skills:
+            raise SkillFailed(no_way_back(self._skills.values()))
+        start = self._dialogue.came_from()
+        if start is None:
+            raise SkillFailed(because("no_way_back"))
+        x, y = round(start.x_m, _CENTIMETRES), round(start.y_m, _CENTIMETRES)
+        return (Call(TO_POINT, {"x": x, "y": y}),)
+
+    def other(self) -> Sequence[Call]:
+        """The same with the other word, where there is one choice, and between two words only."""
+        calls = self.again()
+        chosen = {old for call in calls for _, old, _ in self._chosen(call)}
+        if not chosen:
+            raise SkillFailed(because("nothing_before"))
+        others = tuple(
+            dict.fromkeys(
+                word
+                for call in calls
+                for name, old, choices in self._chosen(call)
+                for word in choices.words
+                if word not in chosen and self._alike(call.skill, old, word)
+            )
+        )
+        if len(others) != 1 or len(chosen) != 1:
+            raise SkillFailed(because("which_one", choices=others or tuple(sorted(chosen))))
+        return _exchanged(calls, chosen.pop(), others[0])
+
+    def also(self, value: str) -> Sequence[Call]:
+        """The same with this word, where it can stand for one word only."""
+        calls = self.again()
+        for part in (calls, calls[-1:]):
+            fits = {
+                old
+                for call in part
+                for _, old, choices in self._chosen(call)
+                if value in choices.words and self._alike(call.skill, old, value)
+            }
+            if len(fits) == 1:
+                return _exchanged(part, fits.pop(), value)
+        raise SkillFailed(because("does_not_go", value=value.replace("_", " ")))
+
+    def _chosen(self, call: Call) -> Iterator[tuple[str, str, OneOf]]:
+        """The arguments of this call that are one of some words, with the word."""
+        for name, choices in self._skills[call.skill].choices.items():
+            if call.arguments.get(name) in choices.words:
+                yield name, call.arguments[name], choices
+
+    def _alike(self, skill: str, one: str, other: str) -> bool:
+        """Whether two words can stand in the same arguments: a cube for a cube, a bin for a bin."""
+        choices = self._skills[skill].choices.values()
+        return all((one in known.words) == (other in known.words) for known in choices)
+
+
+def _exchanged(calls: Sequence[Call], old: str, new: str) -> Sequence[Call]:
+    def put(value: Any) -> Any:
+        return new if value == old else value
+
+    return tuple(
+        Call(call.skill, {name: put(value) for name, value in call.arguments.items()})
+        for call in calls
+    )

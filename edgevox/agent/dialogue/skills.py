@@ -1,0 +1,270 @@
+"""Questions and references as skills of the agent itself: plain sentences in every language.
+
+They move nothing, stop nothing and are no part of what a model may call or is told. A question is
+answered from what happened; a reference stands for the calls that `DialogueSkills.meant` puts in
+its place.
+
+Answers to questions about the conversation: short, and made of what really happened.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Annotated
+
+from edgevox.agent.agents import Agent, skills_of
+from edgevox.agent.dialogue.memory import Dialogue
+from edgevox.agent.dialogue.references import References
+from edgevox.agent.nlu.abilities import abilities
+from edgevox.agent.nlu.meaning import Meaning
+from edgevox.agent.nlu.orders import Again, Do, Program, calls_of, replaced
+from edgevox.agent.phrases.phrasebook import Phrasebook, detail
+from edgevox.agent.skills import (
+    Call,
+    GoalHandle,
+    OneOf,
+    Result,
+    Skill,
+    SkillFailed,
+    SkillSet,
+    skill,
+)
+from edgevox.agent.text.reasons import because
+from edgevox.agent.turn import Turn
+from edgevox.core.bus import Bus
+from edgevox.core.clock import Clock
+from edgevox.core.events import Outcome
+from edgevox.core.transforms import Pose2D
+
+MOST_QUOTED = 120
+"""So many characters of what somebody said are said back."""
+_PLAIN = "template"
+"""Who understands what is a plain command."""
+
+
+class DialogueAnswers:
+    """Speaks the language of `phrases`. May be asked from any thread."""
+
+    def __init__(
+        self,
+        dialogue: Dialogue,
+        skills: Mapping[str, Skill],
+        phrases: Callable[[], Phrasebook],
+    ) -> None:
+        self._dialogue = dialogue
+        self._skills = skills
+        self._phrases = phrases
+
+    def doing(self) -> str:
+        """What uses the body now, and how far that is."""
+        book, running = self._phrases(), self._dialogue.running()
+        if running is None:
+            return book.say("idle")
+        skill = self._skills[running.skill]
+        action = book.acknowledge(skill, running.arguments)
+        action = action or book.say("busy", action=book.can(skill))
+        if running.progress is None:
+            return action
+        return book.say("doing", action=action, percent=round(100 * running.progress))
+
+    def why(self) -> str:
+        """Which words made the body move last, who understood them, and how sure that was."""
+        book, moved = self._phrases(), self._dialogue.moved()
+        if moved is None:
+            return book.say("nothing_done")
+        asked = self._dialogue.exchange(moved.turn)
+        if asked is None and moved.turn:  # too much was said since
+            return book.say("nothing_done")
+        if asked is None or not asked.words:
+            return book.say("why_program")
+        words = _quoted(asked.meant or asked.words)
+        if asked.source == _PLAIN:
+            return book.say("why_plain", words=words)
+        return book.say("why_read", words=words, percent=round(100 * asked.confidence))
+
+    def heard(self) -> str:
+        """What was heard last, before this."""
+        book, heard = self._phrases(), self._dialogue.heard()
+        return book.say("heard", words=_quoted(heard.words)) if heard else book.say("not_heard")
+
+    def can(self) -> tuple[str, str]:
+        """What this robot can do: a few things of it, and all where that is more."""
+        book = self._phrases()
+        if not self._skills:
+            return book.say("no_abilities"), ""
+        return abilities(book, list(self._skills.values()))
+
+
+def _quoted(words: str) -> str:
+    words = words.rstrip(".。।")
+    return words if len(words) <= MOST_QUOTED else f"{words[:MOST_QUOTED]}…"
+
+
+CAN = "what_can_you_do"
+QUESTIONS = ("what_are_you_doing", "why_did_you", "what_did_you_hear", CAN)
+REFERENCES = ("again", "go_back", "further", "the_other")
+ALSO = "this_one_too"
+DIALOGUE_SKILLS = (*QUESTIONS, *REFERENCES, ALSO)
+"""All of them, by name."""
+
+
+class DialogueSkills:
+    """Remembers what happens on the bus and answers for it, in the language of `phrases`.
+
+    `agents` are those that were given, each with these skills beside its own.
+    """
+
+    def __init__(
+        self,
+        agents: Sequence[Agent],
+        bus: Bus,
+        clock: Clock,
+        phrases: Callable[[], Phrasebook],
+        pose: Callable[[], Pose2D] | None = None,
+    ) -> None:
+        self._skills = skills_of(agents)
+        self._phrases = phrases
+        self._dialogue = Dialogue(
+            bus, clock, self._skills, dialogue_skills=DIALOGUE_SKILLS, pose=pose
+        )
+        self._references = References(self._dialogue, self._skills)
+        self._answers = DialogueAnswers(self._dialogue, self._skills, phrases)
+        self.agents = tuple(
+            replace(one, dialogue_skills=self._beside(one.skills)) for one in agents
+        )
+
+    def meant(self, meaning: Meaning | None, turn: Turn) -> Meaning | None:
+        """The same with calls in the place of references; None where one refers to nothing.
+
+        Then it has been said what would have been needed, and nothing else of it is done.
+        """
+        if meaning is None:
+            return None
+        if meaning.program:
+            return self._kept(meaning, meaning.program, turn)
+        about_dialogue = all(call.skill in DIALOGUE_SKILLS for call in meaning.calls)
+        refers = any(call.skill in REFERENCES or call.skill == ALSO for call in meaning.calls)
+        try:
+            calls = tuple(one for call in meaning.calls for one in self._resolved(call))
+        except SkillFailed as error:
+            self._refuse(error, turn)
+            calls = ()
+        sure = (meaning.source, meaning.confidence)
+        self._dialogue.decided(
+            turn.number, *sure, about_dialogue=about_dialogue and not (refers and calls)
+        )
+        if not calls:
+            return None
+        if any(call.skill == CAN for call in calls):
+            turn.write(self._answers.can()[1])
+        return replace(meaning, agent=self._owner(meaning.agent, calls), calls=calls)
+
+    def _kept(self, meaning: Meaning, program: Program, turn: Turn) -> Meaning | None:
+        """A program, with what its references mean now: "do that three times"."""
+        self._dialogue.decided(
+            turn.number, meaning.source, meaning.confidence, about_dialogue=False
+        )
+        try:
+            meant = replaced(program, self._meant_in_program)
+        except SkillFailed as error:
+            self._refuse(error, turn)
+            return None
+        if any(call.skill in DIALOGUE_SKILLS for call in calls_of(meant)):  # a question is for now
+            turn.say(self._phrases().say("program_unclear"), Outcome.NOT_UNDERSTOOD)
+            return None
+        return replace(meaning, program=meant)
+
+    def _meant_in_program(self, leaf: Do | Again) -> Program:
+        if isinstance(leaf, Again):
+            return self._references.last_motion()
+        return Do(tuple(one for call in leaf.calls for one in self._resolved(call)))
+
+    def _refuse(self, error: SkillFailed, turn: Turn) -> None:
+        phrases, why = self._phrases(), error.reason
+        turn.say(phrases.refusal(why), Outcome.REFUSED, detail=detail(phrases, why))
+
+    def kept(self, turn: int, program: Program) -> None:
+        """What was said in this turn is a program, which is kept."""
+        self._dialogue.kept(turn, program)
+
+    def confirmed(self, turn: int, asked: int) -> None:
+        """In this turn somebody said yes to what was understood in the turn that asked."""
+        self._dialogue.confirmed(turn, asked)
+
+    def _resolved(self, call: Call) -> Sequence[Call]:
+        match call.skill:
+            case "again":
+                return self._references.again()
+            case "go_back":
+                return self._references.back()
+            case "further":
+                return self._references.further()
+            case "the_other":
+                return self._references.other()
+            case name if name == ALSO:
+                return self._references.also(str(call.arguments["value"]))
+        return (call,)
+
+    def _owner(self, agent: Agent, calls: Sequence[Call]) -> Agent:
+        """Whoever can do all of it: this agent, or the one who did it before."""
+        able = (a for a in self.agents if all(call.skill in a.every_skill for call in calls))
+        return agent if all(c.skill in agent.every_skill for c in calls) else next(able, agent)
+
+    def _beside(self, skills: SkillSet) -> SkillSet:
+        """Those whose names this agent does not use itself."""
+        dialogue_skills = [_question(name, self._answers) for name in QUESTIONS]
+        dialogue_skills += [_reference(name) for name in REFERENCES]
+        if any(one.choices for one in skills.values()):
+            dialogue_skills.append(_also(_every_choice(skills)))
+        return SkillSet(one for one in dialogue_skills if one.name not in skills)
+
+
+def _question(name: str, answers: DialogueAnswers) -> Skill:
+    asked: Mapping[str, Callable[[], str]] = {
+        "what_are_you_doing": answers.doing,
+        "why_did_you": answers.why,
+        "what_did_you_hear": answers.heard,
+        CAN: lambda: answers.can()[0],
+    }
+    answer = asked[name]
+
+    def ask(goal: GoalHandle) -> Result:
+        """Answer a question about the conversation."""
+        goal.token.check()
+        return {"answer": answer()}
+
+    ask.__name__ = name
+    return skill(done="{answer}", moves=False)(ask)
+
+
+def _reference(name: str) -> Skill:
+    def refer(goal: GoalHandle) -> Result:
+        """Do what this refers to: `DialogueSkills.meant` puts that in its place."""
+        goal.token.check()
+        raise SkillFailed(because("nothing_before"))
+
+    refer.__name__ = name
+    return skill(moves=False)(refer)
+
+
+def _also(choices: OneOf) -> Skill:
+    def refer(goal: GoalHandle, value: Annotated[str, choices]) -> Result:
+        """Do the same with this word: `DialogueSkills.meant` puts that in its place."""
+        goal.token.check()
+        raise SkillFailed(because("does_not_go", value=value))
+
+    refer.__name__ = ALSO
+    return skill(moves=False)(refer)
+
+
+def _every_choice(skills: SkillSet) -> OneOf:
+    """All the words that arguments of these skills may be, with those that are learned."""
+    choices = [one for each in skills.values() for one in each.choices.values()]
+    fixed = tuple(dict.fromkeys(word for one in choices for word in one.fixed))
+    aliases = {said: word for one in choices for said, word in one.aliases.items()}
+
+    def learned() -> tuple[str, ...]:
+        words = dict.fromkeys(word for one in choices for word in one.words)
+        return tuple(word for word in words if word not in fixed)
+
+    names = {word: by_code for one in choices for word, by_code in one.names.items()}
+    return OneOf(fixed, aliases, learned, names)

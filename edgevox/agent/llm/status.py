@@ -1,0 +1,76 @@
+"""What the language model, on board or on a server, says of itself: the component `llm`."""
+
+from pathlib import Path
+
+from edgevox.agent.llm.language_model import LanguageModel
+from edgevox.core.clock import Clock
+from edgevox.core.gauges import Gauges
+from edgevox.core.status import (
+    ComponentName,
+    Finding,
+    HealthCheck,
+    Level,
+    RecentIncrease,
+    Status,
+    fault_of,
+)
+
+
+class LlmComponent:
+    """A server that is gone is a warning while the model on board answers, else an error.
+
+    `weights` is the file of the model on board, None if there is none, and `absent` why there is
+    none though one was asked for. `endpoint` is the server's address, empty without one.
+    """
+
+    name = ComponentName.LLM
+
+    def __init__(
+        self,
+        model: LanguageModel,
+        gauges: Gauges,
+        *,
+        weights: Path | None = None,
+        endpoint: str = "",
+        absent: str = "",
+        clock: Clock | None = None,
+    ) -> None:
+        self._model, self._gauges, self._endpoint, self._absent = model, gauges, endpoint, absent
+        self._on_board = weights.name if weights else None
+        self._failing = RecentIncrease(clock)
+        self.checks = (HealthCheck("llm", lambda: absent, vital=False),) if absent else ()
+
+    def status(self) -> Status:
+        """How it is now."""
+        fault, failed, found = fault_of(self._model), self._gauges.model_failures, []
+        if self._absent:
+            found.append(Finding(Level.ERROR, f"the model on board is missing: {self._absent}"))
+        if fault:
+            level = Level.WARN if self._on_board else Level.ERROR
+            instead = "the model on board answers" if self._on_board else "nothing answers"
+            which = self._endpoint or "the model"
+            found.append(Finding(level, f"{which} fails: {fault}; {instead}"))
+        if self._failing.grew(failed):
+            text = f"an answer failed, {failed} by now; the log says why"
+            found.append(Finding(Level.ERROR, text))
+        server = {
+            "server_up": not fault,
+            "fallbacks": _count(self._model, "fallbacks"),
+            "turned_away": _count(self._model, "turned_away"),
+        }
+        return Status.judged(
+            self.name,
+            found,
+            well="thinks",
+            model=self._on_board,
+            endpoint=self._endpoint or None,
+            answers="on board" if fault or not self._endpoint else "endpoint",
+            context_tokens=self._model.context_tokens,
+            tokens_per_s=self._gauges.tokens_per_s,
+            failed=failed,
+            **(server if self._endpoint else {}),
+        )
+
+
+def _count(model: LanguageModel, name: str) -> int:
+    return int(getattr(model, name, 0))

@@ -1,0 +1,1 @@
+"""The sentence encoder, its vocabulary and the file of its weights."""

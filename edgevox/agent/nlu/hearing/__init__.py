@@ -1,0 +1,1 @@
+"""Speech that was misheard: rival transcripts, sounds, near commands, prompts."""

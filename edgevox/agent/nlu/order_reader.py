@@ -1,0 +1,405 @@
+"""Reads programs out of sentences, by templates alone: no language model ever makes one.
+
+Sentence templates of programs as regular expressions, whose slots are whole orders.
+
+The recogniser of skills takes whole sentences; these take sentences apart, and what is in their
+slots goes to it.
+
+The numbers of a sentence that only programs have: "twice", "half an hour", 五分.
+"""
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import count
+
+from hassil import expression
+from hassil.expression import (
+    Alternative,
+    Expression,
+    ListReference,
+    RuleReference,
+    Sentence,
+    TextChunk,
+)
+from hassil.parse_expression import parse_sentence
+
+from edgevox.agent.nlu.orders import (
+    After,
+    Again,
+    Arrived,
+    BatteryBelow,
+    Do,
+    Program,
+    Repeat,
+    Return,
+    Say,
+    Steps,
+    When,
+    parts_of,
+)
+from edgevox.agent.nlu.templates import MAX_CHARACTERS, RefusedCommand
+from edgevox.agent.phrases.load import ENGLISH, phrasebook
+from edgevox.agent.phrases.numbers import digits, is_exact
+from edgevox.agent.phrases.phrasebook import Phrasebook, ProgramPhrases
+from edgevox.agent.skills import Call
+from edgevox.agent.text.spelling import folded, separated
+from edgevox.core.files.text import one_form
+
+_DIGITS = {character: value for value, character in enumerate("零一二三四五六七八九")}
+_DIGITS |= {"\N{IDEOGRAPHIC NUMBER ZERO}": 0, "两": 2, "兩": 2}
+_TENS = {"十": 10, "百": 100}
+_NUMERAL = f"[{''.join(_DIGITS)}{''.join(_TENS)}]+"
+
+
+def rewritten(text: str, phrases: ProgramPhrases) -> str:
+    """The same text with these numbers as digits, and what the language rewrites rewritten."""
+    if phrases.units:
+        ahead = f"(?<={phrases.ahead}){_NUMERAL}|(?!{phrases.ahead})" if phrases.ahead else ""
+        numerals = rf"{ahead}{_NUMERAL}(?=\s*(?:{phrases.units}))"
+        text = re.sub(numerals, lambda match: str(numeral(match[0])), text)
+    if phrases.words:
+        text = phrases.words.as_digits(text)
+    for pattern, replacement in phrases.rewrite:
+        text = pattern.sub(replacement, text)
+    return text
+
+
+def numeral(written: str) -> int:
+    """The value of a Chinese or Japanese numeral up to 999."""
+    total, current = 0, 0
+    for character in written:
+        if character in _TENS:
+            total += (current or 1) * _TENS[character]
+            current = 0
+        else:
+            current = _DIGITS[character]
+    return total + current
+
+
+NUMBERS = frozenset({"count", "seconds", "minutes", "hours", "percent"})
+"""Slots that hold a number; all others hold words."""
+
+_PUNCTUATION = r"\s,;:.!?\u2026\u00bf\u00a1\u060c\u061f\u061b\u0964\u3001\u3002"
+_LETTER = r"\w\u0900-\u0963\u0971-\u097f"
+"""Vowel signs of Devanagari are no word characters to `re`."""
+_GAP = rf"[{_PUNCTUATION}]*"
+_NUMBER = r"\d+(?:\.\d+)?(?: \d)?"
+
+
+class Pattern:
+    """One template. `text` is what `spelled` made of a sentence.
+
+    Its expression is made when a sentence first has the words that the template cannot do without:
+    to make them all takes longer than the rest of a language, and most are never asked for.
+    """
+
+    def __init__(self, shared: "_ProgramRules", template: Sentence) -> None:
+        self._shared = shared
+        self._template = template
+        self._needed = template.get_required_clauses(shared.rules)
+        self.wants_number = not NUMBERS.isdisjoint(template.list_names(shared.rules))
+
+    def slots(self, text: str, *, anywhere: bool = False) -> dict[str, str] | None:
+        """What stands in the slots if the whole text is this, or with `anywhere` a part of it."""
+        read = folded(text)
+        said = read.casefold()
+        if not all(any(word in said for word in some) for some in self._needed):
+            return None
+        found = self._expression.search(read) if anywhere else self._expression.fullmatch(read)
+        if found is None:
+            return None
+        spans = {name: found.span(name) for name, value in found.groupdict().items() if value}
+        return {name.partition("__")[0]: text[slice(*span)] for name, span in spans.items()}
+
+    @cached_property
+    def _expression(self) -> re.Pattern[str]:
+        written = _Writer(self._shared).write(self._template.expression)
+        return re.compile(_GAP + written + _GAP, re.IGNORECASE)
+
+
+@lru_cache(maxsize=8)
+def spelled(text: str, code: str) -> str:
+    """A sentence of a language as its patterns read it, with its numbers as digits.
+
+    Whoever looks for a program, and for a question about one, asks for the same sentence.
+    """
+    plainly = digits(" ".join(text.split()), code)
+    return rewritten(_prepared(plainly), phrasebook(code).programs)
+
+
+@lru_cache
+def patterns_of(code: str, kinds: tuple[str, ...]) -> Mapping[str, tuple[Pattern, ...]]:
+    """The patterns of a language by these kinds of its templates."""
+    templates = phrasebook(code).programs.templates
+    return {kind: tuple(_pattern(code, one) for one in templates.get(kind, ())) for kind in kinds}
+
+
+@lru_cache
+def marks_of(code: str, rules: tuple[str, ...]) -> tuple[Pattern, ...]:
+    """The patterns of these rules of a language by themselves, of those that it has."""
+    return tuple(_pattern(code, f"<{rule}>") for rule in rules if rule in _rules_of(code).rules)
+
+
+def _pattern(code: str, template: str) -> Pattern:
+    return Pattern(_rules_of(code), _parsed(template))
+
+
+def number(said: str) -> float:
+    """The number that a slot holds; "20 5" is twenty and five."""
+    return sum(float(part) for part in said.split())
+
+
+@dataclass(frozen=True, slots=True)
+class _ProgramRules:
+    """What the templates of a language share; `spaced`: there are spaces between its words."""
+
+    rules: dict[str, Sentence]
+    spaced: bool
+
+
+@lru_cache
+def _rules_of(code: str) -> _ProgramRules:
+    book = phrasebook(code)
+    rules = {name: _parsed(rule) for name, rule in book.programs.rules.items()}
+    return _ProgramRules(rules, book.hearing.spaced)
+
+
+class _Writer:
+    """Writes an expression as a regular one. A slot may stand in it more than once."""
+
+    def __init__(self, shared: _ProgramRules) -> None:
+        self._rules = shared.rules
+        self._spaced = shared.spaced
+        self._numbers = count(1)
+
+    def write(self, part: Expression) -> str:
+        match part:
+            case TextChunk():
+                return self._words(part.original_text)
+            case Alternative():
+                return f"(?:{'|'.join(self.write(item) for item in part.items)})"
+            case expression.Sequence():
+                return "".join(self.write(item) for item in part.items)
+            case ListReference(list_name=name):
+                return self._slot(name)
+            case RuleReference(rule_name=name):
+                return f"(?:{self.write(self._rules[name].expression)})"
+        raise TypeError(part)
+
+    def _slot(self, name: str) -> str:
+        inside = _NUMBER if name in NUMBERS else rf"[^{_PUNCTUATION}](?:.*?[^{_PUNCTUATION}])??"
+        before, after = (rf"(?<![{_LETTER}])", rf"(?![{_LETTER}])") if self._spaced else ("", "")
+        if name in NUMBERS:
+            before, after = r"(?<![\d.])", r"(?!\.?\d)"
+        return f"{_GAP}{before}(?P<{name}__{next(self._numbers)}>{inside}){after}{_GAP}"
+
+    def _words(self, text: str) -> str:
+        return "".join(
+            _GAP if piece.isspace() else self._word(piece)
+            for piece in re.split(r"(\s+)", text)
+            if piece
+        )
+
+    def _word(self, word: str) -> str:
+        if not self._spaced:
+            return re.escape(word)
+        before = rf"(?<![{_LETTER}])" if re.match(f"[{_LETTER}]", word[0]) else ""
+        after = rf"(?![{_LETTER}])" if re.match(f"[{_LETTER}]", word[-1]) else ""
+        return before + re.escape(word) + after
+
+
+def _prepared(text: str) -> str:
+    """A text as patterns read it: letters, accents and apostrophes in one form."""
+    return " ".join(separated(one_form(text)).split()).strip(" .,;:!?\u3002\u0964\u061f")
+
+
+def _parsed(template: str) -> Sentence:
+    return parse_sentence(folded(separated(one_form(template))))
+
+
+Plain = Callable[[str], Sequence[Call] | RefusedCommand | None]
+"""The calls that a plain command is, by the templates of the skills."""
+
+DEEPEST = 4
+"""How many wrappers one sentence may have around a plain command."""
+_SECONDS = {"hours": 3600.0, "minutes": 60.0, "seconds": 1.0}
+_KINDS = ("low", "after", "until", "times", "arrived", "saying", "back", "patrol", "say")
+"""The kinds of wrappers, the outermost first."""
+_MARKS = ("later", "low")
+"""The rules that tell that an order is for later."""
+_AT_ONCE = ("until", "times", "arrived", "saying", "back")
+"""Wrappers around what is done on the spot: nothing in them may wait for its time."""
+
+
+@dataclass(frozen=True, slots=True)
+class Unclear:
+    """An order for later whose inside is no plain command."""
+
+
+Read = Program | RefusedCommand | Unclear | None
+
+
+class ProgramReader:
+    """Reads the sentences of one language, and English ones."""
+
+    def __init__(self, language: str = ENGLISH) -> None:
+        self._language = language
+        codes = dict.fromkeys((language, ENGLISH))
+        self._languages = [_ProgramLanguage(phrasebook(code)) for code in codes]
+
+    def understand(self, text: str, plain: Plain, free: Plain) -> tuple[Read, bool]:
+        """As `read`, and whether the templates alone say so.
+
+        Only where they do not, `free` reads what stands inside, which knows more words than
+        `plain` and is less sure; what is only one after another is a reading by itself.
+        """
+        strict = self.read(text, plain)
+        if isinstance(strict, Program):
+            return strict, True
+        loose = self.read(text, free)
+        if isinstance(loose, Program) and not _is_joined(loose):
+            return loose, False
+        return strict, True
+
+    def read(self, text: str, plain: Plain) -> Read:
+        """The program that a sentence is; None for none. It is no plain command by itself."""
+        if len(text) > MAX_CHARACTERS or not is_exact(text, self._language):
+            return None
+        found: Read = None
+        for language in self._languages:
+            read = language.whole(text, plain)
+            if read is not None and not isinstance(read, RefusedCommand | Unclear):
+                return read
+            found = found or read
+        return found
+
+
+class _ProgramLanguage:
+    """The templates of one phrasebook."""
+
+    def __init__(self, book: Phrasebook) -> None:
+        self._book = book
+        phrases, spaced = book.programs, book.hearing.spaced
+        self._patterns = patterns_of(book.code, _KINDS)
+        self._marks = marks_of(book.code, _MARKS)
+        between = [re.escape(word) for word in phrases.between]
+        joint = "|".join(rf"\s+{word}\s+" if spaced else word for word in between) or "(?!)"
+        self._between = re.compile(rf"\s*[,\u3001\u060c]\s*(?:{joint})?|{joint}", re.IGNORECASE)
+
+    def whole(self, text: str, plain: Plain) -> Read:
+        """What all of it is."""
+        words = spelled(text, self._book.code)
+        read = self._wrapped(words, plain, DEEPEST)
+        if isinstance(read, Say):
+            return None
+        return Unclear() if read is None and self._is_later(words) else read
+
+    def _is_later(self, words: str) -> bool:
+        return any(mark.slots(words, anywhere=True) is not None for mark in self._marks)
+
+    def _read(self, words: str, plain: Plain, left: int) -> Program | RefusedCommand | None:
+        calls = plain(words)
+        if isinstance(calls, Sequence):
+            return Do(tuple(calls))
+        return self._wrapped(words, plain, left) or calls
+
+    def _wrapped(self, words: str, plain: Plain, left: int) -> Program | RefusedCommand | None:
+        refused: RefusedCommand | None = None
+        for kind, slots in self._matches(words) if left else ():
+            found = self._built(kind, slots, plain, left - 1)
+            if found is not None and not isinstance(found, RefusedCommand):
+                return found
+            refused = refused or found
+        return refused
+
+    def _matches(self, words: str) -> Iterator[tuple[str, dict[str, str]]]:
+        has_number = any(character.isdigit() for character in words)
+        for kind in _KINDS:
+            for pattern in self._patterns[kind]:
+                if has_number or not pattern.wants_number:
+                    slots = pattern.slots(words)
+                    if slots is not None:
+                        yield kind, slots
+
+    def _built(
+        self, kind: str, slots: dict[str, str], plain: Plain, left: int
+    ) -> Program | RefusedCommand | None:
+        if kind == "say":
+            return self._said(slots["words"])
+        if kind == "patrol":
+            return self._patrol(slots["places"], plain)
+        order = self._read(self._order(slots), plain, left) if "order" in slots else Again()
+        if order is None or isinstance(order, RefusedCommand):
+            return order
+        if kind in _AT_ONCE and _waits(order) and order != Again():
+            return None
+        if kind in ("arrived", "saying"):
+            return self._then(order, slots, plain, left)
+        return _around(kind, order, slots)
+
+    def _order(self, slots: dict[str, str]) -> str:
+        """The order, also where the wrapper stands in the middle of it."""
+        space = " " if self._book.hearing.spaced else ""
+        return space.join(slots[name] for name in ("order", "rest") if name in slots)
+
+    def _then(
+        self, order: Program, slots: dict[str, str], plain: Plain, left: int
+    ) -> Program | RefusedCommand | None:
+        """One after another; what is said of an order that is under way waits for its end."""
+        after: Program | RefusedCommand | None = (
+            self._said(slots["words"])
+            if "words" in slots
+            else self._read(slots["next"], plain, left)
+        )
+        if after is None or isinstance(after, RefusedCommand):
+            return after
+        if order == Again():
+            return When(Arrived(), after)
+        return None if _waits(after) else Steps((order, after))
+
+    def _said(self, words: str) -> Say | None:
+        """What is to be said aloud; None of what somebody wants to be told."""
+        asked = words.split(" ", maxsplit=1)[0].casefold() in self._book.programs.me
+        return None if asked else Say(words.replace("' ", "'"))
+
+    def _patrol(self, places: str, plain: Plain) -> Program | RefusedCommand | None:
+        """To each of these places in turn, until it is stopped."""
+        calls: list[Call] = []
+        for place in filter(None, map(str.strip, self._between.split(places))):
+            found = plain(self._book.programs.go.replace("{place}", place))
+            if not isinstance(found, Sequence):
+                return found
+            calls += found
+        return Repeat(Do(tuple(calls)), None) if len(calls) > 1 else None
+
+
+def _around(kind: str, order: Program, slots: dict[str, str]) -> Program:
+    match kind:
+        case "after":
+            return After(_seconds(slots.items()), order)
+        case "low":
+            return When(BatteryBelow(number(slots["percent"])), order)
+        case "until":
+            return Repeat(_once(order), None)
+        case "times":
+            return Repeat(_once(order), number(slots["count"]))
+    return Steps((order, Return()))
+
+
+def _waits(program: Program) -> bool:
+    return any(isinstance(one, After | When) for one in parts_of(program))
+
+
+def _is_joined(program: Program) -> bool:
+    return all(isinstance(one, Do | Return | Steps) for one in parts_of(program))
+
+
+def _once(order: Program) -> Program:
+    """Without the end that it had of its own: a patrol may be made three times."""
+    return order.program if isinstance(order, Repeat) and order.count is None else order
+
+
+def _seconds(slots: Iterable[tuple[str, str]]) -> float:
+    return sum(number(said) * _SECONDS[name] for name, said in slots if name in _SECONDS)

@@ -1,0 +1,255 @@
+"""What calls a sentence could be, if it is a command at all: each grounded in what was said.
+
+Every name and every number of the sentence stands in a call, and every value of a call was said.
+Which skill is meant follows from the words that speak for one skill and not for the others. Nothing
+here decides whether the speaker wants it done: `decider` does that.
+"""
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from edgevox.agent.nlu.clauses import ClauseReading, Clauses, Name, Number, find_names, find_numbers
+from edgevox.agent.nlu.lexicon import Lexicon, Words, is_mark
+from edgevox.agent.skills import Call
+
+_BESIDE = 3.0
+"""What the words for a call without a name or a number must weigh at least, beside others."""
+_MOST_PARTS = 12
+MAX_TOKENS = 60
+"""Longer sentences are stories."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """A sentence as calls, in their order. `courteous` are the places of its courtesies."""
+
+    parts: tuple[ClauseReading, ...]
+    tokens: Words
+    courteous: frozenset[int]
+    strange: int
+    corrected: bool
+    denied: bool
+    unread: bool
+    """Whether words that a joint opens are no call and not all known: perhaps another order."""
+
+    @property
+    def calls(self) -> tuple[Call, ...]:
+        """What would be done."""
+        return tuple(part.call for part in self.parts)
+
+
+class CallReader:
+    """Reads sentences as calls of the skills of a lexicon."""
+
+    def __init__(self, lexicon: Lexicon) -> None:
+        self._lexicon = lexicon
+        words = lexicon.function_words
+        joints = lexicon.book.hearing.joints
+        courtesies = (one for one in words.fillers if len(lexicon.phrase(one)) > 2)
+        linked = (one for one in joints if len(lexicon.phrase(one)) > 1)
+        self._joints = lexicon.index(joints)
+        self._prefixes = tuple(one for one in joints if len(one) == 1 and one > "z")
+        self._courtesies = lexicon.index((*courtesies, *words.asking, *words.wishes, *linked))
+        self._filling = lexicon.index((*words.fillers, *words.urges, *joints, *words.corrections))
+        self._negations = lexicon.index(words.negations)
+        self._corrections = lexicon.index(words.corrections)
+        self._reversal = lexicon.index(words.reversals[:1])
+        self._opening = lexicon.index(
+            (*joints, *words.corrections, *words.reversals, *words.reasons)
+        )
+        self._articles = frozenset(map(lexicon.phrase, lexicon.book.hearing.articles))
+        self._linking = frozenset(words.linking)
+
+    def read(self, text: str) -> Reading | None:
+        """The best reading; None where no skill could be meant."""
+        written = self._lexicon.tokenize(text)
+        tokens = self._lexicon.spelled(written)
+        if not tokens or len(tokens) > MAX_TOKENS:
+            return None
+        joining = self._joints.places(tokens)
+        said = [
+            one
+            for one in _as_written(find_names(self._lexicon, tokens), tokens, written)
+            if one.start not in joining and not self._is_article(tokens, one)
+        ]
+        names, denied = self._take_back(tokens, said)
+        counted = find_numbers(tokens, self._linking)
+        numbers = self._corrected(tokens, counted)
+        corrected = len(names) < len(said) or len(numbers) < len(counted)
+        gone = {at for one in said for at in range(one.start, one.end)}
+        gone |= {one.start for one in counted}
+        courteous = self._courtesies.places(tokens)
+        filled = self._filled(tokens) | courteous | gone
+        unsaid = self._negations.places(tokens) if corrected else frozenset()
+        sentence = Clauses(self._lexicon, tokens, names, numbers, filled=filled, unsaid=unsaid)
+        parts = self._parts(sentence)
+        if not parts:
+            return None
+        strange = sum(sentence.strange(a, b) for a, b in _gaps(parts, len(tokens)))
+        strange += sum(part.strange for part in parts)
+        unread = any(a in joining and sentence.strange(a, b) for a, b in _gaps(parts, len(tokens)))
+        taken = gone | {at for one in said for at in range(one.start, one.end)}
+        unread = unread or any(self._is_half_read(part, sentence, taken) for part in parts)
+        parts = self._meant(parts)
+        if self._takes_back(parts, tokens):
+            parts, corrected, denied = parts[1:], True, False
+        return Reading(
+            _once(self._ordered(parts, tokens)),
+            tokens,
+            courteous,
+            strange,
+            corrected,
+            denied,
+            unread,
+        )
+
+    def _is_half_read(self, part: ClauseReading, sentence: Clauses, taken: set[int]) -> bool:
+        """Whether unknown words in a call are perhaps another order, or a thing that it takes not.
+
+        That is what a joint opens ("and wash it"), what stands behind the verb of a language
+        without spaces, and what an article stands before: "turn off the lamp in the bedroom".
+        """
+        tokens, end = sentence.tokens, part.end
+        words = self._lexicon.words[part.call.skill]
+        strange = [at for at in range(part.start, end) if sentence.strange(at, at + 1, words)]
+        values = [at for at in range(part.start, end) if at in taken]
+        if not (strange and values):
+            return False
+        behind = [at for at in strange if at > values[-1]]
+        joints = self._joints.starts(tokens)
+        if behind and not self._lexicon.book.hearing.spaced:
+            return any(tokens[at] in words.weights for at in range(values[-1] + 1, behind[0]))
+        if any(values[-1] < at <= one for one in behind for at in joints):
+            return True
+        if any(tokens[at].startswith(self._prefixes) for at in behind):
+            return True
+        return any(
+            (tokens[at - 1],) in self._articles
+            and any(one not in strange for one in range(at + 1, values[0]))
+            for at in strange
+            if part.start < at < values[0]
+        )
+
+    def _is_article(self, tokens: Words, one: Name) -> bool:
+        """Whether it is the "the" of what follows, which elsewhere is "it"."""
+        return one.end < len(tokens) and tokens[one.start : one.end] in self._articles
+
+    def _filled(self, tokens: Words) -> frozenset[int]:
+        common = {i for i, token in enumerate(tokens) if token in self._lexicon.common}
+        return self._filling.places(tokens) | common
+
+    def _take_back(self, tokens: Words, names: Sequence[Name]) -> tuple[list[Name], bool]:
+        """Without the names that the speaker took back: "the office, no, the bedroom"."""
+        denied = self._negations.places(tokens) - self._courtesies.places(tokens)
+        correcting = self._corrections.places(tokens)
+        kept = list(names)
+        allowed: set[int] = set()
+        for first, second in itertools.pairwise(names):
+            if first not in kept or first.values.keys().isdisjoint(second.values.keys()):
+                continue
+            between = set(range(first.end, second.start))
+            before = set(range(max(0, first.start - 3), first.start))
+            if between & correcting or before & denied:
+                kept.remove(first)
+                allowed |= set(range(max(0, first.start - 3), second.start))
+        return kept, bool(denied - allowed)
+
+    def _corrected(self, tokens: Words, numbers: Sequence[Number]) -> list[Number]:
+        """Without a number that the next one corrects: "90 degrees, make that 60"."""
+        correcting = self._corrections.places(tokens)
+        taken_back = {
+            first.start
+            for first, second in itertools.pairwise(numbers)
+            if correcting & set(range(first.end, second.start))
+        }
+        return [one for one in numbers if one.start not in taken_back]
+
+    def _parts(self, sentence: Clauses) -> tuple[ClauseReading, ...]:
+        """The best way to part a sentence into calls, by dynamic programming over its borders."""
+        borders = self._borders(sentence.tokens)
+        best: list[tuple[float, tuple[ClauseReading, ...]] | None] = [None] * len(borders)
+        best[0] = (0.0, ())
+        for end in range(1, len(borders)):
+            for start in range(max(0, end - _MOST_PARTS), end):
+                before = best[start]
+                if before is None:
+                    continue
+                for value, part in sentence.options(borders[start], borders[end], before[1]):
+                    score = before[0] + value
+                    if best[end] is None or score > best[end][0] + 1e-9:  # type: ignore[index]
+                        best[end] = (score, (*before[1], *([part] if part else [])))
+        return best[-1][1] if best[-1] else ()
+
+    def _borders(self, tokens: Words) -> list[int]:
+        borders = {0, len(tokens)}
+        borders |= {at for at, token in enumerate(tokens) if is_mark(token)}
+        return sorted(borders | self._opening.starts(tokens))
+
+    def _meant(self, parts: tuple[ClauseReading, ...]) -> tuple[ClauseReading, ...]:
+        """Without what a stray word beside a real order speaks for."""
+        if len(parts) < 2:
+            return parts
+        skills = self._lexicon.skills
+        strong = [
+            one
+            for one in parts
+            if one.grounded or skills[one.call.skill].moves or one.support >= _BESIDE
+        ]
+        return tuple(strong) or parts
+
+    def _takes_back(self, parts: tuple[ClauseReading, ...], tokens: Words) -> bool:
+        """Whether the first of two motions is taken back: "not left, right", "left, no, right"."""
+        if len(parts) != 2 or not all(self._lexicon.skills[p.call.skill].drives for p in parts):
+            return False
+        first, second = parts
+        denied = self._negations.places(tokens) - self._courtesies.places(tokens)
+        opening = range(first.start, min(first.start + 2, first.end))
+        alone = bool(denied) and denied <= set(range(first.start, first.end))
+        if alone and denied.intersection(opening) and is_mark(tokens[second.start]):
+            return first.call.skill != second.call.skill
+        between = range(first.start + 1, second.start + 2)
+        corrected = bool(self._corrections.starts(tokens).intersection(between))
+        return corrected and first.call.skill != second.call.skill
+
+    def _ordered(
+        self, parts: tuple[ClauseReading, ...], tokens: Words
+    ) -> tuple[ClauseReading, ...]:
+        """The order of doing: "before A, B" is B and then A, "A, but first B" too."""
+        if len(parts) != 2:
+            return parts
+        second = parts[1]
+        first_words = self._reversal.starts(tokens)
+        opening = range(parts[0].start, min(parts[0].start + 2, len(tokens)))
+        if first_words & set(opening):
+            return second, parts[0]
+        return parts
+
+
+def _as_written(names: Sequence[Name], tokens: Words, written: Words) -> Iterator[Name]:
+    """The names; one that only a corrected spelling made is a guess."""
+    for one in names:
+        said = set(tokens[one.start : one.end]) <= set(written)
+        yield one if said else replace(one, guessed=True)
+
+
+def _once(parts: tuple[ClauseReading, ...]) -> tuple[ClauseReading, ...]:
+    """Without a name that is only said again: "the lab, they are in the lab"."""
+    kept = [
+        part
+        for index, part in enumerate(parts)
+        if not (index and part.call == parts[index - 1].call and not _counts(part.call))
+    ]
+    return tuple(kept)
+
+
+def _counts(call: Call) -> bool:
+    return any(isinstance(value, float) for value in call.arguments.values())
+
+
+def _gaps(parts: Sequence[ClauseReading], size: int) -> Iterator[tuple[int, int]]:
+    at = 0
+    for part in parts:
+        yield at, part.start
+        at = part.end
+    yield at, size

@@ -1,0 +1,146 @@
+"""Reads phrasebooks, of the file that each language has: `edgevox/core/languages`."""
+
+import re
+from collections.abc import Mapping
+from functools import cache
+from typing import Any
+
+from edgevox.agent.phrases.phrasebook import (
+    AnswerWords,
+    Hearing,
+    Phrasebook,
+    ProgramPhrases,
+    SmallTalk,
+)
+from edgevox.agent.skills import Example, SkillPhrases
+from edgevox.agent.text.number_words import Numbers, Rewriting, number_words
+from edgevox.agent.text.spelling import key
+from edgevox.agent.text.words import word_of
+from edgevox.core.files.text import one_form
+from edgevox.core.language_files import language_file
+from edgevox.core.languages import LANGUAGES
+
+ENGLISH = "en"
+"""The language that skills and robots speak by themselves, and that all others fall back to."""
+
+
+@cache
+def phrasebook(code: str) -> Phrasebook:
+    """The phrasebook of a language; what its file lacks falls back to English.
+
+    Raises `InvalidValue` for a language that there is no file of.
+    """
+    return _book(code, language_file(code), None if code == ENGLISH else phrasebook(ENGLISH))
+
+
+def _book(code: str, data: Mapping[str, Any], fallback: Phrasebook | None) -> Phrasebook:
+    return Phrasebook(
+        code=code,
+        name=LANGUAGES[code].name,
+        sentences=data.get("say", {}),
+        hearing=_hearing(data.get("hear", {}), spaced=LANGUAGES[code].spaced),
+        numbers=_numbers(data.get("numbers", {})),
+        rules=data.get("rules", {}),
+        words={key(name): word_of(one) for name, one in data.get("words", {}).items()},
+        unknown=word_of(data.get("unknown")),
+        own_names={one: word_of(forms) for one, forms in data.get("own_names", {}).items()},
+        skills=skill_entries(data.get("skills", {})),
+        reasons=data.get("reasons", {}),
+        arguments=data.get("arguments", {}),
+        dialogue={
+            name: SkillPhrases(templates=tuple(said))
+            for name, said in data.get("dialogue", {}).items()
+        },
+        small_talk=_exchanges(data, "small_talk") or (fallback.small_talk if fallback else ()),
+        declined=_exchanges(data, "declined") or (fallback.declined if fallback else ()),
+        links=tuple(data.get("links", fallback.links if fallback else ())),
+        smoothing=_rewritings(data.get("smoothing", ())),
+        answers=_answers(data.get("answers", {})),
+        programs=_programs(data.get("programs", {})),
+        fallback=fallback,
+    )
+
+
+def _hearing(data: Mapping[str, Any], *, spaced: bool) -> Hearing:
+    return Hearing(
+        joints=tuple(data.get("joints", ())),
+        articles=tuple(data.get("articles", ())),
+        clause_words=frozenset(map(key, data.get("clause_words", ()))),
+        pair=data.get("pair", "and"),
+        spaced=spaced,
+        written=data.get("written", ""),
+        reserved=tuple(data.get("reserved", ())),
+        places=tuple(data.get("places", ())),
+        unfinished=tuple(map(key, data.get("unfinished", ()))),
+        goes_on=tuple(data.get("goes_on", ())),
+    )
+
+
+def _answers(data: Mapping[str, Any]) -> AnswerWords:
+    return AnswerWords(**{("not_" if n == "not" else n): tuple(w) for n, w in data.items()})
+
+
+def _numbers(data: Mapping[str, Any]) -> Numbers:
+    return Numbers(
+        decimal_comma=data.get("decimal_comma", False),
+        rules=_rewritings(data.get("rules", ())),
+        words=number_words(data.get("words", {}), data.get("units", "")),
+        units=data.get("units", ""),
+        centimetres=data.get("centimetres", ""),
+        metres=data.get("metres", ""),
+        library=data.get("library", ""),
+    )
+
+
+def _programs(data: Mapping[str, Any]) -> ProgramPhrases:
+    return ProgramPhrases(
+        templates={kind: tuple(some) for kind, some in data.get("templates", {}).items()},
+        rules=data.get("rules", {}),
+        rewrite=_rewritings(data.get("rewrite", ())),
+        words=number_words(data.get("words", {})),
+        units=data.get("units", ""),
+        ahead=data.get("ahead", ""),
+        go=data.get("go", ""),
+        between=tuple(data.get("between", ())),
+        me=tuple(data.get("me", ())),
+        names={kind: tuple(some) for kind, some in data.get("names", {}).items()},
+    )
+
+
+def skill_entries(table: Mapping[str, Mapping[str, Any]]) -> dict[str, SkillPhrases]:
+    """What skills say and are called by: a table `skills`.
+
+    An entry that is `like` another has of that one whatever it lacks.
+    """
+    return {
+        name: _skill_phrases({**table.get(one.get("like", ""), {}), **one})
+        for name, one in table.items()
+    }
+
+
+def _skill_phrases(data: Mapping[str, Any]) -> SkillPhrases:
+    examples = [dict(one) for one in data.get("examples", ())]
+    return SkillPhrases(
+        can=data.get("can", ""),
+        actions=_several(data.get("action", ())),
+        templates=tuple(data.get("templates", ())),
+        says=_several(data.get("says", ())),
+        done=_several(data.get("done", ())),
+        examples=tuple(Example(one.pop("sentence"), one) for one in examples),
+        arguments=data.get("arguments", {}),
+        words=data.get("words", {}),
+    )
+
+
+def _several(data: Any) -> tuple[str, ...]:
+    return (data,) if isinstance(data, str) else tuple(data)
+
+
+def _exchanges(data: Mapping[str, Any], name: str) -> tuple[SmallTalk, ...]:
+    return tuple(SmallTalk(asked, answer) for asked, answer in data.get(name, {}).items())
+
+
+def _rewritings(data: Any) -> tuple[Rewriting, ...]:
+    return tuple(
+        (re.compile(one_form(pattern), re.IGNORECASE), replacement) for pattern, replacement in data
+    )

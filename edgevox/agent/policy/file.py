@@ -1,0 +1,150 @@
+"""The format of a policy file, validated: nothing in it is guessed, nothing is left out.
+
+What a policy says of one thing that is asked.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import lru_cache
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, StringConstraints
+
+from edgevox.agent.policy.limits import PolicyLimits, PolicyPart
+from edgevox.agent.skills import SkillFailed
+from edgevox.agent.text.same_name import name_form
+from edgevox.core.errors import InvalidValue
+from edgevox.core.files.user_file import read_text
+from edgevox.core.files.yaml_file import YamlFile
+from edgevox.core.reason import NO_REASON, Reason
+from edgevox.core.ways import Way
+
+
+class Rule(StrEnum):
+    """What becomes of it: it is done, done once somebody has said yes, or refused."""
+
+    ALLOW = "allow"
+    CONFIRM = "confirm"
+    DENY = "deny"
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """A rule, and why it is not simply done."""
+
+    rule: Rule
+    reason: Reason = NO_REASON
+
+
+class Denied(SkillFailed):
+    """The policy refuses it. `skill` is what was asked for, by this `way`."""
+
+    def __init__(
+        self, reason: Reason, way: Way, skill: str, arguments: Mapping[str, Any] | None = None
+    ) -> None:
+        super().__init__(reason)
+        self.way = way
+        self.skill = skill
+        self.arguments = arguments or {}
+
+
+class NeedsConfirmation(Denied):
+    """The policy wants a yes first, and there is somebody to ask.
+
+    Whoever cannot ask refuses it, as everything else that is denied.
+    """
+
+
+ANY = "*"
+"""Stands for every skill, or every way in."""
+MOST_SKILLS = 200
+
+WayName = Literal[
+    "*",
+    "voice",
+    "typed",
+    "text_input",
+    "command",
+    "action",
+    "goal_pose",
+    "cmd_vel",
+    "console_viewer",
+    "console_operator",
+]
+"""Every `Way`, and all of them."""
+SkillName = Annotated[str, StringConstraints(pattern=r"^(\*|[A-Za-z_][A-Za-z0-9_]*)$")]
+RuleWord = Literal["allow", "confirm", "deny"]
+
+
+def _of_all_skills(value: Any) -> Any:
+    """One word stands for every skill."""
+    return {ANY: value} if isinstance(value, str) else value
+
+
+SkillRules = Annotated[
+    dict[SkillName, RuleWord],
+    BeforeValidator(_of_all_skills, json_schema_input_type=RuleWord | dict[SkillName, RuleWord]),
+    Field(max_length=MOST_SKILLS),
+]
+
+
+class PolicyFile(PolicyPart):
+    """A whole file."""
+
+    about: str = Field("", max_length=500, description="whom it is for, in a sentence")
+    rules: dict[WayName, SkillRules] = Field(
+        default_factory=dict,
+        description="by way in and skill: allow, confirm or deny; one word is for every skill. A "
+        "skill under its way counts first; then the stricter of the way's `*` and the skill under "
+        "`*`; then `*` under `*`; what none of them names is allowed",
+    )
+    limits: PolicyLimits = Field(
+        default_factory=PolicyLimits, description="for all that moves, by every way"
+    )
+
+    @property
+    def skills(self) -> frozenset[str]:
+        """All skills that rules name."""
+        return frozenset(name for one in self.rules.values() for name in one) - {ANY}
+
+    def of_way(self, way: str) -> Mapping[str, str]:
+        """The entry of a way, or of all."""
+        return next((entry for name, entry in self.rules.items() if name == way), {})
+
+    def rule(self, way: str, skill: str) -> Rule:
+        """What becomes of a skill that is asked for by this way."""
+        own, every = self.of_way(way), self.of_way(ANY)
+        if found := _entry(own, skill):
+            return Rule(found)
+        fitting = [Rule(word) for word in (own.get(ANY), _entry(every, skill)) if word]
+        if fitting:
+            return max(fitting, key=list(Rule).index)
+        return Rule(every.get(ANY, Rule.ALLOW))
+
+
+def _entry(entry: Mapping[str, str], skill: str) -> str | None:
+    """What an entry says of a skill, however its name is written; the strictest of several."""
+    if skill in entry:
+        return entry[skill]
+    said = [Rule(word) for name, word in entry.items() if name != ANY and _is(name, skill)]
+    return max(said, key=list(Rule).index, default=None)
+
+
+@lru_cache(maxsize=4096)
+def _is(name: str, skill: str) -> bool:
+    return name_form(name) == name_form(skill)
+
+
+def read_policy_file(file: Path) -> PolicyFile:
+    """The policy in a file. Raises `InvalidValue` by file, line, field and what was expected."""
+    return parse_policy(read_text(file, "policy"), file.name)
+
+
+def parse_policy(text: str, name: str) -> PolicyFile:
+    """As `read_policy_file`; `name` is the file's name in messages."""
+    file = YamlFile(text, name)
+    if not isinstance(file.data, dict):
+        raise InvalidValue(name, file.data, "a mapping with rules and limits")
+    return file.read(PolicyFile, file.data)

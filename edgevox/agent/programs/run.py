@@ -1,0 +1,195 @@
+"""Runs the steps of a program one after another, inside one goal of the goal runner.
+
+So a program is pre-empted, cancelled, halted and left behind if it hangs as any goal is.
+
+Programs in words, in the language that is spoken: what each skill says when it begins.
+"""
+
+import itertools
+from collections.abc import Callable, Iterable
+from functools import partial
+
+from edgevox.agent.goals.goal import Goal
+from edgevox.agent.nlu.orders import (
+    After,
+    Arrived,
+    BatteryBelow,
+    Do,
+    Program,
+    Repeat,
+    Return,
+    Say,
+    Steps,
+    When,
+    parts_of,
+)
+from edgevox.agent.phrases.phrasebook import Phrasebook
+from edgevox.agent.skills import Call, GoalHandle, Result, Skill, SkillFailed, SkillSet, skill
+from edgevox.agent.text.reasons import because
+from edgevox.agent.text.words import continued
+from edgevox.core.agent_events import GoalStatus
+from edgevox.core.cancel import Cancelled
+from edgevox.core.clock import Clock
+from edgevox.core.errors import EdgeVoxError
+from edgevox.core.reason import Reason
+
+_UNITS = (("hours", "hour", 3600), ("minutes", "minute", 60), ("seconds", "second", 1))
+_MOST_UNITS = 2
+
+
+def in_words(program: Program, phrases: Phrasebook, skills: SkillSet) -> str:
+    """What it will do, as one sentence or several."""
+    match program:
+        case Do(calls=calls):
+            return phrases.chained([_call(call, phrases, skills) for call in calls])
+        case Steps(steps=steps):
+            return phrases.chained([in_words(one, phrases, skills) for one in steps])
+        case Say(words=words):
+            return phrases.say("program_saying", words=words)
+        case Return():
+            return phrases.say("program_back")
+        case Repeat(program=inner, count=None):
+            return phrases.say("program_endless", order=_part(inner, phrases, skills))
+        case Repeat(program=inner, count=count):
+            order = _part(inner, phrases, skills)
+            return phrases.say("program_times", count=f"{count:g}", order=order)
+        case After(delay_s=delay_s, program=inner):
+            duration = duration_in_words(delay_s, phrases)
+            order = _part(inner, phrases, skills)
+            return phrases.say("program_after", duration=duration, order=order)
+        case When(condition=BatteryBelow(percent=percent), program=inner):
+            order = _part(inner, phrases, skills)
+            return phrases.say("program_low", percent=f"{percent:g}", order=order)
+        case When(condition=Arrived(), program=inner):
+            return phrases.say("program_arrived", order=_part(inner, phrases, skills))
+    raise TypeError(program)
+
+
+def duration_in_words(seconds: float, phrases: Phrasebook) -> str:
+    """A duration in its two largest units: "an hour and 30 minutes"."""
+    left = max(1, round(seconds))
+    told: list[str] = []
+    for several, one, size in _UNITS:
+        number, left = divmod(left, size)
+        if number:
+            told.append(phrases.say(one if number == 1 else several, count=number))
+    return phrases.both(told[:_MOST_UNITS])
+
+
+def _part(program: Program, phrases: Phrasebook, skills: SkillSet) -> str:
+    return continued(in_words(program, phrases, skills))
+
+
+def _call(call: Call, phrases: Phrasebook, skills: SkillSet) -> str:
+    one = skills[call.skill]
+    try:
+        said = phrases.acknowledge(one, one.validate(call.arguments))
+    except EdgeVoxError:  # its place may have been forgotten since: that is told when it is due
+        said = ""
+    return said or phrases.say("program_action", action=phrases.can(one))
+
+
+SHORTEST_ROUND_S = 1.0
+"""A round takes at least this long, so that steps that are done at once do not spin."""
+
+
+class ProgramRun:
+    """Does the steps of one program.
+
+    `make` gives the checked goal of a call, or raises as `SkillExecutor.check`. Ends of steps are
+    announced in the first round only: who watches a patrol knows after that. `on_round` is called
+    with the number of each round that begins.
+    """
+
+    def __init__(
+        self,
+        program: Program,
+        *,
+        make: Callable[[Call], Goal],
+        announce: Callable[[str], None],
+        phrases: Callable[[], Phrasebook],
+        way_back: Callable[[], Call | None],
+        clock: Clock,
+        on_round: Callable[[int], None],
+    ) -> None:
+        self._program = program
+        self._make = make
+        self._announce = announce
+        self._phrases = phrases
+        self._way_back = way_back
+        self._clock = clock
+        self._on_round = on_round
+        self._home: Call | None = None
+        self._step: Goal | None = None
+        self._first = True
+
+    def as_skill(self, *, moves: bool) -> Skill:
+        """What the goal of this program runs."""
+
+        def program(goal: GoalHandle) -> Result:
+            """Do the steps of a program."""
+            if any(isinstance(part, Return) for part in parts_of(self._program)):
+                self._home = self._way_back()
+            self._do(self._program, goal)
+            return {}
+
+        return skill(moves=moves)(program)
+
+    def left(self, reason: Reason) -> None:
+        """The program has ended; so has the step that hangs, if one does."""
+        if self._step is not None:
+            self._step.end(GoalStatus.CANCELLED, reason)
+
+    def _do(self, part: Program, goal: GoalHandle) -> None:
+        goal.token.check()
+        match part:
+            case Do(calls=calls):
+                for call in calls:
+                    self._call(call, goal)
+            case Steps(steps=steps):
+                for one in steps:
+                    self._do(one, goal)
+            case Say(words=words):
+                self._announce(words)
+            case Return():
+                if self._home is None:
+                    raise SkillFailed(because("cannot_go_back"))
+                self._call(self._home, goal)
+            case Repeat(program=inner, count=count):
+                rounds = itertools.count(1) if count is None else range(1, int(count) + 1)
+                self._repeat(inner, rounds, goal)
+            case _:
+                raise TypeError(part)
+
+    def _repeat(self, inner: Program, rounds: Iterable[int], goal: GoalHandle) -> None:
+        for number in rounds:
+            goal.token.check()
+            began_s = self._clock.now()
+            self._on_round(number)
+            self._do(inner, goal)
+            self._first = False
+            left_s = SHORTEST_ROUND_S - (self._clock.now() - began_s)
+            if left_s > 0:
+                goal.token.wait(left_s)
+
+    def _call(self, call: Call, goal: GoalHandle) -> None:
+        """One step as a goal of its own, to its end."""
+        goal.token.check()
+        step = self._step = self._make(call)
+        step.accept()
+        forget = goal.token.on_cancel(partial(_cancel, step, goal))
+        step.run()
+        forget()
+        if step.status is GoalStatus.FAILED:
+            raise SkillFailed(step.reason)
+        if step.status is not GoalStatus.SUCCEEDED:
+            goal.token.check()
+            raise Cancelled(step.reason)
+        if self._first:
+            report = self._phrases().report(step.skill, step.arguments, step.result)
+            if report:
+                self._announce(report)
+
+
+def _cancel(step: Goal, goal: GoalHandle) -> None:
+    step.token.cancel(goal.token.why)

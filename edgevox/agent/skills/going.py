@@ -1,0 +1,25 @@
+"""Whether a body goes anywhere, by its skills: what it is asked that needs that has a reason."""
+
+from collections.abc import Iterable
+
+from edgevox.agent.skills import Skill
+from edgevox.agent.text.reasons import because
+from edgevox.core.reason import Reason
+
+TO_POINT = "navigate_xy"
+"""The skill that drives to where a body was."""
+_TO_PLACE = "navigate_to"
+
+
+def no_way_back(skills: Iterable[Skill]) -> Reason:
+    """Why it cannot go to where it was; who goes somewhere is told what to say instead."""
+    return because("cannot_go_back") if _goes(skills) else because("cannot_drive")
+
+
+def no_further(skills: Iterable[Skill]) -> Reason:
+    """Why what it did last cannot go on further."""
+    return because("not_relative") if _goes(skills) else because("has_no_further")
+
+
+def _goes(skills: Iterable[Skill]) -> bool:
+    return any(one.relative or one.name in (TO_POINT, _TO_PLACE) for one in skills)

@@ -1,0 +1,307 @@
+"""Skills: typed Python functions that a sentence, a model or a ROS 2 action can call.
+
+A function's name, docstring and signature give its schema, its validation and (with the templates
+beside it) the sentences that call it; of our own skills these stand in the phrasebooks:
+
+    @skill(templates=["[please] (go|drive) to [the] {room}"], says="Going to the {room}.")
+    def navigate_to(goal: GoalHandle, room: Annotated[str, OneOf(rooms)]) -> dict[str, object]:
+        \"\"\"Drive to a room.\"\"\"
+
+The first parameter is the goal that the call becomes; the others are the skill's arguments.
+"""
+
+import inspect
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Protocol, TypeVar, get_args, overload
+
+from pydantic import BaseModel
+
+from edgevox.agent.skills.arguments import (
+    arguments_model,
+    check_arguments,
+    check_numbers,
+    from_words,
+)
+from edgevox.agent.skills.choices import NewName, OneOf, OwnName
+from edgevox.agent.skills.failures import SkillFailed, UnknownSkill, reason_of
+from edgevox.core.cancel import CancelToken
+from edgevox.core.errors import InvalidValue
+
+Result = Mapping[str, Any]
+D = TypeVar("D")
+
+STOP = "stop"
+"""The name of the skill that halts the body; nothing ever forbids it."""
+
+
+class GoalHandle(Protocol):
+    """What a running skill sees of its goal."""
+
+    @property
+    def token(self) -> CancelToken:
+        """Cancelled when somebody wants this goal to end."""
+
+    def report(self, **feedback: Any) -> None:
+        """Say how far it is, as JSON-ready values (``progress`` is 0 to 1)."""
+
+
+def _takes_any_words(schema: Any) -> bool:
+    """Whether a value by this JSON schema can hold a string that the schema does not list."""
+    if isinstance(schema, list):
+        return any(_takes_any_words(one) for one in schema)
+    if not isinstance(schema, Mapping) or "enum" in schema or "const" in schema:
+        return False
+    kinds = {
+        "anyOf",
+        "oneOf",
+        "allOf",
+        "items",
+        "prefixItems",
+        "additionalProperties",
+    } & schema.keys()
+    if kinds:
+        return any(_takes_any_words(schema[kind]) for kind in kinds)
+    return schema.get("type", "string") in {"string", "array", "object"}
+
+
+@dataclass(frozen=True, slots=True)
+class Example:
+    """A sentence that no template catches, and its call: what a small model learns from."""
+
+    sentence: str
+    arguments: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class SkillPhrases:
+    """One skill in one language. Of `says` and `done` the first counts whose values are all known.
+
+    `can` is what a robot with this skill can do, as a part of a sentence; `actions` are the part of
+    a question that asks whether it shall do it, with the arguments. `arguments` are what those are
+    called, where one of them is wrong: "the number of rounds". `words` are what is said for the
+    values of an argument or a result, by `value_key`: "true" of `docked` is "on my dock".
+    """
+
+    can: str = ""
+    actions: tuple[str, ...] = ()
+    templates: tuple[str, ...] = ()
+    says: tuple[str, ...] = ()
+    done: tuple[str, ...] = ()
+    examples: tuple[Example, ...] = ()
+    arguments: Mapping[str, str] = field(default_factory=dict)
+    words: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Skill:
+    """One thing a robot can do.
+
+    `moves`: it uses the body, so it runs beside the conversation and pre-empts whatever moves; a
+    skill that does not is answered on the spot. `relative`: it moves by so much, not to somewhere,
+    so that it can go on further; a `distance` leads straight on `towards_rad` from where it looks,
+    counter-clockwise. `lasting`: what it changes stays when it is over, as when a place
+    is forgotten, so that it is asked about where it was not plainly said. `confirm`: somebody has
+    to say yes to it, as if the policy wanted that. `says` acknowledges the call, `done` reports
+    success, `action` ends a question that begins "Shall I"; all are formatted with the arguments,
+    `done` also with the result's keys. `phrases` are other languages by code, for a skill that no
+    phrasebook knows. `check` takes the arguments before a goal is accepted and raises `SkillFailed`
+    for those that can never be honoured, such as a point outside the world; it is quick, and does
+    nothing else. `entry` is the skill's entry in the phrasebooks where several bodies have a skill
+    of this name and are asked for it in different ways; a language without that entry has one for
+    all of them, by the skill's name.
+    """
+
+    name: str
+    description: str
+    function: Callable[..., Result | None]
+    arguments_model: type[BaseModel]
+    templates: tuple[str, ...] = ()
+    examples: tuple[Example, ...] = ()
+    says: str = ""
+    done: str = ""
+    action: str = ""
+    moves: bool = True
+    phrases: Mapping[str, SkillPhrases] = field(default_factory=dict)
+    check: Callable[..., None] | None = None
+    relative: bool = False
+    towards_rad: float = 0.0
+    lasting: bool = False
+    entry: str = ""
+    confirm: bool = False
+
+    @property
+    def drives(self) -> bool:
+        """Whether it sets the body in motion."""
+        return self.moves and self.name != STOP
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        """JSON schema of the arguments object."""
+        return self.arguments_model.model_json_schema()
+
+    @property
+    def choices(self) -> Mapping[str, OneOf]:
+        """The arguments that take one of some words."""
+        return {name: extra for name, extra in self._notes if isinstance(extra, OneOf)}
+
+    @property
+    def new_names(self) -> frozenset[str]:
+        """The arguments that are names which somebody gives now."""
+        return frozenset(name for name, extra in self._notes if isinstance(extra, NewName))
+
+    @property
+    def callable_now(self) -> bool:
+        """Whether every argument that it needs has a word to choose from."""
+        fields = self.arguments_model.model_fields
+        return all(one.words for name, one in self.choices.items() if fields[name].is_required())
+
+    @cached_property
+    def _notes(self) -> Sequence[tuple[str, Any]]:
+        """What annotates the arguments, each with its argument's name."""
+        return [
+            (name, extra)
+            for name, info in self.arguments_model.model_fields.items()
+            for extra in (*info.metadata, *get_args(info.annotation))
+        ]
+
+    @property
+    def free_text(self) -> frozenset[str]:
+        """The arguments that take any words, so that they may hold what somebody said."""
+        if not self.arguments_model.model_fields:
+            return frozenset()
+        properties: Mapping[str, Any] = self.schema.get("properties", {})
+        return frozenset(name for name, schema in properties.items() if _takes_any_words(schema))
+
+    def validate(self, arguments: Mapping[str, Any]) -> dict[str, Any]:
+        """Checked arguments, as the function takes them.
+
+        Raises `InvalidValue` naming the first wrong one, or `SkillFailed` with the reason why
+        nothing could come of them. The skill that stops takes any, and does without: a stop with
+        wrong arguments is still a stop.
+        """
+        if self.name == STOP:
+            return {}
+        checked = check_arguments(self.name, self.arguments_model, arguments)
+        if self.check:
+            self.check(**checked)
+        check_numbers(self.name, arguments)
+        return checked
+
+    def from_words(self, said: Mapping[str, str]) -> dict[str, Any]:
+        """What the words of a sentence are as values of these arguments, where they are one."""
+        return from_words(self.arguments_model, said)
+
+
+def skill(
+    *,
+    templates: Sequence[str] = (),
+    examples: Sequence[Example] = (),
+    says: str = "",
+    done: str = "",
+    action: str = "",
+    moves: bool = True,
+    phrases: Mapping[str, SkillPhrases] | None = None,
+    check: Callable[..., None] | None = None,
+    relative: bool = False,
+    towards_rad: float = 0.0,
+    lasting: bool = False,
+    entry: str = "",
+) -> Callable[[Callable[..., Result | None]], Skill]:
+    """Turn a function into a `Skill`; see the module's docstring."""
+
+    def decorate(function: Callable[..., Result | None]) -> Skill:
+        return Skill(
+            name=function.__name__,
+            description=(inspect.getdoc(function) or "").partition("\n")[0],
+            function=function,
+            arguments_model=arguments_model(function),
+            templates=tuple(templates),
+            examples=tuple(examples),
+            says=says,
+            done=done,
+            action=action,
+            moves=moves,
+            phrases=phrases or {},
+            check=check,
+            relative=relative,
+            towards_rad=towards_rad,
+            lasting=lasting,
+            entry=entry,
+        )
+
+    return decorate
+
+
+class SkillSet(Mapping[str, Skill]):
+    """Skills by name, in the order they were given."""
+
+    def __init__(self, skills: Iterable[Skill]) -> None:
+        self._skills: dict[str, Skill] = {}
+        for one in skills:
+            if one.name in self._skills:
+                raise InvalidValue("skill", one.name, "a name that is given only once")
+            self._skills[one.name] = one
+
+    def __getitem__(self, name: str) -> Skill:
+        try:
+            return self._skills[name]
+        except KeyError:
+            raise UnknownSkill(name, self._skills) from None
+
+    @overload
+    def get(self, name: str, default: None = None, /) -> Skill | None: ...
+    @overload
+    def get(self, name: str, default: D, /) -> Skill | D: ...
+    def get(self, name: str, default: D | None = None, /) -> Skill | D | None:
+        """The skill of that name, or the default: what `Mapping` has catches no `UnknownSkill`."""
+        return self._skills.get(name, default)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._skills
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._skills)
+
+    def __len__(self) -> int:
+        return len(self._skills)
+
+    def words(self) -> tuple[tuple[tuple[str, str], ...], ...]:
+        """What may now be said for what word: what was made of others is outdated."""
+        return tuple(
+            tuple(choices.spoken().items())
+            for one in self._skills.values()
+            for choices in one.choices.values()
+        )
+
+
+NO_SKILLS = SkillSet(())
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A skill's name with arguments that are not yet checked."""
+
+    skill: str
+    arguments: Mapping[str, Any] = field(default_factory=dict)
+
+
+__all__ = [
+    "NO_SKILLS",
+    "STOP",
+    "Call",
+    "Example",
+    "GoalHandle",
+    "NewName",
+    "OneOf",
+    "OwnName",
+    "Result",
+    "Skill",
+    "SkillFailed",
+    "SkillPhrases",
+    "SkillSet",
+    "UnknownSkill",
+    "reason_of",
+    "skill",
+]

@@ -1,0 +1,1 @@
+"""The words that stop a robot, and how they may be spelt."""

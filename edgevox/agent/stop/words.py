@@ -1,0 +1,369 @@
+"""Stop words: what halts a robot at once, whatever a model is doing.
+
+Those of the language that is spoken and English ones count wherever they stand; those of all other
+languages where they are said alone or first, unless they are words of the language that is spoken.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from itertools import chain
+
+from edgevox.agent.stop.spelling import SpelledWord, readings, spelled_out, words
+from edgevox.core.files.text import one_form
+from edgevox.core.languages import LANGUAGES
+from edgevox.core.stop_words import STOP_SIGNS, STOP_WORDS, StopWords
+
+MAX_CHARACTERS = 4000
+"""How much of an utterance is searched in one go."""
+OVERLAP = 200
+"""What two parts that are searched share: a stop word and what makes it innocent fit into it."""
+WHOLE_PARTS = 5
+"""So many parts at each end of a long text are searched for whatever may stop."""
+MOST_FOUND = 64
+"""A long text with so many stop words between stops the robot, whatever stands around them."""
+_ALONE_MIN = 5
+"""A word of another language that is shorter counts only as it is written, with its accents."""
+_UNSPACED = ("ja", "zh")
+_SPELLED_MIN = 3
+_CLAUSE_END = "."
+
+Phrase = tuple[SpelledWord, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """A stop word at `start` of a reading, up to but without `end`."""
+
+    word: str
+    start: int
+    end: int
+
+
+class SafetyWords:
+    """Finds a stop word of one language (English ones always count too) in an utterance.
+
+    A stop word counts wherever it stands, so that "hold it there, stop", "No! Don't! Stop!" and
+    "go to the kitchen, no, stop" all halt: rather one halt too many than one too few. It does not
+    where it is plainly part of something else in the same clause ("don't stop", "bus stop"). Some
+    everyday words count only at the end of a clause, or alone: see `core/languages/en.toml`.
+    """
+
+    def __init__(self, code: str) -> None:
+        self._code = code
+        _rules(code).prepare()
+
+    def find(self, text: str) -> str | None:
+        """The stop word that this utterance holds, as the table spells it, or None."""
+        return find_stop_word(self._code, text)
+
+
+def find_stop_word(code: str, text: str) -> str | None:
+    """The same for once, of any language: what a stop needs is made ready when one is found."""
+    for part in _parts(text, code):
+        for reading in readings(part):
+            if found := _rules(code).find(reading):
+                return found
+    for reading in readings(text[:MAX_CHARACTERS]):
+        if found := _foreign(code).find(reading):
+            return found
+    return None
+
+
+class _Rules:
+    """The rows of a language and of English, ready to be looked up."""
+
+    def __init__(self, code: str) -> None:
+        own = STOP_WORDS[code]
+        tables = [own] if code == "en" else [own, _without(STOP_WORDS["en"], own.ordinary)]
+        self._others = {other.casefold() for table in tables for other in table.others}
+        self._anywhere = _index([*(table.anywhere for table in tables), STOP_SIGNS])
+        self._last = _index(table.last for table in tables)
+        self._alone = _index(table.alone for table in tables)
+        self._courtesies = _index(table.courtesies for table in tables)
+        self._tables = tables
+        single = [
+            (phrase[0], said)
+            for phrases in self._anywhere.values()
+            for phrase, said in phrases
+            if len(phrase) == 1
+        ]
+        self._whole = {word.bare: said for word, said in single}
+        self._exact = {word.exact for word, _ in single}
+        self._begun: dict[str, list[str]] = defaultdict(list)
+        for bare in self._whole:
+            self._begun[bare[:2]].append(bare)
+
+    def prepare(self) -> None:
+        """Make ready now what the first stop word would have to wait for."""
+        self._excused.reach  # noqa: B018 - it is made when it is first looked at
+
+    @cached_property
+    def _excused(self) -> "_Excused":
+        """What takes longest to make, and only a text with a stop word needs."""
+        return _Excused(_innocent(self._tables))
+
+    def find(self, reading: Phrase) -> str | None:
+        """The first stop word that counts."""
+        bares = _bare(reading)
+        for found in self._in(reading, self._anywhere):
+            if not self._is_innocent(reading, bares, found):
+                return found.word
+        return self._glued(reading) or self._spelled(reading) or self._at_an_end(reading, bares)
+
+    def _at_an_end(self, reading: Phrase, bares: tuple[str, ...]) -> str | None:
+        """A word that counts at the end of its clause, or only where it is alone in it."""
+        last, alone = [[*self._in(reading, table)] for table in (self._last, self._alone)]
+        if not (last or alone):
+            return None
+        courtesies = self._in(reading, self._courtesies)
+        quiet = _Quiet(reading, chain(courtesies, last, alone))
+        ending = (one for one in last if quiet.after(one))
+        lonely = (one for one in alone if quiet.after(one) and quiet.before(one))
+        for found in chain(ending, lonely):
+            if not self._is_innocent(reading, bares, found):
+                return found.word
+        return None
+
+    def _glued(self, reading: Phrase) -> str | None:
+        """One word again and again without a space, as in "stopstopstop"."""
+        for word in reading:
+            for one in self._begun.get(word.bare[:2], ()):
+                if _repeats(one, word.bare):
+                    return self._whole[one]
+        return None
+
+    def _spelled(self, reading: Phrase) -> str | None:
+        """A word letter by letter, as in "s, t, o, p"."""
+        for letters in spelled_out(reading):
+            for bare, said in self._whole.items():
+                if len(bare) >= _SPELLED_MIN and bare in letters:
+                    return said
+        return None
+
+    def _in(self, reading: Phrase, index: "_Index") -> Iterator[_Found]:
+        for start, word in enumerate(reading):
+            for phrase, said in index.get(word.bare, ()):
+                end = start + len(phrase)
+                if end > len(reading) or reading[end - 1].bare != phrase[-1].bare:
+                    continue
+                if all(map(self._same, reading[start:end], phrase)):
+                    yield _Found(said, start, end)
+
+    def _same(self, word: SpelledWord, wanted: SpelledWord) -> bool:
+        """Folded they are one, and unfolded it is no other word of the language."""
+        return word.exact == wanted.exact or (
+            word.bare == wanted.bare and word.exact not in self._others
+        )
+
+    def _is_innocent(self, reading: Phrase, bares: tuple[str, ...], found: _Found) -> bool:
+        """Whether it is within an innocent phrase that stands in one clause."""
+        excused = self._excused
+        for start in range(max(0, found.end - excused.reach), found.start + 1):
+            for length in excused.lengths.get(bares[start], ()):
+                end = start + length
+                if not found.end <= end <= len(reading):
+                    continue
+                phrases = excused.phrases.get(bares[start:end], ())
+                said = reading[start:end] if phrases else ()
+                if any(word.breaks for word in said[1:]):
+                    break
+                for phrase, must_end in phrases:
+                    ends = not must_end or _ends_clause(reading, end)
+                    if ends and all(map(self._same_innocent, said, phrase)):
+                        return True
+        return False
+
+    def _same_innocent(self, word: SpelledWord, wanted: SpelledWord) -> bool:
+        """As `_same`, and it is no other stop word: "dừng dừng" is not "đừng dừng"."""
+        return self._same(word, wanted) and (
+            word.exact == wanted.exact or word.exact not in self._exact
+        )
+
+
+class _Foreign:
+    """The stop words of all other languages, which count alone or first."""
+
+    def __init__(self, code: str) -> None:
+        known = {word.casefold() for word in (*STOP_WORDS[code].all, *STOP_WORDS[code].ordinary)}
+        self._unspaced = code in _UNSPACED
+        self._phrases: dict[str, list[tuple[Phrase, str]]] = defaultdict(list)
+        for other in LANGUAGES:
+            if other in (code, "en"):
+                continue
+            table = STOP_WORDS[other]
+            for rows in (table.anywhere, table.last):
+                for said, phrase in zip(rows, _phrases(rows), strict=True):
+                    if said.casefold() not in known:
+                        self._phrases[phrase[0].bare].append((phrase, said))
+
+    def find(self, reading: Phrase) -> str | None:
+        """The stop word with which this begins."""
+        for phrase, said in self._phrases.get(reading[0].bare, ()) if reading else ():
+            end = len(phrase)
+            if end > len(reading) or any(word.breaks for word in reading[1:end]):
+                continue
+            whole = not (self._unspaced or len(said) == 1) or _ends_clause(reading, end)
+            if whole and all(map(_is_as_written, reading[:end], phrase)):
+                return said
+        return None
+
+
+def _is_as_written(word: SpelledWord, wanted: SpelledWord) -> bool:
+    """Whether it is this word; a long one may lack its accents."""
+    return word.exact == wanted.exact or (word.bare == wanted.bare and len(word.bare) >= _ALONE_MIN)
+
+
+def _without(table: StopWords, ordinary: Sequence[str]) -> StopWords:
+    """A table of another language without what are ordinary words of the one that is spoken."""
+    left = {
+        name: tuple(one for one in getattr(table, name) if one not in ordinary)
+        for name in ("anywhere", "last", "alone")
+    }
+    return replace(table, **left)
+
+
+_Index = dict[str, list[tuple[Phrase, str]]]
+_Innocent = dict[tuple[str, ...], list[tuple[Phrase, bool]]]
+
+
+class _Excused:
+    """Innocent phrases, ready to be looked up."""
+
+    def __init__(self, phrases: _Innocent) -> None:
+        self.phrases = phrases
+        self.lengths = _lengths(phrases)
+        self.reach = max(map(len, phrases))
+
+
+@lru_cache
+def _rules(code: str) -> _Rules:
+    return _Rules(code)
+
+
+@lru_cache
+def _foreign(code: str) -> _Foreign:
+    return _Foreign(code)
+
+
+def _index(listed: Iterable[tuple[str, ...]]) -> _Index:
+    """Phrases and how the table spells them, by the first word's bare form."""
+    index: _Index = defaultdict(list)
+    for rows in listed:
+        for said, phrase in zip(rows, _phrases(rows), strict=True):
+            index[phrase[0].bare].append((phrase, said))
+    return dict(index)
+
+
+@lru_cache
+def _phrases(rows: tuple[str, ...]) -> tuple[Phrase, ...]:
+    return tuple(map(words, rows))
+
+
+def _innocent(tables: Sequence[StopWords]) -> _Innocent:
+    """Innocent phrases, and whether each must end its clause, by their bare words."""
+    stops = {_bare(phrase) for table in tables for phrase in _phrases(table.all)}
+    index: _Innocent = defaultdict(list)
+    for phrase, must_end in chain.from_iterable(map(_innocent_phrases, tables)):
+        bares = _bare(phrase)
+        if bares not in stops:  # "ne {stop}" is none with "bouge plus"
+            index[bares].append((phrase, must_end))
+    return dict(index)
+
+
+@lru_cache
+def _innocent_phrases(table: StopWords) -> tuple[tuple[Phrase, bool], ...]:
+    stops = (*_phrases(table.anywhere), *_phrases(table.last))
+    found: list[tuple[Phrase, bool]] = []
+    for row in table.innocent:
+        written = row.removesuffix(_CLAUSE_END)
+        before, slot, after = written.partition("{stop}")
+        begins, ends = words(before), words(after)
+        said = stops if slot else ((),)
+        found += [((*begins, *stop, *ends), written != row) for stop in said]
+    return tuple(found)
+
+
+def _lengths(phrases: Iterable[tuple[str, ...]]) -> dict[str, tuple[int, ...]]:
+    """How many words the phrases have that begin with a bare word, the shortest first."""
+    lengths: dict[str, set[int]] = defaultdict(set)
+    for phrase in phrases:
+        lengths[phrase[0]].add(len(phrase))
+    return {word: tuple(sorted(some)) for word, some in lengths.items()}
+
+
+def _repeats(word: str, text: str) -> bool:
+    """Whether a bare text is this word again and again; its last letter may be its first too."""
+    more = word[1:] if word[0] == word[-1] else word
+    times, rest = divmod(len(text) - len(word), len(more) or 1)
+    return times > 0 and not rest and text == word + more * times
+
+
+def _bare(phrase: Phrase) -> tuple[str, ...]:
+    return tuple(word.bare for word in phrase)
+
+
+class _Quiet:
+    """Where nothing but quiet words, courtesies say, stands in a clause before or after a word."""
+
+    def __init__(self, reading: Phrase, said: Iterable[_Found]) -> None:
+        quiet = {i for one in said for i in range(one.start, one.end)}
+        self._reading = reading
+        self._after = [True] * (len(reading) + 1)
+        self._before = [True] * (len(reading) + 1)
+        for i in reversed(range(len(reading))):
+            self._after[i] = reading[i].breaks or (i in quiet and self._after[i + 1])
+        for i, word in enumerate(reading):
+            self._before[i + 1] = i in quiet and (word.breaks or self._before[i])
+
+    def after(self, found: _Found) -> bool:
+        """Whether all is quiet between this and the end of its clause."""
+        return self._after[found.end]
+
+    def before(self, found: _Found) -> bool:
+        """Whether all is quiet between the beginning of its clause and this."""
+        return self._reading[found.start].breaks or self._before[found.start]
+
+
+def _ends_clause(reading: Phrase, end: int) -> bool:
+    return end == len(reading) or reading[end].breaks
+
+
+def _parts(text: str, code: str) -> Iterator[str]:
+    """The text, or what is searched of one that is too long to be done, in parts that overlap.
+
+    One character may be written as eighteen. The beginning and the end are searched as any text is;
+    of what lies between, only where a stop word stands as the table spells it.
+    """
+    if len(text) <= 2 * MAX_CHARACTERS:
+        folded = one_form(text)
+        if len(folded) <= 2 * MAX_CHARACTERS:
+            yield text
+            return
+        text = folded
+    begins = range(0, len(text), MAX_CHARACTERS)
+    ends = (
+        begins
+        if len(begins) <= 2 * WHOLE_PARTS
+        else (*begins[:WHOLE_PARTS], *begins[-WHOLE_PARTS:])
+    )
+    for begin in ends:
+        yield text[max(0, begin - OVERLAP) : begin + MAX_CHARACTERS]
+    if ends is not begins:
+        yield from _near_stop_words(text[begins[WHOLE_PARTS] : begins[-WHOLE_PARTS]], code)
+
+
+def _near_stop_words(text: str, code: str) -> Iterator[str]:
+    """Where stop words stand, with what is around; of very many, the words alone, which stop."""
+    folded = text.casefold()
+    words = dict.fromkeys(said.casefold() for c in (code, "en") for said in STOP_WORDS[c].anywhere)
+    for word in words:
+        begin, count = folded.find(word), 0
+        while begin >= 0:
+            count += 1
+            around = OVERLAP if count < MOST_FOUND else 0
+            yield folded[max(0, begin - around) : begin + len(word) + around]
+            if not around:
+                break
+            begin = folded.find(word, begin + len(word))

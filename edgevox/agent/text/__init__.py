@@ -1,0 +1,1 @@
+"""Words as they are written: spelling, numbers, names that are the same, reasons."""

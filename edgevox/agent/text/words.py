@@ -1,0 +1,105 @@
+"""Words in the forms that sentences need: a thing's name, and how one speaks of it.
+
+Forms of words and sentences that phrasebooks need, whatever the language.
+"""
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from string import Formatter
+from typing import Any
+
+from edgevox.core.files.yaml_file import value_key
+from edgevox.core.reason import Named
+
+_ONE_NAME = {"location": "room"}
+"""What phrasebooks call by another name: all places are spoken of as rooms."""
+
+
+def bare(sentence: str) -> str:
+    """Without the full stop: it becomes part of another sentence."""
+    return sentence.rstrip(". \u3002\u0964")
+
+
+def as_part(sentence: str) -> str:
+    """A sentence as a part of another."""
+    return continued(sentence).rstrip(".")
+
+
+def continued(sentence: str) -> str:
+    """A sentence as the end of another."""
+    return f"{sentence[:1].lower()}{sentence[1:]}"
+
+
+def in_english(value: Any) -> Any:
+    """A value as English sentences use it."""
+    return value.replace("_", " ") if isinstance(value, str) else value
+
+
+def fields(template: str) -> set[str]:
+    """The values that a sentence needs, without their forms: "{room.to}" needs "room"."""
+    names = (name for _, name, _, _ in Formatter().parse(template) if name)
+    return {re.split(r"[.\[]", name)[0] for name in names}
+
+
+def spoken_name(argument: str) -> str:
+    """How phrasebooks call an argument or a result of this name."""
+    return _ONE_NAME.get(argument, argument)
+
+
+_NO_WORD = {"name": "{name}"}
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """A word that an argument or a result may be, in the forms that sentences need.
+
+    `name` with its article, `to` and `at` with the prepositions of going and of being there,
+    `taken` as what somebody grasps. `heard` is what people say for it, `hints` are sentences of
+    people who mean it without saying it.
+    """
+
+    name: str
+    to: str
+    at: str
+    taken: str
+    heard: tuple[str, ...] = ()
+    hints: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        return self.name
+
+    def called(self, name: str) -> "Word":
+        """The same forms, of another name."""
+        forms = (self.name, self.to, self.at, self.taken)
+        named, to, at, taken = (form.replace("{name}", name) for form in forms)
+        return Word(named, to, at, taken, heard=(name,))
+
+
+def word_of(data: Mapping[str, Any] | None) -> Word:
+    """A word of a phrasebook's file; without one the forms of a word that nobody knows."""
+    data = data or _NO_WORD
+    name = data["name"]
+    return Word(
+        name=name,
+        to=data.get("to", name),
+        at=data.get("at", name),
+        taken=data.get("taken", name),
+        heard=tuple(data.get("heard", (name,))),
+        hints=tuple(data.get("hints", ())),
+    )
+
+
+def worded(values: Mapping[str, Any], words: Mapping[str, Mapping[str, str]]) -> Mapping[str, Any]:
+    """Values as sentences need them: what is said for one, where there is something."""
+    said = {name: words.get(name, {}).get(value_key(value)) for name, value in values.items()}
+    return {**values, **{name: _PLAIN.called(text) for name, text in said.items() if text}}
+
+
+def in_brackets(values: Iterable[Any], code: str) -> str:
+    """The names in a language of those that have one there, behind a sentence without them."""
+    names = (one.names.get(code) for one in values if isinstance(one, Named))
+    return "".join(f" ({name})" for name in names if name)
+
+
+_PLAIN = word_of(None)

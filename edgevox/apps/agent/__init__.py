@@ -1,0 +1,1 @@
+"""`edgevox-agent`: built of its parts, started, served."""

@@ -1,0 +1,296 @@
+"""Puts an agent together, by hand, and takes it apart in reverse order.
+
+What a drain is made of in an agent.
+
+Which arguments of skills may hold what somebody said.
+"""
+
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+
+from edgevox.agent.agents import Agent
+from edgevox.agent.conversation import Conversation
+from edgevox.agent.llm.language_model import LanguageModel, ModelFailed
+from edgevox.agent.llm.prefill import PromptPrefill
+from edgevox.agent.programs.senses import NO_SENSES
+from edgevox.agent.text.reasons import because
+from edgevox.apps.agent.components import list_components
+from edgevox.apps.agent.models import (
+    find_weights,
+    open_decider,
+    open_model,
+    open_phonemes,
+    open_without,
+)
+from edgevox.apps.agent.parts import AgentParts, CommandRouter, Startable
+from edgevox.apps.agent.policy import build_guard, log_strange_names
+from edgevox.apps.agent.queries import available_voices, build_queries, deafness
+from edgevox.apps.agent.skills import gather_skills
+from edgevox.apps.agent.voice import build_listener, build_voice, endings, warm_up_hearing
+from edgevox.apps.console.serve_console import serve_console
+from edgevox.apps.metrics import read_bridge, read_parts, serve_metrics
+from edgevox.apps.robots import build_agents
+from edgevox.apps.streams import show
+from edgevox.core.bus import Bus
+from edgevox.core.commands import Speak
+from edgevox.core.controls import Controls
+from edgevox.core.events import ControlChanged
+from edgevox.core.gauges import Gauges
+from edgevox.core.log import get_logger
+from edgevox.core.motion.drain import Drain
+from edgevox.core.motion.interlock import Interlock
+from edgevox.core.motion.software_stop import SoftwareStop
+from edgevox.core.settings import Settings
+from edgevox.core.status import Components, HealthCheck, lives
+from edgevox.models import ModelMissing
+from edgevox.ops.health import Health
+from edgevox.ops.logs import BusLog
+from edgevox.robots.capabilities import Body, HasPose
+from edgevox.robots.program_senses import senses_of
+from edgevox.ros2 import BridgeContext, open_bridge
+
+log = get_logger(__name__)
+
+
+STANDS_M_S, STANDS_RAD_S = 0.01, 0.01
+"""What is slower stands: a simulated robot comes to rest, a real one never measures zero."""
+
+
+def build_drain(
+    settings: Settings, interlock: Interlock, bus: Bus, body: Body | None, talk: Conversation
+) -> Drain:
+    """It waits for goals as long as the settings say, and to stand for half of `leave_s`."""
+    return Drain(
+        interlock,
+        bus,
+        halt=body.halt if body else lambda _: False,
+        busy=lambda: talk.busy,
+        stands=lambda: stands(body),
+        reason=because("draining"),
+        bound_s=settings.drain_s,
+        stand_s=settings.leave_s / 2,
+    )
+
+
+def stands(body: Body | None) -> bool:
+    """Whether it is seen to stand; one that does not say how it moves stands once it was halted."""
+    if not isinstance(body, HasPose):
+        return True
+    now = body.velocity()
+    return abs(now.linear_m_s) < STANDS_M_S and abs(now.angular_rad_s) < STANDS_RAD_S
+
+
+def free_text(agents: Sequence[Agent]) -> Callable[[str, str], bool]:
+    """Whether an argument, by its skill's name and its own, takes any words.
+
+    One of a skill that nobody has counts as such.
+    """
+    free = {name: one.free_text for agent in agents for name, one in agent.skills.items()}
+    return lambda skill, argument: skill not in free or argument in free[skill]
+
+
+def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> AgentParts:
+    """Make everything; what must be closed is left to the stack. Raises `EdgeVoxError`.
+
+    Only health and metrics are served from now on: a model may take long to load.
+    """
+    components = Components()
+    health = _serve_health(stack, settings, components)
+    bus = Bus()
+    guard = build_guard(settings, bus, body)
+    robot_skills = gather_skills(body, settings)
+    log_strange_names(guard, robot_skills.skills)
+    agents = build_agents(body, robot_skills.skills)
+    stack.callback(BusLog(bus, free_text(agents)).close)
+    metrics = serve_metrics(stack, settings, bus, components, health, skills=robot_skills.skills)
+    controls = Controls(
+        bus,
+        language=settings.language,
+        voice=settings.voice,
+        muted=settings.muted,
+        confirm=settings.confirm,
+        voices=available_voices,
+        deafness=(lambda _: "") if settings.text_mode else deafness,
+    )
+    voice = (
+        None
+        if settings.text_mode
+        else build_voice(stack, settings, bus, controls, robot_skills.skills)
+    )
+    model, model_path, absent = _think(settings)
+    if model:
+        stack.callback(model.close)
+    interlock = Interlock()
+    halt = body.halt if body else lambda _: False
+    conversation = Conversation(
+        agents,
+        bus,
+        halt=halt,
+        model=model,
+        speech_output=voice.speech_output if voice else None,
+        language=settings.language,
+        confirm=settings.confirm,
+        interlock=interlock,
+        guard=guard,
+        decider=open_decider(),
+        phonemes=open_phonemes() if voice else None,
+        pose=body.pose if isinstance(body, HasPose) else None,
+        senses=senses_of(body) if body else NO_SENSES,
+    )
+    bus.subscribe(ControlChanged, lambda change: _follow(conversation, change))
+    software_stop = SoftwareStop(interlock, bus, conversation.stop, because("software_stop"))
+    drain = build_drain(settings, interlock, bus, body, conversation)
+    health.offer(drain)
+    queries = build_queries(
+        controls,
+        model_path,
+        endpoint=settings.llm_endpoint,
+        programs=conversation.programs.listed,
+        **(voice.infos(controls) if voice else {}),
+    )
+    command_router = CommandRouter(conversation, controls, queries, bus)
+    listener = (
+        build_listener(
+            voice,
+            settings,
+            bus,
+            controls,
+            submit=command_router.submit,
+            is_stop=conversation.is_stop,
+            ending=endings(conversation).of,
+        )
+        if voice
+        else None
+    )
+    return AgentParts(
+        settings,
+        bus,
+        body,
+        controls,
+        queries,
+        conversation,
+        command_router,
+        model,
+        voice,
+        listener,
+        components,
+        health,
+        model_path,
+        metrics,
+        absent,
+        interlock,
+        guard,
+        robot_skills,
+        software_stop=software_stop,
+        drain=drain,
+    )
+
+
+def start_parts(stack: ExitStack, parts: AgentParts, ros_args: Sequence[str] = ()) -> None:
+    """Start everything, from the body outwards; what is closed last is started first.
+
+    When this returns, typed and spoken commands are done. Nobody waits for the voice and for the
+    prompt of the language model: both are loaded afterwards, one after the other, so that whoever
+    speaks meanwhile is understood soon.
+    """
+    if parts.body:
+        start(stack, parts.body)
+    if parts.voice:
+        start(stack, parts.voice.speech_output)
+    read_parts(parts)
+    gauges = Gauges(parts.bus)
+    stack.callback(gauges.close)
+    list_components(parts, gauges)
+    parts.health.add(HealthCheck("conversation", lives(lambda: parts.conversation.alive)))
+    if parts.settings.ros2:
+        bridge = open_bridge(_bridge_context(parts), ros_args)
+        parts.components.add(*bridge.components)
+        read_bridge(parts, bridge)
+        start(stack, bridge)
+        show(f"ROS 2: {bridge.where}")
+    if parts.settings.serves_console:
+        serve_console(stack, parts)
+    prefill = _prefill(stack, parts)
+    start(stack, parts.conversation)  # after the bridge, so that its first state is heard there
+    if parts.voice and parts.listener:
+        show("warming up ...")
+        warm_up_hearing(parts.voice, parts.controls.language)
+        start(stack, parts.listener)
+        parts.voice.speech_output.prepare()
+    if prefill:
+        prefill.start()
+    if parts.absent:
+        phrases = parts.conversation.interpreter.phrases
+        parts.conversation.submit(Speak(phrases.say("model_failed")))
+    parts.health.started()
+
+
+def _prefill(stack: ExitStack, parts: AgentParts) -> PromptPrefill | None:
+    """What reads the prompt into the model, once the voice is there. It ends after whom it serves.
+
+    The conversation has not begun: from then on nobody else may ask its interpreter.
+    """
+    if parts.model is None:
+        return None
+    opening = parts.conversation.interpreter.chat()
+    after = parts.voice.speech_output.warm_up if parts.voice else None
+    prefill = PromptPrefill(parts.model, opening, after=after)
+    stack.callback(prefill.close)
+    return prefill
+
+
+def _think(settings: Settings) -> tuple[LanguageModel | None, Path | None, str]:
+    """What thinks, the file of the model on board, and why there is none though one was asked for.
+
+    Plain commands need no model, so a robot that lacks its own comes up, and says so.
+    """
+    try:
+        weights = find_weights(settings)
+        return open_model(settings, weights), weights, ""
+    except (ModelMissing, ModelFailed) as error:
+        absent = str(error)
+        log.error("llm_missing", reason=absent)  # noqa: TRY400 - the reason says it all
+        return open_without(settings, absent), None, absent
+
+
+def _serve_health(stack: ExitStack, settings: Settings, components: Components) -> Health:
+    health = Health(components)
+    if settings.health_port:
+        from edgevox.ops.health import HealthServer
+
+        start(stack, HealthServer(health, settings.health_host, settings.health_port))
+    return health
+
+
+def _bridge_context(parts: AgentParts) -> BridgeContext:
+    voice = parts.voice
+    return BridgeContext(
+        parts.settings,
+        parts.bus,
+        parts.command_router.submit,
+        parts.controls,
+        parts.queries,
+        parts.body,
+        parts.conversation if parts.body else None,
+        voice.microphone if voice else None,
+        voice.relay if voice else None,
+        parts.components,
+        parts.interlock,
+        parts.guard,
+        parts.robot_skills.handle,
+    )
+
+
+def start(stack: ExitStack, part: Startable) -> None:
+    """Start it, and leave its end to the stack."""
+    stack.callback(part.close)
+    part.start()
+
+
+def _follow(conversation: Conversation, change: ControlChanged) -> None:
+    match change:
+        case ControlChanged(name="language", value=code):
+            conversation.set_language(str(code))
+        case ControlChanged(name="confirm", value=("always" | "unsure" | "never") as confirm):
+            conversation.set_confirm(confirm)

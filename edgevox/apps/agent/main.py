@@ -1,0 +1,196 @@
+"""`edgevox-agent`: an agent with a body, aloud, on the terminal and on ROS 2.
+
+What `edgevox-agent` was asked on its command line, as one value.
+
+`--check`: what a robot can do, as the files and settings that were given make it.
+"""
+
+import argparse
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NoReturn
+
+from edgevox import __version__
+from edgevox.agent.phrases.load import ENGLISH, phrasebook
+from edgevox.agent.phrases.name_rules import check_skills
+from edgevox.apps.agent.play import play, read_script
+from edgevox.apps.agent.policy import build_guard, strange_names
+from edgevox.apps.agent.serve import serve
+from edgevox.apps.agent.skills import about_packages, gather_skills
+from edgevox.apps.agent.snapshot import take_snapshot
+from edgevox.apps.flags import add_flags, given_flags
+from edgevox.apps.plugins import Plugins, bring_plugins, plugins_folder
+from edgevox.apps.robots import ROBOTS, about, build_body, learn_robots, open_places
+from edgevox.apps.run_program import run_program, secure_ros2, set_up_logs
+from edgevox.apps.shutdown_signals import ShutdownSignals, Terminated
+from edgevox.apps.streams import show, with_streams
+from edgevox.core.bus import Bus
+from edgevox.core.files.text import one_line
+from edgevox.core.settings import Settings, load_settings
+from edgevox.robots.capabilities import Body
+from edgevox.ros2 import split_ros_args
+
+
+@dataclass(frozen=True)
+class AgentArguments:
+    """The command line, taken apart; nothing in it is validated but the robot's name.
+
+    `flags` are only those settings that were given. `ros_args` go to ROS 2 as they are.
+    """
+
+    robot: str
+    flags: dict[str, Any]
+    config: Path | None
+    scenario: Path | None
+    snapshot: Path | None
+    check: bool
+    ros_args: tuple[str, ...]
+
+
+def parse_arguments(argv: Sequence[str], complaint: str = "") -> AgentArguments:
+    """Read a command line; ends the process for one that makes no sense, as argparse does.
+
+    `complaint` is said with what is wrong then: why a robot may be missing.
+    """
+    own, ros = split_ros_args(argv)
+    arguments = _parser(complaint).parse_args(own)
+    return AgentArguments(
+        arguments.robot,
+        given_flags(arguments),
+        arguments.config,
+        arguments.scenario,
+        arguments.snapshot,
+        arguments.check,
+        tuple(ros),
+    )
+
+
+class _ArgumentParser(argparse.ArgumentParser):
+    """Loads robots and packages with skills only for those who ask for help."""
+
+    def __init__(self, prog: str, description: str, epilog: str, complaint: str) -> None:
+        super().__init__(prog, description=description, epilog=epilog)
+        self._complaint = complaint
+        self._robot = self.add_argument("robot", choices=ROBOTS, metavar="ROBOT")
+
+    def error(self, message: str) -> NoReturn:
+        super().error("\n".join(filter(None, (message, self._complaint))))
+
+    def format_help(self) -> str:
+        self._robot.help = "; ".join(f"{name}: {one.about}" for name, one in ROBOTS.items())
+        self.epilog = f"{self.epilog} {about_packages()}"
+        return super().format_help()
+
+
+def _parser(complaint: str) -> argparse.ArgumentParser:
+    parser = _ArgumentParser(
+        prog="edgevox-agent",
+        description="A voice agent with a robot's body.",
+        epilog="Settings come from a --config file, then EDGEVOX_* variables, then these flags.",
+        complaint=complaint,
+    )
+    parser.add_argument("--version", action="version", version=__version__)
+    parser.add_argument(
+        "--scenario",
+        type=Path,
+        metavar="FILE",
+        help="run this YAML file, as fast as the body can, and say whether all came true",
+    )
+    parser.add_argument(
+        "--snapshot",
+        type=Path,
+        metavar="FILE",
+        help="write a picture of the robot as PNG and leave; with --scenario, of its end",
+    )
+    parser.add_argument(
+        "--check",
+        action="store_true",
+        help="check the robot and its files, say what it can do, and leave",
+    )
+    add_flags(parser)
+    return parser
+
+
+SHORT = 60
+"""A longer template shows nobody what to say."""
+
+
+def check_robot(body: Body, settings: Settings) -> bool:
+    """Print the skills of a body that is not started, each with what it can be told; True.
+
+    Also what its policy names and it has not. Raises `InvalidValue` for a name that people need for
+    something else, and for a policy that cannot be used.
+    """
+    guard = build_guard(settings, Bus(), body)
+    check_skills(body.skills)
+    skills = gather_skills(body, settings).skills
+    if itself := about(body):
+        show(one_line(itself))
+    english = phrasebook(ENGLISH)
+    show(f"{body.name} has {len(skills)} skills:")
+    for one in skills:
+        templates = map(english.written_out, english.templates(one))
+        said = [sentence for sentence in templates if len(sentence) <= SHORT]
+        show(one_line(f"  {one.name}: {one.description} {said[0] if said else ''}".rstrip()))
+    for text in strange_names(guard, skills):
+        show(one_line(f"the policy names what the robot has not: {text}"))
+    return True
+
+
+IN_THE_HAND = 0.0
+"""A speed of the world: time passes only when somebody lets it."""
+
+
+@with_streams("edgevox-agent")
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the agent; the process's exit code."""
+    given = sys.argv[1:] if argv is None else argv
+    return run_program("edgevox-agent", lambda: _prepare(given))
+
+
+def _prepare(argv: Sequence[str]) -> Callable[[], bool]:
+    """What to run; it says whether it went well. Raises `EdgeVoxError` for what cannot be."""
+    plugins = bring_plugins(plugins_folder(argv))
+    learn_robots()
+    asked = parse_arguments(argv, plugins.complaint)
+    if asked.scenario:
+        return _prepare_scenario(asked, asked.scenario, plugins)
+    settings = load_settings(asked.flags, asked.config)
+    set_up_logs("edgevox-agent", settings)
+    secure_ros2("edgevox-agent", settings)
+    plugins.log()
+    if snapshot := asked.snapshot:
+        drawn = build_body(asked.robot, settings, IN_THE_HAND)
+        return lambda: take_snapshot(drawn, snapshot)
+    if asked.check:
+        checked = build_body(asked.robot, settings, IN_THE_HAND)
+        return lambda: check_robot(checked, settings)
+    body = build_body(asked.robot, settings)
+    open_places(body, settings)
+    return lambda: serve(settings, body, asked.ros_args)
+
+
+def _prepare_scenario(asked: AgentArguments, file: Path, plugins: Plugins) -> Callable[[], bool]:
+    script = read_script(file, asked.robot)
+    settings = load_settings(script.flags(asked.flags), asked.config)
+    set_up_logs("edgevox-agent", settings)
+    secure_ros2("edgevox-agent", settings)
+    plugins.log()
+    body = build_body(asked.robot, settings, IN_THE_HAND)
+    if settings.places:  # a run of a scenario remembers nothing of the last one, unless it says so
+        open_places(body, settings)
+    return lambda: _interruptible(
+        lambda: play(script, settings, body, snapshot=asked.snapshot, ros_args=asked.ros_args),
+        settings.leave_s,
+    )
+
+
+def _interruptible(run: Callable[[], bool], leave_s: float) -> bool:
+    """Run it; a signal that ends it early means that it did not go well."""
+    try:
+        with ShutdownSignals(leave_s):
+            return run()
+    except (Terminated, KeyboardInterrupt):
+        return False

@@ -1,0 +1,300 @@
+"""Speech in and out of an agent, made from the settings.
+
+Whether stop words are heard by their sound, too.
+
+Which wake word listens, by which engine, and what its licence says.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+from edgevox.agent.conversation import Conversation
+from edgevox.agent.nlu.hearing.endings import Endings
+from edgevox.agent.nlu.hearing.prompt import HearingPrompts
+from edgevox.agent.phrases.load import phrasebook
+from edgevox.agent.skills import Skill, SkillSet
+from edgevox.apps.agent.queries import Info, present_voices, tts_info
+from edgevox.core.bus import Bus
+from edgevox.core.commands import Command, Speak
+from edgevox.core.controls import Controls
+from edgevox.core.errors import InvalidValue
+from edgevox.core.events import ControlChanged
+from edgevox.core.languages import LANGUAGES, STT_BACKEND
+from edgevox.core.log import get_logger
+from edgevox.core.settings import Settings
+from edgevox.core.speech import Ending
+from edgevox.models import locate
+from edgevox.models.manifest import builtin_manifest
+from edgevox.voice.audio import AudioSource
+from edgevox.voice.echo.played import PlayedSound
+from edgevox.voice.foreground import open_vad
+from edgevox.voice.listener import Listener
+from edgevox.voice.sentence_synthesiser import SentenceSynthesiser
+from edgevox.voice.sinks.open_sink import open_sink
+from edgevox.voice.sinks.relay import Relay
+from edgevox.voice.sinks.tapped import TappedSink
+from edgevox.voice.sources.files import WavFiles
+from edgevox.voice.sources.open_source import ROS2, open_source
+from edgevox.voice.sources.pushed import Pushed
+from edgevox.voice.speech_output import SpeechOutput
+from edgevox.voice.stop.detector import StopDetector
+from edgevox.voice.stop.network import ENCODER
+from edgevox.voice.stop.spotter import open_stop_spotter
+from edgevox.voice.stt.kept import MOST_BYTES, MOST_UTTERANCES, KeepingSpeechToText, KeptAudio
+from edgevox.voice.stt.speech_to_text import SpeechToText
+from edgevox.voice.stt.watched import WatchedSpeechToText
+from edgevox.voice.stt.whisper import Whisper
+from edgevox.voice.tts.pool import VoicePool
+from edgevox.voice.wake.wakeword import WakeDetector
+
+log = get_logger(__name__)
+
+
+def open_stop_detector(settings: Settings) -> StopDetector | None:
+    """What hears them, loaded.
+
+    None where nobody asks for it, or, which is logged, where its model is not here or cannot be
+    loaded: stop words are heard by their words all the same.
+    """
+    if not settings.stop_spotter:
+        return None
+    try:
+        spotter = open_stop_spotter(locate(ENCODER))
+        spotter.warm_up()
+    except Exception as error:  # noqa: BLE001 - whatever its library raises, the robot starts
+        log.warning("stop_spotter_missing", reason=str(error))
+        return None
+    return spotter
+
+
+MICRO = "micro-wake-words"
+"""The id in edgevox-models of networks that a product may use."""
+OPEN = "wake-words"
+"""The id of openWakeWord's, which may not be used commercially."""
+MODELS: Mapping[str, str] = {"micro": MICRO, "openwakeword": OPEN}
+"""The models of each engine."""
+
+_FRONT_END = {"embedding_model", "melspectrogram"}
+
+
+def open_wakeword(settings: Settings) -> WakeDetector | None:
+    """What listens for the wake word; None without one.
+
+    Raises `InvalidValue` for a phrase that the engine has no network for, `ModelMissing` for
+    networks that are not here.
+    """
+    if not settings.wakeword:
+        return None
+    if own := own_file(settings):
+        return _micro(own)
+    engine = settings.wakeword_engine
+    phrase = " ".join(settings.wakeword.casefold().replace("_", " ").split())
+    if phrase not in phrases(engine):
+        others = [name for name in MODELS if phrase in phrases(name)]
+        hint = f"; or set wakeword_engine to {others[0]}, which has it" if others else ""
+        known = ", ".join(phrases(engine))
+        raise InvalidValue("wakeword", settings.wakeword, f"one of {known}, or a .json file{hint}")
+    folder = locate(MODELS[engine])
+    if engine == "micro":
+        return _micro(folder / f"{phrase.replace(' ', '_')}.json")
+    from edgevox.voice.wake.wakeword import WakeWord
+
+    licence = builtin_manifest().licences[builtin_manifest().models[OPEN].licence]
+    log.warning("wake_word_not_commercial", phrase=phrase, licence=licence.name)
+    return WakeWord(phrase, folder)
+
+
+def needed_models(settings: Settings) -> tuple[str, ...]:
+    """The ids of the models that the wake word needs."""
+    own = not settings.wakeword or own_file(settings)
+    return () if own else (MODELS[settings.wakeword_engine],)
+
+
+def phrases(engine: str) -> list[str]:
+    """The wake words that an engine's models have."""
+    names = (Path(file.name) for file in builtin_manifest().models[MODELS[engine]].files)
+    stems = {name.stem for name in names if name.suffix == ".tflite"}
+    return sorted(name.replace("_", " ") for name in stems - _FRONT_END)
+
+
+def own_file(settings: Settings) -> Path | None:
+    """The description of a network that somebody trained, if the setting names one."""
+    file = Path(settings.wakeword).expanduser()
+    return file if file.suffix == ".json" else None
+
+
+def _micro(file: Path) -> WakeDetector:
+    from edgevox.voice.wake.micro import MicroWakeWord
+
+    return MicroWakeWord(file)
+
+
+@dataclass(frozen=True)
+class VoiceChain:
+    """What hears and speaks. `relay` carries speech to ROS 2 when `audio_out` says so.
+
+    `weights` gives the files that are loaded, of ``stt`` and ``tts``, or folders of them.
+    """
+
+    source: AudioSource
+    sink: TappedSink
+    stt: WatchedSpeechToText
+    speech_output: SpeechOutput
+    wakeword: WakeDetector | None
+    relay: Relay | None
+    played: PlayedSound
+    weights: Callable[[], Mapping[str, Iterable[Path]]]
+
+    @property
+    def microphone(self) -> Pushed | None:
+        """The source that ROS 2 fills, if `audio_in` says so."""
+        return self.source if isinstance(self.source, Pushed) else None
+
+    def infos(self, controls: Controls) -> dict[str, Info]:
+        """What hears and what speaks, as `model_info` says it."""
+        return {
+            "stt": lambda: _stt_info(controls.language),
+            "tts": lambda: tts_info(self.speech_output.synthesiser),
+        }
+
+
+def build_voice(
+    stack: ExitStack,
+    settings: Settings,
+    bus: Bus,
+    controls: Controls,
+    skills: Iterable[Skill] = (),
+) -> VoiceChain:
+    """Open sound in both directions and load what the first sentence needs.
+
+    Raises `InvalidValue` for a setting that cannot be honoured, `ModelMissing` for wake words that
+    are not here: a robot that takes every word for a command, or none, is not what was asked for.
+    """
+    if settings.audio_in == ROS2 and not settings.ros2:
+        raise InvalidValue("audio_in", ROS2, "ros2 only together with --ros2")
+    source = open_source(settings.audio_in)
+    stack.callback(source.close)
+    relay = Relay()
+    played = PlayedSound()
+    sink = TappedSink(
+        open_sink(settings.audio_out, relay=relay if settings.ros2 else None, played=played)
+    )
+    stack.callback(sink.close)
+    wakeword = open_wakeword(settings)
+    if wakeword:
+        stack.callback(wakeword.close)
+    stt, heard_by = open_hearing(stack, settings, HearingPrompts(SkillSet(skills)))
+    pool = VoicePool()
+    speech_output = SpeechOutput(SentenceSynthesiser(present_voices(controls), pool), sink)
+    stack.callback(bus.subscribe(ControlChanged, lambda change: _prepare(speech_output, change)))
+    connected = relay if settings.ros2 and settings.audio_out == ROS2 else None
+    return VoiceChain(
+        source,
+        sink,
+        stt,
+        speech_output,
+        wakeword,
+        connected,
+        played,
+        weights=lambda: {"stt": heard_by(), "tts": pool.files},
+    )
+
+
+def written_example(language: str) -> str:
+    """A sentence of the phrasebook, as hearing writes what it hears."""
+    return phrasebook(language).hearing.written
+
+
+def open_hearing(
+    stack: ExitStack, settings: Settings, prompt_of: Callable[[str], str] = written_example
+) -> tuple[WatchedSpeechToText, Callable[[], Iterable[Path]]]:
+    """What makes words of sound, and which folders of models it has loaded.
+
+    `prompt_of` tells it, by language, what it may expect. Raises `InvalidValue` for a folder of
+    `keep_audio` that cannot be written.
+    """
+    whisper = Whisper(_hearing_model, prompt_of=prompt_of)
+    hears: SpeechToText = whisper
+    if settings.keep_audio:
+        kept = KeptAudio(settings.keep_audio)
+        hears = KeepingSpeechToText(whisper, kept)
+        most_mb = MOST_BYTES // 1_000_000
+        log.warning("audio_is_kept", folder=str(kept.folder), most=MOST_UTTERANCES, most_mb=most_mb)
+    stt = WatchedSpeechToText(hears)
+    stack.callback(stt.close)
+    return stt, lambda: whisper.loaded
+
+
+def warm_up_hearing(voice: VoiceChain, language: str) -> None:
+    """Load and try what hears, so that the first who speaks does not wait for it.
+
+    What cannot be loaded is logged, and says so itself: the rest of the robot is of use without it.
+    """
+    # On another thread: a signal that arrives inside a C library's start would be lost there.
+    with ThreadPoolExecutor(1, "edgevox-warm-up") as worker:
+        error = worker.submit(voice.stt.warm_up, language).exception()
+    if error:
+        log.error("stt_missing", language=language, reason=str(error))
+
+
+def build_listener(
+    voice: VoiceChain,
+    settings: Settings,
+    bus: Bus,
+    controls: Controls,
+    *,
+    submit: Callable[[Command], None],
+    is_stop: Callable[[str], bool],
+    ending: Callable[[str], Ending],
+) -> Listener:
+    """The listener, not started; what it hears goes to `submit`.
+
+    Who speaks while no speech can be recognised is told that.
+    """
+    voice.stt.tell = lambda: submit(Speak(phrasebook(controls.language).say("deaf")))
+    from_files = isinstance(voice.source, WavFiles)
+    return Listener(
+        voice.source,
+        open_vad(),
+        voice.stt,
+        submit=submit,
+        bus=bus,
+        language=lambda: controls.language,
+        muted=lambda: controls.muted,
+        audible=voice.sink.audible,
+        wakeword=voice.wakeword,
+        is_stop=is_stop,
+        stop_detector=open_stop_detector(settings),
+        ending=ending,
+        saying=voice.speech_output.saying,
+        echo="none" if from_files else settings.echo,  # nothing comes back into a file
+        played=voice.played,
+        lossless=from_files,
+    )
+
+
+def endings(conversation: Conversation) -> Endings:
+    """What judges words by the templates that the conversation has now."""
+    interpreter = conversation.interpreter
+    return Endings(
+        interpreter.plain,
+        is_stop=conversation.is_stop,
+        hearing=lambda: interpreter.phrases.hearing,
+    )
+
+
+def _hearing_model(language: str) -> Path:
+    return locate(LANGUAGES[language].stt_model)
+
+
+def _prepare(speech_output: SpeechOutput, change: ControlChanged) -> None:
+    if change.name in ("language", "voice"):
+        speech_output.prepare()
+
+
+def _stt_info(language: str) -> dict[str, str]:
+    size = LANGUAGES[language].stt_model.removeprefix("whisper-")
+    return {"backend": STT_BACKEND, "model_size": size, "device": "cpu"}

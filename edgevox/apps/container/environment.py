@@ -1,0 +1,201 @@
+"""The container's environment, checked and made into what EdgeVox and ROS 2 read.
+
+One folder with all that a robot is made of: each file in it is the value of a variable.
+"""
+
+import difflib
+import os
+import re
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from edgevox.apps.container.variables import ENVIRONMENT, NO_ROBOT, Variable
+from edgevox.apps.plugins import bring_plugins
+from edgevox.apps.robots import ROBOTS, learn_robots
+from edgevox.core.errors import InvalidValue
+from edgevox.core.settings import ENV_PREFIX, check_settings, one_value
+
+FOLDER = "EDGEVOX_ROBOT_FOLDER"
+NAMES: Mapping[str, str] = {
+    "robot.yaml": "EDGEVOX_ROBOT_FILE",
+    "world.yaml": "EDGEVOX_WORLD",
+    "places.yaml": "EDGEVOX_LOCATIONS",
+    "policy.yaml": "EDGEVOX_POLICY",
+    "plugins": "EDGEVOX_PLUGINS",
+}
+"""What may lie in it, and the variable that names it elsewhere."""
+AGENTS_OF: Mapping[str, str] = {"robot.yaml": "robot-external", "world.yaml": "robot-apartment"}
+"""Which robot it is if nobody says so: the first file that is there says it."""
+MOUNTED = Path("/plugins")
+"""Plug-ins that are mounted, or part of a derived image: ours has no such folder."""
+ALSO = ("scenarios", "README.md")
+
+
+def from_folder(environment: Mapping[str, str], warn: Callable[[str], None]) -> dict[str, str]:
+    """The variables that the folder gives, and `/plugins` where it is there.
+
+    A variable that is set counts more. Raises `InvalidValue` if what `EDGEVOX_ROBOT_FOLDER` names
+    is none. A name in it that nobody reads and that is like one that is read goes to `warn`.
+    """
+    given = environment.get(FOLDER)
+    mounted = {NAMES["plugins"]: str(MOUNTED)} if MOUNTED.is_dir() else {}
+    return _not_set(mounted | (_values(given, warn) if given else {}), environment)
+
+
+def _not_set(values: Mapping[str, str], environment: Mapping[str, str]) -> dict[str, str]:
+    return {name: value for name, value in values.items() if not environment.get(name)}
+
+
+def _values(given: str, warn: Callable[[str], None]) -> dict[str, str]:
+    folder = Path(given)
+    if not folder.is_dir():
+        raise InvalidValue(FOLDER, given, "a folder in the container")
+    there = sorted(one.name for one in folder.iterdir())
+    for name in there:
+        if name not in NAMES and name not in ALSO:
+            _warn_of(name, warn)
+    values = {NAMES[name]: str(folder / name) for name in NAMES if name in there}
+    agent = next((AGENTS_OF[name] for name in AGENTS_OF if name in there), None)
+    if agent:
+        values["EDGEVOX_AGENT"] = agent
+    return values
+
+
+def _warn_of(name: str, warn: Callable[[str], None]) -> None:
+    (close, *_) = difflib.get_close_matches(name, [*NAMES, *ALSO], 1) or [""]
+    if close:
+        warn(f"{FOLDER}: nothing reads {name}; did you mean {close}?")
+
+
+TRUTH = {"true": "true", "1": "true", "yes": "true", "on": "true"}
+TRUTH |= {"false": "false", "0": "false", "no": "false", "off": "false"}
+NOT_OURS = re.compile(r"EDGEVOX_(\w+_)?(SERVICE_(HOST|PORT)(_\w+)?|PORT(_\d+_\w+)?)")
+"""What Kubernetes sets in every pod for a service whose name begins with edgevox."""
+PLUGINS = "EDGEVOX_PLUGINS"
+OF_COMPOSE = frozenset({"EDGEVOX_IMAGE", "EDGEVOX_UID", "EDGEVOX_GID"})
+
+
+def prepared(environment: Mapping[str, str], warn: Callable[[str], None]) -> dict[str, str]:
+    """The environment to start a program in: `environment` with the table's variables made good.
+
+    An empty variable counts as not given. Raises `InvalidValue` for the first that is nonsense;
+    what is odd but allowed goes to `warn`.
+    """
+    environment = {**environment, **from_folder(environment, warn)}
+    _bring_plugins(environment, warn)
+    given = {name: environment[name] for name in ENVIRONMENT if environment.get(name)}
+    values = {name: _checked(ENVIRONMENT[name], value, warn) for name, value in given.items()}
+    _refuse_contradictions(values)
+    for row in ENVIRONMENT.values():
+        if row.default and row.target not in _targets(values):
+            values[row.variable] = row.default
+    _be_quiet_without_sound(values)
+    _check_settings(values)
+    warn_of_unknown(environment, warn)
+    rest = {name: value for name, value in environment.items() if name not in ENVIRONMENT}
+    return rest | _targets(values)
+
+
+def _bring_plugins(environment: Mapping[str, str], warn: Callable[[str], None]) -> None:
+    """Know the robots of plug-ins, before it is asked whether there is one of a name."""
+    if folder := environment.get(PLUGINS):
+        try:
+            plugins = bring_plugins(Path(folder), load=False)
+        except InvalidValue as error:
+            raise InvalidValue(PLUGINS, error.value, f"{error.expected} ({error.field})") from None
+        learn_robots()
+        for line in plugins.complaint.splitlines():
+            warn(line)
+
+
+def _targets(values: Mapping[str, str]) -> dict[str, str]:
+    """The values under the names by which they are read, a word for "empty" made empty."""
+    return {
+        ENVIRONMENT[name].target: "" if value == (ENVIRONMENT[name].empty or None) else value
+        for name, value in values.items()
+    }
+
+
+def _checked(row: Variable, value: str, warn: Callable[[str], None]) -> str:
+    """The value of a variable that is no setting, in the form in which it is read."""
+    match row.type:
+        case "integer":
+            return _integer(row, value, warn)
+        case "boolean":
+            if (truth := TRUTH.get(value.lower())) is None:
+                raise InvalidValue(row.variable, value, row.values)
+            return truth
+        case "agent":
+            value = NO_ROBOT if value == "none" else value
+            agents = (*ROBOTS, NO_ROBOT)
+            _require(row, value, value in agents, "one of " + ", ".join(agents))
+        case "choice":
+            _require(row, value, value in row.choices, f"one of {row.values}")
+        case "text":
+            _require(row, value, bool(re.fullmatch(row.pattern, value)), row.values)
+        case "file":
+            _require(row, value, Path(value).is_file(), row.values)
+        case "folder":
+            absolute = Path(value).is_absolute() and not Path(value).is_file()
+            _require(row, value, absolute, "the absolute path of a folder")
+        case "middleware":
+            here = installed_middlewares()
+            _require(row, value, value in here, "one of " + (", ".join(here) or "none: no ROS 2"))
+    return value
+
+
+def _require(row: Variable, value: str, good: bool, expected: str) -> None:
+    if not good:
+        raise InvalidValue(row.variable, value, expected)
+
+
+def _integer(row: Variable, value: str, warn: Callable[[str], None]) -> str:
+    least, most = row.least or 0, row.most or 0
+    good = re.fullmatch(r"[0-9]{1,9}", value) is not None and least <= int(value) <= most
+    _require(row, value, good, f"a whole number from {least} to {most}")
+    number, unwise = int(value), row.unwise
+    if unwise and unwise.least <= number <= unwise.most:
+        warn(f"{row.variable}={number}: {unwise.because}")
+    return str(number)
+
+
+def installed_middlewares() -> list[str]:
+    """The middlewares of ROS 2 that this environment can load, by its ament index."""
+    prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
+    folders = [Path(p, "share/ament_index/resource_index/rmw_typesupport") for p in prefixes if p]
+    return sorted({file.name for folder in folders if folder.is_dir() for file in folder.iterdir()})
+
+
+def _refuse_contradictions(values: Mapping[str, str]) -> None:
+    """One setting by several names must have one value."""
+    names: dict[str, str] = {}
+    for name in sorted(values, key=lambda name: name != ENVIRONMENT[name].target):
+        first = names.setdefault(ENVIRONMENT[name].target, name)
+        one_value(name, values[name], first, values[first])
+
+
+def _be_quiet_without_sound(values: dict[str, str]) -> None:
+    """With neither microphone nor loudspeaker nothing is heard or spoken: load nothing for it."""
+    silent = values["EDGEVOX_AUDIO_IN"] == values["EDGEVOX_AUDIO_OUT"] == "none"
+    if silent and "EDGEVOX_TEXT_MODE" not in values:
+        values["EDGEVOX_TEXT_MODE"] = "true"
+
+
+def _check_settings(values: Mapping[str, str]) -> None:
+    """Refuse what EdgeVox would refuse, by the variable that said it."""
+    by_setting = {ENVIRONMENT[name].setting: name for name in values if ENVIRONMENT[name].setting}
+    targets = _targets(values)
+    try:
+        check_settings({s: targets[ENVIRONMENT[name].target] for s, name in by_setting.items()})
+    except InvalidValue as error:
+        raise InvalidValue(by_setting[error.field], error.value, error.expected) from None
+
+
+def warn_of_unknown(environment: Mapping[str, str], warn: Callable[[str], None]) -> None:
+    """A misspelled variable would else be ignored in silence."""
+    known = set(ENVIRONMENT) | OF_COMPOSE
+    for name in sorted(environment.keys() - known):
+        if name.startswith(ENV_PREFIX) and not NOT_OURS.fullmatch(name):
+            (close, *_) = difflib.get_close_matches(name, known, 1) or [""]
+            meant = f"; did you mean {close}?" if close else ""
+            warn(f"{name} is no variable of EdgeVox and changes nothing{meant}")

@@ -1,0 +1,163 @@
+"""The robot that a file describes: whether what the file names is on the graph, skill by skill.
+
+What the policy permits, line by line, and whether its file can be read.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from edgevox.agent.policy.explain import explain
+from edgevox.agent.policy.file import PolicyFile, read_policy_file
+from edgevox.agent.policy.policy import local_time
+from edgevox.agent.policy.status import NO_FILE, unknown_names
+from edgevox.apps.agent.policy import known_names, policy_context
+from edgevox.apps.doctor.check import (
+    CheckVerdict,
+    Facts,
+    Situation,
+    error,
+    ok,
+    skipped,
+    warning,
+)
+from edgevox.apps.doctor.runner import probe_apart
+from edgevox.apps.doctor.security import NOT_WITH_SECURITY, is_secured
+from edgevox.apps.robots import ROBOTS, build_body
+from edgevox.core.errors import EdgeVoxError, InvalidValue
+from edgevox.core.settings import Settings
+from edgevox.ros2.robot_file.load import load_robot_file
+
+_IN_THE_HAND = 0.0
+"""A speed of the world: nothing moves in it."""
+
+
+def probe_policy(situation: Situation) -> Facts:
+    """The policy in words, or why it cannot be read."""
+    try:
+        policy = _policy_of(situation.settings)
+    except InvalidValue as wrong:
+        return {"lines": None, "wrong": str(wrong)}
+    if policy is None:
+        return {"lines": None}
+    closed = str(policy.limits.closed(local_time()))
+    return {
+        "lines": explain(policy),
+        "unknown": _unknown(policy, situation),
+        "now": f"{local_time():%a %H:%M %Z}" if policy.limits.hours else "",
+        "closed": closed,
+    }
+
+
+def _unknown(policy: PolicyFile, situation: Situation) -> list[str]:
+    """What the robot has not; without one only the skills are looked at, of all robots."""
+    if situation.agent not in ROBOTS:
+        return unknown_names(policy, known_names(()))
+    try:
+        body = build_body(situation.agent, situation.settings, _IN_THE_HAND)
+    except EdgeVoxError:  # what is wrong with it is said elsewhere
+        return unknown_names(policy, known_names(()))
+    return unknown_names(policy, known_names(body.skills), policy_context(body))
+
+
+def _policy_of(settings: Settings) -> PolicyFile | None:
+    """What the setting names, else what the robot file says of it."""
+    if settings.policy:
+        return read_policy_file(settings.policy)
+    own = load_robot_file(settings.robot_file).policy if settings.robot_file else None
+    return read_policy_file(own) if isinstance(own, Path) else own.file if own else None
+
+
+def judge_policy(facts: Facts, _: Situation) -> CheckVerdict | list[CheckVerdict]:
+    """A broken file is an error: an agent does not start with it."""
+    if wrong := facts.get("wrong"):
+        return error(wrong, "correct it: with it no agent starts, and one that runs keeps the old")
+    if facts["lines"] is None:
+        return ok(f"{NO_FILE}, by every way in")
+    said = [ok(line) for line in facts["lines"]]
+    if facts["now"]:
+        said.append(ok(f"it is {facts['now']}: it may {'not ' if facts['closed'] else ''}move"))
+    said += [
+        warning(one, "correct it, unless a robot of your own has it") for one in facts["unknown"]
+    ]
+    return said
+
+
+PROBE = "edgevox.ros2.robot_file.graph:look_for_robot"
+_NEEDED = {"robot_file", "robot_namespace"}
+
+
+def probe_robot_file(situation: Situation) -> Facts:
+    """What is on the graph of what the file names, if there is a file."""
+    settings = situation.settings
+    if settings.robot_file is None:
+        return {"given": False}
+    if is_secured(situation.environment):
+        return {"given": True, "secured": True}
+    return {"given": True, **probe_apart(PROBE, _as_json(settings))}
+
+
+def _as_json(settings: Settings) -> str:
+    """Of the settings those that the probe needs and somebody gave: they count more than a file."""
+    return settings.model_dump_json(include=_NEEDED & settings.model_fields_set)
+
+
+def judge_robot_file(facts: Facts, situation: Situation) -> list[CheckVerdict]:
+    """What has another type is an error; what is not there may only be switched off."""
+    if not facts["given"]:
+        return [skipped("no robot file", "--robot-file FILE looks for what it names")]
+    if facts.get("secured"):
+        return [skipped(NOT_WITH_SECURITY)]
+    if facts["wrong"]:
+        return [error(facts["wrong"], "correct it: with it no agent starts")]
+    off = {name: warning(f"{name} is off: {why}") for name, why in facts["off"]}
+    found = [one for one in facts["found"] if one["whose"] not in off]
+    if found and not any(one["types"] for one in found):
+        return [*off.values(), _nothing_there(facts, len(found), situation)]
+    by_owner: dict[str, list[Facts]] = {}
+    for one in found:
+        by_owner.setdefault(one["whose"], []).append(one)
+    judged = [verdict for owner in by_owner.items() for verdict in _judge_owner(*owner)]
+    return [*off.values(), *judged] or [ok("it names no interface")]
+
+
+def _nothing_there(facts: Facts, wanted: int, situation: Situation) -> CheckVerdict:
+    domain = situation.environment.get("ROS_DOMAIN_ID", "0")
+    said = f"nothing of the robot is there; other nodes on domain {domain}: {facts['others']}"
+    for namespace, count in facts["elsewhere"]:
+        return warning(said, f"namespace: {namespace}, where {count} of {wanted} are")
+    advice = "switch the robot on; give both the same ROS_DOMAIN_ID and let discovery reach it"
+    return warning(said, advice)
+
+
+def _judge_owner(owner: str, found: list[Facts]) -> Iterator[CheckVerdict]:
+    """One line if all is well; else one for each thing that is not."""
+    faults = [verdict for one in found if (verdict := _fault(owner, one))]
+    yield from faults
+    if not faults:
+        yield ok(f"{owner}: " + ", ".join(f"{one['role']} {one['name']}" for one in found))
+
+
+def _fault(owner: str, one: Facts) -> CheckVerdict | None:
+    what = f"{owner}: {one['role']} {one['name']}"
+    if not one["types"]:
+        return warning(f"{what} is not there", _advice(one))
+    if one["type"] not in one["types"]:
+        there = ", ".join(one["types"])
+        return error(f"{what} has the type {there}, and not {one['type']}", f"type: {there}")
+    if one["unfit"]:
+        latched = one["latched"]
+        advice = "its node has to change" if latched is None else f"latched: {str(latched).lower()}"
+        return error(f"{what} does not fit in quality of service: {one['unfit']}", advice)
+    return None
+
+
+def _advice(one: Facts) -> str:
+    if one["instead"]:
+        return f"{one['name']} is there as {' and '.join(one['instead'])}"
+    if one["near"]:
+        return f"there is {_list(one['near'])}"
+    return "start what has it"
+
+
+def _list(near: list[list[str]]) -> str:
+    return ", ".join(f"{name} ({types})" for name, types in near)

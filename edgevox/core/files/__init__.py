@@ -1,0 +1,1 @@
+"""Files and texts that people write: read within limits, checked, replaced whole."""

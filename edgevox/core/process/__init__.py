@@ -1,0 +1,1 @@
+"""The process itself: its limits, its output, the extras that are installed."""

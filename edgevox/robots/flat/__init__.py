@@ -1,0 +1,1 @@
+"""Robots on wheels in a flat world: engines, planner, pictures."""

@@ -1,0 +1,112 @@
+"""One drive to a point: plans, follows, plans again when something is in the way, ends once."""
+
+from collections.abc import Sequence
+
+from edgevox.agent.skills import SkillFailed
+from edgevox.agent.text.reasons import because
+from edgevox.core.transforms import Pose2D, distance_on_floor, turn_between
+from edgevox.robots.capabilities import Twist2D
+from edgevox.robots.command_mux import STILL
+from edgevox.robots.flat.engine import MotionState
+from edgevox.robots.flat.planner import PathPlanner
+from edgevox.robots.motion import Motion, Progress
+from edgevox.robots.path_follower import PathFollower
+from edgevox.robots.shapes import Point
+from edgevox.robots.world.model import RobotSpec, Room
+
+PATIENCE_S = 2.0
+"""How long the robot may stand still on its way before it plans again."""
+TRIES = 3
+"""How often it plans again from one place before it says that it is stuck."""
+_LOOK_EVERY_S = 0.5
+_SHIFTED_M = 0.03
+_PROGRESS_M = 0.1
+_STOPPED_M_S = 0.02
+
+
+class NavigationMotion(Motion):
+    """Lives from the request to its end, for whatever reason."""
+
+    def __init__(
+        self,
+        goal: Point,
+        planner: PathPlanner,
+        limits: RobotSpec,
+        *,
+        cruise_m_s: float,
+        time_s: float,
+        pose: Pose2D,
+        movable: Sequence[Pose2D],
+        forbidden: Sequence[Room] = (),
+    ) -> None:
+        """`cruise_m_s` is how fast it will get on, `forbidden` what it drives round.
+
+        Raises `SkillFailed` if no way leads there.
+        """
+        super().__init__()
+        self.goal = goal
+        self._planner, self._limits = planner, limits
+        self._forbidden, self._detour = tuple(forbidden), False
+        self._follow(pose, movable)
+        self._whole_m = max(self._follower.length_m, 1e-6)
+        self._last_try_s = time_s + 60.0 + 4.0 * self._whole_m / cruise_m_s
+        self._place, self._since_s, self._tries_left = pose, time_s, TRIES
+        self._look_at_s = time_s + _LOOK_EVERY_S
+
+    def steer(self, time_s: float, motion: MotionState, movable: Sequence[Pose2D]) -> Twist2D:
+        """The velocity to ask for now; ends the drive on arrival or when it is stuck."""
+        if self._detour or time_s >= self._look_at_s:
+            self._look_at_s = time_s + _LOOK_EVERY_S
+            self._look(time_s, motion.pose, movable)
+        if self.done:
+            return STILL
+        twist = self._follower.steer(motion.pose)
+        if self._follower.arrived and abs(motion.twist.linear_m_s) < _STOPPED_M_S:
+            self.end(None)
+        return twist
+
+    def avoid(self, forbidden: Sequence[Room]) -> None:
+        """Drive round these from now on: with the next step it plans again, or ends."""
+        if tuple(room.name for room in forbidden) != tuple(one.name for one in self._forbidden):
+            self._forbidden, self._detour = tuple(forbidden), True
+
+    def progress(self) -> Progress:
+        """How far it is."""
+        left = 0.0 if self._follower.arrived else self._follower.remaining_m
+        part = 1.0 if self._follower.arrived else 1.0 - left / self._whole_m
+        return Progress(min(max(part, 0.0), 1.0), left, "m")
+
+    def way(self) -> tuple[Point, ...]:
+        """The path that is still to come."""
+        return self._follower.ahead()
+
+    def _follow(self, pose: Pose2D, movable: Sequence[Pose2D]) -> None:
+        path = self._planner.plan((pose.x_m, pose.y_m), self.goal, movable, self._forbidden)
+        self._follower = PathFollower(path, self._limits)
+        self._planned_with = tuple(movable)
+
+    def _look(self, time_s: float, pose: Pose2D, movable: Sequence[Pose2D]) -> None:
+        """Plan again if furniture was pushed or the robot does not get on; give up in time."""
+        if self._moved(pose):
+            self._place, self._since_s, self._tries_left = pose, time_s, TRIES
+        stalled = time_s - self._since_s >= PATIENCE_S
+        if (stalled and self._tries_left == 0) or time_s > self._last_try_s:
+            self.end(SkillFailed(because("stuck")))
+            return
+        if stalled:
+            self._tries_left -= 1
+            self._since_s = time_s
+        if stalled or self._detour or self._shifted(movable):
+            self._detour = False
+            try:
+                self._follow(pose, movable)
+            except SkillFailed as refusal:
+                self.end(refusal)
+
+    def _moved(self, pose: Pose2D) -> bool:
+        turned = abs(turn_between(self._place.yaw_rad, pose.yaw_rad))
+        return distance_on_floor(pose, self._place) > _PROGRESS_M or turned > 1.0
+
+    def _shifted(self, movable: Sequence[Pose2D]) -> bool:
+        pairs = zip(movable, self._planned_with, strict=True)
+        return any(distance_on_floor(now, then) > _SHIFTED_M for now, then in pairs)

@@ -1,0 +1,178 @@
+"""A humanoid on a wide floor in MuJoCo, with whatever makes it walk.
+
+Speeds that rise evenly and fall at once: a robot must not be torn off its feet.
+"""
+
+from pathlib import Path
+from typing import Literal
+
+import mujoco
+import numpy as np
+
+from edgevox.core.transforms import Pose2D, compose, lift, pitch
+from edgevox.robots.capabilities import Twist2D
+from edgevox.robots.humanoid.kinematic_walker import KinematicWalker
+from edgevox.robots.humanoid.physics_walker import PhysicsWalker, fit_servos
+from edgevox.robots.humanoid.scene import HEAD_CAMERA, compile_robot, read_robot
+from edgevox.robots.humanoid.walker import Walker, WalkerLimits
+from edgevox.robots.humanoid.walking_policy import STAND, WalkingCommand, WalkingPolicy
+from edgevox.robots.mujoco.snapshot import Snapshot
+
+RISE_M_S2 = 1.0
+RISE_RAD_S2 = 2.0
+
+
+def eased(now: WalkingCommand, wanted: WalkingCommand, seconds: float) -> WalkingCommand:
+    """What to walk at next: `wanted`, or as near to it as speeds may rise in this time."""
+    if wanted == now:
+        return now
+    return WalkingCommand(
+        _risen(now.forward_m_s, wanted.forward_m_s, RISE_M_S2 * seconds),
+        _risen(now.left_m_s, wanted.left_m_s, RISE_M_S2 * seconds),
+        _risen(now.turn_rad_s, wanted.turn_rad_s, RISE_RAD_S2 * seconds),
+    )
+
+
+def _risen(now: float, wanted: float, most: float) -> float:
+    if wanted >= 0.0:
+        return min(wanted, max(now, 0.0) + most)
+    return max(wanted, min(now, 0.0) - most)
+
+
+class MujocoHumanoidEnvironment:
+    """One robot of an MJCF file, stepped by whoever owns it. Not thread-safe.
+
+    With a walking policy the robot walks in physics: every force is MuJoCo's, and it can fall.
+    Without one a procedural gait moves its base and its joints outright, and `simulation` says
+    "kinematic". What is random comes from `seed`: how evenly it stands when it begins. Raises
+    `InvalidValue` for the fields `mjcf` and `policy`.
+    """
+
+    def __init__(self, mjcf: Path, policy: WalkingPolicy | None = None, *, seed: int = 0) -> None:
+        self._mjcf, self._seed = mjcf, seed
+        self.set_walking_policy(policy)
+
+    def set_walking_policy(self, policy: WalkingPolicy | None) -> None:
+        """Walk by this policy from now on, or by the procedural gait with None.
+
+        The robot is built anew with the servos that `policy.plan` asks for and stands at the
+        start; `model` is another one then, so call it before a body is made of this environment.
+        Every `plan.period_s` of simulated time `policy.act` is given an `Observation` (the asked
+        velocity, and what a real robot's sensors tell: angular velocity, direction of gravity,
+        joint angles and speeds) and answers with a target angle for each joint. The module
+        `policy` has all of it, `onnx_policy` an example. Raises `InvalidValue` if the robot lacks
+        one of the policy's joints, or falls with it before it was asked for anything.
+        """
+        self._policy, self._command = policy, STAND
+        spec, base = read_robot(self._mjcf)
+        if policy is None:
+            model = compile_robot(spec, self._mjcf)
+            self._walker: Walker = KinematicWalker(model, base)
+        else:
+            fit_servos(spec, policy.plan)
+            model = compile_robot(spec, self._mjcf)
+            self._walker = PhysicsWalker(model, base, policy, np.random.default_rng(self._seed))
+        body = self.model.body(HEAD_CAMERA)
+        self._camera_mount = int(self.model.body_mocapid[body.id])
+
+    @property
+    def policy(self) -> WalkingPolicy | None:
+        """What it walks by, if it walks in physics."""
+        return self._policy
+
+    @property
+    def walker(self) -> Walker:
+        """What makes it walk, for tests and the curious."""
+        return self._walker
+
+    @property
+    def simulation(self) -> Literal["physics", "kinematic"]:
+        """Whether forces move it, or a procedural gait moves it without any."""
+        return self._walker.simulation
+
+    @property
+    def gait(self) -> str:
+        """What decides its steps: the policy's name, or "procedural gait"."""
+        return self._walker.name
+
+    @property
+    def model(self) -> mujoco.MjModel:
+        """MuJoCo's model; it stays until another policy is set."""
+        return self._walker.model
+
+    @property
+    def data(self) -> mujoco.MjData:
+        """MuJoCo's state, in which a test may push the robot."""
+        return self._walker.data
+
+    @property
+    def limits(self) -> WalkerLimits:
+        """How fast and how exactly it walks."""
+        return self._walker.limits
+
+    @property
+    def period_s(self) -> float:
+        """The simulated time that one `step` takes."""
+        return self._walker.period_s
+
+    @property
+    def pose(self) -> Pose2D:
+        """The pelvis on the floor, and which way it looks."""
+        return self._walker.base.pose
+
+    @property
+    def velocity(self) -> Twist2D:
+        """Of the pelvis: ahead, and turning."""
+        return self._walker.base.velocity()
+
+    @property
+    def height_m(self) -> float:
+        """Of the pelvis above the floor."""
+        return self._walker.base.height_m
+
+    @property
+    def stand_height_m(self) -> float:
+        """As `height_m`, when it stands."""
+        return self._walker.base.stand_height_m
+
+    @property
+    def fallen(self) -> bool:
+        """Whether its pelvis was low or tilted far, and it has not been put upright since."""
+        return self._walker.base.fallen
+
+    def step(self, wanted: WalkingCommand) -> None:
+        """Let `period_s` pass, walking at this velocity, to which its speed rises evenly.
+
+        Raises `ArithmeticError` if its numbers broke; the robot stands again then, where it was.
+        """
+        before = self.pose
+        self._command = eased(self._command, wanted, self.period_s)
+        try:
+            self._walker.step(self._command)
+            if not self._walker.base.finite:
+                raise ArithmeticError("the robot's motion became infinite; it was put upright")
+        except Exception:
+            self._put(before)
+            raise
+
+    def reset(self) -> None:
+        """Back to the start, upright."""
+        self._put(Pose2D(0.0, 0.0, 0.0))
+
+    def stand_up(self) -> None:
+        """Upright again where it lies, looking the way it looks: put there, not risen by itself."""
+        self._put(self.pose)
+
+    def _put(self, pose: Pose2D) -> None:
+        self._command = STAND
+        self._walker.put(pose)
+
+    def snapshot(
+        self, time_s: float, camera: Pose2D, camera_height_m: float, down_rad: float
+    ) -> Snapshot:
+        """A copy of now, to be drawn later, with the head camera there, looking down a little."""
+        moment = Snapshot.of(self.data, time_s)
+        looks = compose(lift(camera), pitch(down_rad))
+        moment.mocap_pos[self._camera_mount] = camera.x_m, camera.y_m, camera_height_m
+        moment.mocap_quat[self._camera_mount] = looks.qw, looks.qx, looks.qy, looks.qz
+        return moment

@@ -1,0 +1,343 @@
+"""The `robot` and `obstacle` entries of a world file, as IR-SIM means them.
+
+Where the objects of one entry of a world file stand: IR-SIM's `state` and `distribution`.
+"""
+
+import math
+import random
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    Field,
+    PlainValidator,
+    TypeAdapter,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+)
+
+from edgevox.core.files.validation import Place, wrong
+from edgevox.core.files.yaml_file import YamlFile
+from edgevox.core.log import get_logger
+from edgevox.core.transforms import Pose2D, distance_on_floor, to_map
+from edgevox.robots.names import MentionedNames, check_thing
+from edgevox.robots.shapes import Circle, Line, Polygon, Shape, reach
+from edgevox.robots.world.fields import (
+    Finite,
+    Flag,
+    NotNegative,
+    Positive,
+    Text,
+    ThreeOrMore,
+    TwoOrMore,
+    Whole,
+    WorldPart,
+    called,
+    chosen,
+    listed,
+    one_or_more,
+    within,
+    words,
+)
+from edgevox.robots.world.model import LidarSpec, RobotSpec, Thing
+from edgevox.robots.world.shapes import AnyShape, ShapePart, hull
+
+log = get_logger(__name__)
+
+
+Area = tuple[Pose2D, Pose2D]
+"""The world less a margin, corner to corner."""
+_TRIES = 1000
+_ONE: TypeAdapter[tuple[float, ...]] = TypeAdapter(TwoOrMore)
+_SEVERAL: TypeAdapter[tuple[tuple[float, ...], ...]] = TypeAdapter(tuple[TwoOrMore, ...])
+
+
+def _poses(value: Any) -> tuple[Pose2D, ...]:
+    if not isinstance(value, list) or not value:
+        raise ValueError("[x, y, heading] or a list of them")
+    several = isinstance(value[0], list)
+    found = _SEVERAL.validate_python(value) if several else (_ONE.validate_python(value),)
+    return tuple(Pose2D(*(*numbers, 0.0)[:3]) for numbers in found)
+
+
+Poses = Annotated[tuple[Pose2D, ...], PlainValidator(_poses)]
+"""One pose that all share, or one each; the last one is that of all that are left."""
+
+
+@dataclass(frozen=True)
+class Placing:
+    """What is to be placed: so many objects, with the poses that are written, in an area."""
+
+    written: Sequence[Pose2D]
+    number: int
+    area: Area
+    dice: random.Random
+
+
+class Distribution(WorldPart):
+    """How the objects of an entry are placed; as is written, unless told otherwise."""
+
+    also: ClassVar[frozenset[str]] = frozenset({"name", "3d"})
+
+    def poses(self, asked: Placing) -> list[Pose2D]:
+        """A pose for each object. Raises `ValidationError` where there is no room."""
+        return [asked.written[min(i, len(asked.written) - 1)] for i in range(asked.number)]
+
+
+class _OnCircle(Distribution):
+    """Evenly on a circle, looking at its middle."""
+
+    radius: Positive | None = None
+    center: TwoOrMore | None = None
+
+    def poses(self, asked: Placing) -> list[Pose2D]:
+        low, high = asked.area
+        radius = self.radius or min(high.x_m - low.x_m, high.y_m - low.y_m) / 2
+        x, y = (self.center or ((low.x_m + high.x_m) / 2, (low.y_m + high.y_m) / 2))[:2]
+        angles = [2 * math.pi * i / asked.number for i in range(asked.number)]
+        return [Pose2D(*to_map((radius, 0.0), Pose2D(x, y, a)), a - math.pi) for a in angles]
+
+
+class _AtRandom(Distribution):
+    """Anywhere within a range, apart from each other."""
+
+    range_low: ThreeOrMore | None = None
+    range_high: ThreeOrMore | None = None
+    min_distance: NotNegative = 1.0
+
+    def poses(self, asked: Placing) -> list[Pose2D]:
+        low, high = ((corner.x_m, corner.y_m, corner.yaw_rad) for corner in asked.area)
+        ranges = list(zip((self.range_low or low)[:3], (self.range_high or high)[:3], strict=True))
+        found: list[Pose2D] = []
+        for _ in range(asked.number):
+            found.append(self._far_from(found, ranges, asked.dice))
+        return found
+
+    def _far_from(
+        self, others: Sequence[Pose2D], ranges: list[tuple[float, float]], dice: random.Random
+    ) -> Pose2D:
+        for _ in range(_TRIES):
+            pose = Pose2D(*(dice.uniform(a, b) for a, b in ranges))
+            apart = (distance_on_floor(pose, other) for other in others)
+            if all(one >= self.min_distance for one in apart):
+                return pose
+        expected = "a smaller distance: there is no room for so many"
+        raise wrong(("distribution", "min_distance"), self.min_distance, expected)
+
+
+AnyDistribution = Annotated[
+    Distribution,
+    chosen({"manual": Distribution, "circle": _OnCircle, "random": _AtRandom}, "manual"),
+]
+
+
+MOST_OBJECTS = 1000
+"""Of one entry; a world of more is a mistake or an attack."""
+_ONE_NUMBER_EACH = frozenset({"mass", "friction", "inertia", "restitution"})
+
+
+class ObjectEntry(WorldPart):
+    """One or several objects. What is a list is that of each object, by its index."""
+
+    is_open: ClassVar[bool] = True
+    also: ClassVar[frozenset[str]] = words(
+        "shape kinematics velocity goal role color static mass friction inertia restitution "
+        "vel_min vel_max acce angle_range behavior group_behavior goal_threshold sensors "
+        "arrive_mode description group group_name state_dim vel_dim unobstructed fov "
+        "fov_radius name names plot"
+    )
+    number: Annotated[Whole, within(0, MOST_OBJECTS)] = 1
+    distribution: AnyDistribution = Distribution()
+    state: Poses = (Pose2D(1.0, 1.0, 0.0),)
+
+
+Entries = Annotated[tuple[ObjectEntry, ...], BeforeValidator(one_or_more)]
+
+
+def members(
+    file: YamlFile, entry: ObjectEntry, place: Place, area: Area, dice: random.Random
+) -> Iterator["Member"]:
+    """The single objects of an entry."""
+    try:
+        poses = entry.distribution.poses(Placing(entry.state, entry.number, area, dice))
+    except ValidationError as error:
+        raise file.explain(error, place) from None
+    for index, pose in enumerate(poses):
+        data = {key: _nth(key, value, index) for key, value in (entry.model_extra or {}).items()}
+        yield Member(file, place, pose, {key: one for key, one in data.items() if one is not None})
+
+
+@dataclass(frozen=True)
+class Member:
+    """One object: what is written of it, where in the file, and where it stands."""
+
+    file: YamlFile
+    place: Place
+    pose: Pose2D
+    data: dict[str, Any]
+
+    def robot(self, dice: random.Random) -> RobotSpec:
+        """The robot that is driven. Its shape counts as the circle around it."""
+        part = self.file.read(_RobotEntry, self.data, self.place)
+        if part.kinematics.name != "diff":
+            field, expected = ("kinematics", "name"), "'diff', a robot with two driven wheels"
+            raise self.file.wrong((*self.place, *field), part.kinematics.name or "none", expected)
+        self._refuse_names("nothing: no sentence mentions the robot that is driven")
+        linear, angular = part.vel_max
+        linear_acceleration, angular_acceleration = part.acce
+        return RobotSpec(
+            radius_m=reach(self._parts(part.shape, dice)),
+            start=self.pose,
+            max_linear_m_s=linear or 1.0,
+            max_angular_rad_s=angular or 1.0,
+            max_linear_m_s2=linear_acceleration or 2.0,
+            max_angular_rad_s2=angular_acceleration or 6.0,
+            mass_kg=part.mass,
+            lidar=self._lidar(part.sensors),
+        )
+
+    def thing(self, dice: random.Random) -> Thing | None:
+        """A wall or a piece of furniture; None for one that nothing touches (`unobstructed`).
+
+        What would move by itself in IR-SIM stands still here, and can be pushed.
+        """
+        if self.data.get("unobstructed") is True:
+            self._refuse_names("nothing: no sentence mentions what is in nobody's way")
+            return None
+        part = self.file.read(_ThingEntry, self.data, self.place)
+        parts = self._parts(part.shape, dice)
+        if math.isfinite(part.mass_kg):
+            if any(isinstance(one, Line) for one in parts):
+                expected = "no mass: a line cannot be pushed"
+                raise self.file.wrong((*self.place, "mass"), part.mass_kg, expected)
+            parts = tuple(hull(one) if isinstance(one, Polygon) else one for one in parts)
+        return Thing(
+            name=part.name or ("wall" if isinstance(parts[0], Line) else "obstacle"),
+            parts=parts,
+            pose=self.pose,
+            mass_kg=part.mass_kg,
+            friction=part.friction,
+            color=part.color if isinstance(part.color, str) else None,
+            names=part.names,
+        )
+
+    def _refuse_names(self, expected: str) -> None:
+        if self.data.get("names"):
+            raise self.file.wrong((*self.place, "names"), self.data["names"], expected)
+
+    def _parts(self, shape: ShapePart | None, dice: random.Random) -> tuple[Shape, ...]:
+        if shape is None:
+            where = self.file.field((*self.place, "shape"))
+            log.warning("world_shape_absent", where=where, taken="a circle of 1 m")
+            return (Circle((0.0, 0.0), 1.0),)
+        return shape.made(dice)
+
+    def _lidar(self, sensors: tuple[dict[str, Any], ...]) -> LidarSpec:
+        for index, sensor in enumerate(sensors):
+            place = (*self.place, "sensors", index)
+            if "lidar2d" not in (sensor.get("name"), sensor.get("type")):
+                log.warning("world_sensor_ignored", where=self.file.field(place))
+                continue
+            part = self.file.read(_LidarEntry, sensor, place)
+            part.warn_of_others(self.file, place)
+            if part.noise:
+                log.warning("world_noise_ignored", where=self.file.field((*place, "noise")))
+            return part.spec
+        return LidarSpec()
+
+
+class _DriveKinematics(BaseModel):
+    name: Text = ""
+
+
+Limit = Annotated[
+    Annotated[Finite, within(0.01, 100.0)] | None,
+    BeforeValidator(lambda value: None if value == math.inf else value),
+]
+Limits = Annotated[
+    tuple[Limit, Limit],
+    BeforeValidator(lambda value: value[:2]),
+    listed("two numbers [forward, turning]", 2),
+]
+
+
+class _RobotEntry(BaseModel):
+    shape: AnyShape | None = None
+    kinematics: _DriveKinematics = _DriveKinematics()
+    vel_max: Limits = (None, None)
+    acce: Limits = (None, None)
+    mass: Positive = 20.0
+    sensors: Annotated[tuple[dict[str, Any], ...], BeforeValidator(one_or_more)] = ()
+
+
+def _weighs(mass: float, info: ValidationInfo) -> float:
+    if info.data.get("static"):
+        return math.inf
+    if mass != math.inf and not 1e-3 <= mass <= 1e5:
+        raise ValueError(f"a number from {1e-3:g} to {1e5:g}")
+    return mass
+
+
+class _ThingEntry(BaseModel):
+    shape: AnyShape | None = None
+    kinematics: _DriveKinematics = _DriveKinematics()
+    unobstructed: Flag = False
+    static: Flag = False
+    mass: Annotated[float, Field(strict=True), AfterValidator(_weighs)] | None = None
+    name: Annotated[Text, called(check_thing)] | None = None
+    names: MentionedNames = Field(default_factory=dict)
+    friction: Annotated[Finite, within(0.0, 10.0)] = 0.5
+    color: Any = None
+
+    @property
+    def mass_kg(self) -> float:
+        """What is driven weighs something, what is not stands fast, unless it is told."""
+        if self.mass is not None:
+            return self.mass
+        drives = self.kinematics.name not in ("", "static") and not self.static
+        return 1.0 if drives else math.inf
+
+
+class _LidarEntry(WorldPart):
+    is_open: ClassVar[bool] = True
+    also: ClassVar[frozenset[str]] = words(
+        "name type scan_time std angle_std alpha has_velocity color"
+    )
+    number: Annotated[Whole, within(1, 10_000)] = 100
+    angle_range: Positive = math.pi
+    range_min: Annotated[Finite, within(0.0, 1000.0)] = 0.0
+    range_max: Finite = 10.0
+    offset: ThreeOrMore = (0.0, 0.0, 0.0)
+    noise: Flag = False
+
+    @field_validator("range_max")
+    @classmethod
+    def _beyond_the_nearest(cls, furthest: float, info: ValidationInfo) -> float:
+        nearest = max(info.data.get("range_min", 0.0), 0.01)
+        if not nearest <= furthest <= 1000.0:
+            raise ValueError(f"a number from {nearest:g} to 1000")
+        return furthest
+
+    @property
+    def spec(self) -> LidarSpec:
+        """As the robot carries it."""
+        return LidarSpec(
+            beams=self.number,
+            angle_range_rad=min(self.angle_range, 2 * math.pi),
+            range_min_m=self.range_min,
+            range_max_m=self.range_max,
+            mount=Pose2D(*self.offset[:3]),
+        )
+
+
+def _nth(key: str, value: Any, index: int) -> Any:
+    """What IR-SIM gives the object with this index: its entry of a list, or what all share."""
+    if key == "sensors" or not isinstance(value, list) or not value:
+        return value
+    shared = all(isinstance(v, int | float) for v in value) and key not in _ONE_NUMBER_EACH
+    return value if shared else value[min(index, len(value) - 1)]

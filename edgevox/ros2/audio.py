@@ -1,0 +1,96 @@
+"""A microphone on the wire: the topic `audio_in` fills a source of sound.
+
+A loudspeaker on the wire: speech goes out on the topic `audio_out`.
+"""
+
+from array import array
+from collections import Counter
+from collections.abc import Mapping
+
+import numpy as np
+from rclpy.node import Node
+
+from edgevox.core.errors import Refusal
+from edgevox.core.log import get_logger
+from edgevox.ros2.qos import profile
+from edgevox.ros2.standard_topics import AUDIO_IN, AUDIO_OUT
+from edgevox.voice.audio import RATE_HZ, Samples
+from edgevox.voice.sinks.relay import Relay
+from edgevox.voice.sources.pushed import Pushed
+from edgevox_msgs.msg import AudioData
+
+log = get_logger(__name__)
+
+
+TOPIC_OUT = AUDIO_OUT.topic
+
+
+class AudioOut:
+    """Publishes on a node, in its namespace, reliably; nothing while nobody speaks.
+
+    Messages are `edgevox_msgs/msg/AudioData`: 16 kHz, mono, 16 bit little-endian, of at most 40 ms.
+    They come at the pace of speech, 60 ms before they are due: whoever plays them should start with
+    the first, wait for no more than that, and so is silent that soon after an interruption.
+    """
+
+    def __init__(self, node: Node, relay: Relay) -> None:
+        self._relay = relay
+        self._publisher = node.create_publisher(AudioData, TOPIC_OUT, profile(AUDIO_OUT.qos))
+        relay.name = node.resolve_topic_name(TOPIC_OUT)
+        relay.connect(self._publish)
+
+    def close(self) -> None:
+        """To be called before the node is destroyed: what is spoken later goes nowhere."""
+        self._relay.close()
+
+    def _publish(self, samples: Samples) -> None:
+        message = AudioData()
+        message.data = array("B", samples.astype("<i2").tobytes())
+        self._publisher.publish(message)
+
+
+TOPIC_IN = AUDIO_IN.topic
+SAMPLE_BYTES = 2
+MAX_BYTES = SAMPLE_BYTES * RATE_HZ
+"""One second. A longer message is refused: it would be heard late."""
+
+
+class AudioIn:
+    """Subscribes on a node, in its namespace, best effort; the callback only queues.
+
+    Messages are `edgevox_msgs/msg/AudioData`: 16 kHz, mono, 16 bit little-endian. One that is
+    empty, cut within a sample or longer than a second is refused, counted and logged.
+    """
+
+    def __init__(self, node: Node, source: Pushed) -> None:
+        self._source = source
+        self.refused: Counter[Refusal] = Counter({Refusal.INVALID: 0, Refusal.TOO_LONG: 0})
+        self._node = node
+        self._subscription = node.create_subscription(
+            AudioData, TOPIC_IN, self._hear, profile(AUDIO_IN.qos)
+        )
+        source.name = node.resolve_topic_name(TOPIC_IN)
+
+    @property
+    def refusals(self) -> Mapping[tuple[str, ...], int]:
+        """How many messages were refused, by topic and reason."""
+        return {(TOPIC_IN, reason): count for reason, count in self.refused.items()}
+
+    def close(self) -> None:
+        """Hear nothing more."""
+        self._node.destroy_subscription(self._subscription)
+
+    def _hear(self, message: AudioData) -> None:
+        size = len(message.data)
+        if 0 < size <= MAX_BYTES and size % SAMPLE_BYTES == 0:
+            self._source.push(np.frombuffer(message.data, "<i2").astype(np.int16))
+            return
+        reason = Refusal.TOO_LONG if size > MAX_BYTES else Refusal.INVALID
+        self.refused[reason] += 1
+        log.warning(
+            "sound_refused",
+            topic=self._source.name,
+            reason=reason,
+            bytes=size,
+            expected=f"16 bit samples, 1 to {MAX_BYTES} bytes",
+        )

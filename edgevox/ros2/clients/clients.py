@@ -1,0 +1,222 @@
+"""What clients of all kinds of interfaces share: where they live, and how they fail.
+
+Why an interface of the robot did not do what was asked, in the languages of the robot.
+
+Work that is done on the thread that spins a node, for who waits on another one.
+
+There nothing else happens to the node meanwhile: rclpy's action clients and a node's lists of what
+it has are not made for several threads.
+
+Calls a service, and waits for its answer.
+
+Publishes on a topic, to somebody who listens.
+
+Hears a topic, and knows the newest message.
+"""
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future, wait
+from typing import Any, TypeVar
+
+from rclpy.exceptions import InvalidHandle
+from rclpy.node import Node
+
+from edgevox.agent.skills import SkillFailed
+from edgevox.agent.text.reasons import in_words
+from edgevox.core.cancel import Cancelled, CancelToken
+from edgevox.core.clock import Clock
+from edgevox.core.language_files import CODES, language_file
+from edgevox.core.log import get_logger
+from edgevox.core.reason import Reason
+from edgevox.ros2.clients.waiting import Newest, TookTooLong, wait_for, wait_until
+from edgevox.ros2.qos import interface_profile
+
+log = get_logger(__name__)
+
+
+def interface_reason(code: str, *, what: str) -> Reason:
+    """The reason of this code; `what` is the interface, by its name.
+
+    A language whose file lacks it says it in English.
+    """
+    tables = {one: language_file(one).get("interfaces", {}) for one in CODES}
+    sentences = {one: table[code] for one, table in tables.items() if code in table}
+    values = {"what": what.strip("~/").replace("_", " ").replace("/", " ")}
+    return Reason(in_words(sentences["en"], values), code, values, sentences)
+
+
+T = TypeVar("T")
+
+NODE_S = 5.0
+"""So long the node's thread may be busy with something else."""
+
+
+class NodeBusy(Exception):
+    """The node's thread did not come to it."""
+
+
+def on_node_thread(node: Node, work: Callable[[Node], T], timeout_s: float = NODE_S) -> T:
+    """What this returns, or raises, on the thread that spins the node. It must not wait there.
+
+    Raises `NodeBusy` if nothing has begun it by then; it is not begun later.
+    """
+    done: Future[T] = Future()
+    try:
+        if node.executor is None:
+            raise NodeBusy
+        node.executor.create_task(_do, work, node, done)
+    except InvalidHandle:  # it is shut down
+        raise NodeBusy from None
+    wait([done], timeout_s)
+    if not done.done() and done.cancel():
+        raise NodeBusy
+    return done.result()
+
+
+def _do(work: Callable[[Node], T], node: Node, done: "Future[T]") -> None:
+    if not done.set_running_or_notify_cancel():
+        return
+    try:
+        done.set_result(work(node))
+    except BaseException as error:  # noqa: BLE001 - whoever waits for it gets it
+        done.set_exception(error)
+
+
+THERE_S = 3.0
+"""So long an interface may take to be discovered."""
+
+
+class InterfaceClient:
+    """A client of the interface of this type and name, on a node.
+
+    Make it on the thread that spins the node, or before anything spins it; use it on others.
+    """
+
+    def __init__(self, node: Node, kind: Any, name: str, clock: Clock) -> None:
+        self.name = name
+        self._node, self._kind, self._clock = node, kind, clock
+
+    def failed(self, code: str) -> SkillFailed:
+        """What to raise where it has failed; logged with the interface."""
+        log.warning("interface_failed", interface=self.name, why=code)
+        return SkillFailed(interface_reason(code, what=self.name))
+
+    def until_there(
+        self, look: Callable[[], bool], token: CancelToken, timeout_s: float, code: str
+    ) -> None:
+        """Wait until it is discovered. Raises `SkillFailed` by this code, or `Cancelled`."""
+        try:
+            wait_until(look, token, min(THERE_S, timeout_s), self._clock)
+        except TookTooLong:
+            raise self.failed(code) from None
+
+
+class ServiceCaller(InterfaceClient):
+    """A service's client."""
+
+    def __init__(self, node: Node, kind: Any, name: str, clock: Clock) -> None:
+        super().__init__(node, kind, name, clock)
+        self._client = node.create_client(kind, name)
+
+    def call(
+        self,
+        request: Any,
+        token: CancelToken,
+        timeout_s: float,
+        give_up: Callable[[], None] = lambda: None,
+    ) -> Any:
+        """Its answer. Raises `SkillFailed` where it is not there or silent, or `Cancelled`.
+
+        `give_up` is called where it was silent for so long: it may still be at it.
+        """
+        self.until_there(self._client.service_is_ready, token, timeout_s, "not_there")
+        future = self._client.call_async(request)
+        try:
+            return wait_for(future, token, timeout_s)
+        except (TookTooLong, Cancelled) as end:
+            self._client.remove_pending_request(future)
+            if isinstance(end, Cancelled):
+                raise
+            give_up()
+            raise self.failed("no_answer") from None
+
+
+STEERING = frozenset({"geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"})
+"""Velocities have one way, with limits, a watchdog and the policy: that of drives."""
+
+
+def type_name(kind: Any) -> str:
+    """The name of a message's class, such as ``std_msgs/msg/String``."""
+    return "/".join((kind.__module__.split(".")[0], "msg", kind.__name__))
+
+
+class TopicSender(InterfaceClient):
+    """A topic's publisher; what is `latched` is kept for who listens later."""
+
+    def __init__(self, node: Node, kind: Any, name: str, clock: Clock, *, latched: bool) -> None:
+        super().__init__(node, kind, name, clock)
+        self._latched = latched
+        qos = interface_profile(latched=latched, heard=False)
+        self._publisher = node.create_publisher(kind, name, qos)
+
+    def until_heard(self, token: CancelToken, timeout_s: float) -> None:
+        """Wait until somebody listens, unless it is latched. Raises `SkillFailed`, `Cancelled`."""
+        if not self._latched:
+            heard = self._publisher.get_subscription_count
+            self.until_there(lambda: heard() > 0, token, timeout_s, "nobody_listens")
+
+    def send(self, message: Any) -> None:
+        """Publish this."""
+        self._publisher.publish(message)
+
+
+READ_S = 5.0
+"""What was heard so long ago is no answer; unless the topic is latched, which says it once."""
+
+
+class TopicListener(InterfaceClient):
+    """A topic's subscription, from the moment that it is made; `keeps` is as of `Newest`."""
+
+    def __init__(
+        self, node: Node, kind: Any, name: str, clock: Clock, *, latched: bool, keeps: int = 1
+    ) -> None:
+        super().__init__(node, kind, name, clock)
+        self._latched = latched
+        self._newest = Newest(clock, keeps)
+        qos = interface_profile(latched=latched, heard=True)
+        node.create_subscription(kind, name, self._newest.take, qos)
+
+    def latest(self, token: CancelToken, timeout_s: float, oldest_s: float = READ_S) -> Any:
+        """The newest message, if it is no older, else the next. Raises `SkillFailed`."""
+        message = self._newest.young(float("inf") if self._latched else oldest_s)
+        if message is not None:
+            return message
+        try:
+            return self._newest.wait(lambda _: True, token, min(READ_S, timeout_s))
+        except TookTooLong:
+            raise self.failed("unheard") from None
+
+    def wait_for(
+        self,
+        fits: Callable[[Any], bool],
+        token: CancelToken,
+        timeout_s: float,
+        oldest_s: float = READ_S,
+        since_s: float | None = None,
+    ) -> Any:
+        """The first message that fits, be it the newest, if that is no older.
+
+        With `since_s`, of the `clock`, be it any that has come since then, rather than the newest.
+        Raises `SkillFailed`, or `Cancelled`.
+        """
+
+        def known() -> Sequence[Any]:
+            if since_s is not None and not self._latched:
+                return self._newest.since(since_s)
+            newest = self._newest.young(float("inf") if self._latched else oldest_s)
+            return () if newest is None else (newest,)
+
+        try:
+            return self._newest.wait(fits, token, timeout_s, known)
+        except TookTooLong:
+            raise self.failed("not_so") from None

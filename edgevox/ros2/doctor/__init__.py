@@ -1,0 +1,1 @@
+"""What `edgevox doctor` and the start-up check run in a process of its own."""

@@ -1,0 +1,146 @@
+"""One drive to a target: watched from its start to its end, for whatever reason it ends.
+
+Whether a drive may go on by what is heard of where the robot is.
+"""
+
+from typing import Any
+
+from edgevox.agent.skills import SkillFailed
+from edgevox.agent.text.reasons import because
+from edgevox.core.log import get_logger
+from edgevox.core.transforms import Pose2D, distance_on_floor, turn_between
+from edgevox.robots.motion import Motion, Progress
+from edgevox.ros2.external.inputs import SensorInputs, incredible
+from edgevox.ros2.external.motion import MotionBackend, PoseEstimate, Target
+from edgevox.ros2.external.settings import MOST_CORRECTION_M, Jump, Patience, on_the_map
+
+log = get_logger(__name__)
+
+
+class LocalisationCheck:
+    """Made when a drive begins, and looked at whenever it goes on.
+
+    Odometry runs smoothly; localisation may correct it by some metres. What jumps further ends the
+    drive, and is where the robot is for the next one.
+    """
+
+    def __init__(self, senses: SensorInputs, estimate: PoseEstimate) -> None:
+        self._senses = senses
+        self._before = estimate
+        doubt = senses.odometry_history.doubt
+        self._doubts = doubt.number if doubt else 0
+
+    def check(self, estimate: PoseEstimate) -> None:
+        """Raises `SkillFailed` with the reason why the robot must not go on by this."""
+        doubt = self._senses.odometry_history.doubt
+        if doubt and doubt.number > self._doubts:
+            if doubt.jump is None:
+                raise incredible(self._senses.odom_topic)
+            raise self._jumped(doubt.jump, self._senses.odom_topic)
+        if not on_the_map(estimate.pose):
+            raise incredible(self._senses.tf_topic)
+        before, self._before = self._before, estimate
+        jump = Jump.between(before.pose, estimate.pose)
+        if jump.distance_m > MOST_CORRECTION_M or before.frame != estimate.frame:
+            raise self._jumped(jump, self._senses.tf_topic)
+
+    def _jumped(self, jump: Jump, topic: str) -> SkillFailed:
+        log.warning(
+            "pose_jumped",
+            topic=topic,
+            distance_m=round(jump.distance_m, 2),
+            turned_rad=round(jump.turned_rad, 2),
+        )
+        return SkillFailed(jump.reason)
+
+
+_NEARER_M = 0.1
+_MOVED_M, _TURNED_RAD = 0.1, 0.35
+
+
+class ExternalNavigation(Motion):
+    """A motion of a robot that is moved by others: the backend's, as far as it is heard."""
+
+    def __init__(
+        self,
+        target: Target,
+        backend: MotionBackend,
+        estimate: PoseEstimate,
+        trust: LocalisationCheck,
+        now_s: float,
+    ) -> None:
+        super().__init__()
+        self.target = target
+        self.backend = backend
+        self._whole_m = max(target.distance_m(estimate.pose), 1e-6)
+        self._left_m = self._whole_m
+        self._trust = trust
+        self._watch = ProgressWatch(backend.patience, estimate.pose, self._whole_m, now_s)
+
+    def tick(self, now_s: float, estimate: PoseEstimate) -> None:
+        """Go on; ends on arrival.
+
+        Raises `SkillFailed` in doubt, when the backend fails, or when patience is over.
+        """
+        self._trust.check(estimate)
+        arrived = self.backend.tick(now_s, estimate)
+        self._left_m = 0.0 if arrived else self.backend.left_m(estimate)
+        if arrived:
+            self.end()
+        else:
+            self._watch.look(now_s, estimate.pose, self._left_m, waiting=self.backend.waiting)
+
+    def progress(self) -> Progress:
+        """How far it is."""
+        part = 1.0 - self._left_m / self._whole_m
+        return Progress(min(max(part, 0.0), 1.0), self._left_m, "m")
+
+    def describe(self) -> dict[str, Any]:
+        """The goal, JSON-ready, for `robot_state`."""
+        progress = self.progress()
+        return {
+            "x": round(self.target.x_m, 3),
+            "y": round(self.target.y_m, 3),
+            "progress": round(progress.part, 3),
+            "distance": round(progress.left, 3),
+            "by": self.backend.name,
+        }
+
+
+class ProgressWatch:
+    """Notices that a robot does not get on, whatever it does instead, such as turning."""
+
+    def __init__(self, patience: Patience, pose: Pose2D, left_m: float, now_s: float) -> None:
+        self._patience = patience
+        self._looked_s = now_s
+        self._place, self._moved_s = pose, now_s
+        self._nearest_m, self._nearer_s = left_m, now_s
+        self._last_s = now_s + patience.first_s + left_m / patience.slowest_m_s
+
+    def look(self, now_s: float, pose: Pose2D, left_m: float, *, waiting: bool = False) -> None:
+        """Raises `SkillFailed` when patience is over.
+
+        While a robot is `waiting` patience rests, and is not new afterwards: who waits and turns by
+        turns would never end.
+        """
+        if waiting:
+            self._rest(now_s - self._looked_s)
+        self._looked_s = now_s
+        if _moved(pose, self._place):
+            self._place, self._moved_s = pose, now_s
+        if left_m < self._nearest_m - _NEARER_M:
+            self._nearest_m, self._nearer_s = left_m, now_s
+        if now_s - self._moved_s > self._patience.unmoved_s:
+            raise SkillFailed(because("not_moving", left=f"{left_m:.1f}"))
+        if now_s - self._nearer_s > self._patience.no_nearer_s or now_s > self._last_s:
+            raise SkillFailed(because("not_closer", left=f"{left_m:.1f}"))
+
+    def _rest(self, seconds: float) -> None:
+        self._moved_s += seconds
+        self._nearer_s += seconds
+        self._last_s += seconds
+
+
+def _moved(one: Pose2D, other: Pose2D) -> bool:
+    turned = abs(turn_between(one.yaw_rad, other.yaw_rad))
+    return distance_on_floor(one, other) > _MOVED_M or turned > _TURNED_RAD

@@ -1,0 +1,150 @@
+"""What was heard of a robot's odometry: where it is, whether it is silent, whether it stands."""
+
+import threading
+from collections import deque
+from dataclasses import dataclass
+
+from edgevox.core.clock import Clock
+from edgevox.core.transforms import Pose2D, distance_on_floor, turn_between
+from edgevox.robots.capabilities import Twist2D
+from edgevox.ros2.external.settings import Jump, Speeds, drivable, on_the_map, seconds_between
+from edgevox.ros2.stamps import NS_PER_S
+
+SILENT_S = 1.0
+"""Odometry that is older than this is no position."""
+STANDING_FOR_S = 0.3
+"""So long a robot must be seen not to move before it is said to stand."""
+_STILL_M_S, _STILL_RAD_S = 0.02, 0.05
+_SHIFT_M, _SHIFT_RAD = 0.01, 0.02
+_KEPT = 64
+
+
+@dataclass(frozen=True, slots=True)
+class OdometrySample:
+    """One message of odometry. `heard_s` is by our clock, `stamp_ns` by the robot's."""
+
+    pose: Pose2D
+    twist: Twist2D
+    frame: str
+    child_frame: str
+    stamp_ns: int
+    heard_s: float
+
+    @property
+    def still(self) -> bool:
+        """Whether it says that the robot does not move."""
+        twist = self.twist
+        return abs(twist.linear_m_s) < _STILL_M_S and abs(twist.angular_rad_s) < _STILL_RAD_S
+
+
+@dataclass(frozen=True, slots=True)
+class OdometryDoubt:
+    """Odometry that a robot which drives must not go on by: the newest of so many.
+
+    `jump` is how far it jumped; None for what no robot's odometry can say.
+    """
+
+    number: int
+    heard_s: float
+    jump: Jump | None = None
+
+
+class OdometryHistory:
+    """The last ones. Thread-safe. What is faster than `speeds` is a jump.
+
+    `refused` counts those that cannot be true.
+    """
+
+    def __init__(self, clock: Clock, speeds: Speeds | None = None) -> None:
+        self._clock = clock
+        self._speeds = speeds or Speeds()
+        self._lock = threading.Lock()
+        self._heard: deque[OdometrySample] = deque(maxlen=_KEPT)
+        self._doubt: OdometryDoubt | None = None
+        self._lies = False
+        self.refused = 0
+
+    def add(self, sample: OdometrySample) -> bool:
+        """Take one in; False, and forgotten, if it cannot be true.
+
+        One that jumped is where the robot is from now on.
+        """
+        with self._lock:
+            if not (on_the_map(sample.pose) and drivable(sample.twist)):
+                self.refused += 1
+                self._lies = True
+                self._note(sample, None)
+                return False
+            self._lies = False
+            jump = self._jump(sample)
+            if jump:
+                self._note(sample, jump)
+            self._heard.append(sample)
+        return True
+
+    @property
+    def doubt(self) -> OdometryDoubt | None:
+        """The newest; what was heard since then may be good again."""
+        with self._lock:
+            return self._doubt
+
+    @property
+    def absurd(self) -> bool:
+        """Whether what is heard now cannot be true."""
+        with self._lock:
+            doubt, lies = self._doubt, self._lies
+        return bool(lies and doubt and self._clock.now() - doubt.heard_s <= SILENT_S)
+
+    def newest(self) -> OdometrySample | None:
+        """The last one, however old."""
+        with self._lock:
+            return self._heard[-1] if self._heard else None
+
+    def fresh(self) -> OdometrySample | None:
+        """The last one, unless odometry is silent."""
+        newest = self.newest()
+        return newest if newest and self.age_s(newest) <= SILENT_S else None
+
+    def age_s(self, sample: OdometrySample) -> float:
+        """How long ago it was heard."""
+        return self._clock.now() - sample.heard_s
+
+    def still(self) -> bool:
+        """Whether the robot is not seen to move; a silent one is not seen."""
+        seen = self.fresh()
+        return seen is None or seen.still
+
+    def _note(self, sample: OdometrySample, jump: Jump | None) -> None:
+        number = self._doubt.number + 1 if self._doubt else 1
+        self._doubt = OdometryDoubt(number, sample.heard_s, jump)
+
+    def _jump(self, sample: OdometrySample) -> Jump | None:
+        if not self._heard:
+            return None
+        last = self._heard[-1]
+        seconds = seconds_between(
+            sample.heard_s - last.heard_s, (sample.stamp_ns - last.stamp_ns) / NS_PER_S
+        )
+        return self._speeds.jump(last.pose, sample.pose, seconds)
+
+    def stands(self, since_s: float) -> bool:
+        """Whether the robot was seen to stand at the end of what was heard since then.
+
+        Looks at the pose too, for robots that do not fill in their velocity.
+        """
+        with self._lock:
+            recent = [one for one in self._heard if one.heard_s >= since_s]
+        if not recent or self.age_s(recent[-1]) > SILENT_S:
+            return False
+        last = recent[-1]
+        first = last
+        for one in reversed(recent):
+            if not (one.still and _together(one.pose, last.pose)):
+                break
+            first = one
+        return last.heard_s - first.heard_s >= STANDING_FOR_S
+
+
+def _together(one: Pose2D, other: Pose2D) -> bool:
+    turned = abs(turn_between(one.yaw_rad, other.yaw_rad))
+    return distance_on_floor(one, other) < _SHIFT_M and turned < _SHIFT_RAD

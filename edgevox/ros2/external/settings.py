@@ -1,0 +1,130 @@
+"""How a robot is driven: limits, and how long to be patient with it.
+
+What a robot can be believed: numbers within bounds, and no further than it can have come.
+"""
+
+import math
+from dataclasses import dataclass, field
+
+from edgevox.agent.text.reasons import because
+from edgevox.core.reason import Reason
+from edgevox.core.transforms import Pose2D, distance_on_floor, turn_between
+from edgevox.robots.capabilities import Twist2D
+
+FURTHEST_M = 10_000.0
+"""No goal, place or pose is further from the map's origin, along either axis."""
+FASTEST_M_S, FASTEST_RAD_S = 50.0, 50.0
+"""No robot that is spoken to says that it is faster."""
+SPEED_M_S, SPEED_RAD_S = 5.0, 2 * math.pi
+"""Nothing is called a jump that is slower, whatever the robot's own limits are."""
+SLACK_M, SLACK_RAD = 0.5, 1.0
+"""So much odometry may be off by between two messages, without being called a jump."""
+MOST_CORRECTION_M = 10.0
+"""By so much localisation may correct a robot's place on the map while it drives."""
+_MOST_STAMPED_S = 1.0
+_MOST_BEAMS = 100_000
+
+
+@dataclass(frozen=True, slots=True)
+class Jump:
+    """How far apart two poses are that follow each other."""
+
+    distance_m: float
+    turned_rad: float
+
+    @classmethod
+    def between(cls, one: Pose2D, other: Pose2D) -> "Jump":
+        return cls(distance_on_floor(one, other), abs(turn_between(one.yaw_rad, other.yaw_rad)))
+
+    @property
+    def reason(self) -> Reason:
+        """Why nobody drives on after it."""
+        degrees = math.degrees(self.turned_rad)
+        return because("jumped", distance=f"{self.distance_m:.1f}", degrees=f"{degrees:.0f}")
+
+
+@dataclass(frozen=True, slots=True)
+class Speeds:
+    """What is faster than this did not drive there."""
+
+    linear_m_s: float = SPEED_M_S
+    angular_rad_s: float = SPEED_RAD_S
+
+    def jump(self, one: Pose2D, other: Pose2D, seconds: float) -> Jump | None:
+        """How far it went in this time, if that is further than it can have driven."""
+        jump = Jump.between(one, other)
+        far = jump.distance_m > SLACK_M + self.linear_m_s * seconds
+        round_ = jump.turned_rad > SLACK_RAD + self.angular_rad_s * seconds
+        return jump if far or round_ else None
+
+
+def seconds_between(heard_s: float, stamped_s: float) -> float:
+    """The time between two messages: what comes in a burst was not sent in one.
+
+    Stamps are the robot's word, and so they count for a second at most.
+    """
+    return max(heard_s, min(stamped_s, _MOST_STAMPED_S), 0.0)
+
+
+def on_the_map(pose: Pose2D) -> bool:
+    """Whether a robot can be there."""
+    return pose.finite and max(abs(pose.x_m), abs(pose.y_m)) <= FURTHEST_M
+
+
+def drivable(twist: Twist2D) -> bool:
+    """Whether a robot can move so."""
+    linear, angular = abs(twist.linear_m_s), abs(twist.angular_rad_s)
+    return twist.finite and linear <= FASTEST_M_S and angular <= FASTEST_RAD_S
+
+
+def sweeps(
+    beams: int, angle_min_rad: float, increment_rad: float, near_m: float, far_m: float
+) -> bool:
+    """Whether a lidar can have swept so: from an angle in steps, seeing from near to far.
+
+    One that could not have seen anything does not say that nothing is there.
+    """
+    angles = (angle_min_rad, increment_rad, increment_rad * beams)
+    fits = all(abs(angle) <= 2 * math.tau for angle in angles)  # which no NaN is
+    return fits and 0.0 <= near_m < far_m and 0 < beams <= _MOST_BEAMS
+
+
+@dataclass(frozen=True, slots=True)
+class SteeringLimits:
+    """How it is steered where nothing there takes goals."""
+
+    max_linear_m_s: float = 0.3
+    max_angular_rad_s: float = 0.8
+    max_linear_m_s2: float = 0.5
+    half_width_m: float = 0.3
+    stop_ahead_m: float = 0.5
+    """Something this near ahead of the robot's middle makes it wait."""
+    wait_s: float = 10.0
+    """So long it waits for what is in its way to go."""
+
+
+@dataclass(frozen=True, slots=True)
+class Patience:
+    """How long a drive may go on without moving, without coming nearer, and at all."""
+
+    unmoved_s: float
+    no_nearer_s: float
+    first_s: float = 60.0
+    slowest_m_s: float = 0.02
+    """After `first_s` seconds, a drive that was slower than this as the crow flies has failed."""
+
+
+@dataclass(frozen=True, slots=True)
+class ExternalSettings:
+    """What `ExternalRobot` needs to know besides its namespace and its locations."""
+
+    steering: SteeringLimits = field(default_factory=SteeringLimits)
+    steering_patience: Patience = Patience(unmoved_s=5.0, no_nearer_s=20.0)
+    # What plans by itself may think, take a detour and recover.
+    goal_patience: Patience = Patience(unmoved_s=15.0, no_nearer_s=60.0, first_s=600.0)
+    discovery_s: float = 3.0
+    """So long after the start the robot may take to be discovered."""
+    remappings: tuple[str, ...] = ()
+    """ROS arguments that give the contract's topics the names that the robot has."""
+    obey_s: float = 5.0
+    """So long a halted robot may take to stand."""

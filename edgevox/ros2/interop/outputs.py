@@ -1,0 +1,184 @@
+"""How the body moves: one sample, one stamp, and everything that is made of it.
+
+`/tf`, `pose` and `odom` of one tick carry the same pose and the same stamp.
+
+The lidar's sweeps go out on `scan`.
+
+The body's time goes out on `/clock`, for peers with `use_sim_time`.
+"""
+
+from array import array
+from collections.abc import Callable
+from functools import lru_cache
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import PoseStamped, PoseWithCovariance, Twist, TwistWithCovariance, Vector3
+from nav_msgs.msg import Odometry
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import LaserScan
+
+from edgevox.core.transforms import Pose3D, lift
+from edgevox.robots.capabilities import (
+    Body,
+    HasEndEffector,
+    HasLidar,
+    HasPose,
+    TakesVelocity,
+    Twist2D,
+)
+from edgevox.ros2.interop.frames import Broadcaster, Frames, Odometer
+from edgevox.ros2.messages import header, pose_msg
+from edgevox.ros2.qos import profile
+from edgevox.ros2.stamped_publisher import StampedPublisher
+from edgevox.ros2.stamps import NS_PER_S, Stamps, to_msg
+from edgevox.ros2.standard_topics import STANDARD
+from edgevox.ros2.tf_buffer import FramePose, TfBuffer
+
+
+class Scanner:
+    """Publishes a sweep per tick, every `period_s`, in the lidar's own frame."""
+
+    def __init__(
+        self, node: Node, body: HasLidar, frames: Frames, stamps: Stamps, period_s: float
+    ) -> None:
+        self._body, self._frames, self._stamps = body, frames, stamps
+        self._period_s = period_s
+        self._publisher = node.create_publisher(LaserScan, "scan", profile(STANDARD["scan"].qos))
+
+    def links(self) -> list[FramePose]:
+        """Where the lidar sits on the body."""
+        return [FramePose(self._frames.base, self._frames.lidar, lift(self._body.scan().mount))]
+
+    def tick(self) -> None:
+        """Sweep, if anybody looks."""
+        if not self._publisher.get_subscription_count():
+            return
+        scan = self._body.scan()
+        stamp_ns = self._stamps.nanoseconds(scan.time_s)
+        if stamp_ns is None:
+            return
+        ranges = array("f")
+        ranges.frombytes(np.ascontiguousarray(scan.ranges_m, dtype=np.float32).tobytes())
+        last = max(len(ranges) - 1, 0)
+        self._publisher.publish(
+            LaserScan(
+                header=header(self._frames.lidar, to_msg(stamp_ns)),
+                angle_min=scan.angle_min_rad,
+                angle_max=scan.angle_min_rad + last * scan.angle_increment_rad,
+                angle_increment=scan.angle_increment_rad,
+                time_increment=0.0,  # all beams at one moment
+                scan_time=self._period_s,
+                range_min=scan.range_min_m,
+                range_max=scan.range_max_m,
+                ranges=ranges,
+            )
+        )
+
+
+class ClockPublisher:
+    """Publishes the body's time whenever it has changed."""
+
+    def __init__(self, node: Node, body_time: Callable[[], float]) -> None:
+        self._body_time = body_time
+        self._last_ns: int | None = None
+        self._publisher = node.create_publisher(Clock, "/clock", profile(STANDARD["/clock"].qos))
+
+    def tick(self) -> None:
+        """Look, and say it."""
+        now_ns = round(self._body_time() * NS_PER_S)
+        if now_ns != self._last_ns:
+            self._last_ns = now_ns
+            self._publisher.publish(Clock(clock=to_msg(now_ns)))
+
+
+_FASTEST_M_S, _FASTEST_RAD_S = 2.0, 4.0
+"""Limits of a body that does not say its own."""
+_EXACT = np.diag(np.full(6, 1e-6)).ravel()
+"""Covariance of what a simulation knows; all zeros would mean that it is not known."""
+
+
+class MotionPublisher:
+    """Publishes `/tf`, `pose`, and, for a body with a pose of its own, `odom`."""
+
+    def __init__(
+        self,
+        node: Node,
+        body: Body,
+        frames: Frames,
+        stamps: Stamps,
+        tf_buffer: TfBuffer,
+    ) -> None:
+        self._body, self._frames, self._stamps = body, frames, stamps
+        self._broadcaster, self._tf = Broadcaster(node), tf_buffer
+        self._base = body if isinstance(body, HasPose) else None
+        self._hand = body if isinstance(body, HasEndEffector) else None
+        self._pose = StampedPublisher(node, PoseStamped, "pose")
+        self._odom = StampedPublisher(node, Odometry, "odom") if self._base else None
+        self._lift = lru_cache(maxsize=1)(lift)  # a robot at rest is asked all the time
+        steered = body if isinstance(body, TakesVelocity) else None
+        self._odometer = Odometer(
+            steered.max_linear_m_s if steered else _FASTEST_M_S,
+            steered.max_angular_rad_s if steered else _FASTEST_RAD_S,
+        )
+        self._last_ns: int | None = None
+
+    def tick(self) -> None:
+        """Look at the body once and say what was seen; nothing if no time has passed since."""
+        time_s, base, twist, hand = self._sample()
+        stamp_ns = self._stamps.nanoseconds(time_s)
+        if stamp_ns is None or stamp_ns == self._last_ns:
+            return
+        self._last_ns = stamp_ns
+        placed: list[FramePose] = []
+        if base is not None:
+            in_odom = self._odometer.move(time_s, base)
+            placed += self._chain(base, in_odom)
+            self._say_odom(in_odom if self._frames.odom else base, twist, stamp_ns)
+        if hand is not None:
+            placed.append(FramePose(self._frames.map, self._frames.hand, hand))
+        self._tf.put(stamp_ns, *placed)
+        self._broadcaster.send(placed, stamp_ns)
+        self._say_pose(base or hand, stamp_ns)
+
+    def _sample(self) -> tuple[float, Pose3D | None, Twist2D | None, Pose3D | None]:
+        """Everything at one moment of the body's time, as far as it stands still for it."""
+        for _ in range(3):
+            time_s = self._body.time_s
+            base = self._lift(self._base.pose()) if self._base else None
+            twist = self._base.velocity() if self._base else None
+            hand = self._hand.end_effector() if self._hand else None
+            if self._body.time_s == time_s:
+                break
+        return time_s, base, twist, hand
+
+    def _chain(self, base: Pose3D, in_odom: Pose3D) -> list[FramePose]:
+        names = self._frames
+        if not names.odom:
+            return [FramePose(names.map, names.base, base)]
+        return [
+            FramePose(names.map, names.odom, self._odometer.map_to_odom),
+            FramePose(names.odom, names.base, in_odom),
+        ]
+
+    def _say_pose(self, pose: Pose3D | None, stamp_ns: int) -> None:
+        if pose is not None:
+            self._pose.say(pose, lambda stamp: self._pose_stamped(pose, stamp), stamp_ns)
+
+    def _say_odom(self, pose: Pose3D, twist: Twist2D | None, stamp_ns: int) -> None:
+        if self._odom and twist is not None:
+            said = (pose, twist)
+            self._odom.say(said, lambda stamp: self._odometry(pose, twist, stamp), stamp_ns)
+
+    def _pose_stamped(self, pose: Pose3D, stamp: Time) -> PoseStamped:
+        return PoseStamped(header=header(self._frames.map, stamp), pose=pose_msg(pose))
+
+    def _odometry(self, pose: Pose3D, twist: Twist2D, stamp: Time) -> Odometry:
+        moving = Twist(linear=Vector3(x=twist.linear_m_s), angular=Vector3(z=twist.angular_rad_s))
+        return Odometry(
+            header=header(self._frames.odom or self._frames.map, stamp),
+            child_frame_id=self._frames.base,
+            pose=PoseWithCovariance(pose=pose_msg(pose), covariance=_EXACT),
+            twist=TwistWithCovariance(twist=moving, covariance=_EXACT),
+        )

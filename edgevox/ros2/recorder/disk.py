@@ -1,0 +1,207 @@
+"""The thread that takes what was heard to the disk, and gets over a disk that is full.
+
+What was heard and is not yet written: bounded, and what does not fit in is counted.
+"""
+
+import errno
+import shutil
+import threading
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from edgevox.core.clock import Clock, SystemClock
+from edgevox.core.log import get_logger
+from edgevox.ros2.recorder.mcap import Bag, RecordedMessage
+
+log = get_logger(__name__)
+
+
+MOST_MESSAGES = 20_000
+MOST_BYTES = 64 * 1024 * 1024
+
+
+class WriteQueue:
+    """One thread puts, another takes; neither waits for the other."""
+
+    def __init__(self, most_messages: int = MOST_MESSAGES, most_bytes: int = MOST_BYTES) -> None:
+        self._most_messages, self._most_bytes = most_messages, most_bytes
+        self._lock = threading.Lock()
+        self._messages: list[RecordedMessage] = []
+        self._bytes = 0
+        self.dropped: Counter[str] = Counter()
+
+    def put(self, message: RecordedMessage) -> None:
+        """Take it in, or count it as dropped if there is no room."""
+        size = len(message.data)
+        with self._lock:
+            fits = len(self._messages) < self._most_messages
+            if fits and self._bytes + size <= self._most_bytes:
+                self._messages.append(message)
+                self._bytes += size
+                return
+        self.drop([message], "the disk is too slow")
+
+    def take(self) -> list[RecordedMessage]:
+        """All that is there, oldest first."""
+        with self._lock:
+            messages, self._messages, self._bytes = self._messages, [], 0
+        return messages
+
+    def drop(self, messages: list[RecordedMessage], why: str) -> None:
+        """Count them as lost."""
+        before = self.dropped.total()
+        self.dropped.update(message.topic.name for message in messages)
+        if self.dropped.total().bit_length() > before.bit_length():  # a flood leaves a few lines
+            log.warning("messages_not_recorded", dropped=self.dropped.total(), reason=why)
+
+
+FLUSH_S = 0.4
+"""What is older than this, and a moment, is in the file."""
+RETRY_S = 5.0
+MB = 1_000_000
+FULL = frozenset({errno.ENOSPC, errno.EDQUOT})
+"""The file can go on as soon as there is room. After any other error it is left as it is."""
+
+
+@dataclass(frozen=True)
+class Disk:
+    """Where to, how large a file may become, how much of the disk is left to others.
+
+    With `total_bytes` the recording is `full` once all its files have so many.
+    """
+
+    folder: Path
+    most_bytes: int = 256 * MB
+    spare_bytes: int = 100 * MB
+    total_bytes: int | None = None
+
+
+class Writing:
+    """Writes from `start` to `close`. While the disk takes nothing, messages are dropped.
+
+    `fault` says why nothing is written at the moment, and is empty otherwise. It looks every
+    `flush_s` for what came, and `retry_s` after a fault whether it is over. Raises `OSError` where
+    the folder cannot be made.
+    """
+
+    def __init__(
+        self,
+        inbox: WriteQueue,
+        disk: Disk,
+        *,
+        clock: Clock | None = None,
+        free_bytes: Callable[[Path], int] = lambda folder: shutil.disk_usage(folder).free,
+        flush_s: float = FLUSH_S,
+        retry_s: float = RETRY_S,
+    ) -> None:
+        self._inbox = inbox
+        self._disk = disk
+        self._clock = clock or SystemClock()
+        self._free_bytes = free_bytes
+        self._flush_s = flush_s
+        self._retry_s = retry_s
+        self._retry_at_s = 0.0
+        self.bag = Bag(disk.folder, disk.most_bytes)
+        self.fault = ""
+        self.full = threading.Event()
+        """Set once it has all the bytes that it may have; it goes on until it is closed."""
+        self.written = 0
+        self._held: list[RecordedMessage] = []
+        """Those that the bag was given and the disk has not taken yet."""
+        self._closing = threading.Event()
+        self._thread = threading.Thread(target=self._work, name="edgevox-recording")
+
+    @property
+    def alive(self) -> bool:
+        """Whether its thread works, unless it was not started yet or was closed."""
+        return self._closing.is_set() or self._thread.ident is None or self._thread.is_alive()
+
+    def start(self) -> None:
+        self._thread.start()
+
+    def close(self) -> None:
+        """Write what is left and end the file."""
+        self._closing.set()
+        if self._thread.is_alive():
+            self._thread.join()
+
+    def _work(self) -> None:
+        while not self._closing.wait(self._flush_s):
+            self._round()
+        self._retry_at_s = 0.0  # there is no later
+        self._round()
+        if not self._try(lambda: self.bag.end_file(self._notes())):
+            self._lose_file()
+
+    def _round(self) -> None:
+        """Write what came since the last one, after what could not be written before."""
+        messages = self._inbox.take()
+        if not (self._may_write() and self._try(self._catch_up)):
+            if messages:
+                self._inbox.drop(messages, self.fault)
+            return
+        self._held = messages
+        if self._try(lambda: self.bag.write(messages, self._notes())):
+            self._wrote()
+            if self.fault:
+                log.warning("recording_goes_on")
+                self.fault = ""
+
+    def _catch_up(self) -> None:
+        self.bag.catch_up(self._notes())
+        self._wrote()
+
+    def _wrote(self) -> None:
+        self.written += len(self._held)
+        self._held = []
+        most = self._disk.total_bytes
+        if most is not None and self.bag.size >= most:
+            self.full.set()
+
+    def _lose_file(self) -> None:
+        self.bag.lose_file()
+        held, self._held = self._held, []
+        if held:
+            self._inbox.drop(held, self.fault)
+
+    def _may_write(self) -> bool:
+        if self.fault and self._clock.now() < self._retry_at_s:
+            return False
+        try:
+            free = self._free_bytes(self._disk.folder)
+        except OSError as error:
+            self._stop(str(error))
+            return False
+        if free < self._disk.spare_bytes:
+            if not self.fault:
+                self._try(lambda: self.bag.end_file(self._notes()))
+            left, spare = free // MB, self._disk.spare_bytes // MB
+            self._stop(f"the disk is full: {left} MB are left, {spare} MB are for others")
+            return False
+        return True
+
+    def _try(self, write: Callable[[], None]) -> bool:
+        try:
+            write()
+        except OSError as error:
+            self._stop(f"{self._disk.folder}: {error.strerror or error}")
+            if error.errno not in FULL:
+                self._lose_file()
+            return False
+        except Exception as error:  # what is heard later may still be written
+            log.exception("recording_file_lost")
+            self._stop(repr(error))
+            self._lose_file()
+            return False
+        return True
+
+    def _stop(self, why: str) -> None:
+        if not self.fault:
+            log.error("recording_stopped", reason=why, retry_s=self._retry_s)
+        self.fault = why
+        self._retry_at_s = self._clock.now() + self._retry_s
+
+    def _notes(self) -> dict[str, str]:
+        return {f"dropped {name}": str(count) for name, count in self._inbox.dropped.items()}

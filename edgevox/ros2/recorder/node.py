@@ -1,0 +1,117 @@
+"""The node that hears what is to be recorded, without looking into it."""
+
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from edgevox.core.errors import EdgeVoxError
+from edgevox.core.log import get_logger
+from edgevox.core.status import Finding, HealthCheck, Level, Status, lives, moves
+from edgevox.ros2.contract import RECORDER_NODE
+from edgevox.ros2.node import RosNode
+from edgevox.ros2.recorder.definitions import definition
+from edgevox.ros2.recorder.disk import Disk, WriteQueue, Writing
+from edgevox.ros2.recorder.mcap import RecordedMessage
+from edgevox.ros2.recorder.recorded_topics import Recorded, message_class
+
+log = get_logger(__name__)
+
+
+class Recorder:
+    """Records these topics from `start` to `close`.
+
+    A topic whose type is not installed is left out and said. Raises `RosBridgeFailed` where ROS 2
+    does not work, `EdgeVoxError` where the folder cannot be made.
+    """
+
+    name = "recorder"
+
+    def __init__(
+        self,
+        namespace: str,
+        topics: Sequence[Recorded],
+        disk: Disk,
+        ros_args: Sequence[str] = (),
+    ) -> None:
+        self._inbox = WriteQueue()
+        try:
+            self._writing = Writing(self._inbox, disk)
+        except OSError as error:
+            raise EdgeVoxError(f"output: {disk.folder}: {error.strerror or error}") from None
+        self.ros = RosNode(namespace, ros_args, name=RECORDER_NODE)
+        self.topics = tuple(topic for topic in topics if self._listen(topic))
+
+    def start(self) -> None:
+        self._writing.start()
+        self.ros.start()
+
+    def close(self) -> None:
+        """Hear nothing more, and write what was heard."""
+        self.ros.close()
+        self._writing.close()
+
+    @property
+    def checks(self) -> Sequence[HealthCheck]:
+        """What health asks of it."""
+        return (
+            HealthCheck("recording", lives(lambda: self._writing.alive)),
+            HealthCheck("ros2", moves(lambda: self.ros.stalled_s)),
+            HealthCheck("disk", lambda: self.fault, vital=False),
+        )
+
+    def status(self) -> Status:
+        """How it is now."""
+        return Status.judged(
+            self.name,
+            [Finding(Level.ERROR, self.fault)] if self.fault else (),
+            well="records",
+            written_messages=self.written,
+            dropped_messages=sum(self.dropped.values()),
+        )
+
+    @property
+    def fault(self) -> str:
+        """Why nothing can be written; empty if it can."""
+        return self._writing.fault
+
+    @property
+    def full(self) -> threading.Event:
+        """Set once all its files have the bytes that they may have."""
+        return self._writing.full
+
+    @property
+    def written(self) -> int:
+        """How many messages are on the disk."""
+        return self._writing.written
+
+    @property
+    def files(self) -> int:
+        """How many files were begun."""
+        return self._writing.bag.files
+
+    @property
+    def dropped(self) -> Mapping[str, int]:
+        """How many messages of which topic were heard and could not be kept."""
+        return dict(self._inbox.dropped)
+
+    def _listen(self, topic: Recorded) -> bool:
+        try:
+            kind = message_class(topic.type)
+            definition(topic.type)
+        except EdgeVoxError as error:
+            log.warning("topic_not_recorded", topic=topic.name, reason=str(error))
+            return False
+        self.ros.node.create_subscription(
+            kind, topic.name, self._hearer(topic), topic.listening, raw=True
+        )
+        return True
+
+    def _hearer(self, topic: Recorded) -> Callable[..., None]:
+        def hear(data: bytes, info: Any) -> None:
+            now_ns = time.time_ns()
+            self._inbox.put(
+                RecordedMessage(topic, data, now_ns, info["source_timestamp"] or now_ns)
+            )
+
+        return hear

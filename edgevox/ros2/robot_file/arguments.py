@@ -1,0 +1,154 @@
+"""The arguments of a skill in the file: their model, what they mean in a request, samples.
+
+Values that a skill of a robot file speaks of, and the words for them, in each language.
+"""
+
+from collections.abc import Iterator, Mapping
+from string import Formatter
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, create_model
+
+from edgevox.agent.skills import OneOf
+from edgevox.core.files.validation import Place
+from edgevox.core.files.yaml_file import YamlFile, value_key
+from edgevox.ros2.robot_file.format import Argument, Sentences, SkillEntry
+from edgevox.ros2.robot_file.messages import is_primitive, is_text
+from edgevox.ros2.robot_file.steps import Meaning
+
+_TRUTH, _NUMBER, _TEXT = "boolean", "number", "text"
+_TRUTHS = ("true", "false")
+_FORMATTED = ("says", "asks", "done")
+
+
+def every_language(entry: SkillEntry, at: Place) -> Iterator[tuple[Place, Sentences]]:
+    """What is said of a skill that stands `at` this place, English first, each with its place."""
+    yield at, entry
+    for code, said in entry.languages.items():
+        yield (*at, "languages", code), said
+
+
+def values_in(text: str) -> set[str]:
+    """The values that a sentence says, as it names them. Raises `ValueError` for lone braces."""
+    parts = [part for part in Formatter().parse(text) if part[1] is not None]
+    for _, name, how, conversion in parts:
+        if how or conversion:
+            raise ValueError(f"{{{name}}} is written out as it is")
+    return {str(name) for _, name, *_ in parts}
+
+
+def check_words(entry: SkillEntry, results: Mapping[str, str], file: YamlFile, at: Place) -> None:
+    """Raise `InvalidValue` for words of no value, and for a truth that is said without words.
+
+    `results` are the types of all results, by their names.
+    """
+    kinds = _kinds(entry, results)
+    for place, said in every_language(entry, at):
+        for name, words in said.words.items():
+            where = (*place, "words", name)
+            if name not in kinds:
+                expected = "a result or an argument that is no choice: one of "
+                raise file.wrong(where, name, expected + (", ".join(kinds) or "none"))
+            for value in words:
+                if expected := _unlike(kinds[name], value):
+                    raise file.wrong((*where, value), value, expected)
+        for key in _FORMATTED:
+            for name in sorted(values_in(getattr(said, key))):
+                if kinds.get(name) == _TRUTH and set(_TRUTHS) - said.words.get(name, {}).keys():
+                    expected = f'words for it: words: {{{name}: {{"true": ..., "false": ...}}}}'
+                    raise file.wrong((*place, key), name, expected)
+
+
+def _kinds(entry: SkillEntry, results: Mapping[str, str]) -> dict[str, str]:
+    """The values that may have words here; those of a choice have `names`."""
+    asked = {name: one.type for name, one in entry.arguments.items() if one.type != "choice"}
+    kinds = {"boolean": _TRUTH, "text": _TEXT}
+    told = {name: _kind(type_name) for name, type_name in results.items()}
+    return {name: kinds.get(one, _NUMBER) for name, one in asked.items()} | {
+        name: one for name, one in told.items() if one
+    }
+
+
+def _kind(type_name: str) -> str:
+    if not is_primitive(type_name):
+        return ""
+    return _TEXT if is_text(type_name) else _TRUTH if type_name == "boolean" else _NUMBER
+
+
+def _unlike(kind: str, value: str) -> str:
+    """What a value of this kind is written as instead; empty if it may be written so."""
+    if kind == _TRUTH:
+        return "" if value in _TRUTHS else "true or false"
+    if kind == _TEXT:
+        return ""
+    try:
+        written = value_key(float(value))
+    except (ValueError, OverflowError):
+        return "a number"
+    return "" if written == value else f"{written}, as the number is said"
+
+
+LONGEST_TEXT = 500
+_TYPES: Mapping[str, type] = {"number": float, "integer": int, "boolean": bool, "text": str}
+_FAR = 2**53
+
+
+def arguments_model(name: str, arguments: Mapping[str, Argument]) -> type[BaseModel]:
+    """The model that a call's arguments are held to."""
+    fields: dict[str, Any] = {
+        key: (_annotated(one), ... if one.default is None else one.default)
+        for key, one in arguments.items()
+    }
+    config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+    return create_model(f"{name}_arguments", __config__=config, **fields)
+
+
+def meanings(arguments: Mapping[str, Argument], values: Mapping[str, Any]) -> dict[str, Any]:
+    """What goes into the request: of a choice what its word stands for, of others the value."""
+    return {name: _meaning(arguments[name], value) for name, value in values.items()}
+
+
+def samples(arguments: Mapping[str, Argument]) -> Iterator[tuple[str, dict[str, Meaning]]]:
+    """Values that a request has to take, and the argument that is tried with each: its extremes."""
+    every = {
+        name: [_meaning(one, value) for value in _samples(one)] for name, one in arguments.items()
+    }
+    usual = {name: values[0] for name, values in every.items()}
+    yield "", usual
+    for name, values in every.items():
+        yield from ((name, {**usual, name: value}) for value in values)
+
+
+def _annotated(one: Argument) -> Any:
+    about = f"{one.description} ({one.unit})" if one.unit else one.description
+    if one.type == "choice":
+        words = OneOf(tuple(one.meanings), one.aliases, names=one.names)
+        return Annotated[str, words, Field(description=about)]
+    bounds: dict[str, Any] = {"ge": one.min, "le": one.max} if one.type in _NUMBERS else {}
+    if one.type == "text":
+        bounds = {"max_length": LONGEST_TEXT}
+    return Annotated[_TYPES[one.type], Field(description=about or None, **bounds)]
+
+
+_NUMBERS = ("number", "integer")
+
+
+def _meaning(one: Argument, value: Any) -> Any:
+    if one.type == "choice":
+        return one.meanings[value]
+    return value if one.times is None else value * one.times
+
+
+def _samples(one: Argument) -> list[Any]:
+    if one.type == "choice":
+        return list(one.meanings)
+    if one.type == "boolean":
+        return [True, False]
+    if one.type == "text":
+        return ["text"]
+    low = -_FAR if one.min is None else one.min
+    high = _FAR if one.max is None else one.max
+    if one.type == "integer":
+        return [int(low), int(high)]
+    # A number that is no whole one shows a field that takes only those.
+    return [float(low), float(high), low + (high - low) / 3 + 0.01 * (high > low)]

@@ -1,0 +1,282 @@
+"""What a robot file may hold: a robot, its limits and places, and the skills it has.
+
+namespace: /cleaner
+skills:
+  clean_room:
+    description: Clean a room.
+    action: {name: clean, type: cleaner_msgs/action/Clean}
+    request: {room: "{room}", passes: "{passes}"}
+
+Arguments:
+      room: {type: choice, values: [hall, office]}
+      passes: {type: integer, min: 1, max: 3, default: 1}
+    sentences: ["clean [the] {room} [{passes} times]"]
+    says: Cleaning the {room}.
+    done: The {room} is clean.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+
+from edgevox.agent.policy import PolicyFile
+from edgevox.core.files.validation import wrong
+from edgevox.core.files.yaml_file import value_key
+from edgevox.core.languages import LANGUAGES
+from edgevox.robots.names import LocalNames, check_told_apart
+from edgevox.ros2.external.locations import LocationsFile
+from edgevox.ros2.robot_file.steps import (
+    GraphName,
+    Meaning,
+    Name,
+    Number,
+    Part,
+    Scalar,
+    Step,
+    StopStep,
+    Wait,
+    Word,
+    at_most,
+    one_way,
+    wanted_instead,
+)
+
+MOST_SKILLS = 100
+MOST_ARGUMENTS = 20
+MOST_WORDS = 500
+MOST_STEPS = 20
+MOST_WATCHES = 5
+FOR_DRIVING = ("topics", "limits", "footprint", "places", "locations")
+"""What a file says of how its robot drives, and where to."""
+
+
+class Argument(Part):
+    """What a skill is told: a number, a whole number, a truth, a text, or one of some words.
+
+    `values` of a choice are its words, or what each word stands for in the request; `aliases` are
+    other things people say for a word, in any language; `names` are what a word is called in each.
+    A number goes into the request `times` so much: 0.01 where people say percent and the robot
+    takes a part of one.
+    """
+
+    type: Literal["number", "integer", "boolean", "text", "choice"]
+    description: str = ""
+    unit: str = ""
+    min: Number | None = None
+    max: Number | None = None
+    default: Scalar | None = None
+    times: Number | None = None
+    values: Annotated[list[Word] | dict[Word, Meaning] | None, at_most(MOST_WORDS, "words")] = None
+    aliases: Mapping[Word, Word] = Field(default_factory=dict)
+    names: Mapping[Word, LocalNames] = Field(default_factory=dict)
+
+    @property
+    def meanings(self) -> Mapping[str, Meaning]:
+        """What each word of a choice stands for."""
+        values = self.values or []
+        return values if isinstance(values, dict) else {word: word for word in values}
+
+    @model_validator(mode="after")
+    def _fits_its_type(self) -> "Argument":
+        if (self.type == "choice") != bool(self.values):
+            raise wrong(("values",), self.values, "words, for a choice and for nothing else")
+        for said, word in self.aliases.items():
+            if word not in self.meanings:
+                raise wrong(("aliases", said), word, "one of " + ", ".join(self.meanings))
+        _told_apart(self)
+        for name in ("min", "max", "times"):
+            if getattr(self, name) is not None and self.type not in ("number", "integer"):
+                raise wrong((name,), getattr(self, name), "nothing: this is for numbers only")
+        if self.min is not None and self.max is not None and self.min > self.max:
+            raise wrong(("max",), self.max, f"no less than min, {self.min:g}")
+        if self.default is not None:
+            words = self.meanings
+            expected = wanted_instead(self.default, self.type, words, self.min, self.max)
+            if expected:
+                raise wrong(("default",), self.default, expected)
+        return self
+
+
+def _told_apart(one: Argument) -> None:
+    for word in one.names:
+        if word not in one.meanings:
+            raise wrong(("names", word), word, "one of " + ", ".join(one.meanings))
+    aliases = {
+        word: tuple(said for said, meant in one.aliases.items() if meant == word)
+        for word in one.meanings
+    }
+    entries = {word: (aliases[word], one.names.get(word, {})) for word in aliases}
+    check_told_apart(entries, lambda word, code: ("names", word, code))
+
+
+def _by_value(data: Any) -> Any:
+    """With keys that are texts: YAML reads `true` and `3` as what they are."""
+    if not isinstance(data, dict):
+        return data
+    keyed = {value_key(key): said for key, said in data.items()}
+    if len(keyed) < len(data):
+        raise ValueError("each value once")
+    return keyed
+
+
+ByValue = Annotated[Mapping[str, Word], BeforeValidator(_by_value), at_most(MOST_WORDS, "values")]
+"""What is said for values, by how they are written: true, 3, or a text."""
+
+
+class Sentences(Part):
+    """What is said to have it done, and what the robot says of it, in one language."""
+
+    sentences: list[Word] = Field(default_factory=list, max_length=50)
+    says: str = ""
+    done: str = ""
+    failed: str = ""
+    can: str = Field("", description="what the robot can do, as a part of a sentence")
+    argument_names: Mapping[Name, Word] = Field(
+        default_factory=dict, description="what arguments are called: the number of passes"
+    )
+    asks: str = Field("", description="the end of a question that begins 'Shall I'")
+    words: Mapping[Name, ByValue] = Field(
+        default_factory=dict, description="what is said for values: {docked: {true: on my dock}}"
+    )
+
+
+def _known_languages(by_code: dict[str, Sentences]) -> dict[str, Sentences]:
+    for code in by_code:
+        if code not in LANGUAGES or code == "en":
+            raise wrong((code,), code, "a code of " + ", ".join(sorted(set(LANGUAGES) - {"en"})))
+    return by_code
+
+
+class SkillEntry(Step, Sentences):
+    """A skill: one step of its own, or a list of `steps`, which are done in order.
+
+    `moves`: it uses the body, so it ends whatever moves, and every stop ends it; by default all
+    that does more than read. `confirm`: somebody has to say yes before it is begun. `stops_on` are
+    messages that end it, and with which it does not begin. `stop` is done when it did not come to
+    its end, beside the cancel of an action.
+    """
+
+    description: Word
+    arguments: Annotated[Mapping[Name, Argument], at_most(MOST_ARGUMENTS, "arguments")] = Field(
+        default_factory=dict
+    )
+    steps: list[Step] = Field(default_factory=list, max_length=MOST_STEPS)
+    stop: StopStep | None = None
+    stops_on: list[Wait] = Field(default_factory=list, max_length=MOST_WATCHES)
+    moves: bool | None = None
+    confirm: bool = False
+    languages: Annotated[dict[str, Sentences], AfterValidator(_known_languages)] = Field(
+        default_factory=dict
+    )
+
+    @property
+    def every_step(self) -> list[Step]:
+        """What it does, in order."""
+        return self.steps or [self]
+
+    @property
+    def uses_the_body(self) -> bool:
+        """Whether it moves, as it says, or because it does more than read."""
+        reads = all(step.read for step in self.every_step)
+        return not reads if self.moves is None else self.moves
+
+    @model_validator(mode="after")
+    def _each_step_hasone_way(self) -> "SkillEntry":
+        if self.steps and self.ways:
+            raise wrong((self.ways[0],), None, "nothing: the skill has steps")
+        for index, step in enumerate(self.steps):
+            one_way(step, ("steps", index))
+        if not self.steps:
+            one_way(self, ())
+        if self.moves is False and not all(step.read for step in self.every_step):
+            _only_short(self)
+        _only_arguments(self, (), self.arguments)
+        for code, said in self.languages.items():
+            _only_arguments(said, ("languages", code), self.arguments)
+        return self
+
+
+def _only_arguments(
+    said: Sentences, place: tuple[str, ...], arguments: Mapping[str, Argument]
+) -> None:
+    for name in said.argument_names:
+        if name not in arguments:
+            known = "an argument: one of " + (", ".join(arguments) or "none")
+            raise wrong((*place, "argument_names", name), name, known)
+
+
+def _only_short(entry: SkillEntry) -> None:
+    for step in entry.every_step:
+        if step.wait or step.action or (step.publish and step.publish.rate_hz):
+            expected = "true: what takes its time is a goal that a stop can end"
+            raise wrong(("moves",), False, expected)
+
+
+class Limits(Part):
+    """How it is steered where nothing there takes goals, in m/s, rad/s and m/s²."""
+
+    max_linear: Number | None = Field(None, gt=0.0, le=10.0)
+    max_angular: Number | None = Field(None, gt=0.0, le=10.0)
+    max_acceleration: Number | None = Field(None, gt=0.0, le=10.0)
+
+
+class Footprint(Part):
+    """How large it is, in metres, along and across its way, about the middle that `odom` tells of.
+
+    Where it is steered, what the scan shows in the strip before it makes it wait.
+    """
+
+    length: Number = Field(gt=0.0, le=10.0)
+    width: Number = Field(gt=0.0, le=10.0)
+
+
+class RobotFile(Part):
+    """A whole file. What it says of the robot counts unless a setting says otherwise.
+
+    One that does not drive (`drives: false`) can what its skills say, and nothing else. `topics`
+    are what the robot calls the topics of the contract: ``{odom: wheel/odometry}``.
+    Places and the policy stand here, or in files of their own, whose paths begin beside this one:
+    `places` as in a locations file, `locations` its path; `policy` as in a policy file,
+    `policy_file` its path.
+    """
+
+    name: str = Field("", max_length=100, description="what people call it")
+    description: str = Field("", max_length=500, description="what it is for, in a sentence")
+    namespace: str = Field("/", pattern=r"^/([A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*)?$")
+    drives: bool = Field(
+        True, description="false for an arm, a lift and whatever else stays where it is"
+    )
+    topics: Mapping[
+        Literal["odom", "cmd_vel", "goal_pose", "scan", "camera/image_raw", "map"], GraphName
+    ] = Field(default_factory=dict)
+    limits: Limits = Limits()
+    footprint: Footprint | None = None
+    places: LocationsFile | None = None
+    locations: Path | None = None
+    policy: PolicyFile | None = None
+    policy_file: Path | None = None
+    skills: Annotated[
+        Mapping[Name, SkillEntry], Field(max_length=MOST_SKILLS), at_most(MOST_SKILLS, "skills")
+    ] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _each_once(self) -> "RobotFile":
+        for here, path in (("places", "locations"), ("policy", "policy_file")):
+            if getattr(self, here) is not None and getattr(self, path) is not None:
+                raise wrong((path,), getattr(self, path), f"nothing: {here} stand in this file")
+        return self
+
+    @model_validator(mode="after")
+    def _drives_where_it_says_how(self) -> "RobotFile":
+        for name in () if self.drives else FOR_DRIVING:
+            if name in self.model_fields_set:
+                raise wrong((name,), getattr(self, name), "nothing: drives is false")
+        return self
+
+    @property
+    def about(self) -> str:
+        """What it is called and what it is for."""
+        called = f"Your name is {self.name}." if self.name else ""
+        return " ".join(filter(None, (called, self.description)))

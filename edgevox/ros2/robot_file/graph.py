@@ -1,0 +1,274 @@
+"""Looks on the live graph for each interface that a robot file names; for the doctor's process.
+
+What is found of one is told as plain values: as which types it is there, with which quality of
+service, and what else is there that it may have been meant to be.
+
+What the graph shows at one moment: who serves, publishes and subscribes, and as which type.
+
+What a robot file expects of the graph: for each interface that it names, who has to be there.
+"""
+
+import contextlib
+import difflib
+import json
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from rclpy.action import get_action_server_names_and_types_by_node
+from rclpy.duration import Infinite
+from rclpy.expand_topic_name import expand_topic_name
+from rclpy.node import Node, NodeNameNonExistentError
+from rclpy.qos import QoSCompatibility, QoSProfile, qos_check_compatible
+
+from edgevox.core.cancel import CancelToken
+from edgevox.core.clock import SystemClock
+from edgevox.core.errors import InvalidValue
+from edgevox.core.settings import Settings, check_settings
+from edgevox.ros2.clients.waiting import TookTooLong, wait_until
+from edgevox.ros2.node import RosNode
+from edgevox.ros2.qos import interface_profile, profile
+from edgevox.ros2.robot_file.format import RobotFile, SkillEntry
+from edgevox.ros2.robot_file.load import DescribedRobot, load_robot_file
+from edgevox.ros2.robot_file.messages import InterfaceMissing, Kind, full_name
+from edgevox.ros2.robot_file.skills import SkillOff, planned_skills
+from edgevox.ros2.robot_file.steps import Step, Topic
+from edgevox.ros2.standard_topics import DRIVEN
+
+Role = Literal["service", "action", "publisher", "subscriber"]
+"""What the robot has under a name: the other end of what EdgeVox has there."""
+
+_ROLES: dict[str, tuple[Role, Kind]] = {
+    "publish": ("subscriber", "msg"),
+    "call": ("service", "srv"),
+    "action": ("action", "action"),
+    "read": ("publisher", "msg"),
+    "wait": ("publisher", "msg"),
+}
+TOPICS = "topics"
+"""Whose the topics of the contract are that the robot calls otherwise."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """One interface; `whose` is the skill that needs it, and `name` is as the file writes it.
+
+    `contract` is what the contract calls a topic that is no skill's.
+    """
+
+    whose: str
+    role: Role
+    name: str
+    type: str
+    latched: bool = False
+    contract: str = ""
+
+
+def wanted_by(robot: RobotFile) -> Iterator[Wanted]:
+    """Every interface that the file names, of skills whose types make sense, each once a skill."""
+    for topic, name in robot.topics.items():
+        row = DRIVEN[topic]
+        role: Role = "publisher" if row.direction == "in" else "subscriber"
+        yield Wanted(TOPICS, role, name, row.type, contract=topic)
+    for skill, entry in robot.skills.items():
+        yield from dict.fromkeys(_wanted_by_steps(skill, entry))
+
+
+def _wanted_by_steps(skill: str, entry: SkillEntry) -> Iterator[Wanted]:
+    watches = [Step(wait=one) for one in entry.stops_on]
+    for step in (*entry.every_step, *watches, *([entry.stop] if entry.stop else ())):
+        way = step.ways[0]
+        role, kind = _ROLES[way]
+        used = getattr(step, way)
+        try:
+            type_name = full_name(used.type, kind)
+        except InterfaceMissing:
+            continue  # the skill is off, which is told by itself
+        latched = isinstance(used, Topic) and used.latched
+        yield Wanted(skill, role, used.name, type_name, latched)
+
+
+_OF_EVERY_NODE = "rcl_interfaces/"
+_HIDDEN = "/_"
+
+
+@dataclass(frozen=True, slots=True)
+class OfferedEnd:
+    """One end of an interface that is there; `profile` is a topic's quality of service."""
+
+    type: str
+    profile: QoSProfile | None = None
+
+
+Offers = Mapping[Role, Mapping[str, list[OfferedEnd]]]
+"""What is there, by role and by full name."""
+
+
+def look_at(node: Node) -> Offers:
+    """What the other nodes have. What only clients of a service or an action look for is not."""
+    found: dict[Role, dict[str, list[OfferedEnd]]] = {
+        "service": defaultdict(list),
+        "action": defaultdict(list),
+        "publisher": defaultdict(list),
+        "subscriber": defaultdict(list),
+    }
+    for name, namespace in node.get_node_names_and_namespaces():
+        if (name, namespace) == (node.get_name(), node.get_namespace()):
+            continue
+        # A node may go between two looks.
+        with contextlib.suppress(NodeNameNonExistentError):
+            _add(found["service"], node.get_service_names_and_types_by_node(name, namespace))
+            actions = get_action_server_names_and_types_by_node(node, name, namespace)
+            _add(found["action"], actions)
+    for role, ends in _topic_ends(node):
+        for topic, _ in node.get_topic_names_and_types():
+            for end in ends(topic):
+                if not _hidden(topic) and end.node_name != node.get_name():
+                    found[role][topic].append(OfferedEnd(end.topic_type, end.qos_profile))
+    return found
+
+
+def unheard(publisher: QoSProfile, subscriber: QoSProfile) -> str:
+    """Why a subscriber would hear nothing of a publisher; empty if it would."""
+    verdict, reason = qos_check_compatible(publisher, subscriber)
+    if verdict != QoSCompatibility.ERROR:
+        return ""
+    said = str(reason).replace("ERROR: ", "").strip("; ")
+    return said[:1].lower() + said[1:]
+
+
+def as_on_the_graph(profile: QoSProfile) -> QoSProfile:
+    """What is left to the middleware, as it says it of others: for ever."""
+    profile.deadline = profile.lifespan = profile.liveliness_lease_duration = Infinite
+    return profile
+
+
+def _topic_ends(node: Node) -> Iterator[tuple[Role, Callable[[str], list[Any]]]]:
+    yield "publisher", node.get_publishers_info_by_topic
+    yield "subscriber", node.get_subscriptions_info_by_topic
+
+
+def _add(known: dict[str, list[OfferedEnd]], served: list[tuple[str, list[str]]]) -> None:
+    for name, types in served:
+        ends = [OfferedEnd(one) for one in types if not one.startswith(_OF_EVERY_NODE)]
+        if ends and not _hidden(name):
+            known[name].extend(ends)
+
+
+def _hidden(name: str) -> bool:
+    return _HIDDEN in name
+
+
+LOOK_S = 5.0
+"""So long all of it may take to be discovered."""
+NODE_NAME = "edgevox_doctor"
+MOST_NEAR = 3
+_ALIKE = 0.6
+
+
+def look_for_robot(settings_json: str) -> dict[str, Any]:
+    """What is there of the robot whose file these settings name.
+
+    `wrong` is why the file cannot be used; `off` are skills whose types are not sourced; `others`
+    is how many nodes there are; `found` has one entry for each interface; `elsewhere` is the
+    namespace that most of them are in, and how many.
+    """
+    settings = check_settings(json.loads(settings_json))
+    facts: dict[str, Any] = {"wrong": "", "off": [], "others": 0, "found": []}
+    try:
+        described = load_robot_file(Path(str(settings.robot_file)))
+        planned = list(planned_skills(described.robot, described.file))
+    except InvalidValue as error:
+        return facts | {"wrong": str(error)}
+    facts["off"] = [[one.name, one.reason] for one in planned if isinstance(one, SkillOff)]
+    return facts | _on_the_graph(described, settings)
+
+
+def _on_the_graph(described: DescribedRobot, settings: Settings) -> dict[str, Any]:
+    namespace = described.namespace(settings)
+    ros = RosNode("/", name=NODE_NAME)
+    ros.start()
+    try:
+        wanted = [
+            (one, expand_topic_name(one.name, NODE_NAME, namespace))
+            for one in wanted_by(described.robot)
+        ]
+        offers = _until_all_are_there(ros, wanted)
+        others = len(ros.node.get_node_names()) - 1
+    finally:
+        ros.close()
+    found = [_told(one, name, offers) for one, name in wanted]
+    return {"others": others, "found": found, "elsewhere": _elsewhere(wanted, offers)}
+
+
+def _until_all_are_there(ros: RosNode, wanted: Sequence[tuple[Wanted, str]]) -> Offers:
+    seen: list[Offers] = []
+
+    def complete() -> bool:
+        seen.append(look_at(ros.node))
+        return all(seen[-1][one.role].get(name) for one, name in wanted)
+
+    # What does not come is what is asked for.
+    with contextlib.suppress(TookTooLong):
+        wait_until(complete, CancelToken(), LOOK_S, SystemClock())
+    return seen[-1]
+
+
+def _told(wanted: Wanted, name: str, offers: Offers) -> dict[str, Any]:
+    ends = offers[wanted.role].get(name, [])
+    types = sorted({one.type for one in ends})
+    right = [one.profile for one in ends if one.type == wanted.type and one.profile]
+    unfit = _unfit(wanted, right, latched=wanted.latched)
+    return {
+        "whose": wanted.whose,
+        "role": wanted.role,
+        "name": name,
+        "type": wanted.type,
+        "types": types,
+        "unfit": unfit,
+        "latched": not wanted.latched
+        if unfit and not _unfit(wanted, right, latched=not wanted.latched)
+        else None,
+        "instead": [role for role in offers if role != wanted.role and offers[role].get(name)],
+        "near": [] if types else [list(one) for one in _near(wanted, name, offers)],
+    }
+
+
+def _unfit(wanted: Wanted, theirs: Sequence[QoSProfile], *, latched: bool) -> str:
+    """Why none of them and EdgeVox would hear each other; empty if one would."""
+    heard = wanted.role == "publisher"
+    contract = profile(DRIVEN[wanted.contract].qos) if wanted.contract else None
+    ours = as_on_the_graph(contract or interface_profile(latched=latched, heard=heard))
+    reasons = [unheard(one, ours) if heard else unheard(ours, one) for one in theirs]
+    return reasons[0] if reasons and all(reasons) else ""
+
+
+def _elsewhere(wanted: Sequence[tuple[Wanted, str]], offers: Offers) -> list[Any]:
+    """The namespace in which most of what is relative is there, and how much of it; or nothing."""
+    found = Counter(
+        name.removesuffix(f"/{one.name}")
+        for one, _ in wanted
+        for name in offers[one.role]
+        if name.endswith(f"/{one.name}")
+    )
+    return [[namespace or "/", count] for namespace, count in found.most_common(1)]
+
+
+def _near(wanted: Wanted, name: str, offers: Offers) -> Iterator[tuple[str, str]]:
+    """What is there in this role and is called much like it, or has its type; with their types."""
+    known = {
+        other: sorted({end.type for end in ends}) for other, ends in offers[wanted.role].items()
+    }
+    alike = sorted(known, key=lambda other: -_likeness(name, other))
+    alike = [other for other in alike if _likeness(name, other) >= _ALIKE]
+    same_type = [other for other in sorted(known) if wanted.type in known[other]]
+    for other in list(dict.fromkeys([*alike, *same_type]))[:MOST_NEAR]:
+        yield other, ", ".join(known[other])
+
+
+def _likeness(name: str, other: str) -> float:
+    """Of the whole names, or of their last parts, where a namespace is another one."""
+    pairs = ((name, other), (name.rpartition("/")[2], other.rpartition("/")[2]))
+    return max(difflib.SequenceMatcher(None, *pair).ratio() for pair in pairs)

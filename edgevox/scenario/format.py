@@ -1,0 +1,238 @@
+"""The format of a scenario file, validated: nothing in it is guessed, nothing is left out.
+
+What can happen in a scenario, one kind of step a class.
+
+What a scenario says must be true, or must never be.
+
+Reads scenario files; what is wrong in one is said by field and line.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Tag,
+    model_validator,
+)
+
+from edgevox.core.errors import InvalidValue
+from edgevox.core.files.user_file import read_text
+from edgevox.core.files.yaml_file import YamlFile
+from edgevox.scenario.compare import Value, Words
+
+FieldPath = Annotated[str, Field(pattern=r"^[\w-]+(\.[\w-]+)*$", max_length=200)]
+
+
+class Strict(BaseModel):
+    """A part of a scenario file: nothing in it that is not known, and it stays as it is."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+
+
+class Condition(Strict):
+    """What is true of the robot; with several parts, each of them, not all at one moment."""
+
+    state: Annotated[dict[FieldPath, Value], Field(min_length=1, max_length=50)] | None = Field(
+        None, description="values of robot_state by their paths, all at one moment"
+    )
+    answer: Words | None = Field(None, description="what was answered since the last stimulus")
+    event: Annotated[dict[FieldPath, Value], Field(min_length=1, max_length=50)] | None = Field(
+        None, description="values of one agent_event since the last stimulus"
+    )
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        if not self.model_fields_set:
+            raise ValueError("at least one of state, answer, event")
+        return self
+
+    def __str__(self) -> str:
+        parts = [f"{path} {wanted}" for path, wanted in (self.state or {}).items()]
+        if self.answer:
+            parts.append(f"answer {self.answer}")
+        if self.event:
+            inner = ", ".join(f"{path} {wanted}" for path, wanted in self.event.items())
+            parts.append(f"event with {inner}")
+        return ", ".join(parts)
+
+
+class Never(Condition):
+    """What must not come true at any moment; one part only."""
+
+    @model_validator(mode="after")
+    def _one_part(self) -> Self:
+        if len(self.model_fields_set) != 1:
+            raise ValueError("only one of state, answer, event; write the others as more entries")
+        return self
+
+
+LONGEST_S = 3600.0
+
+Seconds = Annotated[float, Field(ge=0, le=LONGEST_S)]
+Speed = Annotated[float, Field(ge=-10, le=10)]
+
+
+class SayStep(Strict):
+    """Words for the agent, as if spoken and understood."""
+
+    say: str = Field(min_length=1, max_length=2000)
+
+    def __str__(self) -> str:
+        return f"say {self.say!r}"
+
+
+class InterruptStep(Strict):
+    """Stop talking, thinking and moving."""
+
+    interrupt: Literal[True]
+
+    def __str__(self) -> str:
+        return "interrupt"
+
+
+class RunStep(Strict):
+    """Run a skill, as a program would over ROS 2: without words."""
+
+    run: str = Field(min_length=1, max_length=100)
+    arguments: dict[str, Any] = Field(default_factory=dict, alias="with", max_length=50)
+
+    def __str__(self) -> str:
+        return f"run {self.run}({', '.join(f'{k}={v!r}' for k, v in self.arguments.items())})"
+
+
+class Velocity(Strict):
+    """A stream of one velocity: m/s, rad/s, for some seconds of the robot's time."""
+
+    linear: Speed = 0.0
+    angular: Speed = 0.0
+    seconds: Seconds
+
+
+class DriveStep(Strict):
+    """Steer by hand, as `cmd_vel` does."""
+
+    drive: Velocity
+
+    def __str__(self) -> str:
+        v = self.drive
+        return f"drive at {v.linear:g} m/s and {v.angular:g} rad/s for {v.seconds:g} s"
+
+
+class WaitStep(Strict):
+    """Let seconds of the robot's time pass."""
+
+    wait: Seconds
+
+    def __str__(self) -> str:
+        return f"wait {self.wait:g} s"
+
+
+class ExpectStep(Strict):
+    """What must be true by when, in seconds of the robot's time from here."""
+
+    expect: Condition
+    within: Seconds = 0.0
+
+    def __str__(self) -> str:
+        return f"expect {self.expect}" + (f" within {self.within:g} s" if self.within else "")
+
+
+STEPS: Mapping[str, type[Strict]] = {
+    "say": SayStep,
+    "interrupt": InterruptStep,
+    "run": RunStep,
+    "drive": DriveStep,
+    "wait": WaitStep,
+    "expect": ExpectStep,
+}
+"""What a step can be, by the key that makes it so."""
+
+
+def _kind(step: Any) -> str | None:
+    known = type(step).model_fields if isinstance(step, Strict) else step
+    keys = known if isinstance(known, Mapping) else ()
+    return next((key for key in STEPS if key in keys), None)
+
+
+Step = Annotated[
+    Annotated[SayStep, Tag("say")]
+    | Annotated[InterruptStep, Tag("interrupt")]
+    | Annotated[RunStep, Tag("run")]
+    | Annotated[DriveStep, Tag("drive")]
+    | Annotated[WaitStep, Tag("wait")]
+    | Annotated[ExpectStep, Tag("expect")],
+    Discriminator(
+        _kind,
+        custom_error_type="step",
+        custom_error_message="a step with one of " + ", ".join(STEPS),
+    ),
+]
+
+
+MAX_STEPS = 1000
+LONGEST_RUN_S = 24 * 3600.0
+SETTABLE = (
+    "language",
+    "voice",
+    "llm",
+    "llm_backend",
+    "seed",
+    "world",
+    "model_source",
+    "mjcf",
+    "locations",
+    "policy",
+)
+"""The settings that a scenario may make: those that change what happens, none of the machine's."""
+
+
+def _settable(settings: dict[str, str | int | float]) -> dict[str, str | int | float]:
+    for name in settings:
+        if name not in SETTABLE:
+            raise ValueError("only " + ", ".join(SETTABLE))
+    return settings
+
+
+def _listed(value: Any) -> Any:
+    return [value] if isinstance(value, str) else value
+
+
+class Scenario(Strict):
+    """A whole file."""
+
+    about: str = Field("", max_length=500, description="what it shows, in a sentence")
+    agent: Annotated[
+        tuple[str, ...], BeforeValidator(_listed, json_schema_input_type=str | list[str])
+    ] = Field((), description="the robots that it is for; any without")
+    settings: Annotated[dict[str, str | int | float], AfterValidator(_settable)] = Field(
+        default_factory=dict, description="settings to run it with: " + ", ".join(SETTABLE)
+    )
+    limit_s: Annotated[float, Field(gt=0, le=LONGEST_RUN_S)] = Field(
+        300.0, description="real seconds after which it has failed, whatever the robot's time says"
+    )
+    never: Annotated[tuple[Never, ...], Field(max_length=50)] = Field(
+        (), description="what must not come true at any moment"
+    )
+    steps: Annotated[tuple[Step, ...], Field(min_length=1, max_length=MAX_STEPS)] = Field(
+        description="what happens, in order"
+    )
+
+
+def load_scenario(file: Path) -> Scenario:
+    """The scenario in a file. Raises `InvalidValue` naming the field, its line, what is wrong."""
+    return parse_scenario(read_text(file, "scenario"), file.name)
+
+
+def parse_scenario(text: str, name: str) -> Scenario:
+    """As `load_scenario`; `name` is the file's name in messages."""
+    file = YamlFile(text, name, tags=STEPS)
+    if not isinstance(file.data, dict):
+        raise InvalidValue(name, file.data, "a mapping with steps")
+    return file.read(Scenario, file.data)

@@ -1,0 +1,172 @@
+"""What of a sound is the answer of a loudspeaker and a room to another sound, learnt as both go on.
+
+A partitioned-block frequency-domain Kalman filter: it models the way from loudspeaker to microphone
+as a linear filter, and knows for every frequency how sure it is of it. So it learns fast at first
+and where only the loudspeaker is heard, and holds still while somebody else speaks too, without a
+detector of that. A small loudspeaker is pushed into its limits, so it filters two distortions of
+what is played, too (a Hammerstein model); and the clocks of loudspeaker and microphone are not one,
+so the filter goes with their drift (`clock_drift`). A person's voice it leaves as it is.
+
+By how much one clock runs faster than another, found in how a filter between both changes.
+
+A filter that follows a drifting clock moves in time: each of its frequencies turns in phase, the
+faster the higher it is. What of each change is such a turn tells the drift (a phase-locked loop).
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+MOST_PPM = 300.0
+"""Ordinary quartzes differ by less."""
+AT_ONCE_PPM = 100.0
+"""So much at most is believed of what one look says: at first the filter changes by more than
+drift."""
+FOLLOWS, LOOKS = 0.07, 30
+"""How much of what the last looks say is believed at each, and over about how many is meant."""
+_NO_WEIGHT = 1e-9
+
+
+class ClockDrift:
+    """Follows the drift from block to block.
+
+    `ppm` is by how much what plays runs faster than what hears, 0 at first.
+    """
+
+    def __init__(self, block_samples: int) -> None:
+        self._block = block_samples
+        self._angles = (np.pi / block_samples * np.arange(block_samples + 1)).astype(np.float32)
+        self._turned = self._heard = self._left = 0.0
+        self._weight = _NO_WEIGHT
+        self.ppm = 0.0
+
+    def turns(self) -> NDArray[np.complex64]:
+        """By what each frequency of the filter is to turn from one block to the next."""
+        samples = np.float32(self.ppm * 1e-6 * self._block)
+        return np.asarray(np.exp(1j * samples * self._angles), np.complex64)
+
+    def follow(
+        self,
+        way: NDArray[np.complexfloating[Any, Any]],
+        change: NDArray[np.complexfloating[Any, Any]],
+        heard: float,
+        left: float,
+    ) -> None:
+        """Look at how the filter `way` (blocks, bins) is about to change, and at the powers of what
+        was heard and of what it left: who takes out nothing has nothing to say.
+        """
+        turned = self._angles * (way.real * change.imag - way.imag * change.real)
+        weight = self._angles**2 * (way.real**2 + way.imag**2)
+        self._turned += (float(turned.sum()) - self._turned) / LOOKS
+        self._weight += (float(weight.sum()) - self._weight) / LOOKS
+        self._heard += (heard - self._heard) / LOOKS
+        self._left += (left - self._left) / LOOKS
+        samples = self._turned / (self._weight + _NO_WEIGHT)
+        found = np.clip(1e6 * samples / self._block, -AT_ONCE_PPM, AT_ONCE_PPM)
+        sure = max(0.0, 1 - self._left / (self._heard + _NO_WEIGHT))
+        self.ppm = float(np.clip(self.ppm + FOLLOWS * sure * found, -MOST_PPM, MOST_PPM))
+
+
+BLOCK_SAMPLES = 256
+REACH_BLOCKS = 40
+"""0.64 s at 16 kHz: the longest delay, and the room after it."""
+KEEPS = np.float32(0.996)
+"""How much the way is believed to stay the same from one block to the next. Less follows what
+moves, more takes out more where nothing does."""
+SMOOTHS = np.float32(0.4)
+"""Of the power of what is left: by it, it tells a person from what it has not learnt yet."""
+UNKNOWN = np.float32(0.1)
+"""How unsure it is at first of each number of the filter, as a power of what that may be."""
+LIMIT = np.float32(0.3)
+"""From about here on, of full scale, a loudspeaker is taken to distort."""
+JOINED_EVERY, ACROSS = 8, 16
+"""In blocks: as it goes with the clocks, up to so many samples of a block of the filter move on to
+the one beside it.
+"""
+_HALF, _NOTHING = np.float32(0.5), np.float32(1e-9)
+
+Sound = NDArray[np.floating[Any]]
+"""Mono, shape (n,), float32; full scale is 1."""
+Spectra = NDArray[np.complexfloating[Any, Any]]
+"""Complex64, shape (ways, blocks, bins): those of what is played, and of its distortions."""
+
+
+class AdaptiveFilter:
+    """Takes blocks of what was heard and what was played, and gives back what is left."""
+
+    def __init__(self) -> None:
+        bins = BLOCK_SAMPLES + 1
+        self._last = distorted(np.zeros(BLOCK_SAMPLES, np.float32))
+        shape = (len(self._last), REACH_BLOCKS, bins)
+        self._played: Spectra = np.zeros(shape, np.complex64)
+        self._way: Spectra = np.zeros(shape, np.complex64)
+        self._doubt = np.full(shape, UNKNOWN)
+        self._left = np.full(bins, np.float32(1e-6))
+        self._drift = ClockDrift(BLOCK_SAMPLES)
+        self._blocks = 0
+
+    @property
+    def drift_ppm(self) -> float:
+        """By how much the loudspeaker's clock is found to run faster than the microphone's."""
+        return self._drift.ppm
+
+    def push(self, heard: Sound, played: Sound) -> Sound:
+        """`heard` without what comes of `played`; whole blocks, each of both as long."""
+        return np.concatenate(
+            [
+                self._block(heard[at : at + BLOCK_SAMPLES], played[at : at + BLOCK_SAMPLES])
+                for at in range(0, heard.size, BLOCK_SAMPLES)
+            ]
+        )
+
+    def _block(self, heard: Sound, played: Sound) -> Sound:
+        self._way *= self._drift.turns()
+        self._blocks += 1
+        if self._blocks % JOINED_EVERY == 0:
+            self._join()
+        ways = distorted(played)
+        self._played = np.roll(self._played, 1, axis=1)
+        self._played[:, 0] = np.fft.rfft(np.concatenate([self._last, ways], axis=1))
+        self._last = ways
+        echo = np.fft.irfft((self._played * self._way).sum(axis=(0, 1)))[BLOCK_SAMPLES:]
+        left = heard - echo
+        change = self._learn(np.fft.rfft(np.concatenate([np.zeros_like(left), left])))
+        self._drift.follow(self._way[0], change[0], _power(heard), _power(left))
+        self._way += change
+        return np.asarray(left)
+
+    def _learn(self, left: Spectra) -> Spectra:
+        """By what the way is to change, after what was left of a block."""
+        power = _squared(self._played)
+        self._left = SMOOTHS * self._left + (1 - SMOOTHS) * _squared(left)
+        expected = _HALF * (power * self._doubt).sum(axis=(0, 1)) + self._left + _NOTHING
+        step = self._doubt / expected
+        change = np.fft.irfft(step * np.conj(self._played) * left)
+        change[..., BLOCK_SAMPLES:] = 0.0  # a filter longer than a block would wrap around
+        known = np.maximum(1 - _HALF * step * power, 0.0)
+        self._doubt *= KEEPS**2 * known
+        self._doubt += (1 - KEEPS**2) * _squared(self._way)
+        return np.asarray(np.fft.rfft(change), np.complex64)
+
+    def _join(self) -> None:
+        """Give what has moved out of a block of the filter to the one before or after it."""
+        way = np.fft.irfft(self._way)
+        way[:, 1:, :ACROSS] += way[:, :-1, BLOCK_SAMPLES : BLOCK_SAMPLES + ACROSS]
+        way[:, :-1, BLOCK_SAMPLES - ACROSS : BLOCK_SAMPLES] += way[:, 1:, -ACROSS:]
+        way[..., BLOCK_SAMPLES:] = 0.0
+        self._way = np.fft.rfft(way)
+
+
+def distorted(played: Sound) -> Sound:
+    """As it is, at its limits, and by how much those differ on both sides: shape (3, n)."""
+    limited = np.tanh(played / LIMIT)
+    return np.stack([played, LIMIT * limited, _HALF * LIMIT * limited**2])
+
+
+def _squared(spectra: Spectra) -> NDArray[np.floating[Any]]:
+    return np.asarray(spectra.real**2 + spectra.imag**2)
+
+
+def _power(sound: Sound) -> float:
+    return float(np.mean(sound**2))

@@ -1,0 +1,216 @@
+"""One answer on its way to the loudspeaker.
+
+How far an utterance got: what was made of each sentence, and what of it was played.
+
+What was heard of a sentence that was cut.
+
+Playing a chunk so that what was heard of it is known to a tenth of a second.
+"""
+
+import re
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from edgevox.core.cancel import CancelToken
+from edgevox.core.log import bound_now, get_logger
+from edgevox.core.speech import Spoken
+from edgevox.voice.audio import AudioSink, Chunk, Samples
+
+log = get_logger(__name__)
+
+
+_WORD_END = re.compile(r"\S(?=\s|$)")
+
+
+def cut_text(sentence: str, share: float, *, spaced: bool = True) -> str:
+    """The beginning of a sentence, up to the last word that was whole after `share` of its sound.
+
+    `share` is 0 to 1. Letters stand for time: a word is whole when the share reaches its last
+    letter. Without `spaced` words there are no boundaries to be seen, and it is cut at a character.
+    """
+    if share >= 1.0:
+        return sentence
+    reached = int(max(0.0, share) * len(sentence) + 1e-9)
+    if not spaced:
+        return sentence[:reached].rstrip()
+    ends = [match.end() for match in _WORD_END.finditer(sentence) if match.end() <= reached]
+    return sentence[: ends[-1]] if ends else ""
+
+
+_CHAR_S, _UNSPACED_CHAR_S = 0.07, 0.2
+"""How long a character takes to say, where nothing better is known."""
+
+
+@dataclass(slots=True)
+class _SpokenLine:
+    """One sentence; all times in seconds of sound."""
+
+    sentence: str
+    spaced: bool = True
+    chars_left: int = 0
+    made_chars: int = 0
+    made_s: float = 0.0
+    silent_end_s: float = 0.0
+    given_s: float = 0.0
+    whole: bool = False
+
+    def share(self, played_s: float) -> float:
+        """How much of the sentence was heard, 0 to 1."""
+        if played_s <= 0.0:
+            return 0.0
+        char_s = _CHAR_S if self.spaced else _UNSPACED_CHAR_S
+        if self.made_chars:
+            char_s = self.made_s / self.made_chars
+        expected_s = self.made_s if self.whole else self.made_s + self.chars_left * char_s
+        speech_s = expected_s - (self.silent_end_s if self.whole else 0.0)
+        return 1.0 if played_s >= speech_s - 1e-3 else played_s / speech_s
+
+
+@dataclass(slots=True)
+class SpokenLog:
+    """Written by the thread that synthesises and the one that plays."""
+
+    _lines: list[_SpokenLine] = field(default_factory=list)
+    _lock: threading.Lock = field(default_factory=threading.Lock)
+
+    def begin(self, sentence: str) -> int:
+        """A sentence of the utterance; its number."""
+        with self._lock:
+            self._lines.append(_SpokenLine(sentence))
+            return len(self._lines) - 1
+
+    def sentence(self, line: int) -> str:
+        """A sentence by its number."""
+        with self._lock:
+            return self._lines[line].sentence
+
+    def expect(self, line: int, chars: int, *, spaced: bool) -> None:
+        """So many characters are to be synthesised for the rest of this sentence."""
+        with self._lock:
+            self._lines[line].chars_left = chars
+            self._lines[line].spaced = spaced
+
+    def made(self, line: int, seconds: float, silent_end_s: float) -> None:
+        """A piece of sound is there, with so much silence at its end."""
+        with self._lock:
+            self._lines[line].made_s += seconds
+            self._lines[line].silent_end_s = silent_end_s
+
+    def said(self, line: int, chars: int) -> None:
+        """All sound of so many characters is there."""
+        with self._lock:
+            self._lines[line].made_chars += chars
+            self._lines[line].chars_left = max(0, self._lines[line].chars_left - chars)
+
+    def complete(self, line: int) -> None:
+        """All sound of the sentence is there."""
+        with self._lock:
+            self._lines[line].whole = True
+
+    def played(self, line: int, seconds: float) -> None:
+        """So much of it was given to the sink."""
+        with self._lock:
+            self._lines[line].given_s += seconds
+
+    def text(self, unplayed_s: float = 0.0) -> str:
+        """What was heard, if the last `unplayed_s` of what the sink was given was not."""
+        heard: list[str] = []
+        with self._lock:
+            for line in reversed(self._lines):
+                played_s = max(0.0, line.given_s - unplayed_s)
+                unplayed_s = max(0.0, unplayed_s - line.given_s)
+                share = line.share(played_s)
+                heard.append(cut_text(line.sentence, share, spaced=line.spaced))
+        return " ".join(text for text in reversed(heard) if text)
+
+
+class SpeakingUtterance:
+    """An `Utterance`, and what the two threads of the speech output note down about it.
+
+    `say` and `end` hand over to the speech output.
+    """
+
+    def __init__(
+        self,
+        token: CancelToken,
+        on_audible: Callable[[], object],
+        say: Callable[["SpeakingUtterance", int, str], None],
+        end: Callable[["SpeakingUtterance"], None],
+    ) -> None:
+        self.token = token.child()
+        self.ids = bound_now()
+        """What the lines about it belong to: the turn."""
+        self.log = SpokenLog()
+        self.synthesis_s = 0.0
+        self._on_audible = on_audible
+        self._say, self._end = say, end
+        self._first_audible_s: float | None = None
+        self._settled = threading.Event()
+        self._spoken = Spoken("")
+
+    def say(self, sentence: str) -> None:
+        self._say(self, self.log.begin(sentence), sentence)
+
+    def finish(self) -> Spoken:
+        self._end(self)
+        self._settled.wait()
+        return self._spoken
+
+    @property
+    def settled(self) -> bool:
+        """Whether it is known what became of it; nothing of it is played any more."""
+        return self._settled.is_set()
+
+    def audible(self, start_s: float) -> None:
+        """Something that can be heard is played from this time on; only the first counts."""
+        if self._first_audible_s is not None:
+            return
+        self._first_audible_s = start_s
+        try:
+            self._on_audible()
+        except Exception:
+            log.exception("first_sound_unheeded")
+
+    def settle(self, *, cut: bool, unplayed_s: float = 0.0) -> None:
+        """Nothing more of it will be played."""
+        self._spoken = Spoken(
+            self.log.text(unplayed_s),
+            cut=cut,
+            first_audible_s=self._first_audible_s,
+            synthesis_s=self.synthesis_s,
+        )
+        self._settled.set()
+        self.token.detach()
+
+
+PIECE_S = 0.1
+_QUIET = 300
+"""About a hundredth of full scale: softer than that, nobody hears it."""
+
+
+def play_chunk(chunk: Chunk, line: int, utterance: SpeakingUtterance, sink: AudioSink) -> None:
+    """Play it in pieces until it is over or cut, and note down what was played."""
+    size = max(1, int(PIECE_S * chunk.rate_hz))
+    for at in range(0, len(chunk.samples), size):
+        if utterance.token.cancelled:
+            return
+        piece = Chunk(chunk.samples[at : at + size], chunk.rate_hz)
+        start_s = sink.play(piece, utterance.token)
+        utterance.log.played(line, len(piece.samples) / chunk.rate_hz)
+        if len(loud := loud_at(piece.samples)):
+            utterance.audible(start_s + float(loud[0]) / chunk.rate_hz)
+
+
+def silent_end_s(chunk: Chunk) -> float:
+    """How many seconds of silence it ends with."""
+    loud = loud_at(chunk.samples)
+    speech = int(loud[-1]) + 1 if len(loud) else 0
+    return (len(chunk.samples) - speech) / chunk.rate_hz
+
+
+def loud_at(samples: Samples) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
+    """Where it can be heard, shape (n,), indices."""
+    return np.flatnonzero(np.abs(samples.astype(np.int32)) > _QUIET)

@@ -1,0 +1,1 @@
+"""Stop words by their sound."""

@@ -1,0 +1,206 @@
+"""Telling words that were said from words that Whisper makes of noise.
+
+The bounds lie between what was measured on synthesised commands (with a prompt: no-speech up to
+0.33, log probability down to -0.95) and on noise, hum, bursts and buzz that passed for speech
+(no-speech from 0.43, mostly with a log probability below -0.95). With the hearing adapter a plain
+espeak-ng's "Where are you?" in quiet has a no-speech of 0.66 and a log probability of -0.05.
+Several voices at once made "Go to the kitchen." at -1.02; commands that were understood in noise
+lay above -0.85.
+
+Tells words that were heard from words that were only expected.
+
+Shown the robot's own commands before, Whisper understands far more of them in noise, and now and
+then takes one for another: "Turn around." beside a vacuum cleaner for "Turn left.". Where it is not
+sure of its words it listens again without having been shown anything. What it hears then, too, is
+surer to have been said, and what it does not even think of less sure.
+"""
+
+import math
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from edgevox.core.commands import Hypothesis
+from edgevox.voice.stt.speech_to_text import Transcript
+
+SURELY_NOISE = 0.6
+MAYBE_NOISE = 0.4
+SURELY_SAID = -0.15
+MAYBE_GUESSED = -0.6
+SURELY_GUESSED = -1.0
+REPEATS = 2.6
+"""Text that compresses better than this says the same again and again."""
+SHORT_S = 3.0
+MAYBE_SAID = 0.02
+"""What is less likely among what may have been said is left out."""
+AROUND_S = 0.55
+"""So much of an utterance is silence before and after what is said."""
+BYTES_A_SECOND = 12.0
+"""Of UTF-8, so that a sign that stands for more counts for more; who speaks slowly says as many.
+Of fewer something is missing: in noise "Walk backward half a metre." becomes "Walk backward." Of
+256 commands by voices to train with those heard whole had 11.8 or more, cut ones 10.5 or fewer."""
+
+_OF_NOTHING = frozenset(
+    {
+        "you",
+        "thank you",
+        "thanks for watching",
+        "thank you for watching",
+        "thank you very much",
+        "please subscribe",
+        "subtitles by the amara org community",
+        "sous titres réalisés para la communauté d amara org",
+        "subtítulos realizados por la comunidad de amara org",
+        "sottotitoli creati dalla comunità amara org",
+        "legendas pela comunidade amara org",
+        "untertitel der amara org community",
+        "ご視聴ありがとうございました",
+    }
+)
+"""What Whisper learnt to write where nothing is said: the ends of films."""
+_BRACKETED = re.compile(r"[\[(*♪][^\])*♪]*[\])*♪]?")
+_NOT_WORDS = re.compile(r"[\W_]+")
+_SENTENCE_ENDS = re.compile(r"(?<=[.!?\u3002\uff01\uff1f\u0964])\s+")
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """A piece of Whisper's output with its own doubts.
+
+    `no_speech` is the probability that nothing was said, `log_probability` the tokens' mean,
+    `whole` their sum, `compression` how much shorter its text is when compressed.
+    """
+
+    text: str
+    no_speech: float
+    log_probability: float
+    compression: float
+    whole: float = 0.0
+
+    @property
+    def likelihood(self) -> float:
+        """The geometric mean of its tokens' probabilities."""
+        return math.exp(self.log_probability)
+
+
+def plausible(segment: Segment, seconds: float) -> bool:
+    """Whether this was said in a sound of so many seconds."""
+    plain = plain_words(segment.text)
+    if not plain or segment.compression > REPEATS or segment.log_probability < SURELY_GUESSED:
+        return False
+    if segment.no_speech > SURELY_NOISE and segment.log_probability < SURELY_SAID:
+        return False
+    doubtful = segment.no_speech > MAYBE_NOISE
+    if doubtful and segment.log_probability < MAYBE_GUESSED:
+        return False
+    return not (plain in _OF_NOTHING and (doubtful or seconds > SHORT_S or plain == "you"))
+
+
+def parroted(segment: Segment, prompt: str) -> bool:
+    """Whether these are sentences of the prompt that are not likely to have been said.
+
+    Of voices that talk at once Whisper makes what it was shown before it listened.
+    """
+    if segment.log_probability >= MAYBE_GUESSED:
+        return False
+    shown = {plain_words(one) for one in _SENTENCE_ENDS.split(prompt)}
+    return all(plain_words(one) in shown for one in _SENTENCE_ENDS.split(segment.text.strip()))
+
+
+def transcript_of(
+    hypotheses: Sequence[Segment],
+    seconds: float,
+    prompt: str,
+    likelihood: Callable[[Segment], float] = lambda one: one.likelihood,
+) -> Transcript:
+    """What was said in a sound of so many seconds: the first hypothesis, and what else it may be.
+
+    If that was not said nothing was, whatever follows. Spelled otherwise it is the same, and what
+    is hardly likely is left out. How sure one is of words is their `likelihood`, and less where
+    they are too few for the sound.
+    """
+    said: dict[str, Hypothesis] = {}
+    for one, share in zip(hypotheses, _shares(hypotheses), strict=True):
+        real = plausible(one, seconds) and not parroted(one, prompt)
+        if not real and not said:
+            break
+        text = words_of(one.text)
+        if real and text:
+            sure = likelihood(one) * _filled(text, seconds)
+            new = Hypothesis(text, 0.0, sure)
+            known = said.setdefault(plain_words(text), new)
+            said[plain_words(text)] = replace(known, share=known.share + share)
+    if not said:
+        return Transcript("")
+    first, *others = said.values()
+    likely = sorted(others, key=lambda one: one.share, reverse=True)
+    enough = tuple(one for one in likely if one.share >= MAYBE_SAID)
+    return Transcript(first.text, first.confidence, enough)
+
+
+def _shares(hypotheses: Sequence[Segment]) -> list[float]:
+    """How likely each is among them."""
+    most = max((one.whole for one in hypotheses), default=0.0)
+    weights = [math.exp(one.whole - most) for one in hypotheses]
+    return [weight / sum(weights) for weight in weights]
+
+
+def _filled(text: str, seconds: float) -> float:
+    """How much of what was said in this time these words can be, from 0 to 1."""
+    fewest = BYTES_A_SECOND * (seconds - AROUND_S)
+    size = len(text.encode())
+    return size / fewest if size < fewest else 1.0
+
+
+def words_of(text: str) -> str:
+    """A text on one line, without remarks such as ``[music]``.
+
+    A sentence that is only said again is left out: over other voices Whisper writes one twice that
+    was said once, and "Turn left. Turn left." is another order.
+    """
+    spoken = " ".join(_BRACKETED.sub(" ", text).split())
+    said: list[str] = []
+    for sentence in _SENTENCE_ENDS.split(spoken):
+        if not said or plain_words(sentence) != plain_words(said[-1]):
+            said.append(sentence)
+    return " ".join(said) if plain_words(spoken) else ""
+
+
+def plain_words(text: str) -> str:
+    """A text's words without case, marks and remarks, to compare it with another's."""
+    return " ".join(_NOT_WORDS.sub(" ", _BRACKETED.sub(" ", text).casefold()).split())
+
+
+SHOWN_COMMANDS = frozenset({"en"})
+"""Languages in which the robot's own commands are shown (`HearingPrompts` of the agent). In others
+only how numbers are written is."""
+LISTEN_AGAIN_BELOW = 0.9
+"""Words that are at least so sure were heard."""
+NEAR, AWAY = 1.0, 2.0
+"""In nats: what is so much less likely than the likeliest was heard then too, or is not thought
+of."""
+DOUBT = 0.88
+"""How much of the confidence is left of words that are not: a motion needs a yes then."""
+
+
+def is_doubtful(said: Transcript, language: str) -> bool:
+    """Whether to listen again."""
+    return language in SHOWN_COMMANDS and bool(said.text) and said.confidence < LISTEN_AGAIN_BELOW
+
+
+def heard_again(alone: Sequence[Segment]) -> Callable[[Segment], float]:
+    """How likely each of the hypotheses is, from 0 to 1, after these without expecting any: more
+    where it is one of them, too, and less where it is not even thought of.
+    """
+    most = max((one.whole for one in alone), default=0.0)
+    below: dict[str, float] = {}
+    for one in alone:
+        below.setdefault(plain_words(one.text), most - one.whole)
+
+    def likelihood(one: Segment) -> float:
+        away = below.get(plain_words(one.text), AWAY)
+        if away <= NEAR:
+            return math.sqrt(one.likelihood)
+        return one.likelihood if away < AWAY else one.likelihood * DOUBT
+
+    return likelihood

@@ -1,0 +1,129 @@
+"""Which voice speaks: the one that was asked for, else the best one that this machine has.
+
+Whether the engine of a voice is installed here; nothing is loaded to find out.
+"""
+
+import shutil
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+
+from edgevox.core.errors import InvalidValue
+from edgevox.core.languages import LANGUAGES, Language, Voice
+from edgevox.voice.tts.espeak import COMMAND
+
+PACKAGES = {
+    "piper": ("piper",),
+    "kokoro": ("kokoro_onnx",),
+    "kokoro-j": ("kokoro_onnx", "pykakasi"),
+    "kokoro-z": ("kokoro_onnx", "misaki", "jieba", "pypinyin", "cn2an"),
+}
+"""What a backend needs; Kokoro's Japanese and Chinese voices, by their first letter, need more:
+espeak-ng, which makes the phonemes of the other languages, cannot read their script."""
+
+
+def installed(voice: Voice) -> bool:
+    """Whether everything but the voice's model is there."""
+    if voice.backend == "espeak":
+        return _has("espeakng_loader") or shutil.which(COMMAND) is not None
+    special = f"{voice.backend}-{voice.key[0]}"
+    return all(_has(name) for name in PACKAGES.get(special, PACKAGES[voice.backend]))
+
+
+@cache
+def _has(package: str) -> bool:
+    return find_spec(package) is not None
+
+
+Find = Callable[[str], Path | None]
+"""Where a model of edgevox-models is, by its id: its entry file; None if it is not here."""
+Installed = Callable[[Voice], bool]
+"""Whether the engine of a voice is installed here."""
+
+
+@dataclass(frozen=True, slots=True)
+class VoiceChoice:
+    """A voice of a language with the files it needs (`Voice.models`), ready to be loaded."""
+
+    language: str
+    voice: Voice
+    files: tuple[Path, ...] = ()
+
+    @property
+    def name(self) -> str:
+        return self.voice.name
+
+    @property
+    def backend(self) -> str:
+        return self.voice.backend
+
+
+def available(
+    language: Language, find: Find, installed: Installed = installed
+) -> tuple[VoiceChoice, ...]:
+    """The voices of a language that can speak on this machine now, best first."""
+    return tuple(
+        VoiceChoice(language.code, voice, files)
+        for voice in language.voices
+        if installed(voice) and (files := _files(voice, find)) is not None
+    )
+
+
+def choose(
+    language: str, voice: str, find: Find, installed: Installed = installed
+) -> tuple[VoiceChoice, ...]:
+    """What to speak with: the voice of this name, or the language's best if it is empty.
+
+    After it come what to try when it fails: the best voice of every other backend, in the
+    language's order. The last is espeak-ng. Raises `InvalidValue`.
+    """
+    if language not in LANGUAGES:
+        raise InvalidValue("language", language, "one of " + ", ".join(LANGUAGES))
+    here = available(LANGUAGES[language], find, installed)
+    first = next((one for one in here if voice in ("", one.name)), None)
+    if first is None:
+        names = ", ".join(one.name for one in here) or "nothing: no speech engine is installed"
+        raise InvalidValue("voice", voice, f"for the language {language} one of {names}")
+    return (first, *_fallbacks(here, first))
+
+
+class PresentVoices:
+    """What to speak with at this moment, asked before every sentence.
+
+    A voice that was found once stays first while nobody asks for another one, also if its files go
+    away: it is loaded by then. One that was never here is replaced by the language's best.
+    `wanted` gives language and voice, `finder` a new `Find`.
+    """
+
+    def __init__(self, wanted: Callable[[], tuple[str, str]], finder: Callable[[], Find]) -> None:
+        self._wanted = wanted
+        self._finder = finder
+        self._found: dict[tuple[str, str], VoiceChoice] = {}
+
+    def __call__(self) -> Sequence[VoiceChoice]:
+        """The voice, and after it those to be tried; none if nothing here speaks the language."""
+        wanted = language, voice = self._wanted()
+        here = available(LANGUAGES[language], self._finder())
+        asked = next((one for one in here if voice in ("", one.name)), None)
+        known = self._found.get(wanted)
+        if known and known not in here:
+            return (known, *_fallbacks(here, known))
+        first = asked or next(iter(here), None)
+        if first is None:
+            return ()
+        self._found[wanted] = first
+        return (first, *_fallbacks(here, first))
+
+
+def _fallbacks(here: Sequence[VoiceChoice], first: VoiceChoice) -> list[VoiceChoice]:
+    best: dict[str, VoiceChoice] = {first.backend: first}
+    for choice in here:
+        best.setdefault(choice.backend, choice)
+    return [choice for choice in best.values() if choice is not first]
+
+
+def _files(voice: Voice, find: Find) -> tuple[Path, ...] | None:
+    found = tuple(path for model in voice.models if (path := find(model)))
+    return found if len(found) == len(voice.models) else None

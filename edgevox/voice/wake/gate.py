@@ -1,0 +1,113 @@
+"""Whom the robot listens to when it has a wake word: a state machine over times, nothing else.
+
+Without the wake word nothing that is said is acted on, except one thing: a robot that is told to
+stop must stop. So a short utterance that nobody addressed to it is understood too, and only a stop
+word in it counts.
+
+Taking the wake word out of what was understood: speech to text spells it in its own ways.
+"""
+
+import re
+from collections.abc import Iterable
+from difflib import SequenceMatcher
+from enum import Enum, auto
+
+from edgevox.voice.endpoint import SpeechEnded, SpeechPaused
+
+ALIKE = 0.6
+"""How alike words and phrase must be, 0 to 1: "Hey, Darvie's" is meant for "hey jarvis"."""
+MAX_WORDS_BEFORE = 4
+
+_WORD = re.compile(r"[\w']+")
+
+
+def without_phrase(text: str, phrase: str) -> str:
+    """What follows the phrase, if it is near the beginning; else the text as it is."""
+    words = list(_WORD.finditer(text))
+    wanted = _joined(_WORD.findall(phrase))
+    best, end = 0.0, 0
+    for first in range(min(len(words), MAX_WORDS_BEFORE + 1)):
+        for count in range(1, len(_WORD.findall(phrase)) + 2):
+            these = words[first : first + count]
+            likeness = _likeness(_joined(match.group() for match in these), wanted)
+            if len(these) == count and likeness > best:
+                best, end = likeness, these[-1].end()
+    return text[end:].lstrip(" ,.;:!?-") if best >= ALIKE else text
+
+
+def _likeness(words: str, phrase: str) -> float:
+    return SequenceMatcher(None, words, phrase, autojunk=False).ratio()
+
+
+def _joined(words: Iterable[str]) -> str:
+    return "".join(words).casefold()
+
+
+FOLLOW_S = 8.0
+"""So long after the wake word speech is meant for the robot."""
+SHORT_S = 2.5
+"""An utterance without the wake word that is longer is not looked into."""
+PHRASE_ALONE_S = 0.4
+"""Less speech than this after the wake word is its own end."""
+PHRASE_S = 1.3
+"""The wake word is said within so long before it is heard."""
+
+
+class WakeDecision(Enum):
+    """What to do with an utterance."""
+
+    TAKE = auto()
+    ONLY_STOP = auto()
+    IGNORE = auto()
+
+
+class WakeGate:
+    """Tells for each utterance whether it is meant for the robot."""
+
+    def __init__(self) -> None:
+        self.reset()
+
+    def reset(self) -> None:
+        """The wake word counts no longer."""
+        self._woken_s: float | None = None
+        self._until_s = 0.0
+        self._taken: tuple[float, float | None] | None = None
+
+    def wake(self, now_s: float) -> None:
+        """The wake word was heard; it ended about now."""
+        self._woken_s = now_s
+        self._until_s = now_s + FOLLOW_S
+
+    def has(self, now_s: float) -> bool:
+        """Whether what is said at this time is meant for the robot."""
+        return self._woken_s is not None and now_s <= self._until_s
+
+    def judge(self, speech: SpeechEnded | SpeechPaused) -> WakeDecision:
+        """What to do with it, if it is over."""
+        woken_s = self._woken_for(speech)
+        if woken_s is not None:
+            alone = woken_s >= speech.began_s and speech.ended_s - woken_s < PHRASE_ALONE_S
+            # After the phrase alone, what is meant comes next.
+            return WakeDecision.IGNORE if alone else WakeDecision.TAKE
+        if speech.ended_s - speech.began_s <= SHORT_S:
+            return WakeDecision.ONLY_STOP
+        return WakeDecision.IGNORE
+
+    def take(self, speech: SpeechEnded) -> None:
+        """It uses the wake word up: what else is said needs another, unless this goes on."""
+        taken = speech.began_s, self._woken_for(speech)
+        self.reset()
+        self._taken = taken
+
+    def phrase_from(self, speech: SpeechEnded | SpeechPaused) -> float | None:
+        """Seconds into the utterance at which the wake word may begin; None if it is not in it."""
+        woken_s = self._woken_for(speech)
+        if woken_s is None or not speech.began_s <= woken_s <= speech.ended_s + 0.2:
+            return None
+        return max(0.0, woken_s - PHRASE_S - speech.began_s)
+
+    def _woken_for(self, speech: SpeechEnded | SpeechPaused) -> float | None:
+        """When the wake word was heard by which this is meant for the robot, if it is."""
+        if self._taken and self._taken[0] == speech.began_s:
+            return self._taken[1]
+        return self._woken_s if self.has(speech.began_s) else None

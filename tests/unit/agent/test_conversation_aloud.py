@@ -1,0 +1,209 @@
+"""A conversation with speech output that plays as far as the test lets it."""
+
+import threading
+
+from support.clock import HeldClock
+
+from edgevox.agent.agents import Agent
+from edgevox.agent.conversation import Conversation
+from edgevox.agent.llm.chat.grammar import SAY
+from edgevox.agent.llm.chat.history import CUT_MARK
+from edgevox.agent.skills import SkillSet, skill
+from edgevox.core.bus import Bus
+from edgevox.core.cancel import Cancelled
+from edgevox.core.commands import Heard, Interrupt, Speak, TextInput, Transcribing
+from edgevox.core.events import (
+    Responded,
+    SentenceReady,
+    State,
+    StateChanged,
+    Transcribed,
+    TurnMeasured,
+)
+from edgevox.core.speech import Spoken
+
+
+class Saying:
+    """One utterance; it lasts until the test says that all is played, or it is cut."""
+
+    def __init__(self, token, on_audible, played, clock):
+        self.token, self.sentences, self._on_audible = token, [], on_audible
+        self._played, self._clock = played, clock
+
+    def say(self, sentence):
+        self.sentences.append(sentence)
+        if len(self.sentences) == 1:
+            self._on_audible()
+
+    def finish(self):
+        forget = self.token.on_cancel(self._played.set)
+        assert self._played.wait(60)
+        forget()
+        if self.token.cancelled:
+            return Spoken("Once upon", cut=True, first_audible_s=self._clock.now())
+        return Spoken(
+            " ".join(self.sentences), first_audible_s=self._clock.now() + 0.25, synthesis_s=0.125
+        )
+
+
+class PacedSpeech:
+    def __init__(self, clock):
+        self.utterances, self.played, self._clock = [], threading.Event(), clock
+
+    def begin(self, token, on_audible):
+        self.utterances.append(Saying(token, on_audible, self.played, self._clock))
+        return self.utterances[-1]
+
+
+class Story:
+    """A model that tells a story of two sentences."""
+
+    name, context_tokens = "story", 4096
+
+    def __init__(self):
+        self.seen = []
+
+    def generate(self, messages, *, grammar, max_tokens, token):
+        self.seen.append(messages)
+        yield from (SAY, "Once upon a time. ", "There was a robot.")
+
+    def prime(self, messages, token):
+        """Nothing to read."""
+
+    def count_tokens(self, text):
+        return len(text.split())
+
+    def close(self):
+        """Nothing to free."""
+
+
+class Rig:
+    def __init__(self):
+        self.bus, self.clock, self.model = Bus(), HeldClock(100.0), Story()
+        self.speech_output = PacedSpeech(self.clock)
+        self.events, self.spoken, self.driving = [], threading.Event(), threading.Event()
+        for kind in (Responded, StateChanged, Transcribed, TurnMeasured, SentenceReady):
+            self.bus.subscribe(kind, self.events.append)
+        self.bus.subscribe(StateChanged, self._note)
+        self.goal_token = None
+
+        @skill(templates=["drive on"], says="Driving on.")
+        def drive_on(goal):
+            """Drive until told otherwise."""
+            self.goal_token = goal.token
+            self.driving.set()
+            goal.token.wait(60)
+            raise Cancelled(goal.token.reason)
+
+        self.conversation = Conversation(
+            [Agent("robot", "Be brief.", SkillSet([drive_on]))],
+            self.bus,
+            halt=lambda _: False,
+            model=self.model,
+            speech_output=self.speech_output,
+            clock=self.clock,
+        )
+        self.conversation.start()
+
+    def _note(self, event):
+        if event.state is State.SPEAKING:
+            self.spoken.set()
+
+    def of(self, kind):
+        return [event for event in self.events if isinstance(event, kind)]
+
+    @property
+    def states(self):
+        return [event.state for event in self.of(StateChanged)]
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.speech_output.played.set()
+        self.conversation.close()
+
+
+def test_it_is_speaking_until_all_was_played():
+    with Rig() as rig:
+        rig.conversation.submit(Speak("Hello there."))
+        assert rig.spoken.wait(60)
+        assert not rig.of(Responded)
+        rig.speech_output.played.set()
+        assert rig.conversation.wait_idle(10)
+        assert rig.of(Responded) == [Responded("Hello there.", 1)]
+        assert rig.states == [State.LISTENING, State.SPEAKING, State.LISTENING]
+
+
+def test_heard_words_go_from_transcribing_to_thinking_to_speaking():
+    with Rig() as rig:
+        rig.speech_output.played.set()
+        rig.conversation.submit(Transcribing())
+        rig.conversation.submit(Heard("tell me a story", ended_s=99.0, stt_s=0.4))
+        assert rig.conversation.wait_idle(10)
+        assert rig.states == [
+            State.LISTENING,
+            State.TRANSCRIBING,
+            State.THINKING,
+            State.SPEAKING,
+            State.LISTENING,
+        ]
+        assert [event.text for event in rig.of(Transcribed)] == ["tell me a story"]
+
+
+def test_a_turn_is_measured_from_the_end_of_the_speech_to_the_first_audible_sample():
+    with Rig() as rig:
+        rig.speech_output.played.set()
+        rig.conversation.submit(Heard("tell me a story", ended_s=99.0, stt_s=0.4))
+        assert rig.conversation.wait_idle(10)
+        (measured,) = rig.of(TurnMeasured)
+        assert (measured.stt, measured.tts) == (0.4, 0.125)
+        assert measured.ttfs == 1.25
+        assert measured.total == 1.0
+
+
+def test_silence_that_was_taken_for_speech_is_not_answered():
+    with Rig() as rig:
+        rig.conversation.submit(Transcribing())
+        rig.conversation.submit(Heard("", ended_s=99.0))
+        assert rig.conversation.wait_idle(10)
+        assert rig.states == [State.LISTENING, State.TRANSCRIBING, State.LISTENING]
+        assert not rig.of(Transcribed)
+        assert not rig.speech_output.utterances
+
+
+def test_history_holds_what_was_heard_with_a_mark_that_it_was_cut():
+    with Rig() as rig:
+        rig.conversation.submit(TextInput("tell me a story"))
+        assert rig.spoken.wait(60)
+        rig.conversation.submit(Interrupt("spoken over", motion=False))
+        assert rig.conversation.wait_idle(10)
+        assert rig.of(Responded) == [Responded("Once upon", 1, cut=True)]
+        assert State.INTERRUPTED in rig.states
+        rig.speech_output.played.set()
+        rig.conversation.submit(TextInput("and then?"))
+        assert rig.conversation.wait_idle(10)
+        told = [m.content for m in rig.model.seen[-1] if m.role == "assistant"]
+        assert told[-1].endswith(f"Once upon{CUT_MARK}")
+
+
+def test_speaking_over_the_robot_cuts_its_words_but_not_its_drive():
+    with Rig() as rig:
+        rig.conversation.submit(TextInput("drive on"))
+        assert rig.driving.wait(60)
+        assert rig.spoken.wait(60)
+        rig.conversation.submit(Interrupt("spoken over", motion=False))
+        assert rig.speech_output.utterances[0].token.cancelled
+        assert not rig.goal_token.cancelled
+        rig.conversation.submit(Heard("stop", ended_s=99.0))
+        assert rig.goal_token.cancelled
+
+
+def test_an_interrupt_cuts_words_and_drive():
+    with Rig() as rig:
+        rig.conversation.submit(TextInput("drive on"))
+        assert rig.driving.wait(60)
+        assert rig.spoken.wait(60)
+        rig.conversation.submit(Interrupt())
+        assert rig.speech_output.utterances[0].token.cancelled
+        assert rig.goal_token.cancelled

@@ -1,0 +1,103 @@
+import random
+from functools import cache
+
+import pytest
+from few_languages import few
+from support.bodies import BODIES, say_it
+
+from edgevox.agent.agents import Agent
+from edgevox.agent.dialogue.skills import ALSO, DIALOGUE_SKILLS, REFERENCES, DialogueSkills
+from edgevox.agent.llm.chat.calls import Protocol
+from edgevox.agent.nlu.templates import Recogniser, Understood
+from edgevox.agent.phrases.load import ENGLISH, phrasebook
+from edgevox.agent.stop.words import SafetyWords
+from edgevox.core.bus import Bus
+from edgevox.core.clock import SystemClock
+from edgevox.core.languages import LANGUAGES
+
+AGENTS = {
+    body: DialogueSkills(
+        [Agent(body, "", skills)], Bus(), SystemClock(), lambda: phrasebook(ENGLISH)
+    ).agents[0]
+    for body, skills in BODIES.items()
+}
+SAMPLES = 4
+OF_THE_BODY = {"go_back": "walk_backward", "further": "walk_forward"}
+"""What a body that walks understands of itself where another one refers to its last drive."""
+
+
+@cache
+def sentences(code, body):
+    """Each question and reference with sentences of every template, each once."""
+    return tuple(dict.fromkeys(_sentences(code, body)))
+
+
+def _sentences(code, body):
+    book, source = phrasebook(code), random.Random(7)
+    for name, one in AGENTS[body].dialogue_skills.items():
+        templates = book.templates(one)
+        assert templates, (code, name)
+        for template in templates * SAMPLES:
+            yield name, say_it(book, one, template, source)
+
+
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize("code", few(LANGUAGES))
+def test_what_is_asked_about_the_conversation_is_understood_in_every_language(code, body):
+    agent = AGENTS[body]
+    recogniser = Recogniser(agent.skills, code, agent.dialogue_skills)
+
+    for name, sentence in sentences(code, body):
+        found = recogniser.recognise(sentence)
+        assert isinstance(found, Understood), (name, sentence)
+        (call,) = found.calls
+        own = call.skill in agent.skills and name in (*REFERENCES, ALSO)
+        assert call.skill == name or own, (name, sentence, call)
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_no_such_sentence_holds_a_stop_word_so_that_none_can_hide_one(code):
+    safety = SafetyWords(code)
+    for name, sentence in dict.fromkeys(one for body in BODIES for one in sentences(code, body)):
+        assert safety.find(sentence) is None, (name, sentence)
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_a_stop_word_beside_such_a_sentence_still_stops(code):
+    word = LANGUAGES[code].stop.anywhere[0]
+    safety = SafetyWords(code)
+    for _, sentence in sentences(code, "apartment"):
+        assert safety.find(f"{word.capitalize()}! {sentence}"), sentence
+        assert safety.find(f"{sentence}. {word.capitalize()}!"), sentence
+
+
+@pytest.mark.parametrize("code", few(LANGUAGES))
+@pytest.mark.parametrize("body", BODIES)
+def test_what_a_body_understands_by_itself_it_understands_beside_these_too(code, body):
+    agent, book, source = AGENTS[body], phrasebook(code), random.Random(8)
+    alone, beside = (
+        Recogniser(agent.skills, code),
+        Recogniser(agent.skills, code, agent.dialogue_skills),
+    )
+
+    for one in agent.skills.values():
+        for template in book.templates(one):
+            sentence = say_it(book, one, template, source)
+            assert beside.recognise(sentence) == alone.recognise(sentence), sentence
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_a_model_is_neither_told_of_them_nor_able_to_call_them(code):
+    agent = AGENTS["panda"]
+    protocol = Protocol(agent.instructions, agent.skills, agent.handoffs, code)
+    told = " ".join(message.content for message in protocol.opening) + protocol.grammar
+
+    assert not [name for name in DIALOGUE_SKILLS if f"{name}(" in told]
+
+
+@pytest.mark.parametrize("code", [code for code in LANGUAGES if code != ENGLISH])
+def test_a_phrasebook_has_them_all_and_a_name_for_each_argument(code):
+    book, english = phrasebook(code), phrasebook(ENGLISH)
+
+    assert set(book.dialogue) == set(DIALOGUE_SKILLS)
+    assert set(book.arguments) == set(english.arguments) - {"location", "word"}

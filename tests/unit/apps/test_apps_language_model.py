@@ -1,0 +1,54 @@
+"""Which language model the settings give, and a robot that a shared one moves."""
+
+import pytest
+
+from edgevox.agent.llm.remote import FallbackModel
+from edgevox.apps.agent.models import find_weights, open_model
+from edgevox.apps.agent.queries import build_queries
+from edgevox.core.bus import Bus
+from edgevox.core.controls import Controls
+from edgevox.core.errors import InvalidValue
+from edgevox.core.settings import load_settings
+
+WISH = "I'd be glad of some company next to the oven"
+
+
+def test_without_a_model_and_without_a_server_there_is_none() -> None:
+    assert open_model(load_settings({"llm": "none"}), None) is None
+
+
+def test_a_server_alone_is_a_model() -> None:
+    settings = load_settings({"llm": "none", "llm_endpoint": "http://127.0.0.1:9"})
+    model = open_model(settings, find_weights(settings))
+
+    assert isinstance(model, FallbackModel)
+    model.close()
+
+
+def test_the_query_for_models_names_the_server() -> None:
+    controls = Controls(Bus(), language="en", voice="", muted=False, voices=lambda _: ())
+    queries = build_queries(controls, None, endpoint="http://llm:8080")
+
+    assert queries["model_info"]()["llm"] == {
+        "model_path": None,
+        "device": None,
+        "endpoint": "http://llm:8080",
+    }
+
+
+@pytest.mark.parametrize(
+    "url", ["llm:8080", "ftp://llm", "http://", "http://llm:x", "http://u:hunter@llm", "http://a b"]
+)
+def test_an_address_that_is_none_is_refused_without_showing_a_password(url: str) -> None:
+    with pytest.raises(InvalidValue, match="llm_endpoint: got .*expected the address") as refused:
+        load_settings({"llm_endpoint": url})
+
+    assert "hunter" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "url",
+    ["http://llm", "https://a-b.example:8443/v1", "http://[fd00::1]:80/", "http://10.0.0.1:1"],
+)
+def test_an_address_that_is_one_is_taken(url: str) -> None:
+    assert load_settings({"llm_endpoint": url}).llm_endpoint == url

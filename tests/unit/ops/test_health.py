@@ -1,0 +1,272 @@
+"""Health as it is asked for over HTTP, and what it is made of."""
+
+import contextlib
+import http.client
+import json
+import math
+import socket
+import threading
+from types import SimpleNamespace
+
+import pytest
+from support.clock import HeldClock
+from waiting import wait_until
+
+from edgevox.apps import health as command
+from edgevox.core.agent_events import DrainStatus
+from edgevox.core.errors import InvalidValue
+from edgevox.core.settings import ENV_PREFIX, Settings
+from edgevox.core.status import STALL_S, Components, HealthCheck, lives, moves
+from edgevox.ops.health import Health, HealthServer
+from edgevox.ops.http_server import MOST_AT_ONCE, is_here
+from edgevox.robots.sim_loop import SimLoop
+from edgevox.ros2.node import Heartbeat
+
+
+@pytest.fixture
+def health():
+    return Health(Components())
+
+
+@pytest.fixture
+def server(health):
+    one = HealthServer(health, "127.0.0.1", 0)
+    one.start()
+    yield one
+    one.close()
+
+
+def ask(server, path="/live", method="GET"):
+    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=60)
+    connection.request(method, path)
+    answer = connection.getresponse()
+    text = answer.read()
+    connection.close()
+    return answer.status, json.loads(text) if text else None
+
+
+def test_it_is_alive_but_not_ready_until_all_is_started(health, server):
+    health.add(HealthCheck("conversation", lambda: ""))
+    assert ask(server) == (200, {"status": "ok", "checks": {"conversation": "ok"}})
+    status, told = ask(server, "/ready")
+    assert (status, told["checks"]["start"]) == (503, "starting")
+    health.started()
+    assert ask(server, "/ready") == (200, {"status": "ok", "checks": {"conversation": "ok"}})
+
+
+def test_what_is_missing_makes_it_not_ready_and_what_is_dead_not_alive(health, server):
+    health.started()
+    fault = {"rclpy": "cannot be imported", "body": ""}
+    health.add(HealthCheck("rclpy", lambda: fault["rclpy"], vital=False))
+    health.add(HealthCheck("body", lambda: fault["body"]))
+    assert (ask(server)[0], ask(server, "/ready")[0]) == (200, 503)
+    fault.update(rclpy="", body="has not moved for 7.0 s")
+    assert (ask(server)[0], ask(server, "/ready")[0]) == (503, 503)
+    assert ask(server)[1]["checks"] == {"body": "has not moved for 7.0 s"}
+
+
+class Drains:
+    """As a drain, whose end a test brings about."""
+
+    limit_s = 0.5
+
+    def __init__(self):
+        self.status, self.asked = None, []
+
+    def begin(self, by):
+        self.asked.append(by)
+        self.status = self.status or DrainStatus.DRAINING
+
+
+def test_who_drains_is_alive_and_not_ready(health, server):
+    health.started()
+    drain = Drains()
+    health.offer(drain)
+    assert ask(server, "/ready")[0] == 200
+    drain.begin("SIGTERM")
+    status, told = ask(server, "/ready")
+    assert (status, told["checks"]["drain"]) == (503, "draining")
+    assert ask(server)[0] == 200
+
+
+def test_a_drain_is_begun_by_put_and_told_until_it_is_over(health, server):
+    assert ask(server, "/drain", "PUT")[0] == 503
+    drain = Drains()
+    health.offer(drain)
+    assert ask(server, "/drain")[0] == 404
+    assert ask(server, "/drain", "POST")[0] == 405
+    assert drain.asked == [], "nothing but PUT begins it"
+    assert ask(server, "/drain", "PUT") == (202, {"status": "draining", "within_s": 0.5})
+    assert drain.asked == ["edgevox-health"]
+    for status, code in ((DrainStatus.DRAINED, 200), (DrainStatus.NOT_STANDING, 500)):
+        drain.status = status
+        assert ask(server, "/drain") == (code, {"status": str(status), "within_s": 0.5})
+
+
+@pytest.mark.parametrize(
+    ("peer", "here"),
+    [
+        ("127.0.0.1", True),
+        ("::1", True),
+        ("::ffff:127.0.0.1", True),
+        ("fe80::1%eth0", False),
+        ("10.1.2.3", False),
+        ("::ffff:10.1.2.3", False),
+        ("", False),
+    ],
+)
+def test_only_this_machine_may_begin_one(peer, here):
+    assert is_here(peer) is here
+
+
+@pytest.mark.parametrize(
+    ("ends", "code"), [(DrainStatus.DRAINED, 0), (DrainStatus.NOT_STANDING, 1), (None, 1)]
+)
+def test_the_command_waits_for_a_drain_and_tells_how_it_ended(
+    health, server, monkeypatch, capsys, ends, code
+):
+    drain, now_s = Drains(), [0.0]
+    health.offer(drain)
+
+    def sleep(seconds):
+        now_s[0] += seconds
+        drain.status = ends or drain.status
+
+    monkeypatch.setattr(command, "time", SimpleNamespace(sleep=sleep, monotonic=lambda: now_s[0]))
+    assert command.main(["--drain", "--port", str(server.port)]) == code
+    assert capsys.readouterr().out.strip() == str(ends or DrainStatus.DRAINING)
+
+
+def test_a_check_that_breaks_is_a_finding(health, server):
+    health.add(HealthCheck("body", lambda: 1 / 0))
+    status, told = ask(server)
+    assert status == 503
+    assert "ZeroDivisionError" in told["checks"]["body"]
+
+
+def test_other_paths_and_methods_are_refused(server):
+    assert ask(server, "/metrics")[0] == 404
+    assert ask(server, "/live", "POST")[0] == 405
+    assert ask(server, "/live", "HEAD") == (200, None)
+    assert ask(server, "/live?verbose=1")[0] == 200
+
+
+def test_who_says_nothing_or_too_much_does_not_keep_others_from_an_answer(server):
+    silent = [socket.create_connection(("127.0.0.1", server.port)) for _ in range(MOST_AT_ONCE - 2)]
+    flood = socket.create_connection(("127.0.0.1", server.port))
+    flood.sendall(b"GET /live HTTP/1.1\r\n" + b"X: " + b"x" * 100_000)
+    flood.settimeout(10)
+    with contextlib.suppress(ConnectionResetError):
+        assert flood.recv(1) == b""
+    assert ask(server)[0] == 200
+    for one in silent:
+        one.settimeout(10)
+        assert one.recv(1) == b""  # hung up on after its two seconds
+        one.close()
+    flood.close()
+
+
+def test_a_port_that_is_taken_is_said(health, server):
+    with pytest.raises(InvalidValue, match=rf"health_port: got '127.0.0.1:{server.port}'.*in use"):
+        HealthServer(health, "127.0.0.1", server.port)
+    with pytest.raises(InvalidValue, match="health_port: got 'no such host:1'"):
+        HealthServer(health, "no such host", 1)
+
+
+def test_close_leaves_no_thread_and_frees_the_port(health):
+    one = HealthServer(health, "127.0.0.1", 0)
+    one.start()
+    stuck = socket.create_connection(("127.0.0.1", one.port))
+    port = one.port
+    one.close()
+    assert "edgevox-health" not in [thread.name for thread in threading.enumerate()]
+    stuck.close()
+    HealthServer(health, "127.0.0.1", port).close()
+
+
+def test_what_stalls_is_unwell_after_a_while_and_what_rests_never():
+    stalled_s = 0.0
+    look = moves(lambda: stalled_s)
+    assert look() == ""
+    stalled_s = STALL_S + 0.1
+    assert look() == "has not moved for 6.1 s"
+    stalled_s = math.inf
+    assert look() == "has not moved for inf s"
+    assert (lives(lambda: True)(), lives(lambda: False)()) == ("", "its thread has ended")
+
+
+def test_a_heart_is_as_silent_as_its_last_beat_is_old():
+    clock = HeldClock()
+    heart = Heartbeat(clock)
+    clock.now_s = 3.0
+    assert heart.silent_s == 3.0
+    heart.beat()
+    assert heart.silent_s == 0.0
+
+
+def test_a_step_that_blocks_is_a_stall_and_ends_with_it():
+    clock, entered, released = HeldClock(), threading.Event(), threading.Event()
+
+    def step():
+        entered.set()
+        released.wait(60)
+        return False
+
+    sim_loop = SimLoop(step, period_s=0.02, speed=None, clock=clock)
+    assert sim_loop.stalled_s == 0.0
+    sim_loop.start()
+    assert entered.wait(60)
+    clock.now_s = 7.0
+    assert sim_loop.stalled_s == 7.0
+    released.set()
+    sim_loop.advance(0.02)
+    clock.now_s = 100.0
+    wait_until(lambda: sim_loop.stalled_s == 0.0)  # nothing to do, so it rests
+    sim_loop.close()
+    assert sim_loop.stalled_s == 0.0
+
+
+def test_steps_that_all_fail_are_a_stall():
+    clock, failed = HeldClock(), threading.Semaphore(0)
+
+    def step():
+        clock.now_s += 1.0
+        failed.release()
+        raise ValueError("diverged")
+
+    sim_loop = SimLoop(step, period_s=0.02, speed=None, clock=clock, sleep=lambda _: None)
+    sim_loop.start()
+    for _ in range(4):
+        assert failed.acquire(timeout=60)
+    assert sim_loop.stalled_s >= 3.0
+    sim_loop.close()
+
+
+def test_the_command_tells_and_its_exit_code_does(health, server, monkeypatch, capsys):
+    monkeypatch.setenv(command.PORT, str(server.port))
+    assert command.main(["--live"]) == command.WELL
+    assert command.main([]) == command.UNWELL
+    assert "failing: start starting" in capsys.readouterr().out
+    health.started()
+    assert command.main(["--ready"]) == command.WELL
+
+
+def test_the_command_says_why_it_cannot_ask(capsys):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+    assert command.main(["--port", str(port)]) == command.UNWELL
+    assert "refused" in capsys.readouterr().err
+    assert command.main(["--port", "0"]) == command.USAGE_ERROR
+    assert command.PORT in capsys.readouterr().err
+
+
+def test_a_node_that_listens_on_all_addresses_is_asked_on_loopback():
+    assert command.reachable("0.0.0.0") == "127.0.0.1"  # noqa: S104
+    assert command.reachable("::") == "::1"
+    assert command.reachable("localhost") == "localhost"
+
+
+def test_the_commands_variables_are_the_settings():
+    names = {f"{ENV_PREFIX}{name.upper()}" for name in Settings.model_fields}
+    assert {command.PORT, command.HOST} <= names
+    assert Settings.model_fields["health_host"].default == command.LOOPBACK[4]
