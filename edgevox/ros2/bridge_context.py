@@ -12,7 +12,7 @@ from edgevox.core.settings import Settings
 from edgevox.core.status import Components
 from edgevox.robots.capabilities import Body
 from edgevox.ros2.contract import Queries
-from edgevox.ros2.skill_action import StartsGoals
+from edgevox.ros2.skill_requests import StartsGoals
 from edgevox.voice.sinks.relay import Relay
 from edgevox.voice.sources.pushed import Pushed
 

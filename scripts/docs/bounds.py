@@ -9,8 +9,7 @@ from edgevox.apps.terminal import lines
 from edgevox.core.files import text, user_file
 from edgevox.ops import http_server
 from edgevox.robots.world import load as world
-from edgevox.ros2 import audio as audio_in
-from edgevox.ros2 import skill_action as skill_requests
+from edgevox.ros2 import audio, skill_requests
 from edgevox.ros2.external import locations
 from edgevox.ros2.recorder import disk as write_queue
 from edgevox.scenario import format as scenario
@@ -19,13 +18,13 @@ from edgevox.voice.audio import RATE_HZ
 
 def bounds() -> str:
     """Bounds on what comes in."""
-    audio_s = audio_in.MAX_BYTES / audio_in.SAMPLE_BYTES / RATE_HZ
+    audio_s = audio.MAX_BYTES / audio.SAMPLE_BYTES / RATE_HZ
     limits = {
         "an utterance": f"{text.MAX_CHARACTERS:,} characters; sentences that wait: {MAX_WAITING}; "
         f"calls in one sentence: {skill_executor.MAX_CALLS}",
         "a line on standard input": f"{lines.MAX_LINE_BYTES >> 20} MB, of which "
         f"{text.MAX_CHARACTERS:,} characters count",
-        f"`{audio_in.TOPIC_IN}`": f"{audio_s:g} s a message",
+        f"`{audio.TOPIC_IN}`": f"{audio_s:g} s a message",
         "arguments of `execute_skill`": f"{skill_requests.MAX_ARGUMENTS_BYTES >> 10} KB",
         "a request to health or metrics": f"{http_server.MOST_BYTES >> 10} KB, "
         f"{http_server.REQUEST_S:g} s, {http_server.MOST_AT_ONCE} at once; of more, the oldest "

@@ -7,8 +7,7 @@ import importlib.util
 import platform
 from pathlib import Path
 
-from edgevox.agent.llm import weights as gguf
-from edgevox.agent.llm import weights as memory_estimate
+from edgevox.agent.llm import weights
 from edgevox.agent.llm.language_model import CONTEXT_TOKENS, LanguageModel, ModelFailed
 from edgevox.agent.llm.llama_cpp_model import LlamaCppModel
 from edgevox.agent.llm.xllamacpp_model import XllamacppModel
@@ -54,7 +53,7 @@ def load_model(
 ) -> LanguageModel:
     """A loaded model; `threads` None means as many as suit this machine. Raises `ModelFailed`."""
     chosen = _choose(backend)
-    _check_memory(path, gguf.check(path), context_tokens)
+    _check_memory(path, weights.check(path), context_tokens)
     engine = _ENGINES[chosen][1]
     return engine(path, context_tokens=context_tokens, threads=threads)
 
@@ -80,11 +79,11 @@ def _choose(backend: LlmBackend) -> str:
     )
 
 
-def _check_memory(path: Path, weights: gguf.Weights, context_tokens: int) -> None:
+def _check_memory(path: Path, model: weights.Weights, context_tokens: int) -> None:
     """Refuse what cannot fit: the kernel would otherwise kill the robot's process halfway."""
     needed, there = (
-        memory_estimate.needed_bytes(weights, context_tokens),
-        memory_estimate.read_memory(),
+        weights.needed_bytes(model, context_tokens),
+        weights.read_memory(),
     )
     if there and needed > there.free:
         raise ModelFailed(

@@ -7,13 +7,11 @@ from edgevox.apps.doctor import (
     network,
     packages,
     process_environment,
+    robots,
     ros,
     security,
     sound,
 )
-from edgevox.apps.doctor import machine as graphics
-from edgevox.apps.doctor import robots as permitted
-from edgevox.apps.doctor import robots as robot_interfaces
 from edgevox.apps.doctor.check import Check
 
 _ROS, _HERE = "edgevox.ros2.doctor.probe", "edgevox.apps.doctor"
@@ -43,8 +41,8 @@ CHECKS: tuple[Check, ...] = (
     Check(
         "policy",
         "who may ask for what, a line for each way in and each limit of the policy file",
-        permitted.probe_policy,
-        permitted.judge_policy,
+        robots.probe_policy,
+        robots.judge_policy,
     ),
     Check(
         "packages",
@@ -137,8 +135,8 @@ CHECKS: tuple[Check, ...] = (
     Check(
         "robot file",
         "each interface that the robot file names is on the graph, with its type and QoS",
-        robot_interfaces.probe_robot_file,
-        robot_interfaces.judge_robot_file,
+        robots.probe_robot_file,
+        robots.judge_robot_file,
         needs=("ros2", "domain"),
     ),
     Check(
@@ -163,13 +161,13 @@ CHECKS: tuple[Check, ...] = (
     Check(
         "gpu",
         "NVIDIA's driver answers, if there is one",
-        f"{_HERE}.graphics:probe_gpu",
-        graphics.judge_gpu,
+        f"{_HERE}.machine:probe_gpu",
+        machine.judge_gpu,
     ),
     Check(
         "egl",
         "OpenGL draws without a display, for cameras of simulated robots",
-        f"{_HERE}.graphics:probe_egl",
-        graphics.judge_egl,
+        f"{_HERE}.machine:probe_egl",
+        machine.judge_egl,
     ),
 )

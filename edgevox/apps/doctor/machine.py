@@ -10,7 +10,7 @@ import sys
 import time
 from pathlib import Path
 
-from edgevox.agent.llm import weights as gguf
+from edgevox.agent.llm import weights
 from edgevox.agent.llm.factory import XLLAMACPP_NEEDS, missing_features
 from edgevox.agent.llm.weights import needed_bytes, read_memory
 from edgevox.apps.agent.models import find_weights
@@ -216,7 +216,7 @@ def _llm_bytes(settings: Settings) -> int:
     """What the loader will ask for; of weights that are not here yet, without their context."""
     try:
         path = find_weights(settings)
-        return needed_bytes(gguf.check(path), settings.llm_context) if path else 0
+        return needed_bytes(weights.check(path), settings.llm_context) if path else 0
     except EdgeVoxError:
         model = Store().manifest.models.get(settings.llm)
-        return needed_bytes(gguf.Weights(model.size, 0), settings.llm_context) if model else 0
+        return needed_bytes(weights.Weights(model.size, 0), settings.llm_context) if model else 0

@@ -18,9 +18,7 @@ from waiting import Heard
 
 from edgevox.agent.agents import Agent
 from edgevox.agent.conversation import Conversation
-from edgevox.agent.llm import factory
-from edgevox.agent.llm import weights as gguf
-from edgevox.agent.llm import weights as memory_estimate
+from edgevox.agent.llm import factory, weights
 from edgevox.agent.llm.chat.grammar import SAY
 from edgevox.agent.llm.language_model import ModelFailed
 from edgevox.agent.llm.remote import Address, EndpointModel, FallbackModel
@@ -104,10 +102,10 @@ def test_a_model_id_that_nobody_knows_is_a_mistake_and_refused(agent):
 
 def test_the_context_counts_as_memory_by_what_the_file_says(tmp_path, monkeypatch):
     small_file = small_gguf(tmp_path)
-    assert gguf.check(small_file).bytes_per_token == 2 * 2 * 24 * 2 * 64
-    free = memory_estimate.needed_bytes(gguf.Weights(small_file.stat().st_size, 12288), 4096)
-    assert free == memory_estimate.BUFFERS_BYTES + small_file.stat().st_size + 4096 * 12288
-    monkeypatch.setattr(memory_estimate, "read_memory", lambda: memory_estimate.Memory(free, free))
+    assert weights.check(small_file).bytes_per_token == 2 * 2 * 24 * 2 * 64
+    free = weights.needed_bytes(weights.Weights(small_file.stat().st_size, 12288), 4096)
+    assert free == weights.BUFFERS_BYTES + small_file.stat().st_size + 4096 * 12288
+    monkeypatch.setattr(weights, "read_memory", lambda: weights.Memory(free, free))
 
     with pytest.raises(ModelFailed, match="out of memory: a context of 4097 tokens needs"):
         factory.load_model(small_file, "xllamacpp", context_tokens=4097)

@@ -4,8 +4,7 @@ import pytest
 from doctor_rig import ERROR, OK, SKIPPED, WARNING, levels, situation
 from gguf_files import small_gguf
 
-from edgevox.agent.llm import weights as gguf
-from edgevox.agent.llm import weights as memory_estimate
+from edgevox.agent.llm import weights
 from edgevox.agent.llm.factory import load_model
 from edgevox.agent.llm.language_model import ModelFailed
 from edgevox.apps.doctor import machine, model_files, process_environment, sound
@@ -63,11 +62,11 @@ def test_memory_must_hold_the_models_below_the_limit_of_a_container(changed, set
 def test_what_the_language_model_takes_is_what_its_loader_asks_for(tmp_path, monkeypatch):
     path = small_gguf(tmp_path)
     here = situation(llm=str(path), llm_context=8192)
-    needed = memory_estimate.needed_bytes(gguf.check(path), 8192)
+    needed = weights.needed_bytes(weights.check(path), 8192)
     assert machine.probe_memory(here)["llm"] == needed // MIB
-    there = memory_estimate.Memory(8000 * MIB, (needed // MIB - 1) * MIB, "a control group's limit")
+    there = weights.Memory(8000 * MIB, (needed // MIB - 1) * MIB, "a control group's limit")
     monkeypatch.setattr(machine, "read_memory", lambda: there)
-    monkeypatch.setattr(memory_estimate, "read_memory", lambda: there)
+    monkeypatch.setattr(weights, "read_memory", lambda: there)
     said = machine.judge_memory(machine.probe_memory(here), here)
     assert said.level is ERROR
     assert "of 8000 MiB (a control group's limit); the language model takes" in said.found
@@ -79,7 +78,7 @@ def test_a_model_that_is_not_here_yet_takes_at_least_its_size(tmp_path, monkeypa
     monkeypatch.setenv("EDGEVOX_MODELS_DIR", str(tmp_path))
     here = situation()
     size = Store().manifest.models[here.settings.llm].size
-    assert machine.probe_memory(here)["llm"] == (size + memory_estimate.BUFFERS_BYTES) // MIB
+    assert machine.probe_memory(here)["llm"] == (size + weights.BUFFERS_BYTES) // MIB
     assert machine.probe_memory(situation(llm="none"))["llm"] == 0
 
 

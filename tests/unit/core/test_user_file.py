@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from edgevox.agent.llm import weights as gguf
+from edgevox.agent.llm import weights
 from edgevox.agent.llm.language_model import ModelFailed
 from edgevox.agent.llm.remote.address import Address
 from edgevox.agent.llm.remote.server_errors import Unusable
@@ -32,7 +32,7 @@ READERS = {
 OTHERS = {
     "audio_in": (lambda file: open_source(str(file)), InvalidValue),
     "audio_out": (WavFile, InvalidValue),
-    "llm": (gguf.check, ModelFailed),
+    "llm": (weights.check, ModelFailed),
     "llm_endpoint_key_file": (lambda file: Address("http://x", key_file=file).headers(), Unusable),
 }
 
