@@ -9,7 +9,7 @@ import pytest
 
 @pytest.mark.parametrize(
     ("module", "arguments"),
-    [("agent", ["robot-apartment", "--ros2"]), ("edgevox", ["--ros2"]), ("recorder", [])],
+    [("agent.main", ["robot-apartment", "--ros2"]), ("edgevox", ["--ros2"]), ("recorder", [])],
 )
 def test_outside_of_a_container_each_program_refuses_the_same_before_a_node(module, arguments):
     started = f"from edgevox.apps.{module} import main; raise SystemExit(main({arguments!r}))"
