@@ -27,9 +27,8 @@ from edgevox.core.clock import SystemClock
 from edgevox.core.speech import Ending
 from edgevox.models import locate
 from edgevox.voice.audio import RATE_HZ, Samples
-from edgevox.voice.endpoint import Endpointer, SpeechEnded, SpeechPaused, SpeechWentOn
+from edgevox.voice.endpoint import ENDS_AFTER_S, Endpointer, SpeechEnded, SpeechPaused, SpeechWentOn
 from edgevox.voice.foreground import open_vad
-from edgevox.voice.listener import ENDS_AFTER_S
 from edgevox.voice.stt.whisper import Whisper
 from training.acoustics import Half
 from training.acoustics.voices import espeak_voices, native_voices, say

@@ -13,6 +13,7 @@ from edgevox.agent.skills.choices import MOST_HINTS, OwnNames
 from edgevox.agent.text.reasons import because, called_off
 from edgevox.core.cancel import CancelToken
 from edgevox.core.transforms import Pose2D
+from edgevox.robots.battery import battery_skill
 from edgevox.robots.capabilities import (
     Body,
     ChecksGoals,
@@ -85,7 +86,7 @@ def navigation_skills(
     if body.places or memory:
         skills.insert(0, _navigate_to(body, hints or {}, known, word, memory))
     if isinstance(body, HasBattery):
-        skills.append(_battery(body))
+        skills.append(battery_skill(body))
     if memory:
         skills += place_skills(body, memory, known, word.noun, partial(check_goal, body))
     return tuple(skills)
@@ -184,17 +185,6 @@ def _get_pose(body: NavigableBody, word: PlaceWord) -> Skill:
         return _where(body, word)
 
     return get_pose
-
-
-def _battery(body: HasBattery) -> Skill:
-    @skill(moves=False)
-    def battery(goal: GoalHandle) -> Result:
-        """Say how full the battery is."""
-        goal.token.check()
-        charge = body.battery()
-        return {"charge": round(charge, 4), "percent": round(100 * charge)}
-
-    return battery
 
 
 def _hints_in_turn(

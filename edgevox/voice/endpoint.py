@@ -1,10 +1,12 @@
 """Where speech begins and where it ends: a state machine over frames, nothing else."""
 
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
+from edgevox.core.speech import Ending
 from edgevox.voice.audio import FRAME_S, Frame, Samples
 
 VOICED = 0.5
@@ -26,6 +28,14 @@ END_S = 0.6
 GOES_ON_S = 1.0
 """Who speaks again within so long after what was ended by its words speaks on: few pause for longer
 than 0.8 s within a sentence, and what ends or begins softly is no voice for 0.1 s more."""
+ENDS_AFTER_S: Mapping[Ending, float] = {
+    Ending.FINAL: 0.0,
+    Ending.WHOLE: 0.0,
+    Ending.MAY_GO_ON: END_S,
+    Ending.OPEN: GOES_ON_S,
+    Ending.BROKEN_OFF: 1.5,
+}
+"""How much silence ends an utterance, by its words. They take a part of it to be understood."""
 POST_ROLL_S = 0.2
 """Silence that is kept at its end."""
 EARLY_S = 0.2

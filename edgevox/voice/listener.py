@@ -4,7 +4,7 @@ Handing on what was heard to whoever may break.
 """
 
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
@@ -29,8 +29,7 @@ from edgevox.voice.echo.canceller import VoiceOverEcho, open_echo
 from edgevox.voice.echo.gate import Unechoed
 from edgevox.voice.echo.played import PlayedSound
 from edgevox.voice.endpoint import (
-    END_S,
-    GOES_ON_S,
+    ENDS_AFTER_S,
     VOICED,
     Endpointer,
     SpeechBegan,
@@ -66,14 +65,6 @@ class Telling:
 READ_S = 0.25
 STALLED_S = 1.0
 """A source that gives nothing for so long has ended the utterance that was going on."""
-ENDS_AFTER_S: Mapping[Ending, float] = {
-    Ending.FINAL: 0.0,
-    Ending.WHOLE: 0.0,
-    Ending.MAY_GO_ON: END_S,
-    Ending.OPEN: GOES_ON_S,
-    Ending.BROKEN_OFF: 1.5,
-}
-"""How much silence ends an utterance, by its words. They take a part of it to be understood."""
 
 
 class Listener:
