@@ -6,7 +6,7 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from docs import bodies, bounds, operating, packages, ros2, talking, weights
+from docs import bodies, bounds, operating, ros2, talking, weights
 
 TABLES: Mapping[str, Callable[[], str]] = {
     make.__name__: make
@@ -20,7 +20,6 @@ TABLES: Mapping[str, Callable[[], str]] = {
         operating.logs,
         operating.metrics,
         operating.more_environment,
-        packages.folders,
         ros2.action,
         ros2.agent_events,
         ros2.audio,
