@@ -1,4 +1,4 @@
-"""The tables of docs/robots.md and docs/bringing-a-robot.md: skills, states, what bodies can do."""
+"""The tables of docs/robots.md and docs/your-robot.md: skills, states, what bodies can do."""
 
 from collections.abc import Mapping
 from typing import Protocol

@@ -1,4 +1,4 @@
-"""The tables of docs/voice.md: languages, wake words, states, what a turn took."""
+"""The tables of docs/talking.md: languages, wake words, states, what a turn took."""
 
 from docs.markdown import code, table
 from docs.told import told

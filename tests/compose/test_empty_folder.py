@@ -1,4 +1,4 @@
-"""docs/empty-folder.md, done by the word in a folder that has nothing in it."""
+"""docs/your-robot.md, "From an empty folder": what each part says works in an empty folder."""
 
 import re
 import subprocess
@@ -9,9 +9,10 @@ from stacks import ROOT
 
 pytestmark = pytest.mark.long
 
-PAGE = (ROOT / "docs" / "empty-folder.md").read_text()
+PAGE = (ROOT / "docs" / "your-robot.md").read_text("utf-8")
+PART = re.search(r"^## From an empty folder\n.*?(?=^## )", PAGE, re.MULTILINE | re.DOTALL)[0]
 SECTIONS = {
-    part.partition("\n")[0]: part for part in re.split(r"^## ", PAGE, flags=re.MULTILINE)[1:]
+    part.partition("\n")[0]: part for part in re.split(r"^### ", PART, flags=re.MULTILINE)[1:]
 }
 FILE = re.compile(r"^`(robot/[\w./-]+)`[^\n]*:\n\n```\w+\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 COMMAND = re.compile(r"^```bash\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -38,6 +39,6 @@ def test_what_a_section_says_works_in_an_empty_folder(title, image, tmp_path):
 def test_there_is_a_section_for_each_newcomer():
     assert list(SECTIONS) == [
         "A scenario for your CI",
-        "A world of your own",
-        "A skill of your own",
+        "A world in the folder",
+        "A skill in the folder",
     ]
