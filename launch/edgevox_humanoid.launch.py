@@ -1,4 +1,4 @@
-"""Start the agent with a humanoid in MuJoCo: `model_source` or `mjcf` says which."""
+"""Start the agent with a humanoid in MuJoCo, chosen by `model_source` or `mjcf`."""
 
 from pathlib import Path
 

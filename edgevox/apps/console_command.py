@@ -115,7 +115,7 @@ def _ca(arguments: argparse.Namespace, settings: Settings, folder: Path) -> bool
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="edgevox-console",
-        description="Let browsers in to a robot's console, or show them out.",
+        description="Pair browsers with a robot's console, list them and revoke them.",
     )
     parser.add_argument("--version", action="version", version=__version__)
     add_flags(parser, SETTINGS)
@@ -123,25 +123,26 @@ def _parser() -> argparse.ArgumentParser:
         "--robots",
         type=Path,
         metavar="FILE",
-        help="no COMMAND: serve a page, for this machine only, of how these robots are",
+        help="without COMMAND: serve a page, for this machine only, with the"
+        " health of these robots",
     )
     parser.add_argument(
-        "--robots-port", type=int, default=FLEET_PORT, metavar="PORT", help="of that page"
+        "--robots-port", type=int, default=FLEET_PORT, metavar="PORT", help="port of that page"
     )
     parser.set_defaults(run=None)
     verbs = parser.add_subparsers(metavar="COMMAND")
     pair = verbs.add_parser("pair", help="make a code that lets one browser in")
-    pair.add_argument("--viewer", action="store_true", help="to look and to stop only")
-    pair.set_defaults(run=_pair)
-    verbs.add_parser("list", help="list the browsers that are let in").set_defaults(run=_list)
-    revoke = verbs.add_parser("revoke", help="let a browser in no more")
-    which = revoke.add_mutually_exclusive_group(required=True)
-    which.add_argument("id", nargs="*", default=[], metavar="ID", help="as list shows it")
-    which.add_argument("--all", action="store_true", help="all of them")
-    revoke.set_defaults(run=_revoke)
-    ca = verbs.add_parser("ca", help="print the certificate that browsers are to trust")
-    ca.add_argument(
-        "--new", action="store_true", help="make another one; each browser must take it"
+    pair.add_argument(
+        "--viewer", action="store_true", help="the browser may only watch and stop the robot"
     )
+    pair.set_defaults(run=_pair)
+    verbs.add_parser("list", help="list the paired browsers").set_defaults(run=_list)
+    revoke = verbs.add_parser("revoke", help="revoke a browser's pairing")
+    which = revoke.add_mutually_exclusive_group(required=True)
+    which.add_argument("id", nargs="*", default=[], metavar="ID", help="id from `list`")
+    which.add_argument("--all", action="store_true", help="all browsers")
+    revoke.set_defaults(run=_revoke)
+    ca = verbs.add_parser("ca", help="print the CA certificate for browsers to trust")
+    ca.add_argument("--new", action="store_true", help="make a new CA; each browser must trust it")
     ca.set_defaults(run=_ca)
     return parser

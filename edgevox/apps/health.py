@@ -55,13 +55,13 @@ def reachable(host: str) -> str:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="edgevox-health", description="Ask a node of this machine whether it is well."
+        prog="edgevox-health", description="Ask a node on this machine whether it is healthy."
     )
     what = parser.add_mutually_exclusive_group()
     for name, about in (
-        ("live", "whether it can do its work, or should be started again"),
-        ("ready", "whether everything is loaded and started (the default)"),
-        ("drain", "have it begin nothing new, and wait until its robot stands; it stays so"),
+        ("live", "can it work, or should it be restarted?"),
+        ("ready", "is everything loaded and started? (default)"),
+        ("drain", "start nothing new, and wait until the robot stands; this cannot be undone"),
     ):
         what.add_argument(
             f"--{name}",

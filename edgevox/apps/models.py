@@ -1,4 +1,4 @@
-"""`edgevox-models`: which models there are, and getting them onto this machine."""
+"""`edgevox-models`: list, fetch and verify models."""
 
 import argparse
 import sys
@@ -33,7 +33,7 @@ def main(argv: Sequence[str] | None = None, manifest: Manifest | None = None) ->
 
 
 def list_models(_: argparse.Namespace, store: Store) -> int:
-    """Print each set and its models: size, whether it is here, licence and what that forbids."""
+    """Print each set and its models: size, presence, licence and its restrictions."""
     manifest, told = store.manifest, set[str]()
     grouped = {member for members in manifest.sets.values() for member in members}
     alone = tuple(name for name in manifest.models if name not in grouped)
@@ -61,7 +61,7 @@ def _described(model: Model, store: Store) -> str:
 
 
 def fetch_models(options: argparse.Namespace, store: Store) -> int:
-    """Fetch sets and models that are not here yet."""
+    """Fetch missing sets and models."""
     given: Path | None = options.given
     if given and not given.is_dir():
         raise NotADirectoryError(f"--from {given}: there is no such folder")
@@ -77,7 +77,7 @@ def fetch_models(options: argparse.Namespace, store: Store) -> int:
 
 
 def verify_models(options: argparse.Namespace, store: Store) -> int:
-    """Hash every byte again; without names, of the models that are here."""
+    """Hash every byte again; without names, of all installed models."""
     chosen = store.manifest.select(options.names or store.manifest.models)
     if not options.names:
         chosen = tuple(model for model in chosen if store.folder(model).is_dir())
@@ -93,7 +93,7 @@ def verify_models(options: argparse.Namespace, store: Store) -> int:
 
 
 def print_path(options: argparse.Namespace, store: Store) -> int:
-    """Print where a model is."""
+    """Print the path of a model."""
     if options.name in store.manifest.sets:
         raise UnknownModel(options.name, store.manifest.models)
     show(str(store.locate(options.name)))
@@ -101,7 +101,7 @@ def print_path(options: argparse.Namespace, store: Store) -> int:
 
 
 def print_licences(_: argparse.Namespace, store: Store) -> int:
-    """Print whose each model is and what its licence forbids."""
+    """Print the owner, licence and restrictions of each model."""
     for model in store.manifest.models.values():
         show(f"{model.id}\n    {model.publisher}\n    {model.copyright}")
         for licence in (store.manifest.licences[key] for key in model.licences):
@@ -134,7 +134,7 @@ def _parser() -> argparse.ArgumentParser:
         dest="given",
         type=Path,
         metavar="FOLDER",
-        help="take models from this folder, one folder a model, before the network is asked",
+        help="take models from this folder (one folder per model) before the network",
     )
     command("verify", verify_models).add_argument("names", nargs="*", metavar="SET|ID")
     command("path", print_path).add_argument("name", metavar="ID")

@@ -87,8 +87,8 @@ def _at_least(name: str, value: float, least: float) -> float:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="edgevox-recorder",
-        description="Record a robot's topics as MCAP files, and judge a scenario on it.",
-        epilog="Exit codes: 0 well, 1 the scenario failed, 2 wrong arguments, 74 messages lost.",
+        description="Record a robot's topics as MCAP files, and play scenarios on the robot.",
+        epilog="Exit codes: 0 OK, 1 the scenario failed, 2 wrong arguments, 74 messages lost.",
     )
     parser.add_argument("--version", action="version", version=__version__)
     parser.add_argument(
@@ -96,34 +96,36 @@ def _parser() -> argparse.ArgumentParser:
         type=Path,
         default=Path("recordings"),
         metavar="DIR",
-        help="where a folder for this recording is made [default: recordings]",
+        help="folder in which the recording's own folder is made [default: recordings]",
     )
     parser.add_argument(
         "--topics",
         nargs="+",
         default=(),
         metavar="NAME",
-        help="only these, by the contract's names or as NAME:TYPE [default: all but sound]",
+        help="record only these topics, by the contract's names or as NAME:TYPE"
+        " [default: all but sound]",
     )
     parser.add_argument(
         "--max-size",
         type=float,
         default=256,
         metavar="MB",
-        help="begin another file at this size [default: 256]",
+        help="start a new file at this size [default: 256]",
     )
     parser.add_argument(
         "--spare",
         type=float,
         default=100,
         metavar="MB",
-        help="how much of the disk is left to others [default: 100]",
+        help="disk space to leave free [default: 100]",
     )
     parser.add_argument(
         "--most",
         type=float,
         metavar="MB",
-        help="end when all its files have this size; a scenario is played to its end",
+        help="stop recording when all files together have this size; a scenario"
+        " still plays to its end",
     )
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--duration", type=float, metavar="S", help="end after this many seconds")
@@ -131,7 +133,7 @@ def _parser() -> argparse.ArgumentParser:
         "--scenario",
         type=Path,
         metavar="FILE",
-        help="play this scenario on the robot, and end with its verdict",
+        help="play this scenario on the robot, and exit with its result",
     )
     parser.add_argument(
         "--wait",

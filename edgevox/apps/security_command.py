@@ -52,7 +52,7 @@ def _prepare(argv: Sequence[str]) -> Callable[[], bool]:
 
 
 def _create(arguments: argparse.Namespace) -> bool:
-    """Make a keystore, with an authority of its own."""
+    """Make a keystore with its own certificate authority."""
     from edgevox.security.enclave_certificates import utc_now
     from edgevox.security.keystore import AUTHORITY_DAYS, Keystore
 
@@ -63,7 +63,7 @@ def _create(arguments: argparse.Namespace) -> bool:
 
 
 def _add(arguments: argparse.Namespace) -> bool:
-    """Let one more in: a robot, a recorder, a shell with tools, or who only listens."""
+    """Add an enclave for a robot, a recorder, a shell with tools, or a listener."""
     from edgevox.security.enclave_certificates import utc_now
     from edgevox.security.keystore import DAYS, Purpose
     from edgevox.security.roles import EXTERNAL_ROBOT, EnclaveRole, Graph, node_name
@@ -84,7 +84,7 @@ def _add(arguments: argparse.Namespace) -> bool:
 
 
 def _list(arguments: argparse.Namespace) -> bool:
-    """List enclaves and when they end; fails if one has ended, or does within --warn-days."""
+    """List enclaves and when they expire; fails if one has expired or will within --warn-days."""
     store = _open(arguments)
     ends = store.authority.not_valid_after_utc
     show(f"{'authority':40}  {'':8}  {'':10}  until {ends:%Y-%m-%d}")
@@ -97,7 +97,7 @@ def _list(arguments: argparse.Namespace) -> bool:
 
 
 def _renew(arguments: argparse.Namespace) -> bool:
-    """Give enclaves new keys, certificates and permissions; each is then exported again."""
+    """Give enclaves new keys, certificates and permissions; then export each again."""
     from edgevox.security.enclave_certificates import utc_now
 
     store = _open(arguments)
@@ -113,7 +113,7 @@ def _renew(arguments: argparse.Namespace) -> bool:
 
 
 def _revoke(arguments: argparse.Namespace) -> bool:
-    """Let enclaves in no more: export the others again, and start them again."""
+    """Revoke enclaves; then export and restart the others."""
     from edgevox.security.enclave_certificates import utc_now
 
     store = _open(arguments)
@@ -124,12 +124,12 @@ def _revoke(arguments: argparse.Namespace) -> bool:
         show(f"{enclave}: revoked")
     left = " ".join(store.names())
     if left:
-        show(f"It is kept out by whoever is exported again and started again: {left}")
+        show(f"Re-export and restart these enclaves to enforce the revocation: {left}")
     return True
 
 
 def _export(arguments: argparse.Namespace) -> bool:
-    """Write what one participant needs: a keystore of its own, or a Kubernetes Secret."""
+    """Write the keystore of one participant, or a Kubernetes Secret with it."""
     from edgevox.security.keystore import write_export
     from edgevox.security.kubernetes import secret
 
@@ -206,38 +206,43 @@ def _parser() -> argparse.ArgumentParser:
 
     days = _number(1, MOST_DAYS)
     create = verb("create", _create)
-    create.add_argument("--days", type=days, help="how long its authority lasts (3650)")
+    create.add_argument("--days", type=days, help="days that the authority is valid (3650)")
     _add_arguments(verb("add", _add), days)
     listing = verb("list", _list)
     listing.add_argument("--warn-days", type=_number(0, MOST_DAYS), default=WARN_DAYS)
     renew = verb("renew", _renew)
-    renew.add_argument("enclave", nargs="*", metavar="ENCLAVE", help="as list shows it")
-    renew.add_argument("--all", action="store_true", help="all of them")
-    renew.add_argument("--days", type=days, help="how long they last from now on")
+    renew.add_argument("enclave", nargs="*", metavar="ENCLAVE", help="enclave from `list`")
+    renew.add_argument("--all", action="store_true", help="all enclaves")
+    renew.add_argument("--days", type=days, help="days that they are valid from now")
     revoke = verb("revoke", _revoke)
-    revoke.add_argument("enclave", nargs="+", metavar="ENCLAVE", help="as list shows it")
+    revoke.add_argument("enclave", nargs="+", metavar="ENCLAVE", help="enclave from `list`")
     export = verb("export", _export)
-    export.add_argument("enclave", metavar="ENCLAVE", help="as list shows it")
+    export.add_argument("enclave", metavar="ENCLAVE", help="enclave from `list`")
     export.add_argument("dir", nargs="?", type=Path, metavar="DIR", help="ROS_SECURITY_KEYSTORE")
     export.add_argument("--kubernetes", action="store_true", help="print a Secret's manifest")
-    export.add_argument("--name", default="", help="of that Secret")
+    export.add_argument("--name", default="", help="name of that Secret")
     return parser
 
 
 def _add_arguments(add: argparse.ArgumentParser, days: Callable[[str], int]) -> None:
     add.add_argument("role", choices=ROLES, metavar="|".join(ROLES))
-    add.add_argument("--namespace", default="/edgevox", help="of the agent's node (/edgevox)")
-    add.add_argument("--robot", default="robot-apartment", help="which one (robot-apartment)")
     add.add_argument(
-        "--robot-namespace", default="/", metavar="NS", help="robot-external: of its topics"
+        "--namespace", default="/edgevox", help="namespace of the agent's node (/edgevox)"
+    )
+    add.add_argument("--robot", default="robot-apartment", help="robot (robot-apartment)")
+    add.add_argument(
+        "--robot-namespace",
+        default="/",
+        metavar="NS",
+        help="robot-external: namespace of its topics",
     )
     add.add_argument(
-        "--robot-file", type=Path, metavar="FILE", help="robot-external: what describes it"
+        "--robot-file", type=Path, metavar="FILE", help="robot-external: the robot file"
     )
     add.add_argument(
-        "--domain", type=_number(0, LAST_DOMAIN), metavar="N", help="instead of ROS_DOMAIN_ID, or 0"
+        "--domain", type=_number(0, LAST_DOMAIN), metavar="N", help="default: ROS_DOMAIN_ID, or 0"
     )
-    add.add_argument("--days", type=days, help="how long its certificate lasts (365)")
+    add.add_argument("--days", type=days, help="days that its certificate is valid (365)")
     add.add_argument(
         "--enclave", default="", metavar="PATH", help="another name, such as /edgevox/annas_laptop"
     )

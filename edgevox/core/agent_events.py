@@ -54,7 +54,7 @@ class ToolCalled:
 
 @dataclass(frozen=True, slots=True)
 class GoalChanged:
-    """A goal was accepted, runs, has got further, succeeded or failed. `turn` is 0 without one.
+    """A goal was accepted, runs, progressed, succeeded or failed. `turn` is 0 without one.
 
     `feedback` is what the skill reports, `result` what it returned, `reason` why it failed; each is
     there only where it applies. In JSON a reason is an `error`, an English sentence, and where it
@@ -91,7 +91,7 @@ class GoalCancelled:
 
 @dataclass(frozen=True, slots=True)
 class GoalRejected:
-    """A goal that cannot be or may not, whichever way it came. It has no id and no `tool_call`.
+    """A goal was rejected as impossible or forbidden. It has no id and no `tool_call`.
 
     Its arguments are as they came, and `way` is how.
     """
@@ -108,7 +108,7 @@ class GoalRejected:
 
 @dataclass(frozen=True, slots=True)
 class HandedOver:
-    """One agent hands the person over to another."""
+    """One agent hands the conversation over to another."""
 
     kind: ClassVar = AgentEventKind.HANDOFF
     giver: str = field(metadata={"keys": ("from",)})
@@ -138,7 +138,7 @@ class SafetyPreempted:
 
 @dataclass(frozen=True, slots=True)
 class SoftwareStopChanged:
-    """Somebody stopped the robot until somebody resumes, or resumed; `by` says who, for people."""
+    """The software stop was engaged or released; `by` says by whom, for people to read."""
 
     kind: ClassVar = AgentEventKind.SOFTWARE_STOP
     engaged: bool
@@ -155,8 +155,9 @@ class DrainStatus(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class DrainChanged:
-    """The agent is to end: what moves may come to its end within so many seconds, nothing new
-    begins. Then the robot stands (`drained`), or was halted and is not seen to stand. `by` says
+    """The agent drains: motion may finish within `within_s` seconds, and nothing new begins.
+
+    At the end the robot stands (`drained`), or was halted and is not seen to stand. `by` says
     who asked, for people.
     """
 
@@ -187,7 +188,7 @@ class AskedCall:
 
 @dataclass(frozen=True, slots=True)
 class Confirmation:
-    """Whether calls shall be done is asked, or answered, or no longer asked. `turn` asked it.
+    """A question before calls was asked, answered or withdrawn. `turn` asked it.
 
     It expires `expires_s` seconds after it was said to its end.
     """
@@ -212,7 +213,7 @@ class ProgramStatus(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class ProgramChanged:
-    """A program waits, runs, began another round, or ended. `text` says it as a person is told.
+    """A program waits, runs, began another round, or ended. `text` describes it in words.
 
     `due_in_s` is how long it still waits for its time, `round` how often it has begun its steps;
     the reason says why it failed or was cancelled. Each is there only where it applies.

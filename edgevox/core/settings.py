@@ -158,26 +158,26 @@ class Settings(BaseSettings):
     muted: bool = Field(False, description="mute the microphone")
     confirm: Confirm = Field(
         "unsure",
-        description="ask back before it drives: always, or when unsure; never: what is unsure is"
-        " not done",
+        description="when the robot asks back before it drives: always, or when unsure;"
+        " never: unsure orders are not done",
     )
     text_mode: bool = Field(False, description="type instead of speaking; no sound is used")
     simple_ui: bool = Field(False, description="plain lines instead of a full-screen interface")
-    render: bool = Field(True, description="show the robot in a window where there is a display")
-    ros2: bool = Field(False, description="be a ROS 2 node")
+    render: bool = Field(True, description="show the robot in a window if there is a display")
+    ros2: bool = Field(False, description="run as a ROS 2 node")
     agent_namespace: RosNamespace = Field(
         "/edgevox",
         description="namespace of the ROS 2 node",
         json_schema_extra={"old_name": "ros2_namespace"},
     )
     ros2_state_hz: float = Field(
-        10.0, ge=0.1, le=100.0, description="how often robot_state is published, in hertz"
+        10.0, ge=0.1, le=100.0, description="publishing rate of robot_state, in hertz"
     )
     odom_frame: OdomFrame = Field(
         "", description="empty: map -> base_link on /tf; odom: map -> odom -> base_link, for Nav2"
     )
     frame_prefix: FramePrefix = Field(
-        "", description="put before the robot's frames on /tf, so that robots can share a domain"
+        "", description="prefix of the robot's frames on /tf, so that robots can share a domain"
     )
     publish_clock: bool = Field(
         False, description="publish the robot's time on /clock, for nodes with use_sim_time"
@@ -186,14 +186,12 @@ class Settings(BaseSettings):
         None, description="world file of a 2D robot, in IR-SIM's YAML format"
     )
     model_source: Literal["unitree_g1", "unitree_h1"] = Field(
-        "unitree_g1", description="robot-humanoid: which robot it is"
+        "unitree_g1", description="robot-humanoid: the robot model"
     )
     mjcf: Path | None = Field(
         None, description="robot-humanoid: a robot of your own, as an MJCF file"
     )
-    seed: int = Field(
-        0, ge=0, lt=1 << 32, description="what is random in a simulated world comes from this"
-    )
+    seed: int = Field(0, ge=0, lt=1 << 32, description="random seed of the simulated world")
     robot_namespace: RosNamespace = Field(
         "/",
         description="robot-external: namespace of the robot's topics, such as /robot1",
@@ -201,36 +199,39 @@ class Settings(BaseSettings):
     )
     robot_file: Path | None = Field(
         None,
-        description="robot-external: YAML file that describes a robot: its limits, its topics and"
-        " the skills that its ROS 2 interfaces give it",
+        description="robot-external: YAML file that describes the robot: its limits, its"
+        " topics, and skills made from its ROS 2 interfaces",
     )
     skills: str = Field(
         "all",
         min_length=1,
-        description="installed packages whose skills a robot has, by name, with commas between;"
-        " all, or none",
+        description="installed skill packages to use, by name, separated by commas; all, or none",
     )
-    locations: Path | None = Field(
-        None, description="robot-external: YAML file of the places that it knows by name"
-    )
+    locations: Path | None = Field(None, description="robot-external: YAML file of named places")
     places: Path | None = Field(
         None,
-        description="folder of the places that a robot was told to remember; without one edgevox "
-        "in $XDG_STATE_HOME, ~/.local/state by default",
+        description="folder of the places that you tell the robot to remember; default:"
+        " edgevox in $XDG_STATE_HOME, or in ~/.local/state",
     )
     plugins: Path | None = Field(
         None,
-        description="folder of packages that bring robots and skills, wheels or folders; none is"
-        " loaded without it",
+        description="folder of plug-in packages (wheels or folders) with robots and"
+        " skills; empty: load none",
     )
     policy: Path | None = Field(
-        None, description="YAML file that says who may ask for what, and within which limits"
+        None, description="YAML file that says who may command what, and within which limits"
     )
     max_linear: float = Field(
-        0.3, gt=0.0, le=10.0, description="robot-external: fastest it is steered, in m/s"
+        0.3,
+        gt=0.0,
+        le=10.0,
+        description="robot-external: highest speed when EdgeVox steers, in m/s",
     )
     max_angular: float = Field(
-        0.8, gt=0.0, le=10.0, description="robot-external: fastest it is turned, in rad/s"
+        0.8,
+        gt=0.0,
+        le=10.0,
+        description="robot-external: highest turning speed when EdgeVox steers, in rad/s",
     )
     audio_in: str = Field(
         "", description="microphone: a device's name, a WAV file or folder, ros2, or none"
@@ -240,26 +241,26 @@ class Settings(BaseSettings):
     )
     wakeword: str = Field(
         "",
-        description="listen only after this wake word, such as 'hey jarvis', or that of a"
-        " microWakeWord .json file; empty: always",
+        description="listen only after this wake word, such as 'hey jarvis', or a"
+        " microWakeWord .json file; empty: always listen",
     )
     keep_audio: Path | None = Field(
         None,
-        description="folder that keeps the last 200 utterances as WAV files, with what was"
+        description="folder for the last 200 utterances as WAV files, with what was"
         " understood; they are people's voices",
     )
     wakeword_engine: WakeEngine = Field(
         "micro",
-        description="what hears the wake word; openwakeword may not be used commercially",
+        description="engine that detects the wake word; openwakeword is not for commercial use",
     )
     stop_spotter: bool = Field(
         True,
-        description="hear stop words by their sound, too: at once, in the middle of what is said",
+        description="also detect stop words by their sound, at once, in the middle of a sentence",
     )
     echo: Echo = Field(
         "cancel",
-        description="own voice in the microphone: cancel it, or gate it by level; none where "
-        "something else cancels it",
+        description="the robot's own voice in the microphone: cancel it, or gate it by"
+        " level; none if another device cancels it",
     )
     llm: str = Field(
         "qwen2.5-coder-0.5b-instruct",
@@ -284,30 +285,30 @@ class Settings(BaseSettings):
         10.0, ge=0.1, le=600.0, description="longest wait for the server's next token, in seconds"
     )
     llm_endpoint_key_file: Path | None = Field(
-        None, description="file with the server's API key, read anew for every request"
+        None, description="file with the server's API key; read again for every request"
     )
     llm_endpoint_grammar: GrammarDialect = Field(
-        "auto", description="how the server takes a grammar; auto asks it what it is"
+        "auto", description="how the server accepts a grammar; auto asks the server what it is"
     )
     health_port: int = Field(
-        0, ge=0, le=65535, description="serve /live and /ready over HTTP on this port; 0: do not"
+        0, ge=0, le=65535, description="serve /live and /ready over HTTP on this port; 0: off"
     )
     health_host: str = Field(
         "127.0.0.1", min_length=1, description="address on which health is served"
     )
     metrics_port: int = Field(
-        0, ge=0, le=65535, description="serve /metrics for Prometheus on this port; 0: do not"
+        0, ge=0, le=65535, description="serve /metrics for Prometheus on this port; 0: off"
     )
     metrics_host: str = Field(
         "127.0.0.1", min_length=1, description="address on which metrics are served"
     )
     console: bool = Field(
-        False, description="serve a page for browsers: to talk to the robot, see it and stop it"
+        False, description="serve a web page to talk to the robot, see it and stop it"
     )
     console_optional: bool = Field(
         False,
-        description="serve the console unless `console` says no, and go on without where it"
-        " cannot be served, its port being taken for one; a line says why",
+        description="serve the console unless `console` says no; if that fails, for"
+        " example because the port is taken, say why and go on",
     )
     console_host: str = Field(
         "127.0.0.1", min_length=1, description="address on which the console is served"
@@ -317,12 +318,13 @@ class Settings(BaseSettings):
     )
     console_tls: ConsoleTls = Field(
         "own",
-        description="the console's encryption: by an own authority, by the files of"
-        " console_certificate and console_key, or off, on loopback only",
+        description="encryption of the console: own (the robot's own certificate"
+        " authority), files (console_certificate and console_key), or off (on"
+        " loopback only)",
     )
     console_plain: bool = Field(
         False,
-        description="let console_tls be off on any address: where something in front encrypts",
+        description="allow console_tls off on any address, for use behind a proxy that encrypts",
     )
     console_certificate: Path | None = Field(
         None, description="the console's certificate with its chain, a PEM file"
@@ -332,50 +334,50 @@ class Settings(BaseSettings):
     )
     console_names: str = Field(
         "",
-        description="more host names and addresses for the console's own certificate, with commas"
-        " between",
+        description="more host names and addresses for the console's own certificate,"
+        " separated by commas",
     )
     console_folder: Path | None = Field(
         None,
-        description="folder of the console's keys and of who was let in; without one"
-        " edgevox/console in $XDG_STATE_HOME, ~/.local/state by default",
+        description="folder of the console's keys and paired browsers; default:"
+        " edgevox/console in $XDG_STATE_HOME, or in ~/.local/state",
     )
     console_recordings: Path | None = Field(
         None,
-        description="folder of the recordings that are begun on the console, of no other robot;"
-        " without one recordings in console_folder",
+        description="folder of the recordings made on the console; no other robot may use"
+        " it; default: recordings in console_folder",
     )
     console_recordings_mb: int = Field(
         5000,
         ge=10,
         le=10_000_000,
-        description="how many megabytes those recordings have together at most; none is removed"
-        " for another",
+        description="size limit of all these recordings together, in megabytes; old"
+        " recordings are never deleted",
     )
     log_level: Literal["debug", "info", "warning", "error"] = Field(
         "warning", description="least severe log lines to show"
     )
     log_format: Literal["auto", "console", "json"] = Field(
         "auto",
-        description="json: a JSON object a line; console: in colours; auto: in colours on a "
-        "terminal",
+        description="json: one JSON object per line; console: in colours; auto: in"
+        " colours on a terminal",
     )
     log_speech: bool = Field(
-        False, description="log what people and the robot say at any level, not only at debug"
+        False, description="log what people and the robot say at every level, not only at debug"
     )
     leave_s: float = Field(
         4.5,
         ge=0.5,
         le=300,
-        description="what does not let go so many seconds after SIGTERM is left behind; less than "
-        "what its supervisor waits before it kills",
+        description="seconds to shut down after SIGTERM; keep it below your supervisor's timeout",
     )
     drain_s: float = Field(
         0.0,
         ge=0.0,
         le=3600.0,
-        description="how many seconds a goal may go on after SIGTERM or `edgevox-health --drain`"
-        " before it is cancelled; 0: none. Its supervisor waits longer than drain_s + leave_s",
+        description="seconds that a goal may go on after SIGTERM or `edgevox-health"
+        " --drain` before it is cancelled; 0: none. Your supervisor must wait"
+        " longer than drain_s + leave_s",
     )
 
     @property

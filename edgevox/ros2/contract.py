@@ -142,9 +142,9 @@ PUBLISHED: tuple[Published, ...] = (
         Qos.RELIABLE,
         Responded,
         _written,
-        "the bot's full answer, with a list that is too long to be spoken",
+        "the full answer, including lists that are too long to speak",
     ),
-    Published("state", Qos.STATE, StateChanged, _state, "what the conversation is doing"),
+    Published("state", Qos.STATE, StateChanged, _state, "state of the conversation"),
     Published(
         "audio_level",
         Qos.SENSOR,
@@ -162,15 +162,17 @@ PUBLISHED: tuple[Published, ...] = (
         "the body's state, as JSON",
         rate_hz=Settings.model_fields["ros2_state_hz"].default,
     ),
-    Published("agent_event", Qos.RELIABLE, AgentEvent, _agent_event, "what it does, as JSON"),
-    Published("bot_token", Qos.SENSOR, TokenGenerated, _text, "one token as it is generated"),
-    Published("bot_sentence", Qos.RELIABLE, SentenceReady, _text, "one sentence as it is spoken"),
-    Published("wakeword", Qos.RELIABLE, WakeWordHeard, _wake_word, "the wake word that was heard"),
+    Published(
+        "agent_event", Qos.RELIABLE, AgentEvent, _agent_event, "the agent's actions, as JSON"
+    ),
+    Published("bot_token", Qos.SENSOR, TokenGenerated, _text, "each token as it is generated"),
+    Published("bot_sentence", Qos.RELIABLE, SentenceReady, _text, "each sentence as it is spoken"),
+    Published("wakeword", Qos.RELIABLE, WakeWordHeard, _wake_word, "the detected wake word"),
     Published("info", Qos.RELIABLE, Answered, _info, "the answer to a query, as JSON"),
 )
 
 SUBSCRIBED: tuple[Subscribed, ...] = (
-    Subscribed("tts_request", Qos.RELIABLE, Speak, "text to say aloud as it is"),
+    Subscribed("tts_request", Qos.RELIABLE, Speak, "text to speak unchanged"),
     Subscribed("text_input", Qos.RELIABLE, TextInput, "text for the agent, as if typed"),
     Subscribed(
         "interrupt",
@@ -206,7 +208,7 @@ DIAGNOSTICS = Periodic(
     "diagnostic_msgs/msg/DiagnosticArray",
     Qos.RELIABLE,
     1.0,
-    "how each component is: " + ", ".join(ComponentName),
+    "status of each component: " + ", ".join(ComponentName),
 )
 """Of every agent, with a robot and without: an extra for who watches over robots."""
 
@@ -214,14 +216,14 @@ PRESENCE = Shared(
     "presence",
     Qos.STATE,
     "out, in",
-    "an agent that is here, as JSON: id, robot, host, pid, since_ns, term, leaving, in_charge",
+    "a running agent, as JSON: id, robot, host, pid, since_ns, term, leaving, in_charge",
     1.0,
 )
 TAKE_OVER = Shared(
     "take_over",
     Qos.RELIABLE,
     "in",
-    "the id of the agent that moves the robot from now on; every other one stands",
+    "the id of the agent that moves the robot from now on; all others halt",
 )
 SHARED: tuple[Shared, ...] = (PRESENCE, TAKE_OVER)
 """Which of several agents on one namespace moves the robot: an extra, additions only."""

@@ -23,7 +23,7 @@ INTEROP: tuple[StandardTopic, ...] = (
         "tf2_msgs/msg/TFMessage",
         "out",
         latched(1),
-        "where its sensors are",
+        "positions of its sensors",
         "a lidar or a camera",
     ),
     StandardTopic(
@@ -68,18 +68,23 @@ INTEROP: tuple[StandardTopic, ...] = (
         "geometry_msgs/msg/Twist",
         "in",
         lossy(10),  # a velocity sent again late would be a wrong one
-        "a stream; halts 0.5 s after its end",
+        "velocities; the robot halts 0.5 s after the last one",
         "wheels",
     ),
     StandardTopic(
-        "goal_pose", "geometry_msgs/msg/PoseStamped", "in", reliable(10), "where to go", "a drive"
+        "goal_pose",
+        "geometry_msgs/msg/PoseStamped",
+        "in",
+        reliable(10),
+        "the goal to drive to",
+        "a drive",
     ),
     StandardTopic(
         "/clock",
         "rosgraph_msgs/msg/Clock",
         "out",
         reliable(1),  # suits the best-effort subscription that every node with sim time has
-        "the robot's time; stamps are that time, too",
+        "the robot's time, also used for all stamps",
         "`publish_clock`",
         100.0,
     ),
@@ -89,14 +94,19 @@ STANDARD: Mapping[str, StandardTopic] = {row.topic: row for row in INTEROP}
 
 EXTERNAL: tuple[StandardTopic, ...] = (
     StandardTopic(
-        "odom", "nav_msgs/msg/Odometry", "in", lossy(5), "where it is; silence is said", "always"
+        "odom",
+        "nav_msgs/msg/Odometry",
+        "in",
+        lossy(5),
+        "position and velocity; EdgeVox reports when they stop",
+        "always",
     ),
     StandardTopic(
         "scan",
         "sensor_msgs/msg/LaserScan",
         "in",
         lossy(1),
-        "what is ahead makes it wait",
+        "obstacles ahead make it wait",
         "optional",
     ),
     StandardTopic(
@@ -104,7 +114,7 @@ EXTERNAL: tuple[StandardTopic, ...] = (
         "sensor_msgs/msg/Image",
         "in",
         lossy(1),
-        "whether pictures come; the console shows them",
+        "pictures for the console; `robot_state` says if they arrive",
         "optional",
     ),
     StandardTopic(
@@ -112,7 +122,7 @@ EXTERNAL: tuple[StandardTopic, ...] = (
         "nav_msgs/msg/OccupancyGrid",
         "in",
         latched(1),
-        "what the console draws under the robot",
+        "the map that the console draws",
         "optional",
     ),
     StandardTopic(
@@ -120,7 +130,7 @@ EXTERNAL: tuple[StandardTopic, ...] = (
         "geometry_msgs/msg/Twist",
         "out",
         reliable(1),
-        "where it is steered to",
+        "velocities, if EdgeVox steers",
         "no goal_pose",
     ),
     StandardTopic(
@@ -128,7 +138,7 @@ EXTERNAL: tuple[StandardTopic, ...] = (
         "geometry_msgs/msg/PoseStamped",
         "out",
         reliable(1),
-        "where to go",
+        "the goal to drive to",
         "a subscriber",
     ),
 )
@@ -151,7 +161,7 @@ AUDIO: tuple[StandardTopic, ...] = (
         "edgevox_msgs/msg/AudioData",
         "out",
         reliable(10),
-        "a loudspeaker: the same, up to 40 ms a message, 60 ms before it is due; reliable",
+        "a loudspeaker: the same format, up to 40 ms a message, sent 60 ms early; reliable",
         "--audio-out ros2",
     ),
 )

@@ -1,9 +1,8 @@
 """Scenario files: what is said when, and what must be true by when. docs/scenarios.md is for users.
 
-`scenario`, `scenario_steps`, `conditions` and `comparisons` are the format; `scenario_judge`
-decides from what is seen and knows nothing of who saw it; `run_scenario` plays in a `harness`;
-`scenario_report` tells a person. The harnesses are elsewhere: a conversation with a body in apps, a
-robot on the wire in ros2. Imports core, nothing else of edgevox.
+`format` and `compare` are the format; `judge` decides from what is seen and knows nothing of who
+saw it; `run` plays in a `Harness` and tells a person. The harnesses are elsewhere: a conversation
+with a body in apps, a robot on the wire in ros2. Imports core, nothing else of edgevox.
 """
 
 from edgevox.scenario.format import Scenario, load_scenario

@@ -37,12 +37,14 @@ class Compare(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    equals: Any = Field(None, description="the very same value")
+    equals: Any = Field(None, description="the same value")
     differs: Any = Field(None, description="any other value")
     near: Number | tuple[Number, ...] | None = Field(
         None, description="a number, or a list of them, within `by` of each"
     )
-    by: Annotated[Number, Field(ge=0)] | None = Field(None, description="how near `near` is")
+    by: Annotated[Number, Field(ge=0)] | None = Field(
+        None, description="largest distance from `near`"
+    )
     above: Number | None = Field(None, description="a number larger than this")
     below: Number | None = Field(None, description="a number smaller than this")
     contains: Text | None = Field(

@@ -42,7 +42,7 @@ class Condition(Strict):
     state: Annotated[dict[FieldPath, Value], Field(min_length=1, max_length=50)] | None = Field(
         None, description="values of robot_state by their paths, all at one moment"
     )
-    answer: Words | None = Field(None, description="what was answered since the last stimulus")
+    answer: Words | None = Field(None, description="an answer since the last stimulus")
     event: Annotated[dict[FieldPath, Value], Field(min_length=1, max_length=50)] | None = Field(
         None, description="values of one agent_event since the last stimulus"
     )
@@ -207,21 +207,21 @@ def _listed(value: Any) -> Any:
 class Scenario(Strict):
     """A whole file."""
 
-    about: str = Field("", max_length=500, description="what it shows, in a sentence")
+    about: str = Field("", max_length=500, description="its purpose, in a sentence")
     agent: Annotated[
         tuple[str, ...], BeforeValidator(_listed, json_schema_input_type=str | list[str])
-    ] = Field((), description="the robots that it is for; any without")
+    ] = Field((), description="the robots that can play it; default: any")
     settings: Annotated[dict[str, str | int | float], AfterValidator(_settable)] = Field(
         default_factory=dict, description="settings to run it with: " + ", ".join(SETTABLE)
     )
     limit_s: Annotated[float, Field(gt=0, le=LONGEST_RUN_S)] = Field(
-        300.0, description="real seconds after which it has failed, whatever the robot's time says"
+        300.0, description="real seconds after which it fails, whatever the robot's time says"
     )
     never: Annotated[tuple[Never, ...], Field(max_length=50)] = Field(
-        (), description="what must not come true at any moment"
+        (), description="conditions that must never come true"
     )
     steps: Annotated[tuple[Step, ...], Field(min_length=1, max_length=MAX_STEPS)] = Field(
-        description="what happens, in order"
+        description="the steps, in order"
     )
 
 

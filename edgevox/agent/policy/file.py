@@ -93,7 +93,7 @@ SkillRules = Annotated[
 class PolicyFile(PolicyPart):
     """A whole file."""
 
-    about: str = Field("", max_length=500, description="whom it is for, in a sentence")
+    about: str = Field("", max_length=500, description="its purpose, in a sentence")
     rules: dict[WayName, SkillRules] = Field(
         default_factory=dict,
         description="by way in and skill: allow, confirm or deny; one word is for every skill. A "
@@ -101,7 +101,7 @@ class PolicyFile(PolicyPart):
         "`*`; then `*` under `*`; what none of them names is allowed",
     )
     limits: PolicyLimits = Field(
-        default_factory=PolicyLimits, description="for all that moves, by every way"
+        default_factory=PolicyLimits, description="limits for all motion, by every way"
     )
 
     @property

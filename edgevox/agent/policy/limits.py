@@ -123,7 +123,7 @@ class Interval(PolicyPart):
     begin: TimeOfDay = Field(alias="from", description="local time of the machine, HH:MM")
     end: TimeOfDay = Field(alias="to", description="local time; before `from`: on the next day")
     days: Annotated[tuple[Day, ...], Field(min_length=1, max_length=7)] = Field(
-        DAYS, description="the days on which it begins; every day without it"
+        DAYS, description="the days on which it begins; default: every day"
     )
 
     @model_validator(mode="after")
@@ -200,8 +200,8 @@ _STEP_M, _MOST_STEPS = 0.25, 400
 class Span(PolicyPart):
     """From a least to a most, in metres; without one of them it has no end there."""
 
-    least: Metres | None = Field(None, alias="min", description="metres; no end without it")
-    most: Metres | None = Field(None, alias="max", description="metres; no end without it")
+    least: Metres | None = Field(None, alias="min", description="metres; default: no limit")
+    most: Metres | None = Field(None, alias="max", description="metres; default: no limit")
 
     @model_validator(mode="after")
     def _is_one(self) -> Self:
@@ -222,7 +222,7 @@ class Span(PolicyPart):
 class Area(PolicyPart):
     """A rectangle of the floor for the goals of drives."""
 
-    frame: Literal["map"] = Field("map", description="the frame that skills' points are in")
+    frame: Literal["map"] = Field("map", description="the frame of the skills' points")
     x: Span = Span()
     y: Span = Span()
 
@@ -245,8 +245,8 @@ class Box(Area):
 class Places(PolicyPart):
     """Where it may go by name; `never` counts before `only`."""
 
-    only: Names | None = Field(None, description="no other place than these")
-    never: Names | None = Field(None, description="none of these places")
+    only: Names | None = Field(None, description="only these places are allowed")
+    never: Names | None = Field(None, description="these places are forbidden")
 
     @model_validator(mode="after")
     def _says_something(self) -> Self:
@@ -303,17 +303,17 @@ class Speed(PolicyPart):
 class PolicyLimits(PolicyPart):
     """All of them; one that is not given does not limit."""
 
-    places: Places | None = Field(None, description="where it may go")
+    places: Places | None = Field(None, description="the places it may go to")
     distance_m: Annotated[float, Field(gt=0, le=10_000)] | None = Field(
-        None, description="how far a walk may be, or the goal of a drive as the crow flies"
+        None, description="longest walk, or largest straight distance to the goal of a drive"
     )
     speed: Speed | None = Field(
-        None, description="how fast it drives; what is faster is slowed to it"
+        None, description="highest speed; faster drives are slowed down to it"
     )
-    goals: Area | None = Field(None, description="where the goals of drives may be")
-    hand: Box | None = Field(None, description="where a hand may be sent")
+    goals: Area | None = Field(None, description="area for the goals of drives")
+    hand: Box | None = Field(None, description="volume for the goals of a hand")
     hours: Annotated[tuple[Interval, ...], Field(min_length=1, max_length=50)] | None = Field(
-        None, description="when it may be set in motion; any time without it"
+        None, description="times at which motion may start; default: any time"
     )
 
     def closed(self, now: datetime) -> Reason:

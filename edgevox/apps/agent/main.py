@@ -96,18 +96,18 @@ def _parser(complaint: str) -> argparse.ArgumentParser:
         "--scenario",
         type=Path,
         metavar="FILE",
-        help="run this YAML file, as fast as the body can, and say whether all came true",
+        help="play this scenario (YAML) as fast as the robot can, print the result, and exit",
     )
     parser.add_argument(
         "--snapshot",
         type=Path,
         metavar="FILE",
-        help="write a picture of the robot as PNG and leave; with --scenario, of its end",
+        help="save a PNG picture of the robot and exit; with --scenario, after it ends",
     )
     parser.add_argument(
         "--check",
         action="store_true",
-        help="check the robot and its files, say what it can do, and leave",
+        help="check the robot and its files, print what it can do, and exit",
     )
     add_flags(parser)
     return parser

@@ -133,8 +133,9 @@ def _chosen(only: Sequence[str] | None) -> list[Check]:
 def _parser(program: str) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog=program,
-        description="Check whether this machine can run EdgeVox, and say what to do.",
-        epilog="It ends with 0 unless there is an error; then, and for a warning if --strict, 1.",
+        description="Check whether this machine can run EdgeVox, and say how to fix problems.",
+        epilog="Exit codes: 0 no error, 1 an error (with --strict also a warning), 2"
+        " wrong arguments.",
     )
     add_flags(parser, ["plugins", "skills"])
     parser.add_argument(
@@ -148,16 +149,16 @@ def _parser(program: str) -> argparse.ArgumentParser:
         help=f"look on the graph for what this robot file names [{ENV_PREFIX}ROBOT_FILE]",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser.add_argument("--strict", action="store_true", help="a warning fails, too")
+    parser.add_argument("--strict", action="store_true", help="fail on warnings as well")
     parser.add_argument(
-        "--quick", action="store_true", help="do not read whole models; trust size and stamp"
+        "--quick", action="store_true", help="check only size and stamp of models, not every byte"
     )
     parser.add_argument(
         "--only",
         action="append",
         choices=[check.name for check in CHECKS],
         metavar="CHECK",
-        help="only this check; may be repeated",
+        help="run only this check; can be repeated",
     )
     return parser
 

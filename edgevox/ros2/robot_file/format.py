@@ -134,11 +134,11 @@ class Sentences(Part):
     failed: str = ""
     can: str = Field("", description="what the robot can do, as a part of a sentence")
     argument_names: Mapping[Name, Word] = Field(
-        default_factory=dict, description="what arguments are called: the number of passes"
+        default_factory=dict, description="spoken names of arguments: the number of passes"
     )
     asks: str = Field("", description="the end of a question that begins 'Shall I'")
     words: Mapping[Name, ByValue] = Field(
-        default_factory=dict, description="what is said for values: {docked: {true: on my dock}}"
+        default_factory=dict, description="spoken words for values: {docked: {true: on my dock}}"
     )
 
 
@@ -242,11 +242,11 @@ class RobotFile(Part):
     `policy_file` its path.
     """
 
-    name: str = Field("", max_length=100, description="what people call it")
-    description: str = Field("", max_length=500, description="what it is for, in a sentence")
+    name: str = Field("", max_length=100, description="the robot's name")
+    description: str = Field("", max_length=500, description="its purpose, in a sentence")
     namespace: str = Field("/", pattern=r"^/([A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*)?$")
     drives: bool = Field(
-        True, description="false for an arm, a lift and whatever else stays where it is"
+        True, description="false for an arm, a lift and other robots that stay in place"
     )
     topics: Mapping[
         Literal["odom", "cmd_vel", "goal_pose", "scan", "camera/image_raw", "map"], GraphName

@@ -71,7 +71,7 @@ class Publication(Topic):
     rate_hz: Number = Field(0.0, ge=0.0, le=MOST_A_SECOND)
     for_s: Number = Field(0.0, ge=0.0, le=LONGEST_WAIT_S)
     at_end: Mapping[str, Any] | None = Field(
-        None, description="published once when it is over, also when it was stopped"
+        None, description="published once at the end, even after a stop"
     )
 
 
@@ -140,7 +140,7 @@ class Step(Part):
     result: Mapping[Name, Word | ResultValue] = Field(default_factory=dict)
     expect: list[FieldCondition] = Field(default_factory=list, max_length=10)
     timeout_s: Number = Field(
-        60.0, gt=0.0, le=LONGEST_WAIT_S, description="longer, and it has failed"
+        60.0, gt=0.0, le=LONGEST_WAIT_S, description="seconds after which it fails"
     )
 
     @property
@@ -166,7 +166,7 @@ class StopStep(Step):
     """What is done at once when a skill was stopped: a message or a call, within seconds."""
 
     timeout_s: Number = Field(
-        2.0, gt=0.0, le=LONGEST_STOP_S, description="longer, and it has failed"
+        2.0, gt=0.0, le=LONGEST_STOP_S, description="seconds after which it fails"
     )
 
     @model_validator(mode="after")

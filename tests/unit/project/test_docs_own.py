@@ -9,7 +9,7 @@ from edgevox.agent.skills import OneOf, OwnName
 ROOT = Path(__file__).parents[3]
 BLOCKS = re.findall(
     r"^```python\n(.*?)^```",
-    (ROOT / "docs" / "writing-a-skill.md").read_text("utf-8"),
+    (ROOT / "docs" / "skills.md").read_text("utf-8"),
     re.MULTILINE | re.DOTALL,
 )
 
