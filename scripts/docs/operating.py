@@ -1,4 +1,4 @@
-"""The tables of the pages for whoever operates a robot: deployment, diagnostics, logs, metrics."""
+"""The tables of docs/deployment.md and docs/monitoring.md, for those who operate a robot."""
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""All checks, once: the doctor asks them, docs/diagnostics.md lists them."""
+"""All checks, once: the doctor asks them, docs/monitoring.md lists them."""
 
 from edgevox.apps.doctor import (
     console,

@@ -51,7 +51,7 @@ class Metric:
         return frozenset({self.name})
 
 
-SKILLS, CHECKS, TOPICS = "the agent's skills", "the checks of health.md", "topics that come in"
+SKILLS, CHECKS, TOPICS = "the agent's skills", "the checks of health", "topics that come in"
 STAGES = ("stt", "llm", "tts", "ttfs", "total")
 SOURCES = ("template", "model", "command", "action", "program")
 QUEUES = ("conversation", "microphone", "transcriber", "speech_output", "recorder")

@@ -9,7 +9,7 @@ import pytest
 ROOT = Path(__file__).parents[3]
 PAGES = [
     page
-    for folder in ("", "docs", "benchmarks", "helm/*", "training", "training/*")
+    for folder in ("", "docs", "benchmarks", "helm/*", "tests", "training", "training/*")
     for page in ROOT.glob(f"{folder}/*.md".lstrip("/"))
 ]
 LARGEST_PICTURE_BYTES = 200_000
