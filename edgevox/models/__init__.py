@@ -1,4 +1,4 @@
-"""Which weights, whose, from where; fetched with progress, verified, found again.
+"""Model files: their licences and sources, download, verification and lookup.
 
 Imports core only. `locate` is what the rest of EdgeVox needs; `edgevox-models` is its terminal.
 """

@@ -1,4 +1,4 @@
-"""Logs, metrics, health, diagnostics: what whoever runs a robot wants to know of it.
+"""Logs, metrics, health and diagnostics for the operators of a robot.
 
 Imports core, nothing else of edgevox.
 """

@@ -1,4 +1,4 @@
-"""Scenario files: what is said when, and what must be true by when. docs/scenarios.md is for users.
+"""Scenario files: steps, and conditions with deadlines. docs/scenarios.md is for users.
 
 `format` and `compare` are the format; `judge` decides from what is seen and knows nothing of who
 saw it; `run` plays in a `Harness` and tells a person. The harnesses are elsewhere: a conversation

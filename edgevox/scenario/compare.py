@@ -33,7 +33,7 @@ def _pattern(text: str) -> str:
 
 
 class Compare(BaseModel):
-    """What must be true of one value; with several, all of them. A plain value means `equals`."""
+    """Comparisons with one value, which must all be true. A plain value means `equals`."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 

@@ -37,7 +37,7 @@ class Strict(BaseModel):
 
 
 class Condition(Strict):
-    """What is true of the robot; with several parts, each of them, not all at one moment."""
+    """Conditions for the robot. Several parts must all come true, but not at the same moment."""
 
     state: Annotated[dict[FieldPath, Value], Field(min_length=1, max_length=50)] | None = Field(
         None, description="values of robot_state by their paths, all at one moment"
@@ -64,7 +64,7 @@ class Condition(Strict):
 
 
 class Never(Condition):
-    """What must not come true at any moment; one part only."""
+    """A condition that must never come true; one part only."""
 
     @model_validator(mode="after")
     def _one_part(self) -> Self:
@@ -108,7 +108,7 @@ class RunStep(Strict):
 
 
 class Velocity(Strict):
-    """A stream of one velocity: m/s, rad/s, for some seconds of the robot's time."""
+    """A stream of one velocity in m/s and rad/s, for seconds of the robot's time."""
 
     linear: Speed = 0.0
     angular: Speed = 0.0
@@ -126,7 +126,7 @@ class DriveStep(Strict):
 
 
 class WaitStep(Strict):
-    """Let seconds of the robot's time pass."""
+    """Wait for seconds of the robot's time."""
 
     wait: Seconds
 
@@ -135,7 +135,7 @@ class WaitStep(Strict):
 
 
 class ExpectStep(Strict):
-    """What must be true by when, in seconds of the robot's time from here."""
+    """Conditions and their deadline, in seconds of the robot's time from here."""
 
     expect: Condition
     within: Seconds = 0.0
@@ -205,7 +205,7 @@ def _listed(value: Any) -> Any:
 
 
 class Scenario(Strict):
-    """A whole file."""
+    """A scenario file."""
 
     about: str = Field("", max_length=500, description="its purpose, in a sentence")
     agent: Annotated[

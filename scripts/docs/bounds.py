@@ -20,23 +20,23 @@ def bounds() -> str:
     """Bounds on what comes in."""
     audio_s = audio.MAX_BYTES / audio.SAMPLE_BYTES / RATE_HZ
     limits = {
-        "an utterance": f"{text.MAX_CHARACTERS:,} characters; sentences that wait: {MAX_WAITING}; "
+        "an utterance": f"{text.MAX_CHARACTERS:,} characters; waiting sentences: {MAX_WAITING}; "
         f"calls in one sentence: {skill_executor.MAX_CALLS}",
         "a line on standard input": f"{lines.MAX_LINE_BYTES >> 20} MB, of which "
         f"{text.MAX_CHARACTERS:,} characters count",
         f"`{audio.TOPIC_IN}`": f"{audio_s:g} s a message",
         "arguments of `execute_skill`": f"{skill_requests.MAX_ARGUMENTS_BYTES >> 10} KB",
         "a request to health or metrics": f"{http_server.MOST_BYTES >> 10} KB, "
-        f"{http_server.REQUEST_S:g} s, {http_server.MOST_AT_ONCE} at once; of more, the oldest "
-        "connection of the address that holds most is cut",
+        f"{http_server.REQUEST_S:g} s, {http_server.MOST_AT_ONCE} at once; beyond that, the "
+        "oldest connection of the address with the most connections is closed",
         "a model server's reply": f"{http_request.MOST_BYTES >> 20} MB",
         "a language model's answer": f"{interpreter.ANSWER_TOKENS} tokens",
         "a scenario": f"{scenario.MAX_STEPS:,} steps",
         "a world file": f"{world.MOST_THINGS:,} things",
         "a locations file": f"{locations.MOST_LOCATIONS} places",
-        "a file of text that a setting names": f"{user_file.LARGEST_TEXT_BYTES // 1_000_000} MB; "
+        "a text file of a setting": f"{user_file.LARGEST_TEXT_BYTES // 1_000_000} MB; "
         "a regular file",
         "the recorder": f"{write_queue.MOST_MESSAGES:,} messages or "
-        f"{write_queue.MOST_BYTES >> 20} MB that wait for the disk",
+        f"{write_queue.MOST_BYTES >> 20} MB waiting for the disk",
     }
     return table(("what", "bound"), limits.items())

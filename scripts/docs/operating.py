@@ -43,7 +43,7 @@ def metrics() -> str:
         (f"`{one.name}`", one.kind, _labels(one.labels), one.help, one.of)
         for one in METRICS.values()
     )
-    return table(("metric", "kind", "labels", "what", "who has it"), rows)
+    return table(("metric", "kind", "labels", "what", "available for"), rows)
 
 
 def alerts() -> str:

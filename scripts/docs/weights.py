@@ -17,7 +17,7 @@ def sets() -> str:
         )
         for name, entry in told(manifest.sets, "sets").items()
     )
-    return table(("set", "what is in it", "size", "needs"), rows, right={"size"})
+    return table(("set", "contents", "size", "needs"), rows, right={"size"})
 
 
 def not_commercial() -> str:

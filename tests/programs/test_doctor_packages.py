@@ -64,7 +64,7 @@ def test_skills_that_are_not_chosen_are_told_and_not_missed(folder):
 def test_of_two_packages_with_one_name_the_one_that_is_left_out_is_told(folder):
     package(folder / "one", "a_lift", SKILLS, ("skills", "lift", "make"))
     package(folder / "two", "b_lift", SKILLS, ("skills", "lift", "make"))
-    expected = "skills of lift, of b_lift, are left out: a_lift has that name, too"
+    expected = "skills of lift, of b_lift, are left out: a_lift also has that name"
     assert (WARNING, expected) in told(plugins=folder)
 
 

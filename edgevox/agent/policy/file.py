@@ -91,17 +91,17 @@ SkillRules = Annotated[
 
 
 class PolicyFile(PolicyPart):
-    """A whole file."""
+    """A policy file."""
 
     about: str = Field("", max_length=500, description="its purpose, in a sentence")
     rules: dict[WayName, SkillRules] = Field(
         default_factory=dict,
-        description="by way in and skill: allow, confirm or deny; one word is for every skill. A "
-        "skill under its way counts first; then the stricter of the way's `*` and the skill under "
-        "`*`; then `*` under `*`; what none of them names is allowed",
+        description="by way in and skill: allow, confirm or deny; a single word applies to every "
+        "skill. The skill under its way comes first; then the stricter of the way's `*` and the "
+        "skill under `*`; then `*` under `*`; all other skills are allowed",
     )
     limits: PolicyLimits = Field(
-        default_factory=PolicyLimits, description="limits for all motion, by every way"
+        default_factory=PolicyLimits, description="limits for all motion, from every way in"
     )
 
     @property

@@ -118,7 +118,7 @@ TimeOfDay = Annotated[
 
 
 class Interval(PolicyPart):
-    """Some hours of a day. They may cross midnight, and then belong to the day they begin on."""
+    """Hours of a day. Hours that cross midnight belong to the day on which they begin."""
 
     begin: TimeOfDay = Field(alias="from", description="local time of the machine, HH:MM")
     end: TimeOfDay = Field(alias="to", description="local time; before `from`: on the next day")
@@ -198,7 +198,7 @@ _STEP_M, _MOST_STEPS = 0.25, 400
 
 
 class Span(PolicyPart):
-    """From a least to a most, in metres; without one of them it has no end there."""
+    """A range in metres; without a lower or an upper end, that side has no limit."""
 
     least: Metres | None = Field(None, alias="min", description="metres; default: no limit")
     most: Metres | None = Field(None, alias="max", description="metres; default: no limit")
@@ -237,13 +237,13 @@ class Area(PolicyPart):
 
 
 class Box(Area):
-    """A box for the points that a hand is sent to."""
+    """A box for the target points of a hand."""
 
     z: Span = Span()
 
 
 class Places(PolicyPart):
-    """Where it may go by name; `never` counts before `only`."""
+    """The places that a robot may go to; `never` takes precedence over `only`."""
 
     only: Names | None = Field(None, description="only these places are allowed")
     never: Names | None = Field(None, description="these places are forbidden")
@@ -278,7 +278,7 @@ def _named(place: str, names: Sequence[str], around: PolicyContext) -> bool:
 
 
 class Speed(PolicyPart):
-    """How fast it may be steered by velocities."""
+    """Speed limits for velocity commands."""
 
     linear_m_s: Fast | None = Field(None, description="metres per second")
     angular_rad_s: Fast | None = Field(None, description="radians per second")
@@ -301,7 +301,7 @@ class Speed(PolicyPart):
 
 
 class PolicyLimits(PolicyPart):
-    """All of them; one that is not given does not limit."""
+    """All limits; a missing one does not limit."""
 
     places: Places | None = Field(None, description="the places it may go to")
     distance_m: Annotated[float, Field(gt=0, le=10_000)] | None = Field(

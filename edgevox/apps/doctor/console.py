@@ -56,15 +56,18 @@ def _judge_address(facts: Facts) -> CheckVerdict:
             return ok(f"{address}: a console that runs answers there")
         return warning(
             f"{address} is taken, and no console answers there",
-            "end what has it, or set EDGEVOX_CONSOLE_PORT",
+            "end the program that uses it, or set EDGEVOX_CONSOLE_PORT",
         )
     if why:
         return error(f"{address}: {why}", "set EDGEVOX_CONSOLE_HOST and EDGEVOX_CONSOLE_PORT")
     if facts["loopback"]:
         return ok(f"{address}: this machine only", "EDGEVOX_CONSOLE_HOST=0.0.0.0 lets phones in")
     if facts["tls"] == "off":
-        return warning(f"{address} without encryption", "who hears the network can take it over")
-    return ok(f"{address}: whoever has a code")
+        return warning(
+            f"{address} without encryption",
+            "anyone on the network can take it over",
+        )
+    return ok(f"{address}: open to anyone with a code")
 
 
 def _judge_certificate(facts: Facts) -> list[CheckVerdict]:
@@ -76,7 +79,7 @@ def _judge_certificate(facts: Facts) -> list[CheckVerdict]:
     days = found["days"]
     said = f"certificate for {', '.join(found['names'])}, good for {days} days"
     if days < 0:
-        return [error(said, "renew it: no browser takes it")]
+        return [error(said, "renew it: browsers reject it")]
     return [warning(said, "renew it") if days < SOON_DAYS else ok(said)]
 
 

@@ -45,7 +45,7 @@ def probe_gpu() -> Facts:
 def judge_gpu(facts: Facts, _: Situation) -> CheckVerdict:
     """No GPU is fine; one whose driver is broken is not."""
     if facts["failed"]:
-        advice = "install the kernel module and the library of the same version, and restart"
+        advice = "install the kernel module and the library in the same version, then restart"
         return warning(f"NVIDIA's driver does not answer: {facts['failed']}", advice)
     if facts["names"]:
         return ok(", ".join(facts["names"]))
@@ -101,7 +101,7 @@ def judge_python(facts: Facts, _: Situation) -> CheckVerdict:
     version = ".".join(map(str, facts["version"]))
     found = f"Python {version} on {facts['system']} {facts['release']}, {facts['machine']}"
     if tuple(facts["version"][:2]) not in PYTHONS:
-        return error(found, "EdgeVox needs Python 3.11, 3.12 or 3.13: make PYTHON=python3.12 ...")
+        return error(found, "use Python 3.11, 3.12 or 3.13: make PYTHON=python3.12 ...")
     if facts["system"] != "Linux":
         return warning(found, "EdgeVox is made for Linux; try its container")
     return ok(found)
@@ -132,7 +132,7 @@ def judge_processor(facts: Facts, situation: Situation) -> CheckVerdict:
         return grade(f"{found}; without {', '.join(missing)}", advice)
     if usable < LEAST_CORES:
         return warning(found, "give it two cores, or speech waits for the language model")
-    return ok(f"{found}, all that the models need")
+    return ok(f"{found}, enough for the models")
 
 
 def probe_memory(situation: Situation) -> Facts:
@@ -181,9 +181,9 @@ def judge_disk(facts: Facts, _: Situation) -> list[CheckVerdict]:
     said = []
     for path, *rest in facts["rooms"]:
         one = DiskSpace(Path(path), *rest)
-        advice = f"make room in {path}" if one.level else ""
+        advice = f"free space in {path}" if one.level else ""
         said.append(CheckVerdict(one.level, f"{path}: {one.free // MIB} MiB free", advice))
-    return said or [ok("nothing that EdgeVox writes to")]
+    return said or [ok("EdgeVox writes to no folder")]
 
 
 def probe_clock(_: Situation) -> Facts:
@@ -197,9 +197,9 @@ def judge_clock(facts: Facts, _: Situation) -> CheckVerdict:
     if facts["now"] < _BUILT_S:
         return error(f"it is {when}: the clock was never set", "set it: sudo timedatectl set-ntp 1")
     if facts["synchronised"] is False:
-        advice = "stamps of several machines do not agree: sudo timedatectl set-ntp 1, or chrony"
+        advice = "time stamps of machines disagree: sudo timedatectl set-ntp 1, or chrony"
         return warning(f"{when}, not synchronised", advice)
-    known = "synchronised" if facts["synchronised"] else "whether synchronised is not known"
+    known = "synchronised" if facts["synchronised"] else "synchronisation unknown"
     return ok(f"{when}, {known}")
 
 

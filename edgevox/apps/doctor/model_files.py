@@ -62,7 +62,7 @@ def probe_models(situation: Situation) -> Facts:
 def judge_models(facts: Facts, situation: Situation) -> list[CheckVerdict]:
     """What is needed and not right is an error, what would be better a warning."""
     found, unknown = facts["found"], facts["unknown"]
-    said = [error(f"{name}: no such model", "edgevox-models list names all") for name in unknown]
+    said = [error(f"{name}: no such model", "edgevox-models list shows all") for name in unknown]
     if facts["file"]:
         said.append(error(f"{facts['file']}: no such file", "correct llm"))
     for grade, names in ((error, facts["needed"]), (warning, facts["wanted"])):

@@ -36,9 +36,9 @@ def judge_multicast(facts: Facts, _: Situation) -> CheckVerdict:
     if outside:
         return ok(f"works on {', '.join(outside)}")
     if all(name.startswith("lo ") for name in heard):
-        return ok("no network: only this machine is reached")
+        return ok("no network: EdgeVox reaches only this machine")
     broken = "; ".join(f"{name}: {why}" for name, why in heard.items() if why)
-    return warning(f"does not work: {broken}", f"other machines are not found: {advice}")
+    return warning(f"does not work: {broken}", f"EdgeVox cannot find other machines: {advice}")
 
 
 def probe_shared_memory(_: Situation) -> Facts:
@@ -66,9 +66,9 @@ def judge_shared_memory(facts: Facts, _: Situation) -> CheckVerdict:
     if facts["stale"]:
         found += f", {facts['stale_mib']} MiB in {facts['stale']} segments of nodes that are gone"
     if facts["free_mib"] < 1:
-        return error(found, f"rm {SHM}/fastrtps_* while nothing runs, {udp}")
+        return error(found, f"stop all nodes and rm {SHM}/fastrtps_*, {udp}")
     if facts["stale_mib"] > MOST_STALE_MIB:
-        return warning(found, f"rm {SHM}/fastrtps_* {SHM}/sem.fastrtps_* while nothing runs")
+        return warning(found, f"stop all nodes and rm {SHM}/fastrtps_* {SHM}/sem.fastrtps_*")
     if facts["size_mib"] < LEAST_SHM_MIB:
         return warning(found, f"give the container shm_size: 256m, {udp}")
     return ok(found)
@@ -84,7 +84,7 @@ def judge_buffers(facts: Facts, _: Situation) -> CheckVerdict:
     """Never worse than a hint: words need little."""
     most = facts["rmem_max"]
     if most is None:
-        return ok("not told here; the host decides")
+        return ok("unknown here; the host decides")
     if most < WANTED_BUFFER:
         advice = f"for pictures to other machines: sudo sysctl -w net.core.rmem_max={WANTED_BUFFER}"
         return ok(f"{most // 1024} KiB: enough for words", advice)

@@ -18,7 +18,7 @@ T = TypeVar("T")
 
 PROBE = "edgevox.apps.doctor.packages:look_for_packages"
 _NEEDED = {"plugins", "skills"}
-_CORRECT = "correct it: with it no agent starts"
+_CORRECT = "correct it: no agent starts with it"
 _WITHOUT = "correct or remove it: an agent starts without it"
 
 
@@ -81,11 +81,11 @@ def _judge_robot(one: Facts) -> CheckVerdict:
 def _judge_skills(one: Facts) -> CheckVerdict:
     found = f"skills of {one['name']}, of {one['package']}"
     if not one["used"]:
-        return skipped(found, f"--skills has to name {one['name']} for them to be used")
+        return skipped(found, f"to use them, add {one['name']} to --skills")
     return error(f"{found}: {one['fault']}", _WITHOUT) if one["fault"] else ok(found)
 
 
 def _judge_left_out(found: list[list[str]]) -> Iterator[CheckVerdict]:
     for name, used, package in found:
-        said = f"skills of {name}, of {package}, are left out: {used} has that name, too"
+        said = f"skills of {name}, of {package}, are left out: {used} also has that name"
         yield warning(said, "uninstall one of the two packages")

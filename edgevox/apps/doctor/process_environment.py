@@ -22,10 +22,10 @@ def judge_settings(facts: Facts, situation: Situation) -> list[CheckVerdict]:
     """Nobody reads a misspelled variable, and nobody says so but here."""
     unknown = [warning(one, "correct or remove it") for one in facts["unknown"]]
     if situation.refused:
-        advice = "correct it; all else was checked with the defaults"
+        advice = "correct it; the other checks used the defaults"
         return [error(situation.refused, advice), *unknown]
     count = len(facts["given"]) - len(unknown)
-    return [*unknown, ok(f"make sense; {count} from variables of the environment")]
+    return [*unknown, ok(f"valid; {count} from environment variables")]
 
 
 def probe_folders(situation: Situation) -> Facts:
@@ -41,7 +41,7 @@ def probe_folders(situation: Situation) -> Facts:
 def judge_folders(facts: Facts, _: Situation) -> CheckVerdict:
     """Where a read-only root forgot a tmpfs."""
     if not facts["tmp"]:
-        return error("nowhere to put temporary files", "mount a tmpfs at /tmp")
+        return error("no folder for temporary files", "mount a tmpfs at /tmp")
     if not facts["logs"]:
         advice = (
             "ROS 2 starts only where it can log: set ROS_LOG_DIR to a folder that can be written"

@@ -70,7 +70,7 @@ def _policy_of(settings: Settings) -> PolicyFile | None:
 def judge_policy(facts: Facts, _: Situation) -> CheckVerdict | list[CheckVerdict]:
     """A broken file is an error: an agent does not start with it."""
     if wrong := facts.get("wrong"):
-        return error(wrong, "correct it: with it no agent starts, and one that runs keeps the old")
+        return error(wrong, "correct it: no agent starts with it; a running one keeps the old")
     if facts["lines"] is None:
         return ok(f"{NO_FILE}, by every way in")
     said = [ok(line) for line in facts["lines"]]
@@ -104,11 +104,11 @@ def _as_json(settings: Settings) -> str:
 def judge_robot_file(facts: Facts, situation: Situation) -> list[CheckVerdict]:
     """What has another type is an error; what is not there may only be switched off."""
     if not facts["given"]:
-        return [skipped("no robot file", "--robot-file FILE looks for what it names")]
+        return [skipped("no robot file", "--robot-file FILE checks its interfaces")]
     if facts.get("secured"):
         return [skipped(NOT_WITH_SECURITY)]
     if facts["wrong"]:
-        return [error(facts["wrong"], "correct it: with it no agent starts")]
+        return [error(facts["wrong"], "correct it: no agent starts with it")]
     off = {name: warning(f"{name} is off: {why}") for name, why in facts["off"]}
     found = [one for one in facts["found"] if one["whose"] not in off]
     if found and not any(one["types"] for one in found):
@@ -156,7 +156,7 @@ def _advice(one: Facts) -> str:
         return f"{one['name']} is there as {' and '.join(one['instead'])}"
     if one["near"]:
         return f"there is {_list(one['near'])}"
-    return "start what has it"
+    return "start the node that offers it"
 
 
 def _list(near: list[list[str]]) -> str:

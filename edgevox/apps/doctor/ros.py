@@ -38,7 +38,7 @@ def judge_interfaces(facts: Facts, _: Situation) -> CheckVerdict:
     if not facts["missing"]:
         return ok("all there")
     found = f"missing: {', '.join(facts['missing'])}"
-    return warning(found, "make msgs, or colcon build, brings the action, sound and /tf")
+    return warning(found, "make msgs, or colcon build, adds the action, sound and /tf")
 
 
 def probe_domain(situation: Situation) -> Facts:
@@ -55,12 +55,12 @@ def judge_domain(facts: Facts, _: Situation) -> CheckVerdict:
     row, given = ENVIRONMENT[DOMAIN], facts["domain"]
     least, most = row.least or 0, row.most or 0
     if not given:
-        return ok("0, since ROS_DOMAIN_ID is not set: with all who do not set it either")
+        return ok("0, because ROS_DOMAIN_ID is not set; other robots without it share this domain")
     if not (given.isascii() and given.isdigit()) or not least <= int(given) <= most:
         return error(f"{DOMAIN}={given!r}", f"a whole number from {least} to {most}")
     first = _FIRST_PORT + _PORTS * int(given)
     if first <= facts["high"] and first + _PORTS > facts["low"]:
-        found = f"{given}: its ports from {first} are those that the kernel hands to programs"
+        found = f"{given}: the kernel may give its ports from {first} to other programs"
         return warning(found, "0 to 101 are safe everywhere")
     return ok(f"{given}, ports from {first}")
 
@@ -87,10 +87,10 @@ def judge_discovery(facts: Facts, _: Situation) -> list[CheckVerdict]:
     if how not in known:
         said.append(error(f"{RANGE}={how}", f"one of {', '.join(known)}"))
     if how == "OFF" and not facts[PEERS]:
-        said.append(warning(f"{RANGE}=OFF without {PEERS}: nobody is found", "set either"))
+        said.append(warning(f"{RANGE}=OFF without {PEERS}: no node is found", "set one of them"))
     if facts["unknown"]:
-        found = f"{PEERS}: no address of {', '.join(facts['unknown'])}; no node starts like that"
-        said.append(error(found, "take them out; the container's entrypoint does so by itself"))
+        found = f"{PEERS}: no address of {', '.join(facts['unknown'])}; no node starts like this"
+        said.append(error(found, "remove them; the container's entrypoint does so by itself"))
     if facts["unknown_servers"]:
         found = f"{SERVERS}: no address of {', '.join(facts['unknown_servers'])}; none of it counts"
         said.append(error(found, "leave their places empty; the container's entrypoint does so"))
@@ -118,7 +118,7 @@ def judge_round_trip(facts: Facts, situation: Situation) -> CheckVerdict:
     if facts["trip_ms"] is None:
         advice = (
             "try FASTDDS_BUILTIN_TRANSPORTS=UDPv4; in containers of one host, ipc: host or a"
-            " network of their own; rm /dev/shm/fastrtps_* while nothing runs"
+            " network of their own; stop all nodes and rm /dev/shm/fastrtps_*"
         )
         alone = situation.environment.get(RANGE) == "OFF"
         found = f"two nodes of this machine did not hear each other within {facts['tried_s']:g} s"

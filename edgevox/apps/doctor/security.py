@@ -61,24 +61,24 @@ def judge_security(facts: Facts, situation: Situation) -> list[CheckVerdict]:
 def _judge_build(build: Facts) -> CheckVerdict:
     if openssl := build["bundled_openssl"]:
         found = f"ROS 2 of the Python index's wheels, with OpenSSL {openssl} inside"
-        return ok(found, "for development and tests; robots get the official image")
+        return ok(found, "for development and tests; use the official image on robots")
     has = "with" if build["security"] else "without"
     return ok(f"{build['middleware']} {has} DDS security, on the system's OpenSSL")
 
 
 def _judge_asked(facts: Facts, situation: Situation) -> list[CheckVerdict]:
     if facts["refused"]:
-        return [error(facts["refused"], "docs/security.md; nothing starts like that")]
+        return [error(facts["refused"], "see docs/security.md; no program starts like this")]
     if not is_secured(situation.environment):
-        return [ok("not asked for: whoever reaches the domain hears and commands the robot")]
+        return [ok("not asked for: any node on the domain can hear and command the robot")]
     if not facts["build"]["security"]:
         found = f"asked for, and {facts['build']['middleware']} has none: nothing starts"
         return [error(found, f"take {NO_SECURITY}")]
     name = facts["enclave"]
     if facts["wrong"]:
-        advice = "edgevox-security renew, export, and start again"
+        advice = "run edgevox-security renew and export, then restart"
         return [error(f"{name}: {one}", advice) for one in facts["wrong"]]
     soon = [warning(f"{name}: {one}", "docs/security.md") for one in facts["warnings"]]
     if not name:
-        return [ok("enforced; its enclave is named by --ros-args, and was not looked at")]
+        return [ok("enforced; --ros-args names its enclave, which was not looked at")]
     return [*soon, ok(f"enforced as {name}, until {facts['ends']}")]

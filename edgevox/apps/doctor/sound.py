@@ -33,7 +33,7 @@ def judge_sound(facts: Facts, situation: Situation) -> CheckVerdict | list[Check
     if settings.text_mode or not devices:
         return skipped("no sound card is asked for")
     if facts["library"]:
-        return error(facts["library"], "install that, or use --text-mode")
+        return error(facts["library"], "install it, or use --text-mode")
     return [_judge(WORDS[kind], name, facts[kind]) for kind, name in devices.items()]
 
 
@@ -46,7 +46,7 @@ def is_device(spec: str) -> bool:
 def _judge(word: str, asked: str, here: Sequence[str]) -> CheckVerdict:
     names = ", ".join(here)
     if asked and not any(asked.casefold() in name.casefold() for name in here):
-        advice = f"plug it in, or name another; it is tried again while EdgeVox runs ({word})"
+        advice = f"plug it in, or name another; EdgeVox keeps trying the {word} while it runs"
         return error(f"no {word} {asked!r} among: {names or 'none at all'}", advice)
     if not here:
         advice = "plug one in, add this user to the group audio, or use --text-mode"
@@ -92,14 +92,14 @@ def judge_espeak(facts: Facts, situation: Situation) -> CheckVerdict:
         found = f"espeak-ng does not speak: {facts['failed'] or 'it was silent'}"
         advice = "sudo apt install espeak-ng"
         return (skipped if situation.settings.text_mode else warning)(found, advice)
-    return ok("espeak-ng speaks, where no better voice is here")
+    return ok("espeak-ng speaks if there is no better voice")
 
 
 def judge_spotter(facts: Facts, situation: Situation) -> CheckVerdict:
     """Stop words are heard by their words all the same."""
     settings = situation.settings
     if settings.text_mode or not settings.stop_spotter:
-        return skipped("nobody asks for it")
+        return skipped("not asked for")
     if facts["missing"]:
         return warning(f"by their words alone: {facts['missing']}")
     return ok("by their sound and by their words")

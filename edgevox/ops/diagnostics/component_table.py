@@ -20,92 +20,92 @@ COMPONENTS: tuple[ComponentRow, ...] = (
     ComponentRow(
         ComponentName.AUDIO,
         "microphone and loudspeaker",
-        "frames are dropped unheard",
-        "a device is gone (a microphone is tried again every 3 s, a loudspeaker with the next"
-        " sentence), a thread that hears or speaks has ended, or what was heard was lost for a"
-        " fault",
-        "plug it in; `edgevox doctor --only sound` lists what is there",
+        "it drops audio frames",
+        "a device is gone (EdgeVox retries a microphone every 3 s, a loudspeaker with the next"
+        " sentence), the listening or speaking thread has ended, or an error lost some input",
+        "plug the device in; `edgevox doctor --only sound` lists the devices",
     ),
     ComponentRow(
         ComponentName.STT,
         "speech to text",
-        "it is slower than speech, or more is said than can be understood",
-        "an utterance could not be understood for a fault",
-        "the log says why; `edgevox doctor --only models`",
+        "it is slower than speech, or more speech arrives than it can transcribe",
+        "it failed on an utterance",
+        "read the log; run `edgevox doctor --only models`",
     ),
     ComponentRow(
         ComponentName.LLM,
         "the language model",
-        "its server is gone, the model on board answers",
+        "its server is gone, and the model on board answers",
         "its server is gone and nothing answers, or an answer failed",
-        "start the server; it is asked again by itself",
+        "start the server; EdgeVox asks it again by itself",
     ),
     ComponentRow(
         ComponentName.TTS,
         "text to speech",
-        "espeak-ng speaks instead of the voice that was asked for, or a voice failed",
+        "espeak-ng speaks instead of the selected voice, or a voice failed",
         "",
-        "`edgevox doctor --only models`",
+        "run `edgevox doctor --only models`",
     ),
     ComponentRow(
         ComponentName.SIM,
         "the robot, simulated or not",
-        "it keeps less than 90 % of its pace, stands still for 1 s, its battery is below 15 %, or"
-        " its remembered places could not be read",
-        "it stands still for 6 s, its numbers broke, its odometry is silent, its battery is empty",
-        "give the machine fewer other things to do; look after the robot",
+        "its world runs below 90 % of its pace or has stalled for 1 s, its battery is below 15 %,"
+        " or EdgeVox cannot read its remembered places",
+        "its world has stalled for 6 s, its numbers are invalid, its odometry is silent, or its"
+        " battery is empty",
+        "reduce the load on the machine; check the robot",
     ),
     ComponentRow(
         ComponentName.EXECUTOR,
         "the thread that serves ROS 2",
         "a callback takes longer than 1 s, or one failed",
-        "a callback takes longer than 6 s, or there is no rclpy",
-        "the log has the callback that failed; health ends a process that hangs",
+        "a callback takes longer than 6 s, or rclpy is missing",
+        "read the log for the failed callback; `/live` fails for a process that hangs",
     ),
     ComponentRow(
         ComponentName.PRESENCE,
         "other agents on the same namespace and domain",
         "another one is here",
-        "another one is here and in charge: this one refuses to move",
-        "end one of them, or publish the id of the one that is to move on `take_over`",
+        "another one is here and in charge; this one refuses to move the robot",
+        "end one of them, or publish the id of the one that should move the robot on `take_over`",
     ),
     ComponentRow(
         ComponentName.INTERLOCK,
-        "who forbids all motion at the moment, if anybody does",
+        "the reason why all motion is forbidden, if it is",
         "motion is forbidden: the software stop is pressed, another agent is in charge, or a drain"
-        " has begun; or a stop has just ended velocities that went on",
+        " has begun; or a stop has just ended a stream of velocities that went on",
         "",
-        "look that nobody is in the way, then resume where it was stopped; `presence` says who"
-        " else is there",
+        "check that the way is clear, then resume where the stop was pressed; `presence` lists the"
+        " other agents",
     ),
     ComponentRow(
         ComponentName.CONSOLE,
-        "the page for browsers: where it is, how many are open, who commands",
-        "a file of its own was damaged and kept aside, or no pairing code could be written",
-        "its folder can be neither read nor written, or its thread has ended",
-        "health says `console` where its thread has ended; nothing else depends on it",
+        "the web page: its address, its open pages, the session in control",
+        "one of its files was damaged and kept aside, or the pairing code could not be saved",
+        "its folder cannot be read or written, or its thread has ended",
+        "if its thread has ended, health names `console`; nothing else depends on it",
     ),
     ComponentRow(
         ComponentName.POLICY,
-        "what the policy file permits; its values say how much was refused, and what last",
-        "the file cannot be used and the policy before it is in force, or it names a skill or a"
-        " place that this robot does not have; it says which is the nearest",
+        "the rules of the policy file; its values give the number of refusals and the last one",
+        "the file cannot be used and the previous policy stays in force, or it names a skill or a"
+        " place that this robot does not have; the message suggests the nearest name",
         "",
-        "`edgevox doctor --only policy` says which line; a mended file counts at once",
+        "`edgevox doctor --only policy` names the line; a corrected file takes effect at once",
     ),
     ComponentRow(
         ComponentName.DISK,
-        "room where EdgeVox writes",
-        "less than 1 GiB, of a small file system less than 10 %",
-        "less than 100 MiB, of a small file system less than 2 %",
+        "free space where EdgeVox writes",
+        "less than 1 GiB, or less than 10 % of a small file system",
+        "less than 100 MiB, or less than 2 % of a small file system",
         "remove old logs, recordings, or models",
     ),
     ComponentRow(
         ComponentName.PROCESS,
-        "what `/live` and `/ready` say, memory, threads",
-        "not ready: something still loads, or is missing",
-        "not alive: something that must move does not",
-        "wait while it starts; a container engine restarts what is not alive",
+        "the answers of `/live` and `/ready`, memory, threads",
+        "not ready: a part still loads, or is missing",
+        "not alive: a part that must advance does not",
+        "wait while it starts; a container engine restarts a process that is not alive",
     ),
 )
 """In the order in which they are listed."""

@@ -1,7 +1,4 @@
-"""Every metric, once. Code, docs, dashboard, alerts and tests read this.
-
-What a metric is, before anybody counts.
-"""
+"""Every metric, once. Code, docs, dashboard, alerts and tests read this table."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -51,7 +48,7 @@ class Metric:
         return frozenset({self.name})
 
 
-SKILLS, CHECKS, TOPICS = "the agent's skills", "the checks of health", "topics that come in"
+SKILLS, CHECKS, TOPICS = "the agent's skills", "the checks of health", "incoming topics"
 STAGES = ("stt", "llm", "tts", "ttfs", "total")
 SOURCES = ("template", "model", "command", "action", "program")
 QUEUES = ("conversation", "microphone", "transcriber", "speech_output", "recorder")
@@ -79,64 +76,64 @@ _COUNTED = (
     Metric(
         "edgevox_turns_total",
         Kind.COUNTER,
-        "Turns that somebody asked for in words, by what became of them",
+        "Turns that began with words, by outcome",
         {"outcome": tuple(Outcome)},
     ),
     Metric(
         "edgevox_turn_stage_seconds",
         Kind.HISTOGRAM,
-        "What the stages of a turn took; ttfs is the time to the first sign of an answer, total"
-        " to its end; a stage that a turn did not need is not counted",
+        "Duration of the stages of a turn; ttfs is the time to the first sign of an answer, total"
+        " the time to its end; unused stages are not counted",
         {"stage": STAGES},
         SHORT_S,
     ),
     Metric(
         "edgevox_llm_tokens_total",
         Kind.COUNTER,
-        "Tokens that language models generated for turns, calls of skills among them; about that"
-        " many where a server answers",
+        "Tokens that language models generated for turns, including calls of skills; an estimate"
+        " if a server answers",
     ),
     Metric(
         "edgevox_skill_calls_total",
         Kind.COUNTER,
-        "Calls of skills, by who found out that one was meant",
+        "Calls of skills, by the source of the call",
         {"source": SOURCES},
     ),
     Metric(
         "edgevox_skill_goals_total",
         Kind.COUNTER,
-        "Goals of skills that ended, by how",
+        "Goals of skills that ended, by outcome",
         {"skill": SKILLS, "outcome": GOAL_ENDS},
     ),
     Metric(
         "edgevox_skill_goals_running",
         Kind.GAUGE,
-        "Goals of skills that run now",
+        "Goals of skills that are running",
         {"skill": SKILLS},
     ),
     Metric(
         "edgevox_skill_goal_seconds",
         Kind.HISTOGRAM,
-        "How long goals ran, whatever their end",
+        "Duration of goals, for every outcome",
         {"skill": SKILLS},
         LONG_S,
     ),
     Metric(
         "edgevox_interrupts_total",
         Kind.COUNTER,
-        "Demands for silence or a halt, by who made them",
+        "Requests for silence or a halt, by cause",
         {"cause": tuple(Cause)},
     ),
     Metric(
         "edgevox_safety_stops_total",
         Kind.COUNTER,
-        "Stop words that were heard or read and found something to stop",
+        "Stop words, spoken or typed, that stopped something",
     ),
-    Metric("edgevox_wake_words_total", Kind.COUNTER, "Wake words that were heard", of=ALOUD),
+    Metric("edgevox_wake_words_total", Kind.COUNTER, "Wake words that EdgeVox heard", of=ALOUD),
     Metric(
         "edgevox_state",
         Kind.GAUGE,
-        "What the conversation does now: 1 for that state, 0 for the others",
+        "State of the conversation: 1 for the current state, 0 for the others",
         {"state": tuple(State)},
     ),
 )
@@ -145,74 +142,76 @@ _READ = (
     Metric(
         "edgevox_build_info",
         Kind.GAUGE,
-        "1; its labels say what runs and which language it hears and speaks",
-        {"version": "a version", "agent": "a robot's name, or a program's", "language": "a code"},
+        "Always 1; the labels give the version, the agent and its language",
+        {"version": "a version", "agent": "the name of a robot or a program", "language": "a code"},
         read=True,
     ),
-    Metric("edgevox_ready", Kind.GAUGE, "Whether it can be used, as /ready says", read=True),
+    Metric("edgevox_ready", Kind.GAUGE, "1 if the agent is ready, as /ready reports", read=True),
     Metric(
         "edgevox_check_ok",
         Kind.GAUGE,
-        "Whether a check of its health found nothing wrong",
+        "1 if this health check passes",
         {"check": CHECKS},
         read=True,
     ),
-    Metric("edgevox_muted", Kind.GAUGE, "Whether its microphone is muted", read=True),
-    Metric("edgevox_threads", Kind.GAUGE, "Threads of the process, native ones too", read=True),
+    Metric("edgevox_muted", Kind.GAUGE, "1 if the microphone is muted", read=True),
+    Metric(
+        "edgevox_threads", Kind.GAUGE, "Threads of the process, including native ones", read=True
+    ),
     Metric(
         "edgevox_llm_fallbacks_total",
         Kind.COUNTER,
-        "Questions that the model server did not answer, so that the model on board had to",
+        "Questions that the model on board answered because the model server did not",
         of=SHARED,
         read={"": "llm.fallbacks"},
     ),
     Metric(
         "edgevox_llm_turned_away_total",
         Kind.COUNTER,
-        "Questions for which the model server had no room",
+        "Questions that a full model server turned away",
         of=SHARED,
         read={"": "llm.turned_away"},
     ),
     Metric(
         "edgevox_llm_server_up",
         Kind.GAUGE,
-        "Whether the model server is asked; 0 while it rests after a failure",
+        "1 if EdgeVox asks the model server; 0 during the pause after a failure",
         of=SHARED,
         read={"": "llm.server_up"},
     ),
     Metric(
         "edgevox_model_weights_bytes",
         Kind.GAUGE,
-        "Size of the files of the weights that are loaded; what computing needs comes on top",
+        "File size of the loaded weights; computing needs more memory",
         {"model": MODELS},
         read=True,
     ),
     Metric(
         "edgevox_sim_real_time_factor",
         Kind.GAUGE,
-        "Seconds that pass in the simulated world each second; 0 until that is known",
+        "Simulated seconds per real second; 0 until it is known",
         of=SIMULATED,
         read={"": "sim.real_time_factor"},
     ),
     Metric(
         "edgevox_sim_stalled_seconds",
         Kind.GAUGE,
-        "For how long a step of the simulated world is due and has not come to a good end; of a"
-        " robot elsewhere, for how long nothing of it is taken in",
+        "Seconds that a step of the simulated world is overdue; for an external robot, seconds in"
+        " which EdgeVox took in none of its messages",
         of=MOVES,
         read={"": "sim.stalled_s"},
     ),
     Metric(
         "edgevox_watchdog_halts_total",
         Kind.COUNTER,
-        "Streams of cmd_vel that stopped while the robot was to move, so that it was halted",
+        "Halts because a stream of cmd_vel stopped while the robot was to move",
         of=STEERED,
         read={"": "sim.watchdog_halts"},
     ),
     Metric(
         "edgevox_refused_messages_total",
         Kind.COUNTER,
-        "Messages that were not honoured, since what they held was no valid value, by why",
+        "Messages refused for an invalid value, by reason",
         {"topic": TOPICS, "reason": tuple(Refusal)},
         of=ON_ROS2,
         read=True,
@@ -220,7 +219,7 @@ _READ = (
     Metric(
         "edgevox_refused_requests_total",
         Kind.COUNTER,
-        "Sentences, and texts to say aloud, that were not taken, by why",
+        "Sentences and texts to say that were refused, by reason",
         {"reason": (Refusal.TOO_LONG, Refusal.TOO_MANY)},
         read={
             Refusal.TOO_LONG: "process.refused_too_long",
@@ -230,14 +229,14 @@ _READ = (
     Metric(
         "edgevox_policy_refusals_total",
         Kind.COUNTER,
-        "What the policy refused, by the way in and the code of the reason",
-        {"way": tuple(Way), "code": "a code that begins with policy_ or needs_"},
+        "Requests that the policy refused, by way in and code of the reason",
+        {"way": tuple(Way), "code": "a code that starts with policy_ or needs_"},
         read=True,
     ),
     Metric(
         "edgevox_console_bad_requests_total",
         Kind.COUNTER,
-        "Requests that the console did not take, by what was wrong with them",
+        "Requests that the console refused, by fault",
         {"kind": BAD_REQUESTS},
         of="an agent with a console",
         read=True,
@@ -245,21 +244,21 @@ _READ = (
     Metric(
         "edgevox_policy_broken",
         Kind.GAUGE,
-        "Whether the policy's file cannot be used, so that the one before it is in force",
+        "1 if the policy file cannot be used and the previous policy is in force",
         of="an agent with a policy",
         read={"": "policy.broken"},
     ),
     Metric(
         "edgevox_executor_lag_seconds",
         Kind.GAUGE,
-        "The longest that callbacks of ROS 2 had to wait, in the last minute",
+        "Longest wait of a ROS 2 callback in the last minute",
         of=ON_ROS2,
         read={"": "executor.lag_s"},
     ),
     Metric(
         "edgevox_dropped_total",
         Kind.COUNTER,
-        "What was lost since a queue was full: utterances, frames of sound, sentences to say,"
+        "Items lost because a queue was full: utterances, audio frames, sentences to say,"
         " messages to record",
         {"queue": QUEUES},
         read={
@@ -273,14 +272,14 @@ _READ = (
     Metric(
         "edgevox_recorded_messages_total",
         Kind.COUNTER,
-        "Messages that are on the disk",
+        "Messages that the recorder wrote to the disk",
         of="the recorder",
         read={"": "recorder.written_messages"},
     ),
     Metric(
         "edgevox_failures_total",
         Kind.COUNTER,
-        "Errors that a part survived",
+        "Errors that a part recovered from",
         {"part": PARTS},
         read={
             "listener": "audio.failed_frames",
@@ -298,12 +297,12 @@ _READ = (
 _OF_THE_PROCESS = tuple(
     Metric(f"process_{name}", kind, about, of="every agent on Linux", read=True)
     for name, kind, about in (
-        ("cpu_seconds_total", Kind.COUNTER, "CPU time that the process took"),
-        ("resident_memory_bytes", Kind.GAUGE, "Memory that the process holds"),
-        ("virtual_memory_bytes", Kind.GAUGE, "Addresses that the process reserved"),
-        ("start_time_seconds", Kind.GAUGE, "When the process began, seconds since 1970"),
-        ("open_fds", Kind.GAUGE, "File descriptors that are open"),
-        ("max_fds", Kind.GAUGE, "File descriptors that may be open"),
+        ("cpu_seconds_total", Kind.COUNTER, "CPU time of the process"),
+        ("resident_memory_bytes", Kind.GAUGE, "Resident memory of the process"),
+        ("virtual_memory_bytes", Kind.GAUGE, "Virtual memory of the process"),
+        ("start_time_seconds", Kind.GAUGE, "Start time of the process, in seconds since 1970"),
+        ("open_fds", Kind.GAUGE, "Open file descriptors"),
+        ("max_fds", Kind.GAUGE, "Limit of open file descriptors"),
     )
 )
 """What prometheus-client's own collector says, under names that every dashboard knows."""

@@ -43,7 +43,7 @@ class Location:
 
 
 class LocationEntry(WorldPart):
-    """A location in the file."""
+    """A location of a locations file."""
 
     x: Metres | None = None
     y: Metres | None = None
@@ -60,7 +60,7 @@ def _home(entries: dict[str, LocationEntry]) -> dict[str, LocationEntry]:
 
 
 class LocationsFile(RootModel[Annotated[dict[Name, LocationEntry], AfterValidator(_home)]]):
-    """A whole file."""
+    """A locations file."""
 
 
 def load_locations(path: Path) -> Mapping[str, Location]:

@@ -53,12 +53,12 @@ FOR_DRIVING = ("topics", "limits", "footprint", "places", "locations")
 
 
 class Argument(Part):
-    """What a skill is told: a number, a whole number, a truth, a text, or one of some words.
+    """An argument of a skill: a number, a whole number, true or false, a text, or a choice.
 
-    `values` of a choice are its words, or what each word stands for in the request; `aliases` are
-    other things people say for a word, in any language; `names` are what a word is called in each.
-    A number goes into the request `times` so much: 0.01 where people say percent and the robot
-    takes a part of one.
+    `values` of a choice are its words, or maps each word to its value in the request. `aliases` are
+    other words that people say, in any language; `names` are the names of a word by language.
+    EdgeVox multiplies a number by `times` for the request: 0.01 if people say percent and the robot
+    expects a fraction.
     """
 
     type: Literal["number", "integer", "boolean", "text", "choice"]
@@ -126,7 +126,7 @@ ByValue = Annotated[Mapping[str, Word], BeforeValidator(_by_value), at_most(MOST
 
 
 class Sentences(Part):
-    """What is said to have it done, and what the robot says of it, in one language."""
+    """The sentences for a skill and the robot's answers, in one language."""
 
     sentences: list[Word] = Field(default_factory=list, max_length=50)
     says: str = ""
@@ -150,12 +150,12 @@ def _known_languages(by_code: dict[str, Sentences]) -> dict[str, Sentences]:
 
 
 class SkillEntry(Step, Sentences):
-    """A skill: one step of its own, or a list of `steps`, which are done in order.
+    """A skill: one step of its own, or a list of `steps` that run in order.
 
-    `moves`: it uses the body, so it ends whatever moves, and every stop ends it; by default all
-    that does more than read. `confirm`: somebody has to say yes before it is begun. `stops_on` are
-    messages that end it, and with which it does not begin. `stop` is done when it did not come to
-    its end, beside the cancel of an action.
+    `moves`: the skill uses the body, so it ends other motion, and every stop ends it; by default
+    true for all skills that do more than read. `confirm`: the robot asks for a yes first. A message
+    of `stops_on` ends the skill or keeps it from starting. `stop` runs if the skill did not finish,
+    in addition to the cancel of an action.
     """
 
     description: Word
@@ -215,7 +215,7 @@ def _only_short(entry: SkillEntry) -> None:
 
 
 class Limits(Part):
-    """How it is steered where nothing there takes goals, in m/s, rad/s and m/s²."""
+    """Limits for steering by EdgeVox if the robot takes no goals, in m/s, rad/s and m/s²."""
 
     max_linear: Number | None = Field(None, gt=0.0, le=10.0)
     max_angular: Number | None = Field(None, gt=0.0, le=10.0)
@@ -223,9 +223,9 @@ class Limits(Part):
 
 
 class Footprint(Part):
-    """How large it is, in metres, along and across its way, about the middle that `odom` tells of.
+    """The robot's size in metres, along and across its direction, around the pose of `odom`.
 
-    Where it is steered, what the scan shows in the strip before it makes it wait.
+    If EdgeVox steers the robot, it waits for obstacles that the scan shows in the strip ahead.
     """
 
     length: Number = Field(gt=0.0, le=10.0)
@@ -233,13 +233,13 @@ class Footprint(Part):
 
 
 class RobotFile(Part):
-    """A whole file. What it says of the robot counts unless a setting says otherwise.
+    """A robot file. A setting takes precedence over it.
 
-    One that does not drive (`drives: false`) can what its skills say, and nothing else. `topics`
-    are what the robot calls the topics of the contract: ``{odom: wheel/odometry}``.
-    Places and the policy stand here, or in files of their own, whose paths begin beside this one:
-    `places` as in a locations file, `locations` its path; `policy` as in a policy file,
-    `policy_file` its path.
+    A robot with `drives: false` has only the skills of this file. `topics` maps the topics of the
+    contract to the robot's own names: ``{odom: wheel/odometry}``.
+    Places and the policy are in this file or in their own files, with paths relative to this one:
+    `places` as in a locations file, or `locations` with its path; `policy` as in a policy file, or
+    `policy_file` with its path.
     """
 
     name: str = Field("", max_length=100, description="the robot's name")

@@ -60,13 +60,13 @@ class Interface(Part):
 
 
 class Topic(Interface):
-    """A topic; `latched` is transient local: what was said last is kept for who comes later."""
+    """A topic; `latched` is transient local: late subscribers get the last message."""
 
     latched: bool = False
 
 
 class Publication(Topic):
-    """What is published: once, or `rate_hz` times a second for `for_s`, or until it is stopped."""
+    """A message to publish: once, or `rate_hz` times a second for `for_s` or until a stop."""
 
     rate_hz: Number = Field(0.0, ge=0.0, le=MOST_A_SECOND)
     for_s: Number = Field(0.0, ge=0.0, le=LONGEST_WAIT_S)
@@ -76,7 +76,7 @@ class Publication(Topic):
 
 
 class ResultValue(Part):
-    """A value of what comes back: a field by its path, a number in it `times` so much, rounded."""
+    """A value of the answer: the path of a field; a number is multiplied by `times` and rounded."""
 
     field: Word
     times: Number | None = None
@@ -84,9 +84,9 @@ class ResultValue(Part):
 
 
 class ActionInterface(Interface):
-    """An action; `progress` is the path of a feedback's number that goes from 0 to 1.
+    """An action; `progress` is the path of a number in the feedback that goes from 0 to 1.
 
-    One that goes to another number is told with `times`: ``{field: percent, times: 0.01}``.
+    For another range, give `times`: ``{field: percent, times: 0.01}``.
     """
 
     progress: Word | ResultValue | None = None
@@ -98,7 +98,7 @@ class ActionInterface(Interface):
 
 
 class FieldCondition(Part):
-    """What a field of a message must be: `equals`, or a number `above` or `below`.
+    """A condition for a field of a message: `equals`, or a number `above` or `below`.
 
     `equals` may name arguments and earlier results, as requests do.
     """
@@ -116,7 +116,7 @@ class FieldCondition(Part):
 
 
 class Wait(Topic):
-    """A message on a topic for which every condition holds."""
+    """Waits for a message on a topic that meets every condition."""
 
     until: Annotated[list[FieldCondition], Field(min_length=1, max_length=10)]
 
@@ -125,10 +125,10 @@ WAYS = ("publish", "call", "action", "read", "wait")
 
 
 class Step(Part):
-    """One thing that is done over ROS 2, in exactly one of these ways.
+    """One step over ROS 2, in exactly one of these ways.
 
-    `request` fills the message; `result` are values of what comes back, by the path of a field,
-    which sentences and later steps may use; `expect` are conditions without which it has failed.
+    `request` fills the message. `result` names values of the answer by the path of a field, for
+    sentences and later steps. The step fails if a condition of `expect` is not met.
     """
 
     publish: Publication | None = None
@@ -163,7 +163,7 @@ class Step(Part):
 
 
 class StopStep(Step):
-    """What is done at once when a skill was stopped: a message or a call, within seconds."""
+    """The step that runs at once when a skill is stopped: a message or a call, within seconds."""
 
     timeout_s: Number = Field(
         2.0, gt=0.0, le=LONGEST_STOP_S, description="seconds after which it fails"
