@@ -84,7 +84,7 @@ def pages(browser: Browser, address: str) -> tuple[Page, Page]:
     desk = browser.new_context(viewport={"width": DESK[0], "height": DESK[1]}).new_page()
     desk.goto(address)
     desk.get_by_role("button", name="Pair").click()
-    desk.get_by_role("button", name="Take the turn").click(timeout=LIMIT_MS)
+    desk.get_by_role("button", name="Take control").click(timeout=LIMIT_MS)
     phone = browser.new_context(
         viewport={"width": PHONE[0], "height": PHONE[1]},
         has_touch=True,

@@ -1,12 +1,14 @@
 """What the tests of the page share: the sizes of its windows, and how long they wait."""
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Error, Page
 
-MODULES = Path(__file__).parents[2] / ".venv/page/node_modules"
+_TOP = Path(__file__).parents[2]
+MODULES = _TOP / ".venv/page/node_modules"
 AXE = MODULES / "axe-core/axe.min.js"
 RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]
 PATIENCE_MS = 60_000
@@ -28,6 +30,12 @@ def let_in(page: Page, link: str) -> None:
     page.goto(link)
     page.locator(".pair button.primary").click()
     page.locator("html[data-link=ready]").wait_for()
+
+
+def page_words(key: str, language: str = "en", **values: object) -> str:
+    """The page's text for this key."""
+    file = _TOP / f"edgevox/console/page/languages/{language}.json"
+    return json.loads(file.read_text(encoding="utf-8"))[key].format(**values)
 
 
 def take_the_turn(page: Page) -> None:

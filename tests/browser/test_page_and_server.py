@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 
 import pytest
-from browser_rig import let_in, take_the_turn
+from browser_rig import let_in, page_words, take_the_turn
 from console_rig import Rig, console
 from playwright.sync_api import Browser, Page, expect
 from test_page_drives import hold, until
@@ -116,7 +116,7 @@ def test_what_forgets_chooses_nothing_by_itself_and_asks_first(browser: Browser,
         let_in(page, rig.server.offer_code()[1])
         take_the_turn(page)
         page.locator(".side-switch:visible .tab[data-panel=do]").click()
-        run = page.get_by_role("button", name="Do it: forget a place")
+        run = page.get_by_role("button", name=f"{page_words('run')}: forget a place")
         asked = page.get_by_role("alertdialog")
         expect(page.get_by_label("place", exact=True)).to_have_value("")
         run.click()
@@ -138,7 +138,7 @@ def test_the_pairing_of_this_browser_is_given_up_only_when_it_was_asked(
     page: Page, rig: Rig
 ) -> None:
     page.locator(".tab[data-panel=settings]:visible").first.click()
-    leave = page.get_by_role("button", name="Log out")
+    leave = page.get_by_role("button", name=page_words("log_out"))
     leave.click()
     asked = page.get_by_role("alertdialog")
     expect(asked.get_by_role("button", name="No")).to_be_focused()

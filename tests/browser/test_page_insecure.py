@@ -1,6 +1,6 @@
 """A page by plain HTTP, not on the robot itself: it says why it neither hears nor is heard."""
 
-from browser_rig import DESK, PATIENCE_MS, take_the_turn
+from browser_rig import DESK, PATIENCE_MS, page_words, take_the_turn
 from playwright.sync_api import Playwright, expect
 from sound_rig import launch
 from stand_in import CODE, Robot
@@ -18,7 +18,7 @@ def test_without_https_it_says_that_neither_microphone_nor_voice_comes(
     page.goto(elsewhere)
     page.locator("html[data-link=ready]").wait_for()
     take_the_turn(page)
-    expect(page.locator(".sound [role=status]")).to_contain_text("microphone and the robot's voice")
+    expect(page.locator(".sound [role=status]")).to_have_text(page_words("sound_insecure"))
     for button in page.locator(".sound button").all():
         expect(button).to_be_disabled()
     page.locator(".write input").fill("go to the kitchen")

@@ -1,6 +1,6 @@
 """Honest when the robot is gone: grey within a second, nothing sent later, back by itself."""
 
-from browser_rig import Opens
+from browser_rig import Opens, page_words
 from playwright.sync_api import Browser, expect
 from stand_in import CODE, Robot
 
@@ -75,7 +75,7 @@ def test_pairing_by_code_and_a_wrong_one(browser: Browser, robot: Robot) -> None
     page.goto(robot.url)
     page.locator(".code").fill("111111")
     page.locator(".pair button.primary").click()
-    expect(page.get_by_role("alert")).to_contain_text("wrong")
+    expect(page.get_by_role("alert")).to_have_text(page_words("pair_wrong"))
     page.locator(".code").fill(CODE)
     page.locator(".pair button.primary").click()
     page.locator("html[data-link=ready]").wait_for()

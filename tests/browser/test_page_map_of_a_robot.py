@@ -5,7 +5,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
-from browser_rig import DESK, PATIENCE_MS, let_in, take_the_turn
+from browser_rig import DESK, PATIENCE_MS, let_in, page_words, take_the_turn
 from playwright.sync_api import Browser, Page, expect
 from ports import free_port
 from test_page_drives import until
@@ -98,7 +98,7 @@ def test_a_point_that_was_named_by_a_tap_is_known_unasked_and_driven_to_by_its_n
     tap(page, parts, *POINT)
     page.get_by_label("Name of this place").fill("bike stand")
     page.keyboard.press("Enter")
-    expect(page.locator(".toast.good")).to_have_text("This place is called bike stand now.")
+    expect(page.locator(".toast.good")).to_have_text(page_words("place_kept", name="bike stand"))
     place = parts.body.place_memory.find("bike stand")
     assert (place.x, place.y) == pytest.approx(POINT, abs=0.05)
     page.locator(".write input").fill("go to the bike stand")

@@ -43,7 +43,7 @@ def test_axe_finds_nothing(
     page.on("pageerror", lambda error: broken.append(str(error)))
     page.goto(f"http://127.0.0.1:{served.port}")
     expect(page.locator("tbody tr")).to_have_count(len(STATES))
-    expect(page.locator("#summary")).to_have_text("1 of 4 are ready")
+    expect(page.locator("#summary")).to_have_text("1 of 4 robots ready")
     assert problems(page) == []
     assert not broken
     served.close()

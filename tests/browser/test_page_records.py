@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from browser_rig import DESK, PATIENCE_MS, PHONE, let_in, problems, take_the_turn
+from browser_rig import DESK, PATIENCE_MS, PHONE, let_in, page_words, problems, take_the_turn
 from console_rig import Rig, console
 from playwright.sync_api import Browser, Page, expect
 from recorder_program import RECORDS
@@ -49,12 +49,12 @@ def test_it_is_begun_ended_taken_home_and_removed(
     browser: Browser, rig: Rig, recorder: RobotRecorder, tmp_path: Path
 ) -> None:
     page = opened(browser, rig, Role.OPERATOR)
-    expect(page.get_by_role("button", name="Start a recording")).to_be_disabled()
+    expect(page.get_by_role("button", name="Start recording")).to_be_disabled()
     take_the_turn(page)
-    page.get_by_role("button", name="Start a recording").click()
-    page.get_by_role("button", name="Stop the recording").wait_for()
+    page.get_by_role("button", name="Start recording").click()
+    page.get_by_role("button", name="Stop recording").wait_for()
     wait_until(lambda: list(recorder.kept.folder.glob("*/*.mcap")))
-    page.get_by_role("button", name="Stop the recording").click()
+    page.get_by_role("button", name="Stop recording").click()
     with page.expect_download() as begun:
         page.get_by_role("link", name="edgevox-20261123-140000_0.mcap").click()
     begun.value.save_as(tmp_path / "home.mcap")
@@ -99,9 +99,9 @@ def test_it_tells_when_it_was_begun_how_large_it_is_and_what_room_is_left(
     browser: Browser, rig: Rig, recorder: RobotRecorder
 ) -> None:
     page = opened(browser, rig, Role.OPERATOR)
-    expect(page.get_by_text(re.compile(r"^Room for [\d,]+ MB\.$"))).to_be_visible()
+    expect(page.get_by_text(re.compile(r"^[\d,]+ MB left\.$"))).to_be_visible()
     recorder.start()
-    expect(page.get_by_text(re.compile(r"^0\.0 MB so far\. Room for"))).to_be_visible()
+    expect(page.get_by_text(re.compile(r"^0\.0 MB so far\. [\d,]+ MB left\.$"))).to_be_visible()
     wait_until(lambda: list(recorder.kept.folder.glob("*/*.mcap")))
     recorder.stop()
     expect(page.locator(".files li")).to_contain_text("Nov 23, 2026")
@@ -116,11 +116,11 @@ def test_whatever_a_page_shows_it_says_that_what_is_said_is_kept(
     context.set_default_timeout(PATIENCE_MS)
     page = context.new_page()
     let_in(page, rig.server.offer_code(Role.VIEWER)[1])
-    sign = page.get_by_role("img", name="A recording is being made.")
+    sign = page.get_by_role("img", name=page_words("records_now"))
     expect(sign).to_be_hidden()
     recorder.start()
     expect(sign).to_be_visible()
-    expect(page.locator(".toasts")).to_contain_text("A recording is being made.")
+    expect(page.locator(".toasts")).to_contain_text(page_words("records_now"))
     assert page.evaluate("document.documentElement.scrollWidth") == 390
     assert problems(page) == []
     wait_until(lambda: list(recorder.kept.folder.glob("*/*.mcap")))
@@ -128,30 +128,25 @@ def test_whatever_a_page_shows_it_says_that_what_is_said_is_kept(
     expect(sign).to_be_visible()
     recorder.stop()
     expect(sign).to_be_hidden()
-    expect(page.locator(".toasts")).to_contain_text("The recording has ended.")
+    expect(page.locator(".toasts")).to_contain_text(page_words("record_ended"))
     page.context.close()
 
 
 @pytest.mark.parametrize(
-    ("missing", "words"),
+    "missing",
     [
-        (NoRecorder.ROS2, "Recordings need ROS 2, and this robot runs without it."),
-        *(
-            pytest.param(*one, marks=pytest.mark.long)
-            for one in (
-                (NoRecorder.EXTRA, "Recordings need the extra recorder"),
-                (NoRecorder.ENCLAVE, "an enclave of its own, edgevox_recorder"),
-            )
-        ),
+        NoRecorder.ROS2,
+        pytest.param(NoRecorder.EXTRA, marks=pytest.mark.long),
+        pytest.param(NoRecorder.ENCLAVE, marks=pytest.mark.long),
     ],
 )
 def test_where_nothing_is_recorded_it_says_why(
-    browser: Browser, tmp_path: Path, missing: NoRecorder, words: str
+    browser: Browser, tmp_path: Path, missing: NoRecorder
 ) -> None:
     with console(tmp_path, describe=lambda _: {"capabilities": {"record": missing}}) as rig:
         page = opened(browser, rig, Role.VIEWER)
-        expect(page.get_by_text(words)).to_be_visible()
-        expect(page.get_by_role("button", name="Start a recording")).to_be_hidden()
+        expect(page.get_by_text(page_words(f"record_needs_{missing}"))).to_be_visible()
+        expect(page.get_by_role("button", name="Start recording")).to_be_hidden()
         page.context.close()
 
 
@@ -161,8 +156,8 @@ def test_without_room_none_is_begun_and_it_says_what_to_do(
     monkeypatch.setattr(KeptRecordings, "room", lambda _: 1_000_000)
     page = opened(browser, rig, Role.OPERATOR)
     take_the_turn(page)
-    expect(page.get_by_text("No room is left for recordings")).to_be_visible()
-    expect(page.get_by_role("button", name="Start a recording")).to_be_disabled()
+    expect(page.get_by_text(page_words("record_full"))).to_be_visible()
+    expect(page.get_by_role("button", name="Start recording")).to_be_disabled()
     page.context.close()
 
 
@@ -172,9 +167,9 @@ def test_who_only_watches_sees_that_it_records_and_gets_no_files(
     recorder.start()
     wait_until(lambda: list(recorder.kept.folder.glob("*/*.mcap")))
     page = opened(browser, rig, Role.VIEWER)
-    expect(page.get_by_role("button", name="Stop the recording")).to_be_disabled()
+    expect(page.get_by_role("button", name="Stop recording")).to_be_disabled()
     recorder.stop()
-    expect(page.get_by_role("button", name="Start a recording")).to_be_disabled()
+    expect(page.get_by_role("button", name="Start recording")).to_be_disabled()
     assert page.locator(".files a").count() == 0
     page.context.close()
 
@@ -187,5 +182,6 @@ def test_one_that_failed_says_why(browser: Browser, tmp_path: Path) -> None:
     }
     with console(tmp_path, **given) as rig:
         page = opened(browser, rig, Role.VIEWER)
-        expect(page.get_by_text("The recording failed: output: disk full")).to_be_visible()
+        said = page_words("record_failed", why="output: disk full")
+        expect(page.get_by_text(said)).to_be_visible()
         page.context.close()

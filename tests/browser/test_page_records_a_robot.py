@@ -58,11 +58,11 @@ def test_what_the_robot_answers_is_in_the_file_that_was_taken_home(
     let_in(page, link)
     take_the_turn(page)
     page.locator(".side-switch:visible .tab[data-panel=know]").click()
-    page.get_by_role("button", name="Start a recording").click()
-    page.get_by_role("button", name="Stop the recording").wait_for()
+    page.get_by_role("button", name="Start recording").click()
+    page.get_by_role("button", name="Stop recording").wait_for()
     while not _is_recorded(page, tmp_path / "recordings"):
         pass
-    page.get_by_role("button", name="Stop the recording").click()
+    page.get_by_role("button", name="Stop recording").click()
     with page.expect_download() as begun:
         page.locator(".files a").click()
     assert re.fullmatch(r"edgevox-\d{8}-\d{6}_0\.mcap", begun.value.suggested_filename)

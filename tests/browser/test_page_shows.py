@@ -6,7 +6,7 @@ import json
 import re
 
 import pytest
-from browser_rig import DEVICES, PHONE, Opens, problems
+from browser_rig import DEVICES, PHONE, Opens, page_words, problems
 from PIL import Image
 from playwright.sync_api import Browser, expect
 from stand_in import HELLO, PAGE, Robot
@@ -38,7 +38,7 @@ def test_what_was_decided_is_told_by_stage_and_sureness(opens: Opens, robot: Rob
     robot.tell(type="talk", kind="heard", turn=2, text="Yes", confidence=None)
     robot.tell(type="event", kind="tool_call", **goes, source="reading", turn=2)
     done = "navigate_to(kitchen) · by reading the sentence"
-    asked = f"heard with 83 % certainty · {done} · 97 % sure · Asked back"
+    asked = f"heard with 83 % certainty · {done} · 97 % sure · {page_words('outcome_asked')}"
     expect(page.locator(".notes")).to_have_text([asked, done])
 
 
@@ -119,7 +119,7 @@ def test_a_tap_on_the_map_goes_there_or_names_it(opens: Opens, robot: Robot) -> 
     page.keyboard.press("Enter")
     until(page, lambda: len(robot.commands("name_place")) == 2)
     robot.tell(type="event", **named, status="succeeded", arguments={"name": "gate"})
-    expect(page.locator(".toast.good")).to_have_text("This place is called gate now.")
+    expect(page.locator(".toast.good")).to_have_text(page_words("place_kept", name="gate"))
     expect(sheet).to_be_hidden()
     expect(canvas).to_be_focused()
 
@@ -130,7 +130,7 @@ def test_a_tap_offers_what_the_robot_can(opens: Opens, robot: Robot, can: str) -
     page = opens()
     page.locator(".map").focus()
     page.keyboard.press("Enter")
-    sheet = page.get_by_role("dialog", name="This point of the map")
+    sheet = page.get_by_role("dialog", name=page_words("this_point"))
     expect(sheet).to_be_visible()
     go, name = sheet.get_by_role("button", name="Go there"), sheet.get_by_role("textbox")
     expect(go if can == "goto" else name).to_be_focused()
@@ -166,15 +166,15 @@ def test_a_refusal_says_why(opens: Opens, robot: Robot) -> None:
     page = opens(command=False)
     page.locator(".write input").fill("go")
     page.locator(".write input").press("Enter")
-    expect(page.locator(".toast")).to_contain_text("take the turn first")
+    expect(page.locator(".toast")).to_have_text(page_words("why_no_lease"))
 
 
 @pytest.mark.parametrize(
     ("answer", "said"),
     [
         ({"reason": "invalid", "why": "das ist zu weit"}, "Abgelehnt: das ist zu weit"),
-        ({"reason": "invalid"}, "Der Roboter hat das abgelehnt."),
-        ({"reason": "failed"}, "Der Roboter hat das abgelehnt."),
+        ({"reason": "invalid"}, page_words("why_invalid", "de")),
+        ({"reason": "failed"}, page_words("why_invalid", "de")),
     ],
 )
 def test_a_refusal_is_in_the_language_of_the_page(
@@ -190,8 +190,8 @@ def test_a_refusal_is_in_the_language_of_the_page(
 def test_without_a_part_for_sound_the_page_says_so_and_works(opens: Opens, robot: Robot) -> None:
     page = opens()
     page.route("**/sound/sound.js", lambda route: route.abort())
-    page.get_by_role("button", name="Hear the robot here").click()
-    expect(page.locator(".sound .small-text")).to_contain_text("sound does not work")
+    page.get_by_role("button", name=page_words("hear_here")).click()
+    expect(page.locator(".sound .small-text")).to_have_text(page_words("sound_failed"))
     page.locator(".write input").fill("go")
     page.locator(".write input").press("Enter")
     until(page, lambda: bool(robot.commands("text")))
@@ -215,12 +215,12 @@ def test_the_next_picture_is_asked_for_when_one_is_shown_even_a_broken_one(
 
 def test_two_browsers_have_one_turn(opens: Opens, robot: Robot) -> None:
     first, second = opens(), opens(command=False)
-    expect(second.locator(".lease")).to_contain_text("client-1 is in command")
+    expect(second.locator(".lease")).to_contain_text(page_words("commands_now", name="client-1"))
     expect(second.locator(".skill button").first).to_be_disabled()
     first.locator(".lease button.on").click()
     second.locator(".lease button.primary").click()
     expect(second.locator(".skill button").first).to_be_enabled()
-    expect(first.locator(".lease")).to_contain_text("client-2 is in command")
+    expect(first.locator(".lease")).to_contain_text(page_words("commands_now", name="client-2"))
 
 
 def test_how_to_trust_the_certificate_is_told_before_anybody_is_let_in(
@@ -228,7 +228,7 @@ def test_how_to_trust_the_certificate_is_told_before_anybody_is_let_in(
 ) -> None:
     page = browser.new_page(locale="fr-FR")
     page.goto(f"{robot.url}/static/ca.html")
-    expect(page.locator("h1")).to_have_text("Faire confiance à ce robot")
+    expect(page.locator("h1")).to_have_text(page_words("ca_title", "fr"))
     assert problems(page) == []
     page.goto(robot.url)
     page.locator(".pair").wait_for()

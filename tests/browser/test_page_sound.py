@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from browser_rig import page_words
 from console_rig import Rig, console
 from playwright.sync_api import Browser, Page, Playwright, expect
 from sound_rig import PATIENCE_MS, microphone, paired, tone, write
@@ -152,6 +153,6 @@ def test_a_microphone_that_is_refused_is_explained(page: Page, sound: NotedSound
           Promise.reject(new DOMException('no', 'NotAllowedError')); }"""
     )
     hold(page)
-    expect(page.locator(".sound")).to_contain_text("not allowed", timeout=PATIENCE_MS)
+    expect(page.locator(".sound")).to_contain_text(page_words("sound_denied"), timeout=PATIENCE_MS)
     page.mouse.up()
     assert sound.frames == []

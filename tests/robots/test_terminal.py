@@ -55,7 +55,7 @@ def test_bytes_that_are_no_text_and_very_long_lines_are_answered():
         ("/skills", "navigate_to(room)"),
         ("/stop it", "/stop: got 'it', expected nothing after it"),
         ("/picture /nowhere/at/all.png", "snapshot: got '/nowhere/at/all.png', expected a file in"),
-        ("/dance", "/dance: no such command; expected one of /help, /map"),
+        ("/dance", "/dance: unknown command; expected one of /help, /map"),
     ],
 )
 def test_a_slash_command_is_answered(line, answer):
@@ -64,7 +64,7 @@ def test_a_slash_command_is_answered(line, answer):
 
 def test_a_picture_is_written_where_the_person_says(tmp_path):
     file = tmp_path / "my robot.png"
-    assert f"written to {file}" in run_script(f"/picture {file}\n").stdout
+    assert f"Picture saved: {file}" in run_script(f"/picture {file}\n").stdout
     assert file.read_bytes().startswith(b"\x89PNG")
 
 
@@ -98,7 +98,7 @@ def test_in_a_script_nothing_before_a_stop_moves_the_robot_and_what_is_after_it_
     lines = [line.strip() for line in done.stdout.splitlines()]
     assert done.returncode == 0
     assert f"> {stop}" in lines
-    assert "[lines before it that are not done: 2]" in lines
+    assert "[cancelled lines before this stop: 2]" in lines
     going = {phrases.begins("navigate_to", room=room) for room in ("kitchen", "bedroom")}
     assert not going & set(lines)
     assert any(line.startswith(phrases.stands(room="living_room")) for line in lines)
@@ -225,7 +225,7 @@ def test_the_prompt_shows_progress_a_stop_acts_at_once_and_ctrl_c_interrupts_the
     prompt.send("go to the office\r")
     see(prompt, phrases.begins("navigate_to", room="office"))
     prompt.send("\x03")
-    see(prompt, "Ctrl-C once more to leave")
+    see(prompt, "press Ctrl-C again to exit")
     prompt.send("\x03")
     prompt.expect(pexpect.EOF, timeout=HUNG_S)
     prompt.wait()

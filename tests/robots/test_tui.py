@@ -162,7 +162,7 @@ def test_quit_leaves():
 def test_slash_commands_answer_into_the_transcript():
     async def play(shown):
         await shown.type("/dance")
-        await shown.until(lambda: any("no such command" in x for x in shown.transcript()))
+        await shown.until(lambda: any("unknown command" in x for x in shown.transcript()))
         await shown.pilot.press("f1")
         await shown.until(lambda: any("/help" in x for x in shown.transcript()))
 

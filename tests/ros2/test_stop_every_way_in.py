@@ -70,5 +70,5 @@ def test_a_drive_by_standard_input_is_stopped_by_the_line_after_it(robot):
     assert halt.left_m > LEFT_M
     robot.sentence.wait_for(lambda m: "percent" in m, since=heard)
     assert not any(m.startswith("I am in") for m in robot.sentence.messages[heard:])
-    robot.agent.wait_for_line("[lines before it that are not done: 1]")
+    robot.agent.wait_for_line("[cancelled lines before this stop: 1]")
     assert standing(robot.state.messages[-1])

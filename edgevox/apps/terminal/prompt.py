@@ -116,7 +116,7 @@ class Prompt:
         if self._ctrl_c.pressed():
             return False
         self._slash_context.conversation.submit(Interrupt("Ctrl-C", cause=Cause.TERMINAL))
-        show("  [Ctrl-C once more to leave]")
+        show("  [press Ctrl-C again to exit]")
         return True
 
     def _leave(self) -> bool:

@@ -39,7 +39,7 @@ def run_script(
         if line.startswith("/"):
             return
         if interlock.outdated(mark):
-            write(f"  [not done, as a stop came first: {line}]")
+            write(f"  [not done, the robot was stopped: {line}]")
         context.conversation.submit(TextInput(line, Way.TYPED), mark)
 
     def run_slash(line: str) -> None:
@@ -51,7 +51,7 @@ def run_script(
         begin(line, interlock.mark)
         run_slash(line)
         if dropped:
-            write(f"  [lines before it that are not done: {dropped}]")
+            write(f"  [cancelled lines before this stop: {dropped}]")
 
     def keep(event: GoalChanged) -> None:
         """What was written behind a line that calls the skill `stop` in words comes after it."""

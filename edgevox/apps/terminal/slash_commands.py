@@ -1,4 +1,4 @@
-"""What a person can type that is not for the robot: lines that begin with a slash."""
+"""Slash commands: typed lines that are for the program, not for the robot."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -15,7 +15,7 @@ from edgevox.core.files.text import one_line, printable
 from edgevox.robots.capabilities import Body, HasMap
 
 MAP_COLUMNS = 60
-NO_ROBOT = "there is no robot here"
+NO_ROBOT = "No robot is running."
 
 
 class Leave(Exception):
@@ -35,7 +35,7 @@ class SlashContext:
 def _help(_: SlashContext) -> str:
     names = {f"/{name} {command.takes}": command.about for name, command in COMMANDS.items()}
     lines = [f"  {name:<15} {about}" for name, about in names.items()]
-    return "\n".join(["Type what you would say to the robot, or:", *lines])
+    return "\n".join(["Type what you want to say to the robot, or a command:", *lines])
 
 
 def _picture(context: SlashContext, name: str) -> str:
@@ -46,13 +46,13 @@ def _picture(context: SlashContext, name: str) -> str:
         write_picture(check_picture(context.body, file), file)
     except EdgeVoxError as error:
         return str(error)
-    return f"written to {file.absolute()}"
+    return f"Picture saved: {file.absolute()}"
 
 
 def _map(context: SlashContext) -> str:
     if isinstance(context.body, HasMap):
         return context.body.draw_map(context.columns)
-    return f"{context.body.name} has no map" if context.body else NO_ROBOT
+    return f"{context.body.name} has no map." if context.body else NO_ROBOT
 
 
 def _state(context: SlashContext) -> str:
@@ -70,20 +70,20 @@ def _skills(context: SlashContext) -> str:
 
 def _stop(context: SlashContext) -> str:
     context.conversation.submit(Interrupt("typed /stop", cause=Cause.TERMINAL))
-    return "stopped"
+    return "Robot stopped."
 
 
 def _reset(context: SlashContext) -> str:
     context.conversation.submit(Reset())
-    return "forgotten"
+    return "Conversation reset."
 
 
 def _restart(context: SlashContext) -> str:
     if context.body is None:
         return NO_ROBOT
-    context.conversation.submit(Interrupt("the world was put back", cause=Cause.TERMINAL))
+    context.conversation.submit(Interrupt("world reset", cause=Cause.TERMINAL))
     context.body.reset()
-    return "put back"
+    return "World reset."
 
 
 def _quit(_: SlashContext) -> str:
@@ -106,15 +106,15 @@ class SlashCommand:
 
 
 COMMANDS: Mapping[str, SlashCommand] = {
-    "help": SlashCommand("show this", _help),
-    "map": SlashCommand("draw the world with the robot in it", _map),
-    "picture": SlashCommand("write a picture of the robot as PNG", _picture, "[FILE]", slow=True),
+    "help": SlashCommand("show this help", _help),
+    "map": SlashCommand("show the map with the robot", _map),
+    "picture": SlashCommand("save a picture of the robot as PNG", _picture, "[FILE]", slow=True),
     "state": SlashCommand("show the robot's state", _state),
-    "skills": SlashCommand("list what the robot can do", _skills),
-    "stop": SlashCommand("stop talking and moving", _stop, stops=True),
-    "reset": SlashCommand("forget the conversation and stop", _reset, stops=True),
-    "restart": SlashCommand("put the robot and its world back to the start", _restart),
-    "quit": SlashCommand("leave", _quit),
+    "skills": SlashCommand("list the robot's skills", _skills),
+    "stop": SlashCommand("stop the robot and its voice", _stop, stops=True),
+    "reset": SlashCommand("stop and reset the conversation", _reset, stops=True),
+    "restart": SlashCommand("reset the robot and its world", _restart),
+    "quit": SlashCommand("exit", _quit),
 }
 
 
@@ -137,7 +137,7 @@ def run_command(line: str, context: SlashContext) -> str:
     name, rest = _split(line)
     command = COMMANDS.get(name)
     if command is None:
-        return f"/{one_line(name)}: no such command; expected one of /{', /'.join(COMMANDS)}"
+        return f"/{one_line(name)}: unknown command; expected one of /{', /'.join(COMMANDS)}"
     if rest and not command.takes:
         return f"/{name}: got {rest!r}, expected nothing after it"
     return printable(command.run(context, rest) if command.takes else command.run(context))

@@ -47,12 +47,12 @@ class Face(App[None]):
     #line {{ border: tall $panel; }}
     """
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("ctrl+c", "interrupt", "Stop (twice: leave)", priority=True),
+        Binding("ctrl+c", "interrupt", "Stop (twice: exit)", priority=True),
         Binding("ctrl+t", "mute", "Mute", priority=True),
         Binding("f1", "help", "Help", priority=True),
         Binding("f2", "panel", "Panel", priority=True),
         Binding("f3", "log", "Log", priority=True),
-        Binding("ctrl+q", "quit", "Leave", priority=True),
+        Binding("ctrl+q", "quit", "Exit", priority=True),
     ]
 
     def __init__(
@@ -89,7 +89,7 @@ class Face(App[None]):
                 yield Static(panels.latencies(()), id="turns")
                 yield Static(id="machine")
                 yield Static(id="unread")
-        yield Input(placeholder="type what you would say; /help for more", id="line")
+        yield Input(placeholder="Type a message, or /help", id="line")
         yield Footer()
 
     def on_mount(self) -> None:

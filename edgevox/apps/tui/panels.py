@@ -39,7 +39,7 @@ def meter(level: float, *, width: int = WIDTH) -> Text:
 def latencies(turns: Sequence[TurnMeasured]) -> Text:
     """The last turns, the newest first: seconds of each stage."""
     if not turns:
-        return Text("no turn yet", style="dim")
+        return Text("no turns yet", style="dim")
     lines = ["  stt  llm  tts ttfs total"]
     lines += [
         f"{t.stt:5.2f}{t.llm:5.2f}{t.tts:5.2f}{t.ttfs:5.2f}{t.total:6.1f}" for t in reversed(turns)

@@ -1,4 +1,4 @@
-/** Who commands: one operator at a time, who gives it on or whom the robot takes it from. */
+/** Control of the robot: one operator at a time has it, and can release it or hand it over. */
 import { h } from "./dom.js";
 import { tellRefusal } from "./notices.js";
 import { say } from "./words.js";
@@ -17,8 +17,8 @@ export function leaseControl(store, link) {
     else if (mine) {
       parts.push(...waiting.slice(0, 1).map((one) => h("button", { class: "small", type: "button", onclick: () =>
         ask({ action: "give", to: one.client }) }, say("give_turn", { name: one.name ?? one.client }))));
-      parts.push(h("button", { class: "small on", type: "button", title: say("give_back"), onclick: () =>
-        ask({ action: "give" }) }, say("you_command")));
+      parts.push(h("button", { class: "small on", type: "button", title: say("you_command"), onclick: () =>
+        ask({ action: "give" }) }, say("give_back")));
     } else if (holder) {
       parts.push(h("span", { class: "chip" }, say("commands_now", { name: name ?? holder })));
       parts.push(h("button", { class: "small", type: "button", onclick: () =>
@@ -32,7 +32,7 @@ export function leaseControl(store, link) {
 }
 
 /**
- * Greys what commands while this page may not, and says so.
+ * Disables the fields while this page has no control.
  * @param {import("./store.js").Store} store
  * @param {HTMLFieldSetElement} fields
  */

@@ -1,17 +1,17 @@
-// Shows how each robot is, once a second; everything is written as text, never as HTML.
+// Shows the state of each robot, once a second; everything is written as text, never as HTML.
 // @ts-check
 
 /** @typedef {{name: string, console: string, state: string, problems: Record<string, string>, age_s: number | null}} Robot */
 
 /** @type {Record<string, string>} */
-const WORDS = { unknown: "not asked yet", ready: "ready", unwell: "not well", gone: "no answer" };
+const WORDS = { unknown: "not checked yet", ready: "ready", unwell: "not ready", gone: "not responding" };
 const EVERY_MS = 1000;
 const rows = /** @type {HTMLElement} */ (document.getElementById("robots"));
 const summary = /** @type {HTMLElement} */ (document.getElementById("summary"));
 
 /** @param {string} text */
 function say(text) {
-  if (summary.textContent !== text) summary.textContent = text; // a screen reader repeats what is written anew
+  if (summary.textContent !== text) summary.textContent = text; // a screen reader repeats text that is written again
 }
 
 /** @param {Robot} robot */
@@ -48,7 +48,7 @@ function show(robots) {
   rows.replaceChildren(...robots.map(row));
   if (focused !== null) [...rows.querySelectorAll("a")].find((one) => one.textContent === focused)?.focus();
   const well = robots.filter((one) => one.state === "ready").length;
-  say(`${well} of ${robots.length} are ready`);
+  say(`${well} of ${robots.length} robots ready`);
 }
 
 async function look() {
@@ -58,7 +58,7 @@ async function look() {
     document.body.className = "";
   } catch {
     document.body.className = "stale";
-    say("This page has lost its server: what it shows is old");
+    say("Server not responding. This view is out of date.");
   }
   setTimeout(look, EVERY_MS);
 }
