@@ -17,7 +17,7 @@ from edgevox.core.process.extras import install_extra
 Kind = Literal["input", "output"]
 
 RETRY_S = 3.0
-"""How long a device that is not there is left alone."""
+"""Seconds before a missing device is tried again."""
 
 _WORDS: Mapping[Kind, str] = {"input": "microphone", "output": "loudspeaker"}
 
@@ -37,7 +37,7 @@ class Device:
 
 
 class _Uses:
-    """How many streams this process has."""
+    """A count of the streams that this process has open."""
 
     def __init__(self) -> None:
         self.lock = threading.Lock()
@@ -61,7 +61,10 @@ def in_use() -> Iterator[None]:
 
 @contextmanager
 def portaudio_errors() -> Iterator[None]:
-    """What PortAudio raises becomes `DeviceMissing`: it is tried again like what is not there."""
+    """Turn PortAudio's errors into `DeviceMissing`.
+
+    So a failing device is tried again, like a missing one.
+    """
     sounddevice = _sounddevice()
     try:
         yield
@@ -70,7 +73,10 @@ def portaudio_errors() -> Iterator[None]:
 
 
 def is_active(stream: Any) -> bool:
-    """Whether PortAudio still serves this stream; a device that is gone may fail to say so."""
+    """Return whether PortAudio still serves this stream.
+
+    A device that is gone may fail to say so.
+    """
     try:
         with portaudio_errors():
             return bool(stream.active)

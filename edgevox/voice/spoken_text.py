@@ -13,7 +13,7 @@ _CLAUSE = re.compile(r"(?<=[,;:—–،؛])\s+|(?<=[、，；：])")  # noqa: RU
 _LEAST_CHARS = 12
 _LONGEST_CHARS = 240
 _WIDE = "\N{CJK RADICAL REPEAT}"
-"""From here on a character is a syllable or a word, and counts as three."""
+"""From this character on, each is a syllable or a word, and counts as three."""
 
 
 def split_phrases(sentence: str, length: int) -> list[str]:

@@ -16,7 +16,7 @@ MOST_LOADED = 4
 
 
 class VoicePool:
-    """Loads voices when they are asked for and keeps those that were used last.
+    """Loads voices on demand and keeps the ones that were used last.
 
     Used from one thread. Kokoro's voices share one model, espeak-ng's one library.
     """
@@ -25,7 +25,7 @@ class VoicePool:
         self._most = most
         self._loaded: OrderedDict[VoiceChoice, Synthesiser] = OrderedDict()
         self.files: frozenset[Path] = frozenset()
-        """Those of the voices that are loaded. May be read from any thread."""
+        """Files of the voices that are loaded. May be read from any thread."""
 
     def get(self, choice: VoiceChoice) -> Synthesiser:
         """The voice, loaded and warm. Raises `EdgeVoxError` if it cannot be loaded."""
