@@ -55,7 +55,7 @@ PROFILE = Path(__file__).with_name("fast_dds.xml")
 READ_BY_FAST_DDS = "FASTRTPS_DEFAULT_PROFILES_FILE"
 """The variable that the Fast DDS of ROS 2 Jazzy reads."""
 GIVEN = "FASTDDS_DEFAULT_PROFILES_FILE"
-"""Its name from Fast DDS 3 on, and in our reference: it counts here, too."""
+"""The variable's name from Fast DDS 3 on, and in the reference: EdgeVox reads it, too."""
 TRANSPORTS = "FASTDDS_BUILTIN_TRANSPORTS"
 _WITH_UDP = ("", "DEFAULT", "UDPv4")
 
@@ -138,7 +138,7 @@ class QuietNode(Node):
             one.callback(what)
 
     def add_waitable(self, waitable: Waitable) -> None:
-        """Where rclpy adds the handlers of every publisher and subscription it creates."""
+        """Collect the event handlers that rclpy adds for every publisher and subscription."""
         if isinstance(waitable, EventHandler):
             self._events.append(waitable)
         else:
@@ -170,7 +170,7 @@ def _enters(held: ExitStack, handler: EventHandler) -> bool:
 
 
 BEAT_S = 1.0
-"""How often the executor gives a sign of life; each costs it about 1 ms."""
+"""Seconds between two signs of life of the executor; each costs it about 1 ms."""
 
 
 class RosBridgeFailed(EdgeVoxError):
@@ -180,7 +180,7 @@ class RosBridgeFailed(EdgeVoxError):
 class RosNode:
     """Owns an rclpy node. One thread runs all of its callbacks, so none of them may block.
 
-    Raises `RosBridgeFailed` where the context or the node cannot be made.
+    Raises `RosBridgeFailed` if the context or the node cannot be made.
     """
 
     def __init__(
@@ -224,7 +224,7 @@ class RosNode:
 
     @property
     def stalled_s(self) -> float:
-        """For how long a callback holds up all others; infinite if the thread has ended by itself.
+        """Seconds for which a callback has held up all others; infinite if the thread died.
 
         0 before `start` and after `close`.
         """
@@ -244,7 +244,7 @@ class RosNode:
         self.node.look()
 
     def _init(self, ros_args: list[str]) -> None:
-        """Where a program's lines go to one stream, ROS 2 must not write its own beside it."""
+        """Start the context; ROS 2 writes no lines of its own if EdgeVox's go to one stream."""
         quiet = ["--ros-args", "--disable-stdout-logs"] if self._lines else []
         self._context.init([*ros_args, *quiet])
         apply_log_levels(ros_args)

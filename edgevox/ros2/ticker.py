@@ -16,7 +16,7 @@ log = get_logger(__name__)
 MakeTicker = Callable[[str], "Ticker"]
 """Makes one by the name of its thread: for whoever needs one of his own."""
 TOGETHER_S = 0.001
-"""What is due within this time is done at once."""
+"""Jobs due within this time run together."""
 
 
 class _TickerJob:
@@ -26,18 +26,17 @@ class _TickerJob:
         self.tick, self.period_s, self.due_s = tick, period_s, due_s
 
     def advance(self, now_s: float) -> None:
-        """It was done for the moment at which it was due; those that were missed are skipped."""
+        """Set the next due time; missed ones are skipped."""
         missed = max(0.0, now_s - self.due_s) // self.period_s
         self.due_s += (missed + 1) * self.period_s
 
 
 class Ticker:
-    """Does jobs, each every so many seconds of real time, from `start` to `close`.
+    """Runs jobs, each at its period of real time in seconds, on one thread from `start` to `close`.
 
-    A rate does not drift. A tick that comes too late is skipped, not made up for. One that raises
-    is counted in `failures`, logged, and the next one comes. Jobs should be quick: one that is not
-    makes the others late. Whoever turns the clock calls `begin` and then `tick` instead of
-    `start`.
+    A rate does not drift. A late tick is skipped, not made up for. A tick that raises is counted in
+    `failures` and logged, and the next one comes. Jobs should be quick, because a slow one delays
+    the others. A test that turns the clock calls `begin` and then `tick` instead of `start`.
     """
 
     def __init__(self, name: str, clock: Clock | None = None) -> None:

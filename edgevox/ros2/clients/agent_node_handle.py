@@ -53,7 +53,7 @@ class AgentNodeHandle:
         self._making = threading.Lock()
 
     def open(self, node: Node) -> None:
-        """From now on this is the node."""
+        """Use this node from now on."""
         self._clients = {one: one.made(node, self._clock) for one in self._listens}
         self._node = node
 

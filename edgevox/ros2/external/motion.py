@@ -36,7 +36,7 @@ class Target:
     yaw_rad: float | None = None
 
     def distance_m(self, pose: Pose2D) -> float:
-        """How far away it is, as the crow flies."""
+        """Return the straight-line distance to the target, in metres."""
         return math.hypot(self.x_m - pose.x_m, self.y_m - pose.y_m)
 
     def bearing_rad(self, pose: Pose2D) -> float:
@@ -46,7 +46,7 @@ class Target:
         return math.atan2(self.y_m - pose.y_m, self.x_m - pose.x_m)
 
     def turn_rad(self, pose: Pose2D) -> float:
-        """How much to turn for the heading asked for, counter-clockwise; 0 if none is."""
+        """Return the turn to the wanted heading, counter-clockwise; 0 without one."""
         if self.yaw_rad is None:
             return 0.0
         return turn_between(pose.yaw_rad, self.yaw_rad)
@@ -54,19 +54,18 @@ class Target:
 
 @dataclass(frozen=True, slots=True)
 class PoseEstimate:
-    """Where the robot is and how it moves, in `frame`: the map, or odometry taken for it.
-
-    `stamp_ns` is the robot's own time.
-    """
+    """The robot's pose and motion."""
 
     pose: Pose2D
     twist: Twist2D
     frame: str
+    """The map frame, or the odometry's, taken for the map."""
     stamp_ns: int
+    """The robot's own time, in nanoseconds."""
 
 
 def describe(estimate: PoseEstimate | None) -> dict[str, Any]:
-    """Where a robot is and how it moves, as `robot_state` says it."""
+    """Return the robot's pose and motion in the form of `robot_state`."""
     if estimate is None:
         return {"frame": None, "pose": None, "velocity": None}
     pose, twist = estimate.pose, estimate.twist
@@ -90,8 +89,8 @@ _CORRECTED_M = 0.3
 class OwnSteering:
     """Turns towards the target, drives there in a straight line, turns as asked, and stands.
 
-    It plans no way. If scans arrive, it waits for what stands in its way, and gives up in time.
-    `scan` gives the newest, or raises `SkillFailed` where it cannot be believed.
+    It plans no path. If there are scans, it waits for an obstacle on its way to move, and gives up
+    after a while. `scan` returns the newest scan, or raises `SkillFailed` if it is implausible.
     """
 
     name = "cmd_vel"
@@ -113,7 +112,7 @@ class OwnSteering:
 
     @property
     def waiting(self) -> bool:
-        """Whether it stands for something in its way."""
+        """Whether it waits for an obstacle."""
         return self._waiting_since_s is not None
 
     def available(self) -> bool:
@@ -174,7 +173,10 @@ class OwnSteering:
 
 
 def blocked(scan: LidarScan | None, reach_m: float, half_width_m: float) -> bool:
-    """Whether a scan shows anything in the strip before the robot, this far from its middle."""
+    """Return whether the scan shows an obstacle in the strip ahead of the robot.
+
+    The strip reaches `reach_m` from the robot's middle, and `half_width_m` to either side.
+    """
     if scan is None:
         return False
     # Minus infinity is nearer than the lidar can tell (REP 117), which is near enough.
@@ -185,7 +187,7 @@ def blocked(scan: LidarScan | None, reach_m: float, half_width_m: float) -> bool
 
 
 class MotionBackend(Protocol):
-    """One way to drive. `begin`, `tick` and `cancel` are quick and called under the body's lock."""
+    """A way to drive. `begin`, `tick` and `cancel` are quick and called under the body's lock."""
 
     name: str
     patience: Patience
@@ -195,7 +197,7 @@ class MotionBackend(Protocol):
         """Whether the robot stands on its way for a good reason."""
 
     def available(self) -> bool:
-        """Whether the robot can be driven this way, as far as the graph is known."""
+        """Return whether this way is usable, as far as the graph is known."""
 
     def begin(self, target: Target, estimate: PoseEstimate) -> None: ...
 
@@ -203,7 +205,7 @@ class MotionBackend(Protocol):
         """Go on; True once there and standing. Raises `SkillFailed` when it cannot."""
 
     def left_m(self, estimate: PoseEstimate) -> float:
-        """What is left of the way."""
+        """Return the remaining distance, in metres."""
 
     def cancel(self, estimate: PoseEstimate | None) -> None:
         """Forget the target. The body holds zero velocity beside this."""

@@ -48,7 +48,7 @@ class Broadcaster:
         self._publisher = StampedPublisher(node, TFMessage, "/tf")
 
     def send(self, placed: Sequence[FramePose], stamp_ns: int) -> None:
-        """Where things are at this stamp."""
+        """Publish the poses of the frames at this stamp."""
         self._publisher.say(placed, lambda stamp: _message(placed, stamp), stamp_ns)
 
 
@@ -129,5 +129,5 @@ class Frames:
         self._prefix = prefix
 
     def names_of(self, frame: str) -> tuple[str, ...]:
-        """What a peer may have meant by a frame: itself, or this robot's frame of that name."""
+        """Return the frames that a peer may mean: this name, or this robot's frame of that name."""
         return (frame, f"{self._prefix}{frame}") if frame != MAP else (frame,)

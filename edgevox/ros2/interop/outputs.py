@@ -1,10 +1,7 @@
-"""How the body moves: one sample, one stamp, and everything that is made of it.
+"""The body's outputs: motion (`/tf`, `pose`, `odom`), `scan` and `/clock`.
 
-`/tf`, `pose` and `odom` of one tick carry the same pose and the same stamp.
-
-The lidar's sweeps go out on `scan`.
-
-The body's time goes out on `/clock`, for peers with `use_sim_time`.
+`/tf`, `pose` and `odom` of one tick carry the same pose and the same stamp. `/clock` carries the
+body's time, for peers with `use_sim_time`.
 """
 
 from array import array
@@ -48,7 +45,7 @@ class Scanner:
         self._publisher = node.create_publisher(LaserScan, "scan", profile(STANDARD["scan"].qos))
 
     def links(self) -> list[FramePose]:
-        """Where the lidar sits on the body."""
+        """Return the pose of the lidar on the body."""
         return [FramePose(self._frames.base, self._frames.lidar, lift(self._body.scan().mount))]
 
     def tick(self) -> None:
@@ -143,7 +140,7 @@ class MotionPublisher:
         self._say_pose(base or hand, stamp_ns)
 
     def _sample(self) -> tuple[float, Pose3D | None, Twist2D | None, Pose3D | None]:
-        """Everything at one moment of the body's time, as far as it stands still for it."""
+        """Sample everything at one moment of the body's time, as far as possible."""
         for _ in range(3):
             time_s = self._body.time_s
             base = self._lift(self._base.pose()) if self._base else None

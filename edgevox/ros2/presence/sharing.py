@@ -47,19 +47,19 @@ Name = Annotated[str, Field(max_length=255)]
 
 @checked(frozen=True, config=ConfigDict(strict=True, extra="ignore"))
 class Claim:
-    """An agent, and how good its claim to move the robot is.
-
-    `id` is its own for as long as it runs. `robot` is its body, empty if it has none and moves
-    nothing. `term` is 0 just after its start, 1 once it was alone for a while, and one more than
-    any other's when it is told to take over. `since_ns` is its start, by its machine's clock.
-    """
+    """An agent's claim to move the robot."""
 
     id: Annotated[str, Field(pattern="^[0-9a-f]{8}$")]
+    """The agent's own, for as long as it runs."""
     robot: Name
+    """The name of its body; empty if it has none, and moves nothing."""
     host: Name
     pid: int
     since_ns: int
+    """The agent's start, by its machine's clock, in nanoseconds of Unix time."""
     term: Annotated[int, Field(ge=0, le=MOST_TERM)] = 0
+    """0 after the start, 1 once the agent was alone for a while, and one more than any other's
+    when the agent is told to take over."""
     leaving: bool = False
 
     @property
@@ -72,7 +72,7 @@ class Claim:
 
 
 def new_claim(robot: str) -> Claim:
-    """That of this process, which has just started."""
+    """Return the claim of this process, which has just started."""
     host = socket.gethostname()[:255]
     return Claim(secrets.token_hex(4), robot[:255], host, os.getpid(), time.time_ns())
 
@@ -89,12 +89,12 @@ _CLAIM = TypeAdapter(Claim)
 
 
 def write_claim(told: ClaimMessage) -> str:
-    """As JSON."""
+    """Write a claim as JSON."""
     return write({**asdict(told.claim), "in_charge": told.in_charge})
 
 
 def read_claim(text: str) -> Claim:
-    """From JSON. Raises `InvalidValue`."""
+    """Read a claim from JSON. Raises `InvalidValue`."""
     if len(text) > MAX_BYTES:
         raise InvalidValue("presence", f"{len(text)} characters", f"at most {MAX_BYTES}")
     try:
@@ -104,7 +104,7 @@ def read_claim(text: str) -> Claim:
 
 
 GONE_BEATS = 4
-"""Who is not heard for so many of our own beats is gone."""
+"""An agent is gone after so many beats of this one without a message."""
 SETTLED_BEATS = 5
 """Alone for so many is to have been here first: discovery takes 3 s at most."""
 MOST_OTHERS = 32
@@ -121,18 +121,18 @@ class Members:
 
     @property
     def others(self) -> tuple[Claim, ...]:
-        """Those that are here beside this one, the best claim first."""
+        """The other agents' claims, the best first."""
         return tuple(sorted(self._others.values(), key=lambda claim: claim.rank))
 
     @property
     def charge(self) -> Claim | None:
-        """Who moves the robot; None if nobody here has one."""
+        """The claim of the agent that moves the robot; None if no agent has a robot."""
         able = [claim for claim in (self.me, *self.others) if claim.robot]
         return min(able, key=lambda claim: claim.rank, default=None)
 
     @property
     def in_charge(self) -> bool:
-        """Whether this one does."""
+        """Whether this agent is in charge."""
         return self.charge == self.me
 
     def hear(self, claim: Claim) -> None:
@@ -178,10 +178,11 @@ NOT_IN_CHARGE = because("other_agent")
 
 
 class Presence:
-    """Says that this agent is here, hears who else is, and forbids motion if another is in charge.
+    """Publishes this agent's presence, hears the others, and yields to one in charge.
 
-    `robot` is the body's name, empty without one. What arrives is looked at on the executor's
-    thread, and the beat is the ticker's, so that this agent is seen while a callback hangs.
+    While another agent is in charge, the interlock forbids motion. `robot` is the body's name,
+    empty without one. Messages are handled on the executor's thread; the beat is the ticker's, so
+    that this agent is seen even while a callback hangs.
     """
 
     name = ComponentName.PRESENCE
@@ -214,7 +215,7 @@ class Presence:
         self._publisher.publish(String(data=write_claim(gone)))
 
     def status(self) -> Status:
-        """Who shares the namespace, for people."""
+        """Return the status of the shared namespace, for people."""
         others = tuple(str(claim) for claim in self._here.values())
         claim = self._told.claim
         yields = bool(claim.robot) and not self._told.in_charge

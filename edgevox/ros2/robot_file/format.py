@@ -1,18 +1,18 @@
-"""What a robot file may hold: a robot, its limits and places, and the skills it has.
+"""The format of a robot file: a robot, its limits and places, and its skills.
 
-namespace: /cleaner
-skills:
-  clean_room:
-    description: Clean a room.
-    action: {name: clean, type: cleaner_msgs/action/Clean}
-    request: {room: "{room}", passes: "{passes}"}
+An example:
 
-Arguments:
-      room: {type: choice, values: [hall, office]}
-      passes: {type: integer, min: 1, max: 3, default: 1}
-    sentences: ["clean [the] {room} [{passes} times]"]
-    says: Cleaning the {room}.
-    done: The {room} is clean.
+    namespace: /cleaner
+    skills:
+      clean_room:
+        description: Clean a room.
+        action: {name: clean, type: cleaner_msgs/action/Clean}
+        request: {room: "{room}", passes: "{passes}"}
+        arguments: {room: {type: choice, values: [hall, office]},
+                    passes: {type: integer, min: 1, max: 3, default: 1}}
+        sentences: ["clean [the] {room} [{passes} times]"]
+        says: Cleaning the {room}.
+        done: The {room} is clean.
 """
 
 from collections.abc import Mapping
@@ -49,16 +49,16 @@ MOST_WORDS = 500
 MOST_STEPS = 20
 MOST_WATCHES = 5
 FOR_DRIVING = ("topics", "limits", "footprint", "places", "locations")
-"""What a file says of how its robot drives, and where to."""
+"""The fields of a robot that drives."""
 
 
 class Argument(Part):
-    """What a skill is told: a number, a whole number, a truth, a text, or one of some words.
+    """An argument of a skill: a number, a whole number, a truth, a text, or one of some words.
 
-    `values` of a choice are its words, or what each word stands for in the request; `aliases` are
-    other things people say for a word, in any language; `names` are what a word is called in each.
-    A number goes into the request `times` so much: 0.01 where people say percent and the robot
-    takes a part of one.
+    `values` of a choice are its words, or the meaning of each word in the request; `aliases` are
+    other words that people say for a word, in any language; `names` are a word's names by language.
+    A number is multiplied by `times` for the request: 0.01 if people say percent and the robot
+    takes a share.
     """
 
     type: Literal["number", "integer", "boolean", "text", "choice"]
@@ -74,7 +74,7 @@ class Argument(Part):
 
     @property
     def meanings(self) -> Mapping[str, Meaning]:
-        """What each word of a choice stands for."""
+        """The meaning of each word of a choice."""
         values = self.values or []
         return values if isinstance(values, dict) else {word: word for word in values}
 
@@ -112,7 +112,7 @@ def _told_apart(one: Argument) -> None:
 
 
 def _by_value(data: Any) -> Any:
-    """With keys that are texts: YAML reads `true` and `3` as what they are."""
+    """Convert keys to texts: YAML reads `true` and `3` as a truth and a number."""
     if not isinstance(data, dict):
         return data
     keyed = {value_key(key): said for key, said in data.items()}
@@ -122,11 +122,11 @@ def _by_value(data: Any) -> Any:
 
 
 ByValue = Annotated[Mapping[str, Word], BeforeValidator(_by_value), at_most(MOST_WORDS, "values")]
-"""What is said for values, by how they are written: true, 3, or a text."""
+"""Spoken words by value, written as in YAML: true, 3, or a text."""
 
 
 class Sentences(Part):
-    """What is said to have it done, and what the robot says of it, in one language."""
+    """The sentences for a skill in one language: what people say, and what the robot answers."""
 
     sentences: list[Word] = Field(default_factory=list, max_length=50)
     says: str = ""
@@ -152,10 +152,10 @@ def _known_languages(by_code: dict[str, Sentences]) -> dict[str, Sentences]:
 class SkillEntry(Step, Sentences):
     """A skill: one step of its own, or a list of `steps`, which are done in order.
 
-    `moves`: it uses the body, so it ends whatever moves, and every stop ends it; by default all
-    that does more than read. `confirm`: somebody has to say yes before it is begun. `stops_on` are
-    messages that end it, and with which it does not begin. `stop` is done when it did not come to
-    its end, beside the cancel of an action.
+    `moves`: the skill uses the body, so it ends any other motion, and every stop ends it; the
+    default is true for a skill that does more than read. `confirm`: a person must say yes before it
+    begins. `stops_on`: messages that end the skill, and with which it does not begin. `stop`: the
+    step for an early end, besides the cancel of an action.
     """
 
     description: Word
@@ -173,12 +173,12 @@ class SkillEntry(Step, Sentences):
 
     @property
     def every_step(self) -> list[Step]:
-        """What it does, in order."""
+        """Its steps, in order."""
         return self.steps or [self]
 
     @property
     def uses_the_body(self) -> bool:
-        """Whether it moves, as it says, or because it does more than read."""
+        """Whether it moves the robot: as it says, else whether it does more than read."""
         reads = all(step.read for step in self.every_step)
         return not reads if self.moves is None else self.moves
 
@@ -215,7 +215,7 @@ def _only_short(entry: SkillEntry) -> None:
 
 
 class Limits(Part):
-    """How it is steered where nothing there takes goals, in m/s, rad/s and m/s²."""
+    """Limits for steering by `cmd_vel`, used if no node takes goals: in m/s, rad/s and m/s²."""
 
     max_linear: Number | None = Field(None, gt=0.0, le=10.0)
     max_angular: Number | None = Field(None, gt=0.0, le=10.0)
@@ -223,9 +223,9 @@ class Limits(Part):
 
 
 class Footprint(Part):
-    """How large it is, in metres, along and across its way, about the middle that `odom` tells of.
+    """The robot's size in metres, along and across its way, centred on the point that `odom` gives.
 
-    Where it is steered, what the scan shows in the strip before it makes it wait.
+    While EdgeVox steers, a scan that shows an obstacle in the strip ahead makes the robot wait.
     """
 
     length: Number = Field(gt=0.0, le=10.0)
@@ -233,13 +233,12 @@ class Footprint(Part):
 
 
 class RobotFile(Part):
-    """A whole file. What it says of the robot counts unless a setting says otherwise.
+    """A whole file. Its values count unless a setting says otherwise.
 
-    One that does not drive (`drives: false`) can what its skills say, and nothing else. `topics`
-    are what the robot calls the topics of the contract: ``{odom: wheel/odometry}``.
-    Places and the policy stand here, or in files of their own, whose paths begin beside this one:
-    `places` as in a locations file, `locations` its path; `policy` as in a policy file,
-    `policy_file` its path.
+    A robot that does not drive (`drives: false`) has only the skills of the file. `topics` maps the
+    contract's topics to the robot's names: ``{odom: wheel/odometry}``. Places and the policy stand
+    here or in files of their own, with paths relative to this file: `places` as in a locations
+    file, or `locations`, its path; `policy` as in a policy file, or `policy_file`, its path.
     """
 
     name: str = Field("", max_length=100, description="the robot's name")
@@ -277,6 +276,6 @@ class RobotFile(Part):
 
     @property
     def about(self) -> str:
-        """What it is called and what it is for."""
+        """The robot's name and purpose."""
         called = f"Your name is {self.name}." if self.name else ""
         return " ".join(filter(None, (called, self.description)))

@@ -36,7 +36,7 @@ log = get_logger(__name__)
 
 
 def holds(message: Any, conditions: Sequence[FieldCondition], arguments: Mapping[str, Any]) -> bool:
-    """Whether all of these hold for a message, with these values for what they name."""
+    """Return whether all conditions hold for a message; `arguments` are values that they name."""
     return all(_one_holds(read_path(message, one.field), one, arguments) for one in conditions)
 
 
@@ -81,19 +81,19 @@ Report = Callable[..., None]
 
 @dataclass(frozen=True, slots=True)
 class StepRun:
-    """One time that a step is done: the values for its request, and the goal it is done for.
-
-    `stop` does what the skill does when it ends early; only the first call counts. `asked_s` is
-    when the step before it began to ask for something, if there is one, and `only_asked` that it
-    did nothing else: it did not wait for what it asked for.
-    """
+    """A single run of a step."""
 
     values: Mapping[str, Any]
+    """Values for the request, by name."""
     token: CancelToken
+    """Cancelled with the goal."""
     report: Report
     stop: Callable[[], None] = lambda: None
+    """Does what the skill does when it ends early; only the first call counts."""
     asked_s: float | None = None
+    """When the step before began to ask for something, by the clock; None if it did not."""
     only_asked: bool = False
+    """True if the step before did not wait for what it asked for."""
 
 
 class LiveStep(Protocol):
@@ -101,10 +101,13 @@ class LiveStep(Protocol):
 
     @property
     def only_asks(self) -> bool:
-        """Whether it is over as soon as it has asked for something."""
+        """Whether it ends as soon as it has asked for something."""
 
     def run(self, run: StepRun) -> dict[str, Any]:
-        """Its results. Raises `SkillFailed` with the reason, or `Cancelled`."""
+        """Run the step; return its results.
+
+        Raises `SkillFailed` with the reason, or `Cancelled`.
+        """
 
 
 def go_live(planned: PlannedStep, node: Node, clock: Clock) -> LiveStep:
@@ -227,7 +230,7 @@ class WaitsForMessage(_Hears):
     """Waits until a message says that something is so."""
 
     keeps = 32
-    """What came between the asking and the waiting: others' answers come on the same topic."""
+    """Messages kept between asking and waiting: others' answers come on the same topic."""
 
     def run(self, run: StepRun) -> dict[str, Any]:
         how: Wait = getattr(self._step, self._planned.way)

@@ -66,17 +66,17 @@ def fields_of(message: Any) -> dict[str, str]:
 
 
 def is_primitive(type_name: str) -> bool:
-    """Whether it is a number, a truth or a text."""
+    """Return whether it is a number, a truth or a text."""
     return _PRIMITIVE.fullmatch(type_name) is not None
 
 
 def is_text(type_name: str) -> bool:
-    """Whether it is a text, bounded or not."""
+    """Return whether it is a text, bounded or not."""
     return type_name.startswith(("string", "wstring"))
 
 
 def listed(type_name: str) -> tuple[str, int | None, int | None] | None:
-    """For a list: the type in it, its fixed length, and the most that it takes; else None."""
+    """Return a list's item type, fixed length and greatest length; None for other types."""
     if match := _ARRAY.fullmatch(type_name):
         return match["inner"], int(match["length"]), None
     if match := _SEQUENCE.fullmatch(type_name):
@@ -110,7 +110,7 @@ def check_path(kind: Any, path: str, field: str) -> str:
 
 
 def read_path(message: Any, path: str) -> Any:
-    """What stands at this path; None where a list is shorter."""
+    """Return the value at this path; None if a list is shorter."""
     for part in path.split("."):
         name, *_ = part.partition("[")
         message = getattr(message, name)

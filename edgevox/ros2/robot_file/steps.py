@@ -1,7 +1,4 @@
-"""What a step of a robot file may hold: one interface, what is sent to it, what comes back.
-
-Which values an argument of a robot file may have; a default has to be one.
-"""
+"""The format of a step: an interface, its request, its result, and the conditions."""
 
 from collections.abc import Collection, Mapping, Sized
 from math import isfinite
@@ -13,7 +10,7 @@ from edgevox.core.files.validation import Place, wrong
 
 LONGEST_WAIT_S = 86_400.0
 LONGEST_STOP_S = 5.0
-"""What is done after a stop may not keep the robot from the next one."""
+"""The stop step may not keep the robot from the next stop."""
 MOST_A_SECOND = 50.0
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
@@ -31,7 +28,7 @@ def _is_scalar(value: Any) -> Any:
 
 
 def at_most(most: int, what: str) -> BeforeValidator:
-    """So many keys of a mapping, which are counted before each is looked at."""
+    """Limit the number of entries, which are counted before they are checked."""
 
     def check(value: Any) -> Any:
         if isinstance(value, Sized) and len(value) > most:
@@ -43,30 +40,30 @@ def at_most(most: int, what: str) -> BeforeValidator:
 
 Scalar = Annotated[bool | int | float | str, BeforeValidator(_is_scalar)]
 Meaning = Scalar | list[Any] | dict[str, Any]
-"""What a word stands for in a request: a value, a list, or a message's fields by name."""
+"""A word's meaning in a request: a value, a list, or a message's fields by name."""
 
 
 class Part(BaseModel):
-    """A mapping of the file; a key that nobody knows is refused."""
+    """A mapping of the file; an unknown key is refused."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class Interface(Part):
-    """One interface of the robot: its name on the graph, and its type."""
+    """An interface of the robot: its name on the graph, and its type."""
 
     name: GraphName
     type: Word = Field(description="such as std_srvs/srv/SetBool")
 
 
 class Topic(Interface):
-    """A topic; `latched` is transient local: what was said last is kept for who comes later."""
+    """A topic; `latched` is transient local: the last message is kept for late subscribers."""
 
     latched: bool = False
 
 
 class Publication(Topic):
-    """What is published: once, or `rate_hz` times a second for `for_s`, or until it is stopped."""
+    """A message to publish: once, or at `rate_hz` for `for_s` seconds, or until a stop."""
 
     rate_hz: Number = Field(0.0, ge=0.0, le=MOST_A_SECOND)
     for_s: Number = Field(0.0, ge=0.0, le=LONGEST_WAIT_S)
@@ -76,7 +73,7 @@ class Publication(Topic):
 
 
 class ResultValue(Part):
-    """A value of what comes back: a field by its path, a number in it `times` so much, rounded."""
+    """A value of the answer: a field by its path; a number is multiplied by `times` and rounded."""
 
     field: Word
     times: Number | None = None
@@ -84,21 +81,21 @@ class ResultValue(Part):
 
 
 class ActionInterface(Interface):
-    """An action; `progress` is the path of a feedback's number that goes from 0 to 1.
+    """An action; `progress` is the path of a number in the feedback that goes from 0 to 1.
 
-    One that goes to another number is told with `times`: ``{field: percent, times: 0.01}``.
+    A number that goes further needs `times`: ``{field: percent, times: 0.01}``.
     """
 
     progress: Word | ResultValue | None = None
 
     @property
     def part_done(self) -> ResultValue | None:
-        """Which value of the feedback says how much is done, from 0 to 1."""
+        """The feedback's value for the progress, from 0 to 1."""
         return ResultValue(field=self.progress) if isinstance(self.progress, str) else self.progress
 
 
 class FieldCondition(Part):
-    """What a field of a message must be: `equals`, or a number `above` or `below`.
+    """A condition on a field of a message: `equals`, or a number `above` or `below`.
 
     `equals` may name arguments and earlier results, as requests do.
     """
@@ -125,10 +122,10 @@ WAYS = ("publish", "call", "action", "read", "wait")
 
 
 class Step(Part):
-    """One thing that is done over ROS 2, in exactly one of these ways.
+    """One act over ROS 2, in exactly one of these ways.
 
-    `request` fills the message; `result` are values of what comes back, by the path of a field,
-    which sentences and later steps may use; `expect` are conditions without which it has failed.
+    `request` fills the message; `result` names values of the answer, by the path of a field, for
+    sentences and later steps; `expect` are conditions without which the step has failed.
     """
 
     publish: Publication | None = None
@@ -163,7 +160,7 @@ class Step(Part):
 
 
 class StopStep(Step):
-    """What is done at once when a skill was stopped: a message or a call, within seconds."""
+    """The step after a stop, done at once: a message or a call that ends within seconds."""
 
     timeout_s: Number = Field(
         2.0, gt=0.0, le=LONGEST_STOP_S, description="seconds after which it fails"
@@ -190,7 +187,7 @@ _KINDS = {"boolean": "true or false", "text": "a text", "integer": "a whole numb
 def wanted_instead(
     value: Scalar, kind: str, words: Collection[str], low: float | None, high: float | None
 ) -> str:
-    """What an argument of this kind would take instead of a value; empty if it takes it."""
+    """Return what an argument of this kind takes instead; empty if it takes the value."""
     if kind == "choice":
         return "" if value in words else "one of " + ", ".join(words)
     within = not isinstance(value, bool | str) and (
