@@ -1,6 +1,7 @@
-"""What a robot is to `edgevox-agent`, and how a package brings one: by an entry point, as ours do.
+"""The interface of a robot to `edgevox-agent`: a package brings one by an entry point.
 
-Who brings a body needs this module, the protocols of `capabilities`, and `EdgeVoxError` of core.
+EdgeVox's own robots come the same way. A package needs this module, the protocols of
+`capabilities`, and `EdgeVoxError` of core.
 """
 
 import tomllib
@@ -49,18 +50,19 @@ _PROJECT = Path(__file__).parents[2] / "pyproject.toml"
 
 @dataclass(frozen=True)
 class Robot:
-    """One robot: what it is, how to build it, what the language model is told of itself.
+    """A robot: its description, its constructor, and the language model's instructions.
 
-    The body that `build` makes has the robot's name. `models` are the ids of edgevox-models that it
-    needs as it comes; `build` locates them. `reads` are those of the settings `FOR_BODIES` that
-    `build` reads; whoever sets another one is told that it does nothing. None is for not saying.
+    The body that `build` makes has the robot's name.
     """
 
     about: str
     build: Build
     instructions: str = INSTRUCTIONS
     models: tuple[str, ...] = ()
+    """Ids of the edgevox-models that it needs by default; `build` locates them."""
     reads: frozenset[str] | None = None
+    """The settings of `FOR_BODIES` that `build` reads; a user who sets another one is told that
+    it does nothing. None: unknown."""
 
     def unread(self, settings: Settings) -> list[str]:
         """The settings that somebody changed and that do nothing for this robot."""
@@ -108,17 +110,17 @@ def installed_robots(project: Path = _PROJECT) -> Robots:
 
 
 def robot_points() -> tuple[EntryPoint, ...]:
-    """Those of all packages that are found now."""
+    """Return the robots' entry points of all installed packages."""
     return tuple(entry_points(group=GROUP))
 
 
 def foreign_robot_points() -> tuple[EntryPoint, ...]:
-    """Those of them that are not ours."""
+    """Return the robots' entry points of other packages."""
     return tuple(one for one in robot_points() if one.dist is None or one.dist.name != _OURS)
 
 
 def fault_of_robot(point: EntryPoint) -> str:
-    """Why a robot cannot even be loaded; empty if it can."""
+    """Return the reason why a robot cannot even be loaded; empty if it can."""
     try:
         robot = point.load()
     except _BROKEN as error:

@@ -48,7 +48,7 @@ GRAVITY_M_S2 = 9.81
 
 
 def irsim_config(world: World) -> Config:
-    """What to write into IR-SIM's YAML file. The objects are the robot, the things, the edges.
+    """Return the content of IR-SIM's YAML file. Its objects are the robot, the things, the edges.
 
     Raises `InvalidValue` for a shape that IR-SIM cannot stand in the world.
     """
@@ -180,7 +180,7 @@ class IrsimEngine:
         return tuple(_pose(one) for one in self._movable)
 
     def scan(self, time_s: float) -> LidarScan:
-        """As IR-SIM spreads the beams: a full circle has its first one twice."""
+        """Return a sweep with IR-SIM's spacing of beams: a full circle has its first one twice."""
         lidar = self._lidar
         with _ONE_AT_A_TIME:
             lidar.step(self._robot.state[:3])
@@ -241,10 +241,10 @@ def _pose(one: Any) -> Pose2D:
 class IrsimRobot(DiffDriveRobot):
     """A `DiffDriveRobot` in IR-SIM, in the apartment or any other world.
 
-    Walls are solid and furniture with a mass can be pushed, by IR-SIM's own law of contacts.
-    IR-SIM's goals and behaviours are not used: the drives are ours. Nothing in it is random;
-    what a world file leaves to chance is decided by `load_world` and its seed.
-    Raises `EdgeVoxError` where IR-SIM is not installed.
+    Walls are solid and furniture with a mass can be pushed, by IR-SIM's own law of contacts. Drives
+    are planned and steered by EdgeVox, not by IR-SIM's goals and behaviours. It is deterministic;
+    `load_world` and its seed decide the random parts of a world file. Raises `EdgeVoxError` if
+    IR-SIM is not installed.
     """
 
     def __init__(

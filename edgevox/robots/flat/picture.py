@@ -40,7 +40,7 @@ _TRAIL_TO: Color = (226, 40, 96, 255)
 _ROBOT: Color = (37, 99, 235, 255)
 _LIGHT: Color = (255, 255, 255, 255)
 _LARGE_M, _SMALL_M = 0.36, 0.15
-"""How high letters are."""
+"""Heights of letters."""
 
 
 class Sheet:
@@ -214,7 +214,7 @@ def _mixed(one: Color, other: Color, part: float) -> Color:
 
 
 SMOOTHING = 3
-"""Everything is drawn this much larger and shrunk at the end: smooth edges."""
+"""The factor by which a picture is drawn larger and then shrunk, for smooth edges."""
 _FLOORS: tuple[Color, ...] = (
     (253, 246, 231, 255),
     (240, 242, 252, 255),

@@ -36,7 +36,10 @@ class Pictures:
         return picture
 
     def _size(self) -> int:
-        """Of the picture that has begun, header and all; 0 while its header is not whole."""
+        """Return the size of the current picture, header included.
+
+        0 while its header is incomplete.
+        """
         header = _HEADER.match(self._bytes)
         if header is None:
             if b"\n" in self._bytes or len(self._bytes) > 20:

@@ -117,7 +117,7 @@ class Extent(WorldPart):
 
     @property
     def area(self) -> Area:
-        """Where things are put that stand anywhere."""
+        """The area in which randomly placed things stand."""
         x, y = self.offset
         return (
             Pose2D(x + _MARGIN_M, y + _MARGIN_M, -math.pi),
@@ -126,7 +126,7 @@ class Extent(WorldPart):
 
 
 class Custom(WorldPart):
-    """What IR-SIM leaves to others."""
+    """The part of the file that IR-SIM leaves to other programs."""
 
     is_open: ClassVar[bool] = True
     edgevox: EdgevoxPart = EdgevoxPart()
