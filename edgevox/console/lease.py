@@ -5,17 +5,19 @@ from dataclasses import dataclass, field
 from edgevox.core.clock import Clock
 
 IDLE_S = 60.0
-"""Whoever commands nothing for so long loses it to whoever waits."""
+"""A holder that commands nothing for this long loses the lease to a client that waits."""
 GONE_S = 10.0
-"""Whoever is away for so long loses it: a page that is loaded again is not away."""
+"""A holder that is away for this long loses the lease; a page that reloads is not away."""
 
 
 @dataclass(frozen=True, slots=True)
 class LeaseState:
-    """Who holds it, and who asked for it, the first first; clients' ids."""
+    """The lease, in clients' ids."""
 
     holder: str | None = None
+    """The client that commands."""
     waiting: tuple[str, ...] = ()
+    """The clients that asked for it, the first one first."""
 
 
 @dataclass

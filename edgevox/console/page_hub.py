@@ -1,6 +1,6 @@
-"""What all pages share: who is there, who commands, who drives, and what everybody is told.
+"""The pages' common state: the pages, the lease, the driver, and messages for all.
 
-Belongs to the loop's thread, but for `tell_soon` and what hears the bus.
+It belongs to the loop's thread, except for `tell_soon` and the handlers of the bus.
 """
 
 import asyncio
@@ -35,7 +35,7 @@ FLOOD = 4429
 
 
 class OpenPage(Protocol):
-    """One open page, as the hub sees it."""
+    """A page as the hub sees it."""
 
     session: Session
     outbox: Outbox
@@ -46,7 +46,7 @@ class OpenPage(Protocol):
         """Close its socket."""
 
     def stopped(self, mark: int) -> None:
-        """Everything was stopped, or allowed again: the interlock is at `mark`."""
+        """React to a stop, or its release: the interlock is at `mark`."""
 
 
 class PageHub:
@@ -222,7 +222,10 @@ class PageHub:
             self._soon(lambda: self._tell_line(line))
 
     def _tell_line(self, line: Mapping[str, Any]) -> None:
-        """To those who look; a slow page does without, as it must not be hung up on for a log."""
+        """Send a line to the pages that show the log.
+
+        A slow page misses it, and stays connected.
+        """
         if text := encode({"type": "log", **line}):
             for page in self.pages:
                 if "log" in page.looks:
@@ -236,7 +239,7 @@ class PageHub:
         self.tell_soon({"type": "recording", "running": running}, "recording")
 
     def _stopped(self, mark: int) -> None:
-        """On any thread; a page that has just asked for this is told at once."""
+        """React to a stop on any thread; a page that has just asked for it is told at once."""
         if threading.get_ident() == self._thread:
             self._mark_pages(mark)
         else:
@@ -263,7 +266,7 @@ def stop_json(state: StopState) -> dict[str, Any]:
 
 
 def encode(message: Mapping[str, Any]) -> str | None:
-    """As JSON that a browser reads; None, and a line in the log, for what cannot be."""
+    """Write JSON that a browser can read; None, with a line in the log, if that is impossible."""
     try:
         return json.dumps(message, allow_nan=False, separators=(",", ":"))
     except (TypeError, ValueError) as error:

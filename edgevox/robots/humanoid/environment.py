@@ -87,7 +87,10 @@ class MujocoHumanoidEnvironment:
 
     @property
     def simulation(self) -> Literal["physics", "kinematic"]:
-        """ "physics" if forces move it, "kinematic" if a procedural gait sets its positions."""
+        """The kind of simulation.
+
+        "physics" by forces, "kinematic" by a procedural gait's positions.
+        """
         return self._walker.simulation
 
     @property

@@ -46,7 +46,7 @@ class Walker(Protocol):
 
     @property
     def simulation(self) -> Literal["physics", "kinematic"]:
-        """ "physics" if forces move the robot, else "kinematic"."""
+        """The kind of simulation: "physics" if forces move the robot, else "kinematic"."""
 
     @property
     def name(self) -> str:
