@@ -54,13 +54,17 @@ log = get_logger(__name__)
 
 
 STANDS_M_S, STANDS_RAD_S = 0.01, 0.01
-"""What is slower stands: a simulated robot comes to rest, a real one never measures zero."""
+"""Slower than this, a robot stands: a simulated one comes to rest, a real one never measures
+zero."""
 
 
 def build_drain(
     settings: Settings, interlock: Interlock, bus: Bus, body: Body | None, talk: Conversation
 ) -> Drain:
-    """It waits for goals as long as the settings say, and to stand for half of `leave_s`."""
+    """Build the drain.
+
+    It waits for goals as long as the settings say, then half of `leave_s` for a stand.
+    """
     return Drain(
         interlock,
         bus,
@@ -74,7 +78,7 @@ def build_drain(
 
 
 def stands(body: Body | None) -> bool:
-    """Whether it is seen to stand; one that does not say how it moves stands once it was halted."""
+    """Return whether the body stands; without a velocity, it stands once it was halted."""
     if not isinstance(body, HasPose):
         return True
     now = body.velocity()
@@ -82,9 +86,9 @@ def stands(body: Body | None) -> bool:
 
 
 def free_text(agents: Sequence[Agent]) -> Callable[[str, str], bool]:
-    """Whether an argument, by its skill's name and its own, takes any words.
+    """Return a test whether an argument, by its skill's name and its own, takes any words.
 
-    One of a skill that nobody has counts as such.
+    An argument of an unknown skill does.
     """
     free = {name: one.free_text for agent in agents for name, one in agent.skills.items()}
     return lambda skill, argument: skill not in free or argument in free[skill]
@@ -227,9 +231,9 @@ def start_parts(stack: ExitStack, parts: AgentParts, ros_args: Sequence[str] = (
 
 
 def _prefill(stack: ExitStack, parts: AgentParts) -> PromptPrefill | None:
-    """What reads the prompt into the model, once the voice is there. It ends after whom it serves.
+    """Read the prompt into the model, after the voice has warmed up. Closed after its users.
 
-    The conversation has not begun: from then on nobody else may ask its interpreter.
+    The conversation has not begun: from then on only the conversation may use its interpreter.
     """
     if parts.model is None:
         return None
@@ -241,7 +245,7 @@ def _prefill(stack: ExitStack, parts: AgentParts) -> PromptPrefill | None:
 
 
 def _think(settings: Settings) -> tuple[LanguageModel | None, Path | None, str]:
-    """What thinks, the file of the model on board, and why there is none though one was asked for.
+    """Open the language model; return it, its file, and the reason if a wanted one is missing.
 
     Plain commands need no model, so a robot that lacks its own comes up, and says so.
     """

@@ -1,4 +1,4 @@
-"""How an agent is there for whoever talks to it."""
+"""The running agent and its interfaces: it is started, served and closed here."""
 
 import time
 from collections.abc import Sequence

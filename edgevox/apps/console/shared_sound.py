@@ -120,5 +120,5 @@ def share_sound(stack: ExitStack, parts: AgentParts) -> SharedSound | None:
 
 
 def _of_console(command: Command) -> Command:
-    """What an operator says into a page came by the console, for the policy."""
+    """Mark a command from an operator's microphone with the console's way, for the policy."""
     return replace(command, way=Way.CONSOLE_OPERATOR) if isinstance(command, Heard) else command

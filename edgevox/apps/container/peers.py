@@ -22,9 +22,9 @@ from threading import Event
 PEERS = "ROS_STATIC_PEERS"
 WAIT = "EDGEVOX_PEERS_WAIT_S"
 AGAIN_S = 0.5
-"""How long after a name was not known it is asked for again."""
+"""Seconds after which an unknown name is looked up again."""
 ANSWER_S = 2.0
-"""How long the last question may take: a server of names that is dead holds up nobody."""
+"""Seconds that the last lookup may take: a dead name server holds up no start."""
 
 LookUp = Callable[[str], str | None]
 
@@ -80,9 +80,9 @@ def _ask(name: str, look_up: LookUp, over: Event) -> str | None:
 
 SERVERS = "ROS_DISCOVERY_SERVER"
 ROUND_S = 10
-"""How long all are asked for at once while none has an address."""
+"""Seconds of simultaneous lookups while no peer has an address."""
 SAY_EVERY = 6
-"""In each so many rounds it is said that there is none."""
+"""Rounds between two log lines that there is no peer."""
 _PARTS = re.compile(r"(?P<kind>\w+:)?\[(?P<inside>[^]]*)\](?P<end>.*)|(?P<host>[^:]*)(?P<port>.*)")
 """TCPv4:[host]:port, [IPv6]:port or host:port."""
 

@@ -27,7 +27,7 @@ from edgevox.core.settings import ENV_PREFIX, Settings, check_settings, load_set
 from edgevox.core.status import Level
 
 WIDTH = 110
-"""Where there is no terminal, whose own width it would be."""
+"""The width without a terminal."""
 _SHOWN = {
     Level.OK: ("ok", "green"),
     Level.STALE: ("skipped", "dim"),

@@ -27,7 +27,7 @@ _WITH_CAMERA = ("robot-panda", "robot-humanoid")
 
 
 def probe_gpu() -> Facts:
-    """In a process of its own: a broken driver may do anything."""
+    """Look for GPUs; in its own process, since a broken driver may do anything."""
     import pynvml
 
     try:
@@ -53,7 +53,7 @@ def judge_gpu(facts: Facts, _: Situation) -> CheckVerdict:
 
 
 def probe_egl() -> Facts:
-    """In a process of its own: drivers may end it."""
+    """Draw a picture; in its own process, since a driver may end it."""
     from edgevox.robots.mujoco import gl
 
     try:
@@ -68,7 +68,7 @@ def probe_egl() -> Facts:
 
 
 def judge_egl(facts: Facts, situation: Situation) -> CheckVerdict:
-    """Without it only pictures are missing."""
+    """Judge EGL: without it, only pictures are missing."""
     if not facts["installed"]:
         return skipped("MuJoCo is not installed", f"{install_extra('mujoco')} brings two robots")
     if facts["failed"]:
@@ -97,7 +97,7 @@ def probe_python(_: Situation) -> Facts:
 
 
 def judge_python(facts: Facts, _: Situation) -> CheckVerdict:
-    """What the packages are built for."""
+    """Judge the Python version by the packages' builds."""
     version = ".".join(map(str, facts["version"]))
     found = f"Python {version} on {facts['system']} {facts['release']}, {facts['machine']}"
     if tuple(facts["version"][:2]) not in PYTHONS:
@@ -177,7 +177,7 @@ def probe_disk(situation: Situation) -> Facts:
 
 
 def judge_disk(facts: Facts, _: Situation) -> list[CheckVerdict]:
-    """By the limits that /diagnostics has, too."""
+    """Judge disks by the limits of /diagnostics."""
     said = []
     for path, *rest in facts["rooms"]:
         one = DiskSpace(Path(path), *rest)
@@ -204,7 +204,7 @@ def judge_clock(facts: Facts, _: Situation) -> CheckVerdict:
 
 
 def _synchronised() -> bool | None:
-    """What the kernel says of its clock; None where it may not be asked."""
+    """Return whether the kernel's clock is synchronised; None where that may not be asked."""
     asked = (ctypes.c_int * 64)()  # struct timex: `modes` first, of zero, so that nothing is set
     if ctypes.CDLL(None, use_errno=True).adjtimex(asked) < 0:
         return None
@@ -213,7 +213,7 @@ def _synchronised() -> bool | None:
 
 
 def _llm_bytes(settings: Settings) -> int:
-    """What the loader will ask for; of weights that are not here yet, without their context."""
+    """Return the bytes that the loader will need; for missing weights, without their context."""
     try:
         path = find_weights(settings)
         return needed_bytes(weights.check(path), settings.llm_context) if path else 0

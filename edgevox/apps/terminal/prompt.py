@@ -40,7 +40,7 @@ class DoubleInterrupt:
         self._pressed_s = float("-inf")
 
     def pressed(self) -> bool:
-        """It was pressed now; whether that is the second time."""
+        """Note a press; return whether it is the second one."""
         now_s = self._clock.now()
         if now_s - self._pressed_s < SECOND_CTRL_C_S:
             return True

@@ -1,4 +1,4 @@
-"""What a person can type that is not for the robot: lines that begin with a slash."""
+"""The slash commands: typed lines that are not for the robot."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -24,7 +24,7 @@ class Leave(Exception):
 
 @dataclass(frozen=True)
 class SlashContext:
-    """What the commands work on; `columns` is how wide a map may be."""
+    """The objects that the commands work on; `columns` is the greatest width of a map."""
 
     conversation: Conversation
     body: Body | None
@@ -92,17 +92,17 @@ def _quit(_: SlashContext) -> str:
 
 @dataclass(frozen=True)
 class SlashCommand:
-    """A slash command: what it does, in a sentence, and how.
-
-    `takes` names what may follow it; `run` gets that text as its second argument then. One that
-    `stops` never waits for what was typed before it; nothing that is typed waits for a `slow` one.
-    """
+    """A slash command."""
 
     about: str
+    """Its effect, in a sentence."""
     run: Callable[..., str]
     takes: str = ""
+    """Names the text that may follow; `run` then gets it as its second argument."""
     stops: bool = False
+    """It never waits for earlier lines."""
     slow: bool = False
+    """No later line waits for it."""
 
 
 COMMANDS: Mapping[str, SlashCommand] = {
@@ -119,7 +119,7 @@ COMMANDS: Mapping[str, SlashCommand] = {
 
 
 def is_stop(line: str, context: SlashContext) -> bool:
-    """Whether a line that is typed stops the robot, in words or by a slash command."""
+    """Return whether a typed line stops the robot, in words or by a slash command."""
     if not line.startswith("/"):
         return context.conversation.is_stop(line)
     name, rest = _split(line)
@@ -127,7 +127,7 @@ def is_stop(line: str, context: SlashContext) -> bool:
 
 
 def is_slow(line: str) -> bool:
-    """Whether a slash command may take long."""
+    """Return whether a slash command may take long."""
     name = _split(line)[0] if line.startswith("/") else ""
     return name in COMMANDS and COMMANDS[name].slow
 
