@@ -24,7 +24,7 @@ ROBOTS = installed_robots()
 
 
 def learn_robots() -> None:
-    """Know the robots of packages that were found since, too."""
+    """Add the robots of packages that were found since."""
     ROBOTS.add(robot_points())
 
 

@@ -1,6 +1,7 @@
-"""The server of the console: a thread with a loop of its own, from `start` to `close`.
+"""The console's server: a thread with its own loop, from `start` to `close`.
 
-Whether the console still answers: its thread, its loop, and who lets connections in.
+`Liveness` tells whether it still answers: its thread, its loop, and the task that lets connections
+in.
 """
 
 import asyncio

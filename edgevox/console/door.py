@@ -1,7 +1,7 @@
-"""The door: how many connections there may be, before a handshake or a request is waited for.
+"""The door: limits the number of connections, before any handshake or request.
 
-Whoever holds many, or none of whose requests shows a session, makes room for the others: a browser
-that comes new always gets in, and no crowd of strangers shuts out who was let in.
+A client with many connections, or with connections that show no session, makes room for the others:
+a new browser always gets in, and no crowd of strangers shuts out a paired browser.
 """
 
 import asyncio
@@ -29,7 +29,7 @@ UNKNOWN_S = 30.0
 """A connection that has shown no session by then is ended."""
 HANDSHAKE_S = 5.0
 FULL_S = 0.5
-"""After the process had no more files to open, somebody is let in again."""
+"""Seconds after which connections are let in again, once the process had no more files to open."""
 SEND_BYTES = 64 * 1024
 """Bytes that the system buffers of what is sent: more would only be late."""
 

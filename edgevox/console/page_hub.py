@@ -29,7 +29,7 @@ log = get_logger(__name__)
 GONE = 4401
 """Close code: this session is no longer let in."""
 SLOW = 4408
-"""Close code: this page does not take what it must not miss."""
+"""Close code: the page is too slow for messages that it must not miss."""
 FLOOD = 4429
 """Close code: this page says far too much."""
 
@@ -82,7 +82,7 @@ class PageHub:
             self._forget.append(self.context.recorder.listen(self._records))
 
     def close(self) -> None:
-        """Hear nothing any more; what is driven is halted."""
+        """Stop listening to the bus; halt the driven robot."""
         for forget in self._forget:
             forget()
         if self.driving:
@@ -100,7 +100,7 @@ class PageHub:
         self.lease.came(page.session.id)
 
     def leave(self, page: OpenPage) -> None:
-        """A page is gone; what it drove is halted."""
+        """Forget a page; halt the robot if the page drove."""
         if self.driving:
             self.driving.release(page)
         self.pages.remove(page)
@@ -109,7 +109,10 @@ class PageHub:
         self.tell_lease()
 
     def tick(self) -> None:
-        """Once a second: who was revoked is hung up on, who is away loses the lease."""
+        """Once a second.
+
+        Disconnect revoked sessions, and take the lease back from absent holders.
+        """
         for page in list(self.pages):
             if not self.sessions.is_there(page.session):
                 self.dismiss(page)
@@ -153,7 +156,7 @@ class PageHub:
         self._soon(lambda: self.tell(message, newest))
 
     def tell_lease(self) -> None:
-        """Say who commands where that is another now; what the one before drove is halted."""
+        """Tell a change of the lease; halt the robot if its former holder drove."""
         state = self.lease.state
         if state == self._told_lease:
             return
@@ -177,7 +180,7 @@ class PageHub:
 
     @property
     def commander(self) -> str:
-        """The name of who commands; empty if nobody does."""
+        """The name of the lease's holder; empty without one."""
         return self._name(self.lease.state.holder)
 
     def stop_of(self) -> dict[str, Any]:
@@ -235,7 +238,7 @@ class PageHub:
         self._soon(lambda: self.tell({"type": "controls", **self.controls_of()}, "controls"))
 
     def _records(self, running: bool) -> None:
-        """Everybody is told, whatever they look at: what they say is kept."""
+        """Tell all pages, whatever they show: their words are recorded."""
         self.tell_soon({"type": "recording", "running": running}, "recording")
 
     def _stopped(self, mark: int) -> None:

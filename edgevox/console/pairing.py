@@ -18,7 +18,7 @@ from edgevox.core.files.state_files import StateFiles
 
 LAST_S = 600.0
 MOST_WRONG = 10
-"""After so many wrong ones a code is worth nothing."""
+"""Wrong attempts after which a code is void."""
 _ALPHABET = "23456789ABCDEFGHJKMNPQRSTVWXYZ"
 """Letters and digits that are not mistaken for each other."""
 _LENGTH = 8

@@ -17,7 +17,7 @@ from edgevox.robots.motion import Motion
 log = get_logger(__name__)
 
 WATCHDOG_S = 0.5
-"""A stream of velocities that is silent for so long has stopped."""
+"""A stream of velocities that is silent for this long has stopped."""
 STILL = Twist2D(0.0, 0.0)
 M = TypeVar("M", bound=Motion)
 
@@ -54,13 +54,13 @@ class CommandMux(Generic[M]):
 
     @property
     def motion(self) -> M | None:
-        """The motion that moves the body; one that is over does not."""
+        """The motion that moves the body; None once it is over."""
         motion = self._motion
         return None if motion is None or motion.done else motion
 
     @property
     def velocity(self) -> Twist2D | None:
-        """The velocity that somebody asks for."""
+        """The streamed velocity, if any."""
         return self._velocity
 
     @property

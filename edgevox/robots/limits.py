@@ -84,7 +84,7 @@ class Steering:
 
 @dataclass(frozen=True, slots=True)
 class Bounds:
-    """A rectangle of the map frame, edges included, and what it is called. Metres."""
+    """A named rectangle of the map frame, edges included. Metres."""
 
     name: str
     x_min_m: float

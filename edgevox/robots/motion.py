@@ -51,7 +51,7 @@ class Motion(ABC):
             return True
 
     def check(self) -> None:
-        """Raise what it ended with, if that was an error."""
+        """Raise the error that it ended with, if any."""
         if self.error is not None:
             raise self.error
 

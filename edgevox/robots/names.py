@@ -30,9 +30,9 @@ LONGEST_PLACE = 40
 
 
 def read_name(where: str, value: object, longest: int = LONGEST_NAME) -> str:
-    """A name that can be said, and that nobody needs for anything else.
+    """Read a name that can be spoken, and that has no other meaning.
 
-    Raises `InvalidValue` with the name, and what would be right.
+    Raises `InvalidValue` with the name and the expected value.
     """
     if not isinstance(value, str) or len(value) > longest or not speakable(value):
         raise InvalidValue(

@@ -44,7 +44,7 @@ where it cannot."""
 
 _OURS = "edgevox-robot"
 _BROKEN = (Exception, SystemExit)
-"""A package of somebody else raises what it likes, and may want to end the program."""
+"""Foreign code raises anything, and may even try to end the program."""
 _PROJECT = Path(__file__).parents[2] / "pyproject.toml"
 
 
@@ -65,16 +65,16 @@ class Robot:
     it does nothing. None: unknown."""
 
     def unread(self, settings: Settings) -> list[str]:
-        """The settings that somebody changed and that do nothing for this robot."""
+        """Return the changed settings that do nothing for this robot."""
         names = FOR_BODIES - (FOR_BODIES if self.reads is None else self.reads)
         fields = Settings.model_fields
         return sorted(one for one in names if getattr(settings, one) != fields[one].default)
 
 
 class Robots(Mapping[str, Robot]):
-    """Robots by name, each loaded when it is first asked for.
+    """Robots by name, each loaded at its first use.
 
-    One that cannot be loaded is there, and says so when its body is built.
+    A robot that cannot be loaded is listed, and fails when its body is built.
     """
 
     def __init__(self, points: Iterable[EntryPoint]) -> None:

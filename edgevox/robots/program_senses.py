@@ -5,7 +5,7 @@ from edgevox.agent.skills import Call
 from edgevox.robots.capabilities import Body, HasBattery, HasPose, TellsStalls
 
 _STALLED_S = 1.0
-"""A world that has stood still for so long may hold the lock that its battery is behind."""
+"""A world that has stood still for this long may hold the lock that guards its battery."""
 _POINT = "navigate_xy"
 
 

@@ -124,7 +124,7 @@ class SimComponent:
 
 
 MOST_LAG_S = 0.25
-"""A thread that was stalled catches up this much; what is older is dropped, not run after."""
+"""The most time that a stalled thread catches up; older time is dropped."""
 BROKE = because("broke")
 """The spoken reason of a goal that fails with a broken step."""
 _LOG_EVERY_S = 10.0
@@ -256,7 +256,7 @@ class SimLoop:
         self._woken.set()
 
     def catch_up(self) -> None:
-        """Take the steps that are due in a world at rest; nothing in one that moves."""
+        """Take the due steps of a world at rest; do nothing in one that moves."""
         pacer = self._pacer
         if pacer is None or not pacer.due(self._clock.now()) or not self._resting:
             return

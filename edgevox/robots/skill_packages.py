@@ -22,7 +22,7 @@ SKILL_GROUP = "edgevox.skills"
 """The entry points that name a `MakeSkills` each."""
 ALL, NONE = "all", "none"
 _BROKEN = (Exception, SystemExit)
-"""A package of somebody else raises what it likes, and may want to end the program."""
+"""Foreign code raises anything, and may even try to end the program."""
 
 log = get_logger(__name__)
 

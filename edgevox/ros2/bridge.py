@@ -1,14 +1,13 @@
 """The bridge: the node with all of its parts.
 
-Queries as services: a Trigger for each, whose message is the JSON that `info` carries.
+Queries are services: a Trigger for each, whose message is the JSON that `info` carries.
 
-The components' word on `/diagnostics`, as rqt_robot_monitor and the aggregator expect it.
+The components' status goes out on `/diagnostics`, as rqt_robot_monitor and the aggregator expect
+it. A status is called ``/robot1/edgevox: audio``: the node's full name and the component, as
+diagnostic_updater does it with `use_fqn`. Its default, the short name, is the same for every robot
+of a domain, so a listener would take two robots for one.
 
-A status is called ``/robot1/edgevox: audio``: the node's full name and the component, as
-diagnostic_updater does it with `use_fqn`. The short name, its default, is the same for every robot
-of a domain, and whoever listens would take two robots for one.
-
-The node's parameters: the settings of the topic commands, seen and changed as parameters.
+The node's parameters are the settings that topics can change, seen and changed as parameters.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -102,10 +101,10 @@ def as_message(node: str, status: Status) -> DiagnosticStatus:
 
 
 def declare(node: Node, values: Mapping[str, Value]) -> dict[str, Value]:
-    """Declare the contract's parameters; `values` are their defaults.
+    """Declare the contract's parameters, with `values` as defaults; return their values.
 
-    The result is what they are: launch files, parameter files and ``-p`` overrule the defaults.
-    Raises `InvalidValue` for one of another type.
+    Launch files, parameter files and ``-p`` overrule the defaults. Raises `InvalidValue` for a
+    value of another type.
     """
     for row in PARAMETERS:
         descriptor = ParameterDescriptor(

@@ -33,9 +33,10 @@ class ExecutorCounts:
 
 
 class ExecutorComponent:
-    """A callback that holds up the others is a warning, later an error; so is one that failed.
+    """Status of the executor: a callback that holds up the others is a warning, later an error.
 
-    `missing` says why it is not on ROS 2; empty if it is.
+    A failed callback is a warning, too. `missing` is the reason why the node is not on ROS 2; empty
+    if it is.
     """
 
     name = ComponentName.EXECUTOR

@@ -51,7 +51,7 @@ def reliable(depth: int) -> QosSpec:
 
 
 def latched(depth: int) -> QosSpec:
-    """Never lost, and said again to whoever joins."""
+    """Never lost, and repeated to late subscribers."""
     return QosSpec(reliable=True, transient_local=True, depth=depth)
 
 

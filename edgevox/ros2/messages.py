@@ -19,7 +19,7 @@ _ENCODER = json.JSONEncoder(ensure_ascii=False, allow_nan=False, default=str)
 
 
 def write(data: Mapping[str, Any]) -> str:
-    """A JSON object that every parser reads: what is not finite becomes null."""
+    """Write a JSON object that every parser reads: a number that is not finite becomes null."""
     try:
         text = _ENCODER.encode(data)
         text.encode()

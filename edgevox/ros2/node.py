@@ -1,21 +1,19 @@
 """The node: its rclpy context, its name, and the thread that spins it.
 
-How Fast DDS, the usual middleware of ROS 2, is set up before a node of ours is made.
+`choose_profile` sets up Fast DDS, the usual middleware of ROS 2, before a node is made. By default
+it hands messages of the same machine over in shared memory, and throws away messages for a process
+that has not looked for a second: frozen, or starved of the processor. The sender tries again with
+its next heartbeat, up to 3 s later; for so long a "stop" was lost. So EdgeVox's nodes ask to be
+written to by UDP: the kernel keeps messages until they look. They still write to others in shared
+memory.
 
-By itself it hands messages of the same machine over in shared memory, and throws away what is for
-a process that has not looked for a second: frozen, or starved of the processor. The sender tries
-again with its next heartbeat, up to 3 s later; for so long a "stop" was lost. So our nodes ask to
-be written to by UDP: the kernel keeps what arrives until they look. They still write to others in
-shared memory.
+A heartbeat, kept by the working thread, tells a watching thread how long ago the last beat was.
 
-A sign of life: whoever does the work beats, whoever watches asks how long ago that was.
-
-A node that looks for incompatible peers once in a while, not with every message.
-
-rclpy gives each publisher and each subscription an event handler, which warns of a peer whose QoS
-or type does not fit, and its executor prepares and checks all of them whenever it wakes: with some
-fifty topics that was half of the work of an answer. Here they are looked at when `look` is called,
-together; they warn as ever, a moment later.
+`QuietNode` looks for incompatible peers once in a while, not with every message. rclpy gives each
+publisher and each subscription an event handler, which warns of a peer whose QoS or type does not
+fit, and its executor prepares and checks all of them whenever it wakes: with some fifty topics that
+was half of the work of an answer. Here they are looked at together, when `look` is called; they
+warn as ever, a moment later.
 """
 
 import math
@@ -61,10 +59,10 @@ _WITH_UDP = ("", "DEFAULT", "UDPv4")
 
 
 def choose_profile(environment: MutableMapping[str, str] = os.environ) -> None:
-    """Have the next nodes of this process made with our profile, or with the one somebody gave.
+    """Use EdgeVox's profile for the next nodes of this process, or the user's own.
 
-    Somebody who chose transports without plain UDP gets what they chose, and no profile of ours.
-    Must be called before the first node is made; other middlewares do not look at it.
+    A user who chose transports without plain UDP gets those, and no profile of EdgeVox. Call it
+    before the first node is made; other middlewares ignore it.
     """
     if environment.get(READ_BY_FAST_DDS):
         return
@@ -122,7 +120,7 @@ class QuietNode(Node):
         super().__init__(*args, **options)
 
     def look(self) -> None:
-        """Call those whose event has come; on the executor's thread, in a timer."""
+        """Call the handlers whose event has come; on the executor's thread, in a timer."""
         context = self.context.handle
         if context is None:
             return

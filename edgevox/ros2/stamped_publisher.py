@@ -1,7 +1,7 @@
-"""Publishes what changes seldom and is said often: only its stamp is new.
+"""A publisher for messages that rarely change: a repeated message gets only a new stamp.
 
-To fill in a message and to serialise it costs more than to send it. What is said again is sent as
-it was serialised the first time, with another stamp in its bytes.
+Filling in and serialising a message costs more than sending it. A repeated message is sent as it
+was serialised the first time, with another stamp in its bytes.
 """
 
 import struct

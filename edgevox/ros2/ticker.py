@@ -1,8 +1,8 @@
-"""Things to do at rates, all on one thread.
+"""A ticker: jobs at fixed rates, all on one thread.
 
 A timer of rclpy would wake the executor, which then looks at every entity of the node: about 1 ms
-of CPU each time. A thread costs a twentieth of that, and publishing from it is allowed. What is due
-at one moment is done in one waking: to wake costs more than most of what is done then.
+of CPU each time. A thread costs a twentieth of that, and publishing from it is allowed. Jobs due at
+the same time share one waking, since waking costs more than most of the jobs.
 """
 
 import threading
@@ -14,7 +14,7 @@ from edgevox.core.log import get_logger, worth_a_line
 log = get_logger(__name__)
 
 MakeTicker = Callable[[str], "Ticker"]
-"""Makes one by the name of its thread: for whoever needs one of his own."""
+"""Makes a ticker by the name of its thread, for a part that needs its own."""
 TOGETHER_S = 0.001
 """Jobs due within this time run together."""
 
@@ -67,7 +67,7 @@ class Ticker:
             job.due_s = now_s
 
     def tick(self) -> float | None:
-        """Do what is due; the seconds until something is again, None if nothing ever is."""
+        """Run the due jobs; return the seconds until the next one, None without any."""
         now_s = self._clock.now()
         for job in self._jobs:
             if job.due_s <= now_s + TOGETHER_S:

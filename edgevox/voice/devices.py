@@ -1,8 +1,9 @@
 """The machine's sound devices, by name.
 
 PortAudio, below sounddevice, is one for the whole process and lists the devices only when it
-starts. So who opens a stream says so with `in_use`, and `look_again` starts PortAudio anew only
-while nobody does: it would pull the loudspeaker from under the speech output to find a microphone.
+starts. Therefore code that opens a stream marks it with `in_use`, and `look_again` restarts
+PortAudio only while no stream is in use: a restart would cut the loudspeaker off to find a
+microphone.
 """
 
 import threading
@@ -28,7 +29,7 @@ class DeviceMissing(EdgeVoxError):
 
 @dataclass(frozen=True, slots=True)
 class Device:
-    """A sound device: PortAudio's number for it, and what it does by itself."""
+    """A sound device: PortAudio's number for it, and its own properties."""
 
     index: int
     name: str
@@ -85,7 +86,7 @@ def is_active(stream: Any) -> bool:
 
 
 def look_again() -> None:
-    """Notice what was plugged in or out, unless a stream is in use."""
+    """Look for devices that were plugged in or out, unless a stream is in use."""
     sounddevice = _sounddevice()
     with _uses.lock:
         if not _uses.count:
@@ -100,9 +101,9 @@ def devices(kind: Kind) -> list[Device]:
 
 
 def find(name: str, kind: Kind) -> Device:
-    """The device whose name this is, or contains this; the default one for an empty name.
+    """Return the device whose name this is, or contains this; the default one for an empty name.
 
-    Raises `DeviceMissing`, which names those that are there.
+    Raises `DeviceMissing`, which names the present ones.
     """
     found = devices(kind)
     if not name:

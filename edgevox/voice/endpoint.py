@@ -39,10 +39,10 @@ ENDS_AFTER_S: Mapping[Ending, float] = {
 POST_ROLL_S = 0.2
 """Silence that is kept at its end."""
 EARLY_S = 0.2
-"""After so much silence the utterance may be over, and what will be given is complete already: at
-least the post-roll."""
+"""Silence after which the utterance may be over: its sound is complete by then, at least with
+the post-roll."""
 MAX_S = 30.0
-"""The longest utterance, as long as Whisper can hear at once; who speaks on begins a new one."""
+"""The longest utterance, as long as Whisper can hear at once; longer speech begins a new one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,9 +125,9 @@ class Endpointer:
         return self._ended_s if self._speaking and self._pause else None
 
     def end_after(self, silence_s: float, *, revocable: bool = False) -> None:
-        """End the utterance after so much silence, counted from its last voice, for this pause.
+        """End the utterance after this silence, counted from its last voice, for this pause.
 
-        If `revocable` it goes on should somebody speak within `GOES_ON_S`.
+        If `revocable`, speech within `GOES_ON_S` continues it.
         """
         self._wanted_frames = round(silence_s / FRAME_S)
         self._revocable = revocable
@@ -138,8 +138,10 @@ class Endpointer:
         return self._speaking
 
     def push(self, frame: Frame, probability: float, *, surmised: bool = False) -> Signal | None:
-        """Take the next frame. If a voice in it is `surmised`, what is said may have begun there,
-        once it is known that somebody speaks.
+        """Take the next frame.
+
+        If a voice in it is `surmised`, speech may have begun there, once it is known that a person
+        speaks.
         """
         if self._speaking:
             return self._during(frame, probability)

@@ -21,10 +21,11 @@ REMEMBERED_FRAMES = round(8.0 / FRAME_S)
 LEAST_FRAMES = round(1.0 / FRAME_S)
 """Fewest frames of background (1 s) that set its level."""
 QUIETEST = 8
-"""The quietest eighth of what is remembered is what is behind: one person alone pauses for more."""
+"""The quietest eighth of the remembered frames is the background: a single speaker pauses for
+more."""
 VOICES = 0.5
-"""If the quietest frames hold a voice by so much, voices are behind; noise and quiet change nothing
-of what the detector says."""
+"""The background holds voices from this probability in its quietest frames on; noise and quiet
+change nothing."""
 _ABOVE = 10 ** (ABOVE_DB / 10)
 
 

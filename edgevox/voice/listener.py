@@ -45,7 +45,10 @@ log = get_logger(__name__)
 
 
 class Telling:
-    """Submits commands: whoever breaks on one is counted and logged, and gets what follows."""
+    """Submits commands.
+
+    An error of the receiver is counted and logged, and the next command follows.
+    """
 
     def __init__(self, submit: Callable[[Command], None]) -> None:
         self._submit = submit
@@ -61,7 +64,7 @@ class Telling:
 
 READ_S = 0.25
 STALLED_S = 1.0
-"""A source that gives nothing for so long has ended the utterance that was going on."""
+"""A source that gives nothing for this long ends the current utterance."""
 
 
 class Listener:
@@ -175,7 +178,7 @@ class Listener:
         return self._transcriber
 
     def close(self) -> None:
-        """Stop listening; what is being understood is understood, what waits is forgotten."""
+        """Stop listening; finish the transcription in progress, and forget the waiting ones."""
         self._closing.set()
         self._source.close()
         if self._thread.is_alive():
@@ -284,7 +287,7 @@ class Listener:
             self._tell(StopSpotted(frame.end_s, self._stops.word, goes_on=self._spotted))
 
     def _tell_spotted(self, now_s: float) -> None:
-        """The utterance in which a stop word was spotted is over, and nobody looks at its words."""
+        """End the utterance in which a stop word was spotted; its words do not count."""
         self._spotted = False
         self._tell(Transcribing())
         self._tell(Heard("", now_s, spotted=True))

@@ -10,7 +10,7 @@ from edgevox.voice.audio import FRAME_S, Samples, rms
 SILENT_DB = -96.0
 """The quietest level that 16 bits can hold."""
 WINDOW_S = 10.0
-"""The floor is that of the last so many seconds."""
+"""The floor is that of the last seconds."""
 NO_VOICE = 0.3
 """Below this probability of a voice a frame tells of the floor."""
 FLOOR_SHARE = 0.75
@@ -23,7 +23,7 @@ LOUD_S, LOUD_SHARE = 1.0, 0.9
 
 
 class NoiseFloor:
-    """Told every frame of what is heard, it knows the floor, and what stands out of it now."""
+    """Tracks the floor from frames of sound, and how far the latest speech stands out of it."""
 
     def __init__(self) -> None:
         self._quiet: deque[float | None] = deque(maxlen=round(WINDOW_S / FRAME_S))

@@ -56,7 +56,7 @@ class _Prepare:
 class SpeechOutput:
     """A `TextToSpeech`. `begin` may be called from any thread; every utterance must be finished.
 
-    Who made the sink closes it, after this.
+    The maker of the sink closes it, after this.
     """
 
     def __init__(

@@ -93,13 +93,13 @@ class SpokenLog:
             self._lines[line].spaced = spaced
 
     def made(self, line: int, seconds: float, silent_end_s: float) -> None:
-        """A piece of sound is there, with so much silence at its end."""
+        """Record a synthesised piece, and the silence at its end."""
         with self._lock:
             self._lines[line].made_s += seconds
             self._lines[line].silent_end_s = silent_end_s
 
     def said(self, line: int, chars: int) -> None:
-        """All sound of so many characters is there."""
+        """Record that all sound of this many characters is synthesised."""
         with self._lock:
             self._lines[line].made_chars += chars
             self._lines[line].chars_left = max(0, self._lines[line].chars_left - chars)
@@ -187,7 +187,7 @@ class SpeakingUtterance:
 
 PIECE_S = 0.1
 _QUIET = 300
-"""About a hundredth of full scale: softer than that, nobody hears it."""
+"""About a hundredth of full scale: softer sound is inaudible."""
 
 
 def play_chunk(chunk: Chunk, line: int, utterance: SpeakingUtterance, sink: AudioSink) -> None:

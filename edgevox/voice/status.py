@@ -112,7 +112,10 @@ class SttComponent:
 
 
 class TtsComponent:
-    """Another voice than the one that was asked for is a warning; so is one that failed."""
+    """Status of text to speech.
+
+    Another voice than the wanted one, or a failed voice, is a warning.
+    """
 
     name = "tts"
     checks: tuple[HealthCheck, ...] = ()

@@ -94,7 +94,7 @@ class Transcriber:
         return self._closed or self._thread.ident is None or self._thread.is_alive()
 
     def close(self) -> None:
-        """Forget what waits; wait for what is being understood."""
+        """Forget the waiting jobs; finish the one in progress."""
         with self._changed:
             self._closed = True
             self._early = None
@@ -138,7 +138,10 @@ class Transcriber:
         return guess.ending if guess and guess.ended_s == ended_s else None
 
     def wait_idle(self, timeout_s: float | None = None) -> bool:
-        """Block until what was, or may be, an utterance is understood; False after a timeout."""
+        """Block until every utterance, even a possible one, is transcribed.
+
+        False after a timeout.
+        """
         with self._changed:
             return self._changed.wait_for(self._is_idle, timeout_s)
 

@@ -73,9 +73,9 @@ def check_wav(path: Path, field: str = "audio_in") -> None:
 
 
 def stream_wav(path: Path) -> Iterator[Samples]:
-    """A file, mono at `RATE_HZ`, a second at a time: one of hours takes no memory.
+    """Yield a file's samples, mono at `RATE_HZ`, a second at a time: hours of sound take no memory.
 
-    Raises `InvalidValue` for what is not a WAV file of PCM.
+    Raises `InvalidValue` for a file that is no WAV file of PCM.
     """
     with _opened(path, "audio_in") as file:
         channels, width, from_hz = file.getnchannels(), file.getsampwidth(), file.getframerate()

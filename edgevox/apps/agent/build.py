@@ -1,8 +1,6 @@
-"""Puts an agent together, by hand, and takes it apart in reverse order.
+"""The construction of an agent, by hand, and its closing in reverse order.
 
-What a drain is made of in an agent.
-
-Which arguments of skills may hold what somebody said.
+Also here: an agent's drain, and the arguments of skills that may hold a person's own words.
 """
 
 from collections.abc import Callable, Sequence
@@ -192,11 +190,11 @@ def build_parts(stack: ExitStack, settings: Settings, body: Body | None) -> Agen
 
 
 def start_parts(stack: ExitStack, parts: AgentParts, ros_args: Sequence[str] = ()) -> None:
-    """Start everything, from the body outwards; what is closed last is started first.
+    """Start everything, from the body outwards; the last to close is the first to start.
 
-    When this returns, typed and spoken commands are done. Nobody waits for the voice and for the
-    prompt of the language model: both are loaded afterwards, one after the other, so that whoever
-    speaks meanwhile is understood soon.
+    When this returns, typed and spoken commands work. The voice and the prompt of the language
+    model are loaded afterwards, one after the other, so that a command meanwhile does not wait for
+    them.
     """
     if parts.body:
         start(stack, parts.body)

@@ -1,8 +1,7 @@
 """`edgevox-agent`: an agent with a body, aloud, on the terminal and on ROS 2.
 
-What `edgevox-agent` was asked on its command line, as one value.
-
-`--check`: what a robot can do, as the files and settings that were given make it.
+`AgentArguments` is its command line, as one value. `--check` prints a robot's skills, as the given
+files and settings make them.
 """
 
 import argparse

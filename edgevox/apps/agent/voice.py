@@ -1,8 +1,6 @@
 """Speech in and out of an agent, made from the settings.
 
-Whether stop words are heard by their sound, too.
-
-Which wake word listens, by which engine, and what its licence says.
+The settings choose the stop word spotter, the wake word, its engine and so its licence.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -121,7 +119,7 @@ def phrases(engine: str) -> list[str]:
 
 
 def own_file(settings: Settings) -> Path | None:
-    """The description of a network that somebody trained, if the setting names one."""
+    """Return the description of the user's own network, if the setting names one."""
     file = Path(settings.wakeword).expanduser()
     return file if file.suffix == ".json" else None
 
@@ -228,9 +226,9 @@ def open_hearing(
 
 
 def warm_up_hearing(voice: VoiceChain, language: str) -> None:
-    """Load and try what hears, so that the first who speaks does not wait for it.
+    """Load and try speech to text, so that the first command does not wait for it.
 
-    What cannot be loaded is logged, and says so itself: the rest of the robot is of use without it.
+    A failure is logged, and its part reports it: the rest of the robot is of use without it.
     """
     # On another thread: a signal that arrives inside a C library's start would be lost there.
     with ThreadPoolExecutor(1, "edgevox-warm-up") as worker:
@@ -249,9 +247,9 @@ def build_listener(
     is_stop: Callable[[str], bool],
     ending: Callable[[str], Ending],
 ) -> Listener:
-    """The listener, not started; what it hears goes to `submit`.
+    """Build the listener, not started; its commands go to `submit`.
 
-    Who speaks while no speech can be recognised is told that.
+    A person who speaks while speech recognition does not work is told so.
     """
     voice.stt.tell = lambda: submit(Speak(phrasebook(controls.language).say("deaf")))
     from_files = isinstance(voice.source, WavFiles)

@@ -1,8 +1,7 @@
 """A body as the console's page sees and steers it, whatever body it is.
 
-What of a body moves, as a page draws it 15 times a second: exactly what the body has.
-
-Metres and radians, map frame. What cannot be known at the moment is None.
+`live` has the moving parts, which a page draws 15 times a second: exactly the body's own. Metres
+and radians, map frame. A value that is unknown at the moment is None.
 """
 
 import io

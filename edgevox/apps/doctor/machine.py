@@ -43,7 +43,7 @@ def probe_gpu() -> Facts:
 
 
 def judge_gpu(facts: Facts, _: Situation) -> CheckVerdict:
-    """No GPU is fine; one whose driver is broken is not."""
+    """Judge the GPU: no GPU is fine; a broken driver is not."""
     if facts["failed"]:
         advice = "install the kernel module and the library of the same version, and restart"
         return warning(f"NVIDIA's driver does not answer: {facts['failed']}", advice)

@@ -58,7 +58,7 @@ def probe_shared_memory(_: Situation) -> Facts:
 
 
 def judge_shared_memory(facts: Facts, _: Situation) -> CheckVerdict:
-    """A node without room in it talks to nobody on this machine."""
+    """Judge shared memory: without room in it, a node reaches no other on this machine."""
     udp = "or FASTDDS_BUILTIN_TRANSPORTS=UDPv4"
     if not facts["there"] or not facts["writable"]:
         return warning(f"{SHM} cannot be written", f"mount it, {udp}")

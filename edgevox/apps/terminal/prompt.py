@@ -65,9 +65,9 @@ class Prompt:
         self._view = View(bus, show, self._session.app.invalidate)
 
     def run(self, shutdown: ShutdownSignals, typed: Sequence[str] = ()) -> None:
-        """Do what was `typed` before, then read lines until the person leaves, or a signal says so.
+        """Do the `typed` lines, then read lines until the person leaves, or a signal ends it.
 
-        Nothing that is typed waits for what a line before it does.
+        No line waits for the action of an earlier one.
         """
         from edgevox.apps.tui.run_tui import stderr_as_lines
 

@@ -25,10 +25,10 @@ from edgevox.voice.sources.files import WavFiles
 def run_script(
     fd: int, bus: Bus, context: SlashContext, write: Callable[[str], None], interlock: Interlock
 ) -> int:
-    """Submit every line and wait until it is answered and done. How many lines there were.
+    """Submit every line and wait until it is answered and done. Return the number of lines.
 
-    A line that stops does so when it is read, and the lines that wait before it are not done; nor
-    are those that wait when somebody else stops the robot.
+    A stop line acts when it is read, and the lines that wait before it are dropped; so are lines
+    that wait when another source stops the robot.
     """
     view = View(bus, write)
 

@@ -21,7 +21,7 @@ from edgevox.core.files.text import one_line, printable_in_colour
 TURNS = 5
 """The number of latest turns that are remembered."""
 MAX_LINES = 500
-"""Lines that nobody has drawn yet; older ones are dropped."""
+"""Lines that wait to be drawn; older ones are dropped."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,9 +1,8 @@
 """The socket `/ws/sound`: a page's microphone to the robot's ears, and the robot's speech back.
 
-Only the operator who holds the lease is heard. What is old is dropped, both ways: nothing that was
-said before a hole in the line is acted on after it.
-
-What of the robot's speech is still to be sent to a page, and how late a page's own sound is.
+Only the operator with the lease is heard. Old sound is dropped, both ways: nothing that was said
+before a gap in the connection is acted on after it. `SoundQueue` holds the speech for a page;
+`Lateness` measures the delay of the page's own sound.
 """
 
 import asyncio
@@ -137,7 +136,7 @@ LOOK_S = 0.5
 
 
 class Talk(BaseModel):
-    """The button is held, or let go: what is said meanwhile is meant for the robot."""
+    """The talk button is held, or let go: speech meanwhile is for the robot."""
 
     model_config = ConfigDict(extra="forbid", strict=True)
     type: Literal["talk"]
@@ -145,7 +144,7 @@ class Talk(BaseModel):
 
 
 class Open(BaseModel):
-    """The microphone is open: whoever wants something says the wake word, if there is one."""
+    """The microphone is open: the speaker says the wake word, if there is one."""
 
     model_config = ConfigDict(extra="forbid", strict=True)
     type: Literal["open"]

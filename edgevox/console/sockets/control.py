@@ -154,7 +154,7 @@ class ControlPage:
             self.hang_up(SLOW)
 
     def take(self, text: str) -> None:
-        """Do, or put in line, what it says. Never waits."""
+        """Do the page's message, or put it in line. Never waits."""
         self._asks = True
         try:
             self._read(text)
@@ -272,7 +272,7 @@ class ControlPage:
             raise NotPermitted("rate", "too much waits to be done") from None
 
     async def _work(self) -> None:
-        """Do what waits, one after another; who may do it is asked again when it is done."""
+        """Do the waiting messages in order; the right to each is checked again at its turn."""
         while True:
             message, mark = await self._waiting.get()
             try:

@@ -10,7 +10,7 @@ from edgevox.console.outbox import SEND_S
 from edgevox.console.page_hub import GONE, PageHub
 
 PERIOD_S = 0.2
-"""A picture is made at most so often, however many look."""
+"""The shortest time between two pictures, however many pages look."""
 ACK = "ack"
 
 

@@ -218,8 +218,8 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
     def drive_to(self, x_m: float, y_m: float, *, token: CancelToken, report: Report) -> None:
         """Block until there. Raises `SkillFailed` with a reason, `Cancelled` if it was ended.
 
-        A halt, a velocity or another drive ends it. One that is refused disturbs nothing. Its way
-        goes round forbidden rooms, also round those that become forbidden while it drives.
+        A halt, a velocity or another drive ends it. A refused drive disturbs nothing. The path
+        avoids forbidden rooms, even those that become forbidden during the drive.
         """
         goal = (finite("x", x_m), finite("y", y_m))
         token.check()
@@ -288,7 +288,7 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
         return drive
 
     def _forbidden_rooms(self) -> Sequence[Room]:
-        """Asked without the lock: whoever tells it may read a file."""
+        """Return the forbidden rooms, without the lock: the policy may read a file."""
         names = frozenset(self._forbidden())
         return tuple(room for room in self.world.rooms if room.name in names)
 
@@ -309,7 +309,7 @@ class DiffDriveRobot(SteppedBySimLoop, SimulatedBody):
         )
 
     def _give_up(self) -> None:
-        """A step failed: nobody knows what the next one would do with this motion."""
+        """End the motion after a failed step: the next one might do anything with it."""
         self._mux.halt(SkillFailed(BROKE))
 
     def _report(self, drive: NavigationMotion, report: Report) -> None:

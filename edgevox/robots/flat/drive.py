@@ -39,9 +39,9 @@ class NavigationMotion(Motion):
         movable: Sequence[Pose2D],
         forbidden: Sequence[Room] = (),
     ) -> None:
-        """`cruise_m_s` is how fast it will get on, `forbidden` what it drives round.
+        """Plan the path. Raises `SkillFailed` if there is none.
 
-        Raises `SkillFailed` if no way leads there.
+        `cruise_m_s` is the expected speed, `forbidden` are rooms to avoid.
         """
         super().__init__()
         self.goal = goal

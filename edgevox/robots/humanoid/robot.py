@@ -153,7 +153,10 @@ class HumanoidRobot(SteppedBySimLoop, SimulatedBody):
         self._perform(token, report, angle_rad=finite("angle", angle_rad))
 
     def stand(self, *, token: CancelToken, report: Report) -> bool:
-        """Block until it stands still. One that has fallen is put upright where it lies: True."""
+        """Block until it stands still. A fallen robot is put upright where it lies.
+
+        Then return True.
+        """
         token.check()
         with self._lock:
             got_up = self._environment.fallen
@@ -210,7 +213,7 @@ class HumanoidRobot(SteppedBySimLoop, SimulatedBody):
         )
 
     def _give_up(self) -> None:
-        """A period failed: nobody knows what the next one would do with this motion."""
+        """End the motion after a failed period: the next one might do anything with it."""
         self._mux.halt(SkillFailed(BROKE))
 
     def _report(self, motion: MotionPrimitive, report: Report) -> None:

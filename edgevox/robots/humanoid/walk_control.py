@@ -81,7 +81,7 @@ class WalkControl:
         return Pose2D(pose.x_m, pose.y_m, heading)
 
     def forget_heading(self) -> None:
-        """The robot looks where it looks: it was halted, or somebody else turned it."""
+        """Forget the last motion's heading: the robot was halted, or turned by another command."""
         self._heading_rad = None
 
     def command(self, time_s: float, pose: Pose2D) -> WalkingCommand:

@@ -38,10 +38,10 @@ CAREFUL = Pace(0.25, 1.0)
 def written(
     knots: Rows, points: NDArray[np.float64], pace: Pace, period_s: float, lead_s: float
 ) -> Rows:
-    """Rows from the first knot to the last, at rest at both ends and never faster than `pace`.
+    """Return rows from the first knot to the last, at rest at both ends, within `pace`.
 
-    `points` (n, 3) metres is where the knots put the hand. `lead_s` is by how much the rows run
-    ahead, because motors follow their target that much late.
+    `points` (n, 3) metres are the hand's places at the knots. The rows run ahead by `lead_s`,
+    because motors follow their target with that delay.
     """
     spent = np.concatenate([[0.0], np.cumsum(_durations(knots, points, pace))])
     if spent[-1] < period_s / 10:

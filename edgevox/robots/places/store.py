@@ -1,12 +1,11 @@
 """The file of remembered places: JSON, in a folder that survives restarts, whole at every moment.
 
     {"version": 1, "places": [{"robot": "robot-apartment", "world": "apartment", "name": "charger",
-                               "x": 6.4, "y": 2.1, "yaw": 1.57, "frame": "map"}]}
+        "x": 6.4, "y": 2.1, "yaw": 1.57, "frame": "map"}]}
 
-All robots of a machine may share a folder: who writes holds a lock, reads what stands there, and
+All robots of a machine may share a folder: a writer holds a lock, reads the present content, and
 changes only places of its own robot and world. A name is data in it, never a part of a path.
-
-What a place may be called by who talks to the robot.
+`check_new_name` decides which names people may give.
 """
 
 import fcntl

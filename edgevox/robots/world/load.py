@@ -150,8 +150,8 @@ def apartment_file() -> Path:
 def load_world(path: Path | None = None, *, seed: int = 0) -> World:
     """Read and check a world file, the apartment without one.
 
-    What the file leaves to chance, such as `distribution: {name: random}`, comes from `seed`.
-    Raises `InvalidValue` naming the file, the field, its value and what was expected.
+    `seed` decides random parts, such as `distribution: {name: random}`. Raises `InvalidValue`
+    naming the file, the field, its value and the expected value.
     """
     return _read(path, seed) if path else _apartment(seed)
 

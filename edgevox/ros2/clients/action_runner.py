@@ -1,4 +1,4 @@
-"""Runs an action to its end; whoever stops waiting for it cancels it."""
+"""A runner of actions: runs one to its end, or cancels it when the caller stops waiting."""
 
 import contextlib
 import threading
@@ -134,6 +134,6 @@ class _Feedback:
 
 
 def _cancel_late(sent: Future) -> None:
-    """A goal that is accepted when nobody wants it any more."""
+    """Cancel a goal that is accepted after the caller has stopped waiting."""
     if sent.exception() is None and sent.result() is not None and sent.result().accepted:
         sent.result().cancel_goal_async()

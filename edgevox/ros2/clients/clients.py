@@ -145,7 +145,7 @@ def type_name(kind: Any) -> str:
 
 
 class TopicSender(InterfaceClient):
-    """A topic's publisher; what is `latched` is kept for who listens later."""
+    """A topic's publisher; a `latched` message is kept for late subscribers."""
 
     def __init__(self, node: Node, kind: Any, name: str, clock: Clock, *, latched: bool) -> None:
         super().__init__(node, kind, name, clock)
@@ -154,7 +154,7 @@ class TopicSender(InterfaceClient):
         self._publisher = node.create_publisher(kind, name, qos)
 
     def until_heard(self, token: CancelToken, timeout_s: float) -> None:
-        """Wait until somebody listens, unless it is latched. Raises `SkillFailed`, `Cancelled`."""
+        """Wait for a subscriber, unless it is latched. Raises `SkillFailed`, `Cancelled`."""
         if not self._latched:
             heard = self._publisher.get_subscription_count
             self.until_there(lambda: heard() > 0, token, timeout_s, "nobody_listens")

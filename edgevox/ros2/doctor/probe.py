@@ -71,7 +71,7 @@ def round_trip() -> dict[str, Any]:
 
 
 def echo(topic: str) -> None:
-    """Write a line when it is there; then send back what is heard, until standard input ends."""
+    """Write a line when ready; then send back every message, until standard input ends."""
     from rclpy.qos import QoSProfile
     from std_msgs.msg import String
 

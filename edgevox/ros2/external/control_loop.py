@@ -39,9 +39,9 @@ class ZeroVelocity(Motion):
 
 
 class ControlLoop:
-    """The body holds the lock for `start` and `tick`. `mux` says what moves the robot.
+    """The loop; the body holds the lock for `start` and `tick`.
 
-    `hold` is the one that the newest halt asked for.
+    `mux` decides what moves the robot. `hold` is the newest halt's.
     """
 
     def __init__(

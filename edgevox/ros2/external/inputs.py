@@ -68,9 +68,10 @@ class CameraInput:
         return self._clock.now() - self._newest[0] <= SILENT_S
 
     def pixels(self) -> NDArray[np.uint8] | None:
-        """The newest picture, shape (height, width, 3), RGB; None if none came in the last second.
+        """Return the newest picture, shape (height, width, 3), RGB.
 
-        Raises `InvalidValue` for one that cannot be shown.
+        None if none came in the last second. Raises `InvalidValue` for a picture that cannot be
+        shown.
         """
         heard_s, data = self._newest
         if self._clock.now() - heard_s > SILENT_S:
@@ -261,7 +262,7 @@ class SensorInputs:
 
     @property
     def distrusted(self) -> str:
-        """The topic whose news of where the robot is cannot be true; empty if there is none."""
+        """The topic whose data on the robot's pose is implausible; empty if there is none."""
         if self.odometry_history.absurd:
             return self.odom_topic
         estimate = self.estimate()

@@ -225,7 +225,7 @@ class VelocityPublisher:
 
 
 class GoalTopicBackend:
-    """Sends the target on ``goal_pose`` to whoever listens there, e.g. Nav2's bt_navigator."""
+    """Sends the target on ``goal_pose`` to its subscribers, e.g. Nav2's bt_navigator."""
 
     name = "goal_pose"
     waiting = False
@@ -279,9 +279,10 @@ class GoalTopicBackend:
         self._sent = False
 
     def recall(self, estimate: PoseEstimate | None) -> None:
-        """Make what drives there forget its goal, whoever sent it.
+        """Make the driving node forget its goal, whoever sent it.
 
-        A topic knows no cancel. Without the action's, the goal becomes where the robot is.
+        A topic has no cancel. If the action has none either, the goal becomes the robot's own
+        place.
         """
         if self._cancel_all() or estimate is None:
             return
@@ -291,7 +292,7 @@ class GoalTopicBackend:
             )
 
     def _send_once(self, estimate: PoseEstimate) -> bool:
-        """Send it as soon as somebody is matched, since nobody hears what was sent before."""
+        """Send it as soon as there is a subscriber, since an earlier message would be lost."""
         if not self._sent and self._publisher.get_subscription_count() > 0:
             self._publish(self._target, estimate)
             self._sent = True

@@ -34,7 +34,7 @@ LOST_S = 1.0
 
 
 class Nav2Cancel:
-    """Cancels every goal of the ``navigate_to_pose`` action, whoever sent it and by which way."""
+    """Cancels every goal of the ``navigate_to_pose`` action, of any sender."""
 
     def __init__(self, node: Node, clock: Clock) -> None:
         self._clock = clock

@@ -115,10 +115,10 @@ class ProgressWatch:
         self._last_s = now_s + patience.first_s + left_m / patience.slowest_m_s
 
     def look(self, now_s: float, pose: Pose2D, left_m: float, *, waiting: bool = False) -> None:
-        """Raises `SkillFailed` when patience is over.
+        """Raise `SkillFailed` when patience is over.
 
-        While a robot is `waiting` patience rests, and is not new afterwards: who waits and turns by
-        turns would never end.
+        While a robot is `waiting` patience rests, and is not renewed afterwards: else a robot that
+        waits and turns by turns would never end.
         """
         if waiting:
             self._rest(now_s - self._looked_s)

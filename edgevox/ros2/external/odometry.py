@@ -41,9 +41,9 @@ class OdometrySample:
 
 @dataclass(frozen=True, slots=True)
 class OdometryDoubt:
-    """Odometry that a robot which drives must not go on by: the newest of so many.
+    """A fault of the odometry, after which a drive must not go on: the newest, with its number.
 
-    `jump` is how far it jumped; None for what no robot's odometry can say.
+    `jump` is the jump; None for an impossible value.
     """
 
     number: int
@@ -52,9 +52,9 @@ class OdometryDoubt:
 
 
 class OdometryHistory:
-    """The last ones. Thread-safe. What is faster than `speeds` is a jump.
+    """The latest odometry. Thread-safe. Motion faster than `speeds` is a jump.
 
-    `refused` counts those that cannot be true.
+    `refused` counts implausible messages.
     """
 
     def __init__(self, clock: Clock, speeds: Speeds | None = None) -> None:
@@ -67,9 +67,9 @@ class OdometryHistory:
         self.refused = 0
 
     def add(self, sample: OdometrySample) -> bool:
-        """Take one in; False, and forgotten, if it cannot be true.
+        """Take a sample in; False, and forgotten, if it is implausible.
 
-        One that jumped is where the robot is from now on.
+        A sample after a jump is the robot's pose from now on.
         """
         with self._lock:
             if not (on_the_map(sample.pose) and drivable(sample.twist)):
@@ -86,7 +86,7 @@ class OdometryHistory:
 
     @property
     def doubt(self) -> OdometryDoubt | None:
-        """The newest; what was heard since then may be good again."""
+        """The newest fault; later samples may be good again."""
         with self._lock:
             return self._doubt
 

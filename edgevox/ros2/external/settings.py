@@ -56,9 +56,9 @@ class Speeds:
 
 
 def seconds_between(heard_s: float, stamped_s: float) -> float:
-    """The time between two messages: what comes in a burst was not sent in one.
+    """Return the time between two messages: a burst of messages was not sent in one moment.
 
-    Stamps are the robot's word, and so they count for a second at most.
+    Stamps come from the robot, and count for a second at most.
     """
     return max(heard_s, min(stamped_s, _MOST_STAMPED_S), 0.0)
 

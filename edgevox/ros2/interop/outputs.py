@@ -93,7 +93,7 @@ class ClockPublisher:
 _FASTEST_M_S, _FASTEST_RAD_S = 2.0, 4.0
 """Limits of a body that does not say its own."""
 _EXACT = np.diag(np.full(6, 1e-6)).ravel()
-"""Covariance of what a simulation knows; all zeros would mean that it is not known."""
+"""The covariance of a simulation's values; all zeros would mean that it is unknown."""
 
 
 class MotionPublisher:
@@ -122,7 +122,7 @@ class MotionPublisher:
         self._last_ns: int | None = None
 
     def tick(self) -> None:
-        """Look at the body once and say what was seen; nothing if no time has passed since."""
+        """Look at the body once and publish its motion; do nothing if no time has passed since."""
         time_s, base, twist, hand = self._sample()
         stamp_ns = self._stamps.nanoseconds(time_s)
         if stamp_ns is None or stamp_ns == self._last_ns:

@@ -1,9 +1,9 @@
-"""Velocities come in on `cmd_vel`.
+"""The velocity input: `cmd_vel`.
 
-Any message takes over, as with twist_mux, also one that says zero: it ends a drive, whose goal ends
-as cancelled. To stop is the last thing that may be ignored, and whoever sends zeros all the time,
-like a joystick without a dead man's switch, holds the robot: it should send only while somebody
-steers. The body halts 0.5 s after the last message.
+Any message takes over, as with twist_mux, even one that says zero: it ends a drive, whose goal ends
+as cancelled. A stop must never be ignored. A sender of constant zeros, like a joystick without a
+dead man's switch, therefore holds the robot: it should send only while a person steers. The body
+halts 0.5 s after the last message.
 """
 
 import math

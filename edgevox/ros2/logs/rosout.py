@@ -1,9 +1,8 @@
-"""Our lines on ``/rosout``, where ``rqt_console`` and the like look for them.
+"""EdgeVox's log lines on ``/rosout``, for ``rqt_console`` and the like, and ROS 2's in logging.
 
-What ROS 2's own C and Python code logs goes through Python's logging, as any library's does.
-
-All of it goes through one function pointer of rcutils. Ours passes each line on to logging, and
-then to the one that was there before, which writes to ``/rosout`` and to ROS 2's log file.
+Lines of ROS 2's own C and Python code go through Python's logging, as any library's do. All of them
+pass one function pointer of rcutils. `RcutilsStream` passes each line on to logging, and then to
+the former function, which writes to ``/rosout`` and to ROS 2's log file.
 """
 
 import atexit
@@ -109,7 +108,7 @@ class RcutilsStream:
         self._before(location, severity, name, stamp_ns, text, arguments)
 
     def _formatted(self, text: bytes | None, arguments: int | None) -> str:
-        """The message; its arguments are copied, since whoever reads them uses them up."""
+        """Return the message; its arguments are copied, since a reader uses them up."""
         if not arguments or not text:
             return (text or b"").decode("utf-8", "replace")
         copy = ctypes.create_string_buffer(ctypes.string_at(arguments, self._size), self._size)

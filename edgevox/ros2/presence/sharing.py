@@ -1,15 +1,13 @@
 """The topics `presence` and `take_over`, and the interlock that follows from them.
 
-Who is here, and who is in charge: the same answer in every process that hears the same claims.
+Every process that hears the same claims gives the same answer: the agents present, and the one in
+charge. The rule: the agent that was told to take over last, else the one that has been here alone,
+else the one that started first. So the later one waits, and the clocks of two machines need not
+agree, unless both start within seconds of each other; then one of them is in charge all the same,
+and only one.
 
-The rule: whoever was told to take over last, else who has been here alone, else who started first.
-So the later one waits, and the clocks of two machines need not agree, unless both start within
-seconds of each other; then one of them is in charge all the same, and only one.
-
-Time is counted in own words that came back over the wire, once a second: whoever is frozen, or
-whose executor is held up, counts nothing, and takes nobody for gone whom it did not listen to.
-
-What an agent says of itself on `presence`.
+Time is counted in an agent's own messages that came back over the wire, once a second: an agent
+that is frozen, or whose executor is held up, counts nothing, and takes no other agent for gone.
 """
 
 import os
@@ -64,7 +62,7 @@ class Claim:
 
     @property
     def rank(self) -> tuple[int, int, str]:
-        """The least of all is in charge: the highest term, then who was there first."""
+        """The sort key; the least is in charge: the highest term, then the earliest start."""
         return (-self.term, self.since_ns, self.id)
 
     def __str__(self) -> str:
@@ -106,7 +104,7 @@ def read_claim(text: str) -> Claim:
 GONE_BEATS = 4
 """An agent is gone after so many beats of this one without a message."""
 SETTLED_BEATS = 5
-"""Alone for so many is to have been here first: discovery takes 3 s at most."""
+"""Beats alone after which an agent counts as first: discovery takes 3 s at most."""
 MOST_OTHERS = 32
 
 
@@ -261,7 +259,7 @@ class Presence:
         return ClaimMessage(self._roll.me, self._roll.in_charge)
 
     def _settle(self) -> None:
-        """Let follow what is known now, and say what has changed."""
+        """Apply the present claims, and report the changes."""
         before, self._told = self._told, self._standing()
         was_here, self._here = self._here, {claim.id: claim for claim in self._roll.others}
         self._obey()

@@ -1,6 +1,6 @@
-"""The thread that takes what was heard to the disk, and gets over a disk that is full.
+"""The thread that writes messages to the disk, and survives a full disk.
 
-What was heard and is not yet written: bounded, and what does not fit in is counted.
+`WriteQueue` holds the unwritten messages: bounded, with a count of those that do not fit in.
 """
 
 import errno
@@ -136,7 +136,7 @@ class Writing:
             self._lose_file()
 
     def _round(self) -> None:
-        """Write what came since the last one, after what could not be written before."""
+        """Write the messages since the last round, after those that could not be written before."""
         messages = self._inbox.take()
         if not (self._may_write() and self._try(self._catch_up)):
             if messages:

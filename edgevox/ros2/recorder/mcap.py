@@ -136,7 +136,7 @@ class RecordedMessage:
 
 
 class _Buffer:
-    """Takes what the writer writes, until somebody takes it from here to the disk."""
+    """Takes the writer's bytes, until they are taken to the disk."""
 
     def __init__(self) -> None:
         self._parts: list[bytes] = []
@@ -154,7 +154,7 @@ class _Buffer:
         """Do nothing: there is no layer below."""
 
     def held(self) -> bytes:
-        """All that nobody has taken."""
+        """The bytes that were not taken yet."""
         return b"".join(self._parts)
 
     def forget(self) -> None:

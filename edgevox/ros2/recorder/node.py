@@ -1,4 +1,4 @@
-"""The node that hears what is to be recorded, without looking into it."""
+"""The recorder's node, which receives messages without looking into them."""
 
 import threading
 import time
@@ -47,7 +47,7 @@ class Recorder:
         self.ros.start()
 
     def close(self) -> None:
-        """Hear nothing more, and write what was heard."""
+        """Receive nothing more, and write the rest."""
         self.ros.close()
         self._writing.close()
 

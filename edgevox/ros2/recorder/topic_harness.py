@@ -91,7 +91,7 @@ DEPTH = 100
 _RELIABLE = profile(Qos.RELIABLE, at_least=DEPTH)
 _STATE = profile(Qos.STATE, at_least=DEPTH)
 SETTLE_S = 0.15
-"""A state that came so long after a stimulus shows what it did."""
+"""A state this long after a stimulus shows the stimulus's effect."""
 MOST_SETTLE_S = 2.0
 MOST_GUESS_S = 0.25
 """Seconds by which the robot's time may be extrapolated from its last state."""

@@ -1,6 +1,6 @@
-"""The arguments of a skill in the file: their model, what they mean in a request, samples.
+"""The arguments of a skill in the file: their model, their meanings in a request, and samples.
 
-Values that a skill of a robot file speaks of, and the words for them, in each language.
+Also here: the words for a skill's values, in each language.
 """
 
 from collections.abc import Iterator, Mapping

@@ -1,11 +1,8 @@
-"""Looks on the live graph for each interface that a robot file names; for the doctor's process.
+"""A look for a robot file's interfaces on the live graph, for the doctor's process.
 
-What is found of one is told as plain values: as which types it is there, with which quality of
-service, and what else is there that it may have been meant to be.
-
-What the graph shows at one moment: who serves, publishes and subscribes, and as which type.
-
-What a robot file expects of the graph: for each interface that it names, who has to be there.
+`wanted_by` lists the interfaces that a file needs. `look_at` lists the graph's servers, publishers
+and subscribers with their types. The result for each interface has plain values: its types there,
+its quality of service, and similar interfaces that may have been meant.
 """
 
 import contextlib
@@ -247,7 +244,7 @@ def _unfit(wanted: Wanted, theirs: Sequence[QoSProfile], *, latched: bool) -> st
 
 
 def _elsewhere(wanted: Sequence[tuple[Wanted, str]], offers: Offers) -> list[Any]:
-    """The namespace in which most of what is relative is there, and how much of it; or nothing."""
+    """Return the namespace that has most of the relative names, and how many; empty without one."""
     found = Counter(
         name.removesuffix(f"/{one.name}")
         for one, _ in wanted

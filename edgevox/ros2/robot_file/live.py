@@ -1,6 +1,6 @@
-"""Steps on a node: what publishes, calls, runs actions, reads and waits.
+"""Steps on a node: publish, call, run an action, read and wait.
 
-What came of a step: the values that the file asks for, and whether it is what was expected.
+`values_of` takes the wanted values from a step's answer, and tests the expected conditions.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -50,9 +50,9 @@ def _one_holds(value: Any, condition: FieldCondition, arguments: Mapping[str, An
 
 
 def values_of(planned: PlannedStep, message: Any, arguments: Mapping[str, Any]) -> dict[str, Any]:
-    """The results of a step, as JSON has them; `arguments` are what its conditions may name.
+    """Return a step's results, as JSON values; `arguments` are values that conditions may name.
 
-    Raises `SkillFailed` where what came back says that it was not done.
+    Raises `SkillFailed` if the answer says that it was not done.
     """
     what = planned.interface_name
     said_no = planned.way == "call" and getattr(message, "success", True) is False
@@ -63,9 +63,9 @@ def values_of(planned: PlannedStep, message: Any, arguments: Mapping[str, Any]) 
 
 
 def value_of(message: Any, how: ResultValue) -> Any:
-    """A value of what came, as JSON has it, not longer than `brief`.
+    """Return a value of the answer as JSON, not longer than `brief`.
 
-    None where a list is shorter, and for a number that is none, as of a sensor that sees nothing.
+    None if a list is shorter, and for NaN, as of a sensor that sees nothing.
     """
     value = read_path(message, how.field)
     if how.times is not None and isinstance(value, int | float):

@@ -76,7 +76,7 @@ class DescribedRobot:
 
     @staticmethod
     def setting(settings: Settings, name: str, described: T | None) -> T:
-        """A setting that somebody gave, else what the file says, else the setting's default."""
+        """Return the setting that was given, else the file's value, else the setting's default."""
         given: T = getattr(settings, name)
         return given if described is None or name in settings.model_fields_set else described
 
@@ -86,9 +86,9 @@ NO_FILE = DescribedRobot(RobotFile(), YamlFile("{}", "robot"), Path())
 
 
 def load_robot_file(path: Path) -> DescribedRobot:
-    """Read and check a file, but for the types of its interfaces, which need ROS 2.
+    """Read and check a file, except for the types of its interfaces, which need ROS 2.
 
-    Raises `InvalidValue` naming the file, the line, the field, its value and what was expected.
+    Raises `InvalidValue` naming the file, the line, the field, its value and the expected value.
     """
     file = YamlFile(read_text(path, "robot_file"), path.name)
     return DescribedRobot(file.read(RobotFile, file.data), file, path.parent)

@@ -129,10 +129,9 @@ def _plain(value: Any) -> Any:
 
 
 def brief(value: Any) -> Any:
-    """A value of a message as JSON has it, with the beginning of each text and list in it.
+    """Return a message's value as JSON, with only the beginning of each text and list.
 
-    To write out all of what may be 10 MB keeps every thread from its work for seconds, that of a
-    stop, too.
+    Writing out a value of 10 MB would keep every thread from its work for seconds, even a stop's.
     """
     value = _plain(value)
     if isinstance(value, str):

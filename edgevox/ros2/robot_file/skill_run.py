@@ -59,7 +59,7 @@ class Watch:
 
 @dataclass(frozen=True)
 class LiveSkill:
-    """The steps of a skill on a node, what ends it, and what is done when it ends early."""
+    """The steps of a skill on a node, its end conditions, and its stop step."""
 
     name: str
     steps: Sequence[LiveStep]

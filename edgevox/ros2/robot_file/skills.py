@@ -1,7 +1,4 @@
-"""The skills that a robot file describes, from the file to the graph.
-
-One skill of a robot file: what the agent takes, and what it becomes on a node.
-"""
+"""The skills of a robot file, from the file to the graph."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -49,7 +46,7 @@ class DescribedSkill:
     _live: LiveSkill | None = None
 
     def open(self, node: Node, clock: Clock) -> None:
-        """Join the graph with what it needs."""
+        """Join the graph with the interfaces of its steps."""
         self._live = LiveSkill(
             self.name,
             [go_live(one, node, clock) for one in self.steps],
@@ -120,14 +117,14 @@ def words_of(name: str, entry: SkillEntry, said: Sentences | None, code: str) ->
 
 @dataclass(frozen=True, slots=True)
 class SkillOff:
-    """A skill whose types are not there, and which."""
+    """A skill that is off, and the missing type."""
 
     name: str
     reason: str
 
 
 def described_skills(robot: RobotFile, file: YamlFile) -> list[DescribedSkill]:
-    """The skills of a file; one whose types are not there is left out, and told by name.
+    """Return a file's skills; one with a missing type is left out, and reported by name.
 
     Raises `InvalidValue` naming file, line and field.
     """

@@ -72,7 +72,7 @@ class FrameCanceller:
         self._out = samples[-DELAY_SAMPLES:]
 
     def push(self, near: Samples, far: Samples) -> Samples:
-        """A frame without what was played, 8 ms late."""
+        """Return a frame without the echo of the played sound, 8 ms late."""
         self._near = np.concatenate([self._near, near])
         self._far = np.concatenate([self._far, far])
         whole = self._near.size // BLOCK_SAMPLES * BLOCK_SAMPLES
@@ -86,7 +86,7 @@ class FrameCanceller:
 WINDOW_FRAMES = 64
 """2 s: the least late of these frames sets the time of all."""
 LOST_S = 0.25
-"""A frame that comes so much later than due does not follow on the one before."""
+"""A frame that comes this much later than due does not follow on the one before."""
 SLIP_SAMPLES = 16
 """1 ms: so far apart, the positions are set right while nothing is played."""
 JUMP_SAMPLES = 320
@@ -106,7 +106,7 @@ class CapturePosition:
         self._next = 0
 
     def take(self, end_s: float, *, quiet: bool) -> int:
-        """The position of the frame whose last sample arrived at `end_s`."""
+        """Return the position of the frame whose last sample arrived at `end_s`."""
         self._count += 1
         late_s = end_s - self._count * FRAME_S
         if self._late and late_s - min(self._late) > LOST_S:

@@ -31,7 +31,7 @@ _NO_WEIGHT = 1e-9
 class ClockDrift:
     """Follows the drift from block to block.
 
-    `ppm` is by how much what plays runs faster than what hears, 0 at first.
+    `ppm` is by how much the loudspeaker's clock runs faster than the microphone's, 0 at first.
     """
 
     def __init__(self, block_samples: int) -> None:
@@ -53,8 +53,14 @@ class ClockDrift:
         heard: float,
         left: float,
     ) -> None:
-        """Look at how the filter `way` (blocks, bins) is about to change, and at the powers of what
-        was heard and of what it left: who takes out nothing has nothing to say.
+        """Update the drift from the change of the filter.
+
+        Args:
+            way: The filter, shape (blocks, bins).
+            change: The filter's change in this block, of the same shape.
+            heard: The power of the microphone's block.
+            left: The power of what the filter left of it. A filter that removes nothing changes
+                nothing here.
         """
         turned = self._angles * (way.real * change.imag - way.imag * change.real)
         weight = self._angles**2 * (way.real**2 + way.imag**2)
@@ -89,11 +95,11 @@ _HALF, _NOTHING = np.float32(0.5), np.float32(1e-9)
 Sound = NDArray[np.floating[Any]]
 """Mono, shape (n,), float32; full scale is 1."""
 Spectra = NDArray[np.complexfloating[Any, Any]]
-"""Complex64, shape (ways, blocks, bins): those of what is played, and of its distortions."""
+"""Complex64, shape (ways, blocks, bins), of the played sound and its distortions."""
 
 
 class AdaptiveFilter:
-    """Takes blocks of what was heard and what was played, and gives back what is left."""
+    """Takes blocks of heard and played sound, and returns the heard sound without the echo."""
 
     def __init__(self) -> None:
         bins = BLOCK_SAMPLES + 1
@@ -115,7 +121,7 @@ class AdaptiveFilter:
         return self._drift.ppm
 
     def push(self, heard: Sound, played: Sound) -> Sound:
-        """`heard` without what comes of `played`; whole blocks, each of both as long."""
+        """Return `heard` without the echo of `played`; whole blocks, both of the same length."""
         return np.concatenate(
             [
                 self._block(heard[at : at + BLOCK_SAMPLES], played[at : at + BLOCK_SAMPLES])

@@ -29,25 +29,26 @@ log = get_logger(__name__)
 OVER_S = 4.0
 """The measure follows with this time constant, of sound that is played."""
 LATELY_S = 1.0
-"""The same, for what is to be seen before the canceller is used."""
+"""The same time constant, for the measure that decides whether to use the canceller."""
 JUDGED_AFTER_S = 1.0
 """Seconds of the robot's voice before the canceller is judged for the first time."""
 ENOUGH_DB = 10.0
 """The canceller is used once its ERLE reaches this."""
 TOO_LITTLE_DB = 6.0
-"""A canceller that takes out less does not have what is played, and is used no more."""
+"""Below this ERLE, the canceller's reference is not the played sound, and it is used no more."""
 LINEAR_DB = 2.0
 """The linear filter must reach this ERLE, too, before the canceller is used. A canceller that
 knows nothing yet drops nearly all that it hears, even a person with a headset. A filter removes
 echo or nothing: nothing where there is none, 2 dB within 2 to 6 s in the rooms of the benchmark
 `duplex`."""
 AUDIBLE = 0.01
-"""Only what is played at least so loud, and heard above the room's noise, is measured."""
+"""Only sound that plays at least this loud, and is heard above the room's noise (`HEARD`), is
+measured."""
 HEARD = 0.003
 
 
 class EchoLoss:
-    """Watches what goes into a canceller and what comes out, and out of a linear filter beside."""
+    """Measures a canceller and a linear filter beside it, by their input and output."""
 
     def __init__(self) -> None:
         self._long, self._lately = _Measure(OVER_S), _Measure(LATELY_S)
@@ -108,10 +109,10 @@ class _Measure:
 
 
 TAIL_S = 0.25
-"""The echo goes on for so long after the sound: the delay of sound card and room."""
+"""Seconds of echo after the sound: the delay of sound card and room."""
 MARGIN = 2.5
-"""8 dB: by so much a voice must exceed the echo that is expected. With 6 dB the robot interrupted
-itself 6 times in 18 simulated rooms, with 8 dB never."""
+"""8 dB by which a voice must exceed the expected echo. With 6 dB the robot interrupted itself 6
+times in 18 simulated rooms, with 8 dB never."""
 LOUDEST = 0.5
 """-6 dB: the coupling that is assumed before it has been heard."""
 WEAKEST = 0.02

@@ -1,8 +1,7 @@
-"""A loudspeaker of this machine; one that is missing or pulled out is said and tried again.
+"""A loudspeaker of this machine; a missing or unplugged one is reported and tried again.
 
-Between speech output and sound card: what is to be played next, and when it will be heard.
-
-Playing with PortAudio, at the rate that the device has by itself.
+`CardQueue`, between speech output and sound card, holds the sound to play next, and knows when it
+will be heard. PortAudio plays at the device's own rate.
 """
 
 import threading
@@ -36,8 +35,8 @@ log = get_logger(__name__)
 
 _FIRST_DELAY_S = 0.05
 _LEAST_DELAY_S = 0.02
-"""No card plays sooner what it asks for. For an echo canceller, which learns the rest of the delay,
-sound may be said to be heard too early but never too late: what cards tell of it is not exact."""
+"""The least delay of a card. An echo canceller learns the rest of the delay, so a reported time
+may be too early but never too late: cards report it inexactly."""
 
 
 class CardQueue:

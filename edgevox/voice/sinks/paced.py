@@ -56,7 +56,7 @@ NOTHING_S = 1e-6
 """Less than this is not worth waiting for, and might not move a clock at all."""
 
 Wait = Callable[[CancelToken, float], bool]
-"""Sleep for so many seconds or until cancelled; True if cancelled."""
+"""Sleeps for some seconds or until cancelled; returns True if cancelled."""
 
 
 def real_wait(token: CancelToken, seconds: float) -> bool:

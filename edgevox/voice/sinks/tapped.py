@@ -26,7 +26,7 @@ class Tap:
 
 
 class TappedSink:
-    """Plays on `sink`, as if it were alone. While nobody hears along, that costs nothing."""
+    """Plays on `sink`, as if it were alone. Without listeners, taps cost nothing."""
 
     def __init__(self, sink: AudioSink) -> None:
         self.name = sink.name
@@ -71,7 +71,7 @@ class TappedSink:
         self._sink.close()
 
     def _tell(self, chunk: Chunk | None) -> None:
-        """Give the taps this chunk; the end of what is said without one."""
+        """Give the taps this chunk; None for the end of the utterance."""
         with self._lock:
             taps = self._taps
             if not taps:

@@ -101,7 +101,7 @@ class WavFile:
 
 
 class UnpacedWav:
-    """A sink that writes at once whatever it is given: for whoever does not want to wait."""
+    """A sink that writes at once, without pacing, for callers that do not want to wait."""
 
     name = "file"
 

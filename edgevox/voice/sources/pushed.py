@@ -31,7 +31,7 @@ class Pushed:
         """Do nothing: the pushing program decides when sound comes."""
 
     def push(self, samples: Samples, *, addressed: bool = False) -> None:
-        """Mono samples at 16 kHz whose last one is being heard now; see `Frame.addressed`."""
+        """Take mono samples at 16 kHz, the last one heard now; see `Frame.addressed`."""
         frames = list(self._framer.push(samples, self._clock.now()))
         with self._arrived:
             if self._closed or not frames:
@@ -88,7 +88,7 @@ class Pushed:
             self._arrived.notify()
 
     def _drop_oldest(self) -> None:
-        """Drop the oldest frame; who ended before it has ended all the same, once."""
+        """Drop the oldest frame; an utterance's end among the dropped items is kept, once."""
         over = None
         while isinstance(first := self._frames.popleft(), UtteranceOver):
             over = first if over is None or first.abandoned else over

@@ -123,7 +123,7 @@ class SoundCard:
 
     @property
     def dropped(self) -> int:
-        """Frames that nobody read in time."""
+        """Frames that were not read in time."""
         return self._queue.dropped
 
     def start(self) -> None:

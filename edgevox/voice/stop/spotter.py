@@ -1,17 +1,16 @@
-"""Hears "stop", "halt" and "freeze" in running sound, without waiting for the end of what is said,
-and a few words of other languages where those are spoken.
+"""The stop word spotter: hears "stop", "halt" and "freeze" before the utterance ends.
 
-Where it thinks of an English one, Whisper is asked what was just said: the odds of the first,
-squared, times the likelihood that the second finds decide. In quiet they must be higher than in
-noise, where fewer would be heard then. English stop words count whatever language is spoken. It
-stops wherever one of them is said, as in "do not stop" too: when in doubt, it stops. What the
-network was trained on and how well it hears is in training/spotter/README.md.
+It also hears a few words of other languages while those are spoken. English stop words count
+whatever language is spoken. It stops for a word in any sentence, even in "do not stop": when in
+doubt, it stops. The network's training data and results are in training/spotter/README.md.
 
-How likely Whisper finds it that a stop word was just said, where the spotter thinks of one.
+A possible English word gets a second look: Whisper is asked for the latest words. The squared odds
+of the network, times the likelihood that Whisper gives to a stop word, decide. In quiet the limit
+is higher than in noise, where fewer stop words would be heard with it.
 
-The spotter's network looks at a second and knows three words; in noise, "Never step back" may be
-one to it. Whisper looks at more and knows all words. It makes a few hypotheses of the last seconds,
-as `whisper` does of an utterance, but is told of no commands: those it would hear everywhere.
+The network looks at a second of sound and knows three words; in noise, "Never step back" may be one
+to it. Whisper looks at more sound and knows all words. It makes a few hypotheses of the last
+seconds, as for an utterance, but its prompt holds no commands: those it would hear everywhere.
 """
 
 import functools
@@ -42,7 +41,7 @@ log = get_logger(__name__)
 
 
 LOOKED_AT = int(2.6 * RATE_HZ)
-"""Samples: a stop word and what was said before it."""
+"""Samples of a stop word and the speech before it."""
 _STOP_WORD = re.compile(r"\b(stop|stops|stopped|halt|freeze|frees)\b", re.IGNORECASE)
 
 
@@ -71,17 +70,18 @@ ENGLISH = "en"
 LOOKS_EVERY = 2
 """Frames of sound from one look to the next, 64 ms."""
 SMOOTHED_LOOKS = 3
-"""The mean of so many looks counts: no single one stops a robot."""
+"""The number of looks whose mean counts: no single look stops a robot."""
 REST_S = 0.6
-"""After a word none counts for so long, so that one word is one stop."""
+"""Seconds after a word in which no other counts, so that one word is one stop."""
 ASKS_FROM, MOST_ASKED = 0.3, 8
 """The likelihood from which the judge asks for a second look, and the most looks for what may be
 one word. It also asks whenever the network is sure, as when a person shouts "stop" again and
 again."""
 LEAST_ODDS = 0.14
-"""The odds of the network, as 3 for 0.75, squared, times the likelihood of the second look: from
-here on a word counts. Squared, as Whisper finds words in voices that talk at once, too. By it is
-chosen how much is heard, and how often it stops for nothing: see training/spotter/README.md."""
+"""The odds of the network (3 for 0.75), squared, times the likelihood of the second look: from
+here on a word counts. Squared, because Whisper finds words in voices that talk at once, too.
+This number sets how many words are heard, and how many false stops there are: see
+training/spotter/README.md."""
 NOISY_DB, QUIET_DB, QUIET_TIMES = 15.0, 25.0, 30.0
 """Decibels by which speech stands out of the background. At the lower one, or below, the least
 odds apply as they are; they rise from there, and are this many times as high at the upper one
@@ -250,7 +250,7 @@ class StopSpotter:
         return True
 
     def warm_up(self) -> None:
-        """Load what it needs, so that the first who says a word does not wait for it."""
+        """Load all parts, so that the first stop word does not wait for it."""
         self._looks(ENGLISH)
         self._looked_again()
 

@@ -37,7 +37,7 @@ _FLOATS: Mapping[int, str] = {0: "<f4", 4: "<f2"}
 
 
 class NotAWhisperFile(EdgeVoxError):
-    """The file is none that can be read here, or lacks an array; the message says what is wrong."""
+    """The file cannot be read here, or lacks an array; the message names the fault."""
 
 
 class Added(NamedTuple):
@@ -79,11 +79,11 @@ class _Array:
 
 @contextmanager
 def adapted_folder(folder: Path, added: Mapping[str, Added]) -> Iterator[Path]:
-    """A folder with the model's files, its arrays with what is added, while it is used.
+    """Yield a folder with the model's files and the additions in its arrays.
 
-    CTranslate2 keeps the bytes of a model that it is given, 75 MB of the smallest one, beside what
-    it makes of them; of a file it keeps nothing. This file is in memory alone, and then gone.
-    Raises what `adapted` does.
+    CTranslate2 keeps the bytes of a model that it is given, 75 MB of the smallest one, beside its
+    own copy; of a file it keeps nothing. This file is in memory alone, and is removed at the end.
+    Raises the errors of `adapted`.
     """
     held = adapted(folder, added)
     with ExitStack() as stack:
@@ -100,10 +100,10 @@ def adapted_folder(folder: Path, added: Mapping[str, Added]) -> Iterator[Path]:
 
 
 def adapted(folder: Path, added: Mapping[str, Added]) -> bytes:
-    """The model's file, where what is added is added.
+    """Return the model's file with the additions in its arrays.
 
-    `added` is what each named array is to be more than in the file: as many numbers as it has, in
-    their order. Raises `NotAWhisperFile`, and `OSError` where a file cannot be read.
+    `added` maps an array's name to its addition: as many numbers as the array has, in their order.
+    Raises `NotAWhisperFile`, and `OSError` if a file cannot be read.
     """
     held = (folder / FILE).read_bytes()
     there = {one.name: one for one in _read(held)}

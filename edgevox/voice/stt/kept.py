@@ -53,9 +53,9 @@ class KeptAudio:
             raise InvalidValue("keep_audio", str(folder), reason) from None
 
     def keep(self, samples: Samples, about: Mapping[str, object]) -> Path:
-        """Write an utterance at 16 kHz and what is known of it; the WAV file.
+        """Write an utterance at 16 kHz and its facts; return the WAV file.
 
-        Raises `OSError`; then nothing of it is left.
+        Raises `OSError`, and leaves nothing of it then.
         """
         with self._lock:
             self._number += 1

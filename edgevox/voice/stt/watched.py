@@ -11,9 +11,9 @@ TELL_EVERY_S = 20.0
 
 
 class WatchedSpeechToText:
-    """Implements `SpeechToText` by another one.
+    """A `SpeechToText` around another one that watches for faults.
 
-    `tell` is called when something could not be understood for a fault, at most every so often.
+    `tell` is called, at limited intervals, when an utterance was lost to a fault.
     """
 
     def __init__(self, stt: SpeechToText, clock: Clock | None = None) -> None:

@@ -1,6 +1,6 @@
-"""Whisper, by faster-whisper: 8 bit, on the CPU, with several hypotheses of what was said.
+"""Whisper, by faster-whisper: 8 bit, on the CPU, with several hypotheses for each utterance.
 
-A model that there is an adapter for hears more in noise, and only as much as was said.
+A model with an adapter hears better in noise, and processes only the speech, not 30 s.
 """
 
 import threading
@@ -177,7 +177,10 @@ class _EncodedSound:
 
 
 def as_listened_to(features: NDArray[np.float32], short: bool) -> NDArray[np.float32]:
-    """Features (bands, rows of 10 ms) with what follows them; at most 30 s in all."""
+    """Return features (bands, rows of 10 ms) with the rows that follow them.
+
+    At most 30 s in all.
+    """
     from faster_whisper.audio import pad_or_trim
 
     rows = features.shape[-1]

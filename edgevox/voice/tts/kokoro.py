@@ -163,7 +163,7 @@ class KokoroSynthesiser:
 
 
 def _pause_after(sentence: str) -> NDArray[np.float32]:
-    """The silence after what was said: what the model gives has too much, and is trimmed."""
+    """Return the silence after a sentence: the model's own is too long, and is trimmed."""
     whole = sentence.rstrip("\"')]» ").endswith(_SENTENCE_ENDS)
     pause_s = _SENTENCE_PAUSE_S if whole else _PHRASE_PAUSE_S
     return np.zeros(int(pause_s * SAMPLE_RATE_HZ), np.float32)

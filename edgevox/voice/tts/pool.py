@@ -12,7 +12,8 @@ if TYPE_CHECKING:
     from edgevox.voice.tts.kokoro import KokoroModel
 
 MOST_LOADED = 4
-"""A Piper voice takes about 150 MB; who changes back and forth does not want to load it again."""
+"""A Piper voice takes about 150 MB; a user who changes back and forth should not wait for
+loading."""
 
 
 class VoicePool:

@@ -51,7 +51,7 @@ SHORT_S = 2.5
 PHRASE_ALONE_S = 0.4
 """Less speech than this after the wake word is its own end."""
 PHRASE_S = 1.3
-"""The wake word is said within so long before it is heard."""
+"""Seconds before its detection within which the wake word is said."""
 
 
 class WakeDecision(Enum):

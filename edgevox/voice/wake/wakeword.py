@@ -1,8 +1,8 @@
 """The wake word: openWakeWord's networks, a frame at a time. Products may not use them.
 
-While nobody speaks the networks sleep: they cost more than ten times what the voice detector costs.
-
-What begins almost like the phrase may wake it ("hey Java", "hey Charles" for "hey jarvis").
+While nobody speaks the networks sleep: they cost more than ten times as much as the voice detector.
+A phrase that begins almost like the wake word may wake it ("hey Java", "hey Charles" for "hey
+jarvis").
 """
 
 from pathlib import Path
