@@ -1,6 +1,6 @@
 """DDS security (SROS 2) for EdgeVox's programs, if the environment asks for it.
 
-Enforced, or no start.
+It is enforced, or the program does not start.
 """
 
 import os

@@ -1,6 +1,6 @@
 """`edgevox-recorder`: records a robot's topics, and judges a scenario on a robot that runs.
 
-What `edgevox-recorder` was asked on its command line, as one value.
+`RecorderArguments` is its command line, as one value.
 """
 
 import argparse

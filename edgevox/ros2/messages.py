@@ -1,7 +1,4 @@
-"""Poses as ROS writes them.
-
-JSON that every parser reads, whatever the numbers in it.
-"""
+"""Conversions to ROS 2 messages: poses, and JSON that every parser reads, whatever its numbers."""
 
 import json
 import math

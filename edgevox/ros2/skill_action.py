@@ -1,6 +1,6 @@
 """The action `execute_skill`: one skill, run for a program, with feedback, a result and cancel.
 
-Notices that a client is gone: ROS 2 does not tell a server that its client died.
+`ClientWatch` notices that a client is gone: ROS 2 does not tell a server that its client died.
 """
 
 import threading

@@ -1,7 +1,7 @@
 """The standard topics of the contract: of a body, of a robot that is driven, and of sound.
 
-Each row says how surely and how often it comes, once: whoever serves it, listens to it or records
-it reads that here.
+Each row gives a topic's rate and quality of service, once for its publisher, its subscribers and
+its recorder.
 """
 
 from collections.abc import Mapping

@@ -1,6 +1,7 @@
 """Text made fit to be spoken: no markup, no addresses, no pictures, numbers that read well.
 
-A long sentence in phrases, so that its first words are heard while the rest is synthesised.
+A long sentence is split into phrases, so that its first words are heard while the rest is
+synthesised.
 """
 
 import re

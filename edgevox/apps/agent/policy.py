@@ -1,4 +1,4 @@
-"""Puts the policy in force: its file, and what it must know of the robot."""
+"""The policy in force: its file, and the facts about the robot that it needs."""
 
 from collections.abc import Iterable
 from functools import lru_cache, partial

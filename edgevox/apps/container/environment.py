@@ -1,6 +1,6 @@
 """The container's environment, checked and made into what EdgeVox and ROS 2 read.
 
-One folder with all that a robot is made of: each file in it is the value of a variable.
+`EDGEVOX_ROBOT_FOLDER` is one folder with all files of a robot: each is the value of a variable.
 """
 
 import difflib

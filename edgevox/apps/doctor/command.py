@@ -1,7 +1,4 @@
-"""`edgevox doctor`, also called `edgevox-doctor`.
-
-The doctor's findings for people and for programs.
-"""
+"""`edgevox doctor`, also called `edgevox-doctor`: its findings, for people and for programs."""
 
 import argparse
 import json

@@ -1,7 +1,4 @@
-"""Python, the processor, memory, disks and the clock.
-
-A GPU, and OpenGL without a display.
-"""
+"""The checks of Python, processor, memory, disks, clock, GPU, and OpenGL without a display."""
 
 import ctypes
 import os

@@ -1,7 +1,4 @@
-"""The checks of this process.
-
-Its settings, the folders it can write to, the container around it.
-"""
+"""The checks of this process: its settings, its writable folders, and its container."""
 
 import os
 import tempfile

@@ -1,10 +1,8 @@
-"""Puts the plug-ins of a folder where Python and `importlib.metadata` find them.
+"""The loader of plug-ins: puts a folder's packages where Python and `importlib.metadata` find them.
 
-`plugins.sha256`: the only files that a folder of plug-ins may hold.
-
-A package as it lies in its folder, not built: what its pyproject.toml says of it.
-
-`importlib.metadata` finds it as if it were installed, its entry points with it.
+`plugins.sha256`, if there, lists the only files that the folder may hold. A package may also be a
+project's source folder, not built: `importlib.metadata` finds it by its pyproject.toml as if it
+were installed, with its entry points.
 """
 
 import argparse

@@ -1,7 +1,4 @@
-"""The interactive prompt: Ctrl-C once interrupts, twice leaves.
-
-Ctrl-C once interrupts, twice leaves: the rule that every terminal here keeps.
-"""
+"""The interactive prompt. Ctrl-C once interrupts, twice leaves, as in every terminal of EdgeVox."""
 
 import sys
 from collections.abc import Sequence

@@ -1,8 +1,7 @@
-"""A 2D world as an image: rooms, walls, furniture, what the lidar sees, where the robot drove.
+"""A 2D world as an image: rooms, walls, furniture, the lidar's points, the robot's path.
 
-Needs Pillow; nothing that runs a robot imports it.
-
-The paper that a 2D world is drawn on, in metres. Needs Pillow.
+`Sheet` is the paper that the world is drawn on, in metres. Needs Pillow; no module that runs a
+robot imports it.
 """
 
 import math

@@ -3,10 +3,10 @@
 Wheels and friction are joints with a limited force, as pymunk asks for in a view from above: one
 joint pulls the robot to the velocity of a kinematic body that follows the command, one pulls each
 movable thing to rest. So contacts win over the command and nothing sinks into a wall. No joint
-corrects a position (`max_bias` is 0), so it does not matter where that kinematic body is.
-Not safe to use from two threads at a time.
+corrects a position (`max_bias` is 0), so it does not matter where that kinematic body is. Not safe
+to use from two threads at a time.
 
-A 2D lidar by ray casting, all beams against all sides at once in NumPy.
+`Lidar` is a 2D lidar by ray casting, all beams against all sides at once in NumPy.
 """
 
 import math

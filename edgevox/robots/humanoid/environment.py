@@ -1,6 +1,6 @@
-"""A humanoid on a wide floor in MuJoCo, with whatever makes it walk.
+"""A humanoid on a wide floor in MuJoCo, with its walker.
 
-Speeds that rise evenly and fall at once: a robot must not be torn off its feet.
+`eased` lets speeds rise evenly and fall at once: a robot must not be torn off its feet.
 """
 
 from pathlib import Path

@@ -1,6 +1,6 @@
-"""Loads a 2D world from a YAML file in IR-SIM's own format.
+"""The loader of 2D worlds: reads a YAML file in IR-SIM's own format.
 
-What EdgeVox needs beyond IR-SIM stands where IR-SIM ignores it, under `custom`:
+EdgeVox's additions, the rooms and the battery, stand where IR-SIM ignores them, under `custom`:
 
     custom:
       edgevox:
@@ -10,8 +10,6 @@ What EdgeVox needs beyond IR-SIM stands where IR-SIM ignores it, under `custom`:
 
 The first robot is the one that is driven. The edges of the world are solid. IR-SIM's `step_time`,
 behaviours, goals and drawing options belong to IR-SIM's own loop and change nothing here.
-
-What only EdgeVox knows in a world file: the rooms and the battery.
 """
 
 import math

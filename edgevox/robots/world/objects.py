@@ -1,6 +1,6 @@
 """The `robot` and `obstacle` entries of a world file, as IR-SIM means them.
 
-Where the objects of one entry of a world file stand: IR-SIM's `state` and `distribution`.
+IR-SIM's `state` and `distribution` give the places of an entry's objects.
 """
 
 import math

@@ -1,8 +1,7 @@
-"""The ways to make a robot drive to a point: it takes goals, or it is steered.
+"""The ways to drive a robot to a point: by goals, or by steering.
 
-Steers a robot by velocities, for robots that take no goals: straight there, around nothing.
-
-Where a drive goes to, and how far that is.
+`Target` is the point, with the distance to it. `OwnSteering` steers a robot that takes no goals by
+velocities: straight to the point, around nothing.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""Puts together what one body offers to ROS 2."""
+"""The interface of one body to ROS 2, put together from its parts."""
 
 from collections.abc import Callable, Mapping
 

@@ -1,4 +1,4 @@
-"""Reads a robot file, and makes its skills."""
+"""The loader of a robot file and its skills."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -1,8 +1,7 @@
 """A sink that plays against the clock: speech takes the time that it would take in a room.
 
-Where a paced sink puts its sound, and the output that keeps nothing.
-
-What every sink needs: to wait against a clock, to change rates, to know how loud it is.
+`PacedOutput` takes its sound; `Silence` keeps none. Also here, for every sink: waiting against a
+clock, changing the rate, and the loudness over time.
 """
 
 import threading

@@ -1,6 +1,6 @@
 """Kokoro: one model of 82 million parameters with 54 voices of nine languages.
 
-What Kokoro reads: phonemes, as tokens of its vocabulary.
+`Phonemes` makes its input: phonemes, as tokens of its vocabulary.
 """
 
 import logging
